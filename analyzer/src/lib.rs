@@ -1,0 +1,7 @@
+//! CANopen: from frames to messages, events and findings.
+//!
+//! - `wire`: one frame understood alone, one file per service, each with its parser and its encoder.
+
+mod identity;
+
+pub use identity::{CobId, Index, Multiplexer, NodeId, SubIndex};

@@ -1,0 +1,130 @@
+//! Opening a capture, whatever its format.
+
+use crate::{Channels, Damage, Format, Reader, Record, Source, SourceError, TimeBase};
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// How to read a capture.
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    /// The format, where the user says it; else it is recognised by the content.
+    pub format: Option<Format>,
+}
+
+/// An opened capture: its name, its format, and its records.
+pub struct Capture {
+    name: String,
+    format: Format,
+    reader: Box<dyn Reader>,
+}
+
+/// Why a capture can't be opened.
+#[derive(Debug, thiserror::Error)]
+pub enum OpenError {
+    /// The file is not there or not readable.
+    #[error("can't open {path}: {source}", path = path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// The operating system's reason.
+        source: io::Error,
+    },
+    /// The first bytes can't be read.
+    #[error("can't read {name}: {source}")]
+    Source {
+        /// The file or `-`.
+        name: String,
+        /// The reason.
+        source: SourceError,
+    },
+    /// There is nothing in it.
+    #[error("{0} is empty: expected a capture")]
+    Empty(String),
+    /// No format matches.
+    #[error("{name} is of no known format: expected one of {known}; if you know which, say --format-in", known = known_formats())]
+    Unknown {
+        /// The file or `-`.
+        name: String,
+    },
+}
+
+fn known_formats() -> String {
+    Format::all().map(Format::id).collect::<Vec<_>>().join(", ")
+}
+
+impl Capture {
+    /// Opens a file, or standard input where the path is `-`.
+    ///
+    /// # Errors
+    /// [`OpenError`] if it can't be opened, is empty, or no format matches.
+    pub fn open(path: &Path, options: &ReadOptions) -> Result<Self, OpenError> {
+        if path.as_os_str() == "-" {
+            return Self::from_source("-", Source::new(io::stdin()), options);
+        }
+        let file = File::open(path).map_err(|source| OpenError::Io { path: path.to_owned(), source })?;
+        Self::from_source(&path.display().to_string(), Source::new(file), options)
+    }
+
+    /// Reads a source under that name.
+    ///
+    /// # Errors
+    /// [`OpenError`] if nothing can be read, it is empty, or no format matches.
+    pub fn from_source(name: &str, mut source: Source, options: &ReadOptions) -> Result<Self, OpenError> {
+        let format = match options.format {
+            Some(format) => format,
+            None => recognise(name, &mut source)?,
+        };
+        Ok(Self { name: name.to_owned(), format, reader: format.open(source, options) })
+    }
+
+    /// The file's name as it was given, `-` for standard input.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// The format that was recognised or said.
+    pub fn format(&self) -> Format {
+        self.format
+    }
+}
+
+/// Looks at the head of a source. Only as much is read as is needed, because a pipe may be slow.
+fn recognise(name: &str, source: &mut Source) -> Result<Format, OpenError> {
+    loop {
+        if let Some(format) = Format::sniff(source.window()) {
+            return Ok(format);
+        }
+        let unknown = || OpenError::Unknown { name: name.to_owned() };
+        if source.window().len() >= Format::SNIFF {
+            return Err(unknown());
+        }
+        if !source.fill().map_err(|source| OpenError::Source { name: name.to_owned(), source })? {
+            return Err(if source.window().is_empty() { OpenError::Empty(name.to_owned()) } else { unknown() });
+        }
+    }
+}
+
+impl Iterator for Capture {
+    type Item = Result<Record, Damage>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.reader.next()
+    }
+}
+
+impl Reader for Capture {
+    fn channels(&self) -> &Channels {
+        self.reader.channels()
+    }
+
+    fn time_base(&self) -> TimeBase {
+        self.reader.time_base()
+    }
+}
+
+impl std::fmt::Debug for Capture {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Capture({}, {})", self.name, self.format)
+    }
+}

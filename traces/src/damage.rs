@@ -1,0 +1,115 @@
+//! What could not be read, and where.
+
+use crate::Place;
+use std::borrow::Cow;
+use std::fmt;
+
+/// Something in a source that is not a readable frame. Reading goes on behind it, unless it is
+/// [fatal](DamageKind::is_fatal).
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Damage {
+    /// What kind of damage it is; damages are counted by it.
+    pub kind: DamageKind,
+    /// The line or packet, and its offset.
+    pub place: Place,
+    /// The column in that line, from 1, where the line's format has columns; counted in bytes.
+    pub column: Option<u32>,
+    /// What should have stood there.
+    pub expected: Cow<'static, str>,
+    /// What stood there instead, cut to a readable length and without control characters.
+    pub found: String,
+}
+
+/// The kinds of damage.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum DamageKind {
+    /// Breaks the rules of its format.
+    Malformed,
+    /// Ends before it is complete, or was cut by the recorder.
+    Truncated,
+    /// Well-formed, but of a kind that is not read.
+    Unsupported,
+    /// The recorder's own word that it lost this many frames.
+    Dropped(u64),
+    /// The file has no proper end: the recorder was interrupted. What stood before it was read.
+    Unfinished,
+    /// The source itself failed or the rest of it can't be made sense of: nothing follows.
+    Fatal,
+}
+
+impl DamageKind {
+    /// Whether nothing can be read behind it.
+    pub const fn is_fatal(self) -> bool {
+        matches!(self, Self::Fatal)
+    }
+
+    /// The kind in a word, as in summaries.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Malformed => "malformed",
+            Self::Truncated => "truncated",
+            Self::Unsupported => "unsupported",
+            Self::Dropped(_) => "dropped by the recorder",
+            Self::Unfinished => "unfinished file",
+            Self::Fatal => "unreadable",
+        }
+    }
+}
+
+impl Damage {
+    /// How much of what was found is kept, in characters.
+    pub const EXCERPT: usize = 60;
+
+    /// A damage at a place, with what was expected and the bytes found.
+    pub fn new(kind: DamageKind, place: Place, expected: impl Into<Cow<'static, str>>, found: &[u8]) -> Self {
+        Self { kind, place, column: None, expected: expected.into(), found: excerpt(found) }
+    }
+
+    /// The same damage at a column of its line, from 1.
+    pub fn at_column(mut self, column: usize) -> Self {
+        self.column = Some(column.min(u32::MAX as usize) as u32);
+        self
+    }
+}
+
+/// The first characters of hostile bytes, fit for a terminal.
+fn excerpt(bytes: &[u8]) -> String {
+    let head = &bytes[..bytes.len().min(4 * Damage::EXCERPT)];
+    let text = String::from_utf8_lossy(head);
+    let mut shown: String =
+        text.chars().take(Damage::EXCERPT).map(|c| if c.is_control() { '\u{FFFD}' } else { c }).collect();
+    if text.chars().count() > Damage::EXCERPT || head.len() < bytes.len() {
+        shown.push('…');
+    }
+    shown
+}
+
+/// `line 12, column 27: malformed: expected …, found "…"`, without the file's name, which the reader of the
+/// message knows.
+impl fmt::Display for Damage {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let DamageKind::Dropped(n) = self.kind {
+            return write!(f, "the recorder lost {n} frames here");
+        }
+        write!(f, "{}: expected {}", self.kind.name(), self.expected)?;
+        if !self.found.is_empty() {
+            write!(f, ", found \"{}\"", self.found)?;
+        }
+        Ok(())
+    }
+}
+
+impl std::error::Error for Damage {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_was_found_is_fit_for_a_terminal() {
+        let damage = Damage::new(DamageKind::Malformed, Place::default(), "a frame", b"\x1b[31mred\xff");
+        assert_eq!(damage.to_string(), "malformed: expected a frame, found \"\u{FFFD}[31mred\u{FFFD}\"");
+        let long = Damage::new(DamageKind::Malformed, Place::default(), "a frame", &[b'x'; 5000]);
+        assert_eq!(long.found.chars().count(), Damage::EXCERPT + 1);
+    }
+}

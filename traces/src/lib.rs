@@ -1,0 +1,31 @@
+//! CAN frames and capture files, in and out.
+//!
+//! A capture file, whatever its format, becomes a stream of [`Record`]s: a [`Frame`], when it was seen, on
+//! which channel, in which direction, and where in the file it stands. What can't be read becomes a located
+//! [`Damage`], and reading goes on.
+//!
+//! One file per format; each describes its grammar and what is easily got wrong in its module's docs.
+
+mod capture;
+mod channel;
+mod damage;
+mod formats;
+mod frame;
+mod id;
+mod reader;
+mod record;
+mod source;
+mod time;
+mod writer;
+
+pub use capture::{Capture, OpenError, ReadOptions};
+pub use channel::{ChannelId, Channels};
+pub use damage::{Damage, DamageKind};
+pub use formats::Format;
+pub use frame::{ErrorClass, Flags, Frame, FrameKind};
+pub use id::CanId;
+pub use reader::{Reader, TimeBase};
+pub use record::{Direction, Long, Place, Record, XlHeader};
+pub use source::{Source, SourceError};
+pub use time::{Duration, Timestamp};
+pub use writer::{Loss, Losses, WriteError, WriteOptions, Writer};

@@ -1,0 +1,28 @@
+//! What every capture reader does.
+
+use crate::{Channels, Damage, Record};
+
+/// Reads a capture, one record or damage after the other, in the order of the source.
+///
+/// After a [fatal](crate::DamageKind::is_fatal) damage, and at the end, `next` returns `None` for ever.
+pub trait Reader: Iterator<Item = Result<Record, Damage>> {
+    /// The channels seen so far; every record's channel is among them.
+    fn channels(&self) -> &Channels;
+
+    /// What the timestamps count from, as far as the source has shown.
+    fn time_base(&self) -> TimeBase;
+}
+
+/// What the timestamps of a capture count from.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum TimeBase {
+    /// 1970-01-01 00:00:00 UTC.
+    #[default]
+    Utc,
+    /// 1970-01-01 00:00:00 in the recorder's local time, whose zone the source does not tell.
+    Local,
+    /// The start of the recording, at a date that the source does not tell.
+    Start,
+    /// Nothing: the source has no times, and all are zero.
+    None,
+}

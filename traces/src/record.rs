@@ -1,0 +1,149 @@
+//! A frame as it was seen: when, where, and where it stands in its source.
+
+use crate::{CanId, ChannelId, Flags, Frame, Timestamp};
+use std::fmt;
+
+/// One frame of a capture.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Record {
+    /// When the frame was seen (its end on the bus, as most interfaces stamp it).
+    pub timestamp: Timestamp,
+    /// The frame, or the head of a long one: [`Record::data`] has all of its payload.
+    pub frame: Frame,
+    /// The channel it was seen on.
+    pub channel: ChannelId,
+    /// Whether the recorder sent or received it, where it says so.
+    pub direction: Direction,
+    /// Where it stands in its source.
+    pub place: Place,
+    /// Boxed, because CANopen's own frames never need it.
+    long: Option<Box<Long>>,
+}
+
+/// Whether the recording machine sent or received a frame.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Direction {
+    /// The source does not say.
+    #[default]
+    Unknown,
+    /// Received.
+    Rx,
+    /// Sent.
+    Tx,
+}
+
+/// A place in a source: what a person would look for in the file.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct Place {
+    /// The line of a text file, the packet, block or message of a binary one; the first is 1. 0 is no place in a
+    /// file: a live frame.
+    pub number: u64,
+    /// The offset in bytes of that line or packet in the (uncompressed) source.
+    pub offset: u64,
+}
+
+/// What does not fit into a [`Frame`]: the payload of a long CAN FD or a CAN XL frame.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Long {
+    /// The whole payload.
+    pub data: Vec<u8>,
+    /// The header fields of CAN XL.
+    pub xl: Option<XlHeader>,
+}
+
+/// The header of a CAN XL frame, beside its priority identifier (CiA 610-1).
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub struct XlHeader {
+    /// Virtual CAN network.
+    pub vcid: u8,
+    /// Simple extended content.
+    pub sec: bool,
+    /// Remote request substitution.
+    pub rrs: bool,
+    /// Type of the payload.
+    pub sdt: u8,
+    /// Acceptance field.
+    pub af: u32,
+}
+
+impl Record {
+    /// A record of a frame that holds its whole payload.
+    pub fn new(timestamp: Timestamp, channel: ChannelId, frame: Frame) -> Self {
+        Self { timestamp, frame, channel, direction: Direction::Unknown, place: Place::default(), long: None }
+    }
+
+    /// A record of a CAN FD frame of up to 64 bytes; `None` if the length is not one that CAN FD has.
+    pub fn fd(timestamp: Timestamp, channel: ChannelId, id: CanId, flags: Flags, data: &[u8]) -> Option<Self> {
+        let frame = Frame::fd(id, flags, data)?;
+        let long = frame.is_head().then(|| Box::new(Long { data: data.to_vec(), xl: None }));
+        Some(Self { long, ..Self::new(timestamp, channel, frame) })
+    }
+
+    /// A record of a CAN XL frame; `None` if it has no data or more than 2048 bytes, or the priority has 29 bits.
+    pub fn xl(timestamp: Timestamp, channel: ChannelId, priority: CanId, xl: XlHeader, data: &[u8]) -> Option<Self> {
+        priority.as_standard()?;
+        let frame = Frame::xl_head(priority, data)?;
+        let long = Some(Box::new(Long { data: data.to_vec(), xl: Some(xl) }));
+        Some(Self { long, ..Self::new(timestamp, channel, frame) })
+    }
+
+    /// The same record with its direction.
+    pub fn with_direction(mut self, direction: Direction) -> Self {
+        self.direction = direction;
+        self
+    }
+
+    /// The same record with its place in the source.
+    pub fn at(mut self, number: u64, offset: u64) -> Self {
+        self.place = Place { number, offset };
+        self
+    }
+
+    /// The whole payload. Empty for a remote frame.
+    pub fn data(&self) -> &[u8] {
+        match &self.long {
+            Some(long) => &long.data,
+            None => self.frame.data(),
+        }
+    }
+
+    /// The header of a CAN XL frame.
+    pub fn xl_header(&self) -> Option<XlHeader> {
+        self.long.as_ref().and_then(|long| long.xl)
+    }
+}
+
+impl fmt::Display for Direction {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Unknown => "",
+            Self::Rx => "Rx",
+            Self::Tx => "Tx",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_payloads_are_kept_whole() {
+        let id = CanId::standard(1).unwrap();
+        let data: Vec<u8> = (0..64).collect();
+        let record = Record::fd(Timestamp(1), ChannelId(0), id, Flags::BRS, &data).unwrap();
+        assert_eq!(record.data(), data);
+        assert_eq!(record.frame.len(), 64);
+        assert_eq!(record.frame.data(), &data[..16]);
+        assert_eq!(record.frame.dlc(), 15);
+
+        let xl = XlHeader { vcid: 0x45, sdt: 3, af: 0x1234_5678, ..XlHeader::default() };
+        let record = Record::xl(Timestamp(1), ChannelId(0), id, xl, &data[..5]).unwrap();
+        assert_eq!((record.data(), record.xl_header()), (&data[..5], Some(xl)));
+    }
+
+    #[test]
+    fn one_cache_line() {
+        assert!(size_of::<Record>() <= 64);
+    }
+}

@@ -1,0 +1,186 @@
+//! A source of bytes, seen through a window that moves forward.
+
+use std::io::{self, Read};
+
+/// Bytes from a file, a pipe or a decompressor.
+///
+/// A reader looks at the [`window`](Source::window), [consumes](Source::consume) what it has understood, and asks
+/// for [more](Source::fill) where a line or packet is not complete. Memory is bounded: the window never grows
+/// beyond its limit, however long the source is.
+pub struct Source {
+    reader: Box<dyn Read + Send>,
+    buffer: Vec<u8>,
+    start: usize,
+    end: usize,
+    /// The offset of `start` in the source.
+    offset: u64,
+    limit: usize,
+    ended: bool,
+}
+
+/// Why a source can't give more bytes.
+#[derive(Debug, thiserror::Error)]
+pub enum SourceError {
+    /// The operating system or the decompressor reports an error.
+    #[error("can't read further: {0}")]
+    Io(#[from] io::Error),
+    /// A single line or packet fills the whole window.
+    #[error("a single line or packet is longer than {0} bytes")]
+    Full(usize),
+}
+
+impl Source {
+    /// How much is read at once.
+    const CHUNK: usize = 256 * 1024;
+    /// The window's limit unless another is asked for.
+    pub const LIMIT: usize = 1024 * 1024;
+
+    /// A source with the usual limit.
+    pub fn new(reader: impl Read + Send + 'static) -> Self {
+        Self::with_limit(reader, Self::LIMIT)
+    }
+
+    /// A source whose window holds at most `limit` bytes (at least one chunk).
+    pub fn with_limit(reader: impl Read + Send + 'static, limit: usize) -> Self {
+        Self {
+            reader: Box::new(reader),
+            buffer: vec![0; Self::CHUNK],
+            start: 0,
+            end: 0,
+            offset: 0,
+            limit: limit.max(Self::CHUNK),
+            ended: false,
+        }
+    }
+
+    /// A source of bytes in memory.
+    pub fn from_bytes(bytes: impl Into<Vec<u8>>) -> Self {
+        Self::new(io::Cursor::new(bytes.into()))
+    }
+
+    /// The bytes at hand: not consumed yet, maybe followed by more.
+    pub fn window(&self) -> &[u8] {
+        &self.buffer[self.start..self.end]
+    }
+
+    /// The offset of the window's first byte in the source.
+    pub fn offset(&self) -> u64 {
+        self.offset
+    }
+
+    /// Whether the source has ended: the window is all that is left.
+    pub fn ended(&self) -> bool {
+        self.ended
+    }
+
+    /// Moves the window past its first `n` bytes (at most all of them).
+    pub fn consume(&mut self, n: usize) {
+        let n = n.min(self.end - self.start);
+        self.start += n;
+        self.offset += n as u64;
+    }
+
+    /// Reads what the source has next, at least one byte unless it has ended; returns whether there was any.
+    ///
+    /// Returns as soon as something came: of a pipe a line can be shown while the next is still under way.
+    ///
+    /// # Errors
+    /// [`SourceError::Full`] if the window is at its limit, [`SourceError::Io`] if reading fails.
+    pub fn fill(&mut self) -> Result<bool, SourceError> {
+        if self.ended {
+            return Ok(false);
+        }
+        self.make_room()?;
+        loop {
+            match self.reader.read(&mut self.buffer[self.end..]) {
+                Ok(0) => {
+                    self.ended = true;
+                    return Ok(false);
+                }
+                Ok(n) => {
+                    self.end += n;
+                    return Ok(true);
+                }
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => {
+                    self.ended = true;
+                    return Err(error.into());
+                }
+            }
+        }
+    }
+
+    /// Reads until the window holds at least `n` bytes; returns whether it does.
+    ///
+    /// # Errors
+    /// As [`Source::fill`].
+    pub fn fill_to(&mut self, n: usize) -> Result<bool, SourceError> {
+        while self.end - self.start < n {
+            if !self.fill()? {
+                return Ok(false);
+            }
+        }
+        Ok(true)
+    }
+
+    fn make_room(&mut self) -> Result<(), SourceError> {
+        if self.start > 0 {
+            self.buffer.copy_within(self.start..self.end, 0);
+            self.end -= self.start;
+            self.start = 0;
+        }
+        if self.end == self.buffer.len() {
+            if self.end >= self.limit {
+                return Err(SourceError::Full(self.limit));
+            }
+            let larger = (2 * self.buffer.len()).min(self.limit);
+            self.buffer.resize(larger, 0);
+        }
+        Ok(())
+    }
+}
+
+impl std::fmt::Debug for Source {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Source(offset {}, {} bytes at hand)", self.offset, self.end - self.start)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_window_moves_and_tells_where_it_is() {
+        let mut source = Source::from_bytes(*b"abcdef");
+        assert!(source.fill().unwrap());
+        source.consume(2);
+        assert_eq!((source.window(), source.offset()), (&b"cdef"[..], 2));
+        assert!(!source.fill().unwrap());
+        assert!(source.ended());
+    }
+
+    #[test]
+    fn the_window_does_not_grow_beyond_its_limit() {
+        let mut source = Source::with_limit(io::repeat(b'x'), 2 * Source::CHUNK);
+        let error = source.fill_to(usize::MAX).unwrap_err();
+        assert!(matches!(error, SourceError::Full(n) if n == 2 * Source::CHUNK));
+    }
+
+    #[test]
+    fn what_a_pipe_gives_is_there_at_once() {
+        struct Trickle(u8);
+        impl Read for Trickle {
+            fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+                buffer[0] = self.0;
+                self.0 += 1;
+                Ok(1)
+            }
+        }
+        let mut source = Source::new(Trickle(b'a'));
+        source.fill().unwrap();
+        assert_eq!(source.window(), b"a");
+        source.fill().unwrap();
+        assert_eq!(source.window(), b"ab");
+    }
+}
