@@ -1,7 +1,8 @@
 //! CANopen: from frames to messages, events and findings.
 //!
-//! - `wire`: one frame understood alone, one file per service, each with its parser and its encoder.
+//! - [`wire`]: one frame understood alone, one file per service, each with its parser and its encoder.
 
 mod identity;
+pub mod wire;
 
 pub use identity::{CobId, Index, Multiplexer, NodeId, SubIndex};

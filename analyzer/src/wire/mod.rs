@@ -1,0 +1,126 @@
+//! One frame understood alone: typed, without state, without allocation.
+//!
+//! One file per service. Each holds the layout as the standard draws it, the typed message, the parser, the
+//! encoder and the text. What a frame means beyond itself (which object, which transfer) is the network's
+//! matter.
+//!
+//! What is illegal is represented, not refused, wherever its meaning can be told: unknown command specifiers,
+//! reserved codes and surplus bytes pass through, because a trace shows what was on the bus and a test must be
+//! able to send it.
+
+pub mod emcy;
+pub mod error_control;
+pub mod lss;
+pub mod nmt;
+pub mod pdo;
+pub mod sdo;
+pub mod sync;
+pub mod time;
+
+use canvass_traces::{CanId, Frame};
+use nom::{IResult, Parser};
+
+/// A message that has a layout of its own in at most eight bytes.
+pub trait Wire: Sized {
+    /// Reads the message from the start of a payload; what is left over is returned with it.
+    ///
+    /// # Errors
+    /// [`Malformed`] if the payload is too short to have a meaning.
+    fn parse(input: &[u8]) -> IResult<&[u8], Self, Malformed>;
+
+    /// Writes the message to the start of `buffer` and returns its length. Every byte up to there is written.
+    fn emit(&self, buffer: &mut [u8; 8]) -> usize;
+
+    /// Reads the message from a payload; bytes left over are ignored.
+    ///
+    /// # Errors
+    /// As [`Wire::parse`].
+    fn read(payload: &[u8]) -> Result<Self, Malformed> {
+        match Self::parse(payload) {
+            Ok((_, message)) => Ok(message),
+            Err(nom::Err::Error(error) | nom::Err::Failure(error)) => Err(error.in_payload(payload.len())),
+            Err(nom::Err::Incomplete(_)) => Err(Malformed::at_end("more bytes").in_payload(payload.len())),
+        }
+    }
+
+    /// The message as a data frame with an 11-bit CAN-ID.
+    fn to_frame(&self, cob_id: u16) -> Frame {
+        let mut buffer = [0; 8];
+        let len = self.emit(&mut buffer).min(8);
+        let id = CanId::standard_masked(u32::from(cob_id));
+        // At most eight bytes always fit a classical frame.
+        Frame::new(id, &buffer[..len]).unwrap_or_else(|| Frame::full(id, buffer))
+    }
+}
+
+/// Why a payload has no meaning: too short for what its first bytes promise.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("byte {offset}: expected {expected}")]
+pub struct Malformed {
+    /// The offset in the payload at which it failed; while parsing, how many bytes were left.
+    pub offset: usize,
+    /// What should have followed.
+    pub expected: &'static str,
+}
+
+impl Malformed {
+    const fn at_end(expected: &'static str) -> Self {
+        Self { offset: 0, expected }
+    }
+
+    /// Turns the number of bytes left into an offset.
+    const fn in_payload(self, len: usize) -> Self {
+        Self { offset: len - self.offset, ..self }
+    }
+}
+
+impl nom::error::ParseError<&[u8]> for Malformed {
+    fn from_error_kind(input: &[u8], _: nom::error::ErrorKind) -> Self {
+        Self { offset: input.len(), expected: "more bytes" }
+    }
+
+    fn append(_: &[u8], _: nom::error::ErrorKind, other: Self) -> Self {
+        other
+    }
+}
+
+/// Names what a parser reads, for its errors.
+fn named<'a, T>(
+    expected: &'static str,
+    mut parser: impl Parser<&'a [u8], Output = T, Error = Malformed>,
+) -> impl Parser<&'a [u8], Output = T, Error = Malformed> {
+    move |input| {
+        parser.parse(input).map_err(|error: nom::Err<Malformed>| error.map(|error| Malformed { expected, ..error }))
+    }
+}
+
+/// Up to seven bytes, filled up with zeros, and what is left.
+fn tail_of(rest: &[u8]) -> ([u8; 7], &[u8]) {
+    let (taken, rest) = rest.split_at(rest.len().min(7));
+    let mut tail = [0; 7];
+    tail[..taken.len()].copy_from_slice(taken);
+    (tail, rest)
+}
+
+#[cfg(test)]
+pub(crate) mod vectors {
+    //! The same static bytes for the parser and for the encoder.
+    use super::*;
+
+    /// Parses `bytes`, compares, encodes into a buffer of A5h, compares again.
+    pub fn both_ways<M: Wire + PartialEq + std::fmt::Debug>(bytes: &[u8], message: M) {
+        assert_eq!(M::read(bytes).as_ref(), Ok(&message), "{bytes:02X?}");
+        let mut buffer = [0xA5; 8];
+        let len = message.emit(&mut buffer);
+        assert_eq!(&buffer[..len], bytes, "{message:?}");
+    }
+
+    /// What was read from any bytes encodes to bytes that read as the same.
+    pub fn stable<M: Wire + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
+        if let Ok(message) = M::read(bytes) {
+            let mut buffer = [0xA5; 8];
+            let len = message.emit(&mut buffer);
+            assert_eq!(M::read(&buffer[..len]).as_ref(), Ok(&message));
+        }
+    }
+}
