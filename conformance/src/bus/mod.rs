@@ -1,0 +1,45 @@
+//! The bus that a test runs on: live or simulated, a case can't tell which.
+
+use canvass_traces::{Frame, Record, Timestamp};
+
+/// A CAN bus with its clock.
+pub trait Bus {
+    /// The time on this bus.
+    fn now(&self) -> Timestamp;
+
+    /// Hands over a frame for sending. It goes out as soon as the bus is free and no lower identifier wants it.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus can't take it.
+    fn send(&mut self, frame: &Frame) -> Result<(), BusError>;
+
+    /// The next frame that was on the bus, or `None` if there was none until `deadline`; on the simulated bus
+    /// the time is then `deadline`.
+    ///
+    /// Own frames come back too, with the time at which they were sent and [`canvass_traces::Direction::Tx`]: a
+    /// record of the whole traffic is what evidence is made of.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus fails.
+    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError>;
+
+    /// The bit rate in bit/s, where it is known.
+    fn bit_rate(&self) -> Option<u32>;
+}
+
+/// Why a bus does not work. Never the fault of the device under test.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum BusError {
+    /// The address does not name a bus.
+    #[error("{address}: {reason}")]
+    Address {
+        /// As it was given.
+        address: String,
+        /// What is wrong and what would be right.
+        reason: String,
+    },
+    /// The operating system reports an error.
+    #[error("the bus failed: {0}")]
+    Io(#[from] std::io::Error),
+}

@@ -1,0 +1,98 @@
+//! Firmware faults that a simulated device can be given, drawn from defects of real devices and stacks.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Defines the faults: one row each, so that name, variant and text can't drift apart.
+macro_rules! faults {
+    ($($variant:ident = $id:literal: $summary:literal,)*) => {
+        /// One defect of a firmware. Each is a switch of its own; they can be combined.
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+        pub enum Fault {
+            $(#[doc = $summary] $variant,)*
+        }
+
+        impl Fault {
+            /// All faults, in the order of their definition.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+
+            /// The name on the command line.
+            pub const fn id(self) -> &'static str {
+                match self { $(Self::$variant => $id,)* }
+            }
+
+            /// What the firmware does wrong.
+            pub const fn summary(self) -> &'static str {
+                match self { $(Self::$variant => $summary,)* }
+            }
+        }
+    };
+}
+
+faults! {
+    BootUpMissing = "boot-up-missing": "No boot-up message after a reset.",
+    BootUpTwice = "boot-up-twice": "Two boot-up messages after a reset.",
+    BootUpWrongData = "boot-up-wrong-data": "The boot-up message carries the state pre-operational instead of 00h.",
+    NmtBroadcastIgnored = "nmt-broadcast-ignored": "NMT commands to node-ID 0 are ignored.",
+    NmtNodeIdIgnored = "nmt-node-id-ignored": "NMT commands to other nodes are obeyed.",
+    NmtUnknownCommandStops = "nmt-unknown-command-stops": "A reserved NMT command puts the node into stopped.",
+    NmtResetWhenStoppedIgnored = "nmt-reset-when-stopped-ignored": "Reset commands are ignored in stopped.",
+    NmtResetCommunicationKeepsParameters = "nmt-reset-communication-keeps-parameters": "Reset communication does not restore unsaved communication parameters.",
+    SdoAnsweredWhenStopped = "sdo-answered-when-stopped": "The SDO server answers in stopped.",
+    HeartbeatWrongState = "heartbeat-wrong-state": "Heartbeats say pre-operational in every state.",
+    HeartbeatPeriodDoubled = "heartbeat-period-doubled": "Heartbeats come at twice the time of 1017h.",
+    HeartbeatNotStopped = "heartbeat-not-stopped": "Writing 0 to 1017h does not end the heartbeat.",
+    SdoStaleMultiplexer = "sdo-stale-multiplexer": "Aborts name the object of the transfer before.",
+    SdoWrongCodeForNoObject = "sdo-wrong-code-for-no-object": "An object that does not exist is refused with abort 0609 0011h.",
+    SdoWrongCodeForNoSubIndex = "sdo-wrong-code-for-no-sub-index": "A sub-index that does not exist is refused with abort 0602 0000h.",
+    SdoReadOnlyWritable = "sdo-read-only-writable": "Downloads to read-only objects are confirmed.",
+    SdoReadOnlyWrongCode = "sdo-read-only-wrong-code": "A download to a read-only object is refused with abort 0800 0022h.",
+    SdoLengthUnchecked = "sdo-length-unchecked": "Downloads that are too long are confirmed.",
+    SdoShortLengthUnchecked = "sdo-short-length-unchecked": "Downloads that are too short are confirmed.",
+    SdoUnknownCommandSilent = "sdo-unknown-command-silent": "An unknown SDO command specifier is not answered.",
+    SdoFirstUnknownCommandSilent = "sdo-first-unknown-command-silent": "An unknown SDO command specifier as the first request after boot-up is not answered.",
+    SdoAbortAnswered = "sdo-abort-answered": "The server answers an abort of the client with an abort.",
+    SdoToggleUnchecked = "sdo-toggle-unchecked": "Segments whose toggle bit does not alternate are accepted.",
+    SdoSegmentLengthWrong = "sdo-segment-length-wrong": "The last segment of an upload announces one byte too few.",
+    SdoUnusedBytesNotZero = "sdo-unused-bytes-not-zero": "Reserved bytes of SDO responses hold old data.",
+    SdoShortResponse = "sdo-short-response": "SDO responses have only as many bytes as they need.",
+    VendorIdZero = "vendor-id-zero": "1018h:01 is 0.",
+    DeviceTypeProfileWrong = "device-type-profile-wrong": "1000h names device profile 401 instead of that of an encoder.",
+    IdentityRevisionMissing = "identity-revision-missing": "1018h:03 does not exist, although LSS needs it.",
+    ErrorRegisterMissing = "error-register-missing": "1001h does not exist.",
+    DeviceNameWithGarbage = "device-name-with-garbage": "1008h ends in bytes that are not printable.",
+    TpdoInPreOperational = "tpdo-in-pre-operational": "TPDOs are sent in pre-operational.",
+    EventTimerDoubled = "event-timer-doubled": "TPDOs come at twice the time of their event timer.",
+}
+
+impl fmt::Display for Fault {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id())
+    }
+}
+
+/// There is no fault of that name.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("no fault is called \"{0}\": `canvass list faults` shows them")]
+pub struct UnknownFault(pub String);
+
+impl FromStr for Fault {
+    type Err = UnknownFault;
+
+    fn from_str(id: &str) -> Result<Self, UnknownFault> {
+        Self::ALL.iter().copied().find(|fault| fault.id() == id).ok_or_else(|| UnknownFault(id.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_are_unique_and_found() {
+        for &fault in Fault::ALL {
+            assert_eq!(fault.id().parse(), Ok(fault));
+        }
+        assert!("nonsense".parse::<Fault>().is_err());
+    }
+}
