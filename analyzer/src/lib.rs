@@ -1,8 +1,14 @@
 //! CANopen: from frames to messages, events and findings.
 //!
 //! - [`wire`]: one frame understood alone, one file per service, each with its parser and its encoder.
+//! - [`dictionary`]: data types, values, device descriptions and the standard's object names.
+//! - [`network`]: what happened on a bus: COB-IDs in use, node states, whole transfers.
 
+pub mod dictionary;
 mod identity;
+pub mod message;
+pub mod network;
 pub mod wire;
 
 pub use identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
+pub use message::{Message, PdoNumber, Service};
