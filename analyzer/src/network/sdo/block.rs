@@ -130,8 +130,7 @@ impl Channel {
             return step.out_of_place();
         };
         let (run, over, step) = self.block_segment(now, run, segment, step);
-        let next =
-            if over { DownloadBlock::Confirmation { crc, run } } else { DownloadBlock::Segments { crc, run } };
+        let next = if over { DownloadBlock::Confirmation { crc, run } } else { DownloadBlock::Segments { crc, run } };
         self.set_block(Block::Download(next));
         step
     }
@@ -257,7 +256,13 @@ impl Channel {
         }
     }
 
-    fn block_download_response(&mut self, now: Timestamp, state: DownloadBlock, response: Response, step: Step) -> Step {
+    fn block_download_response(
+        &mut self,
+        now: Timestamp,
+        state: DownloadBlock,
+        response: Response,
+        step: Step,
+    ) -> Step {
         use DownloadBlock::{Confirmation, End, Ended, Initiated, Segments};
         let next = match (state, response) {
             (Initiated { crc: asked }, Response::InitiateBlockDownload { multiplexer, crc, block_size }) => {

@@ -40,9 +40,14 @@ enum Phase {
     /// The server's answer to an initiate request.
     Initiated,
     /// The client's next segment or segment request; its toggle bit.
-    Client { toggle: bool },
+    Client {
+        toggle: bool,
+    },
     /// The server's segment or confirmation; its toggle bit, and whether it ends the transfer.
-    Server { toggle: bool, last: bool },
+    Server {
+        toggle: bool,
+        last: bool,
+    },
     /// A block transfer.
     Block(Block),
 }
@@ -152,9 +157,7 @@ impl Channel {
     fn on_response(&mut self, now: Timestamp, response: Response) -> Step {
         let step = Step::of(Message::SdoResponse(response));
         match response {
-            Response::InitiateUpload { multiplexer, payload } => {
-                self.upload_initiated(now, multiplexer, payload, step)
-            }
+            Response::InitiateUpload { multiplexer, payload } => self.upload_initiated(now, multiplexer, payload, step),
             Response::InitiateDownload { multiplexer } => self.download_initiated(now, multiplexer, step),
             Response::UploadSegment(segment) => self.upload_segment(now, segment, step),
             Response::DownloadSegment { toggle } => self.download_segment_confirmed(now, toggle, step),
