@@ -9,9 +9,7 @@ mod problem;
 mod value;
 
 pub use data_type::{DataClass, DataType};
-pub use description::{
-    Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension,
-};
+pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension};
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 pub use problem::{EdsProblem, ProblemKind, Severity};
 pub use value::{DaysAndMilliseconds, Value, ValueError};

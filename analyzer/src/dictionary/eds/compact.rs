@@ -82,14 +82,17 @@ pub(super) fn add_pdos(device: &DeviceInfo, dictionary: &mut ObjectDictionary) {
     if device.compact_pdo == 0 {
         return;
     }
-    let directions = [
-        (device.rpdos, 0x1400, 0x1600, "RPDO", 0x200),
-        (device.tpdos, 0x1800, 0x1A00, "TPDO", 0x180),
-    ];
+    let directions = [(device.rpdos, 0x1400, 0x1600, "RPDO", 0x200), (device.tpdos, 0x1800, 0x1A00, "TPDO", 0x180)];
     for (pdos, communication, mapping, name, cob_id) in directions {
         for number in 0..pdos.min(512) {
             if dictionary.object(Index(communication + number)).is_none() {
-                dictionary.insert(communication_parameter(communication + number, name, device.compact_pdo, number, cob_id));
+                dictionary.insert(communication_parameter(
+                    communication + number,
+                    name,
+                    device.compact_pdo,
+                    number,
+                    cob_id,
+                ));
             }
             if dictionary.object(Index(mapping + number)).is_none() {
                 dictionary.insert(mapping_parameter(mapping + number, name));

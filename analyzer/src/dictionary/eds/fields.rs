@@ -14,14 +14,7 @@ pub(super) struct Fields<'s, 'p> {
 }
 
 impl<'s> Fields<'s, '_> {
-    pub fn report(
-        &mut self,
-        field: &str,
-        severity: Severity,
-        kind: ProblemKind,
-        expected: &'static str,
-        found: &str,
-    ) {
+    pub fn report(&mut self, field: &str, severity: Severity, kind: ProblemKind, expected: &'static str, found: &str) {
         self.problems.report(self.section.place(field), severity, kind, expected, found);
     }
 
@@ -148,13 +141,7 @@ fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Pr
 
 /// The number in that data type. A negative number of an unsigned type, or a number of a signed type that only fits
 /// unsigned, is taken as the bits that it stands for: hexadecimal is the usual way to write negative numbers.
-fn in_range(
-    number: i128,
-    text: &str,
-    data_type: DataType,
-    place: Place<'_>,
-    problems: &mut Problems,
-) -> Option<Value> {
+fn in_range(number: i128, text: &str, data_type: DataType, place: Place<'_>, problems: &mut Problems) -> Option<Value> {
     let all: i128 = 1 << data_type.bits()?;
     if number >= all || number < -all / 2 {
         return None;
@@ -190,8 +177,7 @@ fn characters(text: &str) -> Vec<u8> {
 fn octets(text: &str) -> Option<Vec<u8>> {
     let mut bytes = Vec::new();
     for word in text.split_whitespace() {
-        let digits: Option<Vec<u32>> =
-            word.trim_start_matches("0x").chars().map(|digit| digit.to_digit(16)).collect();
+        let digits: Option<Vec<u32>> = word.trim_start_matches("0x").chars().map(|digit| digit.to_digit(16)).collect();
         let digits = digits?;
         if let [digit] = digits.as_slice() {
             bytes.push(*digit as u8);

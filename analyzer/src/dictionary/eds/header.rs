@@ -190,8 +190,15 @@ pub(super) fn comments(section: &Section<'_>, problems: &mut Problems) -> Vec<St
 
 /// Reports required sections that are missing.
 pub(super) fn check_sections(document: &Document<'_>, problems: &mut Problems) {
-    let required =
-        ["FileInfo", "DeviceInfo", "DummyUsage", "Comments", "MandatoryObjects", "OptionalObjects", "ManufacturerObjects"];
+    let required = [
+        "FileInfo",
+        "DeviceInfo",
+        "DummyUsage",
+        "Comments",
+        "MandatoryObjects",
+        "OptionalObjects",
+        "ManufacturerObjects",
+    ];
     for name in required {
         if document.section(name).is_none() {
             let place = Place { line: 0, section: name, field: "" };

@@ -100,12 +100,7 @@ fn lines(text: &str) -> impl Iterator<Item = &str> {
     text.split('\n').flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'))
 }
 
-fn begin_section<'a>(
-    document: &mut Document<'a>,
-    rest: &'a str,
-    line: u32,
-    problems: &mut Problems,
-) -> Option<usize> {
+fn begin_section<'a>(document: &mut Document<'a>, rest: &'a str, line: u32, problems: &mut Problems) -> Option<usize> {
     let (name, after) = rest.split_once(']').unwrap_or((rest, "?"));
     let name = name.trim();
     let place = Place { line, section: name, field: "" };

@@ -133,7 +133,8 @@ mod tests {
 
     #[test]
     fn everything_else_is_unknown() {
-        for name in ["", "1", "100", "10000", "1018sub", "1018sub100", "1018subG", "+018", "M1", "Mx", "tool", "äöüß"] {
+        for name in ["", "1", "100", "10000", "1018sub", "1018sub100", "1018subG", "+018", "M1", "Mx", "tool", "äöüß"]
+        {
             assert_eq!(SectionName::parse(name), SectionName::Unknown, "{name}");
         }
     }
