@@ -14,7 +14,6 @@ mod objects;
 mod section_name;
 mod text;
 
-pub(super) use fields::setting;
 use section_name::SectionName;
 
 use super::description::{DeviceDescription, DeviceInfo, FileInfo};
