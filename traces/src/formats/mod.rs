@@ -135,7 +135,7 @@ const FORMATS: &[Row] = &[
         extensions: &["log"],
         sniff: candump_log::sniff,
         open: candump_log::open,
-        create: None,
+        create: Some(candump_log::create),
     },
     Row {
         format: Format::CandumpConsole,

@@ -1,0 +1,236 @@
+//! The leaves of the text formats' grammars: numbers, bytes, words; and what is said when one is missing.
+//!
+//! They are nom parsers written by hand, because these few loops see every byte of a capture. The structure of the
+//! lines is put together from them with nom's combinators where each format is described.
+
+use nom::IResult;
+use nom::error::{ErrorKind, ParseError};
+
+/// What was expected, and the input where it was expected.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) struct Expected<'a> {
+    pub(crate) at: &'a [u8],
+    pub(crate) what: &'static str,
+}
+
+/// What is left of the input, and the value.
+pub(crate) type Parsed<'a, T> = IResult<&'a [u8], T, Expected<'a>>;
+
+impl<'a> ParseError<&'a [u8]> for Expected<'a> {
+    /// Nom's own parsers, which these grammars use for structure only, have no better word.
+    fn from_error_kind(at: &'a [u8], _: ErrorKind) -> Self {
+        Self { at, what: "something else" }
+    }
+
+    /// The innermost parser knows best what was missing.
+    fn append(_: &'a [u8], _: ErrorKind, inner: Self) -> Self {
+        inner
+    }
+}
+
+impl<'a> Expected<'a> {
+    pub(crate) const fn new(at: &'a [u8], what: &'static str) -> Self {
+        Self { at, what }
+    }
+
+    /// As nom wants it: another alternative may fit.
+    pub(crate) fn fail<T>(at: &'a [u8], what: &'static str) -> Parsed<'a, T> {
+        Err(nom::Err::Error(Self { at, what }))
+    }
+
+    /// Out of nom's wrapping; these parsers never ask for more input.
+    pub(crate) fn out_of(error: nom::Err<Self>) -> Self {
+        match error {
+            nom::Err::Error(expected) | nom::Err::Failure(expected) => expected,
+            nom::Err::Incomplete(_) => Self { at: &[], what: "more" },
+        }
+    }
+}
+
+/// A value that a parser must find to the last byte of its input.
+pub(crate) fn whole<'a, T>(parsed: Parsed<'a, T>, what: &'static str) -> Result<T, Expected<'a>> {
+    match parsed {
+        Ok(([], value)) => Ok(value),
+        Ok((rest, _)) => Err(Expected::new(rest, what)),
+        Err(error) => Err(Expected::out_of(error)),
+    }
+}
+
+/// These bytes as they are.
+pub(crate) fn tag<'a>(text: &'static [u8], what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, ()> {
+    move |input| match input.strip_prefix(text) {
+        Some(rest) => Ok((rest, ())),
+        None => Expected::fail(input, what),
+    }
+}
+
+const fn is_blank(byte: u8) -> bool {
+    byte == b' ' || byte == b'\t'
+}
+
+/// Any number of spaces and tabs.
+pub(crate) fn blanks0(input: &[u8]) -> Parsed<'_, ()> {
+    Ok((skip_blanks(input), ()))
+}
+
+/// What follows the spaces and tabs.
+pub(crate) fn skip_blanks(input: &[u8]) -> &[u8] {
+    let count = input.iter().take_while(|&&b| is_blank(b)).count();
+    input.get(count..).unwrap_or_default()
+}
+
+/// At least one space or tab.
+pub(crate) fn blanks1(input: &[u8]) -> Parsed<'_, ()> {
+    match skip_blanks(input) {
+        rest if rest.len() < input.len() => Ok((rest, ())),
+        _ => Expected::fail(input, "a space"),
+    }
+}
+
+/// A run of at least one byte that is neither space nor tab.
+pub(crate) fn word<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, &'a [u8]> {
+    move |input| {
+        let count = input.iter().take_while(|&&b| !is_blank(b)).count();
+        match input.split_at_checked(count) {
+            Some((word, rest)) if count > 0 => Ok((rest, word)),
+            _ => Expected::fail(input, what),
+        }
+    }
+}
+
+/// A decimal number.
+pub(crate) fn decimal<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, u64> {
+    move |input| {
+        let mut value = 0_u64;
+        let mut rest = input;
+        while let [digit @ b'0'..=b'9', tail @ ..] = rest {
+            let next = value.checked_mul(10).and_then(|v| v.checked_add(u64::from(digit - b'0')));
+            let Some(next) = next else { return Expected::fail(input, what) };
+            (value, rest) = (next, tail);
+        }
+        if rest.len() == input.len() { Expected::fail(input, what) } else { Ok((rest, value)) }
+    }
+}
+
+/// The digits behind a decimal point, at least one and at most nine, in billionths.
+pub(crate) fn billionths(input: &[u8]) -> Parsed<'_, u32> {
+    let mut value = 0_u32;
+    let mut count = 0;
+    let mut rest = input;
+    while let [digit @ b'0'..=b'9', tail @ ..] = rest {
+        if count == 9 {
+            return Expected::fail(rest, "at most nine digits behind the point");
+        }
+        (value, count, rest) = (10 * value + u32::from(digit - b'0'), count + 1, tail);
+    }
+    match count {
+        0 => Expected::fail(input, "digits behind the point"),
+        _ => Ok((rest, value * 10_u32.pow(9 - count))),
+    }
+}
+
+/// `SECONDS.FRACTION` in nanoseconds.
+pub(crate) fn seconds(input: &[u8]) -> Parsed<'_, u64> {
+    let (point, whole) = decimal("a time in seconds")(input)?;
+    let (digits, ()) = tag(b".", "a decimal point in the time")(point)?;
+    let (rest, fraction) = billionths(digits)?;
+    match whole.checked_mul(1_000_000_000).and_then(|nanos| nanos.checked_add(u64::from(fraction))) {
+        Some(nanos) => Ok((rest, nanos)),
+        None => Expected::fail(input, "a time before the year 2554"),
+    }
+}
+
+const NOT_HEX: u8 = 0xFF;
+
+/// The value of each hexadecimal digit.
+const NIBBLES: [u8; 256] = {
+    let mut table = [NOT_HEX; 256];
+    let mut value = 0;
+    while value < 10 {
+        table[b'0' as usize + value] = value as u8;
+        value += 1;
+    }
+    while value < 16 {
+        table[b'A' as usize + value - 10] = value as u8;
+        table[b'a' as usize + value - 10] = value as u8;
+        value += 1;
+    }
+    table
+};
+
+/// The value of a hexadecimal digit.
+pub(crate) const fn nibble(digit: u8) -> Option<u8> {
+    match NIBBLES[digit as usize] {
+        NOT_HEX => None,
+        value => Some(value),
+    }
+}
+
+/// A run of hexadecimal digits: their number (0 to 8; a ninth is left) and value.
+pub(crate) fn hex_run(input: &[u8]) -> (&[u8], usize, u32) {
+    let mut value = 0;
+    let mut count = 0;
+    let mut rest = input;
+    while let [digit, tail @ ..] = rest {
+        let Some(nibble) = nibble(*digit) else { break };
+        if count == 8 {
+            break;
+        }
+        (value, count, rest) = (value << 4 | u32::from(nibble), count + 1, tail);
+    }
+    (rest, count, value)
+}
+
+/// Exactly `digits` hexadecimal digits.
+pub(crate) fn hex_field<'a>(digits: usize, what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, u32> {
+    move |input| match hex_run(input) {
+        (rest, count, value) if count == digits => Ok((rest, value)),
+        _ => Expected::fail(input, what),
+    }
+}
+
+/// A byte as two hexadecimal digits.
+pub(crate) fn hex_byte(input: &[u8]) -> Parsed<'_, u8> {
+    let [high, low, rest @ ..] = input else {
+        return match input {
+            [digit] if nibble(*digit).is_some() => Expected::fail(&input[1..], "the second hex digit of a byte"),
+            _ => Expected::fail(input, "a byte of two hex digits"),
+        };
+    };
+    match (nibble(*high), nibble(*low)) {
+        (Some(high), Some(low)) => Ok((rest, high << 4 | low)),
+        (Some(_), None) => Expected::fail(&input[1..], "the second hex digit of a byte"),
+        _ => Expected::fail(input, "a byte of two hex digits"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times() {
+        assert_eq!(seconds(b"1700000000.123456)"), Ok((&b")"[..], 1_700_000_000_123_456_000)));
+        assert_eq!(seconds(b"000.000000001"), Ok((&b""[..], 1)));
+        assert_eq!(seconds(b"18446744073.709551615"), Ok((&b""[..], u64::MAX)));
+        for wrong in ["", "1", "1.", ".5", "x", "1.0000000000", "18446744073.709551616", "99999999999999999999.0"] {
+            assert!(seconds(wrong.as_bytes()).is_err(), "{wrong}");
+        }
+    }
+
+    #[test]
+    fn numbers_that_do_not_fit_are_refused() {
+        assert_eq!(decimal("n")(b"18446744073709551615"), Ok((&b""[..], u64::MAX)));
+        assert!(decimal("n")(b"18446744073709551616").is_err());
+        assert_eq!(hex_run(b"123456789"), (&b"9"[..], 8, 0x1234_5678));
+    }
+
+    #[test]
+    fn half_a_byte_is_missed_where_it_is_missing() {
+        let missing = |input| Expected::out_of(hex_byte(input).unwrap_err()).at.len();
+        assert_eq!(missing(b"A"), 0);
+        assert_eq!(missing(b"A x"), 2);
+        assert_eq!(missing(b"x"), 1);
+        assert_eq!(hex_byte(b"aF0"), Ok((&b"0"[..], 0xAF)));
+    }
+}

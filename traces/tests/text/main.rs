@@ -1,0 +1,5 @@
+//! The text formats, read and written through the public interface.
+
+mod candump_log;
+mod frames;
+mod notation;
