@@ -8,7 +8,9 @@ pub mod dictionary;
 mod identity;
 pub mod message;
 pub mod network;
+mod text;
 pub mod wire;
 
 pub use identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
 pub use message::{Message, PdoNumber, Service};
+pub use text::Meaning;

@@ -1,5 +1,6 @@
 //! What a device description (EDS, DCF, XDD, XDC) says about a device.
 
+use super::annotation::Annotations;
 use super::object::{Object, ObjectDictionary};
 use super::problem::EdsProblem;
 use crate::identity::{Index, NodeId};
@@ -20,6 +21,8 @@ pub struct DeviceDescription {
     pub comments: Vec<String>,
     /// The objects.
     pub dictionary: ObjectDictionary,
+    /// Units and names of values, which no EDS holds; empty where nobody gave them.
+    pub annotations: Annotations,
     /// Which list of the file names which objects.
     pub lists: ObjectLists,
     /// The modules of a modular device.

@@ -1,6 +1,7 @@
 //! The object dictionary: data types, values, what a device description (EDS, DCF) says about a device, and the names
 //! that the standards give.
 
+mod annotation;
 mod data_type;
 mod description;
 pub mod eds;
@@ -8,6 +9,7 @@ mod object;
 mod problem;
 mod value;
 
+pub use annotation::{Annotation, Annotations, BitName, Unit};
 pub use data_type::{DataClass, DataType};
 pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension};
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
