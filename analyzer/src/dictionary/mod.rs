@@ -4,6 +4,7 @@
 mod data_type;
 mod description;
 pub mod eds;
+pub mod names;
 mod object;
 mod problem;
 mod value;
