@@ -5,6 +5,7 @@ mod annotation;
 mod data_type;
 mod description;
 pub mod eds;
+pub mod names;
 mod object;
 mod problem;
 mod value;

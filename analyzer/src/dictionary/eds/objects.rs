@@ -1,6 +1,6 @@
 //! Objects: `[1018]` with `[1018sub0]`, `[1018sub1]`…
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, btree_map};
 
 use super::compact;
 use super::fields::Fields;
@@ -76,10 +76,11 @@ pub(super) fn add_head<'d>(parts: &mut Parts<'d>, section: &'d Section<'d>, prob
 
 /// `[1018sub1]` and `[1018sub01]` are the same entry.
 pub(super) fn add_sub<'d>(parts: &mut Parts<'d>, sub: u8, section: &'d Section<'d>, problems: &mut Problems) {
-    if parts.subs.contains_key(&sub) {
-        report_second(section, problems);
-    } else {
-        parts.subs.insert(sub, section);
+    match parts.subs.entry(sub) {
+        btree_map::Entry::Occupied(_) => report_second(section, problems),
+        btree_map::Entry::Vacant(vacant) => {
+            vacant.insert(section);
+        }
     }
 }
 

@@ -1,0 +1,48 @@
+//! Physical units of objects, where a standard fixes them.
+
+use super::ENCODER_PROFILE;
+use crate::identity::Multiplexer;
+
+/// The physical value is the number in the object times `factor`, in `symbol`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Unit {
+    /// What to multiply with.
+    pub factor: f64,
+    /// The unit, such as `ms`.
+    pub symbol: &'static str,
+}
+
+const MICROSECONDS: Unit = Unit { factor: 1.0, symbol: "µs" };
+const MILLISECONDS: Unit = Unit { factor: 1.0, symbol: "ms" };
+/// Inhibit times count multiples of 100 µs.
+const TENTHS_OF_MILLISECONDS: Unit = Unit { factor: 0.1, symbol: "ms" };
+
+/// The unit of an entry, where the standard fixes it. Values whose unit is configured (positions, speeds) have none.
+pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
+    Some(match (address.index.0, address.sub.0, profile) {
+        (0x1006 | 0x1007 | 0x1013, 0, _) => MICROSECONDS,
+        (0x100C | 0x1017 | 0x1F89, 0, _) | (0x1F90, 1 | 2 | 4..=6, _) => MILLISECONDS,
+        (0x1015 | 0x102A, 0, _) => TENTHS_OF_MILLISECONDS,
+        (0x1301..=0x1340, 2 | 3, _) => MILLISECONDS,
+        (0x1400..=0x15FF | 0x1800..=0x19FF, 3, _) => TENTHS_OF_MILLISECONDS,
+        (0x1400..=0x15FF | 0x1800..=0x19FF, 5, _) => MILLISECONDS,
+        (0x6005, 1, Some(ENCODER_PROFILE)) => Unit { factor: 0.001, symbol: "µm" },
+        (0x6005, 2, Some(ENCODER_PROFILE)) => Unit { factor: 0.01, symbol: "mm/s" },
+        (0x6031 | 0x6041, 2, Some(ENCODER_PROFILE)) | (0x6200, 0, Some(ENCODER_PROFILE)) => MILLISECONDS,
+        (0x6508, 0, Some(ENCODER_PROFILE)) => Unit { factor: 0.1, symbol: "h" },
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_units() {
+        assert_eq!(unit(Multiplexer::new(0x1017, 0), None), Some(MILLISECONDS));
+        assert_eq!(unit(Multiplexer::new(0x1800, 3), None), Some(TENTHS_OF_MILLISECONDS));
+        assert_eq!(unit(Multiplexer::new(0x6200, 0), Some(406)), Some(MILLISECONDS));
+        assert_eq!(unit(Multiplexer::new(0x6200, 0), None), None);
+    }
+}
