@@ -77,6 +77,8 @@ impl Lines {
         }
     }
 
+    #[inline]
+
     fn end(&mut self) -> Result<End, SourceError> {
         let mut searched = 0;
         loop {

@@ -18,7 +18,7 @@
 //! - FLAGS of CAN XL: XLF 80h, which must be set, SEC 1, RRS 2.
 //! - A point may also stand before the first byte, as some versions write it after the CAN FD flags.
 
-use crate::grammar::{Expected, Parsed, hex_byte, hex_field, hex_run, nibble, tag, whole};
+use crate::grammar::{Expected, Parsed, eight_bytes, hex_byte, hex_field, hex_run, nibble, tag, whole};
 use crate::{CanId, ChannelId, ErrorClass, Flags, Frame, Record, Timestamp, XlHeader};
 use std::fmt::{self, Write};
 
@@ -60,6 +60,7 @@ pub fn parse_frame(text: &str) -> Result<Record, FrameSyntax> {
 }
 
 /// A frame, and what follows it.
+#[inline]
 pub(crate) fn frame(input: &[u8]) -> Parsed<'_, Record> {
     let (rest, digits, id) = hex_run(input);
     let (body, ()) = match rest {
@@ -81,15 +82,24 @@ pub(crate) fn frame(input: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
+#[inline]
+
 fn record(frame: Frame) -> Record {
     Record::new(Timestamp::ZERO, ChannelId(0), frame)
 }
+
+#[inline]
 
 fn classical_or_fd(id: CanId, body: &[u8]) -> Parsed<'_, Record> {
     match body {
         [b'R' | b'r', len @ ..] => remote(id, len),
         [b'#', fd_body @ ..] => fd(id, fd_body),
         _ => {
+            if let Some((data, rest)) = eight_bytes(body)
+                && !matches!(rest, [b'.', ..] | [b'0'..=b'9', ..] | [b'A'..=b'F', ..] | [b'a'..=b'f', ..])
+            {
+                return raw_dlc(Frame::full(id, data), rest);
+            }
             let (rest, (data, len)) = payload::<8>(body, "at most 8 data bytes")?;
             if len < 8 {
                 let frame = data.get(..len).and_then(|data| Frame::new(id, data));
@@ -101,6 +111,7 @@ fn classical_or_fd(id: CanId, body: &[u8]) -> Parsed<'_, Record> {
 }
 
 /// `_9` to `_F` behind eight bytes.
+#[inline]
 fn raw_dlc(frame: Frame, input: &[u8]) -> Parsed<'_, Record> {
     match input {
         [b'_', digit, rest @ ..] => match nibble(*digit) {

@@ -23,7 +23,7 @@
 //! it had a direction, it needs one too, and likewise the raw DLC, for which 8 bytes alone are then not enough.
 //! Otherwise it is reported as truncated: better to miss a frame aloud than to invent one.
 
-use crate::grammar::{Expected, Parsed, blanks0, blanks1, decimal, seconds, skip_blanks, tag, word};
+use crate::grammar::{Expected, Parsed, blanks1, decimal, seconds, skip_blanks, tag, word};
 use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::notation::{frame, write_frame};
 use crate::text_writer::{LineWriter, TextWriter};
@@ -31,8 +31,6 @@ use crate::{
     ChannelId, Channels, Damage, DamageKind, Direction, Flags, Frame, Loss, Losses, ReadOptions, Reader, Record,
     Source, TimeBase, Timestamp, WriteError, WriteOptions, Writer,
 };
-use nom::Parser;
-use nom::sequence::{delimited, preceded, terminated};
 use std::fmt::Write as _;
 use std::io::Write;
 
@@ -88,8 +86,9 @@ impl LineFormat for CandumpLog {
 }
 
 impl CandumpLog {
+    #[inline]
     fn frame_line(&mut self, line: &Line<'_>, text: &[u8], channels: &mut Channels) -> Result<Record, Damage> {
-        let damage = |error| line.damage(Expected::out_of(error));
+        let damage = |error| line.damage(Expected::from(error));
         let (rest, (nanos, name)) = stamp_and_interface(text).map_err(damage)?;
         let (behind, mut record) = frame(rest).map_err(damage)?;
         let tail = tail(behind).map_err(|missing| line.damage(missing))?;
@@ -144,10 +143,15 @@ pub(crate) fn intern<'a>(name: &'a [u8], channels: &mut Channels) -> Result<Chan
 }
 
 /// Time and interface, with the spaces behind them.
+#[inline]
 fn stamp_and_interface(input: &[u8]) -> Parsed<'_, (u64, &[u8])> {
-    let stamp = delimited(tag(b"(", "'('"), seconds, tag(b")", "')' after the time"));
-    let interface = terminated(word("an interface name"), blanks1);
-    (preceded(blanks0, stamp), preceded(blanks1, interface)).parse(input)
+    let (rest, ()) = tag(b"(", "'('")(skip_blanks(input))?;
+    let (rest, nanos) = seconds(rest)?;
+    let (rest, ()) = tag(b")", "')' after the time")(rest)?;
+    let (rest, ()) = blanks1(rest)?;
+    let (rest, name) = word("an interface name")(rest)?;
+    let (rest, ()) = blanks1(rest)?;
+    Ok((rest, (nanos, name)))
 }
 
 /// `DROPCOUNT: dropped 5 CAN frames on 'can0' socket (total drops 7)`.
@@ -172,7 +176,12 @@ struct Tail {
     open: bool,
 }
 
+#[inline]
+
 fn tail(input: &[u8]) -> Result<Tail, Expected<'_>> {
+    if input.is_empty() {
+        return Ok(Tail { direction: Direction::Unknown, closed: false, open: false });
+    }
     let none = Tail { direction: Direction::Unknown, closed: false, open: !input.is_empty() };
     let mut rest = skip_blanks(input);
     if rest.is_empty() {
@@ -207,9 +216,10 @@ fn ignore(input: &[u8]) -> Result<(), Expected<'_>> {
 }
 
 impl Habits {
+    #[inline]
     fn learn(&mut self, record: &Record) {
         self.direction |= record.direction != Direction::Unknown;
-        self.raw_dlc |= record.frame.dlc() > 8 && record.frame.flags() == Flags::NONE;
+        self.raw_dlc |= record.frame.flags() == Flags::NONE && record.frame.dlc() > 8;
     }
 
     /// Whether a line without end can't be the beginning of a longer one.
