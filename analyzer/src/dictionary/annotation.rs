@@ -1,5 +1,6 @@
 //! What the values of an object mean beyond their data type: units, names of values, names of bits.
 
+use super::names::Unit;
 use crate::Multiplexer;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
@@ -13,17 +14,6 @@ pub struct Annotation {
     pub choices: Vec<(u64, Cow<'static, str>)>,
     /// Names of bits.
     pub bits: Vec<BitName>,
-}
-
-/// A unit: physical value = raw value * factor + offset.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Unit {
-    /// Such as `ms` or `°C`.
-    pub name: Cow<'static, str>,
-    /// Physical units of one raw unit.
-    pub factor: f64,
-    /// The physical value of raw zero.
-    pub offset: f64,
 }
 
 /// The name of a bit, and of its two states where they have names.
@@ -55,6 +45,11 @@ impl Annotations {
 }
 
 impl Annotation {
+    /// The name of a bit.
+    pub fn bit(&self, bit: u8) -> Option<&BitName> {
+        self.bits.iter().find(|name| name.bit == bit)
+    }
+
     /// The name of a value.
     pub fn choice(&self, value: u64) -> Option<&str> {
         self.choices.iter().find(|choice| choice.0 == value).map(|choice| &*choice.1)

@@ -10,9 +10,10 @@ mod object;
 mod problem;
 mod value;
 
-pub use annotation::{Annotation, Annotations, BitName, Unit};
+pub use annotation::{Annotation, Annotations, BitName};
 pub use data_type::{DataClass, DataType};
 pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension};
+pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 pub use problem::{EdsProblem, ProblemKind, Severity};
 pub use value::{DaysAndMilliseconds, Value, ValueError};

@@ -56,6 +56,11 @@ impl Node {
         self.parameters.get(&object).map(|shown| shown.0).or_else(described)
     }
 
+    /// The number of its device profile (the low word of 1000h), where the trace or the description tells.
+    pub fn profile(&self, id: NodeId) -> Option<u16> {
+        self.parameter(id, Multiplexer::new(0x1000, 0)).map(|device_type| device_type as u16)
+    }
+
     /// Notes a communication parameter that the trace has shown.
     pub fn learn(&mut self, object: Multiplexer, value: u32, shown: Shown) {
         let written = matches!(self.parameters.get(&object), Some((_, Shown::Written)));

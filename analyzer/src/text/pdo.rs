@@ -30,7 +30,7 @@ impl Meaning<'_> {
 
     fn signal(&self, signal: &Signal, payload: &[u8], f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let node = self.decoded.node.and_then(|node| self.bus.node(node));
-        let object = Object::new(node, signal.object);
+        let object = Object::new(self.decoded.node, node, signal.object);
         match signal.raw(payload) {
             Some(raw) => {
                 let bytes = raw.to_le_bytes();

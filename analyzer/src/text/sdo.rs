@@ -88,7 +88,7 @@ impl Meaning<'_> {
     }
 
     fn object(&self, multiplexer: Multiplexer) -> Object<'_> {
-        Object::new(self.decoded.node.and_then(|node| self.bus.node(node)), multiplexer)
+        Object::new(self.decoded.node, self.decoded.node.and_then(|node| self.bus.node(node)), multiplexer)
     }
 
     /// The object of the transfer under way.

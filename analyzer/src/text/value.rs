@@ -1,13 +1,13 @@
 //! Values in words.
 
-use crate::dictionary::{Annotation, DataClass, DataType, Unit, Value};
+use super::object::Object;
+use crate::dictionary::{DataClass, DataType, Unit, Value};
 use std::fmt;
 
 /// A value as text, as well as its type and meaning are known.
 pub(super) struct ValueText<'v> {
     pub bytes: &'v [u8],
-    pub data_type: Option<DataType>,
-    pub annotation: Option<&'v Annotation>,
+    pub object: &'v Object<'v>,
 }
 
 /// How many bytes of a long value are shown.
@@ -15,23 +15,31 @@ const SHOWN: usize = 64;
 
 impl ValueText<'_> {
     fn number(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let annotation = self.annotation;
-        if let Some(name) = annotation.and_then(|annotation| annotation.choice(raw)) {
+        if let Some(name) = self.object.choice(raw) {
             return write!(f, "{raw} ({})", name.escape_debug());
         }
-        if let Some(unit) = annotation.and_then(|annotation| annotation.unit.as_ref()) {
-            return physical(raw as f64, unit, f);
+        if let Some(unit) = self.object.unit() {
+            return physical(raw as f64, &unit, f);
         }
         hexadecimal(raw, self.bytes.len(), f)?;
-        if let Some(annotation) = annotation {
-            bits(raw, annotation, f)?;
-        }
+        self.bits(raw, f)?;
         if let Some(text) = signature(self.bytes) { write!(f, " \"{text}\"") } else { Ok(()) }
     }
 
+    /// The names of the bits that are set, and of clear ones whose clear state has a name.
+    fn bits(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bits = 8 * self.bytes.len().min(8) as u8;
+        let mut first = true;
+        for name in (0..bits).filter_map(|bit| self.object.bit(bit, raw >> bit & 1 != 0)) {
+            write!(f, "{}{}", if first { " (" } else { ", " }, name.escape_debug())?;
+            first = false;
+        }
+        if first { Ok(()) } else { f.write_str(")") }
+    }
+
     fn integer(&self, value: i64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.annotation.and_then(|annotation| annotation.unit.as_ref()) {
-            Some(unit) => physical(value as f64, unit, f),
+        match self.object.unit() {
+            Some(unit) => physical(value as f64, &unit, f),
             None => write!(f, "{value}"),
         }
     }
@@ -59,10 +67,10 @@ impl ValueText<'_> {
 
 impl fmt::Display for ValueText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let class = self.data_type.and_then(DataType::class);
+        let class = self.object.data_type().and_then(DataType::class);
         let text = matches!(class, Some(DataClass::VisibleString | DataClass::OctetString | DataClass::Domain));
         let kept = if text { &self.bytes[..self.bytes.len().min(SHOWN)] } else { self.bytes };
-        match self.data_type.map(|data_type| Value::decode(data_type, kept)) {
+        match self.object.data_type().map(|data_type| Value::decode(data_type, kept)) {
             Some(Ok(Value::Unsigned(raw))) => self.number(raw, f),
             Some(Ok(Value::Integer(value))) => self.integer(value, f),
             Some(Ok(value)) => {
@@ -91,19 +99,7 @@ fn physical(raw: f64, unit: &Unit, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let value = raw.mul_add(unit.factor, unit.offset);
     // Factors such as 0.1 have no exact binary form; six digits are far beyond any of these devices.
     let rounded = (value * 1e6).round() / 1e6;
-    write!(f, "{rounded} {}", unit.name.escape_debug())
-}
-
-/// The names of the bits that are set, and of clear ones whose clear state has a name.
-fn bits(raw: u64, annotation: &Annotation, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    let mut first = true;
-    for bit in &annotation.bits {
-        let set = bit.bit < 64 && raw >> bit.bit & 1 != 0;
-        let Some(name) = (if set { Some(&bit.name) } else { bit.clear.as_ref() }) else { continue };
-        write!(f, "{}{}", if first { " (" } else { ", " }, name.escape_debug())?;
-        first = false;
-    }
-    if first { Ok(()) } else { f.write_str(")") }
+    write!(f, "{rounded} {}", unit.symbol.escape_debug())
 }
 
 /// The text of signatures such as `save` and `load`.

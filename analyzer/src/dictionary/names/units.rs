@@ -2,20 +2,29 @@
 
 use super::ENCODER_PROFILE;
 use crate::identity::Multiplexer;
+use std::borrow::Cow;
 
-/// The physical value is the number in the object times `factor`, in `symbol`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A unit: physical value = raw value * factor + offset.
+#[derive(Clone, Debug, PartialEq)]
 pub struct Unit {
-    /// What to multiply with.
+    /// How many of the unit one step of the raw value is.
     pub factor: f64,
-    /// The unit, such as `ms`.
-    pub symbol: &'static str,
+    /// The physical value of raw zero.
+    pub offset: f64,
+    /// Such as `ms` or `°C`.
+    pub symbol: Cow<'static, str>,
 }
 
-const MICROSECONDS: Unit = Unit { factor: 1.0, symbol: "µs" };
-const MILLISECONDS: Unit = Unit { factor: 1.0, symbol: "ms" };
+impl Unit {
+    const fn new(factor: f64, symbol: &'static str) -> Self {
+        Self { factor, offset: 0.0, symbol: Cow::Borrowed(symbol) }
+    }
+}
+
+const MICROSECONDS: Unit = Unit::new(1.0, "µs");
+const MILLISECONDS: Unit = Unit::new(1.0, "ms");
 /// Inhibit times count multiples of 100 µs.
-const TENTHS_OF_MILLISECONDS: Unit = Unit { factor: 0.1, symbol: "ms" };
+const TENTHS_OF_MILLISECONDS: Unit = Unit::new(0.1, "ms");
 
 /// The unit of an entry, where the standard fixes it. Values whose unit is configured (positions, speeds) have none.
 pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
@@ -26,10 +35,10 @@ pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
         (0x1301..=0x1340, 2 | 3, _) => MILLISECONDS,
         (0x1400..=0x15FF | 0x1800..=0x19FF, 3, _) => TENTHS_OF_MILLISECONDS,
         (0x1400..=0x15FF | 0x1800..=0x19FF, 5, _) => MILLISECONDS,
-        (0x6005, 1, Some(ENCODER_PROFILE)) => Unit { factor: 0.001, symbol: "µm" },
-        (0x6005, 2, Some(ENCODER_PROFILE)) => Unit { factor: 0.01, symbol: "mm/s" },
+        (0x6005, 1, Some(ENCODER_PROFILE)) => Unit::new(0.001, "µm"),
+        (0x6005, 2, Some(ENCODER_PROFILE)) => Unit::new(0.01, "mm/s"),
         (0x6031 | 0x6041, 2, Some(ENCODER_PROFILE)) | (0x6200, 0, Some(ENCODER_PROFILE)) => MILLISECONDS,
-        (0x6508, 0, Some(ENCODER_PROFILE)) => Unit { factor: 0.1, symbol: "h" },
+        (0x6508, 0, Some(ENCODER_PROFILE)) => Unit::new(0.1, "h"),
         _ => return None,
     })
 }
