@@ -6,6 +6,7 @@ mod damages;
 mod devices;
 mod output;
 mod status;
+mod time_range;
 
 use clap::Parser;
 use status::Status;

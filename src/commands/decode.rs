@@ -4,8 +4,11 @@ use crate::damages::Damages;
 use crate::devices::{DeviceArg, parse_node};
 use crate::output::{Color, Output};
 use crate::status::{Failure, Status};
+use crate::time_range::TimeRange;
 use anyhow::anyhow;
-use canvass_analyzer::{Meaning, NodeId, network::Network};
+use canvass_analyzer::filter::{Filter, Subject};
+use canvass_analyzer::network::{Decoded, Network};
+use canvass_analyzer::{Meaning, NodeId};
 use canvass_reports::decode::{JsonLines, Line, Lines, TextLines, TimeStyle};
 use canvass_traces::{Capture, Format, ReadOptions, Reader, Record, Source};
 use std::path::{Path, PathBuf};
@@ -31,6 +34,11 @@ pub struct Args {
     /// Show only frames of these nodes
     #[arg(long, value_name = "NODE", value_parser = parse_node, value_delimiter = ',')]
     node: Vec<NodeId>,
+    #[command(flatten)]
+    range: TimeRange,
+    /// Show only frames that pass this filter, such as 'service=sdo and node in 1..8 and index=0x6003 or abort'
+    #[arg(long, value_name = "EXPRESSION")]
+    filter: Option<Filter>,
     /// Which device a node is: a built-in model or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
@@ -75,11 +83,11 @@ impl Args {
         };
         let mut damages = Damages::default();
         for file in &self.files {
-            let mut network = self.network()?;
+            let (mut network, mut range) = (self.network()?, self.range);
             let mut capture = self.open(file, &output)?;
             while let Some(item) = capture.next() {
                 match item {
-                    Ok(record) => self.show(&record, &capture, &mut network, lines.as_mut(), &output)?,
+                    Ok(record) => self.show(&record, &capture, &mut network, &mut range, lines.as_mut(), &output)?,
                     Err(damage) => {
                         output.flush()?;
                         damages.report(capture.name(), &damage);
@@ -94,6 +102,12 @@ impl Args {
         output.flush()?;
         damages.summarise();
         Ok(Status::Good)
+    }
+
+    fn passes(&self, record: &Record, decoded: &Decoded, capture: &Capture) -> bool {
+        let node = self.node.is_empty() || decoded.node.is_some_and(|node| self.node.contains(&node));
+        let subject = Subject { record, decoded, channel: capture.channels().name(record.channel) };
+        node && self.filter.as_ref().is_none_or(|filter| filter.matches(&subject))
     }
 
     fn network(&self) -> Result<Network, Failure> {
@@ -118,11 +132,12 @@ impl Args {
         record: &Record,
         capture: &Capture,
         network: &mut Network,
+        range: &mut TimeRange,
         lines: &mut dyn Lines,
         output: &Output,
     ) -> std::io::Result<()> {
         let decoded = network.handle(record);
-        if !self.node.is_empty() && decoded.node.is_none_or(|node| !self.node.contains(&node)) {
+        if !range.contains(record.timestamp) || !self.passes(record, &decoded, capture) {
             return Ok(());
         }
         let Some(bus) = network.bus(record.channel) else { return Ok(()) };
