@@ -1,4 +1,4 @@
-//! The object dictionary: data types, values, what a device description (EDS, DCF) says about a device, and the names
+//! The object dictionary: data types, values, what a device description (EDS, DCF, XDD, XDC) says about a device, and the names
 //! that the standards give.
 
 mod data_type;
@@ -8,6 +8,7 @@ pub mod names;
 mod object;
 mod problem;
 mod value;
+pub mod xdd;
 
 pub use data_type::{DataClass, DataType};
 pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension};
