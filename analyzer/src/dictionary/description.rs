@@ -1,6 +1,7 @@
 //! What a device description (EDS, DCF, XDD, XDC) says about a device.
 
 use super::annotation::Annotations;
+use super::eds::DescriptionError;
 use super::object::{Object, ObjectDictionary};
 use super::problem::EdsProblem;
 use crate::identity::{Index, NodeId};
@@ -156,6 +157,17 @@ pub struct SubExtension {
 }
 
 impl DeviceDescription {
+    /// Reads an EDS, DCF, XDD or XDC, told apart by content.
+    pub fn read(bytes: &[u8]) -> Result<Self, DescriptionError> {
+        let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
+        // In UTF-16 the first character has a zero beside it.
+        if text.starts_with(b"<") || text.starts_with(b"\xFF\xFE<") || text.starts_with(b"\xFE\xFF\0<") {
+            super::xdd::read(bytes)
+        } else {
+            super::eds::read(bytes)
+        }
+    }
+
     /// Whether it is for one configured device (DCF, XDC) and not for a type of device (EDS, XDD).
     pub const fn is_configuration(&self) -> bool {
         self.commissioning.is_some()

@@ -1,4 +1,4 @@
-//! The object dictionary: data types, values, what a device description (EDS, DCF) says about a device, and the names
+//! The object dictionary: data types, values, what a device description (EDS, DCF, XDD, XDC) says about a device, and the names
 //! that the standards give.
 
 mod annotation;
@@ -9,6 +9,7 @@ pub mod names;
 mod object;
 mod problem;
 mod value;
+pub mod xdd;
 
 pub use annotation::{Annotation, Annotations, BitName};
 pub use data_type::{DataClass, DataType};

@@ -67,9 +67,10 @@ fn check(lists: &ObjectLists, dictionary: &ObjectDictionary, problems: &mut Prob
     let mut listed = HashSet::new();
     for (position, list) in [&lists.mandatory, &lists.optional, &lists.manufacturer].into_iter().enumerate() {
         let section = LISTS.get(position).copied().unwrap_or_default();
-        for &(index, line) in list {
+        for (number, &(index, line)) in (1..).zip(list) {
             let mut report = |severity, expected| {
-                let place = Place { line, section, field: "" };
+                let field = u32::to_string(&number);
+                let place = Place { line, section, field: &field };
                 problems.report(place, severity, ProblemKind::List, expected, &index.to_string());
             };
             if !listed.insert(index) {
