@@ -14,6 +14,7 @@ mod frame;
 mod grammar;
 mod id;
 mod lines;
+mod local_time;
 mod notation;
 mod reader;
 mod record;

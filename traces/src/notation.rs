@@ -59,30 +59,54 @@ pub fn parse_frame(text: &str) -> Result<Record, FrameSyntax> {
     })
 }
 
+/// An identifier as candump writes it: the number of digits tells its kind.
+pub(crate) enum Identifier {
+    /// Three or eight digits.
+    Frame(CanId),
+    /// Eight digits with bit 29: an error frame's class.
+    Error(ErrorClass),
+    /// Five digits: network and priority of CAN XL.
+    Xl(u32),
+}
+
+/// An identifier, and what follows it.
+#[inline]
+pub(crate) fn identifier(input: &[u8]) -> Parsed<'_, Identifier> {
+    let (rest, digits, id) = hex_run(input);
+    let identifier = match digits {
+        3 => match CanId::standard(id) {
+            Some(id) => Identifier::Frame(id),
+            None => return Expected::fail(input, "an 11-bit id of at most 7FF"),
+        },
+        8 if id & !(ERROR | CanId::MAX_EXTENDED) != 0 => {
+            return Expected::fail(
+                input,
+                "a 29-bit id of at most 1FFFFFFF, or an error frame's class with bit 20000000",
+            );
+        }
+        8 if id & ERROR != 0 => Identifier::Error(ErrorClass(id & !ERROR)),
+        8 => Identifier::Frame(CanId::extended_masked(id)),
+        5 => Identifier::Xl(id),
+        // What is no digit, or the end, is where the mistake is, unless the number of digits is.
+        _ if !matches!(rest, [b'#' | b' ', ..]) && digits < 8 => {
+            return Expected::fail(rest, "a hex digit of the id or '#'");
+        }
+        _ => return Expected::fail(input, "an id of 3 digits (11 bits), 8 digits (29 bits) or 5 digits (CAN XL)"),
+    };
+    Ok((rest, identifier))
+}
+
 /// A frame, and what follows it.
 #[inline]
 pub(crate) fn frame(input: &[u8]) -> Parsed<'_, Record> {
-    let (rest, digits, id) = hex_run(input);
-    let (body, ()) = match rest {
-        [b'#', body @ ..] => (body, ()),
-        _ => return Expected::fail(rest, if digits < 8 { "a hex digit of the id or '#'" } else { "'#' after the id" }),
-    };
-    match digits {
-        3 => match CanId::standard(id) {
-            Some(id) => classical_or_fd(id, body),
-            None => Expected::fail(input, "an 11-bit id of at most 7FF"),
-        },
-        8 if id & !(ERROR | CanId::MAX_EXTENDED) != 0 => {
-            Expected::fail(input, "a 29-bit id of at most 1FFFFFFF, or an error frame's class with bit 20000000")
-        }
-        8 if id & ERROR != 0 => error(id, body),
-        8 => classical_or_fd(CanId::extended_masked(id), body),
-        5 => xl(id, body),
-        _ => Expected::fail(input, "an id of 3 digits (11 bits), 8 digits (29 bits) or 5 digits (CAN XL)"),
+    let (rest, id) = identifier(input)?;
+    let [b'#', body @ ..] = rest else { return Expected::fail(rest, "'#' after the id") };
+    match id {
+        Identifier::Frame(id) => classical_or_fd(id, body),
+        Identifier::Error(class) => error(class, body),
+        Identifier::Xl(id) => xl(id, body),
     }
 }
-
-#[inline]
 
 fn record(frame: Frame) -> Record {
     Record::new(Timestamp::ZERO, ChannelId(0), frame)
@@ -146,9 +170,9 @@ fn fd(id: CanId, input: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
-fn error(id: u32, body: &[u8]) -> Parsed<'_, Record> {
+fn error(class: ErrorClass, body: &[u8]) -> Parsed<'_, Record> {
     let (rest, (data, len)) = payload::<8>(body, "at most 8 bytes of an error frame")?;
-    let frame = data.get(..len).and_then(|data| Frame::error(ErrorClass(id & !ERROR), data));
+    let frame = data.get(..len).and_then(|data| Frame::error(class, data));
     frame.map_or_else(|| Expected::fail(body, "data"), |frame| Ok((rest, record(frame))))
 }
 
@@ -159,20 +183,21 @@ fn xl(id: u32, input: &[u8]) -> Parsed<'_, Record> {
     let (rest, ()) = tag(b":", "':' after the payload type")(rest)?;
     let (rest, af) = hex_field(8, "eight hex digits with the acceptance field")(rest)?;
     let (body, ()) = tag(b"#", "'#' after the acceptance field")(rest)?;
-    let flags = flags as u8;
-    if flags & XL_FLAG == 0 {
-        return Expected::fail(input, "CAN XL flags with bit 80 set");
-    }
-    let Some(priority) = CanId::standard(id & 0xFFF) else {
-        return Expected::fail(input, "a CAN XL priority of at most 7FF");
+    let Some((priority, header)) = xl_header(id, flags as u8, sdt as u8, af) else {
+        return Expected::fail(input, "CAN XL flags with bit 80 set, and a priority of at most 7FF");
     };
     let (rest, (data, len)) = payload::<2048>(body, "at most 2048 data bytes")?;
-    let header =
-        XlHeader { vcid: (id >> 12) as u8, sec: flags & XL_SEC != 0, rrs: flags & XL_RRS != 0, sdt: sdt as u8, af };
     match Record::xl(Timestamp::ZERO, ChannelId(0), priority, header, data.get(..len).unwrap_or_default()) {
         Some(record) => Ok((rest, record)),
         None => Expected::fail(body, "at least one byte, as every CAN XL frame has"),
     }
+}
+
+/// Priority and header of CAN XL; `id` has the virtual network above 12 bits of priority.
+pub(crate) fn xl_header(id: u32, flags: u8, sdt: u8, af: u32) -> Option<(CanId, XlHeader)> {
+    let priority = CanId::standard(id & 0xFFF)?;
+    let header = XlHeader { vcid: (id >> 12) as u8, sec: flags & XL_SEC != 0, rrs: flags & XL_RRS != 0, sdt, af };
+    (flags & XL_FLAG != 0).then_some((priority, header))
 }
 
 /// Up to `MAX` bytes in hex, with or without a point before each, and their number.

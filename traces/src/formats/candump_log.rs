@@ -107,16 +107,13 @@ impl CandumpLog {
 
     /// What is not a frame, or a frame behind spaces.
     fn other_line(&mut self, line: &Line<'_>, text: &[u8], channels: &mut Channels) -> Option<Result<Record, Damage>> {
-        match text {
-            [b'(', ..] => return Some(self.frame_line(line, text, channels)),
-            [] | [b'#' | b';', ..] | [b'/', b'/', ..] => return None,
-            _ if self.explained && line.bytes.first() == Some(&b'\t') => return None,
-            _ => {}
+        if let [b'(', ..] = text {
+            return Some(self.frame_line(line, text, channels));
         }
-        if let Ok((_, count)) = drop_count(text) {
-            return Some(Err(line.as_damage(DamageKind::Dropped(count), "no loss")));
+        match aside(line, self.explained) {
+            Some(damage) => damage.map(Err),
+            None => Some(Err(line.damage(Expected::new(text, "a frame, such as (1700000000.123456) can0 123#11")))),
         }
-        Some(Err(line.damage(Expected::new(text, "a frame, such as (1700000000.123456) can0 123#11"))))
     }
 
     fn intern<'a>(&mut self, name: &'a [u8], channels: &mut Channels) -> Result<ChannelId, Expected<'a>> {
@@ -129,6 +126,19 @@ impl CandumpLog {
         self.channel = Some(channel);
         Ok(channel)
     }
+}
+
+/// A line of candump that is no frame, or of a person's editor, if it is one: with the loss that it tells.
+/// `explained` says that the frame before it was an error frame.
+pub(crate) fn aside(line: &Line<'_>, explained: bool) -> Option<Option<Damage>> {
+    let text = skip_blanks(line.bytes);
+    match text {
+        [] | [b'#' | b';', ..] | [b'/', b'/', ..] => return Some(None),
+        _ if explained && line.bytes.first() == Some(&b'\t') => return Some(None),
+        _ => {}
+    }
+    let (_, count) = drop_count(text).ok()?;
+    Some(Some(line.as_damage(DamageKind::Dropped(count), "no loss")))
 }
 
 /// The longest interface name: far more than Linux has, yet 4096 of them are no burden.
@@ -157,7 +167,7 @@ fn stamp_and_interface(input: &[u8]) -> Parsed<'_, (u64, &[u8])> {
 /// `DROPCOUNT: dropped 5 CAN frames on 'can0' socket (total drops 7)`.
 ///
 /// Candump prints the number with a sign, so that more than 2^31 come out negative.
-pub(crate) fn drop_count(input: &[u8]) -> Parsed<'_, u64> {
+fn drop_count(input: &[u8]) -> Parsed<'_, u64> {
     let (rest, ()) = tag(b"DROPCOUNT: dropped ", "DROPCOUNT")(input)?;
     match rest {
         [b'-', rest @ ..] => {
