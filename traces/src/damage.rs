@@ -1,6 +1,6 @@
 //! What could not be read, and where.
 
-use crate::Place;
+use crate::{Place, SourceError};
 use std::borrow::Cow;
 use std::fmt;
 
@@ -63,6 +63,14 @@ impl Damage {
     /// A damage at a place, with what was expected and the bytes found.
     pub fn new(kind: DamageKind, place: Place, expected: impl Into<Cow<'static, str>>, found: &[u8]) -> Self {
         Self { kind, place, column: None, expected: expected.into(), found: excerpt(found) }
+    }
+
+    /// The source gives no more bytes: unfinished where a compressed stream just ends, else fatal. Either way
+    /// nothing follows.
+    pub(crate) fn source(error: &SourceError, place: Place) -> Self {
+        let cut = matches!(error, SourceError::Io(error) if error.kind() == std::io::ErrorKind::UnexpectedEof);
+        let kind = if cut { DamageKind::Unfinished } else { DamageKind::Fatal };
+        Self::new(kind, place, format!("more of the file, but {error}"), b"")
     }
 
     /// The same damage at a column of its line, from 1.

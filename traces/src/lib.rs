@@ -8,6 +8,7 @@
 
 mod capture;
 mod channel;
+mod compression;
 mod damage;
 mod formats;
 mod frame;

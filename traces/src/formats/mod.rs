@@ -9,6 +9,7 @@ pub(crate) mod minimon;
 pub(crate) mod pcap;
 pub(crate) mod pcapng;
 pub(crate) mod python_can_csv;
+pub(crate) mod socketcan;
 pub(crate) mod trc;
 
 use crate::{ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
@@ -63,7 +64,7 @@ const FORMATS: &[Row] = &[
         extensions: &["pcapng", "ntar"],
         sniff: pcapng::sniff,
         open: pcapng::open,
-        create: None,
+        create: Some(pcapng::create),
     },
     Row {
         format: Format::Pcap,
@@ -72,7 +73,7 @@ const FORMATS: &[Row] = &[
         extensions: &["pcap", "cap"],
         sniff: pcap::sniff,
         open: pcap::open,
-        create: None,
+        create: Some(pcap::create),
     },
     Row {
         format: Format::Mcap,
