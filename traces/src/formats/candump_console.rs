@@ -96,7 +96,11 @@ impl Console {
         record.direction = start.direction;
         record.place = line.place;
         self.explained = record.frame.is_error();
-        Ok(record)
+        match body.surplus {
+            // The length is what a controller goes by: so many bytes were on the bus, if any of it is true.
+            Some(at) => Err(line.damage(Expected { at, what: NO_SURPLUS }).with_salvaged(record)),
+            None => Ok(record),
+        }
     }
 }
 
@@ -196,11 +200,13 @@ enum Doubt {
     Bits,
 }
 
-struct Body {
+struct Body<'a> {
     record: Record,
     bits: bool,
     cropped: bool,
     doubt: Doubt,
+    /// More bytes than the brackets tell: from there on.
+    surplus: Option<&'a [u8]>,
 }
 
 /// The brackets' content, which tells the kind of frame.
@@ -229,14 +235,14 @@ fn length(input: &[u8]) -> Parsed<'_, Length> {
     }
 }
 
-fn body(input: &[u8], id: Identifier, flags: Flags) -> Parsed<'_, Body> {
+fn body(input: &[u8], id: Identifier, flags: Flags) -> Parsed<'_, Body<'_>> {
     let (rest, length) = length(input)?;
     match (id, length) {
         (Identifier::Frame(id), Length::Classical { len, raw_dlc }) => {
             let remote = skip_blanks(rest).strip_prefix(b"remote request");
             if let (Some(rest), Some(frame)) = (remote, Frame::remote(id, len)) {
                 let record = at_zero(frame.with_raw_dlc(raw_dlc));
-                return Ok((rest, Body { record, bits: false, cropped: false, doubt: Doubt::None }));
+                return Ok((rest, Body { record, bits: false, cropped: false, doubt: Doubt::None, surplus: None }));
             }
             payload(rest, usize::from(len), |data| Some(at_zero(Frame::new(id, data)?.with_raw_dlc(raw_dlc))))
         }
@@ -251,7 +257,7 @@ fn body(input: &[u8], id: Identifier, flags: Flags) -> Parsed<'_, Body> {
     }
 }
 
-fn xl(input: &[u8], priority: u32, len: usize) -> Parsed<'_, Body> {
+fn xl(input: &[u8], priority: u32, len: usize) -> Parsed<'_, Body<'_>> {
     let (open, ()) = tag(b"(", "'(' and the CAN XL header")(skip_blanks(input))?;
     let (rest, vcid) = hex_field(2, "two hex digits with the virtual network")(open)?;
     let (rest, flags) = preceded(tag(b"|", "'|'"), hex_field(2, "two hex digits with the flags")).parse(rest)?;
@@ -269,7 +275,7 @@ fn at_zero(frame: Frame) -> Record {
 }
 
 /// `len` bytes and the end of the line.
-fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) -> Parsed<'_, Body> {
+fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) -> Parsed<'_, Body<'_>> {
     let mut data = Vec::with_capacity(len);
     let mut rest = input;
     let (mut bits, mut swapped) = (false, false);
@@ -281,7 +287,7 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
         if data.len() == 64 && next.starts_with(b"...") {
             data.resize(len, 0);
             return match frame(&data) {
-                Some(record) => Ok((&[], Body { record, bits, cropped: true, doubt: Doubt::None })),
+                Some(record) => Ok((&[], Body { record, bits, cropped: true, doubt: Doubt::None, surplus: None })),
                 None => Expected::fail(input, "data"),
             };
         }
@@ -305,7 +311,10 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
     };
     let behind = skip_blanks(last);
     if !matches!(behind, [] | [b'\'' | b'`', ..]) && !behind.starts_with(b"ERRORFRAME") {
-        return Expected::fail(behind, "the end of the line after as many bytes as the brackets tell");
+        if !is_bytes(behind) {
+            return Expected::fail(behind, NO_SURPLUS);
+        }
+        return Ok((&[], Body { record, bits, cropped: false, doubt: Doubt::None, surplus: Some(behind) }));
     }
     let is_digits = |byte: u8| byte >> 4 <= 1 && byte & 15 <= 1;
     let doubt = match data[..] {
@@ -314,7 +323,15 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
         [byte] if !bits && last.is_empty() && is_digits(byte) => Doubt::Bits,
         _ => Doubt::None,
     };
-    Ok((behind, Body { record, bits, cropped: false, doubt }))
+    Ok((behind, Body { record, bits, cropped: false, doubt, surplus: None }))
+}
+
+const NO_SURPLUS: &str = "the end of the line after as many bytes as the brackets tell";
+
+/// Whether there is nothing but bytes of two digits up to the end of the line.
+fn is_bytes(input: &[u8]) -> bool {
+    let mut tokens = input.split(|byte| *byte == b' ').filter(|token| !token.is_empty());
+    tokens.all(|token| matches!(hex_byte(token), Ok(([], _))))
 }
 
 /// A byte as eight bits.
