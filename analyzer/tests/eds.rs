@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use canvass_analyzer::dictionary::eds::{self, DescriptionError};
-use canvass_analyzer::dictionary::{DeviceDescription, Entry, Object, ObjectCode, Severity, Value};
+use canvass_analyzer::dictionary::{DeviceDescription, Entry, Object, ObjectCode, Severity, Value, consistency};
 use canvass_analyzer::{Index, Multiplexer, NodeId, SubIndex};
 use proptest::prelude::*;
 
@@ -157,7 +157,7 @@ fn compact_objects_cannot_fill_the_memory() {
 
 fn check(bytes: &[u8]) -> Result<(), TestCaseError> {
     let Ok(description) = eds::read(bytes) else { return Ok(()) };
-    for problem in &description.problems {
+    for problem in description.problems.iter().chain(&consistency::check(&description)) {
         prop_assert!(!problem.to_string().chars().any(char::is_control), "{problem}");
         prop_assert!(problem.severity == Severity::Info || !problem.section.is_empty() || problem.line != 0);
     }

@@ -51,6 +51,12 @@ pub enum ProblemKind {
     /// An object that is listed without description, described without being listed, or listed twice or in the
     /// wrong list.
     List,
+    /// A PDO mapping that can't work, or half of a PDO's parameters.
+    Mapping,
+    /// A COB-ID that is restricted or used twice.
+    CobId,
+    /// An object that differs from the standard that defines it.
+    Standard,
     /// A description so large that the rest was left out.
     TooMuch,
 }
