@@ -40,6 +40,8 @@ pub enum ProblemKind {
     MissingField,
     /// A section that the standard does not know.
     UnknownSection,
+    /// A field that the standard does not know in its section.
+    UnknownField,
     /// A number that can't be read, or is written in a form that the standard does not allow.
     Number,
     /// A value outside what the field allows.
