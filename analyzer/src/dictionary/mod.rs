@@ -1,5 +1,5 @@
-//! The object dictionary: data types, values, what a device description (EDS, DCF, XDD, XDC) says about a device, and the names
-//! that the standards give.
+//! The object dictionary: data types, values, what a device description (EDS, DCF, XDD, XDC) says about a device, and
+//! the names that the standards give.
 
 pub mod consistency;
 mod data_type;

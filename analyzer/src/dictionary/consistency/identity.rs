@@ -41,14 +41,14 @@ fn error_control(check: &mut Check<'_>) {
 fn arrays(check: &mut Check<'_>) {
     for object in check.description.dictionary.objects().iter().filter(|object| object.code == ObjectCode::ARRAY) {
         let Some(first) = elements(object).next() else { continue };
-        for (number, entry) in (1..).zip(elements(object)) {
+        for (number, entry) in (1u16..).zip(elements(object)) {
             let at = Multiplexer { index: object.index, sub: entry.sub };
             if entry.data_type != first.data_type {
                 let expected = "one data type in an array";
                 let found = entry.data_type.to_string();
                 check.report(at, "DataType", Severity::Warning, ProblemKind::Value, expected, &found);
             }
-            if entry.sub.0 != number {
+            if u16::from(entry.sub.0) != number {
                 let expected = "an array without gaps";
                 check.report(at, "", Severity::Info, ProblemKind::Count, expected, &at.to_string());
                 break;
