@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 use canvass_analyzer::dictionary::eds::{self, DescriptionError};
-use canvass_analyzer::dictionary::{DeviceDescription, Entry, Object, ObjectCode, Severity, Value};
+use canvass_analyzer::dictionary::{DeviceDescription, Entry, Object, ObjectCode, Severity, Value, consistency};
 use canvass_analyzer::{Index, Multiplexer, NodeId, SubIndex};
 use proptest::prelude::*;
 
@@ -155,9 +155,17 @@ fn compact_objects_cannot_fill_the_memory() {
     assert!(description.problems.len() <= 10_001);
 }
 
+#[test]
+fn the_largest_numbers_do_no_harm() {
+    let text = b"[OptionalObjects]\n4294967295=0x6000\n[6000]\nObjectType=8\nDataType=7\nCompactSubObj=254\n";
+    let description = eds::read(text).unwrap();
+    assert_eq!(description.dictionary.entries().count(), 255);
+    assert!(!consistency::check(&description).is_empty());
+}
+
 fn check(bytes: &[u8]) -> Result<(), TestCaseError> {
     let Ok(description) = eds::read(bytes) else { return Ok(()) };
-    for problem in &description.problems {
+    for problem in description.problems.iter().chain(&consistency::check(&description)) {
         prop_assert!(!problem.to_string().chars().any(char::is_control), "{problem}");
         prop_assert!(problem.severity == Severity::Info || !problem.section.is_empty() || problem.line != 0);
     }
@@ -181,7 +189,7 @@ proptest! {
             prop::sample::select(vec![
                 "[", "]", "=", "\n", ";", "\r", "0x", "1018", "sub", "Value", "Name", "M1", "Fixed", "SubExt", "FileInfo",
                 "DeviceInfo", "SubNumber", "CompactSubObj", "CompactPDO", "ObjectType", "DataType", "DefaultValue",
-                "LowLimit", "HighLimit", "AccessType", "$NODEID", "+", "-", "0", "7", "8", "9", "255", "99999999999", "é",
+                "LowLimit", "HighLimit", "AccessType", "$NODEID", "+", "-", "0", "7", "8", "9", "254", "255", "65535", "4294967295", "99999999999", "Mandatory", "Objects", "Supported", "é",
             ]),
             0..300,
         ),

@@ -2,7 +2,9 @@
 //! references to parameters of the application process.
 
 use canvass_analyzer::dictionary::eds::DescriptionError;
-use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, EdsProblem, Setting, Severity, Value, xdd};
+use canvass_analyzer::dictionary::{
+    Access, DataType, DeviceDescription, EdsProblem, Setting, Severity, Value, consistency, xdd,
+};
 use canvass_analyzer::{Index, Multiplexer, NodeId};
 use proptest::prelude::*;
 
@@ -128,7 +130,7 @@ fn neither_entities_nor_depth_nor_width_do_harm() {
 
 fn check(bytes: &[u8]) -> Result<(), TestCaseError> {
     let Ok(description) = xdd::read(bytes) else { return Ok(()) };
-    for problem in &description.problems {
+    for problem in description.problems.iter().chain(&consistency::check(&description)) {
         prop_assert!(!problem.to_string().chars().any(char::is_control), "{problem}");
     }
     for (_, entry) in description.dictionary.entries() {

@@ -1,6 +1,6 @@
 //! What could not be read, and where.
 
-use crate::{Place, Record};
+use crate::{Place, Record, SourceError};
 use std::borrow::Cow;
 use std::fmt;
 

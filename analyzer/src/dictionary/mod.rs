@@ -1,7 +1,8 @@
-//! The object dictionary: data types, values, what a device description (EDS, DCF, XDD, XDC) says about a device, and the names
-//! that the standards give.
+//! The object dictionary: data types, values, what a device description (EDS, DCF, XDD, XDC) says about a device, and
+//! the names that the standards give.
 
 mod annotation;
+pub mod consistency;
 mod data_type;
 mod description;
 pub mod eds;

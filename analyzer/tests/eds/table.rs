@@ -237,7 +237,7 @@ pub const CASES: &[Case] = &[
     ),
     (
         "unknown-section-and-field",
-        &["info UnknownSection [Firmware]  @ [Firmware]", "info UnknownSection [2000] VendorExtra @ VendorExtra=1"],
+        &["info UnknownSection [Firmware]  @ [Firmware]", "info UnknownField [2000] VendorExtra @ VendorExtra=1"],
         &[],
     ),
     ("utf-16", &["info Encoding []  @ "], &[]),

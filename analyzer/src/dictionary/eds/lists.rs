@@ -47,7 +47,7 @@ pub(super) fn numbered(section: &Section<'_>, count: &str, problems: &mut Proble
                 continue;
             }
         }
-        next = field.name.parse().unwrap_or(next) + 1;
+        next = field.name.parse().unwrap_or(next).saturating_add(1);
         let number = number::parse(field.value).filter(|number| !number.plus_node_id);
         match number.and_then(|number| u16::try_from(number.value).ok()) {
             Some(number) => numbers.push((number, field.line)),

@@ -14,7 +14,7 @@ use crate::identity::SubIndex;
 /// A description with more entries is cut: `CompactSubObj` lets a small file ask for very many.
 const MOST_ENTRIES: usize = 200_000;
 
-const ENTRY_FIELDS: [&str; 13] = [
+const ENTRY_FIELDS: [&str; 14] = [
     "parametername",
     "objecttype",
     "datatype",
@@ -28,9 +28,10 @@ const ENTRY_FIELDS: [&str; 13] = [
     "denotation",
     "uploadfile",
     "downloadfile",
+    "paramrefd",
 ];
 
-const OBJECT_FIELDS: [&str; 5] = ["subnumber", "compactsubobj", "paramrefd", "count", "objextend"];
+const OBJECT_FIELDS: [&str; 2] = ["subnumber", "compactsubobj"];
 
 /// The sections of one object.
 #[derive(Default)]

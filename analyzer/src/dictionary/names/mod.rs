@@ -116,7 +116,7 @@ fn entry(object: &'static StandardObject, sub: SubIndex) -> Option<&'static Stan
 /// A row of the tables.
 ///
 /// - `var!(0x1000, "Device type", UNSIGNED32, Ro)`
-/// - `object!(0x1018, "Identity object", RECORD, [1, "Vendor-ID", UNSIGNED32, Ro; …])`: sub-index 0 counts the entries.
+/// - `object!(0x1018, "Identity object", RECORD, [1, "Vendor-ID", UNSIGNED32, Ro; …])`: sub-index 0 is added.
 /// - `object!(…, [all 0, …; 1, …])`: sub-index 0 is listed too. Indexes and sub-indexes may be ranges `a => b`.
 macro_rules! object {
     ($first:literal $(=> $last:literal)?, $name:literal, $code:ident,

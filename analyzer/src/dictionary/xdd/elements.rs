@@ -1,4 +1,5 @@
-//! The elements of an XML file as a flat list with their depth: a tree of a hostile file could be deeper than any stack.
+//! The elements of an XML file as a flat list with their depth: a tree of a hostile file could be deeper than any
+//! stack.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
