@@ -2,7 +2,7 @@
 
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
-use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::dictionary::DeviceDescription;
 use std::path::Path;
 
 /// A node and the model or file that describes it, as typed.
@@ -41,6 +41,6 @@ impl DeviceArg {
             bail!("\"{}\" is neither a built-in model (`canvass list models`) nor a file", self.device);
         }
         let bytes = std::fs::read(path).with_context(|| format!("can't read {}", path.display()))?;
-        Ok(eds::read(&bytes)?)
+        DeviceDescription::read(&bytes).with_context(|| format!("{} is no device description", path.display()))
     }
 }

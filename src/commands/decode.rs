@@ -91,9 +91,12 @@ impl Args {
                     Err(damage) => {
                         output.flush()?;
                         damages.report(capture.name(), &damage);
+                        if let Some(record) = &damage.salvaged {
+                            self.show(record, &capture, &mut network, &mut range, lines.as_mut(), &output)?;
+                        }
                         if self.strict || damage.kind.is_fatal() {
-                            let error = anyhow!("{}: stopped there", capture.name());
-                            return Err(error.into());
+                            output.flush()?;
+                            return Err(anyhow!("{}: stopped there", capture.name()).into());
                         }
                     }
                 }

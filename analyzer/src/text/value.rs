@@ -21,9 +21,11 @@ impl ValueText<'_> {
         if let Some(unit) = self.object.unit() {
             return physical(raw as f64, &unit, f);
         }
+        if let Some(text) = signature(self.bytes) {
+            return write!(f, "\"{text}\"");
+        }
         hexadecimal(raw, self.bytes.len(), f)?;
-        self.bits(raw, f)?;
-        if let Some(text) = signature(self.bytes) { write!(f, " \"{text}\"") } else { Ok(()) }
+        self.bits(raw, f)
     }
 
     /// The names of the bits that are set, and of clear ones whose clear state has a name.

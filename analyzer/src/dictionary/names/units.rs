@@ -21,12 +21,14 @@ impl Unit {
     }
 }
 
+/// Measuring units of a position: how many make a revolution or a millimetre is configured.
+const STEPS: Unit = Unit::new(1.0, "steps");
 const MICROSECONDS: Unit = Unit::new(1.0, "µs");
 const MILLISECONDS: Unit = Unit::new(1.0, "ms");
 /// Inhibit times count multiples of 100 µs.
 const TENTHS_OF_MILLISECONDS: Unit = Unit::new(0.1, "ms");
 
-/// The unit of an entry, where the standard fixes it. Values whose unit is configured (positions, speeds) have none.
+/// The unit of an entry, where the standard fixes it. Speeds, whose unit is configured, have none.
 pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
     Some(match (address.index.0, address.sub.0, profile) {
         (0x1006 | 0x1007 | 0x1013, 0, _) => MICROSECONDS,
@@ -38,6 +40,9 @@ pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
         (0x6005, 1, Some(ENCODER_PROFILE)) => Unit::new(0.001, "µm"),
         (0x6005, 2, Some(ENCODER_PROFILE)) => Unit::new(0.01, "mm/s"),
         (0x6031 | 0x6041, 2, Some(ENCODER_PROFILE)) | (0x6200, 0, Some(ENCODER_PROFILE)) => MILLISECONDS,
+        (0x6001..=0x6004 | 0x6501 | 0x6509, 0, Some(ENCODER_PROFILE)) => STEPS,
+        (0x6020 | 0x6401 | 0x6402 | 0x650A, 1.., Some(ENCODER_PROFILE)) => STEPS,
+        (0x6502, 0, Some(ENCODER_PROFILE)) => Unit::new(1.0, "revolutions"),
         (0x6508, 0, Some(ENCODER_PROFILE)) => Unit::new(0.1, "h"),
         _ => return None,
     })
