@@ -208,6 +208,14 @@ pub(crate) fn hex_run(input: &[u8]) -> (&[u8], usize, u32) {
     (rest, count, value)
 }
 
+/// One to eight hexadecimal digits.
+pub(crate) fn hexadecimal<'a>(what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, u32> {
+    move |input| match hex_run(input) {
+        (_, 0, _) => Expected::fail(input, what),
+        (rest, _, value) => Ok((rest, value)),
+    }
+}
+
 /// Exactly `digits` hexadecimal digits.
 pub(crate) fn hex_field<'a>(digits: usize, what: &'static str) -> impl Fn(&'a [u8]) -> Parsed<'a, u32> {
     move |input| match hex_run(input) {

@@ -8,6 +8,7 @@
 
 mod capture;
 mod channel;
+mod channel_numbers;
 mod compression;
 mod damage;
 mod formats;

@@ -1,6 +1,8 @@
 //! The capture formats, one file each.
 
 pub(crate) mod asc;
+mod asc_row;
+mod asc_writer;
 pub(crate) mod blf;
 pub(crate) mod candump_console;
 pub(crate) mod candump_log;
@@ -11,6 +13,7 @@ pub(crate) mod pcapng;
 pub(crate) mod python_can_csv;
 pub(crate) mod socketcan;
 pub(crate) mod trc;
+mod trc_writer;
 
 use crate::{ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
 use std::io::Write;
@@ -100,7 +103,7 @@ const FORMATS: &[Row] = &[
         extensions: &["trc"],
         sniff: trc::sniff,
         open: trc::open,
-        create: None,
+        create: Some(trc::create),
     },
     Row {
         format: Format::PythonCanCsv,
@@ -109,7 +112,7 @@ const FORMATS: &[Row] = &[
         extensions: &["csv"],
         sniff: python_can_csv::sniff,
         open: python_can_csv::open,
-        create: None,
+        create: Some(python_can_csv::create),
     },
     Row {
         format: Format::MiniMon,
@@ -127,7 +130,7 @@ const FORMATS: &[Row] = &[
         extensions: &["asc"],
         sniff: asc::sniff,
         open: asc::open,
-        create: None,
+        create: Some(asc::create),
     },
     Row {
         format: Format::Candump,
