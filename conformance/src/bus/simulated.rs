@@ -77,6 +77,8 @@ impl SimulatedBus {
             if participant.timeout <= self.now {
                 participant.machine.handle_timeout(self.now);
                 participant.settle(self.now);
+                // Time goes on, whatever a machine asks for.
+                participant.timeout = participant.timeout.max(self.now + Duration(1));
             }
         }
         self.find_next_timeout();
@@ -87,13 +89,9 @@ impl SimulatedBus {
     }
 
     /// The sender whose identifier wins the bus now, if any wants it.
-    fn arbitrate(&mut self) -> Option<Sender> {
+    fn arbitrate(&self) -> Option<Sender> {
         let mut winner = self.outgoing.front().map(|frame| (priority(frame), Sender::Tester));
-        for (n, participant) in self.participants.iter_mut().enumerate() {
-            if participant.pending.is_none() {
-                participant.pending = participant.machine.poll_transmit(self.now);
-                participant.timeout = participant.machine.poll_timeout().unwrap_or(Timestamp::MAX);
-            }
+        for (n, participant) in self.participants.iter().enumerate() {
             if let Some(frame) = &participant.pending {
                 let own = priority(frame);
                 if winner.is_none_or(|(best, _)| own < best) {
@@ -101,20 +99,20 @@ impl SimulatedBus {
                 }
             }
         }
-        self.find_next_timeout();
         winner.map(|(_, sender)| sender)
     }
 
-    /// Puts the winner's frame on the wire, as soon as that is free.
+    /// Puts the winner's frame on the wire.
     fn begin(&mut self, sender: Sender) {
         let frame = match sender {
             Sender::Tester => self.outgoing.pop_front(),
-            Sender::Participant(n) => self.participants.get_mut(n).and_then(|p| p.pending.take()),
+            Sender::Participant(n) => self.participants.get_mut(n).and_then(|p| p.take_pending(self.now)),
         };
         if let Some(frame) = frame {
             let end = self.now + self.bits(bit_length(&frame).unwrap_or(0));
             self.on_wire = Some(OnWire { frame, sender, end });
         }
+        self.find_next_timeout();
     }
 
     /// Gives a frame that has ended to everyone but its sender.
@@ -148,10 +146,11 @@ impl SimulatedBus {
                 self.on_wire = None;
                 return Step::Frame(self.deliver(sent));
             }
-            Next::BusFree(_) => match self.arbitrate() {
-                Some(sender) => self.begin(sender),
-                None => return Step::Quiet,
-            },
+            Next::BusFree(_) => {
+                if let Some(sender) = self.arbitrate() {
+                    self.begin(sender);
+                }
+            }
         }
         Step::Quiet
     }
@@ -206,6 +205,13 @@ impl Participant {
             self.pending = self.machine.poll_transmit(now);
         }
         self.timeout = self.machine.poll_timeout().unwrap_or(Timestamp::MAX);
+    }
+
+    /// Hands over the frame in arbitration and takes the next one.
+    fn take_pending(&mut self, now: Timestamp) -> Option<Frame> {
+        let frame = self.pending.take();
+        self.settle(now);
+        frame
     }
 }
 
