@@ -38,12 +38,12 @@ pub struct Srdo {
     /// Which of the two.
     pub half: Half,
     /// How it fits to the other one.
-    pub fits: Match,
+    pub fit: Fit,
 }
 
 /// How the inverted data fit the data.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
-pub enum Match {
+pub enum Fit {
     /// Every bit is inverted.
     Inverse,
     /// The inverted frame is not the inverse of the data.
@@ -95,10 +95,10 @@ impl fmt::Display for Srdo {
             Half::Normal => "SRDO data",
             Half::Inverted => "SRDO inverted data",
         })?;
-        f.write_str(match (self.half, self.fits) {
-            (_, Match::Inverse) | (Half::Normal, Match::Alone) => "",
-            (_, Match::Different) => ", not the inverse of the data",
-            (Half::Inverted, Match::Alone) => ", without the data before it",
+        f.write_str(match (self.half, self.fit) {
+            (_, Fit::Inverse) | (Half::Normal, Fit::Alone) => "",
+            (_, Fit::Different) => ", not the inverse of the data",
+            (Half::Inverted, Fit::Alone) => ", without the data before it",
         })
     }
 }
