@@ -8,12 +8,18 @@
 //! reserved codes and surplus bytes pass through, because a trace shows what was on the bus and a test must be
 //! able to send it.
 
+pub mod case_marker;
 pub mod emcy;
 pub mod error_control;
+pub mod error_frame;
+pub mod flying_master;
+pub mod lmt;
 pub mod lss;
+pub mod mpdo;
 pub mod nmt;
 pub mod pdo;
 pub mod sdo;
+pub mod srdo;
 pub mod sync;
 pub mod time;
 
