@@ -12,6 +12,7 @@ pub(crate) mod pcap;
 pub(crate) mod pcapng;
 pub(crate) mod python_can_csv;
 pub(crate) mod trc;
+mod trc_row;
 mod trc_writer;
 
 use crate::{ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
