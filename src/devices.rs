@@ -3,6 +3,7 @@
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_conformance::models::Model;
 use std::path::Path;
 
 /// A node and the model or file that describes it, as typed.
@@ -36,6 +37,9 @@ pub fn parse_node(text: &str) -> Result<NodeId> {
 impl DeviceArg {
     /// The description of the device.
     pub fn describe(&self) -> Result<DeviceDescription> {
+        if let Some(model) = Model::by_id(&self.device) {
+            return Ok(model.description().clone());
+        }
         let path = Path::new(&self.device);
         if !path.exists() {
             bail!("\"{}\" is neither a built-in model (`canvass list models`) nor a file", self.device);

@@ -24,7 +24,7 @@ fn the_bus_trace_of_the_manual() {
         "boot-up",
         "write 6200h:00 Cyclic timer = 10 ms",
         "write confirmed: 6200h:00",
-        "write 6000h:00 Operating parameters = 1 (code sequence counter-clockwise)",
+        "write 6000h:00 Operating parameters = 1 (code sequence counter-clockwise",
         "write confirmed: 6000h:00",
         "write 1010h:01 Store parameters, Save all parameters = \"save\"",
         "write confirmed: 1010h:01",
