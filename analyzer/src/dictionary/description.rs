@@ -1,0 +1,160 @@
+//! What a device description (EDS, DCF, XDD, XDC) says about a device.
+
+use super::object::{Object, ObjectDictionary};
+use super::problem::EdsProblem;
+use crate::identity::{Index, NodeId};
+use std::collections::BTreeMap;
+
+/// A device description, as far as it could be read. Texts come from the file and may hold anything.
+#[derive(Clone, Debug, Default)]
+pub struct DeviceDescription {
+    /// The file about itself.
+    pub file: FileInfo,
+    /// The device in general.
+    pub device: DeviceInfo,
+    /// What a DCF or XDC sets for one device in one network.
+    pub commissioning: Option<Commissioning>,
+    /// The data types that may stand in an RPDO mapping to skip bits, by index: `DummyUsage`.
+    pub dummy_usage: BTreeMap<u16, bool>,
+    /// The lines of `Comments`.
+    pub comments: Vec<String>,
+    /// The objects.
+    pub dictionary: ObjectDictionary,
+    /// Which list of the file names which objects.
+    pub lists: ObjectLists,
+    /// The modules of a modular device.
+    pub modules: Vec<Module>,
+    /// The modules that a DCF plugs in, by their number in `modules`, in the order of the slots.
+    pub connected_modules: Vec<u16>,
+    /// What was wrong, by line.
+    pub problems: Vec<EdsProblem>,
+}
+
+/// `FileInfo`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct FileInfo {
+    /// `FileName`.
+    pub name: String,
+    /// `FileVersion`.
+    pub version: String,
+    /// `FileRevision`.
+    pub revision: String,
+    /// `EDSVersion`: `3.0` if not given, as CiA 306 says.
+    pub eds_version: String,
+    /// `Description`.
+    pub description: String,
+    /// `CreationDate`, mm-dd-yyyy, and `CreationTime`, hh:mm(AM|PM).
+    pub created: (String, String),
+    /// `CreatedBy`.
+    pub created_by: String,
+    /// `ModificationDate` and `ModificationTime`.
+    pub modified: (String, String),
+    /// `ModifiedBy`.
+    pub modified_by: String,
+    /// `LastEDS` of a DCF: the file that it was made from.
+    pub last_eds: Option<String>,
+}
+
+/// `DeviceInfo`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DeviceInfo {
+    /// `VendorName`.
+    pub vendor_name: String,
+    /// `VendorNumber`: 1018h:01.
+    pub vendor_number: Option<u32>,
+    /// `ProductName`.
+    pub product_name: String,
+    /// `ProductNumber`: 1018h:02.
+    pub product_number: Option<u32>,
+    /// `RevisionNumber`: 1018h:03.
+    pub revision_number: Option<u32>,
+    /// `OrderCode`.
+    pub order_code: String,
+    /// The bit rates that the device knows, in kbit/s, rising.
+    pub bit_rates: Vec<u16>,
+    /// `SimpleBootUpMaster`.
+    pub simple_boot_up_master: bool,
+    /// `SimpleBootUpSlave`.
+    pub simple_boot_up_slave: bool,
+    /// `Granularity`: the smallest number of bits that can be mapped, 0 if mapping is fixed.
+    pub granularity: u8,
+    /// `DynamicChannelsSupported`.
+    pub dynamic_channels: bool,
+    /// `CompactPDO`: which sub-indexes of the PDO communication parameters exist, where the file describes none.
+    pub compact_pdo: u8,
+    /// `GroupMessaging`.
+    pub group_messaging: bool,
+    /// `NrOfRXPDO`.
+    pub rpdos: u16,
+    /// `NrOfTXPDO`.
+    pub tpdos: u16,
+    /// `LSS_Supported`.
+    pub lss_supported: bool,
+}
+
+/// `DeviceComissioning` (the standard's spelling).
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Commissioning {
+    /// `NodeID`.
+    pub node_id: Option<NodeId>,
+    /// `NodeName`.
+    pub node_name: String,
+    /// `Baudrate`, in kbit/s.
+    pub bit_rate: Option<u16>,
+    /// `NetNumber`.
+    pub net_number: Option<u32>,
+    /// `NetworkName`.
+    pub network_name: String,
+    /// `CANopenManager`.
+    pub is_manager: bool,
+    /// `LSS_SerialNumber`.
+    pub lss_serial_number: Option<u32>,
+}
+
+/// The lists of objects, each with the line of its entry.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ObjectLists {
+    /// `MandatoryObjects`.
+    pub mandatory: Vec<(Index, u32)>,
+    /// `OptionalObjects`.
+    pub optional: Vec<(Index, u32)>,
+    /// `ManufacturerObjects`.
+    pub manufacturer: Vec<(Index, u32)>,
+}
+
+/// A module of a modular device (CiA 306, `SupportedModules`).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Module {
+    /// Its number in the file, from 1.
+    pub number: u16,
+    /// `ProductName`.
+    pub product_name: String,
+    /// `ProductVersion`.
+    pub product_version: Option<u32>,
+    /// `ProductRevision`.
+    pub product_revision: Option<u32>,
+    /// `OrderCode`.
+    pub order_code: String,
+    /// Objects that the device has as soon as one such module is plugged in.
+    pub fixed_objects: Vec<Object>,
+    /// Sub-indexes that each such module adds.
+    pub extensions: Vec<SubExtension>,
+}
+
+/// How a module extends an object (CiA 306, `MxSubExtxxxx`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct SubExtension {
+    /// What the new sub-indexes look like: one entry, without a meaning of its sub-index.
+    pub template: Object,
+    /// `Count`: how many sub-indexes each module adds; if the module shares them with others, how many bits.
+    pub count: u32,
+    /// `ObjExtend`: 0 = new sub-indexes of the same object, otherwise when one object is full it goes on in others.
+    pub object_extend: u32,
+}
+
+impl DeviceDescription {
+    /// Whether it is for one configured device (DCF, XDC) and not for a type of device (EDS, XDD).
+    pub const fn is_configuration(&self) -> bool {
+        self.commissioning.is_some()
+    }
+}

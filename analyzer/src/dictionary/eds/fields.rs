@@ -1,0 +1,193 @@
+//! Reads single fields: texts, numbers, flags, and values of a data type.
+
+use super::lexer::Section;
+use super::number;
+use crate::dictionary::data_type::{DataClass, DataType};
+use crate::dictionary::object::Setting;
+use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::dictionary::value::Value;
+
+/// The fields of one section, with where problems go.
+pub(super) struct Fields<'s, 'p> {
+    pub section: &'s Section<'s>,
+    pub problems: &'p mut Problems,
+}
+
+impl<'s> Fields<'s, '_> {
+    pub fn report(&mut self, field: &str, severity: Severity, kind: ProblemKind, expected: &'static str, found: &str) {
+        self.problems.report(self.section.place(field), severity, kind, expected, found);
+    }
+
+    /// The text of a field that may be missing.
+    pub fn optional_text(&self, field: &str) -> Option<&'s str> {
+        self.section.field(field).map(|field| field.value)
+    }
+
+    /// The text of a field, empty if it is missing.
+    pub fn text(&self, field: &str) -> String {
+        self.optional_text(field).unwrap_or_default().to_owned()
+    }
+
+    /// A number from 0 to `most`, in any of the allowed forms; `None` if the field is missing, empty or wrong.
+    pub fn number(&mut self, field: &str, most: u32) -> Option<u32> {
+        let text = self.optional_text(field).filter(|text| !text.is_empty() && !text.starts_with(';'))?;
+        let Some(number) = number::parse(text).filter(|number| !number.plus_node_id) else {
+            self.report(field, Severity::Error, ProblemKind::Number, "a number", text);
+            return None;
+        };
+        if let Some(expected) = number.oddity {
+            self.report(field, Severity::Warning, ProblemKind::Number, expected, text);
+        }
+        let value = u32::try_from(number.value).ok().filter(|&value| value <= most);
+        if value.is_none() {
+            self.report(field, Severity::Error, ProblemKind::Value, "a number in the range of the field", text);
+        }
+        value
+    }
+
+    /// 0 or 1; missing or wrong is `false`.
+    pub fn flag(&mut self, field: &str) -> bool {
+        let text = self.optional_text(field).unwrap_or_default();
+        let word = ["false", "no", "true", "yes"].iter().position(|word| text.eq_ignore_ascii_case(word));
+        if let Some(position) = word {
+            self.report(field, Severity::Warning, ProblemKind::Value, "0 or 1", text);
+            return position > 1;
+        }
+        let value = self.number(field, u32::MAX).unwrap_or(0);
+        if value > 1 {
+            self.report(field, Severity::Warning, ProblemKind::Value, "0 or 1", text);
+        }
+        value != 0
+    }
+
+    /// A value of that data type, or a formula; `None` if the field is missing, empty or wrong.
+    pub fn setting(&mut self, field: &str, data_type: DataType) -> Option<Setting> {
+        let text = self.optional_text(field)?;
+        setting(text, data_type, self.section.place(field), self.problems)
+    }
+
+    /// Reports fields that the section should not have.
+    pub fn check_known(&mut self, known: impl Fn(&str) -> bool) {
+        for field in &self.section.fields {
+            let name = super::lexer::canonical(field.name);
+            if !known(&name) {
+                let place = Place { line: field.line, section: self.section.name, field: field.name };
+                let expected = "a field that CiA 306 defines here";
+                self.problems.report(place, Severity::Info, ProblemKind::UnknownSection, expected, field.name);
+            }
+        }
+    }
+}
+
+/// The text as a value of that data type, or a formula; `None` if it is empty or wrong.
+pub(in crate::dictionary) fn setting(
+    text: &str,
+    data_type: DataType,
+    place: Place<'_>,
+    problems: &mut Problems,
+) -> Option<Setting> {
+    let text = text.trim();
+    if text.is_empty() || text.starts_with(';') {
+        return None;
+    }
+    let value = match data_type.class()? {
+        DataClass::Boolean | DataClass::Integer | DataClass::Unsigned => {
+            return integral(text, data_type, place, problems);
+        }
+        DataClass::Real => real(text, data_type),
+        DataClass::VisibleString => Some(Value::VisibleString(characters(text))),
+        DataClass::UnicodeString => Some(Value::UnicodeString(text.encode_utf16().collect())),
+        DataClass::OctetString => octets(text).map(Value::OctetString),
+        DataClass::Domain => Some(Value::Domain(octets(text).unwrap_or_else(|| characters(text)))),
+        DataClass::TimeOfDay | DataClass::TimeDifference => {
+            let raw = number::parse(text).filter(|number| !number.plus_node_id);
+            raw.and_then(|number| u64::try_from(number.value).ok()).and_then(|raw| Value::from_raw(data_type, raw))
+        }
+        DataClass::Record => return None,
+    };
+    if value.is_none() {
+        problems.report(place, Severity::Error, ProblemKind::Number, "a value of the data type", text);
+    }
+    value.map(Setting::Fixed)
+}
+
+fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Problems) -> Option<Setting> {
+    let word = ["false", "true"].iter().position(|word| text.eq_ignore_ascii_case(word));
+    if let (DataType::BOOLEAN, Some(position)) = (data_type, word) {
+        problems.report(place, Severity::Warning, ProblemKind::Number, "0 or 1", text);
+        return Some(Setting::Fixed(Value::Boolean(position == 1)));
+    }
+    let Some(number) = number::parse(text) else {
+        problems.report(place, Severity::Error, ProblemKind::Number, "a number", text);
+        return None;
+    };
+    if let Some(expected) = number.oddity {
+        problems.report(place, Severity::Warning, ProblemKind::Number, expected, text);
+    }
+    let setting = if number.plus_node_id {
+        // The highest node-ID must fit too.
+        let bits = data_type.bits()?;
+        let most = u32::MAX >> 32u32.saturating_sub(bits);
+        let offset = u32::try_from(number.value).ok();
+        offset.filter(|offset| offset.checked_add(127).is_some_and(|sum| sum <= most)).map(Setting::NodeIdPlus)
+    } else {
+        in_range(number.value, text, data_type, place, problems).map(Setting::Fixed)
+    };
+    if setting.is_none() {
+        problems.report(place, Severity::Error, ProblemKind::Range, "a number that fits the data type", text);
+    }
+    setting
+}
+
+/// The number in that data type. A negative number of an unsigned type, or a number of a signed type that only fits
+/// unsigned, is taken as the bits that it stands for: hexadecimal is the usual way to write negative numbers.
+fn in_range(number: i128, text: &str, data_type: DataType, place: Place<'_>, problems: &mut Problems) -> Option<Value> {
+    let all: i128 = 1 << data_type.bits()?;
+    if number >= all || number < -all / 2 {
+        return None;
+    }
+    let signed = data_type.class() == Some(DataClass::Integer);
+    let hexadecimal = text.starts_with("0x") || text.starts_with("0X");
+    let wrapped = if signed { number >= all / 2 && !hexadecimal } else { number < 0 };
+    if wrapped {
+        let expected = "a number that fits the data type without wrapping";
+        problems.report(place, Severity::Warning, ProblemKind::Range, expected, text);
+    }
+    Value::from_raw(data_type, number as u64)
+}
+
+/// A decimal number, or the bits in hexadecimal.
+fn real(text: &str, data_type: DataType) -> Option<Value> {
+    let text = text.split(';').next()?.trim();
+    if text.starts_with("0x") || text.starts_with("0X") {
+        let raw = u64::try_from(number::parse(text)?.value).ok()?;
+        return Value::from_raw(data_type, raw);
+    }
+    let number: f64 = text.replace(',', ".").parse().ok()?;
+    Some(if data_type == DataType::REAL32 { Value::Real32(number as f32) } else { Value::Real64(number) })
+}
+
+/// A string's bytes: Latin-1 as far as possible, since that is what the byte in the file was.
+fn characters(text: &str) -> Vec<u8> {
+    let latin_1: Option<Vec<u8>> = text.chars().map(|character| u8::try_from(character).ok()).collect();
+    latin_1.unwrap_or_else(|| text.as_bytes().to_vec())
+}
+
+/// Pairs of hexadecimal digits, with or without blanks and `0x` before them.
+fn octets(text: &str) -> Option<Vec<u8>> {
+    let mut bytes = Vec::new();
+    for word in text.split_whitespace() {
+        let digits: Option<Vec<u32>> = word.trim_start_matches("0x").chars().map(|digit| digit.to_digit(16)).collect();
+        let digits = digits?;
+        if let [digit] = digits.as_slice() {
+            bytes.push(*digit as u8);
+            continue;
+        }
+        let (pairs, rest) = digits.as_chunks::<2>();
+        if !rest.is_empty() {
+            return None;
+        }
+        bytes.extend(pairs.iter().map(|[high, low]| (high << 4 | low) as u8));
+    }
+    Some(bytes)
+}

@@ -1,0 +1,208 @@
+//! `FileInfo`, `DeviceInfo`, `DummyUsage`, `Comments` and `DeviceComissioning`.
+
+use super::fields::Fields;
+use super::lexer::{Document, Section, canonical};
+use crate::dictionary::description::{Commissioning, DeviceInfo, FileInfo};
+use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::identity::NodeId;
+use std::collections::BTreeMap;
+
+const FILE_INFO: [&str; 12] = [
+    "filename",
+    "fileversion",
+    "filerevision",
+    "edsversion",
+    "description",
+    "creationtime",
+    "creationdate",
+    "createdby",
+    "modificationtime",
+    "modificationdate",
+    "modifiedby",
+    "lasteds",
+];
+
+/// The bit rates of CiA 301 in kbit/s.
+const BIT_RATES: [u16; 9] = [10, 20, 50, 100, 125, 250, 500, 800, 1000];
+
+const DEVICE_INFO: [&str; 18] = [
+    "vendorname",
+    "vendornumber",
+    "productname",
+    "productnumber",
+    "revisionnumber",
+    "ordercode",
+    "simplebootupmaster",
+    "simplebootupslave",
+    "granularity",
+    "dynamicchannelssupported",
+    "compactpdo",
+    "groupmessaging",
+    "nrofrxpdo",
+    "nroftxpdo",
+    "lss_supported",
+    "canopensafetysupported",
+    "extendedbootupmaster",
+    "extendedbootupslave",
+];
+
+pub(super) fn file_info(section: &Section<'_>, problems: &mut Problems) -> FileInfo {
+    let mut fields = Fields { section, problems };
+    fields.check_known(|name| FILE_INFO.contains(&name));
+    for (field, example) in [("CreationDate", "12-31-1999"), ("ModificationDate", "12-31-1999")] {
+        check_form(&mut fields, field, example, "a date as mm-dd-yyyy");
+    }
+    for (field, example) in [("CreationTime", "01:59PM"), ("ModificationTime", "01:59PM")] {
+        check_form(&mut fields, field, example, "a time as hh:mm(AM|PM)");
+    }
+    FileInfo {
+        name: fields.text("FileName"),
+        version: fields.text("FileVersion"),
+        revision: fields.text("FileRevision"),
+        eds_version: fields.optional_text("EDSVersion").unwrap_or("3.0").to_owned(),
+        description: fields.text("Description"),
+        created: (fields.text("CreationDate"), fields.text("CreationTime")),
+        created_by: fields.text("CreatedBy"),
+        modified: (fields.text("ModificationDate"), fields.text("ModificationTime")),
+        modified_by: fields.text("ModifiedBy"),
+        last_eds: fields.optional_text("LastEDS").map(str::to_owned),
+    }
+}
+
+/// Compares with an example in which digits stand for digits, and letters for `AM` or `PM`.
+fn check_form(fields: &mut Fields<'_, '_>, field: &str, example: &str, expected: &'static str) {
+    let Some(text) = fields.optional_text(field).filter(|text| !text.is_empty()) else { return };
+    let same_form = text.len() == example.len()
+        && text.chars().zip(example.chars()).all(|(found, example)| match example {
+            '0'..='9' => found.is_ascii_digit(),
+            'P' => matches!(found.to_ascii_uppercase(), 'A' | 'P'),
+            _ => found.to_ascii_uppercase() == example,
+        });
+    if !same_form {
+        fields.report(field, Severity::Warning, ProblemKind::Value, expected, text);
+    }
+}
+
+pub(super) fn device_info(section: &Section<'_>, problems: &mut Problems) -> DeviceInfo {
+    let mut fields = Fields { section, problems };
+    fields.check_known(|name| DEVICE_INFO.contains(&name) || bit_rate_of(name).is_some());
+    let mut bit_rates: Vec<u16> = Vec::new();
+    for rate in BIT_RATES {
+        if fields.flag(&format!("BaudRate_{rate}")) {
+            bit_rates.push(rate);
+        }
+    }
+    if bit_rates.is_empty() {
+        let expected = "at least one bit rate";
+        fields.report("", Severity::Warning, ProblemKind::MissingField, expected, "no BaudRate_x=1");
+    }
+    DeviceInfo {
+        vendor_name: fields.text("VendorName"),
+        vendor_number: fields.number("VendorNumber", u32::MAX),
+        product_name: fields.text("ProductName"),
+        product_number: fields.number("ProductNumber", u32::MAX),
+        revision_number: fields.number("RevisionNumber", u32::MAX),
+        order_code: fields.text("OrderCode"),
+        bit_rates,
+        simple_boot_up_master: fields.flag("SimpleBootUpMaster"),
+        simple_boot_up_slave: fields.flag("SimpleBootUpSlave"),
+        granularity: fields.number("Granularity", 64).unwrap_or(0) as u8,
+        dynamic_channels: fields.number("DynamicChannelsSupported", u32::MAX).unwrap_or(0) != 0,
+        compact_pdo: fields.number("CompactPDO", 0xFF).unwrap_or(0) as u8,
+        group_messaging: fields.flag("GroupMessaging"),
+        rpdos: fields.number("NrOfRXPDO", 512).unwrap_or(0) as u16,
+        tpdos: fields.number("NrOfTXPDO", 512).unwrap_or(0) as u16,
+        lss_supported: fields.flag("LSS_Supported"),
+    }
+}
+
+fn bit_rate_of(field: &str) -> Option<u16> {
+    let rate = field.strip_prefix("baudrate_")?.parse().ok()?;
+    BIT_RATES.contains(&rate).then_some(rate)
+}
+
+pub(super) fn commissioning(section: &Section<'_>, problems: &mut Problems) -> Commissioning {
+    let mut fields = Fields { section, problems };
+    let number = fields.number("NodeID", u32::MAX);
+    let node_id = number.and_then(|number| NodeId::new(u8::try_from(number).ok()?));
+    if let (Some(number), None) = (number, node_id) {
+        let found = number.to_string();
+        fields.report("NodeID", Severity::Error, ProblemKind::Value, "a node-ID from 1 to 127", &found);
+    }
+    let bit_rate = fields.number("Baudrate", u32::MAX);
+    let known = bit_rate.and_then(|rate| u16::try_from(rate).ok()).filter(|rate| BIT_RATES.contains(rate));
+    if let (Some(rate), None) = (bit_rate, known) {
+        let expected = "a bit rate of CiA 301 in kbit/s";
+        fields.report("Baudrate", Severity::Error, ProblemKind::Value, expected, &rate.to_string());
+    }
+    Commissioning {
+        node_id,
+        node_name: fields.text("NodeName"),
+        bit_rate: known,
+        net_number: fields.number("NetNumber", u32::MAX),
+        network_name: fields.text("NetworkName"),
+        is_manager: fields.flag("CANopenManager"),
+        lss_serial_number: fields.number("LSS_SerialNumber", u32::MAX),
+    }
+}
+
+pub(super) fn dummy_usage(section: &Section<'_>, problems: &mut Problems) -> BTreeMap<u16, bool> {
+    let mut dummies = BTreeMap::new();
+    for field in &section.fields {
+        let name = canonical(field.name);
+        let digits = name.strip_prefix("dummy").filter(|digits| digits.len() == 4);
+        // The four digits are the index of the data type.
+        match digits.and_then(|digits| u16::from_str_radix(digits, 16).ok()) {
+            Some(index) => {
+                let usable = Fields { section, problems }.flag(field.name);
+                dummies.insert(index, usable);
+            }
+            None => {
+                let place = Place { line: field.line, section: section.name, field: field.name };
+                let expected = "Dummy and the four digits of a data type";
+                problems.report(place, Severity::Warning, ProblemKind::Value, expected, field.name);
+            }
+        }
+    }
+    dummies
+}
+
+/// The fields `Line1`, `Line2`… in the order of the file. `Lines` should be their number.
+pub(super) fn comments(section: &Section<'_>, problems: &mut Problems) -> Vec<String> {
+    let is_line = |name: &str| {
+        let number = name.strip_prefix("line").unwrap_or_default();
+        !number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit())
+    };
+    let lines: Vec<String> = section
+        .fields
+        .iter()
+        .filter(|field| is_line(&canonical(field.name)))
+        .map(|field| field.value.to_owned())
+        .collect();
+    let mut fields = Fields { section, problems };
+    let announced = fields.number("Lines", u32::MAX);
+    if announced.is_some_and(|announced| announced as usize != lines.len()) {
+        let found = format!("{} lines", lines.len());
+        fields.report("Lines", Severity::Warning, ProblemKind::Count, "the number of lines that follow", &found);
+    }
+    lines
+}
+
+/// Reports required sections that are missing.
+pub(super) fn check_sections(document: &Document<'_>, problems: &mut Problems) {
+    let required = [
+        "FileInfo",
+        "DeviceInfo",
+        "DummyUsage",
+        "Comments",
+        "MandatoryObjects",
+        "OptionalObjects",
+        "ManufacturerObjects",
+    ];
+    for name in required {
+        if document.section(name).is_none() {
+            let place = Place { line: 0, section: name, field: "" };
+            problems.report(place, Severity::Warning, ProblemKind::MissingSection, "a section of this name", "none");
+        }
+    }
+}

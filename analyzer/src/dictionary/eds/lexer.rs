@@ -1,0 +1,148 @@
+//! The lines of an EDS: sections, fields and comments, each with its line number, in the file's order and case.
+//!
+//! CiA 306, basic structure: `[section]`, `field=value`, `;` begins a comment line. Names are the same in any case.
+//! What the field has beyond that and is accepted here: blanks around everything, `#` and `//` comments, a text after
+//! `]`, line ends of all systems, sections and fields that occur twice (the first counts).
+
+use std::collections::HashMap;
+use std::collections::hash_map::Entry;
+
+use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+
+/// CiA 306: at most so many characters in a line.
+const LONGEST_LINE: usize = 255;
+
+/// All sections of a file.
+#[derive(Debug, Default)]
+pub(super) struct Document<'a> {
+    pub sections: Vec<Section<'a>>,
+    by_name: HashMap<String, usize>,
+}
+
+/// `[name]` and what follows it.
+#[derive(Debug)]
+pub(super) struct Section<'a> {
+    /// As the file writes it.
+    pub name: &'a str,
+    pub line: u32,
+    pub fields: Vec<Field<'a>>,
+    by_name: HashMap<String, usize>,
+}
+
+/// `name=value`.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Field<'a> {
+    /// As the file writes it.
+    pub name: &'a str,
+    /// Without blanks at both ends; a comment after the value still stands in it.
+    pub value: &'a str,
+    pub line: u32,
+}
+
+impl<'a> Document<'a> {
+    /// The section of that name, in any case.
+    pub fn section(&self, name: &str) -> Option<&Section<'a>> {
+        self.sections.get(*self.by_name.get(&canonical(name))?)
+    }
+}
+
+impl<'a> Section<'a> {
+    /// The field of that name, in any case.
+    pub fn field(&self, name: &str) -> Option<Field<'a>> {
+        self.fields.get(*self.by_name.get(&canonical(name))?).copied()
+    }
+
+    /// Where a field stands, or would stand.
+    pub fn place<'b>(&'b self, field: &'b str) -> Place<'b> {
+        let line = self.field(field).map_or(self.line, |field| field.line);
+        Place { line, section: self.name, field }
+    }
+}
+
+/// Names are compared in lower case and without blanks.
+pub(super) fn canonical(name: &str) -> String {
+    name.chars().filter(|character| !character.is_whitespace()).flat_map(char::to_lowercase).collect()
+}
+
+/// All sections of the text.
+pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
+    let mut document = Document::default();
+    // Where fields go: `None` before the first section and in a section that occurs again.
+    let mut current: Option<usize> = None;
+    let mut number = 0;
+    for line in lines(text) {
+        number += 1;
+        if line.chars().nth(LONGEST_LINE).is_some() {
+            let place = Place { line: number, ..Place::default() };
+            problems.report(place, Severity::Warning, ProblemKind::Line, "at most 255 characters", line);
+        }
+        let line = line.trim_matches(|character: char| character.is_whitespace() || character == '\0');
+        if line.is_empty() || line.starts_with(';') {
+            continue;
+        }
+        if let Some(rest) = line.strip_prefix('[') {
+            current = begin_section(&mut document, rest, number, problems);
+            continue;
+        }
+        if line.starts_with('#') || line.starts_with("//") {
+            let place = Place { line: number, ..Place::default() };
+            problems.report(place, Severity::Warning, ProblemKind::Line, "a comment to begin with ;", line);
+            continue;
+        }
+        let section = current.and_then(|position| document.sections.get_mut(position));
+        field(section, line, number, problems);
+    }
+    document
+}
+
+/// Lines that end in LF, CR LF or CR alone.
+fn lines(text: &str) -> impl Iterator<Item = &str> {
+    text.split('\n').flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'))
+}
+
+fn begin_section<'a>(document: &mut Document<'a>, rest: &'a str, line: u32, problems: &mut Problems) -> Option<usize> {
+    let (name, after) = rest.split_once(']').unwrap_or((rest, "?"));
+    let name = name.trim();
+    let place = Place { line, section: name, field: "" };
+    let after = after.trim();
+    if !after.is_empty() && !after.starts_with(';') {
+        let found = if rest.contains(']') { after } else { rest };
+        problems.report(place, Severity::Warning, ProblemKind::Line, "a section name between [ and ]", found);
+    }
+    match document.by_name.entry(canonical(name)) {
+        Entry::Occupied(_) => {
+            let expected = "a section once; the first counts";
+            problems.report(place, Severity::Warning, ProblemKind::DuplicateSection, expected, name);
+            None
+        }
+        Entry::Vacant(vacant) => {
+            let position = document.sections.len();
+            vacant.insert(position);
+            document.sections.push(Section { name, line, fields: Vec::new(), by_name: HashMap::new() });
+            Some(position)
+        }
+    }
+}
+
+fn field<'a>(section: Option<&mut Section<'a>>, text: &'a str, line: u32, problems: &mut Problems) {
+    let Some((name, value)) = text.split_once('=') else {
+        let section = section.map_or("", |section| section.name);
+        let place = Place { line, section, field: "" };
+        problems.report(place, Severity::Warning, ProblemKind::Line, "[section], field=value or ;comment", text);
+        return;
+    };
+    let (name, value) = (name.trim(), value.trim());
+    // The fields of a section that occurs again have been reported with the section.
+    let Some(section) = section else { return };
+    match section.by_name.entry(canonical(name)) {
+        Entry::Occupied(_) => {
+            let place = Place { line, section: section.name, field: name };
+            let expected = "a field once; the first counts";
+            problems.report(place, Severity::Warning, ProblemKind::DuplicateField, expected, value);
+        }
+        Entry::Vacant(vacant) => {
+            vacant.insert(section.fields.len());
+            section.fields.push(Field { name, value, line });
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! `MandatoryObjects`, `OptionalObjects`, `ManufacturerObjects`: which objects there are, and whether that is so.
+
+use std::collections::HashSet;
+
+use super::fields::Fields;
+use super::lexer::{Document, Section};
+use super::number;
+use crate::dictionary::description::ObjectLists;
+use crate::dictionary::object::ObjectDictionary;
+use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::identity::Index;
+
+const LISTS: [&str; 3] = ["MandatoryObjects", "OptionalObjects", "ManufacturerObjects"];
+
+/// The lists of the document, compared with the objects that it describes.
+pub(super) fn read(document: &Document<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) -> ObjectLists {
+    let [mandatory, optional, manufacturer] = LISTS.map(|name| match document.section(name) {
+        Some(section) => numbered(section, "SupportedObjects", problems)
+            .into_iter()
+            .map(|(number, line)| (Index(number), line))
+            .collect(),
+        None => Vec::new(),
+    });
+    let lists = ObjectLists { mandatory, optional, manufacturer };
+    check(&lists, dictionary, problems);
+    lists
+}
+
+/// The numbers of the fields `1=…`, `2=…`, each with its line; `count` names the field with how many there are.
+pub(super) fn numbered(section: &Section<'_>, count: &str, problems: &mut Problems) -> Vec<(u16, u32)> {
+    let mut numbers = Vec::new();
+    let mut next = 1;
+    for field in &section.fields {
+        if field.name.eq_ignore_ascii_case(count) {
+            continue;
+        }
+        let place = Place { line: field.line, section: section.name, field: field.name };
+        match field.name.parse::<u32>() {
+            Ok(number) if number == next => {}
+            Ok(_) => {
+                let expected = "numbers without a gap, from 1";
+                problems.report(place, Severity::Warning, ProblemKind::Count, expected, field.name);
+            }
+            Err(_) => {
+                let expected = "a number as the name of the field";
+                problems.report(place, Severity::Warning, ProblemKind::Value, expected, field.name);
+                continue;
+            }
+        }
+        next = field.name.parse().unwrap_or(next) + 1;
+        let number = number::parse(field.value).filter(|number| !number.plus_node_id);
+        match number.and_then(|number| u16::try_from(number.value).ok()) {
+            Some(number) => numbers.push((number, field.line)),
+            None => problems.report(place, Severity::Error, ProblemKind::Number, "a number of 16 bits", field.value),
+        }
+    }
+    let mut fields = Fields { section, problems };
+    let announced = fields.number(count, u32::MAX).unwrap_or(0);
+    if announced as usize != numbers.len() {
+        let found = format!("{} entries", numbers.len());
+        fields.report(count, Severity::Warning, ProblemKind::Count, "the number of entries", &found);
+    }
+    numbers
+}
+
+fn check(lists: &ObjectLists, dictionary: &ObjectDictionary, problems: &mut Problems) {
+    let mut listed = HashSet::new();
+    for (position, list) in [&lists.mandatory, &lists.optional, &lists.manufacturer].into_iter().enumerate() {
+        let section = LISTS.get(position).copied().unwrap_or_default();
+        for &(index, line) in list {
+            let mut report = |severity, expected| {
+                let place = Place { line, section, field: "" };
+                problems.report(place, severity, ProblemKind::List, expected, &index.to_string());
+            };
+            if !listed.insert(index) {
+                report(Severity::Warning, "an object in one list, once");
+            }
+            if dictionary.object(index).is_none() {
+                report(Severity::Error, "a section of each listed object");
+            }
+            let right = match index.0 {
+                0x1000 | 0x1001 => position == 0,
+                // Mandatory since CiA 301 version 4.0.
+                0x1018 => position <= 1,
+                0x2000..=0x5FFF => position == 2,
+                _ => position == 1,
+            };
+            if !right {
+                report(Severity::Warning, "mandatory, optional and manufacturer objects in their own lists");
+            }
+        }
+    }
+    for object in dictionary.objects() {
+        if !listed.contains(&object.index) && object.line != 0 {
+            let section = format!("{:04X}", object.index.0);
+            let place = Place { line: object.line, section: &section, field: "" };
+            let expected = "each object in a list";
+            problems.report(place, Severity::Warning, ProblemKind::List, expected, &object.index.to_string());
+        }
+    }
+}

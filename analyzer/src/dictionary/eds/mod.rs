@@ -1,0 +1,105 @@
+//! Electronic data sheets (EDS) and device configuration files (DCF), CiA 306.
+//!
+//! The reader takes what the field has and names everything that the standard has otherwise: a description with
+//! errors is worth more than none.
+
+mod compact;
+mod fields;
+mod header;
+mod lexer;
+mod lists;
+mod modules;
+mod number;
+mod objects;
+mod section_name;
+mod text;
+
+use section_name::SectionName;
+
+use super::description::{DeviceDescription, DeviceInfo, FileInfo};
+use super::problem::{ProblemKind, Problems, Severity};
+
+/// A file with more bytes is no device description: the largest ones of modular devices have some megabytes.
+pub const LARGEST_FILE: usize = 16 << 20;
+
+/// Why a file could not be read at all.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum DescriptionError {
+    /// The file is larger than [`LARGEST_FILE`].
+    #[error("expected a device description of at most {LARGEST_FILE} bytes, found {found}")]
+    TooLarge {
+        /// Its length in bytes.
+        found: usize,
+    },
+    /// There is no section at all.
+    #[error("expected the sections of an EDS such as [FileInfo] or [1000], found none")]
+    NoSections,
+    /// The file is XML, but not a CANopen device description.
+    #[error("expected a CANopen XDD with a CANopenObjectList, found {found}")]
+    NotCanopen {
+        /// What was found.
+        found: String,
+    },
+}
+
+/// Reads an EDS or DCF.
+pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
+    if bytes.len() > LARGEST_FILE {
+        return Err(DescriptionError::TooLarge { found: bytes.len() });
+    }
+    let mut problems = Problems::default();
+    let text = text::decode(bytes, &mut problems);
+    let document = lexer::read(&text, &mut problems);
+    if document.sections.iter().all(|section| SectionName::parse(section.name) == SectionName::Unknown) {
+        return Err(DescriptionError::NoSections);
+    }
+    let mut description = describe(&document, &mut problems);
+    description.problems = problems.into_sorted();
+    Ok(description)
+}
+
+fn describe(document: &lexer::Document<'_>, problems: &mut Problems) -> DeviceDescription {
+    let mut description = DeviceDescription {
+        file: FileInfo { eds_version: "3.0".to_owned(), ..FileInfo::default() },
+        ..DeviceDescription::default()
+    };
+    header::check_sections(document, problems);
+    for section in &document.sections {
+        match SectionName::parse(section.name) {
+            SectionName::FileInfo => description.file = header::file_info(section, problems),
+            SectionName::DeviceInfo => description.device = header::device_info(section, problems),
+            SectionName::DummyUsage => description.dummy_usage = header::dummy_usage(section, problems),
+            SectionName::Comments => description.comments = header::comments(section, problems),
+            SectionName::DeviceCommissioning => {
+                description.commissioning = Some(header::commissioning(section, problems));
+            }
+            SectionName::Unknown => {
+                let expected = "a section that CiA 306 defines";
+                problems.report(section.place(""), Severity::Info, ProblemKind::UnknownSection, expected, section.name);
+            }
+            _ => {}
+        }
+    }
+    description.dictionary = objects::read(document, problems);
+    description.lists = lists::read(document, &description.dictionary, problems);
+    description.modules = modules::read(document, problems);
+    description.connected_modules = modules::connected(document, problems);
+    compact::add_pdos(&description.device, &mut description.dictionary);
+    check_pdo_counts(document, &description, problems);
+    description
+}
+
+/// `NrOfRXPDO` and `NrOfTXPDO` are the numbers of 14xxh and 18xxh objects.
+fn check_pdo_counts(document: &lexer::Document<'_>, description: &DeviceDescription, problems: &mut Problems) {
+    let Some(section) = document.section("DeviceInfo") else { return };
+    let DeviceInfo { rpdos, tpdos, .. } = description.device;
+    for (field, first, announced) in [("NrOfRXPDO", 0x1400, rpdos), ("NrOfTXPDO", 0x1800, tpdos)] {
+        let range = first..first + 0x200;
+        let objects = description.dictionary.objects().iter().filter(|object| range.contains(&object.index.0)).count();
+        if objects != usize::from(announced) {
+            let found = format!("{objects} PDOs described");
+            let expected = "the number of PDOs that are described";
+            problems.report(section.place(field), Severity::Warning, ProblemKind::Count, expected, &found);
+        }
+    }
+}

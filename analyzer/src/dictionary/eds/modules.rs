@@ -1,0 +1,121 @@
+//! Modular devices: `SupportedModules`, `MxModuleInfo`, `MxFixedObjects`, `MxSubExtends`, `ConnectedModules`.
+
+use std::collections::BTreeMap;
+
+use super::fields::Fields;
+use super::lexer::{Document, Section};
+use super::lists::numbered;
+use super::objects::{self, Parts};
+use super::section_name::{ModulePart, SectionName};
+use crate::dictionary::data_type::DataType;
+use crate::dictionary::description::{Module, SubExtension};
+use crate::dictionary::object::{Object, ObjectCode};
+use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+
+/// The sections of one module.
+#[derive(Default)]
+struct ModuleParts<'d> {
+    info: Option<&'d Section<'d>>,
+    fixed: BTreeMap<u16, Parts<'d>>,
+    extensions: BTreeMap<u16, &'d Section<'d>>,
+}
+
+/// All modules of the document.
+pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> Vec<Module> {
+    let mut modules: BTreeMap<u16, ModuleParts<'_>> = BTreeMap::new();
+    for section in &document.sections {
+        let SectionName::Module(number, part) = SectionName::parse(section.name) else { continue };
+        let module = modules.entry(number).or_default();
+        match part {
+            ModulePart::Info => module.info = Some(section),
+            ModulePart::Fixed(index) => {
+                objects::add_head(module.fixed.entry(index).or_default(), section, problems);
+            }
+            ModulePart::FixedSub(index, sub) => {
+                objects::add_sub(module.fixed.entry(index).or_default(), sub, section, problems);
+            }
+            ModulePart::SubExtension(index) => {
+                module.extensions.insert(index, section);
+            }
+            ModulePart::FixedObjects | ModulePart::SubExtends => check_list(section, problems),
+            ModulePart::Comments => {}
+        }
+    }
+    check_numbers(document, &modules, problems);
+    modules.into_iter().map(|(number, parts)| module(number, &parts, document, problems)).collect()
+}
+
+/// The modules that a DCF plugs in.
+pub(super) fn connected(document: &Document<'_>, problems: &mut Problems) -> Vec<u16> {
+    let section = document.section("ConnectedModules");
+    section.map_or_else(Vec::new, |section| {
+        numbered(section, "NrOfEntries", problems).into_iter().map(|(number, _)| number).collect()
+    })
+}
+
+fn check_list(section: &Section<'_>, problems: &mut Problems) {
+    numbered(section, "NrOfEntries", problems);
+}
+
+/// Modules are numbered from 1 to `NrOfEntries`, and each has a `MxModuleInfo`.
+fn check_numbers(document: &Document<'_>, modules: &BTreeMap<u16, ModuleParts<'_>>, problems: &mut Problems) {
+    let supported = document.section("SupportedModules");
+    if let Some(section) = supported {
+        let mut fields = Fields { section, problems };
+        let announced = fields.number("NrOfEntries", 0xFFFF).unwrap_or(0) as usize;
+        if announced != modules.len() {
+            let found = format!("{} modules", modules.len());
+            fields.report("NrOfEntries", Severity::Warning, ProblemKind::Count, "the number of modules", &found);
+        }
+    } else if !modules.is_empty() {
+        let place = Place { line: 0, section: "SupportedModules", field: "" };
+        let expected = "a section of this name beside the modules";
+        problems.report(place, Severity::Warning, ProblemKind::MissingSection, expected, "none");
+    }
+    for (position, (&number, parts)) in modules.iter().enumerate() {
+        let section = format!("M{number}ModuleInfo");
+        let place = Place { line: parts.info.map_or(0, |section| section.line), section: &section, field: "" };
+        if parts.info.is_none() {
+            let expected = "a section of this name for each module";
+            problems.report(place, Severity::Warning, ProblemKind::MissingSection, expected, "none");
+        }
+        if usize::from(number) != position + 1 {
+            let expected = "modules numbered without a gap, from 1";
+            problems.report(place, Severity::Warning, ProblemKind::Count, expected, &number.to_string());
+        }
+    }
+}
+
+fn module(number: u16, parts: &ModuleParts<'_>, document: &Document<'_>, problems: &mut Problems) -> Module {
+    let mut module = Module { number, ..Module::default() };
+    if let Some(section) = parts.info {
+        let mut fields = Fields { section, problems };
+        module.product_name = fields.text("ProductName");
+        module.product_version = fields.number("ProductVersion", u32::MAX);
+        module.product_revision = fields.number("ProductRevision", u32::MAX);
+        module.order_code = fields.text("OrderCode");
+    }
+    for (&index, parts) in &parts.fixed {
+        module.fixed_objects.push(objects::object(index, parts, document, problems));
+    }
+    for (&index, &section) in &parts.extensions {
+        module.extensions.push(extension(index, section, problems));
+    }
+    module
+}
+
+fn extension(index: u16, section: &Section<'_>, problems: &mut Problems) -> SubExtension {
+    let mut fields = Fields { section, problems };
+    let mut template = Object::new(index, fields.text("ParameterName"), ObjectCode::ARRAY);
+    template.line = section.line;
+    template.insert(objects::entry(&mut fields, 1, DataType(0)));
+    // `Count` may be two numbers: with `;` between them the second tells how many bits share one sub-index.
+    let count = fields.optional_text("Count").unwrap_or_default();
+    let first = count.split([';', ',']).next().and_then(super::number::parse);
+    let count = first.and_then(|number| u32::try_from(number.value).ok());
+    if count.is_none() {
+        fields.report("Count", Severity::Error, ProblemKind::Number, "the number of sub-indexes that it adds", "none");
+    }
+    let object_extend = fields.number("ObjExtend", 0xFF).unwrap_or(0);
+    SubExtension { template, count: count.unwrap_or(0), object_extend }
+}

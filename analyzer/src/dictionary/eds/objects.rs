@@ -1,0 +1,272 @@
+//! Objects: `[1018]` with `[1018sub0]`, `[1018sub1]`…
+
+use std::collections::BTreeMap;
+
+use super::compact;
+use super::fields::Fields;
+use super::lexer::{Document, Section};
+use super::section_name::SectionName;
+use crate::dictionary::data_type::DataType;
+use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
+use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::identity::SubIndex;
+
+/// A description with more entries is cut: `CompactSubObj` lets a small file ask for very many.
+const MOST_ENTRIES: usize = 200_000;
+
+const ENTRY_FIELDS: [&str; 13] = [
+    "parametername",
+    "objecttype",
+    "datatype",
+    "accesstype",
+    "pdomapping",
+    "defaultvalue",
+    "lowlimit",
+    "highlimit",
+    "objflags",
+    "parametervalue",
+    "denotation",
+    "uploadfile",
+    "downloadfile",
+];
+
+const OBJECT_FIELDS: [&str; 5] = ["subnumber", "compactsubobj", "paramrefd", "count", "objextend"];
+
+/// The sections of one object.
+#[derive(Default)]
+pub(super) struct Parts<'d> {
+    pub head: Option<&'d Section<'d>>,
+    pub subs: BTreeMap<u8, &'d Section<'d>>,
+}
+
+/// All objects of the document.
+pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDictionary {
+    let mut parts: BTreeMap<u16, Parts<'_>> = BTreeMap::new();
+    for section in &document.sections {
+        match SectionName::parse(section.name) {
+            SectionName::Object(index) => add_head(parts.entry(index).or_default(), section, problems),
+            SectionName::Sub(index, sub) => add_sub(parts.entry(index).or_default(), sub, section, problems),
+            _ => {}
+        }
+    }
+    let mut left = MOST_ENTRIES;
+    let mut objects = Vec::new();
+    for (index, parts) in parts {
+        let object = object(index, &parts, document, problems);
+        let Some(rest) = left.checked_sub(object.entries().len()) else {
+            let place = Place { line: object.line, ..Place::default() };
+            let expected = "at most 200000 entries; the rest is left out";
+            problems.report(place, Severity::Error, ProblemKind::TooMuch, expected, &object.index.to_string());
+            break;
+        };
+        left = rest;
+        objects.push(object);
+    }
+    objects.into_iter().collect()
+}
+
+/// `[1018]` and `[0x1018]` are the same object.
+pub(super) fn add_head<'d>(parts: &mut Parts<'d>, section: &'d Section<'d>, problems: &mut Problems) {
+    if parts.head.is_some() {
+        report_second(section, problems);
+    } else {
+        parts.head = Some(section);
+    }
+}
+
+/// `[1018sub1]` and `[1018sub01]` are the same entry.
+pub(super) fn add_sub<'d>(parts: &mut Parts<'d>, sub: u8, section: &'d Section<'d>, problems: &mut Problems) {
+    if parts.subs.contains_key(&sub) {
+        report_second(section, problems);
+    } else {
+        parts.subs.insert(sub, section);
+    }
+}
+
+fn report_second(section: &Section<'_>, problems: &mut Problems) {
+    let expected = "a section once; the first counts";
+    problems.report(section.place(""), Severity::Warning, ProblemKind::DuplicateSection, expected, section.name);
+}
+
+/// The object that these sections describe.
+pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, problems: &mut Problems) -> Object {
+    let Some(head) = parts.head else { return headless(index, parts, problems) };
+    let mut fields = Fields { section: head, problems };
+    fields.check_known(|name| ENTRY_FIELDS.contains(&name) || OBJECT_FIELDS.contains(&name));
+    let mut code = object_code(&mut fields);
+    let compact = fields.number("CompactSubObj", 0xFE).unwrap_or(0) as u8;
+    if !parts.subs.is_empty() && code.is_single() {
+        let expected = "ObjectType 8 or 9 (ARRAY, RECORD) with sub-indexes";
+        fields.report("ObjectType", Severity::Warning, ProblemKind::Value, expected, &code.to_string());
+        code = ObjectCode::RECORD;
+    }
+    let mut object = Object::new(index, name(&mut fields), code);
+    object.line = head.line;
+    if compact > 0 {
+        let template = entry(&mut fields, 0, DataType::UNSIGNED8);
+        compact::expand(&mut object, &template, compact, document, problems);
+    } else if parts.subs.is_empty() {
+        if !code.is_single() {
+            let expected = "sub-indexes of an ARRAY or RECORD";
+            fields.report("SubNumber", Severity::Error, ProblemKind::MissingSection, expected, "none");
+        }
+        if code.is_single() || head.field("DataType").is_some() {
+            let default_type = if code == ObjectCode::DOMAIN { DataType::DOMAIN } else { DataType(0) };
+            object.insert(entry(&mut fields, 0, default_type));
+        }
+    }
+    add_subs(&mut object, parts, problems);
+    if compact == 0 {
+        check_counts(&object, &mut Fields { section: head, problems }, parts.subs.len());
+    }
+    object
+}
+
+/// Sub-indexes without their object.
+fn headless(index: u16, parts: &Parts<'_>, problems: &mut Problems) -> Object {
+    let mut object = Object::new(index, String::new(), ObjectCode::RECORD);
+    if let Some((_, section)) = parts.subs.first_key_value() {
+        object.line = section.line;
+        let expected = "a section of the object itself";
+        problems.report(section.place(""), Severity::Error, ProblemKind::MissingSection, expected, section.name);
+    }
+    add_subs(&mut object, parts, problems);
+    object
+}
+
+fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
+    for (&sub, &section) in &parts.subs {
+        let mut fields = Fields { section, problems };
+        fields.check_known(|name| ENTRY_FIELDS.contains(&name));
+        object.insert(entry(&mut fields, sub, DataType(0)));
+    }
+}
+
+fn object_code(fields: &mut Fields<'_, '_>) -> ObjectCode {
+    // CiA 306: VAR if not given.
+    let code = ObjectCode(fields.number("ObjectType", 0xFF).unwrap_or(7) as u8);
+    if code.name().is_none() {
+        let expected = "ObjectType 0, 2, 5, 6, 7, 8 or 9";
+        fields.report("ObjectType", Severity::Error, ProblemKind::Value, expected, &code.0.to_string());
+    }
+    code
+}
+
+fn name(fields: &mut Fields<'_, '_>) -> String {
+    let name = fields.text("ParameterName");
+    if name.is_empty() {
+        fields.report("ParameterName", Severity::Warning, ProblemKind::MissingField, "a name", "none");
+    } else if name.len() > 1 && name.starts_with('"') && name.ends_with('"') {
+        fields.report("ParameterName", Severity::Info, ProblemKind::Value, "a name without quotes", &name);
+    } else if name.chars().nth(241).is_some() {
+        fields.report("ParameterName", Severity::Warning, ProblemKind::Value, "at most 241 characters", &name);
+    }
+    name
+}
+
+/// The entry that a section describes.
+pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType) -> Entry {
+    let data_type = data_type(fields, default_type);
+    let mut entry = Entry::new(sub, fields.text("ParameterName"), data_type, access(fields, data_type));
+    if sub != 0 && entry.name.is_empty() {
+        fields.report("ParameterName", Severity::Warning, ProblemKind::MissingField, "a name", "none");
+    }
+    entry.line = fields.section.line;
+    entry.pdo_mappable = fields.flag("PDOMapping");
+    entry.default = fields.setting("DefaultValue", data_type);
+    entry.low_limit = fields.setting("LowLimit", data_type);
+    entry.high_limit = fields.setting("HighLimit", data_type);
+    entry.configured = fields.setting("ParameterValue", data_type);
+    entry.denotation = fields.optional_text("Denotation").map(str::to_owned);
+    entry.flags = ObjectFlags(fields.number("ObjFlags", u32::MAX).unwrap_or(0));
+    check_limits(fields, &entry);
+    entry
+}
+
+fn data_type(fields: &mut Fields<'_, '_>, default: DataType) -> DataType {
+    let data_type = match fields.number("DataType", 0xFFFF) {
+        Some(index) => DataType(index as u16),
+        None => default,
+    };
+    if data_type.0 == 0 {
+        fields.report("DataType", Severity::Error, ProblemKind::MissingField, "a data type", "none");
+    } else if data_type.name().is_none() && !matches!(data_type.0, 0x40..=0x25F) {
+        let expected = "a data type of CiA 301, or 40h to 25Fh";
+        fields.report("DataType", Severity::Error, ProblemKind::Value, expected, &data_type.to_string());
+    }
+    data_type
+}
+
+fn access(fields: &mut Fields<'_, '_>, data_type: DataType) -> Access {
+    let text = fields.optional_text("AccessType").unwrap_or_default();
+    let text = text.split(';').next().unwrap_or_default().trim();
+    if let Some(access) = Access::from_name(text) {
+        return access;
+    }
+    let expected = "const, ro, wo, rw, rwr or rww";
+    if text.is_empty() {
+        // CiA 306: a domain may leave it out, and is rw then.
+        if data_type == DataType::DOMAIN {
+            return Access::Rw;
+        }
+        fields.report("AccessType", Severity::Warning, ProblemKind::MissingField, expected, "none");
+        return Access::Ro;
+    }
+    let (severity, access) = match text.to_ascii_lowercase().as_str() {
+        "r" | "read" | "readonly" => (Severity::Warning, Access::Ro),
+        "w" | "write" | "writeonly" => (Severity::Warning, Access::Wo),
+        "wr" | "r/w" | "readwrite" => (Severity::Warning, Access::Rw),
+        "constant" | "c" => (Severity::Warning, Access::Const),
+        _ => (Severity::Error, Access::Ro),
+    };
+    fields.report("AccessType", severity, ProblemKind::Value, expected, text);
+    access
+}
+
+fn check_limits(fields: &mut Fields<'_, '_>, entry: &Entry) {
+    let number = |setting: &Option<Setting>| setting.as_ref().and_then(Setting::fixed)?.as_number();
+    let (low, high) = (number(&entry.low_limit), number(&entry.high_limit));
+    if let (Some(low), Some(high)) = (low, high)
+        && low > high
+    {
+        let found = format!("{low} and {high}");
+        fields.report("LowLimit", Severity::Error, ProblemKind::Range, "a low limit up to the high limit", &found);
+        return;
+    }
+    for (field, setting) in [("DefaultValue", &entry.default), ("ParameterValue", &entry.configured)] {
+        let Some(value) = number(setting) else { continue };
+        if low.is_some_and(|low| value < low) || high.is_some_and(|high| value > high) {
+            let expected = "a value between LowLimit and HighLimit";
+            fields.report(field, Severity::Warning, ProblemKind::Range, expected, &value.to_string());
+        }
+    }
+}
+
+/// `SubNumber` and the default of sub-index 0.
+fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, subs: usize) {
+    let announced = fields.number("SubNumber", 0xFF);
+    if announced.unwrap_or(0) as usize != subs {
+        let found = format!("{subs} sub-indexes");
+        let expected = "SubNumber to be the number of sub-indexes";
+        fields.report("SubNumber", Severity::Warning, ProblemKind::Count, expected, &found);
+    }
+    if object.code.is_single() || subs == 0 {
+        return;
+    }
+    let Some(count) = object.entry(SubIndex(0)) else {
+        fields.report("", Severity::Warning, ProblemKind::MissingSection, "sub-index 0", "none");
+        return;
+    };
+    // FFh describes the object's structure and is not counted.
+    let highest = object.entries().iter().map(|entry| entry.sub.0).filter(|&sub| sub < 0xFF).max().unwrap_or(0);
+    let default = count.default.as_ref().and_then(Setting::fixed).and_then(|value| value.as_number());
+    // Where sub-index 0 is writable it counts what is in use, not what there is.
+    if !count.access.is_writable() && default.is_some_and(|default| default != i128::from(highest)) {
+        let place = Place { line: count.line, section: fields.section.name, field: "DefaultValue" };
+        let (expected, found) = ("the highest sub-index in sub-index 0", format!("{highest:02X}h is the highest"));
+        // 1003h counts the errors that there are.
+        if object.index.0 != 0x1003 {
+            fields.problems.report(place, Severity::Warning, ProblemKind::Count, expected, &found);
+        }
+    }
+}

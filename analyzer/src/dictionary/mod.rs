@@ -1,0 +1,15 @@
+//! The object dictionary: data types, values, what a device description (EDS, DCF) says about a device, and the names
+//! that the standards give.
+
+mod data_type;
+mod description;
+pub mod eds;
+mod object;
+mod problem;
+mod value;
+
+pub use data_type::{DataClass, DataType};
+pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension};
+pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
+pub use problem::{EdsProblem, ProblemKind, Severity};
+pub use value::{DaysAndMilliseconds, Value, ValueError};

@@ -1,0 +1,149 @@
+//! What was wrong in a device description, with the place.
+
+use std::fmt;
+
+/// How bad a problem is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// Allowed, but worth knowing.
+    Info,
+    /// Against the standard; what was meant is clear, and was understood so.
+    Warning,
+    /// Against the standard; what stands there could not be used.
+    Error,
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Info => "info",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        })
+    }
+}
+
+/// What kind of thing is wrong, for whoever groups or waives problems.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ProblemKind {
+    /// Character set, byte order mark, line ends.
+    Encoding,
+    /// A line that is neither section, field nor comment, or is too long.
+    Line,
+    /// A section that occurs twice; the first counts.
+    DuplicateSection,
+    /// A field that occurs twice in a section; the first counts.
+    DuplicateField,
+    /// A section that the standard requires is missing.
+    MissingSection,
+    /// A field that the standard requires is missing.
+    MissingField,
+    /// A section that the standard does not know.
+    UnknownSection,
+    /// A number that can't be read, or is written in a form that the standard does not allow.
+    Number,
+    /// A value outside what the field allows.
+    Value,
+    /// A number that does not fit the data type of its entry.
+    Range,
+    /// A count that differs from what is there.
+    Count,
+    /// An object that is listed without description, described without being listed, or listed twice or in the
+    /// wrong list.
+    List,
+    /// A description so large that the rest was left out.
+    TooMuch,
+}
+
+/// One problem and its place. The texts come from the file: may hold anything; [`fmt::Display`] escapes them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct EdsProblem {
+    /// The line, from 1; 0 if it concerns no single line.
+    pub line: u32,
+    /// The section, or element of an XDD; empty if it concerns none.
+    pub section: String,
+    /// The field, or attribute of an XDD; empty if it concerns none.
+    pub field: String,
+    /// How bad it is.
+    pub severity: Severity,
+    /// What kind of problem it is.
+    pub kind: ProblemKind,
+    /// What the standard expects there.
+    pub expected: &'static str,
+    /// What was found instead.
+    pub found: String,
+}
+
+/// `line 12, [1018sub1] DefaultValue: expected a number, found "abc"`, with everything unprintable escaped.
+impl fmt::Display for EdsProblem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.line != 0 {
+            write!(f, "line {}, ", self.line)?;
+        }
+        if !self.section.is_empty() {
+            write!(f, "[{}] ", self.section.escape_debug())?;
+        }
+        if !self.field.is_empty() {
+            write!(f, "{}", self.field.escape_debug())?;
+        }
+        write!(f, ": expected {}, found \"{}\"", self.expected, self.found.escape_debug())
+    }
+}
+
+/// Collects problems, up to a bound: a hostile file could have one in every line.
+#[derive(Debug, Default)]
+pub(super) struct Problems {
+    list: Vec<EdsProblem>,
+}
+
+/// The place of a problem.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Place<'a> {
+    pub line: u32,
+    pub section: &'a str,
+    pub field: &'a str,
+}
+
+impl Problems {
+    /// More problems than this are not kept.
+    pub(super) const MOST: usize = 10_000;
+    /// Longer texts are cut in `found`.
+    const LONGEST: usize = 200;
+
+    pub(super) fn report(
+        &mut self,
+        place: Place<'_>,
+        severity: Severity,
+        kind: ProblemKind,
+        expected: &'static str,
+        found: &str,
+    ) {
+        let (place, severity, kind, expected, found) = match self.list.len() {
+            ..Self::MOST => (place, severity, kind, expected, found),
+            Self::MOST => (
+                Place { line: place.line, ..Place::default() },
+                Severity::Warning,
+                ProblemKind::TooMuch,
+                "fewer problems",
+                "more problems than are listed",
+            ),
+            _ => return,
+        };
+        let cut = |text: &str| text.chars().take(Self::LONGEST).collect();
+        self.list.push(EdsProblem {
+            line: place.line,
+            section: cut(place.section),
+            field: cut(place.field),
+            severity,
+            kind,
+            expected,
+            found: cut(found),
+        });
+    }
+
+    /// All problems, by line.
+    pub(super) fn into_sorted(mut self) -> Vec<EdsProblem> {
+        self.list.sort_by_key(|problem| problem.line);
+        self.list
+    }
+}
