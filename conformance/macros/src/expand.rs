@@ -60,7 +60,8 @@ fn requirement(function: &ItemFn) -> Result<String> {
     }
     let text = text.trim();
     if text.is_empty() {
-        let advice = "a case says its requirement in its doc comment: what the standard demands, in one or two sentences";
+        let advice =
+            "a case says its requirement in its doc comment: what the standard demands, in one or two sentences";
         return Err(Error::new(function.sig.ident.span(), advice));
     }
     Ok(text.to_owned())
@@ -80,7 +81,8 @@ fn doc_line(attribute: &Attribute) -> Option<String> {
 mod tests {
     use super::*;
 
-    const FUNCTION: &str = "/// Every reset ends\n/// in a boot-up.\n///\n/// Why.\nfn f(bench: &mut Bench) -> Judged {}";
+    const FUNCTION: &str =
+        "/// Every reset ends\n/// in a boot-up.\n///\n/// Why.\nfn f(bench: &mut Bench) -> Judged {}";
     const COMPLETE: &str = r#"id = "301/boot-up/reset", clause = "CiA 301 7.2", confidence = Known, level = Must,
         needs = [Heartbeat], catches = [Fault::BootUpMissing], cct = "9.1""#;
 
