@@ -62,7 +62,7 @@ pub struct DeviceIdentity {
 }
 
 /// The outcome of one case.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct CaseReport {
     /// The case.
     pub case: &'static Case,
@@ -102,9 +102,10 @@ impl Summary {
         Kind::ALL.into_iter().filter(|kind| kind.is_executed()).map(|kind| self.count(kind)).sum()
     }
 
-    /// Whether no case failed and the tester did not either.
+    /// Whether all that could be judged is good: no case failed, the tester did not fail, and no precondition was out
+    /// of reach. A device about which nothing could be found out must not look like a good one.
     pub const fn is_good(&self) -> bool {
-        self.count(Kind::Fail) == 0 && self.count(Kind::Error) == 0
+        self.count(Kind::Fail) == 0 && self.count(Kind::Error) == 0 && self.count(Kind::Inconclusive) == 0
     }
 
     /// Counts a case.

@@ -1,1 +1,7 @@
-//! reports
+//! Every rendering of decoded traffic and test results.
+//!
+//! - [`conformance`]: the reports of a conformance run;
+//! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
+
+pub mod conformance;
+pub mod escape;
