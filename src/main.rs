@@ -1,1 +1,19 @@
-fn main() {}
+//! canvass: CANopen trace analyzer and protocol conformance tester.
+
+mod cli;
+mod commands;
+mod damages;
+mod devices;
+mod output;
+mod status;
+mod time_range;
+
+use clap::Parser;
+use status::Status;
+
+fn main() -> std::process::ExitCode {
+    let cli = cli::Cli::parse();
+    let status = cli.run().unwrap_or_else(|failure| failure.report());
+    // The process ends here: what is buffered was written by the commands themselves.
+    Status::into(status)
+}

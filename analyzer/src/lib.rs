@@ -2,9 +2,17 @@
 //!
 //! - [`wire`]: one frame understood alone, one file per service, each with its parser and its encoder.
 //! - [`dictionary`]: data types, values, device descriptions and the standard's object names.
+//! - [`filter`]: a small language to choose frames.
+//! - [`network`]: what happened on a bus: COB-IDs in use, node states, whole transfers.
 
 pub mod dictionary;
+pub mod filter;
 mod identity;
+pub mod message;
+pub mod network;
+mod text;
 pub mod wire;
 
 pub use identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
+pub use message::{Message, PdoNumber, Service};
+pub use text::Meaning;

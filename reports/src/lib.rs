@@ -1,7 +1,9 @@
 //! Every rendering of decoded traffic and test results.
 //!
 //! - [`conformance`]: the reports of a conformance run;
+//! - [`decode`]: frames, one line or one JSON object each;
 //! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
 
 pub mod conformance;
+pub mod decode;
 pub mod escape;

@@ -1,5 +1,6 @@
 //! Opening a capture, whatever its format.
 
+use crate::compression;
 use crate::{Channels, Damage, Format, Reader, Record, Source, SourceError, TimeBase};
 use std::fs::File;
 use std::io;
@@ -10,6 +11,8 @@ use std::path::{Path, PathBuf};
 pub struct ReadOptions {
     /// The format, where the user says it; else it is recognised by the content.
     pub format: Option<Format>,
+    /// The topics to read, where the format has topics (MCAP); empty for all that carry CAN frames.
+    pub topics: Vec<String>,
 }
 
 /// An opened capture: its name, its format, and its records.
@@ -66,11 +69,14 @@ impl Capture {
         Self::from_source(&path.display().to_string(), Source::new(file), options)
     }
 
-    /// Reads a source under that name.
+    /// Reads a source under that name. One that is compressed by gzip or zstd is decompressed on the way; offsets
+    /// are those in the decompressed content.
     ///
     /// # Errors
     /// [`OpenError`] if nothing can be read, it is empty, or no format matches.
-    pub fn from_source(name: &str, mut source: Source, options: &ReadOptions) -> Result<Self, OpenError> {
+    pub fn from_source(name: &str, source: Source, options: &ReadOptions) -> Result<Self, OpenError> {
+        let mut source =
+            compression::decompressed(source).map_err(|source| OpenError::Source { name: name.to_owned(), source })?;
         let format = match options.format {
             Some(format) => format,
             None => recognise(name, &mut source)?,

@@ -1,6 +1,6 @@
 //! What could not be read, and where.
 
-use crate::Place;
+use crate::{Place, Record, SourceError};
 use std::borrow::Cow;
 use std::fmt;
 
@@ -18,6 +18,9 @@ pub struct Damage {
     pub expected: Cow<'static, str>,
     /// What stood there instead, cut to a readable length and without control characters.
     pub found: String,
+    /// The frame as far as it makes sense, where it does: it contradicts itself, and is no part of the capture's
+    /// records.
+    pub salvaged: Option<Box<Record>>,
 }
 
 /// The kinds of damage.
@@ -62,7 +65,21 @@ impl Damage {
 
     /// A damage at a place, with what was expected and the bytes found.
     pub fn new(kind: DamageKind, place: Place, expected: impl Into<Cow<'static, str>>, found: &[u8]) -> Self {
-        Self { kind, place, column: None, expected: expected.into(), found: excerpt(found) }
+        Self { kind, place, column: None, expected: expected.into(), found: excerpt(found), salvaged: None }
+    }
+
+    /// The source gives no more bytes: unfinished where a compressed stream just ends, else fatal. Either way
+    /// nothing follows.
+    pub(crate) fn source(error: &SourceError, place: Place) -> Self {
+        let cut = matches!(error, SourceError::Io(error) if error.kind() == std::io::ErrorKind::UnexpectedEof);
+        let kind = if cut { DamageKind::Unfinished } else { DamageKind::Fatal };
+        Self::new(kind, place, format!("more of the file, but {error}"), b"")
+    }
+
+    /// The same damage with the frame as far as it makes sense.
+    pub fn with_salvaged(mut self, record: Record) -> Self {
+        self.salvaged = Some(Box::new(record));
+        self
     }
 
     /// The same damage at a column of its line, from 1.

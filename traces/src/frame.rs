@@ -249,34 +249,6 @@ impl Frame {
     }
 }
 
-/// In the notation of candump's log and of `cansend`: `63F#4000600000000000`, `701#R`, `123##5AABB`.
-impl fmt::Display for Frame {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.kind {
-            FrameKind::Error => write!(f, "{:08X}#", 0x2000_0000 | self.id.raw())?,
-            _ => write!(f, "{}#", self.id)?,
-        }
-        if self.is_remote() {
-            f.write_str("R")?;
-            if self.len > 0 {
-                write!(f, "{}", self.len)?;
-            }
-        } else if self.is_fd() {
-            write!(f, "#{:X}", self.flags().bits())?;
-        }
-        for byte in self.data() {
-            write!(f, "{byte:02X}")?;
-        }
-        if self.is_head() {
-            f.write_str("…")?;
-        }
-        if self.flags & 0xF0 != 0 {
-            write!(f, "_{:X}", self.flags >> 4)?;
-        }
-        Ok(())
-    }
-}
-
 impl fmt::Debug for Frame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "Frame({self})")

@@ -8,13 +8,20 @@
 
 mod capture;
 mod channel;
+mod channel_numbers;
+mod compression;
 mod damage;
 mod formats;
 mod frame;
+mod grammar;
 mod id;
+mod lines;
+mod local_time;
+mod notation;
 mod reader;
 mod record;
 mod source;
+mod text_writer;
 mod time;
 mod writer;
 
@@ -24,6 +31,7 @@ pub use damage::{Damage, DamageKind};
 pub use formats::Format;
 pub use frame::{ErrorClass, Flags, Frame, FrameKind};
 pub use id::CanId;
+pub use notation::{FrameSyntax, Notation, parse_frame};
 pub use reader::{Reader, TimeBase};
 pub use record::{Direction, Long, Place, Record, XlHeader};
 pub use source::{Source, SourceError};

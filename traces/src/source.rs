@@ -1,6 +1,6 @@
 //! A source of bytes, seen through a window that moves forward.
 
-use std::io::{self, Read};
+use std::io::{self, BufRead, Read};
 
 /// Bytes from a file, a pipe or a decompressor.
 ///
@@ -123,6 +123,22 @@ impl Source {
         Ok(true)
     }
 
+    /// Passes over the next `n` bytes without holding them; returns how many there were.
+    ///
+    /// # Errors
+    /// [`SourceError::Io`] if reading fails.
+    pub fn skip(&mut self, n: u64) -> Result<u64, SourceError> {
+        let mut left = n;
+        loop {
+            let now = self.window().len().min(usize::try_from(left).unwrap_or(usize::MAX));
+            self.consume(now);
+            left -= now as u64;
+            if left == 0 || !self.fill()? {
+                return Ok(n - left);
+            }
+        }
+    }
+
     fn make_room(&mut self) -> Result<(), SourceError> {
         if self.start > 0 {
             self.buffer.copy_within(self.start..self.end, 0);
@@ -137,6 +153,33 @@ impl Source {
             self.buffer.resize(larger, 0);
         }
         Ok(())
+    }
+}
+
+/// What the window holds, then what follows: for a decompressor on top of a source.
+impl Read for Source {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let held = self.fill_buf()?;
+        let n = held.len().min(buffer.len());
+        buffer[..n].copy_from_slice(&held[..n]);
+        self.consume(n);
+        Ok(n)
+    }
+}
+
+impl BufRead for Source {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        if self.start == self.end {
+            self.fill().map_err(|error| match error {
+                SourceError::Io(error) => error,
+                full @ SourceError::Full(_) => io::Error::other(full),
+            })?;
+        }
+        Ok(self.window())
+    }
+
+    fn consume(&mut self, n: usize) {
+        Self::consume(self, n);
     }
 }
 
@@ -165,6 +208,14 @@ mod tests {
         let mut source = Source::with_limit(io::repeat(b'x'), 2 * Source::CHUNK);
         let error = source.fill_to(usize::MAX).unwrap_err();
         assert!(matches!(error, SourceError::Full(n) if n == 2 * Source::CHUNK));
+    }
+
+    #[test]
+    fn skipping_takes_no_memory_and_tells_where_the_source_ends() {
+        let mut source = Source::new(io::repeat(0).take(5_000_000));
+        assert_eq!(source.skip(4_999_999).unwrap(), 4_999_999);
+        assert_eq!(source.offset(), 4_999_999);
+        assert_eq!(source.skip(u64::MAX).unwrap(), 1);
     }
 
     #[test]

@@ -73,6 +73,8 @@ pub enum Loss {
     TimeResolution,
     /// The date: only the time since the start is held.
     Date,
+    /// Whether the date is in UTC or in local time.
+    TimeZone,
     /// The flags BRS and ESI of a CAN FD frame.
     FdFlags,
     /// A data length code above 8 of a classical frame.
@@ -109,6 +111,7 @@ impl Loss {
             Self::Direction => "directions",
             Self::TimeResolution => "digits of the time",
             Self::Date => "the date",
+            Self::TimeZone => "the time zone (UTC or local)",
             Self::FdFlags => "flags of CAN FD frames",
             Self::RawDlc => "data length codes above 8",
             Self::RemoteLength => "lengths that remote frames ask for",

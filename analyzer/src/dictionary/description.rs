@@ -1,8 +1,10 @@
 //! What a device description (EDS, DCF, XDD, XDC) says about a device.
 
+use super::annotation::Annotations;
+use super::eds::DescriptionError;
 use super::object::{Object, ObjectDictionary};
 use super::problem::EdsProblem;
-use crate::identity::{Index, NodeId};
+use crate::identity::{Index, Multiplexer, NodeId};
 use std::collections::BTreeMap;
 
 /// A device description, as far as it could be read. Texts come from the file and may hold anything.
@@ -20,6 +22,8 @@ pub struct DeviceDescription {
     pub comments: Vec<String>,
     /// The objects.
     pub dictionary: ObjectDictionary,
+    /// Units and names of values, which no EDS holds; empty where nobody gave them.
+    pub annotations: Annotations,
     /// Which list of the file names which objects.
     pub lists: ObjectLists,
     /// The modules of a modular device.
@@ -153,6 +157,24 @@ pub struct SubExtension {
 }
 
 impl DeviceDescription {
+    /// Reads an EDS, DCF, XDD or XDC, told apart by content.
+    pub fn read(bytes: &[u8]) -> Result<Self, DescriptionError> {
+        let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
+        // In UTF-16 the first character has a zero beside it.
+        if text.starts_with(b"<") || text.starts_with(b"\xFF\xFE<") || text.starts_with(b"\xFE\xFF\0<") {
+            super::xdd::read(bytes)
+        } else {
+            super::eds::read(bytes)
+        }
+    }
+
+    /// The number of the device profile: the low word of 1000h, 0 (none) included; `None` if 1000h has no default.
+    pub fn device_profile(&self) -> Option<u16> {
+        let device_type = self.dictionary.entry(Multiplexer::new(0x1000, 0)).ok()?;
+        let value = device_type.configured.as_ref().or(device_type.default.as_ref())?.fixed()?.to_raw()?;
+        Some((value & 0xFFFF) as u16)
+    }
+
     /// Whether it is for one configured device (DCF, XDC) and not for a type of device (EDS, XDD).
     pub const fn is_configuration(&self) -> bool {
         self.commissioning.is_some()

@@ -1,15 +1,21 @@
-//! The object dictionary: data types, values, what a device description (EDS, DCF) says about a device, and the names
-//! that the standards give.
+//! The object dictionary: data types, values, what a device description (EDS, DCF, XDD, XDC) says about a device, and
+//! the names that the standards give.
 
+mod annotation;
+pub mod consistency;
 mod data_type;
 mod description;
 pub mod eds;
+pub mod names;
 mod object;
 mod problem;
 mod value;
+pub mod xdd;
 
+pub use annotation::{Annotation, Annotations, BitName};
 pub use data_type::{DataClass, DataType};
 pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension};
+pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 pub use problem::{EdsProblem, ProblemKind, Severity};
 pub use value::{DaysAndMilliseconds, Value, ValueError};

@@ -131,11 +131,14 @@ pub enum Setting {
 }
 
 impl Setting {
-    /// The value for a device of that node-ID.
-    pub fn resolve(&self, node: NodeId) -> Value {
+    /// The value for a device of that node-ID, in the data type of its entry.
+    pub fn resolve(&self, data_type: DataType, node: NodeId) -> Value {
         match self {
             Self::Fixed(value) => value.clone(),
-            Self::NodeIdPlus(offset) => Value::Unsigned(u64::from(offset.wrapping_add(u32::from(node.raw())))),
+            Self::NodeIdPlus(offset) => {
+                let sum = u64::from(offset.wrapping_add(u32::from(node.raw())));
+                Value::from_raw(data_type, sum).unwrap_or(Value::Unsigned(sum))
+            }
         }
     }
 
@@ -208,7 +211,7 @@ impl Entry {
 
     /// What the entry holds after a start with nothing stored: the configured value, else the default.
     pub fn start_value(&self, node: NodeId) -> Option<Value> {
-        self.configured.as_ref().or(self.default.as_ref()).map(|setting| setting.resolve(node))
+        self.configured.as_ref().or(self.default.as_ref()).map(|setting| setting.resolve(self.data_type, node))
     }
 }
 
@@ -381,7 +384,7 @@ mod tests {
     #[test]
     fn formulas_are_resolved_with_the_node_id() {
         let node = NodeId::new(63).unwrap();
-        assert_eq!(Setting::NodeIdPlus(0x180).resolve(node), Value::Unsigned(0x1BF));
+        assert_eq!(Setting::NodeIdPlus(0x180).resolve(DataType::UNSIGNED32, node), Value::Unsigned(0x1BF));
         assert_eq!(Setting::NodeIdPlus(0x180).to_string(), "$NODEID+180h");
     }
 

@@ -40,6 +40,8 @@ pub enum ProblemKind {
     MissingField,
     /// A section that the standard does not know.
     UnknownSection,
+    /// A field that the standard does not know in its section.
+    UnknownField,
     /// A number that can't be read, or is written in a form that the standard does not allow.
     Number,
     /// A value outside what the field allows.
@@ -51,6 +53,12 @@ pub enum ProblemKind {
     /// An object that is listed without description, described without being listed, or listed twice or in the
     /// wrong list.
     List,
+    /// A PDO mapping that can't work, or half of a PDO's parameters.
+    Mapping,
+    /// A COB-ID that is restricted or used twice.
+    CobId,
+    /// An object that differs from the standard that defines it.
+    Standard,
     /// A description so large that the rest was left out.
     TooMuch,
 }

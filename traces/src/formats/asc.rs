@@ -1,11 +1,213 @@
-//! Reader.
+//! Vector ASC: what CANoe and CANalyzer log as text.
+//!
+//! ```text
+//! date Sat Sep 30 15:06:13.191 2017
+//! base hex  timestamps absolute
+//! internal events logged
+//! Begin Triggerblock Sat Sep 30 15:06:13.191 2017
+//!    0.000000 Start of measurement
+//!    3.098426 1  18EBFF00x       Rx   d 8 01 A0 0F A6 60 3B D1 40  Length = 273910 BitCount = 141 ID = 418119424x
+//!    3.100000 CANFD   1 Rx        7d  BrakeData   1 0 9 12 01 .. 0c   104812  132   323000 a800f6c9 ..
+//!    3.200000 1  ErrorFrame
+//! End TriggerBlock
+//! ```
+//!
+//! What is easily got wrong:
+//!
+//! - The date is in the recorder's local time, in English or German, with 24 hours or AM and PM. That of the first
+//!   trigger block counts, as the times do from there. Without one times count from the start.
+//! - Times have 4, 5, 6 or 9 decimals. **Relative times are the difference to the event before, of any kind**,
+//!   so that also the rows that are no frames move the clock.
+//! - **The DLC is one hex digit**, even with `base dec`, which is about ids and data.
+//! - Rows of kind `CANFD`: the symbolic name may be absent, the DLC is hex and the length decimal. **Such a row may
+//!   carry a classical frame**: then bit 1000h of the flags (FDF) is clear; bit 10h is a remote frame. Flags of 0
+//!   beside a length, BRS or ESI that only CAN FD has come from other tools: then it is CAN FD.
+//! - `TxRq` is the request to send, not a frame on the bus; its `Tx` row follows when it was sent. It is passed
+//!   over like the other events (`Statistic:`, `J1939TP`, `Status:`).
+//! - `ErrorFrame` tells no class that is the same in all versions; it is read as a bus error without detail.
+//!
+//! A last line without line end is read if all that its DLC promises is there and can't be a part of a longer
+//! number; a `CANFD` row must go on behind its flags.
 
-use crate::{ReadOptions, Reader, Source};
+use crate::formats::asc_row::{self, Radix, Row};
+use crate::grammar::{Expected, decimal, seconds, skip_blanks, word};
+use crate::lines::{Line, LineFormat, TextReader, head_lines};
+use crate::{
+    Channels, Damage, DamageKind, ReadOptions, Reader, Record, Source, TimeBase, Timestamp,
+    formats::candump_log::intern,
+};
+use jiff::civil;
 
-pub(crate) fn sniff(_head: &[u8]) -> bool {
-    false
+pub(crate) use crate::formats::asc_writer::create;
+
+const SNIFF_LINES: usize = 20;
+
+pub(crate) fn sniff(head: &[u8]) -> bool {
+    head_lines(head).take(SNIFF_LINES).any(|(line, _)| match header(line) {
+        Some(Header::Date(Some(_)) | Header::Base(..) | Header::Block(_)) => true,
+        Some(_) => false,
+        None => seconds(skip_blanks(line)).is_ok_and(|(rest, _)| is_frame(rest)),
+    })
 }
 
-pub(crate) fn open(_source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
-    todo!()
+/// A row of an excerpt without header.
+fn is_frame(rest: &[u8]) -> bool {
+    matches!(asc_row::row(rest, Radix::Hexadecimal), Ok((_, Row::Frame { .. } | Row::Request)))
+}
+
+pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
+    Box::new(TextReader::new(source, Asc::default()))
+}
+
+#[derive(Default)]
+struct Asc {
+    radix: Radix,
+    relative: bool,
+    /// The start in local time.
+    start: Option<u64>,
+    block_seen: bool,
+    /// The time of the last event since the start.
+    now: u64,
+}
+
+impl LineFormat for Asc {
+    fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>> {
+        match header(line.bytes) {
+            Some(header) => self.header(line, header).map(Err),
+            None => self.event(line, channels).transpose(),
+        }
+    }
+
+    fn time_base(&self) -> TimeBase {
+        if self.start.is_some() { TimeBase::Local } else { TimeBase::Start }
+    }
+}
+
+impl Asc {
+    fn header(&mut self, line: &Line<'_>, header: Header) -> Option<Damage> {
+        let date = match header {
+            Header::Nothing => return None,
+            Header::Base(radix, relative) => {
+                (self.radix, self.relative) = (radix, relative);
+                return None;
+            }
+            Header::Date(date) => date,
+            Header::Block(_) if std::mem::replace(&mut self.block_seen, true) => return None,
+            Header::Block(None) => return None,
+            Header::Block(date) => date,
+        };
+        match date {
+            Some(_) => {
+                self.start = date;
+                None
+            }
+            None => Some(line.as_damage(DamageKind::Unsupported, "a date such as Sat Sep 30 15:06:13.191 2017")),
+        }
+    }
+
+    /// A row: an event with its time.
+    fn event(&mut self, line: &Line<'_>, channels: &mut Channels) -> Result<Option<Record>, Damage> {
+        let damage = |error| line.damage(Expected::from(error));
+        let (rest, time) = seconds(skip_blanks(line.bytes)).map_err(damage)?;
+        self.now = if self.relative { self.now.saturating_add(time) } else { time };
+        match asc_row::row(rest, self.radix).map_err(damage)?.1 {
+            Row::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "CAN or CAN FD, which are what is read")),
+            Row::Event | Row::Request => Ok(None),
+            Row::Frame { in_doubt: true, .. } if !line.ended => {
+                Err(line.cut("the end of this line, as the frame may go on,"))
+            }
+            Row::Frame { channel, mut record, .. } => {
+                record.channel = intern(channel, channels).map_err(|missing| line.damage(missing))?;
+                record.timestamp = Timestamp(self.start.unwrap_or(0).saturating_add(self.now));
+                record.place = line.place;
+                Ok(Some(record))
+            }
+        }
+    }
+}
+
+/// The lines that are no rows.
+enum Header {
+    Nothing,
+    /// A date that could be read, or one that could not.
+    Date(Option<u64>),
+    /// Whether ids and data are hexadecimal, and times relative.
+    Base(Radix, bool),
+    Block(Option<u64>),
+}
+
+fn header(line: &[u8]) -> Option<Header> {
+    let text = skip_blanks(line);
+    let (rest, first) = word("a word")(text).unwrap_or((&[], &[]));
+    let second = word("a word")(skip_blanks(rest)).map_or(&b""[..], |(_, second)| second);
+    let is = |word: &[u8], name: &str| word.eq_ignore_ascii_case(name.as_bytes());
+    match first {
+        [] | [b'/', b'/', ..] => Some(Header::Nothing),
+        _ if is(first, "date") => Some(Header::Date(date(rest))),
+        _ if is(first, "base") => {
+            let radix = if is(second, "dec") { Radix::Decimal } else { Radix::Hexadecimal };
+            let relative = rest.windows(8).any(|w| w.eq_ignore_ascii_case(b"relative"));
+            (is(second, "dec") || is(second, "hex")).then_some(Header::Base(radix, relative))
+        }
+        _ if is(first, "begin") && is(second, "triggerblock") => {
+            let (behind, _) = word("a word")(skip_blanks(rest)).unwrap_or_default();
+            Some(Header::Block(date(behind)))
+        }
+        _ if is(first, "end") && is(second, "triggerblock") => Some(Header::Nothing),
+        _ if is(first, "internal") || is(first, "no") && is(second, "internal") => Some(Header::Nothing),
+        _ if is(first, "previous") => Some(Header::Nothing),
+        _ => None,
+    }
+}
+
+/// `Sat Sep 30 15:06:13.191 2017`, with or without AM or PM, in nanoseconds since 1970 as if it were UTC.
+fn date(text: &[u8]) -> Option<u64> {
+    let mut words = text.split(|&b| b == b' ' || b == b'\t').filter(|word| !word.is_empty());
+    let (_weekday, month, day, time) = (words.next()?, words.next()?, words.next()?, words.next()?);
+    let (mut year, mut half) = (words.next()?, None);
+    if year.eq_ignore_ascii_case(b"am") || year.eq_ignore_ascii_case(b"pm") {
+        half = Some(year.eq_ignore_ascii_case(b"pm"));
+        year = words.next()?;
+    }
+    let number = |text: &[u8]| std::str::from_utf8(text).ok()?.parse::<i16>().ok();
+    let narrow = |text: &[u8]| i8::try_from(number(text)?).ok();
+    let mut parts = time.splitn(3, |&b| b == b':');
+    let (hour, minute, second) = (narrow(parts.next()?)?, narrow(parts.next()?)?, parts.next()?);
+    let hour = match half {
+        Some(pm) if (1..=12).contains(&hour) => hour % 12 + if pm { 12 } else { 0 },
+        Some(_) => return None,
+        None => hour,
+    };
+    let (rest, second_number) = decimal("seconds")(second).ok()?;
+    let fraction = match rest {
+        [] => 0,
+        // Some versions write the milliseconds without leading zeros; there is no telling.
+        [b'.', digits @ ..] => crate::grammar::billionths(digits).ok()?.1,
+        _ => return None,
+    };
+    let date = civil::Date::new(number(year)?, month_number(month)?, narrow(day)?).ok()?;
+    let second = i8::try_from(second_number).ok()?;
+    let time = civil::Time::new(hour, minute, second, i32::try_from(fraction).ok()?).ok()?;
+    crate::local_time::nanos(date.to_datetime(time))
+}
+
+/// English and German names, by their first three letters; an umlaut may be in Latin-1 or UTF-8.
+fn month_number(name: &[u8]) -> Option<i8> {
+    let head: Vec<u8> = name.iter().take(3).map(u8::to_ascii_lowercase).collect();
+    let number = match head.as_slice() {
+        b"jan" => 1,
+        b"feb" => 2,
+        b"mar" | b"mrz" | b"m\xE4r" | b"m\xC3\xA4" => 3,
+        b"apr" => 4,
+        b"may" | b"mai" => 5,
+        b"jun" => 6,
+        b"jul" => 7,
+        b"aug" => 8,
+        b"sep" => 9,
+        b"oct" | b"okt" => 10,
+        b"nov" => 11,
+        b"dec" | b"dez" => 12,
+        _ => return None,
+    };
+    Some(number)
 }

@@ -1,11 +1,390 @@
-//! Reader.
+//! What candump prints on a console, and `log2long` writes.
+//!
+//! ```text
+//! line  = [stamp] IFACE [("RX" | "TX") ("B" | "-") ("E" | "-")] ID body [text]
+//! stamp = "(" SECONDS ")" | "(" YYYY-MM-DD hh:mm:ss.ffffff ")"
+//! body  = "[" LEN "]" bytes | "[" LEN "]" "remote request" | "[" LEN "]" "(" VCID "|" FLAGS ":" SDT ":" AF ")" bytes
+//! text  = "ERRORFRAME" | "'ASCII'" | "`IICSA`"
+//! ```
+//!
+//! What is easily got wrong:
+//!
+//! - **One digit in the brackets is classical CAN, two are CAN FD, four are CAN XL.** Braces (`-8`) hold the raw
+//!   data length code. Of a remote frame the number is the length that it asks for.
+//! - Without `-x` nothing tells the BRS and ESI flags of CAN FD; they are read as clear.
+//! - With `-S` the bytes are in reverse order with backticks between, with `-i` they are bits, with `-c` there
+//!   are colours. The text of `-a` may hold quotes itself; it says nothing new and is ignored.
+//! - Dates (`-tA`) are in the recorder's local time. Small numbers count from the first frame (`-tz`) or from
+//!   the frame before (`-td`), and nothing tells which: differences go down again and again, so the lines at hand
+//!   when reading begins decide, and if they are few, the first number that is less than the one before.
+//! - More than 64 bytes of CAN XL are cut by candump itself (`...`): the frame is reported as truncated.
+//!
+//! In a last line without line end the number in the brackets tells whether all bytes are there. Two doubts
+//! remain: `[0]` may be cut before `remote request`, and a single byte `10` may be the beginning of bits; such
+//! lines are reported as truncated.
 
-use crate::{ReadOptions, Reader, Source};
+use crate::formats::candump_log::{EPOCH_FROM, aside, intern};
+use crate::grammar::{
+    Expected, Parsed, billionths, blanks1, decimal, hex_byte, hex_field, nibble, seconds, skip_blanks, tag, word,
+};
+use crate::lines::{Line, LineFormat, TextReader, head_lines};
+use crate::notation::{Identifier, identifier, xl_header};
+use crate::{
+    ChannelId, Channels, Damage, DamageKind, Direction, ErrorClass, Flags, Frame, ReadOptions, Reader, Record, Source,
+    TimeBase, Timestamp,
+};
+use jiff::civil;
+use memchr::memchr;
+use nom::Parser;
+use nom::branch::alt;
+use nom::combinator::{opt, value};
+use nom::sequence::{delimited, preceded, terminated};
+use std::borrow::Cow;
 
-pub(crate) fn sniff(_head: &[u8]) -> bool {
-    false
+const SNIFF_LINES: usize = 200;
+
+pub(crate) fn sniff(head: &[u8]) -> bool {
+    head_lines(head).take(SNIFF_LINES).any(|(line, _)| start(&without_colours(line)).is_ok_and(|(_, s)| s.brackets))
 }
 
-pub(crate) fn open(_source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
-    todo!()
+pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
+    let clock = Clock::guess(source.window());
+    Box::new(TextReader::new(source, Console { clock, ..Console::default() }))
+}
+
+#[derive(Default)]
+struct Console {
+    clock: Clock,
+    /// The last frame was an error frame: an explanation may follow.
+    explained: bool,
+    /// Bytes are hexadecimal for certain.
+    hexadecimal: bool,
+}
+
+impl LineFormat for Console {
+    fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>> {
+        let plain = without_colours(line.bytes);
+        let line = Line { bytes: &plain, ..*line };
+        match aside(&line, self.explained) {
+            Some(damage) => damage.map(Err),
+            None => Some(self.frame_line(&line, channels)),
+        }
+    }
+
+    fn time_base(&self) -> TimeBase {
+        self.clock.base.unwrap_or(TimeBase::None)
+    }
+}
+
+impl Console {
+    fn frame_line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Result<Record, Damage> {
+        let damage = |error| line.damage(Expected::from(error));
+        let (rest, start) = start(line.bytes).map_err(damage)?;
+        let (_, body) = body(rest, start.id, start.flags).map_err(damage)?;
+        if body.cropped {
+            let what = "all bytes of the CAN XL frame, of which candump's console shows 64";
+            return Err(line.as_damage(DamageKind::Truncated, what));
+        }
+        let in_doubt = body.doubt == Doubt::Remote || body.doubt == Doubt::Bits && !self.hexadecimal;
+        if !line.ended && in_doubt {
+            return Err(line.cut("the end of this line, as the frame may go on,"));
+        }
+        let mut record = body.record;
+        self.hexadecimal |= record.frame.len() > 0 && body.doubt == Doubt::None && !body.bits;
+        record.channel = intern(start.name, channels).map_err(|missing| line.damage(missing))?;
+        record.timestamp = self.clock.time(start.stamp);
+        record.direction = start.direction;
+        record.place = line.place;
+        self.explained = record.frame.is_error();
+        match body.surplus {
+            // The length is what a controller goes by: so many bytes were on the bus, if any of it is true.
+            Some(at) => Err(line.damage(Expected { at, what: NO_SURPLUS }).with_salvaged(record)),
+            None => Ok(record),
+        }
+    }
+}
+
+/// Without the escape sequences of colours.
+fn without_colours(line: &[u8]) -> Cow<'_, [u8]> {
+    if memchr(0x1B, line).is_none() {
+        return line.into();
+    }
+    let mut plain = Vec::with_capacity(line.len());
+    let mut rest = line;
+    while let Some(at) = memchr(0x1B, rest) {
+        let (text, escape) = rest.split_at(at);
+        plain.extend_from_slice(text);
+        let end = escape.iter().position(|b| b.is_ascii_alphabetic());
+        rest = end.and_then(|end| escape.get(end + 1..)).unwrap_or_default();
+    }
+    plain.extend_from_slice(rest);
+    plain.into()
+}
+
+/// A line up to its brackets.
+struct Start<'a> {
+    stamp: Option<Stamp>,
+    name: &'a [u8],
+    direction: Direction,
+    flags: Flags,
+    id: Identifier,
+    brackets: bool,
+}
+
+#[derive(Clone, Copy)]
+enum Stamp {
+    Seconds(u64),
+    /// Nanoseconds since 1970 in local time.
+    Date(u64),
+}
+
+fn start(input: &[u8]) -> Parsed<'_, Start<'_>> {
+    let (rest, stamp) = opt(terminated(stamp, blanks1)).parse(skip_blanks(input))?;
+    if let (None, [b'(', inside @ ..]) = (stamp, rest) {
+        return Expected::fail(inside, "a time in seconds or a date, and ')'");
+    }
+    let (rest, name) = terminated(word("an interface name"), blanks1).parse(rest)?;
+    let (rest, info) = opt(terminated(message_info, blanks1)).parse(rest)?;
+    let (direction, flags) = info.unwrap_or((Direction::Unknown, Flags::NONE));
+    let (rest, id) = terminated(identifier, blanks1).parse(rest)?;
+    let brackets = matches!(rest, [b'[', b'0'..=b'9', ..]) || matches!(rest, [b'{', _, b'}', ..]);
+    Ok((rest, Start { stamp, name, direction, flags, id, brackets }))
+}
+
+fn stamp(input: &[u8]) -> Parsed<'_, Stamp> {
+    delimited(tag(b"(", "'('"), alt((date.map(Stamp::Date), seconds.map(Stamp::Seconds))), tag(b")", "')'"))
+        .parse(input)
+}
+
+/// `2025-01-28 10:47:15.123456` in nanoseconds since 1970, as if it were UTC.
+fn date(input: &[u8]) -> Parsed<'_, u64> {
+    let number = |what| decimal(what);
+    let (rest, (year, month, day)) =
+        (number("a year"), preceded(tag(b"-", "'-'"), number("a month")), preceded(tag(b"-", "'-'"), number("a day")))
+            .parse(input)?;
+    let (rest, (hour, minute, second, nanos)) = (
+        preceded(blanks1, number("an hour")),
+        preceded(tag(b":", "':'"), number("a minute")),
+        preceded(tag(b":", "':'"), number("a second")),
+        preceded(tag(b".", "'.'"), billionths),
+    )
+        .parse(rest)?;
+    let narrow = |n: u64| i8::try_from(n).ok();
+    let nanos_since_1970 = || {
+        let date = civil::Date::new(i16::try_from(year).ok()?, narrow(month)?, narrow(day)?).ok()?;
+        let time =
+            civil::Time::new(narrow(hour)?, narrow(minute)?, narrow(second)?, i32::try_from(nanos).ok()?).ok()?;
+        crate::local_time::nanos(date.to_datetime(time))
+    };
+    match nanos_since_1970() {
+        Some(nanos) => Ok((rest, nanos)),
+        None => Expected::fail(input, "a date between 1970 and 2554"),
+    }
+}
+
+/// `TX B E`: direction and CAN FD flags, of which a missing one is a dash.
+fn message_info(input: &[u8]) -> Parsed<'_, (Direction, Flags)> {
+    let direction = alt((value(Direction::Rx, tag(b"RX ", "RX")), value(Direction::Tx, tag(b"TX ", "TX"))));
+    let flag = |letter, flag| alt((value(flag, letter), value(Flags::NONE, tag(b"-", "'-'"))));
+    let flags = (terminated(flag(tag(b"B", "B"), Flags::BRS), tag(b" ", "' '")), flag(tag(b"E", "E"), Flags::ESI));
+    (direction, flags.map(|(brs, esi)| brs.with(esi))).parse(input)
+}
+
+/// What remains open in a line without end.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Doubt {
+    None,
+    /// `remote request` may have been cut.
+    Remote,
+    /// A byte may be the beginning of eight bits.
+    Bits,
+}
+
+struct Body<'a> {
+    record: Record,
+    bits: bool,
+    cropped: bool,
+    doubt: Doubt,
+    /// More bytes than the brackets tell: from there on.
+    surplus: Option<&'a [u8]>,
+}
+
+/// The brackets' content, which tells the kind of frame.
+#[derive(Clone, Copy)]
+enum Length {
+    Classical { len: u8, raw_dlc: u8 },
+    Fd(u64),
+    Xl(u64),
+}
+
+fn length(input: &[u8]) -> Parsed<'_, Length> {
+    if let [b'{', digit, b'}', rest @ ..] = input {
+        return match nibble(*digit) {
+            Some(dlc) => Ok((rest, Length::Classical { len: dlc.min(8), raw_dlc: dlc })),
+            None => Expected::fail(&input[1..], "a data length code"),
+        };
+    }
+    let (digits, ()) = tag(b"[", "a length in brackets")(input)?;
+    let (rest, len) = decimal("a length")(digits)?;
+    let (behind, ()) = tag(b"]", "']' after the length")(rest)?;
+    match digits.len() - rest.len() {
+        1 if len <= 8 => Ok((behind, Length::Classical { len: len as u8, raw_dlc: 0 })),
+        2 if len <= 64 => Ok((behind, Length::Fd(len))),
+        4 if (1..=2048).contains(&len) => Ok((behind, Length::Xl(len))),
+        _ => Expected::fail(digits, "a length of one digit (CAN), two (CAN FD) or four (CAN XL)"),
+    }
+}
+
+fn body(input: &[u8], id: Identifier, flags: Flags) -> Parsed<'_, Body<'_>> {
+    let (rest, length) = length(input)?;
+    match (id, length) {
+        (Identifier::Frame(id), Length::Classical { len, raw_dlc }) => {
+            let remote = skip_blanks(rest).strip_prefix(b"remote request");
+            if let (Some(rest), Some(frame)) = (remote, Frame::remote(id, len)) {
+                let record = at_zero(frame.with_raw_dlc(raw_dlc));
+                return Ok((rest, Body { record, bits: false, cropped: false, doubt: Doubt::None, surplus: None }));
+            }
+            payload(rest, usize::from(len), |data| Some(at_zero(Frame::new(id, data)?.with_raw_dlc(raw_dlc))))
+        }
+        (Identifier::Error(ErrorClass(class)), Length::Classical { len, .. }) => {
+            payload(rest, usize::from(len), |data| Frame::error(ErrorClass(class), data).map(at_zero))
+        }
+        (Identifier::Frame(id), Length::Fd(len)) => {
+            payload(rest, len as usize, |data| Record::fd(Timestamp::ZERO, ChannelId(0), id, flags, data))
+        }
+        (Identifier::Frame(id), Length::Xl(len)) => xl(rest, id.raw(), len as usize),
+        _ => Expected::fail(input, "a length that fits the kind of the id"),
+    }
+}
+
+fn xl(input: &[u8], priority: u32, len: usize) -> Parsed<'_, Body<'_>> {
+    let (open, ()) = tag(b"(", "'(' and the CAN XL header")(skip_blanks(input))?;
+    let (rest, vcid) = hex_field(2, "two hex digits with the virtual network")(open)?;
+    let (rest, flags) = preceded(tag(b"|", "'|'"), hex_field(2, "two hex digits with the flags")).parse(rest)?;
+    let (rest, sdt) = preceded(tag(b":", "':'"), hex_field(2, "two hex digits with the payload type")).parse(rest)?;
+    let (rest, af) = preceded(tag(b":", "':'"), hex_field(8, "eight hex digits")).parse(rest)?;
+    let (rest, ()) = tag(b")", "')'")(rest)?;
+    match xl_header(vcid << 12 | priority, flags as u8, sdt as u8, af) {
+        Some((id, header)) => payload(rest, len, |data| Record::xl(Timestamp::ZERO, ChannelId(0), id, header, data)),
+        None => Expected::fail(open, "CAN XL flags with bit 80 set"),
+    }
+}
+
+fn at_zero(frame: Frame) -> Record {
+    Record::new(Timestamp::ZERO, ChannelId(0), frame)
+}
+
+/// `len` bytes and the end of the line.
+fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) -> Parsed<'_, Body<'_>> {
+    let mut data = Vec::with_capacity(len);
+    let mut rest = input;
+    let (mut bits, mut swapped) = (false, false);
+    while data.len() < len {
+        let next = match rest {
+            [b'`', next @ ..] => next,
+            _ => skip_blanks(rest),
+        };
+        if data.len() == 64 && next.starts_with(b"...") {
+            data.resize(len, 0);
+            return match frame(&data) {
+                Some(record) => Ok((&[], Body { record, bits, cropped: true, doubt: Doubt::None, surplus: None })),
+                None => Expected::fail(input, "data"),
+            };
+        }
+        swapped |= matches!(rest, [b'`', ..]);
+        let (behind, byte) = match bit_byte(next) {
+            Some((behind, byte)) => {
+                bits = true;
+                (behind, byte)
+            }
+            None => hex_byte(next)?,
+        };
+        data.push(byte);
+        rest = behind;
+    }
+    let last = rest;
+    if swapped {
+        data.reverse();
+    }
+    let Some(record) = frame(&data) else {
+        return Expected::fail(input, "a length that this kind of frame has");
+    };
+    let behind = skip_blanks(last);
+    if !matches!(behind, [] | [b'\'' | b'`', ..]) && !behind.starts_with(b"ERRORFRAME") {
+        if !is_bytes(behind) {
+            return Expected::fail(behind, NO_SURPLUS);
+        }
+        return Ok((&[], Body { record, bits, cropped: false, doubt: Doubt::None, surplus: Some(behind) }));
+    }
+    let is_digits = |byte: u8| byte >> 4 <= 1 && byte & 15 <= 1;
+    let doubt = match data[..] {
+        _ if !last.is_empty() && !behind.is_empty() => Doubt::None,
+        [] => Doubt::Remote,
+        [byte] if !bits && last.is_empty() && is_digits(byte) => Doubt::Bits,
+        _ => Doubt::None,
+    };
+    Ok((behind, Body { record, bits, cropped: false, doubt, surplus: None }))
+}
+
+const NO_SURPLUS: &str = "the end of the line after as many bytes as the brackets tell";
+
+/// Whether there is nothing but bytes of two digits up to the end of the line.
+fn is_bytes(input: &[u8]) -> bool {
+    let mut tokens = input.split(|byte| *byte == b' ').filter(|token| !token.is_empty());
+    tokens.all(|token| matches!(hex_byte(token), Ok(([], _))))
+}
+
+/// A byte as eight bits.
+fn bit_byte(input: &[u8]) -> Option<(&[u8], u8)> {
+    let (bits, rest) = input.split_first_chunk::<8>()?;
+    let is_bits = bits.iter().all(|b| matches!(b, b'0' | b'1'));
+    is_bits.then(|| (rest, bits.iter().fold(0, |byte, bit| byte << 1 | (bit - b'0'))))
+}
+
+/// What the times count from.
+#[derive(Default)]
+struct Clock {
+    base: Option<TimeBase>,
+    now: u64,
+    /// The number in the line before.
+    last: u64,
+    differences: bool,
+    /// How many small numbers were seen in order.
+    seen: usize,
+}
+
+impl Clock {
+    /// So many small numbers decide whether they are differences.
+    const ENOUGH: usize = 20;
+
+    /// From the lines at hand before the first one is read.
+    fn guess(head: &[u8]) -> Self {
+        let small = |line: &[u8]| match start(&without_colours(line)) {
+            Ok((_, Start { stamp: Some(Stamp::Seconds(nanos)), .. })) if nanos < EPOCH_FROM => Some(nanos),
+            _ => None,
+        };
+        let times: Vec<u64> =
+            head_lines(head).filter(|(_, complete)| *complete).take(1000).filter_map(|(line, _)| small(line)).collect();
+        let down = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
+        Self { differences: down > 0 && down * 10 >= times.len(), seen: times.len(), ..Self::default() }
+    }
+
+    fn time(&mut self, stamp: Option<Stamp>) -> Timestamp {
+        let (base, time) = match stamp {
+            None => (TimeBase::None, self.now),
+            Some(Stamp::Date(nanos)) => (TimeBase::Local, nanos),
+            Some(Stamp::Seconds(nanos)) if nanos >= EPOCH_FROM => (TimeBase::Utc, nanos),
+            Some(Stamp::Seconds(nanos)) => (TimeBase::Start, self.small(nanos)),
+        };
+        self.base.get_or_insert(base);
+        self.now = time;
+        Timestamp(time)
+    }
+
+    fn small(&mut self, nanos: u64) -> u64 {
+        self.differences |= nanos < self.last && self.seen < Self::ENOUGH;
+        self.seen = self.seen.saturating_add(1);
+        self.last = nanos;
+        if self.differences { self.now.saturating_add(nanos) } else { nanos }
+    }
 }

@@ -1,11 +1,305 @@
-//! Reader.
+//! candump's log, as `candump -l`, `-f` and `-L` write it and `canplayer` reads it.
+//!
+//! ```text
+//! line = "(" SECONDS "." FRACTION ")" IFACE FRAME [" R" | " T"] [token]
+//! ```
+//!
+//! FRAME is described in [`crate::notation`]. What is easily got wrong:
+//!
+//! - The fraction has 6 or 9 digits. Times count from 1970, or with `-tz` from the first frame: a log that begins
+//!   before 1973 is taken to be of that kind.
+//! - The interface name is padded on its left to the longest name so far, so several spaces are normal.
+//! - `R` or `T` is the direction (`-x`). Another single word behind the frame is ignored, unless it is two hex
+//!   digits: then the bytes were written apart, and cutting them off would invent a shorter frame.
+//! - `DROPCOUNT: dropped N CAN frames on …` tells that the recorder lost frames; it is given as
+//!   [`DamageKind::Dropped`]. Lines that begin with a tab behind an error frame are its explanation (`-e`).
+//! - Comments (`#`, `//`, `;`), blank lines, CRLF and a byte order mark are from people's editors.
+//!
+//! # The last line without line end
+//!
+//! Candump ends every line. A last line without end is either a file cut short or the work of an editor, and
+//! `123#11` may be the beginning of `123#1122`. Such a line is read only where its frame can't go on: it has all
+//! 8 data bytes (64 for CAN FD), a remote frame's length, a raw DLC, or a direction behind it. If lines before
+//! it had a direction, it needs one too, and likewise the raw DLC, for which 8 bytes alone are then not enough.
+//! Otherwise it is reported as truncated: better to miss a frame aloud than to invent one.
 
-use crate::{ReadOptions, Reader, Source};
+use crate::grammar::{Expected, Parsed, blanks1, decimal, seconds, skip_blanks, tag, word};
+use crate::lines::{Line, LineFormat, TextReader, head_lines};
+use crate::notation::{frame, write_frame};
+use crate::text_writer::{LineWriter, TextWriter};
+use crate::{
+    ChannelId, Channels, Damage, DamageKind, Direction, Flags, Frame, Loss, Losses, ReadOptions, Reader, Record,
+    Source, TimeBase, Timestamp, WriteError, WriteOptions, Writer,
+};
+use std::fmt::Write as _;
+use std::io::Write;
 
-pub(crate) fn sniff(_head: &[u8]) -> bool {
-    false
+/// A log that begins before this time (1973) counts from its own start.
+pub(crate) const EPOCH_FROM: u64 = 100_000_000 * 1_000_000_000;
+
+/// So many lines that are no frames may stand before the first one.
+const SNIFF_LINES: usize = 200;
+
+pub(crate) fn sniff(head: &[u8]) -> bool {
+    head_lines(head).take(SNIFF_LINES).any(|(line, _)| looks_like_log(line))
 }
 
-pub(crate) fn open(_source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
-    todo!()
+/// `(1.5) can0 123#`: the id is not looked at closely, so that a log with a damaged first line is still a log.
+fn looks_like_log(line: &[u8]) -> bool {
+    let Ok((rest, _)) = stamp_and_interface(line) else { return false };
+    word("frame")(rest).is_ok_and(|(_, word)| matches!(word.iter().position(|&b| b == b'#'), Some(1..=8)))
+}
+
+pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
+    Box::new(TextReader::new(source, CandumpLog::default()))
+}
+
+#[derive(Default)]
+struct CandumpLog {
+    base: Option<TimeBase>,
+    /// Most lines are of the same channel as the one before.
+    channel: Option<ChannelId>,
+    /// The last frame was an error frame: an explanation may follow.
+    explained: bool,
+    habits: Habits,
+}
+
+/// What the frames so far had behind their data: the last line must have it too, if it has no end.
+#[derive(Default)]
+struct Habits {
+    direction: bool,
+    raw_dlc: bool,
+}
+
+impl LineFormat for CandumpLog {
+    fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>> {
+        match line.bytes {
+            [b'(', ..] => {}
+            other => return self.other_line(line, skip_blanks(other), channels),
+        }
+        Some(self.frame_line(line, line.bytes, channels))
+    }
+
+    fn time_base(&self) -> TimeBase {
+        self.base.unwrap_or_default()
+    }
+}
+
+impl CandumpLog {
+    #[inline]
+    fn frame_line(&mut self, line: &Line<'_>, text: &[u8], channels: &mut Channels) -> Result<Record, Damage> {
+        let damage = |error| line.damage(Expected::from(error));
+        let (rest, (nanos, name)) = stamp_and_interface(text).map_err(damage)?;
+        let (behind, mut record) = frame(rest).map_err(damage)?;
+        let tail = tail(behind).map_err(|missing| line.damage(missing))?;
+        if !line.ended && !self.habits.complete(&record.frame, &tail) {
+            return Err(line.cut("the end of this line, as the frame may go on,"));
+        }
+        record.channel = self.intern(name, channels).map_err(|missing| line.damage(missing))?;
+        record.timestamp = Timestamp(nanos);
+        record.direction = tail.direction;
+        record.place = line.place;
+        self.base.get_or_insert(if nanos < EPOCH_FROM { TimeBase::Start } else { TimeBase::Utc });
+        self.explained = record.frame.is_error();
+        self.habits.learn(&record);
+        Ok(record)
+    }
+
+    /// What is not a frame, or a frame behind spaces.
+    fn other_line(&mut self, line: &Line<'_>, text: &[u8], channels: &mut Channels) -> Option<Result<Record, Damage>> {
+        if let [b'(', ..] = text {
+            return Some(self.frame_line(line, text, channels));
+        }
+        match aside(line, self.explained) {
+            Some(damage) => damage.map(Err),
+            None => Some(Err(line.damage(Expected::new(text, "a frame, such as (1700000000.123456) can0 123#11")))),
+        }
+    }
+
+    fn intern<'a>(&mut self, name: &'a [u8], channels: &mut Channels) -> Result<ChannelId, Expected<'a>> {
+        if let Some(channel) = self.channel
+            && channels.name(channel).as_bytes() == name
+        {
+            return Ok(channel);
+        }
+        let channel = intern(name, channels)?;
+        self.channel = Some(channel);
+        Ok(channel)
+    }
+}
+
+/// A line of candump that is no frame, or of a person's editor, if it is one: with the loss that it tells.
+/// `explained` says that the frame before it was an error frame.
+pub(crate) fn aside(line: &Line<'_>, explained: bool) -> Option<Option<Damage>> {
+    let text = skip_blanks(line.bytes);
+    match text {
+        [] | [b'#' | b';', ..] | [b'/', b'/', ..] => return Some(None),
+        _ if explained && line.bytes.first() == Some(&b'\t') => return Some(None),
+        _ => {}
+    }
+    let (_, count) = drop_count(text).ok()?;
+    Some(Some(line.as_damage(DamageKind::Dropped(count), "no loss")))
+}
+
+/// The longest interface name: far more than Linux has, yet 4096 of them are no burden.
+const LONGEST_NAME: usize = 128;
+
+/// The channel of that name.
+pub(crate) fn intern<'a>(name: &'a [u8], channels: &mut Channels) -> Result<ChannelId, Expected<'a>> {
+    match std::str::from_utf8(name) {
+        Ok(name) if name.len() <= LONGEST_NAME => Ok(channels.intern(name)),
+        _ => Err(Expected::new(name, "an interface name of at most 128 bytes in UTF-8")),
+    }
+}
+
+/// Time and interface, with the spaces behind them.
+#[inline]
+fn stamp_and_interface(input: &[u8]) -> Parsed<'_, (u64, &[u8])> {
+    let (rest, ()) = tag(b"(", "'('")(skip_blanks(input))?;
+    let (rest, nanos) = seconds(rest)?;
+    let (rest, ()) = tag(b")", "')' after the time")(rest)?;
+    let (rest, ()) = blanks1(rest)?;
+    let (rest, name) = word("an interface name")(rest)?;
+    let (rest, ()) = blanks1(rest)?;
+    Ok((rest, (nanos, name)))
+}
+
+/// `DROPCOUNT: dropped 5 CAN frames on 'can0' socket (total drops 7)`.
+///
+/// Candump prints the number with a sign, so that more than 2^31 come out negative.
+fn drop_count(input: &[u8]) -> Parsed<'_, u64> {
+    let (rest, ()) = tag(b"DROPCOUNT: dropped ", "DROPCOUNT")(input)?;
+    match rest {
+        [b'-', rest @ ..] => {
+            decimal("a number of frames")(rest).map(|(rest, n)| (rest, (1_u64 << 32).saturating_sub(n)))
+        }
+        _ => decimal("a number of frames")(rest),
+    }
+}
+
+/// What stands behind a frame.
+struct Tail {
+    direction: Direction,
+    /// A word: nothing belongs to the frame any more.
+    closed: bool,
+    /// A space without a word.
+    open: bool,
+}
+
+#[inline]
+
+fn tail(input: &[u8]) -> Result<Tail, Expected<'_>> {
+    if input.is_empty() {
+        return Ok(Tail { direction: Direction::Unknown, closed: false, open: false });
+    }
+    let none = Tail { direction: Direction::Unknown, closed: false, open: !input.is_empty() };
+    let mut rest = skip_blanks(input);
+    if rest.is_empty() {
+        return Ok(none);
+    }
+    if rest.len() == input.len() {
+        return Err(Expected::new(input, "a hex digit of the data or the end of the frame"));
+    }
+    let direction = match rest {
+        [b'R', ..] => Direction::Rx,
+        [b'T', ..] => Direction::Tx,
+        _ => Direction::Unknown,
+    };
+    if let [b'R' | b'T'] | [b'R' | b'T', b' ' | b'\t', ..] = rest {
+        rest = skip_blanks(&rest[1..]);
+        ignore(rest)?;
+        return Ok(Tail { direction, closed: true, open: false });
+    }
+    ignore(rest)?;
+    Ok(Tail { closed: true, open: false, ..none })
+}
+
+/// A single word, or a comment.
+fn ignore(input: &[u8]) -> Result<(), Expected<'_>> {
+    let Ok((rest, token)) = word("a word")(input) else { return Ok(()) };
+    let is_comment = matches!(token, [b'#' | b';', ..] | [b'/', b'/', ..]);
+    let is_byte = matches!(token, [high, low] if high.is_ascii_hexdigit() && low.is_ascii_hexdigit());
+    if is_byte || (!is_comment && !skip_blanks(rest).is_empty()) {
+        return Err(Expected::new(input, "the end of the line, 'R' or 'T' after the frame"));
+    }
+    Ok(())
+}
+
+impl Habits {
+    #[inline]
+    fn learn(&mut self, record: &Record) {
+        self.direction |= record.direction != Direction::Unknown;
+        self.raw_dlc |= record.frame.flags() == Flags::NONE && record.frame.dlc() > 8;
+    }
+
+    /// Whether a line without end can't be the beginning of a longer one.
+    fn complete(&self, frame: &Frame, tail: &Tail) -> bool {
+        if tail.closed {
+            return !self.direction || tail.direction != Direction::Unknown;
+        }
+        if tail.open || self.direction {
+            return false;
+        }
+        let longest = match () {
+            () if frame.is_xl() => 2048,
+            () if frame.is_fd() => 64,
+            () if frame.is_remote() => return (1..8).contains(&frame.len()) || frame.len() == 8 && !self.raw_dlc,
+            () if frame.is_error() || frame.dlc() > 8 || !self.raw_dlc => 8,
+            () => return false,
+        };
+        frame.len() == longest
+    }
+}
+
+pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
+    Ok(Box::new(TextWriter::new(sink, LogLines { time_base: options.time_base })))
+}
+
+/// Writes what `candump -L` writes, with the direction where it is known (`-x`).
+struct LogLines {
+    time_base: TimeBase,
+}
+
+impl LineWriter for LogLines {
+    fn record(&mut self, record: &Record, channel: &str, out: &mut String, losses: &mut Losses) {
+        if self.time_base == TimeBase::Local {
+            losses.count(Loss::TimeZone);
+        }
+        // Writing into a String does not fail.
+        let _ = self.write_line(record, &interface_name(channel, losses), out);
+    }
+}
+
+impl LogLines {
+    fn write_line(&self, record: &Record, name: &str, out: &mut String) -> std::fmt::Result {
+        let nanos = record.timestamp.nanos();
+        let (secs, fraction) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
+        // From 1970 there are ten digits; candump -tz fills up to three.
+        write!(out, "({secs:03}.")?;
+        if fraction % 1_000 == 0 {
+            write!(out, "{:06}) {name} ", fraction / 1_000)?;
+        } else {
+            write!(out, "{fraction:09}) {name} ")?;
+        }
+        write_frame(out, &record.frame, record.xl_header(), record.data())?;
+        out.write_str(match record.direction {
+            Direction::Unknown => "\n",
+            Direction::Rx => " R\n",
+            Direction::Tx => " T\n",
+        })
+    }
+}
+
+/// The name as one word, which is all that a log can hold.
+fn interface_name<'a>(name: &'a str, losses: &mut Losses) -> std::borrow::Cow<'a, str> {
+    let unfit = |c: char| c.is_whitespace() || c.is_control();
+    if !name.is_empty() && name.len() <= LONGEST_NAME && !name.contains(unfit) {
+        return name.into();
+    }
+    losses.count(Loss::ChannelName);
+    let mut fit: String = name.chars().map(|c| if unfit(c) { '_' } else { c }).collect();
+    while fit.len() > LONGEST_NAME {
+        fit.pop();
+    }
+    if fit.is_empty() { "can0".into() } else { fit.into() }
 }

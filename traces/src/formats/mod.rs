@@ -1,6 +1,8 @@
 //! The capture formats, one file each.
 
 pub(crate) mod asc;
+mod asc_row;
+mod asc_writer;
 pub(crate) mod blf;
 pub(crate) mod candump_console;
 pub(crate) mod candump_log;
@@ -9,7 +11,9 @@ pub(crate) mod minimon;
 pub(crate) mod pcap;
 pub(crate) mod pcapng;
 pub(crate) mod python_can_csv;
+pub(crate) mod socketcan;
 pub(crate) mod trc;
+mod trc_writer;
 
 use crate::{ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
 use std::io::Write;
@@ -63,7 +67,7 @@ const FORMATS: &[Row] = &[
         extensions: &["pcapng", "ntar"],
         sniff: pcapng::sniff,
         open: pcapng::open,
-        create: None,
+        create: Some(pcapng::create),
     },
     Row {
         format: Format::Pcap,
@@ -72,7 +76,7 @@ const FORMATS: &[Row] = &[
         extensions: &["pcap", "cap"],
         sniff: pcap::sniff,
         open: pcap::open,
-        create: None,
+        create: Some(pcap::create),
     },
     Row {
         format: Format::Mcap,
@@ -99,7 +103,7 @@ const FORMATS: &[Row] = &[
         extensions: &["trc"],
         sniff: trc::sniff,
         open: trc::open,
-        create: None,
+        create: Some(trc::create),
     },
     Row {
         format: Format::PythonCanCsv,
@@ -108,7 +112,7 @@ const FORMATS: &[Row] = &[
         extensions: &["csv"],
         sniff: python_can_csv::sniff,
         open: python_can_csv::open,
-        create: None,
+        create: Some(python_can_csv::create),
     },
     Row {
         format: Format::MiniMon,
@@ -126,7 +130,7 @@ const FORMATS: &[Row] = &[
         extensions: &["asc"],
         sniff: asc::sniff,
         open: asc::open,
-        create: None,
+        create: Some(asc::create),
     },
     Row {
         format: Format::Candump,
@@ -135,7 +139,7 @@ const FORMATS: &[Row] = &[
         extensions: &["log"],
         sniff: candump_log::sniff,
         open: candump_log::open,
-        create: None,
+        create: Some(candump_log::create),
     },
     Row {
         format: Format::CandumpConsole,

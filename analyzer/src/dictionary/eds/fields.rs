@@ -73,7 +73,7 @@ impl<'s> Fields<'s, '_> {
             if !known(&name) {
                 let place = Place { line: field.line, section: self.section.name, field: field.name };
                 let expected = "a field that CiA 306 defines here";
-                self.problems.report(place, Severity::Info, ProblemKind::UnknownSection, expected, field.name);
+                self.problems.report(place, Severity::Info, ProblemKind::UnknownField, expected, field.name);
             }
         }
     }

@@ -12,6 +12,9 @@ use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
 /// CiA 306: at most so many characters in a line.
 const LONGEST_LINE: usize = 255;
 
+/// What follows is not read: each short line of a hostile file would take many times its own memory.
+const MOST_LINES: u32 = 1_000_000;
+
 /// All sections of a file.
 #[derive(Debug, Default)]
 pub(super) struct Document<'a> {
@@ -72,6 +75,12 @@ pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
     let mut number = 0;
     for line in lines(text) {
         number += 1;
+        if number > MOST_LINES {
+            let place = Place { line: number, ..Place::default() };
+            let expected = "at most 1000000 lines; the rest is left out";
+            problems.report(place, Severity::Error, ProblemKind::TooMuch, expected, line);
+            break;
+        }
         if line.chars().nth(LONGEST_LINE).is_some() {
             let place = Place { line: number, ..Place::default() };
             problems.report(place, Severity::Warning, ProblemKind::Line, "at most 255 characters", line);

@@ -47,7 +47,7 @@ pub(super) fn numbered(section: &Section<'_>, count: &str, problems: &mut Proble
                 continue;
             }
         }
-        next = field.name.parse().unwrap_or(next) + 1;
+        next = field.name.parse().unwrap_or(next).saturating_add(1);
         let number = number::parse(field.value).filter(|number| !number.plus_node_id);
         match number.and_then(|number| u16::try_from(number.value).ok()) {
             Some(number) => numbers.push((number, field.line)),
@@ -67,9 +67,10 @@ fn check(lists: &ObjectLists, dictionary: &ObjectDictionary, problems: &mut Prob
     let mut listed = HashSet::new();
     for (position, list) in [&lists.mandatory, &lists.optional, &lists.manufacturer].into_iter().enumerate() {
         let section = LISTS.get(position).copied().unwrap_or_default();
-        for &(index, line) in list {
+        for (number, &(index, line)) in (1..).zip(list) {
             let mut report = |severity, expected| {
-                let place = Place { line, section, field: "" };
+                let field = u32::to_string(&number);
+                let place = Place { line, section, field: &field };
                 problems.report(place, severity, ProblemKind::List, expected, &index.to_string());
             };
             if !listed.insert(index) {

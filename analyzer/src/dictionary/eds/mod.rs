@@ -14,7 +14,9 @@ mod objects;
 mod section_name;
 mod text;
 
+pub(super) use fields::setting;
 use section_name::SectionName;
+pub(super) use text::decode as decode_text;
 
 use super::description::{DeviceDescription, DeviceInfo, FileInfo};
 use super::problem::{ProblemKind, Problems, Severity};

@@ -96,12 +96,12 @@ fn literal(text: &str) -> Option<(i128, Option<&'static str>)> {
     if let Some(hexadecimal) = text.strip_suffix(['h', 'H']) {
         return Some((digits(hexadecimal, 16)?, Some("hexadecimal numbers with 0x")));
     }
-    if let Some(octal) = text.strip_prefix('0').filter(|rest| !rest.is_empty()) {
-        if let Some(value) = digits(octal, 8) {
-            // Below 8 both readings agree, so nobody can be misled.
-            let odd = (value > 7).then_some("no leading 0, which means octal");
-            return Some((value, odd));
-        }
+    if let Some(octal) = text.strip_prefix('0').filter(|rest| !rest.is_empty())
+        && let Some(value) = digits(octal, 8)
+    {
+        // Below 8 both readings agree, so nobody can be misled.
+        let odd = (value > 7).then_some("no leading 0, which means octal");
+        return Some((value, odd));
     }
     if let Some(value) = digits(text, 10) {
         let odd = text.starts_with('0') && text.len() > 1;

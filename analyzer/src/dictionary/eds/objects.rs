@@ -1,10 +1,10 @@
 //! Objects: `[1018]` with `[1018sub0]`, `[1018sub1]`…
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, btree_map};
 
 use super::compact;
 use super::fields::Fields;
-use super::lexer::{Document, Section};
+use super::lexer::{Document, Section, canonical};
 use super::section_name::SectionName;
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
@@ -14,7 +14,7 @@ use crate::identity::SubIndex;
 /// A description with more entries is cut: `CompactSubObj` lets a small file ask for very many.
 const MOST_ENTRIES: usize = 200_000;
 
-const ENTRY_FIELDS: [&str; 13] = [
+const ENTRY_FIELDS: [&str; 14] = [
     "parametername",
     "objecttype",
     "datatype",
@@ -28,9 +28,10 @@ const ENTRY_FIELDS: [&str; 13] = [
     "denotation",
     "uploadfile",
     "downloadfile",
+    "paramrefd",
 ];
 
-const OBJECT_FIELDS: [&str; 5] = ["subnumber", "compactsubobj", "paramrefd", "count", "objextend"];
+const OBJECT_FIELDS: [&str; 2] = ["subnumber", "compactsubobj"];
 
 /// The sections of one object.
 #[derive(Default)]
@@ -44,8 +45,14 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
     let mut parts: BTreeMap<u16, Parts<'_>> = BTreeMap::new();
     for section in &document.sections {
         match SectionName::parse(section.name) {
-            SectionName::Object(index) => add_head(parts.entry(index).or_default(), section, problems),
-            SectionName::Sub(index, sub) => add_sub(parts.entry(index).or_default(), sub, section, problems),
+            SectionName::Object(index) => {
+                check_spelling(section, &format!("{index:04x}"), problems);
+                add_head(parts.entry(index).or_default(), section, problems);
+            }
+            SectionName::Sub(index, sub) => {
+                check_spelling(section, &format!("{index:04x}sub{sub:x}"), problems);
+                add_sub(parts.entry(index).or_default(), sub, section, problems);
+            }
             _ => {}
         }
     }
@@ -65,6 +72,14 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
     objects.into_iter().collect()
 }
 
+/// Reports a section name such as `[0x1018]` or `[1018sub01]`, which other tools may not find.
+fn check_spelling(section: &Section<'_>, standard: &str, problems: &mut Problems) {
+    if canonical(section.name) != standard {
+        let expected = "hexadecimal digits without prefix or leading zeros, as in [1018sub1]";
+        problems.report(section.place(""), Severity::Warning, ProblemKind::Line, expected, section.name);
+    }
+}
+
 /// `[1018]` and `[0x1018]` are the same object.
 pub(super) fn add_head<'d>(parts: &mut Parts<'d>, section: &'d Section<'d>, problems: &mut Problems) {
     if parts.head.is_some() {
@@ -76,10 +91,11 @@ pub(super) fn add_head<'d>(parts: &mut Parts<'d>, section: &'d Section<'d>, prob
 
 /// `[1018sub1]` and `[1018sub01]` are the same entry.
 pub(super) fn add_sub<'d>(parts: &mut Parts<'d>, sub: u8, section: &'d Section<'d>, problems: &mut Problems) {
-    if parts.subs.contains_key(&sub) {
-        report_second(section, problems);
-    } else {
-        parts.subs.insert(sub, section);
+    match parts.subs.entry(sub) {
+        btree_map::Entry::Occupied(_) => report_second(section, problems),
+        btree_map::Entry::Vacant(vacant) => {
+            vacant.insert(section);
+        }
     }
 }
 
@@ -117,7 +133,7 @@ pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, pro
     }
     add_subs(&mut object, parts, problems);
     if compact == 0 {
-        check_counts(&object, &mut Fields { section: head, problems }, parts.subs.len());
+        check_counts(&object, &mut Fields { section: head, problems }, parts);
     }
     object
 }
@@ -243,7 +259,8 @@ fn check_limits(fields: &mut Fields<'_, '_>, entry: &Entry) {
 }
 
 /// `SubNumber` and the default of sub-index 0.
-fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, subs: usize) {
+fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>) {
+    let subs = parts.subs.len();
     let announced = fields.number("SubNumber", 0xFF);
     if announced.unwrap_or(0) as usize != subs {
         let found = format!("{subs} sub-indexes");
@@ -253,7 +270,7 @@ fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, subs: usize) {
     if object.code.is_single() || subs == 0 {
         return;
     }
-    let Some(count) = object.entry(SubIndex(0)) else {
+    let (Some(count), Some(section)) = (object.entry(SubIndex(0)), parts.subs.get(&0)) else {
         fields.report("", Severity::Warning, ProblemKind::MissingSection, "sub-index 0", "none");
         return;
     };
@@ -262,8 +279,9 @@ fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, subs: usize) {
     let default = count.default.as_ref().and_then(Setting::fixed).and_then(|value| value.as_number());
     // Where sub-index 0 is writable it counts what is in use, not what there is.
     if !count.access.is_writable() && default.is_some_and(|default| default != i128::from(highest)) {
-        let place = Place { line: count.line, section: fields.section.name, field: "DefaultValue" };
-        let (expected, found) = ("the highest sub-index in sub-index 0", format!("{highest:02X}h is the highest"));
+        let place = section.place("DefaultValue");
+        let expected = "the highest sub-index in sub-index 0";
+        let found = format!("{highest:02X}h is the highest");
         // 1003h counts the errors that there are.
         if object.index.0 != 0x1003 {
             fields.problems.report(place, Severity::Warning, ProblemKind::Count, expected, &found);

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
 
 /// The text of the file. Bytes that are no UTF-8 are read as Latin-1, in which every byte is a character.
-pub(super) fn decode<'a>(bytes: &'a [u8], problems: &mut Problems) -> Cow<'a, str> {
+pub(in crate::dictionary) fn decode<'a>(bytes: &'a [u8], problems: &mut Problems) -> Cow<'a, str> {
     let mut report = |found| {
         problems.report(
             Place { line: 1, ..Place::default() },

@@ -1,0 +1,72 @@
+//! Whether a device description agrees with itself and with the standards: what a single field can't show.
+//!
+//! Works on what was read, whatever the format of the file. The problems of the reading itself are in
+//! [`DeviceDescription::problems`].
+
+mod identity;
+mod pdo;
+mod standard;
+
+use super::description::DeviceDescription;
+use super::object::{Object, Setting};
+use super::problem::{EdsProblem, Place, ProblemKind, Problems, Severity};
+use crate::identity::{Index, Multiplexer, SubIndex};
+
+/// All contradictions, by line.
+pub fn check(description: &DeviceDescription) -> Vec<EdsProblem> {
+    let mut check = Check { description, problems: Problems::default() };
+    identity::check(&mut check);
+    pdo::check(&mut check);
+    standard::check(&mut check);
+    check.problems.into_sorted()
+}
+
+/// The description under check, and what was found.
+struct Check<'a> {
+    description: &'a DeviceDescription,
+    problems: Problems,
+}
+
+impl<'a> Check<'a> {
+    /// Reports a problem of an entry, or of its object where the entry is missing.
+    fn report(
+        &mut self,
+        at: Multiplexer,
+        field: &str,
+        severity: Severity,
+        kind: ProblemKind,
+        expected: &'static str,
+        found: &str,
+    ) {
+        let object = self.object(at.index);
+        let entry = object.and_then(|object| object.entry(at.sub));
+        let line = entry.map(|entry| entry.line).or(object.map(|object| object.line)).unwrap_or(0);
+        let single = object.is_none_or(|object| object.code.is_single());
+        let section = match single {
+            true => format!("{:04X}", at.index.0),
+            false => format!("{:04X}sub{:X}", at.index.0, at.sub.0),
+        };
+        self.problems.report(Place { line, section: &section, field }, severity, kind, expected, found);
+    }
+
+    fn object(&self, index: Index) -> Option<&'a Object> {
+        self.description.dictionary.object(index)
+    }
+
+    /// The default at that address as a number, where it has one that needs no node-ID.
+    fn default(&self, index: u16, sub: u8) -> Option<u64> {
+        let entry = self.description.dictionary.entry(Multiplexer::new(index, sub)).ok()?;
+        u64::try_from(entry.default.as_ref().and_then(Setting::fixed)?.as_number()?).ok()
+    }
+
+    /// The objects of a range of indexes.
+    fn objects(&self, first: u16, last: u16) -> impl Iterator<Item = &'a Object> + use<'a> {
+        let range = Index(first)..=Index(last);
+        self.description.dictionary.objects().iter().filter(move |object| range.contains(&object.index))
+    }
+}
+
+/// The entries behind the count in sub-index 0.
+fn elements(object: &Object) -> impl Iterator<Item = &super::object::Entry> {
+    object.entries().iter().filter(|entry| !matches!(entry.sub, SubIndex(0 | 0xFF)))
+}

@@ -1,0 +1,158 @@
+//! PDOs: communication parameters, mapping, COB-IDs.
+
+use std::collections::HashMap;
+
+use super::Check;
+use crate::dictionary::data_type::DataType;
+use crate::dictionary::object::{Entry, Object, ObjectCode};
+use crate::dictionary::problem::{ProblemKind, Severity};
+use crate::identity::{CobId, Index, Multiplexer, NodeId};
+
+/// The two directions: first communication parameter, first mapping parameter.
+const RPDO: (u16, u16) = (0x1400, 0x1600);
+const TPDO: (u16, u16) = (0x1800, 0x1A00);
+
+pub(super) fn check(check: &mut Check<'_>) {
+    for (communication, mapping) in [RPDO, TPDO] {
+        for (one, other) in [(communication, mapping), (mapping, communication)] {
+            for object in check.objects(one, one + 0x1FF) {
+                pair(check, object, other + (object.index.0 - one));
+            }
+        }
+        for object in check.objects(communication, communication + 0x1FF) {
+            transmission_type(check, object, communication == TPDO.0);
+        }
+        for object in check.objects(mapping, mapping + 0x1FF) {
+            Mapping { object, is_tpdo: mapping == TPDO.1 }.check(check);
+        }
+    }
+    cob_ids(check);
+}
+
+/// Communication and mapping parameters come in pairs.
+fn pair(check: &mut Check<'_>, object: &Object, other: u16) {
+    if check.object(Index(other)).is_none() {
+        let at = Multiplexer { index: object.index, sub: crate::identity::SubIndex(0) };
+        let expected = "communication and mapping parameters of each PDO";
+        check.report(at, "", Severity::Error, ProblemKind::Mapping, expected, &format!("no {other:04X}h"));
+    }
+}
+
+/// 241 to 251 are reserved; 252 and 253 are for TPDOs only.
+fn transmission_type(check: &mut Check<'_>, object: &Object, is_tpdo: bool) {
+    let Some(default) = check.default(object.index.0, 2) else { return };
+    let last_reserved = if is_tpdo { 251 } else { 253 };
+    if (241..=last_reserved).contains(&default) {
+        let at = Multiplexer::new(object.index.0, 2);
+        let expected = "a transmission type that is not reserved";
+        check.report(at, "DefaultValue", Severity::Warning, ProblemKind::Value, expected, &default.to_string());
+    }
+}
+
+/// A mapping parameter with its direction.
+struct Mapping<'a> {
+    object: &'a Object,
+    is_tpdo: bool,
+}
+
+impl Mapping<'_> {
+    fn check(&self, check: &mut Check<'_>) {
+        let index = self.object.index.0;
+        // 254 and 255 are multiplex PDOs, with another structure.
+        let Some(count @ ..=64) = check.default(index, 0) else { return };
+        let mut bits = 0;
+        for sub in 1..=count as u8 {
+            let at = Multiplexer::new(index, sub);
+            match check.default(index, sub) {
+                Some(mapped) => bits += self.entry(check, at, mapped as u32),
+                None => {
+                    let expected = "a mapped object as DefaultValue, since sub-index 0 counts it";
+                    check.report(at, "DefaultValue", Severity::Error, ProblemKind::Mapping, expected, "none");
+                }
+            }
+        }
+        if bits > 64 {
+            let at = Multiplexer::new(index, 0);
+            let expected = "at most 64 bits in a PDO";
+            check.report(at, "DefaultValue", Severity::Error, ProblemKind::Mapping, expected, &format!("{bits} bits"));
+        }
+    }
+
+    /// Checks one mapped object and returns its length in bits.
+    fn entry(&self, check: &mut Check<'_>, at: Multiplexer, mapped: u32) -> u32 {
+        let [bits, sub, low, high] = mapped.to_le_bytes();
+        let target = Multiplexer::new(u16::from_le_bytes([low, high]), sub);
+        let wrong = match check.description.dictionary.entry(target) {
+            Ok(entry) => self.wrong_with(entry, bits),
+            Err(_) => self.wrong_with_dummy(check, target, bits),
+        };
+        if let Some(expected) = wrong {
+            let found = format!("{target} with {bits} bits");
+            check.report(at, "DefaultValue", Severity::Error, ProblemKind::Mapping, expected, &found);
+        }
+        let granularity = check.description.device.granularity;
+        if granularity > 0 && !bits.is_multiple_of(granularity) {
+            let expected = "lengths that are multiples of Granularity";
+            let found = format!("{bits} bits with granularity {granularity}");
+            check.report(at, "DefaultValue", Severity::Warning, ProblemKind::Mapping, expected, &found);
+        }
+        bits.into()
+    }
+
+    fn wrong_with(&self, entry: &Entry, bits: u8) -> Option<&'static str> {
+        let fits = if self.is_tpdo { entry.access.allows_tpdo() } else { entry.access.allows_rpdo() };
+        if !entry.pdo_mappable {
+            Some("a mapped object with PDOMapping=1")
+        } else if !fits {
+            Some("a mapped object whose access type fits the direction of the PDO")
+        } else if entry.data_type.bits().is_some_and(|length| length != u32::from(bits)) {
+            Some("the length of the mapped object's data type")
+        } else {
+            None
+        }
+    }
+
+    /// Indexes of data types skip bits of an RPDO.
+    fn wrong_with_dummy(&self, check: &Check<'_>, target: Multiplexer, bits: u8) -> Option<&'static str> {
+        if target.index.0 > 0x1F {
+            return Some("a mapped object that exists");
+        }
+        if self.is_tpdo {
+            return Some("dummy entries in RPDOs only");
+        }
+        if check.description.dummy_usage.get(&target.index.0) != Some(&true) {
+            return Some("a dummy entry that DummyUsage allows");
+        }
+        let length = DataType(target.index.0).bits();
+        (length != Some(bits.into())).then_some("the length of the dummy entry's data type")
+    }
+}
+
+/// Default COB-IDs are not restricted, and no two are the same at any node-ID.
+fn cob_ids(check: &mut Check<'_>) {
+    let single = [0x1005, 0x1012, 0x1014].map(|index| Multiplexer::new(index, 0));
+    let pdos = [RPDO.0, TPDO.0].into_iter().flat_map(|first| check.objects(first, first + 0x1FF));
+    let pdos = pdos.filter(|object| object.code == ObjectCode::RECORD);
+    let all: Vec<Multiplexer> =
+        single.into_iter().chain(pdos.map(|object| Multiplexer::new(object.index.0, 1))).collect();
+    let mut used: HashMap<u32, Multiplexer> = HashMap::new();
+    for at in all {
+        let Ok(entry) = check.description.dictionary.entry(at) else { continue };
+        let value = entry.default.as_ref().map(|default| default.resolve(entry.data_type, NodeId::MIN));
+        let Some(value) = value.and_then(|value| value.to_raw()) else { continue };
+        // Bit 31 of 1005h and 1012h says that the device consumes, not that the COB-ID is invalid.
+        let cob_id = CobId(value as u32);
+        if !cob_id.is_valid() && !matches!(at.index.0, 0x1005 | 0x1012) {
+            continue;
+        }
+        let found = format!("{:X}h", cob_id.can_id());
+        if cob_id.is_restricted() {
+            let expected = "a CAN-ID that is not restricted";
+            check.report(at, "DefaultValue", Severity::Error, ProblemKind::CobId, expected, &found);
+        }
+        if let Some(other) = used.insert(cob_id.can_id(), at) {
+            let found = format!("{found} as in {other}");
+            check.report(at, "DefaultValue", Severity::Error, ProblemKind::CobId, "a CAN-ID of its own", &found);
+        }
+    }
+}

@@ -1,0 +1,50 @@
+//! Object codes, data types and access types that differ from CiA 301, 302 and 406.
+
+use super::Check;
+use crate::dictionary::names::object_name;
+use crate::dictionary::object::{Access, Entry, Object};
+use crate::dictionary::problem::{ProblemKind, Severity};
+use crate::identity::{Multiplexer, SubIndex};
+
+pub(super) fn check(check: &mut Check<'_>) {
+    let profile = check.description.device_profile();
+    for object in check.description.dictionary.objects() {
+        code(check, object, profile);
+        for entry in object.entries() {
+            entry_types(check, object, entry, profile);
+        }
+    }
+}
+
+fn code(check: &mut Check<'_>, object: &Object, profile: Option<u16>) {
+    let at = Multiplexer { index: object.index, sub: SubIndex(0) };
+    let Some(standard) = object_name(at, profile).map(|name| name.object) else { return };
+    // ARRAY and RECORD look the same on the bus, and early versions of the standards differ in it.
+    if standard.code.is_single() != object.code.is_single() {
+        let expected = "the object code of the standard";
+        let found = format!("{} instead of {}", object.code, standard.code);
+        check.report(at, "ObjectType", Severity::Warning, ProblemKind::Standard, expected, &found);
+    }
+}
+
+fn entry_types(check: &mut Check<'_>, object: &Object, entry: &Entry, profile: Option<u16>) {
+    let at = Multiplexer { index: object.index, sub: entry.sub };
+    let name = object_name(at, profile).filter(|name| name.object.code.is_single() == object.code.is_single());
+    let Some(standard) = name.and_then(|name| name.entry) else { return };
+    if let Some(data_type) = standard.data_type.filter(|&data_type| data_type != entry.data_type) {
+        let expected = "the data type of the standard";
+        let found = format!("{} instead of {data_type}", entry.data_type);
+        check.report(at, "DataType", Severity::Warning, ProblemKind::Standard, expected, &found);
+    }
+    let Some(access) = standard.access else { return };
+    let severity = match (access, entry.access) {
+        (Access::Ro, Access::Ro | Access::Const) | (Access::Rw, Access::Rw | Access::Rwr | Access::Rww) => return,
+        (Access::Wo, Access::Wo | Access::Rw) => return,
+        // Many parameters need not be configurable.
+        (Access::Rw, Access::Ro | Access::Const) => Severity::Info,
+        _ => Severity::Warning,
+    };
+    let expected = "the access type of the standard";
+    let found = format!("{} instead of {access}", entry.access);
+    check.report(at, "AccessType", severity, ProblemKind::Standard, expected, &found);
+}

@@ -1,0 +1,218 @@
+//! The names that CiA 301, 302, 304 and 406 give to objects, sub-indexes and bits, with types, access and units where
+//! the standard fixes them.
+//!
+//! Look-ups are binary searches in static tables and allocate nothing.
+
+mod bits;
+mod cia301;
+mod cia302;
+mod cia406;
+mod units;
+
+pub use bits::bit_name;
+pub use units::{Unit, unit};
+
+use std::fmt;
+
+use super::data_type::DataType;
+use super::object::{Access, ObjectCode};
+use crate::identity::{Index, Multiplexer, SubIndex};
+
+/// The number of the device profile for encoders, as in the low word of 1000h.
+pub const ENCODER_PROFILE: u16 = 406;
+
+/// An object that a standard defines, or several of the same kind (such as the TPDO communication parameters).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StandardObject {
+    /// The index, or the first of several.
+    pub first: u16,
+    /// The last index: `first`, if it is one object.
+    pub last: u16,
+    /// The standard's name.
+    pub name: &'static str,
+    /// The object code.
+    pub code: ObjectCode,
+    /// The entries, by rising sub-index.
+    pub entries: &'static [StandardEntry],
+}
+
+/// A sub-index that a standard defines, or several of the same kind.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StandardEntry {
+    /// The sub-index, or the first of several.
+    pub first: u8,
+    /// The last sub-index: `first`, if it is one entry.
+    pub last: u8,
+    /// The standard's name; of a VAR empty, since the object has it.
+    pub name: &'static str,
+    /// The data type, where the standard fixes one.
+    pub data_type: Option<DataType>,
+    /// The access type, where the standard fixes one. `ro` stands for `const` too.
+    pub access: Option<Access>,
+}
+
+/// What a standard says about an address. Displays as `TPDO communication parameter 1, COB-ID used by TPDO`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct ObjectName {
+    /// The object.
+    pub object: &'static StandardObject,
+    /// The entry, if the standard defines that sub-index.
+    pub entry: Option<&'static StandardEntry>,
+    address: Multiplexer,
+}
+
+impl ObjectName {
+    /// Which of several objects of the same kind it is, from 1; `None` if there is only one.
+    pub const fn number(&self) -> Option<u16> {
+        if self.object.first == self.object.last { None } else { Some(self.address.index.0 - self.object.first + 1) }
+    }
+
+    /// Which of several entries of the same kind it is, from 1; `None` if there is only one.
+    pub fn entry_number(&self) -> Option<u8> {
+        let entry = self.entry.filter(|entry| entry.first != entry.last)?;
+        Some(self.address.sub.0 - entry.first + 1)
+    }
+}
+
+impl fmt::Display for ObjectName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.object.name)?;
+        if let Some(number) = self.number() {
+            write!(f, " {number}")?;
+        }
+        let Some(entry) = self.entry.filter(|entry| !entry.name.is_empty()) else { return Ok(()) };
+        write!(f, ", {}", entry.name)?;
+        match self.entry_number() {
+            Some(number) => write!(f, " {number}"),
+            None => Ok(()),
+        }
+    }
+}
+
+/// What the standards say about that address. `profile` is the device profile number of the device (the low word of
+/// 1000h); without it only the communication area has names.
+pub fn object_name(address: Multiplexer, profile: Option<u16>) -> Option<ObjectName> {
+    let object = standard_object(address.index, profile)?;
+    Some(ObjectName { object, entry: entry(object, address.sub), address })
+}
+
+/// What the standards say about the object of that index.
+pub fn standard_object(index: Index, profile: Option<u16>) -> Option<&'static StandardObject> {
+    let table = match (index.0, profile) {
+        (0x1000..=0x1EFF, _) => cia301::OBJECTS,
+        (0x1F00..=0x1FFF, _) => cia302::OBJECTS,
+        (0x6000..=0x67FF, Some(ENCODER_PROFILE)) => cia406::OBJECTS,
+        _ => return None,
+    };
+    let position = table.partition_point(|object| object.last < index.0);
+    table.get(position).filter(|object| object.first <= index.0)
+}
+
+fn entry(object: &'static StandardObject, sub: SubIndex) -> Option<&'static StandardEntry> {
+    let position = object.entries.partition_point(|entry| entry.last < sub.0);
+    object.entries.get(position).filter(|entry| entry.first <= sub.0)
+}
+
+/// A row of the tables.
+///
+/// - `var!(0x1000, "Device type", UNSIGNED32, Ro)`
+/// - `object!(0x1018, "Identity object", RECORD, [1, "Vendor-ID", UNSIGNED32, Ro; …])`: sub-index 0 is added.
+/// - `object!(…, [all 0, …; 1, …])`: sub-index 0 is listed too. Indexes and sub-indexes may be ranges `a => b`.
+macro_rules! object {
+    ($first:literal $(=> $last:literal)?, $name:literal, $code:ident,
+        [all $($sub:literal $(=> $sub_last:literal)?, $entry:literal, $data_type:ident, $access:ident);+]) => {
+        $crate::dictionary::names::StandardObject {
+            first: $first,
+            last: $crate::dictionary::names::last!($first $(=> $last)?),
+            name: $name,
+            code: $crate::dictionary::ObjectCode::$code,
+            entries: &[$($crate::dictionary::names::StandardEntry {
+                first: $sub,
+                last: $crate::dictionary::names::last!($sub $(=> $sub_last)?),
+                name: $entry,
+                data_type: Some($crate::dictionary::DataType::$data_type),
+                access: Some($crate::dictionary::Access::$access),
+            }),+],
+        }
+    };
+    ($first:literal $(=> $last:literal)?, $name:literal, $code:ident, [$($entries:tt)+]) => {
+        $crate::dictionary::names::object!($first $(=> $last)?, $name, $code,
+            [all 0, "Highest sub-index supported", UNSIGNED8, Ro; $($entries)+])
+    };
+}
+
+macro_rules! var {
+    ($first:literal $(=> $last:literal)?, $name:literal, $data_type:ident, $access:ident) => {
+        $crate::dictionary::names::object!($first $(=> $last)?, $name, VAR, [all 0, "", $data_type, $access])
+    };
+}
+
+macro_rules! last {
+    ($first:literal) => {
+        $first
+    };
+    ($first:literal => $last:literal) => {
+        $last
+    };
+}
+
+use {last, object, var};
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn name(index: u16, sub: u8) -> Option<String> {
+        object_name(Multiplexer::new(index, sub), Some(ENCODER_PROFILE)).map(|name| name.to_string())
+    }
+
+    fn is_called(index: u16, sub: u8, expected: &str) {
+        assert_eq!(name(index, sub).as_deref(), Some(expected), "{index:04X}h:{sub:02X}");
+    }
+
+    #[test]
+    fn objects_have_the_names_of_the_standards() {
+        is_called(0x1000, 0, "Device type");
+        is_called(0x1018, 1, "Identity object, Vendor-ID");
+        is_called(0x1003, 2, "Pre-defined error field, Standard error field 2");
+        is_called(0x1800, 1, "TPDO communication parameter 1, COB-ID used by TPDO");
+        is_called(0x19FF, 5, "TPDO communication parameter 512, Event timer");
+        is_called(0x1A00, 3, "TPDO mapping parameter 1, Application object 3");
+        is_called(0x1F51, 1, "Program control, Program number 1");
+        is_called(0x6004, 0, "Position value");
+        is_called(0x650A, 3, "Module identification, Manufacturer maximum position value");
+    }
+
+    #[test]
+    fn unknown_addresses_have_none() {
+        assert_eq!((name(0x0FFF, 0), name(0x102B, 0), name(0x2100, 0), name(0x6007, 0)), (None, None, None, None));
+        assert_eq!(object_name(Multiplexer::new(0x6004, 0), Some(401)), None);
+        assert_eq!(object_name(Multiplexer::new(0x6004, 0), None), None);
+        // A sub-index that the standard does not define still has the object's name.
+        assert_eq!(name(0x1000, 5).as_deref(), Some("Device type"));
+    }
+
+    #[test]
+    fn tables_are_sorted_and_complete() {
+        for table in [cia301::OBJECTS, cia302::OBJECTS, cia406::OBJECTS] {
+            assert!(table.is_sorted_by(|a, b| a.last < b.first));
+            for object in table {
+                assert!(object.first <= object.last && !object.entries.is_empty(), "{}", object.name);
+                assert!(object.entries.is_sorted_by(|a, b| a.last < b.first), "{}", object.name);
+                let first = object.entries.first().map(|entry| entry.first);
+                assert_eq!(first, Some(0), "{} has no sub-index 0", object.name);
+                assert_eq!(object.code.is_single(), object.entries.len() == 1, "{}", object.name);
+            }
+        }
+    }
+
+    #[test]
+    fn types_are_those_of_the_standards() {
+        let entry =
+            |index, sub| object_name(Multiplexer::new(index, sub), Some(406)).and_then(|name| name.entry).unwrap();
+        assert_eq!(entry(0x1015, 0).data_type, Some(DataType::UNSIGNED16));
+        assert_eq!(entry(0x1014, 0).access, Some(Access::Rw));
+        assert_eq!(entry(0x6030, 1).data_type, Some(DataType::INTEGER16));
+        assert_eq!(entry(0x6401, 1).data_type, Some(DataType::INTEGER32));
+    }
+}

@@ -1,0 +1,62 @@
+//! Physical units of objects, where a standard fixes them.
+
+use super::ENCODER_PROFILE;
+use crate::identity::Multiplexer;
+use std::borrow::Cow;
+
+/// A unit: physical value = raw value * factor + offset.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Unit {
+    /// How many of the unit one step of the raw value is.
+    pub factor: f64,
+    /// The physical value of raw zero.
+    pub offset: f64,
+    /// Such as `ms` or `°C`.
+    pub symbol: Cow<'static, str>,
+}
+
+impl Unit {
+    const fn new(factor: f64, symbol: &'static str) -> Self {
+        Self { factor, offset: 0.0, symbol: Cow::Borrowed(symbol) }
+    }
+}
+
+/// Measuring units of a position: how many make a revolution or a millimetre is configured.
+const STEPS: Unit = Unit::new(1.0, "steps");
+const MICROSECONDS: Unit = Unit::new(1.0, "µs");
+const MILLISECONDS: Unit = Unit::new(1.0, "ms");
+/// Inhibit times count multiples of 100 µs.
+const TENTHS_OF_MILLISECONDS: Unit = Unit::new(0.1, "ms");
+
+/// The unit of an entry, where the standard fixes it. Speeds, whose unit is configured, have none.
+pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
+    Some(match (address.index.0, address.sub.0, profile) {
+        (0x1006 | 0x1007 | 0x1013, 0, _) => MICROSECONDS,
+        (0x100C | 0x1017 | 0x1F89, 0, _) | (0x1F90, 1 | 2 | 4..=6, _) => MILLISECONDS,
+        (0x1015 | 0x102A, 0, _) => TENTHS_OF_MILLISECONDS,
+        (0x1301..=0x1340, 2 | 3, _) => MILLISECONDS,
+        (0x1400..=0x15FF | 0x1800..=0x19FF, 3, _) => TENTHS_OF_MILLISECONDS,
+        (0x1400..=0x15FF | 0x1800..=0x19FF, 5, _) => MILLISECONDS,
+        (0x6005, 1, Some(ENCODER_PROFILE)) => Unit::new(0.001, "µm"),
+        (0x6005, 2, Some(ENCODER_PROFILE)) => Unit::new(0.01, "mm/s"),
+        (0x6031 | 0x6041, 2, Some(ENCODER_PROFILE)) | (0x6200, 0, Some(ENCODER_PROFILE)) => MILLISECONDS,
+        (0x6001..=0x6004 | 0x6501 | 0x6509, 0, Some(ENCODER_PROFILE)) => STEPS,
+        (0x6020 | 0x6401 | 0x6402 | 0x650A, 1.., Some(ENCODER_PROFILE)) => STEPS,
+        (0x6502, 0, Some(ENCODER_PROFILE)) => Unit::new(1.0, "revolutions"),
+        (0x6508, 0, Some(ENCODER_PROFILE)) => Unit::new(0.1, "h"),
+        _ => return None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn times_have_units() {
+        assert_eq!(unit(Multiplexer::new(0x1017, 0), None), Some(MILLISECONDS));
+        assert_eq!(unit(Multiplexer::new(0x1800, 3), None), Some(TENTHS_OF_MILLISECONDS));
+        assert_eq!(unit(Multiplexer::new(0x6200, 0), Some(406)), Some(MILLISECONDS));
+        assert_eq!(unit(Multiplexer::new(0x6200, 0), None), None);
+    }
+}

@@ -1,0 +1,137 @@
+//! Device descriptions in XML: XDD for a type of device, XDC for one configured device (CiA 311).
+
+mod elements;
+mod objects;
+mod parameters;
+
+use std::collections::BTreeMap;
+
+use elements::{Element, Elements};
+
+use super::description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, ObjectLists};
+use super::eds::{DescriptionError, LARGEST_FILE, decode_text};
+use super::problem::Problems;
+use crate::identity::NodeId;
+
+/// Reads an XDD or XDC.
+pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
+    if bytes.len() > LARGEST_FILE {
+        return Err(DescriptionError::TooLarge { found: bytes.len() });
+    }
+    // Every character set is right here, so what the decoding reports of an EDS is dropped.
+    let text = decode_text(bytes, &mut Problems::default());
+    let mut problems = Problems::default();
+    let elements = elements::read(&text, &mut problems);
+    if elements.named("CANopenObjectList").next().is_none() {
+        let root = elements.named("ProfileBody").last().and_then(|(_, body)| body.attribute("type"));
+        return Err(DescriptionError::NotCanopen { found: root.unwrap_or("none").to_owned() });
+    }
+    let parameters = parameters::read(&elements);
+    let dictionary = objects::read(&elements, &parameters, &mut problems);
+    let mut lists = ObjectLists::default();
+    for object in dictionary.objects() {
+        let list = match object.index.0 {
+            0x1000 | 0x1001 | 0x1018 => &mut lists.mandatory,
+            0x2000..=0x5FFF => &mut lists.manufacturer,
+            _ => &mut lists.optional,
+        };
+        list.push((object.index, object.line));
+    }
+    Ok(DeviceDescription {
+        file: file_info(&elements),
+        device: device_info(&elements),
+        commissioning: elements.named("deviceCommissioning").next().map(|(_, element)| commissioning(element)),
+        dummy_usage: dummy_usage(&elements),
+        dictionary,
+        lists,
+        problems: problems.into_sorted(),
+        ..DeviceDescription::default()
+    })
+}
+
+/// From the body that describes the communication: the last one.
+fn file_info(elements: &Elements) -> FileInfo {
+    let Some((_, body)) = elements.named("ProfileBody").last() else { return FileInfo::default() };
+    let text = |name: &str| body.attribute(name).unwrap_or_default().to_owned();
+    FileInfo {
+        name: text("fileName"),
+        version: text("fileVersion"),
+        created: (text("fileCreationDate"), text("fileCreationTime")),
+        created_by: text("fileCreator"),
+        modified: (text("fileModificationDate"), text("fileModificationTime")),
+        modified_by: text("fileModifiedBy"),
+        ..FileInfo::default()
+    }
+}
+
+fn device_info(elements: &Elements) -> DeviceInfo {
+    let text = |name: &str| elements.text(name).unwrap_or_default().to_owned();
+    let feature = |element: &str, name: &str| {
+        elements.named(element).find_map(|(_, element)| element.attribute(name)).map(str::to_owned).unwrap_or_default()
+    };
+    let general = |name: &str| feature("CANopenGeneralFeatures", name);
+    let number = |name: &str| general(name).parse().unwrap_or(0);
+    let mut bit_rates: Vec<u16> =
+        elements.named("supportedBaudRate").filter_map(|(_, element)| kbit(element.attribute("value")?)).collect();
+    bit_rates.sort_unstable();
+    bit_rates.dedup();
+    DeviceInfo {
+        vendor_name: text("vendorName"),
+        vendor_number: elements.text("vendorID").and_then(decimal_or_hexadecimal),
+        product_name: text("productName"),
+        product_number: elements.text("productID").and_then(decimal_or_hexadecimal),
+        revision_number: None,
+        order_code: text("orderNumber"),
+        bit_rates,
+        simple_boot_up_master: is_true(&feature("CANopenMasterFeatures", "bootUpMaster")),
+        simple_boot_up_slave: is_true(&general("bootUpSlave")),
+        granularity: number("granularity").min(64) as u8,
+        dynamic_channels: number("dynamicChannels") != 0,
+        compact_pdo: 0,
+        group_messaging: is_true(&general("groupMessaging")),
+        rpdos: number("nrOfRxPDO"),
+        tpdos: number("nrOfTxPDO"),
+        lss_supported: is_true(&general("layerSettingServiceSlave")),
+    }
+}
+
+fn commissioning(element: &Element) -> Commissioning {
+    let text = |name: &str| element.attribute(name).unwrap_or_default().to_owned();
+    // The schema changed the spelling between versions.
+    let node_id = element.attribute("nodeID").or_else(|| element.attribute("NodeID"));
+    Commissioning {
+        node_id: node_id.and_then(|number| NodeId::new(u8::try_from(decimal_or_hexadecimal(number)?).ok()?)),
+        node_name: text("nodeName"),
+        bit_rate: element.attribute("actualBaudRate").and_then(kbit),
+        net_number: element.attribute("networkNumber").and_then(decimal_or_hexadecimal),
+        network_name: text("networkName"),
+        is_manager: is_true(&text("CANopenManager")),
+        lss_serial_number: None,
+    }
+}
+
+/// `<dummy entry="Dummy0005=1"/>`
+fn dummy_usage(elements: &Elements) -> BTreeMap<u16, bool> {
+    let entries = elements.named("dummy").filter_map(|(_, element)| element.attribute("entry"));
+    let dummies = entries.filter_map(|entry| {
+        let (index, usable) = entry.strip_prefix("Dummy")?.split_once('=')?;
+        Some((u16::from_str_radix(index.trim(), 16).ok()?, usable.trim() == "1"))
+    });
+    dummies.collect()
+}
+
+/// `250 Kbps`, or `250`.
+fn kbit(text: &str) -> Option<u16> {
+    text.split_whitespace().next()?.parse().ok()
+}
+
+fn decimal_or_hexadecimal(text: &str) -> Option<u32> {
+    match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
+        Some(digits) => u32::from_str_radix(digits, 16).ok(),
+        None => text.parse().ok(),
+    }
+}
+
+fn is_true(text: &str) -> bool {
+    matches!(text, "true" | "1")
+}

@@ -1,0 +1,28 @@
+//! A small language to choose frames: `service=sdo and node in 1..8 and index=0x6003 or abort`.
+//!
+//! ```text
+//! expression = conjunction { "or" conjunction }
+//! conjunction = factor { "and" factor }
+//! factor     = "not" factor | "(" expression ")" | test
+//! test       = number-field ("=" | "!=" | "<" | "<=" | ">" | ">=") number
+//!            | number-field ["not"] "in" range { "," range }
+//!            | ("service" | "channel") ("=" | "!=") name
+//!            | ("service" | "channel") ["not"] "in" name { "," name }
+//!            | flag
+//! range      = number [ ".." number ]         both ends are in it
+//! number     = 255 | 0xFF | FFh
+//! number-field = node | id | index | sub | len | abort | emcy
+//! flag       = abort | emcy | violation | remote | extended | fd | error | tx | rx
+//! ```
+//!
+//! A test of a field that a frame does not have is false, and so is its negation with `!=` or `not in`; `not` in
+//! front of it makes it true.
+
+mod expression;
+mod parser;
+
+pub use expression::{Filter, Subject};
+pub use parser::FilterError;
+
+#[cfg(test)]
+mod tests;

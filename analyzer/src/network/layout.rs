@@ -1,0 +1,52 @@
+//! How a PDO is laid out: its signals.
+
+use crate::Multiplexer;
+use crate::dictionary::{DataType, DeviceDescription};
+use crate::wire::pdo::{MappingEntry, extract};
+
+/// The signals of a PDO, in the order of its mapping.
+#[derive(Clone, Debug)]
+pub struct Layout {
+    /// The signals.
+    pub signals: Vec<Signal>,
+}
+
+/// One mapped object in a PDO.
+#[derive(Clone, Debug)]
+pub struct Signal {
+    /// The object; of a dummy entry the data type's index.
+    pub object: Multiplexer,
+    /// The first bit in the payload.
+    pub offset: usize,
+    /// The number of bits.
+    pub bits: u8,
+    /// The data type, where it is known.
+    pub data_type: Option<DataType>,
+}
+
+impl Layout {
+    /// The layout that a mapping gives; a description tells the data types.
+    pub fn new(entries: &[MappingEntry], description: Option<&DeviceDescription>) -> Self {
+        let mut offset = 0;
+        let signals = entries.iter().map(|entry| {
+            let object = entry.object();
+            let described = description.and_then(|d| d.dictionary.entry(object).ok()).map(|entry| entry.data_type);
+            let signal = Signal { object, offset, bits: entry.bits(), data_type: described };
+            offset += usize::from(entry.bits());
+            signal
+        });
+        Self { signals: signals.collect() }
+    }
+
+    /// The number of bytes that the mapping fills.
+    pub fn length(&self) -> usize {
+        self.signals.iter().map(|signal| usize::from(signal.bits)).sum::<usize>().div_ceil(8)
+    }
+}
+
+impl Signal {
+    /// The signal's bits in a payload; `None` where the payload is too short or the signal longer than 64 bits.
+    pub fn raw(&self, payload: &[u8]) -> Option<u64> {
+        extract(payload, self.offset, self.bits)
+    }
+}

@@ -1,0 +1,92 @@
+//! What happened on the buses of a capture.
+//!
+//! A [`Network`] takes records one by one and says of each what it means in its context: which service the CAN-ID
+//! belongs to at this moment, which object an SDO frame is about, what state a node is in. It learns COB-IDs and
+//! mappings from the SDO traffic it sees.
+
+mod bus;
+mod cob_ids;
+mod event;
+mod layout;
+mod learning;
+mod node;
+pub mod sdo;
+
+pub use bus::Bus;
+pub use cob_ids::{Source, Use};
+pub use event::{Change, Event};
+pub use layout::{Layout, Signal};
+pub use node::{Cause, Node};
+
+use crate::dictionary::DeviceDescription;
+use crate::message::{Message, Service};
+use crate::{Multiplexer, NodeId};
+use canvass_traces::{ChannelId, Record};
+use sdo::{ChannelIndex, Violation};
+use std::sync::Arc;
+
+/// All buses of a capture, each with its nodes and transfers.
+#[derive(Default)]
+pub struct Network {
+    buses: Vec<Bus>,
+    descriptions: Vec<(NodeId, Arc<DeviceDescription>)>,
+}
+
+/// A frame, understood in its context.
+#[derive(Clone, Copy, Debug)]
+pub struct Decoded {
+    /// The service that it belongs to.
+    pub service: Service,
+    /// The node that it is about: sender of its own messages, server of SDOs, the node that an NMT command names.
+    pub node: Option<NodeId>,
+    /// What it says.
+    pub message: Message,
+    /// How the use of its CAN-ID is known.
+    pub source: Source,
+    /// The object that it is about.
+    pub object: Option<Multiplexer>,
+    /// The SDO channel that it went over.
+    pub channel: Option<ChannelIndex>,
+    /// What it brought about.
+    pub event: Option<Event>,
+    /// The rule of the SDO protocol that it broke.
+    pub violation: Option<Violation>,
+}
+
+impl Network {
+    /// A network of which nothing is known.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Says which device a node is, on all buses. Its COB-IDs, mappings, names and types are then known.
+    pub fn describe(&mut self, node: NodeId, description: DeviceDescription) {
+        let description = Arc::new(description);
+        for bus in &mut self.buses {
+            bus.describe(node, &description);
+        }
+        self.descriptions.push((node, description));
+    }
+
+    /// Takes the next record and says what it means.
+    pub fn handle(&mut self, record: &Record) -> Decoded {
+        self.bus_mut(record.channel).handle(record)
+    }
+
+    /// The bus of a channel, once a record of it was seen.
+    pub fn bus(&self, channel: ChannelId) -> Option<&Bus> {
+        self.buses.get(usize::from(channel.0))
+    }
+
+    fn bus_mut(&mut self, channel: ChannelId) -> &mut Bus {
+        let index = usize::from(channel.0);
+        while self.buses.len() <= index {
+            let mut bus = Bus::new();
+            for (node, description) in &self.descriptions {
+                bus.describe(*node, description);
+            }
+            self.buses.push(bus);
+        }
+        &mut self.buses[index]
+    }
+}

@@ -1,0 +1,141 @@
+//! What is known of one node.
+
+use crate::dictionary::DeviceDescription;
+use crate::message::PdoNumber;
+use crate::network::layout::Layout;
+use crate::wire::error_control::State;
+use crate::wire::nmt::Command;
+use crate::wire::pdo::MappingEntry;
+use crate::{Multiplexer, NodeId};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// A node of a bus, as far as the trace and its description tell.
+#[derive(Default)]
+pub struct Node {
+    /// Its NMT state and how that is known.
+    pub state: Option<(State, Cause)>,
+    /// Whether a remote frame has asked for its state: its error control is node guarding then, until its boot-up.
+    pub guarded: bool,
+    /// Its description, where the user gave one or its identity was recognised.
+    pub description: Option<Arc<DeviceDescription>>,
+    /// The communication parameters that the trace has shown, as numbers, and whether it was a download.
+    parameters: BTreeMap<Multiplexer, (u32, Shown)>,
+    /// Those that the device will have after its next reset.
+    stored: BTreeMap<Multiplexer, (u32, Shown)>,
+    layouts: BTreeMap<PdoNumber, Option<Layout>>,
+}
+
+/// How the trace has shown a parameter.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Shown {
+    /// It was written.
+    Written,
+    /// It was read.
+    Read,
+}
+
+/// How a node's state is known.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Cause {
+    /// An NMT command that the node should have obeyed.
+    Command,
+    /// Its boot-up message.
+    BootUp,
+    /// Its heartbeat or guarding answer.
+    ErrorControl,
+}
+
+impl Node {
+    /// What the trace has shown, or else the description says, as the value of a communication parameter.
+    pub fn parameter(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
+        let described = || {
+            let entry = self.description.as_ref()?.dictionary.entry(object).ok()?;
+            u32::try_from(entry.start_value(id)?.to_raw()?).ok()
+        };
+        self.parameters.get(&object).map(|shown| shown.0).or_else(described)
+    }
+
+    /// The number of its device profile (the low word of 1000h), where the trace or the description tells.
+    pub fn profile(&self, id: NodeId) -> Option<u16> {
+        self.parameter(id, Multiplexer::new(0x1000, 0)).map(|device_type| device_type as u16)
+    }
+
+    /// Notes a communication parameter that the trace has shown.
+    pub fn learn(&mut self, object: Multiplexer, value: u32, shown: Shown) {
+        let written = matches!(self.parameters.get(&object), Some((_, Shown::Written)));
+        if shown == Shown::Read && !written {
+            // Not written since the start: it was there before, so a reset will bring it back.
+            self.stored.insert(object, (value, shown));
+        }
+        let shown = if written { Shown::Written } else { shown };
+        self.parameters.insert(object, (value, shown));
+        if matches!(object.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF) {
+            self.layouts.clear();
+        }
+    }
+
+    /// The parameters were stored: a reset does not change them any more.
+    pub fn store(&mut self) {
+        self.stored = self.parameters.clone();
+    }
+
+    /// The defaults were restored; they take effect at the next reset.
+    pub fn restore_defaults(&mut self) {
+        self.stored.clear();
+    }
+
+    /// The node started anew: with what is stored, as far as the trace has shown that.
+    pub fn restart(&mut self) {
+        self.parameters = self.stored.clone();
+        self.layouts.clear();
+        self.guarded = false;
+    }
+
+    /// The communication parameters that the trace has shown.
+    pub fn parameters(&self) -> impl Iterator<Item = (Multiplexer, u32)> {
+        self.parameters.iter().map(|(&object, &(value, _))| (object, value))
+    }
+
+    /// Sets or replaces the description.
+    pub fn describe(&mut self, description: Arc<DeviceDescription>) {
+        self.description = Some(description);
+        self.layouts.clear();
+    }
+
+    /// How a PDO is laid out at this moment; `None` where its mapping is not known.
+    pub fn layout(&mut self, id: NodeId, pdo: PdoNumber) -> Option<&Layout> {
+        if !self.layouts.contains_key(&pdo) {
+            let layout = self.mapping(id, pdo).map(|entries| Layout::new(&entries, self.description.as_deref()));
+            self.layouts.insert(pdo, layout);
+        }
+        self.layouts.get(&pdo).and_then(Option::as_ref)
+    }
+
+    /// The layout, where it has been worked out already.
+    pub fn known_layout(&self, pdo: PdoNumber) -> Option<&Layout> {
+        self.layouts.get(&pdo).and_then(Option::as_ref)
+    }
+
+    /// The entries of a PDO's mapping, if all of them are known and the mapping is switched on.
+    fn mapping(&self, id: NodeId, pdo: PdoNumber) -> Option<Vec<MappingEntry>> {
+        let index = pdo.mapping_index();
+        let count = self.parameter(id, Multiplexer::new(index, 0))?;
+        // FEh and FFh make it a multiplexed PDO, which carries its own addresses.
+        let count = u8::try_from(count).ok().filter(|&count| (1..=64).contains(&count))?;
+        (1..=count).map(|sub| self.parameter(id, Multiplexer::new(index, sub)).map(MappingEntry)).collect()
+    }
+
+    /// What an NMT command makes of the node's state; `None` if the command is reserved.
+    pub fn obey(&mut self, command: Command) -> Option<State> {
+        let state = match command {
+            Command::START => State::OPERATIONAL,
+            Command::STOP => State::STOPPED,
+            Command::ENTER_PRE_OPERATIONAL => State::PRE_OPERATIONAL,
+            Command::RESET_NODE | Command::RESET_COMMUNICATION => State::BOOT_UP,
+            _ => return None,
+        };
+        self.state = Some((state, Cause::Command));
+        Some(state)
+    }
+}

@@ -1,0 +1,293 @@
+//! Block transfers on a channel.
+//!
+//! A sub-block's segments are held back until it is confirmed: only those that the receiver confirms count, the
+//! others are sent again.
+
+use super::channel::{Channel, Step};
+use super::transfer::Violation;
+use crate::message::Message;
+use crate::wire::sdo::{BlockSegment, Request, Response};
+use canvass_traces::Timestamp;
+
+/// The state of a block transfer.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Block {
+    /// The client writes.
+    Download(DownloadBlock),
+    /// The client reads.
+    Upload(UploadBlock),
+}
+
+/// The state of a block download.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum DownloadBlock {
+    /// The server's answer is due.
+    Initiated {
+        /// The client can send a CRC.
+        crc: bool,
+    },
+    /// The client's segments are due.
+    Segments {
+        /// Both sides use a CRC.
+        crc: bool,
+        /// How the sub-block stands.
+        run: Run,
+    },
+    /// The server's confirmation of the sub-block is due.
+    Confirmation {
+        /// Both sides use a CRC.
+        crc: bool,
+        /// How the sub-block stands.
+        run: Run,
+    },
+    /// The client's end message is due.
+    End {
+        /// Both sides use a CRC.
+        crc: bool,
+    },
+    /// The server's confirmation of the end is due.
+    Ended,
+}
+
+/// The state of a block upload.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum UploadBlock {
+    /// The server's answer is due.
+    Initiated {
+        /// The client can check a CRC.
+        crc: bool,
+        /// The size of the first sub-block.
+        block_size: u8,
+    },
+    /// The client's start message is due.
+    Answered {
+        /// Both sides use a CRC.
+        crc: bool,
+        /// The size of the first sub-block.
+        block_size: u8,
+    },
+    /// The server's segments are due.
+    Segments {
+        /// Both sides use a CRC.
+        crc: bool,
+        /// How the sub-block stands.
+        run: Run,
+    },
+    /// The client's confirmation of the sub-block is due.
+    Confirmation {
+        /// Both sides use a CRC.
+        crc: bool,
+        /// How the sub-block stands.
+        run: Run,
+    },
+    /// The server's end message is due.
+    End {
+        /// Both sides use a CRC.
+        crc: bool,
+    },
+    /// The client's confirmation of the end is due.
+    Ended,
+}
+
+/// How far a sub-block has come.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Run {
+    /// Segments in it.
+    block_size: u8,
+    /// The sequence number of the last segment that came in order.
+    in_order: u8,
+    /// The segment with that number is the last of the transfer.
+    last: bool,
+}
+
+impl Run {
+    const fn new(block_size: u8) -> Self {
+        Self { block_size, in_order: 0, last: false }
+    }
+}
+
+/// Bytes that may still be sent again, or of which it is not said how many count.
+#[derive(Clone, Default)]
+pub struct HeldBack(Vec<u8>);
+
+impl HeldBack {
+    /// Takes the bytes of the first `segments` segments that count; `keep_last` holds the last one of them back,
+    /// because only the end message says how many of its bytes count.
+    fn release(&mut self, segments: u8, keep_last: bool, mut take: impl FnMut(&[u8])) {
+        let confirmed = (usize::from(segments) * 7).min(self.0.len());
+        let kept = if keep_last { 7.min(confirmed) } else { 0 };
+        take(&self.0[..confirmed - kept]);
+        self.0.copy_within(confirmed - kept..confirmed, 0);
+        self.0.truncate(kept);
+    }
+}
+
+impl Channel {
+    /// A segment of a block download, from the client.
+    pub(super) fn block_download_segment(&mut self, now: Timestamp, segment: BlockSegment) -> Step {
+        let step = Step::segment(Message::SdoBlockDownload(segment));
+        let Some(Block::Download(DownloadBlock::Segments { crc, run })) = self.block() else {
+            return step.out_of_place();
+        };
+        let (run, over, step) = self.block_segment(now, run, segment, step);
+        let next = if over { DownloadBlock::Confirmation { crc, run } } else { DownloadBlock::Segments { crc, run } };
+        self.set_block(Block::Download(next));
+        step
+    }
+
+    /// A segment of a block upload, from the server.
+    pub(super) fn block_upload_segment(&mut self, now: Timestamp, segment: BlockSegment) -> Step {
+        let step = Step::segment(Message::SdoBlockUpload(segment));
+        let Some(Block::Upload(UploadBlock::Segments { crc, run })) = self.block() else {
+            return step.out_of_place();
+        };
+        let (run, over, step) = self.block_segment(now, run, segment, step);
+        let next = if over { UploadBlock::Confirmation { crc, run } } else { UploadBlock::Segments { crc, run } };
+        self.set_block(Block::Upload(next));
+        step
+    }
+
+    /// Takes a segment if it is the next in order; returns the state of its sub-block and whether that is over.
+    fn block_segment(&mut self, now: Timestamp, mut run: Run, segment: BlockSegment, step: Step) -> (Run, bool, Step) {
+        self.seen(now);
+        let over = segment.last || segment.sequence >= run.block_size;
+        let expected = run.in_order.saturating_add(1);
+        if segment.sequence != expected || run.last {
+            let violation = Violation::Sequence { expected, found: segment.sequence };
+            // The receiver asks for it again: the transfer as a whole may yet go well, so only the frame is blamed.
+            return (run, over, Step { violation: Some(violation), ..step });
+        }
+        run.in_order = expected;
+        run.last = segment.last;
+        self.held_back.0.extend_from_slice(&segment.data);
+        (run, over, step)
+    }
+
+    /// The receiver's confirmation of a sub-block: what it confirms counts, the rest comes again.
+    fn confirm(&mut self, run: Run, sequence: u8) -> bool {
+        let done = run.last && sequence >= run.in_order;
+        let held_back = &mut self.held_back;
+        if let Some(transfer) = &mut self.transfer {
+            transfer.segments += u32::from(sequence.min(run.in_order));
+            if sequence > run.in_order {
+                // The receiver has segments that the capture has not.
+                transfer.blame(Violation::Sequence { expected: run.in_order.saturating_add(1), found: sequence });
+            }
+            held_back.release(sequence, done, |bytes| transfer.extend(bytes));
+        }
+        if !done {
+            self.held_back.0.clear();
+        }
+        done
+    }
+
+    /// The end message: says how many bytes of the last segment don't count, and the CRC.
+    fn end_data(&mut self, now: Timestamp, unused: u8, crc: Option<u16>, step: Step) -> Step {
+        self.seen(now);
+        let last = std::mem::take(&mut self.held_back.0);
+        let mut violation = step.violation;
+        self.with(|transfer| {
+            transfer.extend(&last[..last.len().saturating_sub(usize::from(unused))]);
+            if let Some(sent) = crc.filter(|&sent| sent != transfer.crc()) {
+                let wrong = Violation::Crc { sent, calculated: transfer.crc() };
+                transfer.blame(wrong);
+                violation = Some(wrong);
+            }
+        });
+        self.held_back.0 = last;
+        self.held_back.0.clear();
+        Step { violation, ..step }
+    }
+
+    /// The client's messages of a block upload behind the initiate request.
+    pub(super) fn block_upload_request(&mut self, now: Timestamp, request: Request, step: Step) -> Step {
+        use UploadBlock::{Answered, Confirmation, Ended, Segments};
+        let Some(Block::Upload(state)) = self.block() else { return step.out_of_place() };
+        self.seen(now);
+        let next = match (state, request) {
+            (Answered { crc, block_size }, Request::StartBlockUpload) => {
+                self.held_back.0.clear();
+                Segments { crc, run: Run::new(block_size) }
+            }
+            // A receiver that misses the end of a sub-block confirms what it has.
+            (
+                Confirmation { crc, run } | Segments { crc, run },
+                Request::ConfirmBlockUpload { sequence, block_size },
+            ) => {
+                if self.confirm(run, sequence) {
+                    UploadBlock::End { crc }
+                } else {
+                    Segments { crc, run: Run::new(block_size) }
+                }
+            }
+            (Ended, Request::EndBlockUpload) => return self.complete(step),
+            _ => return step.out_of_place(),
+        };
+        self.set_block(Block::Upload(next));
+        step
+    }
+
+    /// The client's end of a block download.
+    pub(super) fn end_block_download(&mut self, now: Timestamp, unused: u8, sent: u16, step: Step) -> Step {
+        let Some(Block::Download(DownloadBlock::End { crc })) = self.block() else { return step.out_of_place() };
+        let step = self.end_data(now, unused, crc.then_some(sent), step);
+        self.set_block(Block::Download(DownloadBlock::Ended));
+        step
+    }
+
+    /// The server's messages of block transfers.
+    pub(super) fn block_response(&mut self, now: Timestamp, response: Response, step: Step) -> Step {
+        match (self.block(), response) {
+            (Some(Block::Download(state)), _) => self.block_download_response(now, state, response, step),
+            (
+                Some(Block::Upload(UploadBlock::Initiated { crc: asked, block_size })),
+                Response::InitiateBlockUpload { multiplexer, crc, size },
+            ) => {
+                self.set_block(Block::Upload(UploadBlock::Answered { crc: crc && asked, block_size }));
+                self.with(|transfer| transfer.announced = size);
+                self.answered(now, multiplexer, step)
+            }
+            (Some(Block::Upload(UploadBlock::End { crc })), Response::EndBlockUpload { unused, crc: sent }) => {
+                let step = self.end_data(now, unused, crc.then_some(sent), step);
+                self.set_block(Block::Upload(UploadBlock::Ended));
+                step
+            }
+            _ => step.out_of_place(),
+        }
+    }
+
+    fn block_download_response(
+        &mut self,
+        now: Timestamp,
+        state: DownloadBlock,
+        response: Response,
+        step: Step,
+    ) -> Step {
+        use DownloadBlock::{Confirmation, End, Ended, Initiated, Segments};
+        let next = match (state, response) {
+            (Initiated { crc: asked }, Response::InitiateBlockDownload { multiplexer, crc, block_size }) => {
+                self.held_back.0.clear();
+                self.set_block(Block::Download(Segments { crc: crc && asked, run: Run::new(block_size) }));
+                return self.answered(now, multiplexer, step);
+            }
+            (
+                Confirmation { crc, run } | Segments { crc, run },
+                Response::ConfirmBlockDownload { sequence, block_size },
+            ) => {
+                if self.confirm(run, sequence) {
+                    End { crc }
+                } else {
+                    Segments { crc, run: Run::new(block_size) }
+                }
+            }
+            (Ended, Response::EndBlockDownload) => {
+                self.seen(now);
+                return self.complete(step);
+            }
+            _ => return step.out_of_place(),
+        };
+        self.seen(now);
+        self.set_block(Block::Download(next));
+        step
+    }
+}

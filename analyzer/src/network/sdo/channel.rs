@@ -1,0 +1,381 @@
+//! One SDO channel: joins requests and responses to transfers.
+
+use super::block::{Block, DownloadBlock, HeldBack, UploadBlock};
+use super::transfer::{Direction, Mode, Outcome, Side, Transfer, Violation};
+use crate::message::{Message, Service};
+use crate::wire::sdo::{Abort, BlockSegment, Payload, Request, Response, Segment};
+use crate::wire::{Malformed, Wire};
+use crate::{Multiplexer, NodeId};
+use canvass_traces::Timestamp;
+
+/// A channel of a bus, by its place in the bus's list: the 127 predefined ones first.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct ChannelIndex(pub u16);
+
+impl ChannelIndex {
+    /// The default channel of a node.
+    pub const fn predefined(node: NodeId) -> Self {
+        Self(node.raw() as u16 - 1)
+    }
+
+    /// The node of a default channel.
+    pub const fn predefined_server(self) -> Option<NodeId> {
+        if self.0 < 127 { NodeId::new(self.0 as u8 + 1) } else { None }
+    }
+}
+
+/// A channel and the transfer that is under way on it, or was the last.
+pub struct Channel {
+    /// The node that serves.
+    pub server: NodeId,
+    pub(super) transfer: Option<Transfer>,
+    pub(super) held_back: HeldBack,
+    phase: Phase,
+}
+
+/// What is due next on a channel.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Phase {
+    Idle,
+    /// The server's answer to an initiate request.
+    Initiated,
+    /// The client's next segment or segment request; its toggle bit.
+    Client {
+        toggle: bool,
+    },
+    /// The server's segment or confirmation; its toggle bit, and whether it ends the transfer.
+    Server {
+        toggle: bool,
+        last: bool,
+    },
+    /// A block transfer.
+    Block(Block),
+}
+
+/// What a frame did on its channel.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Step {
+    /// The frame's message.
+    pub message: Message,
+    /// Whether it ended the transfer.
+    pub ended: bool,
+    /// Whether it began a transfer while another was open, which then ended as [`Outcome::Superseded`].
+    pub superseded: bool,
+    /// The rule that this frame broke.
+    pub violation: Option<Violation>,
+}
+
+impl Step {
+    fn of(message: Message) -> Self {
+        Self { message, ended: false, superseded: false, violation: None }
+    }
+
+    fn unexpected(mut self) -> Self {
+        self.violation = Some(Violation::Unexpected);
+        self
+    }
+}
+
+impl Channel {
+    /// A channel on which nothing was seen yet.
+    pub fn new(server: NodeId) -> Self {
+        Self { server, transfer: None, held_back: HeldBack::default(), phase: Phase::Idle }
+    }
+
+    /// The transfer under way, or the last one.
+    pub fn transfer(&self) -> Option<&Transfer> {
+        self.transfer.as_ref()
+    }
+
+    /// Forgets the transfer under way: its node was reset.
+    pub fn reset(&mut self) {
+        self.phase = Phase::Idle;
+    }
+
+    /// A frame from the client.
+    pub fn request(&mut self, now: Timestamp, payload: &[u8]) -> Step {
+        if let Phase::Block(Block::Download(DownloadBlock::Segments { .. })) = self.phase
+            && let Ok(segment) = BlockSegment::read(payload)
+            && payload[0] != 0x80
+        {
+            return self.block_download_segment(now, segment);
+        }
+        match Request::read(payload) {
+            Ok(request) => self.on_request(now, request),
+            Err(error) => malformed(error),
+        }
+    }
+
+    /// A frame from the server.
+    pub fn response(&mut self, now: Timestamp, payload: &[u8]) -> Step {
+        if let Phase::Block(Block::Upload(UploadBlock::Segments { .. })) = self.phase
+            && let Ok(segment) = BlockSegment::read(payload)
+            && payload[0] != 0x80
+        {
+            return self.block_upload_segment(now, segment);
+        }
+        match Response::read(payload) {
+            Ok(response) => self.on_response(now, response),
+            Err(error) => malformed(error),
+        }
+    }
+
+    fn on_request(&mut self, now: Timestamp, request: Request) -> Step {
+        let step = Step::of(Message::SdoRequest(request));
+        match request {
+            Request::InitiateDownload { multiplexer, payload } => {
+                let superseded = self.begin(now, multiplexer, Direction::Download, Mode::Expedited);
+                self.announce(payload);
+                Step { superseded, ..step }
+            }
+            Request::InitiateUpload { multiplexer } => {
+                let superseded = self.begin(now, multiplexer, Direction::Upload, Mode::Expedited);
+                Step { superseded, ..step }
+            }
+            Request::InitiateBlockDownload { multiplexer, crc, size } => {
+                let superseded = self.begin(now, multiplexer, Direction::Download, Mode::Block);
+                self.phase = Phase::Block(Block::Download(DownloadBlock::Initiated { crc }));
+                self.with(|transfer| transfer.announced = size);
+                Step { superseded, ..step }
+            }
+            Request::InitiateBlockUpload { multiplexer, crc, block_size, .. } => {
+                let superseded = self.begin(now, multiplexer, Direction::Upload, Mode::Block);
+                self.phase = Phase::Block(Block::Upload(UploadBlock::Initiated { crc, block_size }));
+                Step { superseded, ..step }
+            }
+            Request::DownloadSegment(segment) => self.download_segment(now, segment, step),
+            Request::UploadSegment { toggle } => self.upload_segment_request(now, toggle, step),
+            Request::Abort(abort) => self.aborted(now, Side::Client, abort, step),
+            Request::ConfirmBlockUpload { .. } | Request::StartBlockUpload | Request::EndBlockUpload => {
+                self.block_upload_request(now, request, step)
+            }
+            Request::EndBlockDownload { unused, crc } => self.end_block_download(now, unused, crc, step),
+            Request::Unknown { .. } => step.unexpected(),
+        }
+    }
+
+    fn on_response(&mut self, now: Timestamp, response: Response) -> Step {
+        let step = Step::of(Message::SdoResponse(response));
+        match response {
+            Response::InitiateUpload { multiplexer, payload } => self.upload_initiated(now, multiplexer, payload, step),
+            Response::InitiateDownload { multiplexer } => self.download_initiated(now, multiplexer, step),
+            Response::UploadSegment(segment) => self.upload_segment(now, segment, step),
+            Response::DownloadSegment { toggle } => self.download_segment_confirmed(now, toggle, step),
+            Response::Abort(abort) => self.aborted(now, Side::Server, abort, step),
+            Response::InitiateBlockDownload { .. }
+            | Response::ConfirmBlockDownload { .. }
+            | Response::EndBlockDownload
+            | Response::InitiateBlockUpload { .. }
+            | Response::EndBlockUpload { .. } => self.block_response(now, response, step),
+            Response::Unknown { .. } => step.unexpected(),
+        }
+    }
+
+    /// Starts a transfer; returns whether another one was open.
+    fn begin(&mut self, now: Timestamp, multiplexer: Multiplexer, direction: Direction, mode: Mode) -> bool {
+        let superseded = self.phase != Phase::Idle;
+        match &mut self.transfer {
+            Some(transfer) => transfer.restart(multiplexer, direction, mode, now),
+            None => self.transfer = Some(Transfer::new(multiplexer, direction, mode, now)),
+        }
+        self.phase = Phase::Initiated;
+        superseded
+    }
+
+    /// Takes the value of an initiate message, or the announcement of its segments.
+    fn announce(&mut self, payload: Payload) {
+        self.with(|transfer| match payload {
+            Payload::Expedited(_) | Payload::ExpeditedUnsized(_) => {
+                transfer.mode = Mode::Expedited;
+                transfer.extend(payload.value().unwrap_or(&[]));
+            }
+            Payload::Segmented(size) => {
+                transfer.mode = Mode::Segmented;
+                transfer.announced = Some(size);
+            }
+            Payload::SegmentedUnsized => transfer.mode = Mode::Segmented,
+        });
+    }
+
+    fn upload_initiated(&mut self, now: Timestamp, multiplexer: Multiplexer, payload: Payload, step: Step) -> Step {
+        let block = matches!(self.phase, Phase::Block(Block::Upload(UploadBlock::Initiated { .. })));
+        if !(block || self.phase == Phase::Initiated && self.direction() == Some(Direction::Upload)) {
+            return step.unexpected();
+        }
+        let step = self.answered(now, multiplexer, step);
+        self.announce(payload);
+        if payload.value().is_some() {
+            return self.complete(step);
+        }
+        self.phase = Phase::Client { toggle: false };
+        step
+    }
+
+    fn download_initiated(&mut self, now: Timestamp, multiplexer: Multiplexer, step: Step) -> Step {
+        if self.phase != Phase::Initiated || self.direction() != Some(Direction::Download) {
+            return step.unexpected();
+        }
+        let step = self.answered(now, multiplexer, step);
+        if self.mode() == Some(Mode::Expedited) {
+            return self.complete(step);
+        }
+        self.phase = Phase::Client { toggle: false };
+        step
+    }
+
+    fn download_segment(&mut self, now: Timestamp, segment: Segment, step: Step) -> Step {
+        let Phase::Client { toggle } = self.phase else { return step.unexpected() };
+        if self.direction() != Some(Direction::Download) {
+            return step.unexpected();
+        }
+        let step = self.check_toggle(toggle, segment.toggle, step);
+        self.seen(now);
+        self.take_segment(segment);
+        self.phase = Phase::Server { toggle: segment.toggle, last: segment.last };
+        step
+    }
+
+    fn download_segment_confirmed(&mut self, now: Timestamp, confirmed: bool, step: Step) -> Step {
+        let Phase::Server { toggle, last } = self.phase else { return step.unexpected() };
+        if self.direction() != Some(Direction::Download) {
+            return step.unexpected();
+        }
+        let step = self.check_toggle(toggle, confirmed, step);
+        self.seen(now);
+        if last {
+            return self.complete(step);
+        }
+        self.phase = Phase::Client { toggle: !toggle };
+        step
+    }
+
+    fn upload_segment_request(&mut self, now: Timestamp, asked: bool, step: Step) -> Step {
+        let Phase::Client { toggle } = self.phase else { return step.unexpected() };
+        if self.direction() != Some(Direction::Upload) {
+            return step.unexpected();
+        }
+        let step = self.check_toggle(toggle, asked, step);
+        self.seen(now);
+        self.phase = Phase::Server { toggle: asked, last: false };
+        step
+    }
+
+    fn upload_segment(&mut self, now: Timestamp, segment: Segment, step: Step) -> Step {
+        let Phase::Server { toggle, .. } = self.phase else { return step.unexpected() };
+        if self.direction() != Some(Direction::Upload) {
+            return step.unexpected();
+        }
+        let step = self.check_toggle(toggle, segment.toggle, step);
+        self.seen(now);
+        self.take_segment(segment);
+        if segment.last {
+            return self.complete(step);
+        }
+        self.phase = Phase::Client { toggle: !toggle };
+        step
+    }
+
+    fn take_segment(&mut self, segment: Segment) {
+        self.with(|transfer| {
+            transfer.segments += 1;
+            transfer.extend(segment.data());
+        });
+    }
+
+    fn aborted(&mut self, now: Timestamp, side: Side, abort: Abort, step: Step) -> Step {
+        if self.phase == Phase::Idle {
+            // Not of a transfer that was seen: the capture may have begun in its middle.
+            return step;
+        }
+        let step = match side {
+            Side::Server => self.answered(now, abort.multiplexer, step),
+            Side::Client => step,
+        };
+        self.end(now, Outcome::Aborted(side, abort.code), step)
+    }
+
+    /// Notes a frame of the transfer that names its object.
+    pub(super) fn answered(&mut self, now: Timestamp, multiplexer: Multiplexer, step: Step) -> Step {
+        self.seen(now);
+        match &mut self.transfer {
+            Some(transfer) if transfer.multiplexer != multiplexer => {
+                let violation = Violation::Multiplexer(multiplexer);
+                transfer.blame(violation);
+                Step { violation: Some(violation), ..step }
+            }
+            _ => step,
+        }
+    }
+
+    fn check_toggle(&mut self, expected: bool, found: bool, step: Step) -> Step {
+        if expected == found {
+            return step;
+        }
+        self.with(|transfer| transfer.blame(Violation::Toggle));
+        Step { violation: Some(Violation::Toggle), ..step }
+    }
+
+    pub(super) fn complete(&mut self, step: Step) -> Step {
+        let latest = self.transfer.as_ref().map_or(Timestamp::ZERO, |transfer| transfer.latest);
+        self.end(latest, Outcome::Complete, step)
+    }
+
+    fn end(&mut self, now: Timestamp, outcome: Outcome, step: Step) -> Step {
+        self.seen(now);
+        self.phase = Phase::Idle;
+        let mut violation = step.violation;
+        self.with(|transfer| {
+            let before = transfer.violation;
+            transfer.end(outcome);
+            if before.is_none() {
+                violation = violation.or(transfer.violation);
+            }
+        });
+        Step { ended: true, violation, ..step }
+    }
+
+    pub(super) fn seen(&mut self, now: Timestamp) {
+        self.with(|transfer| transfer.latest = now);
+    }
+
+    pub(super) fn with(&mut self, change: impl FnOnce(&mut Transfer)) {
+        if let Some(transfer) = &mut self.transfer {
+            change(transfer);
+        }
+    }
+
+    pub(super) fn block(&self) -> Option<Block> {
+        match self.phase {
+            Phase::Block(block) => Some(block),
+            _ => None,
+        }
+    }
+
+    pub(super) fn set_block(&mut self, block: Block) {
+        self.phase = Phase::Block(block);
+    }
+
+    fn direction(&self) -> Option<Direction> {
+        self.transfer.as_ref().map(|transfer| transfer.direction)
+    }
+
+    fn mode(&self) -> Option<Mode> {
+        self.transfer.as_ref().map(|transfer| transfer.mode)
+    }
+}
+
+fn malformed(error: Malformed) -> Step {
+    Step::of(Message::Malformed(Service::Sdo, error))
+}
+
+impl Step {
+    /// A step of a block segment.
+    pub(super) fn segment(message: Message) -> Self {
+        Self::of(message)
+    }
+
+    /// The same step, out of place.
+    pub(super) fn out_of_place(self) -> Self {
+        self.unexpected()
+    }
+}

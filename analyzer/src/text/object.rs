@@ -1,0 +1,85 @@
+//! An object by its address and name, and its values in words.
+
+use super::value::ValueText;
+use crate::dictionary::names::{ObjectName, bit_name, object_name, unit};
+use crate::dictionary::{Annotation, DataType, Entry, Object as DescribedObject, Unit};
+use crate::network::Node;
+use crate::{Multiplexer, NodeId};
+use std::fmt;
+
+/// An object of a node: `1018h:01 Identity object, Vendor-ID`.
+pub(super) struct Object<'a> {
+    multiplexer: Multiplexer,
+    object: Option<&'a DescribedObject>,
+    entry: Option<&'a Entry>,
+    standard: Option<ObjectName>,
+    annotation: Option<&'a Annotation>,
+    profile: Option<u16>,
+}
+
+impl<'a> Object<'a> {
+    pub fn new(id: Option<NodeId>, node: Option<&'a Node>, multiplexer: Multiplexer) -> Self {
+        let description = node.and_then(|node| node.description.as_deref());
+        let object = description.and_then(|description| description.dictionary.object(multiplexer.index));
+        let profile = id.zip(node).and_then(|(id, node)| node.profile(id));
+        Self {
+            multiplexer,
+            object,
+            entry: object.and_then(|object| object.entry(multiplexer.sub)),
+            standard: object_name(multiplexer, profile),
+            annotation: description.and_then(|description| description.annotations.get(multiplexer)),
+            profile,
+        }
+    }
+
+    pub fn data_type(&self) -> Option<DataType> {
+        let standard = || self.standard.and_then(|name| name.entry).and_then(|entry| entry.data_type);
+        self.entry.map(|entry| entry.data_type).or_else(standard)
+    }
+
+    pub fn choice(&self, raw: u64) -> Option<&'a str> {
+        self.annotation.and_then(|annotation| annotation.choice(raw))
+    }
+
+    pub fn unit(&self) -> Option<Unit> {
+        let annotated = self.annotation.and_then(|annotation| annotation.unit.clone());
+        annotated.or_else(|| unit(self.multiplexer, self.profile))
+    }
+
+    /// What a bit says in that state, where that is worth saying.
+    pub fn bit(&self, bit: u8, set: bool) -> Option<&'a str> {
+        match self.annotation.and_then(|annotation| annotation.bit(bit)) {
+            Some(name) if set => Some(&name.name),
+            Some(name) => name.clear.as_deref(),
+            None if set => bit_name(self.multiplexer.index, bit, self.profile),
+            None => None,
+        }
+    }
+
+    /// A value of the object.
+    pub fn value<'v>(&'v self, bytes: &'v [u8]) -> ValueText<'v> {
+        ValueText { bytes, object: self }
+    }
+
+    /// The first bytes of a value, as many as the object's type has: of an SDO whose length is not said, or of a
+    /// PDO.
+    pub fn leading<'v>(&'v self, bytes: &'v [u8]) -> ValueText<'v> {
+        let length = self.data_type().and_then(DataType::bytes).unwrap_or(bytes.len());
+        self.value(&bytes[..length.min(bytes.len())])
+    }
+}
+
+/// The names of the description; the standard's where there is none.
+impl fmt::Display for Object<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.multiplexer.fmt(f)?;
+        let Some(object) = self.object else {
+            return self.standard.map_or(Ok(()), |name| write!(f, " {name}"));
+        };
+        write!(f, " {}", object.name.escape_debug())?;
+        match self.entry {
+            Some(entry) if !object.code.is_single() => write!(f, ", {}", entry.name.escape_debug()),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,51 @@
+//! PDOs in words: their signals where the mapping is known, else their bytes.
+
+use super::Meaning;
+use super::object::Object;
+use crate::message::PdoNumber;
+use crate::network::{Layout, Signal};
+use std::fmt;
+
+impl Meaning<'_> {
+    pub(super) fn pdo(&self, number: PdoNumber, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{number}")?;
+        let payload = self.record.frame.data();
+        let node = self.decoded.node.and_then(|node| self.bus.node(node));
+        match node.and_then(|node| node.known_layout(number)) {
+            Some(layout) => self.signals(layout, payload, f),
+            None => bytes(payload, f),
+        }
+    }
+
+    fn signals(&self, layout: &Layout, payload: &[u8], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (n, signal) in layout.signals.iter().enumerate() {
+            f.write_str(if n == 0 { ": " } else { ", " })?;
+            self.signal(signal, payload, f)?;
+        }
+        if layout.length() == payload.len() {
+            return Ok(());
+        }
+        write!(f, " [length {}, the mapping fills {}]", payload.len(), layout.length())
+    }
+
+    fn signal(&self, signal: &Signal, payload: &[u8], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let node = self.decoded.node.and_then(|node| self.bus.node(node));
+        let object = Object::new(self.decoded.node, node, signal.object);
+        match signal.raw(payload) {
+            Some(raw) => {
+                let bytes = raw.to_le_bytes();
+                let mapped = &bytes[..usize::from(signal.bits).div_ceil(8).min(8)];
+                write!(f, "{object} = {}", object.leading(mapped))
+            }
+            None => write!(f, "{object} cut off"),
+        }
+    }
+}
+
+fn bytes(payload: &[u8], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match payload.len() {
+        0 => f.write_str(", no data"),
+        1 => f.write_str(", 1 byte, mapping not known"),
+        n => write!(f, ", {n} bytes, mapping not known"),
+    }
+}

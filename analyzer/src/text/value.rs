@@ -1,0 +1,115 @@
+//! Values in words.
+
+use super::object::Object;
+use crate::dictionary::{DataClass, DataType, Unit, Value};
+use std::fmt;
+
+/// A value as text, as well as its type and meaning are known.
+pub(super) struct ValueText<'v> {
+    pub bytes: &'v [u8],
+    pub object: &'v Object<'v>,
+}
+
+/// How many bytes of a long value are shown.
+const SHOWN: usize = 64;
+
+impl ValueText<'_> {
+    fn number(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(name) = self.object.choice(raw) {
+            return write!(f, "{raw} ({})", name.escape_debug());
+        }
+        if let Some(unit) = self.object.unit() {
+            return physical(raw as f64, &unit, f);
+        }
+        if let Some(text) = signature(self.bytes) {
+            return write!(f, "\"{text}\"");
+        }
+        hexadecimal(raw, self.bytes.len(), f)?;
+        self.bits(raw, f)
+    }
+
+    /// The names of the bits that are set, and of clear ones whose clear state has a name.
+    fn bits(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let bits = 8 * self.bytes.len().min(8) as u8;
+        let mut first = true;
+        for name in (0..bits).filter_map(|bit| self.object.bit(bit, raw >> bit & 1 != 0)) {
+            write!(f, "{}{}", if first { " (" } else { ", " }, name.escape_debug())?;
+            first = false;
+        }
+        if first { Ok(()) } else { f.write_str(")") }
+    }
+
+    fn integer(&self, value: i64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.object.unit() {
+            Some(unit) => physical(value as f64, &unit, f),
+            None => write!(f, "{value}"),
+        }
+    }
+
+    /// Without a type: a short value as a number, a longer one as text if it is printable, else as bytes.
+    fn untyped(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let shown = &self.bytes[..self.bytes.len().min(SHOWN)];
+        match self.bytes {
+            [] => f.write_str("empty"),
+            &[a] => self.number(u64::from(a), f),
+            &[a, b] => self.number(u64::from(u16::from_le_bytes([a, b])), f),
+            &[a, b, c] => self.number(u64::from(u32::from_le_bytes([a, b, c, 0])), f),
+            &[a, b, c, d] => self.number(u64::from(u32::from_le_bytes([a, b, c, d])), f),
+            bytes if bytes.iter().all(|byte| matches!(byte, b' '..=b'~')) => {
+                write!(f, "{}", Value::VisibleString(shown.to_vec()))?;
+                ellipsis(self.bytes.len(), f)
+            }
+            _ => {
+                write!(f, "{}", Value::Domain(shown.to_vec()))?;
+                ellipsis(self.bytes.len(), f)
+            }
+        }
+    }
+}
+
+impl fmt::Display for ValueText<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let class = self.object.data_type().and_then(DataType::class);
+        let text = matches!(class, Some(DataClass::VisibleString | DataClass::OctetString | DataClass::Domain));
+        let kept = if text { &self.bytes[..self.bytes.len().min(SHOWN)] } else { self.bytes };
+        match self.object.data_type().map(|data_type| Value::decode(data_type, kept)) {
+            Some(Ok(Value::Unsigned(raw))) => self.number(raw, f),
+            Some(Ok(Value::Integer(value))) => self.integer(value, f),
+            Some(Ok(value)) => {
+                write!(f, "{value}")?;
+                if text { ellipsis(self.bytes.len(), f) } else { Ok(()) }
+            }
+            Some(Err(error)) => {
+                self.untyped(f)?;
+                write!(f, " [{error}]")
+            }
+            None => self.untyped(f),
+        }
+    }
+}
+
+/// Small numbers as they are, others as hexadecimal digits in the width of their type.
+fn hexadecimal(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match (raw, bytes) {
+        (0..=9, _) => write!(f, "{raw}"),
+        (_, 0..=2) => write!(f, "{raw:0width$X}h ({raw})", width = 2 * bytes),
+        _ => write!(f, "{raw:0width$X}h", width = 2 * bytes),
+    }
+}
+
+fn physical(raw: f64, unit: &Unit, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    let value = raw.mul_add(unit.factor, unit.offset);
+    // Factors such as 0.1 have no exact binary form; six digits are far beyond any of these devices.
+    let rounded = (value * 1e6).round() / 1e6;
+    write!(f, "{rounded} {}", unit.symbol.escape_debug())
+}
+
+/// The text of signatures such as `save` and `load`.
+fn signature(bytes: &[u8]) -> Option<&str> {
+    let four_letters = bytes.len() == 4 && bytes.iter().all(u8::is_ascii_lowercase);
+    four_letters.then(|| std::str::from_utf8(bytes).ok()).flatten()
+}
+
+fn ellipsis(len: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    if len > SHOWN { f.write_str("…") } else { Ok(()) }
+}

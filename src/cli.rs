@@ -1,0 +1,42 @@
+//! The command line.
+
+use crate::commands;
+use crate::output::Color;
+use crate::status::{Failure, Status};
+use clap::{Parser, Subcommand};
+
+/// CANopen trace analyzer and protocol conformance tester.
+#[derive(Parser)]
+#[command(name = "canvass", version, propagate_version = true, max_term_width = 100)]
+#[command(after_help = "\
+Exit status: 0 good; 1 findings, failures or a property broken; 2 wrong usage or unreadable input;
+3 bus or device could not be reached, or no case ran.")]
+pub struct Cli {
+    /// Colours: on a terminal, always or never
+    #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
+    color: Color,
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    Decode(commands::decode::Args),
+    Completions(commands::completions::Args),
+    Man(commands::man::Args),
+    List(commands::list::Args),
+    Explain(commands::explain::Args),
+}
+
+impl Cli {
+    /// Does what was asked for.
+    pub fn run(self) -> Result<Status, Failure> {
+        match self.command {
+            Command::Decode(args) => args.run(self.color),
+            Command::Completions(args) => args.run(),
+            Command::Man(args) => args.run(),
+            Command::List(args) => args.run(),
+            Command::Explain(args) => args.run(),
+        }
+    }
+}

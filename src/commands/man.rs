@@ -1,0 +1,39 @@
+//! `canvass man`: manual pages.
+
+use crate::cli::Cli;
+use crate::output::print;
+use crate::status::{Failure, Status};
+use anyhow::{Context, anyhow};
+use clap::CommandFactory;
+use std::path::PathBuf;
+
+/// Print the manual page, or write those of all commands into a folder
+#[derive(clap::Args)]
+pub struct Args {
+    /// A command; without it, canvass itself
+    command: Option<String>,
+    /// Write canvass.1, canvass-decode.1 and so on into this folder
+    #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
+    out: Option<PathBuf>,
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let mut cli = Cli::command();
+        cli.build();
+        if let Some(folder) = self.out {
+            clap_mangen::generate_to(cli, &folder).with_context(|| format!("can't write to {}", folder.display()))?;
+            return Ok(Status::Good);
+        }
+        let command = match &self.command {
+            None => cli,
+            Some(name) => {
+                cli.find_subcommand(name).cloned().ok_or_else(|| anyhow!("there is no command \"{name}\""))?
+            }
+        };
+        let mut page = Vec::new();
+        clap_mangen::Man::new(command).render(&mut page)?;
+        print(&String::from_utf8_lossy(&page))?;
+        Ok(Status::Good)
+    }
+}

@@ -1,0 +1,87 @@
+//! Standard output and standard error.
+
+use std::io::{self, IsTerminal, Read, Write};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Whether to use colours.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default, clap::ValueEnum)]
+pub enum Color {
+    /// On a terminal, unless `NO_COLOR` is set.
+    #[default]
+    Auto,
+    /// Always.
+    Always,
+    /// Never.
+    Never,
+}
+
+impl Color {
+    /// Whether standard output gets colours.
+    pub fn on_stdout(self) -> bool {
+        match self {
+            Self::Always => true,
+            Self::Never => false,
+            // https://no-color.org: any value but the empty one switches colours off.
+            Self::Auto => {
+                let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+                !no_color && io::stdout().is_terminal()
+            }
+        }
+    }
+}
+
+/// Buffered standard output that can be shared with the reader of standard input: before that waits for more, what
+/// was decoded so far goes out.
+#[derive(Clone, Default)]
+pub struct Output(Arc<Mutex<Vec<u8>>>);
+
+impl Output {
+    const FULL: usize = 64 * 1024;
+
+    /// Lets `append` add to the buffer, and writes it out when it is full.
+    pub fn append(&self, append: impl FnOnce(&mut Vec<u8>)) -> io::Result<()> {
+        let mut buffer = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        append(&mut buffer);
+        if buffer.len() >= Self::FULL { write_out(&mut buffer) } else { Ok(()) }
+    }
+
+    /// Writes out what is in the buffer.
+    pub fn flush(&self) -> io::Result<()> {
+        write_out(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Standard input that flushes this output whenever it is about to wait.
+    pub fn flushed_by_stdin(&self) -> impl Read + Send + 'static {
+        FlushingStdin { output: self.clone(), stdin: io::stdin() }
+    }
+}
+
+fn write_out(buffer: &mut Vec<u8>) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    let written = stdout.write_all(buffer).and_then(|()| stdout.flush());
+    buffer.clear();
+    written
+}
+
+struct FlushingStdin {
+    output: Output,
+    stdin: io::Stdin,
+}
+
+impl Read for FlushingStdin {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.output.flush()?;
+        self.stdin.read(buffer)
+    }
+}
+
+/// Writes a text to standard output.
+pub fn print(text: &str) -> io::Result<()> {
+    let mut stdout = io::stdout().lock();
+    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush())
+}
+
+/// Writes a line to standard error. If nobody reads that either, there is nobody left to tell.
+pub fn diagnostic(line: &str) {
+    let _ = writeln!(io::stderr().lock(), "{line}");
+}

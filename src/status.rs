@@ -1,0 +1,57 @@
+//! Exit statuses, and how errors become one.
+
+use std::process::ExitCode;
+
+/// How the program ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Status {
+    /// Everything as it should be.
+    Good = 0,
+    /// Findings, failures or a property broken.
+    Findings = 1,
+    /// Wrong usage or unreadable input.
+    Usage = 2,
+    /// The bus or device could not be reached, or no case ran.
+    Unreachable = 3,
+}
+
+impl From<Status> for ExitCode {
+    fn from(status: Status) -> Self {
+        Self::from(status as u8)
+    }
+}
+
+/// An error with the status that it ends the program with.
+#[derive(Debug)]
+pub struct Failure {
+    status: Status,
+    error: anyhow::Error,
+}
+
+impl Failure {
+    /// The bus or device could not be reached, or no case ran.
+    pub fn unreachable(error: impl Into<anyhow::Error>) -> Self {
+        Self { status: Status::Unreachable, error: error.into() }
+    }
+
+    /// Says what went wrong, unless it is only that nobody reads the output any more.
+    pub fn report(&self) -> Status {
+        if self.is_broken_pipe() {
+            return Status::Good;
+        }
+        crate::output::diagnostic(&format!("canvass: {:#}", self.error));
+        self.status
+    }
+
+    fn is_broken_pipe(&self) -> bool {
+        let broken = |error: &std::io::Error| error.kind() == std::io::ErrorKind::BrokenPipe;
+        self.error.chain().any(|cause| cause.downcast_ref().is_some_and(broken))
+    }
+}
+
+/// Errors that nothing else is said of come from what the user gave: arguments or files.
+impl<E: Into<anyhow::Error>> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self { status: Status::Usage, error: error.into() }
+    }
+}

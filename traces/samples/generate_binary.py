@@ -1,0 +1,212 @@
+#!/usr/bin/env python3
+"""Makes the binary sample captures and, beside each, what another program reads in it (`*.frames`).
+
+Written by text2pcap, editcap and mergecap (Wireshark), python-can, and the Python packages mcap and rosbags;
+read back by tshark and python-can. Nothing here is written or read by canvass.
+
+    pip install python-can mcap rosbags zstandard lz4
+    ./generate_binary.py
+"""
+import base64, gzip, json, struct, subprocess, sys
+from pathlib import Path
+
+HERE = Path(__file__).parent
+EXT, RTR, ERR = 0x8000_0000, 0x4000_0000, 0x2000_0000
+START = 1_700_000_000_000_000_000  # 2023-11-14 22:13:20 UTC
+
+
+class F:
+    """A frame: time (ns), bus, identifier with SocketCAN's flags, data, CAN FD flags or None."""
+
+    def __init__(self, ms, bus, can_id, data=b"", fd=None, dlc=None):
+        self.t = START + int(ms * 1_000_000)
+        self.bus, self.id, self.data, self.fd = bus, can_id, bytes(data), fd
+        self.dlc = len(self.data) if dlc is None else dlc
+
+    def wire(self, order=">"):
+        """As in a packet of link type 227 (order ">"), or of a machine of that byte order."""
+        size, flags = (8, 0) if self.fd is None else (64, 4 | self.fd)
+        return struct.pack(order + "IBBBB", self.id, self.dlc, flags, 0, 0) + self.data.ljust(size, b"\0")
+
+    def shown(self, channel, t=None, direction=""):
+        return show(self.t if t is None else t, channel, self.id, self.data, self.fd, self.dlc, direction)
+
+
+def show(t, channel, can_id, data, fd, dlc, direction=""):
+    number = can_id & 0x1FFF_FFFF
+    ident = f"{number | ERR:08X}" if can_id & ERR else f"{number:08X}" if can_id & EXT else f"{number & 0x7FF:03X}"
+    body = "" if fd is None else f"#{4 | fd:X}"
+    body += f"R{dlc if dlc else ''}" if can_id & RTR else data.hex().upper()
+    return f"{t // 10**9}.{t % 10**9:09} {channel} {ident}#{body} {direction}".rstrip()
+
+
+def b(text):
+    return bytes.fromhex(text)
+
+
+TRAFFIC = [
+    F(0.000, 0, 0x000, b("0100")),
+    F(1.250, 0, 0x77F, b("00")),
+    F(1.750, 0, 0x63F, b("4000600000000000")),
+    F(2.125, 0, 0x5BF, b("4B00600004000000")),
+    F(3.001, 0, 0x080),
+    F(3.002, 1, 0x080, b("07")),
+    F(3.500, 0, 0x1BF, b("0102030405060708")),
+    F(4.000, 1, 0x18FEF1FE | EXT, b("FFFFFF0102")),
+    F(4.500, 1, 0x00000181 | EXT, b("AA")),
+    F(5.000, 0, 0x73F | RTR, dlc=1),
+    F(5.250, 0, 0x73F, b("85")),
+    F(6.000, 1, 0x1ABCDEF0 | EXT | RTR, dlc=0),
+    F(7.000, 0, 0x004 | ERR, b("0008000000006000")),
+    F(8.000, 1, 0x0BF, b("0081110000000000")),
+    F(9.000, 0, 0x7E5, b("0400000000000000")),
+    F(10.000, 1, 0x123, b("DEADBEEF"), fd=0),
+    F(10.500, 1, 0x124, bytes(range(64)), fd=1),
+    F(11.000, 1, 0x1234567 | EXT, bytes(range(20)), fd=3),
+    F(11.500, 0, 0x77F, b("05")),
+    F(12.000, 0, 0x63F, b("2F17100000000000")),
+    F(12.123, 0, 0x5BF, b("6017100000000000")),
+    F(1012.0, 0, 0x77F, b("7F")),
+    F(2012.0, 0, 0x77F, b("7F")),
+    F(2013.0, 1, 0x7FF, b("")),
+]
+CLASSICAL = [f for f in TRAFFIC if f.fd is None]
+
+
+def write(name, content):
+    (HERE / name).write_bytes(content)
+
+
+def expect(name, lines):
+    (HERE / f"{name}.frames").write_text("".join(line + "\n" for line in lines))
+
+
+def hexdump(frames, encode):
+    """For text2pcap, with the time in front of each packet."""
+    out = []
+    for f in frames:
+        data = encode(f)
+        out.append(f"{f.t // 10**9}.{f.t % 10**9:09}\n000000 " + " ".join(f"{byte:02x}" for byte in data) + "\n")
+    return "".join(out).encode()
+
+
+def text2pcap(name, frames, link, encode, *options):
+    run = ["text2pcap", "-q", "-t", "%s.%f", "-l", str(link), *options, "-", str(HERE / name)]
+    subprocess.run(run, input=hexdump(frames, encode), check=True, capture_output=True)
+
+
+def sll(f, order="<"):
+    protocol = 0x0C if f.fd is None else 0x0D
+    kind = 4 if f.bus else 0
+    return struct.pack(">HHHQH", kind, 280, 0, 0, protocol) + f.wire(order)
+
+
+def sll2(f, order="<"):
+    protocol = 0x0C if f.fd is None else 0x0D
+    return struct.pack(">HHIHBBQ", protocol, 0, 3 + f.bus, 280, 4 if f.bus else 0, 0, 0) + f.wire(order)
+
+
+def tshark(name, channel=None, direction=None):
+    """What tshark reads: time, interface, identifier, flags, payload."""
+    fields = "frame.time_epoch frame.interface_name frame.packet_flags_direction can.id can.flags.xtd can.flags.rtr " \
+        "can.flags.err can.len data.data canfd.flags.brs canfd.flags.esi can.err.ctrl frame.protocols sll.pkttype sll.ifindex"
+    run = ["tshark", "-r", str(HERE / name), "--disable-protocol", "autosar-nm", "-T", "fields", "-E", "separator=|"]
+    for field in fields.split():
+        run += ["-e", field]
+    lines = []
+    for row in subprocess.run(run, check=True, capture_output=True, text=True).stdout.splitlines():
+        t, iface, way, ident, xtd, rtr, err, length, data, brs, esi, ctrl, protocols, kind, index = row.split("|")
+        if not t:  # a block that tshark does not know
+            continue
+        seconds, nanos = t.split(".")
+        # Of an error frame tshark shows the class as a flag of its own: here always "controller problem".
+        can_id = (4 if ctrl == "1" else int(ident, 0)) | (EXT if xtd == "1" else 0) | (RTR if rtr == "1" else 0) | (ERR if err == "1" else 0)
+        fd = None if "canfd" not in protocols and not brs else (brs == "1") | (esi == "1") << 1
+        if fd is not None:
+            can_id &= ~(RTR | ERR)
+        payload = b"" if can_id & RTR else bytes.fromhex(data)
+        if can_id & ERR:  # dissected further, so not shown as data: taken from the bytes
+            payload = error_data(name, len(lines))
+        where = channel or (f"if{index}" if index else iface)
+        way = {"1": "Rx", "2": "Tx", "0x00000001": "Rx", "0x00000002": "Tx"}.get(way, "")
+        if kind:
+            way = "Tx" if kind == "4" else "Rx"
+        lines.append(show(int(seconds) * 10**9 + int(nanos), where, can_id, payload, fd, int(length), way))
+    return lines
+
+
+def error_data(name, index):
+    run = ["tshark", "-r", str(HERE / name), "-T", "jsonraw", "-J", "frame", "-x"]
+    packets = json.loads(subprocess.run(run, check=True, capture_output=True, text=True).stdout)
+    return bytes.fromhex(packets[index]["_source"]["layers"]["frame_raw"][0])[-8:]
+
+
+def pcap(name, frames, magic, order, link, encode, fraction, snaplen=0):
+    out = struct.pack(order + "IHHiIII", magic, 2, 4, 0, 0, snaplen, link)
+    for f in frames:
+        data = encode(f)
+        out += struct.pack(order + "IIII", f.t // 10**9, f.t % 10**9 // fraction, len(data), len(data)) + data
+    write(name, out)
+
+
+def make_pcap():
+    text2pcap("tcpdump-us.pcap", TRAFFIC, 227, F.wire, "-F", "pcap")
+    text2pcap("tcpdump-ns.pcap", TRAFFIC, 227, F.wire, "-F", "nsecpcap")
+    # Big-endian, and upper bits in the link type, as machines in the field write them.
+    pcap("big-endian.pcap", TRAFFIC, 0xA1B2C3D4, ">", 227, F.wire, 1000)
+    pcap("cooked-big-endian.pcap", TRAFFIC, 0xA1B23C4D, ">", 113, lambda f: sll(f, ">"), 1)
+    text2pcap("cooked.pcap", TRAFFIC, 113, sll, "-F", "pcap")
+    text2pcap("cooked-v2.pcap", TRAFFIC, 276, sll2, "-F", "pcap")
+    for name in ["tcpdump-us.pcap", "tcpdump-ns.pcap", "big-endian.pcap", "cooked.pcap", "cooked-big-endian.pcap"]:
+        expect(name, tshark(name, channel="can0"))
+    expect("cooked-v2.pcap", tshark("cooked-v2.pcap"))
+
+
+def make_pcapng():
+    for bus in (0, 1):
+        text2pcap(f"bus{bus}.tmp", [f for f in TRAFFIC if f.bus == bus], 227, F.wire, "-N", f"can{bus}", "-F", "pcapng")
+    subprocess.run(["mergecap", "-F", "pcapng", "-w", str(HERE / "two-interfaces.pcapng"), str(HERE / "bus0.tmp"),
+                    str(HERE / "bus1.tmp")], check=True, capture_output=True)
+    for bus in (0, 1):
+        (HERE / f"bus{bus}.tmp").unlink()
+    expect("two-interfaces.pcapng", tshark("two-interfaces.pcapng"))
+    sections = b"".join(section(*each) for each in [
+        ("<", TRAFFIC[:8], 9, 0, 227), (">", TRAFFIC[8:16], 6, 0, 113), ("<", TRAFFIC[16:], 0x80 | 30, 1_600_000_000, 227)])
+    write("three-sections.pcapng", sections)
+    expect("three-sections.pcapng", tshark("three-sections.pcapng"))
+
+
+def block(order, kind, body):
+    length = 12 + len(body)
+    return struct.pack(order + "II", kind, length) + body + struct.pack(order + "I", length)
+
+
+def option(order, code, value):
+    return struct.pack(order + "HH", code, len(value)) + value + bytes(-len(value) % 4)
+
+
+def section(order, frames, resolution, offset, link):
+    """One section with an interface per bus, an unknown block, and the direction in the flags."""
+    out = block(order, 0x0A0D0D0A, struct.pack(order + "IHHq", 0x1A2B3C4D, 1, 0, -1))
+    for bus in (0, 1):
+        options = option(order, 2, f"can{bus}".encode()) + option(order, 9, bytes([resolution]))
+        options += option(order, 14, struct.pack(order + "q", offset)) if offset else b""
+        out += block(order, 1, struct.pack(order + "HHI", link, 0, 0) + options + bytes(4))
+    out += block(order, 0x0BAD, b"unknown!")
+    for f in frames:
+        data = f.wire() if link == 227 else sll(f, order)
+        nanos = f.t - offset * 10**9
+        units = (nanos << (resolution & 0x7F)) // 10**9 if resolution & 0x80 else nanos // 10 ** (9 - resolution)
+        if resolution & 0x80:
+            units += 1  # so that the nanosecond, rounded down again, is the same
+        body = struct.pack(order + "IIIII", f.bus, units >> 32, units & 0xFFFFFFFF, len(data), len(data))
+        body += data + bytes(-len(data) % 4) + option(order, 2, struct.pack(order + "I", 1 + f.bus)) + bytes(4)
+        out += block(order, 6, body)
+    return out
+
+
+PARTS = {"pcap": make_pcap, "pcapng": make_pcapng}
+
+if __name__ == "__main__":
+    for part in sys.argv[1:] or PARTS:
+        PARTS[part]()

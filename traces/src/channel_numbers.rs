@@ -1,0 +1,53 @@
+//! Numbers for channels, for formats that know no names.
+
+use crate::{ChannelId, Loss, Losses};
+use std::collections::BTreeMap;
+
+/// The number of each channel seen so far.
+#[derive(Default)]
+pub(crate) struct ChannelNumbers(BTreeMap<ChannelId, u16>);
+
+impl ChannelNumbers {
+    /// The number of a channel, from 1: its name if that is a number, else the next free one, with the loss of the
+    /// name counted.
+    pub(crate) fn number(&mut self, channel: ChannelId, name: &str, losses: &mut Losses) -> u16 {
+        let number = match self.0.get(&channel) {
+            Some(number) => *number,
+            None => self.assign(channel, name),
+        };
+        if !is_number(name, number) {
+            losses.count(Loss::ChannelName);
+        }
+        number
+    }
+
+    fn assign(&mut self, channel: ChannelId, name: &str) -> u16 {
+        let taken = |number: u16| self.0.values().any(|&other| other == number);
+        let own = name.parse().ok().filter(|&n| n > 0 && is_number(name, n) && !taken(n));
+        // There are at most 4096 channels, so a number is free.
+        let number = own.unwrap_or_else(|| (1..=u16::MAX).find(|&n| !taken(n)).unwrap_or(u16::MAX));
+        self.0.insert(channel, number);
+        number
+    }
+}
+
+fn is_number(name: &str, number: u16) -> bool {
+    name.bytes().all(|b| b.is_ascii_digit()) && !name.starts_with('0') && name.parse() == Ok(number)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_that_are_numbers_keep_them() {
+        let (mut numbers, mut losses) = (ChannelNumbers::default(), Losses::default());
+        assert_eq!(numbers.number(ChannelId(0), "2", &mut losses), 2);
+        assert!(losses.is_empty());
+        assert_eq!(numbers.number(ChannelId(1), "can0", &mut losses), 1);
+        assert_eq!(numbers.number(ChannelId(2), "can1", &mut losses), 3);
+        assert_eq!(numbers.number(ChannelId(3), "3", &mut losses), 4);
+        assert_eq!(numbers.number(ChannelId(1), "can0", &mut losses), 1);
+        assert_eq!(losses.iter().collect::<Vec<_>>(), [(Loss::ChannelName, 4)]);
+    }
+}

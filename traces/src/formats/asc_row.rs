@@ -1,0 +1,242 @@
+//! The rows of Vector ASC behind their times.
+
+use crate::grammar::{Expected, Parsed, decimal, hex_byte, nibble, skip_blanks, word};
+use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Record, Timestamp};
+
+/// How ids and data are written.
+#[derive(Clone, Copy, PartialEq, Eq, Default)]
+pub(crate) enum Radix {
+    #[default]
+    Hexadecimal,
+    Decimal,
+}
+
+/// What a row tells.
+pub(crate) enum Row<'a> {
+    Frame {
+        channel: &'a [u8],
+        record: Record,
+        /// The frame may go on if the file was cut behind this line.
+        in_doubt: bool,
+    },
+    /// A request to send.
+    Request,
+    /// Something else that happened.
+    Event,
+    /// A frame of a kind that is not read.
+    Unsupported,
+}
+
+/// Class of an error frame that is not told more closely: a bus error, as Linux numbers it.
+pub(crate) const BUS_ERROR: ErrorClass = ErrorClass(0x80);
+
+/// In the flags of `CANFD` rows: the frame is remote.
+pub(crate) const FLAG_REMOTE: u32 = 0x10;
+/// The frame is CAN FD.
+pub(crate) const FLAG_FDF: u32 = 0x1000;
+/// Bit rate switched.
+pub(crate) const FLAG_BRS: u32 = 0x2000;
+/// The sender is error passive.
+pub(crate) const FLAG_ESI: u32 = 0x4000;
+
+/// A row behind its time.
+pub(crate) fn row(input: &[u8], radix: Radix) -> Parsed<'_, Row<'_>> {
+    let (rest, first) = next_word(input, "an event")?;
+    match first {
+        b"CANFD" => fd_row(rest, radix),
+        b"CANXL" => Ok((rest, Row::Unsupported)),
+        _ if first.iter().all(u8::is_ascii_digit) => classical_row(rest, first, radix),
+        _ => Ok((rest, Row::Event)),
+    }
+}
+
+fn next_word<'a>(input: &'a [u8], what: &'static str) -> Parsed<'a, &'a [u8]> {
+    word(what)(skip_blanks(input))
+}
+
+fn direction(word: &[u8]) -> Option<Direction> {
+    match word {
+        b"Rx" => Some(Direction::Rx),
+        b"Tx" => Some(Direction::Tx),
+        _ => None,
+    }
+}
+
+fn classical_row<'a>(input: &'a [u8], channel: &'a [u8], radix: Radix) -> Parsed<'a, Row<'a>> {
+    let Ok((rest, id)) = next_word(input, "an id") else { return Ok((input, Row::Event)) };
+    if id.eq_ignore_ascii_case(b"ErrorFrame") {
+        return Ok((rest, error_frame(channel, Direction::Unknown)));
+    }
+    let Ok((rest, word)) = next_word(rest, "Rx or Tx") else { return Ok((rest, Row::Event)) };
+    let direction = match direction(word) {
+        Some(direction) => direction,
+        None if word == b"TxRq" => return Ok((rest, Row::Request)),
+        None => return Ok((rest, Row::Event)),
+    };
+    let id = identifier(id, radix)?;
+    let (rest, kind) = next_word(rest, "d (data) or r (remote)")?;
+    match kind {
+        b"d" | b"D" => {
+            let (rest, dlc) = dlc(rest)?;
+            let (rest, data) = bytes(rest, usize::from(dlc.min(8)), radix)?;
+            no_more_bytes(rest)?;
+            let Some(frame) = Frame::new(id, &data) else { return Expected::fail(rest, "at most 8 bytes") };
+            // A decimal number may go on.
+            let in_doubt = rest.is_empty() && radix == Radix::Decimal && !data.is_empty();
+            Ok((rest, frame_row(channel, frame.with_raw_dlc(dlc), direction, in_doubt)))
+        }
+        b"r" | b"R" => {
+            let (behind, dlc) = dlc(rest).unwrap_or((rest, 0));
+            let Some(frame) = Frame::remote(id, dlc.min(8)) else { return Expected::fail(rest, "a length") };
+            let in_doubt = skip_blanks(rest).is_empty();
+            Ok((behind, frame_row(channel, frame.with_raw_dlc(dlc), direction, in_doubt)))
+        }
+        _ => Expected::fail(kind, "d (data) or r (remote)"),
+    }
+}
+
+fn frame_row(channel: &[u8], frame: Frame, direction: Direction, in_doubt: bool) -> Row<'_> {
+    let record = Record::new(Timestamp::ZERO, ChannelId(0), frame).with_direction(direction);
+    Row::Frame { channel, record, in_doubt }
+}
+
+fn error_frame(channel: &[u8], direction: Direction) -> Row<'_> {
+    match Frame::error(BUS_ERROR, &[]) {
+        Some(frame) => frame_row(channel, frame, direction, false),
+        None => Row::Event,
+    }
+}
+
+/// `CANFD 1 Rx 7d Name 1 0 9 12 …`.
+fn fd_row(input: &[u8], radix: Radix) -> Parsed<'_, Row<'_>> {
+    let (rest, channel) = next_word(input, "a channel")?;
+    let (at, word) = next_word(rest, "Rx or Tx")?;
+    let direction = match direction(word) {
+        Some(direction) => direction,
+        None if word == b"TxRq" => return Ok((at, Row::Request)),
+        None => return Expected::fail(word, "Rx or Tx"),
+    };
+    let (rest, id) = next_word(at, "an id")?;
+    if id.eq_ignore_ascii_case(b"ErrorFrame") {
+        return Ok((rest, error_frame(channel, direction)));
+    }
+    let id = identifier(id, radix)?;
+    let (behind, name_or_brs) = next_word(rest, "a name, or BRS")?;
+    let rest = if matches!(name_or_brs, b"0" | b"1") { rest } else { behind };
+    let (rest, brs) = switch(rest, "BRS, 0 or 1")?;
+    let (rest, esi) = switch(rest, "ESI, 0 or 1")?;
+    let (rest, dlc) = dlc(rest)?;
+    let (rest, len) = decimal("a length")(skip_blanks(rest))?;
+    if len > 64 {
+        return Expected::fail(rest, "at most 64 bytes");
+    }
+    let (rest, data) = bytes(rest, len as usize, radix)?;
+    let (behind, flags) = row_flags(rest);
+    let flags_of_frame = if brs { Flags::BRS } else { Flags::NONE }.with(if esi { Flags::ESI } else { Flags::NONE });
+    let is_remote = flags.is_some_and(|flags| flags & FLAG_REMOTE != 0) || len == 0 && dlc > 0;
+    let is_fd = flags.is_none_or(|flags| flags & FLAG_FDF != 0) || brs || len > 8;
+    let record = match () {
+        () if is_remote => Frame::remote(id, dlc.min(8)).map(|frame| at_zero(frame.with_raw_dlc(dlc))),
+        () if is_fd => Record::fd(Timestamp::ZERO, ChannelId(0), id, flags_of_frame, &data),
+        () => Frame::new(id, &data).map(|frame| at_zero(frame.with_raw_dlc(dlc))),
+    };
+    match record {
+        Some(record) => {
+            let record = record.with_direction(direction);
+            Ok((behind, Row::Frame { channel, record, in_doubt: flags.is_none() || behind.is_empty() }))
+        }
+        None => Expected::fail(rest, "a length that CAN FD has: 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes"),
+    }
+}
+
+fn at_zero(frame: Frame) -> Record {
+    Record::new(Timestamp::ZERO, ChannelId(0), frame)
+}
+
+/// The flags behind duration and bit count, where the row has them.
+fn row_flags(input: &[u8]) -> (&[u8], Option<u32>) {
+    let third = || {
+        let (rest, _) = next_word(input, "a duration").ok()?;
+        let (rest, _) = next_word(rest, "a bit count").ok()?;
+        let (rest, flags) = next_word(rest, "flags").ok()?;
+        let flags = std::str::from_utf8(flags).ok()?;
+        Some((rest, u32::from_str_radix(flags, 16).ok()?))
+    };
+    third().map_or((input, None), |(rest, flags)| (rest, Some(flags)))
+}
+
+/// An id, with `x` if it has 29 bits.
+fn identifier(word: &[u8], radix: Radix) -> Result<CanId, nom::Err<Expected<'_>>> {
+    let wrong = |what| Err(nom::Err::Error(Expected::new(word, what)));
+    let (digits, extended) = match word {
+        [digits @ .., b'x' | b'X'] => (digits, true),
+        _ => (word, false),
+    };
+    let Some(raw) = number(digits, radix) else { return wrong("an id") };
+    let id = if extended { CanId::extended(raw) } else { CanId::standard(raw) };
+    match id {
+        Some(id) => Ok(id),
+        None if extended => wrong("a 29-bit id of at most 1FFFFFFF"),
+        None => wrong("an 11-bit id of at most 7FF (29-bit ids end with x)"),
+    }
+}
+
+fn number(digits: &[u8], radix: Radix) -> Option<u32> {
+    if digits.is_empty() || !digits.iter().all(u8::is_ascii_alphanumeric) {
+        return None;
+    }
+    let radix = if radix == Radix::Decimal { 10 } else { 16 };
+    u32::from_str_radix(std::str::from_utf8(digits).ok()?, radix).ok()
+}
+
+/// One hex digit.
+fn dlc(input: &[u8]) -> Parsed<'_, u8> {
+    let (rest, word) = next_word(input, "a DLC of one hex digit")?;
+    match word {
+        [digit] if nibble(*digit).is_some() => Ok((rest, nibble(*digit).unwrap_or(0))),
+        _ => Expected::fail(word, "a DLC of one hex digit"),
+    }
+}
+
+fn switch<'a>(input: &'a [u8], what: &'static str) -> Parsed<'a, bool> {
+    let (rest, word) = next_word(input, what)?;
+    match word {
+        b"0" => Ok((rest, false)),
+        b"1" => Ok((rest, true)),
+        _ => Expected::fail(word, what),
+    }
+}
+
+/// `count` bytes apart.
+fn bytes(input: &[u8], count: usize, radix: Radix) -> Parsed<'_, Vec<u8>> {
+    let mut data = Vec::with_capacity(count);
+    let mut rest = input;
+    while data.len() < count {
+        let (behind, byte) = match radix {
+            Radix::Hexadecimal => hex_byte(skip_blanks(rest))?,
+            Radix::Decimal => {
+                let (behind, word) = next_word(rest, "a byte")?;
+                match number(word, radix).and_then(|n| u8::try_from(n).ok()) {
+                    Some(byte) => (behind, byte),
+                    None => return Expected::fail(word, "a byte of 0 to 255"),
+                }
+            }
+        };
+        if !matches!(behind, [] | [b' ' | b'\t', ..]) {
+            return Expected::fail(behind, "a space after the byte");
+        }
+        data.push(byte);
+        rest = behind;
+    }
+    Ok((rest, data))
+}
+
+/// What follows the data is words or long numbers, but no further byte.
+fn no_more_bytes(input: &[u8]) -> Result<(), nom::Err<Expected<'_>>> {
+    match next_word(input, "a word") {
+        Ok((_, word @ [high, low])) if nibble(*high).is_some() && nibble(*low).is_some() => {
+            Err(nom::Err::Error(Expected::new(word, "no more bytes than the DLC tells")))
+        }
+        _ => Ok(()),
+    }
+}

@@ -1,0 +1,328 @@
+//! CAN frames as SocketCAN hands them to packet captures: the payload of pcap and pcapng packets.
+//!
+//! | link type | header before the frame | identifier, CAN XL priority |
+//! |---|---|---|
+//! | 227 `LINKTYPE_CAN_SOCKETCAN` | none | big-endian |
+//! | 113 `LINKTYPE_LINUX_SLL` | 16 bytes, big-endian | byte order of the file or section |
+//! | 276 `LINKTYPE_LINUX_SLL2` | 20 bytes, big-endian | byte order of the file or section |
+//!
+//! A frame (`struct can_frame`, `canfd_frame`):
+//!
+//! ```text
+//! 0  identifier, with 8000 0000h extended, 4000 0000h remote, 2000 0000h error
+//! 4  length      5  flags: BRS 1, ESI 2, FDF 4      6  reserved      7  reserved, or raw DLC 9..15 (classical)
+//! 8  payload, filled up to 8 (classical) or 64 bytes (CAN FD); the filling may be absent
+//! ```
+//!
+//! A CAN XL frame (`struct canxl_frame`), told by 80h in byte 4:
+//!
+//! ```text
+//! 0  reserved, VCID, priority (32 bits: 00vv 0pppb)   4  flags: XLF 80h, SEC 1, RRS 2   5  SDT
+//! 6  length, little-endian                            8  acceptance field, little-endian    12  payload
+//! ```
+//!
+//! Easily got wrong: FDF was not set by older kernels, so a packet of 72 bytes is CAN FD whatever the flags say;
+//! and the flags byte holds garbage where the reserved bytes are not zero.
+
+use crate::{CanId, ChannelId, Damage, DamageKind, Direction, ErrorClass, Flags, Frame, Place, Record};
+use crate::{Timestamp, XlHeader};
+use nom::number::Endianness;
+use nom::number::complete::{be_u16, be_u32, u8, u16, u32};
+use nom::{IResult, Parser};
+use std::borrow::Cow;
+
+const EXTENDED: u32 = 0x8000_0000;
+const REMOTE: u32 = 0x4000_0000;
+const ERROR: u32 = 0x2000_0000;
+/// Bytes before the payload of a classical or CAN FD frame.
+const HEADER: usize = 8;
+const CLASSICAL_SIZE: usize = HEADER + 8;
+const FD_SIZE: usize = HEADER + 64;
+const XL_HEADER: usize = 12;
+const XLF: u8 = 0x80;
+const SEC: u8 = 0x01;
+const RRS: u8 = 0x02;
+/// The link type that is written.
+pub(crate) const WRITTEN_LINK_TYPE: u16 = 227;
+
+/// The link types that carry CAN frames.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum LinkType {
+    SocketCan,
+    Sll,
+    Sll2,
+}
+
+/// What the link type is when it is none of ours.
+pub(crate) const LINK_TYPES: &str = "link type 227 (SocketCAN), 113 (Linux SLL) or 276 (Linux SLL2)";
+
+impl LinkType {
+    pub(crate) const fn from_number(number: u16) -> Option<Self> {
+        match number {
+            227 => Some(Self::SocketCan),
+            113 => Some(Self::Sll),
+            276 => Some(Self::Sll2),
+            _ => None,
+        }
+    }
+}
+
+/// Why a packet is no readable frame.
+#[derive(Debug)]
+pub(crate) struct Flaw {
+    kind: DamageKind,
+    expected: Cow<'static, str>,
+    found: String,
+}
+
+impl Flaw {
+    fn malformed(expected: impl Into<Cow<'static, str>>, found: String) -> Self {
+        Self { kind: DamageKind::Malformed, expected: expected.into(), found }
+    }
+
+    fn unsupported(expected: &'static str, found: String) -> Self {
+        Self { kind: DamageKind::Unsupported, expected: expected.into(), found }
+    }
+
+    pub(crate) fn damage(self, place: Place) -> Damage {
+        Damage::new(self.kind, place, self.expected, self.found.as_bytes())
+    }
+}
+
+/// A packet's frame; time, channel and place are still to be set.
+#[derive(Debug)]
+pub(crate) struct Seen {
+    pub(crate) record: Record,
+    /// The index of the network interface, where the header has it (SLL2).
+    pub(crate) interface: Option<u32>,
+}
+
+/// The frame in a whole packet; `order` is that of the file or section.
+pub(crate) fn decode(link: LinkType, order: Endianness, packet: &[u8]) -> Result<Seen, Flaw> {
+    let (protocol, direction, interface, rest) = match link {
+        LinkType::SocketCan => {
+            return Ok(Seen { record: frame(Endianness::Big, Endianness::Little, packet)?, interface: None });
+        }
+        LinkType::Sll => {
+            let (rest, (kind, hardware, _, _, protocol)) = sll(packet).map_err(|_| short("a header", 16, packet))?;
+            check_hardware(hardware)?;
+            (protocol, direction(kind), None, rest)
+        }
+        LinkType::Sll2 => {
+            let (rest, (protocol, _, index, hardware, kind, _, _)) =
+                sll2(packet).map_err(|_| short("a header", 20, packet))?;
+            check_hardware(hardware)?;
+            (protocol, direction(u16::from(kind)), Some(index), rest)
+        }
+    };
+    if !matches!(protocol, 0x000C..=0x000E) {
+        return Err(Flaw::unsupported("protocol 000Ch, 000Dh or 000Eh (CAN)", format!("{protocol:04X}h")));
+    }
+    let record = frame(order, order, rest)?.with_direction(direction);
+    Ok(Seen { record, interface })
+}
+
+type Sll = (u16, u16, u16, u64, u16);
+
+/// Packet type, ARPHRD type, address length, address, protocol.
+fn sll(i: &[u8]) -> IResult<&[u8], Sll> {
+    (be_u16, be_u16, be_u16, nom::number::complete::be_u64, be_u16).parse(i)
+}
+
+type Sll2 = (u16, u16, u32, u16, u8, u8, u64);
+
+/// Protocol, reserved, interface index, ARPHRD type, packet type, address length, address.
+fn sll2(i: &[u8]) -> IResult<&[u8], Sll2> {
+    (be_u16, be_u16, be_u32, be_u16, u8, u8, nom::number::complete::be_u64).parse(i)
+}
+
+/// 280 is `ARPHRD_CAN`: other network interfaces of the machine are captured along with `any`.
+fn check_hardware(hardware: u16) -> Result<(), Flaw> {
+    if hardware == 280 {
+        return Ok(());
+    }
+    Err(Flaw::unsupported("a packet of a CAN interface (ARPHRD 280)", format!("ARPHRD {hardware}")))
+}
+
+/// `PACKET_OUTGOING` is 4.
+const fn direction(packet_type: u16) -> Direction {
+    if packet_type == 4 { Direction::Tx } else { Direction::Rx }
+}
+
+fn short(what: &str, len: usize, found: &[u8]) -> Flaw {
+    Flaw::malformed(format!("{what} of {len} bytes"), format!("{} bytes", found.len()))
+}
+
+/// Identifier, length or XL flags, flags, reserved, reserved or raw DLC.
+fn header(order: Endianness, i: &[u8]) -> IResult<&[u8], (u32, u8, u8, u8, u8)> {
+    (u32(order), u8, u8, u8, u8).parse(i)
+}
+
+fn frame(order: Endianness, xl_order: Endianness, packet: &[u8]) -> Result<Record, Flaw> {
+    let (payload, (id, len, flags, reserved, raw_dlc)) =
+        header(order, packet).map_err(|_| short("a frame header", HEADER, packet))?;
+    if len & XLF != 0 {
+        return xl(id, xl_order, packet);
+    }
+    if id & ERROR != 0 {
+        return error(id, data(payload, len, 8)?);
+    }
+    let flags = if reserved == 0 && raw_dlc == 0 { Flags::from_bits(flags & 7) } else { Flags::NONE };
+    if packet.len() == FD_SIZE || flags.contains(Flags::FDF) || len > 8 {
+        return fd(can_id(id), flags, data(payload, len, 64)?);
+    }
+    let frame =
+        if id & REMOTE != 0 { Frame::remote(can_id(id), len) } else { Frame::new(can_id(id), data(payload, len, 8)?) };
+    let frame = frame.ok_or_else(|| Flaw::malformed("a length of at most 8", len.to_string()))?;
+    let frame = if reserved == 0 && raw_dlc != 0 { frame.with_raw_dlc(raw_dlc) } else { frame };
+    Ok(untimed(frame))
+}
+
+/// As the kernel does, bits of the number that the identifier does not have are ignored.
+const fn can_id(id: u32) -> CanId {
+    if id & EXTENDED != 0 { CanId::extended_masked(id) } else { CanId::standard_masked(id) }
+}
+
+fn untimed(frame: Frame) -> Record {
+    Record::new(Timestamp::ZERO, ChannelId::default(), frame)
+}
+
+/// The payload without its filling.
+fn data(payload: &[u8], len: u8, max: u8) -> Result<&[u8], Flaw> {
+    if len > max {
+        return Err(Flaw::malformed(format!("a length of at most {max}"), len.to_string()));
+    }
+    payload.get(..usize::from(len)).ok_or_else(|| short("a payload", usize::from(len), payload))
+}
+
+fn error(id: u32, data: &[u8]) -> Result<Record, Flaw> {
+    let frame = Frame::error(ErrorClass(id & CanId::MAX_EXTENDED), data);
+    frame.map(untimed).ok_or_else(|| Flaw::malformed("a length of at most 8", data.len().to_string()))
+}
+
+fn fd(id: CanId, flags: Flags, data: &[u8]) -> Result<Record, Flaw> {
+    Record::fd(Timestamp::ZERO, ChannelId::default(), id, flags, data)
+        .ok_or_else(|| Flaw::malformed("a length that CAN FD has", data.len().to_string()))
+}
+
+fn xl(priority: u32, order: Endianness, packet: &[u8]) -> Result<Record, Flaw> {
+    let parsed: IResult<_, _> = (u8, u8, u16(order), u32(order)).parse(packet.get(4..).unwrap_or_default());
+    let (payload, (flags, sdt, len, af)) = parsed.map_err(|_| short("a CAN XL header", XL_HEADER, packet))?;
+    let data = payload.get(..usize::from(len)).ok_or_else(|| short("a payload", usize::from(len), payload))?;
+    let header = XlHeader { vcid: (priority >> 16) as u8, sec: flags & SEC != 0, rrs: flags & RRS != 0, sdt, af };
+    let priority = CanId::standard_masked(priority);
+    Record::xl(Timestamp::ZERO, ChannelId::default(), priority, header, data)
+        .ok_or_else(|| Flaw::malformed("a CAN XL length of 1 to 2048", len.to_string()))
+}
+
+/// Appends the record's frame as a packet of link type 227.
+pub(crate) fn encode(record: &Record, packet: &mut Vec<u8>) {
+    let frame = &record.frame;
+    let data = record.data();
+    if let Some(xl) = record.xl_header() {
+        encode_xl(frame.id(), xl, data, packet);
+        return;
+    }
+    packet.extend_from_slice(&number(frame).to_be_bytes());
+    // A frame has at most 64 bytes here.
+    packet.push(frame.len() as u8);
+    packet.push(frame.flags().bits() & 7);
+    packet.push(0);
+    packet.push(if !frame.is_fd() && frame.dlc() > 8 { frame.dlc() } else { 0 });
+    packet.extend_from_slice(data);
+    let size = if frame.is_fd() { FD_SIZE } else { CLASSICAL_SIZE };
+    packet.resize(packet.len() + size - HEADER - data.len(), 0);
+}
+
+/// The identifier with its flags.
+fn number(frame: &Frame) -> u32 {
+    if let Some(class) = frame.error_class() {
+        return class.0 | ERROR;
+    }
+    let extended = if frame.id().is_extended() { EXTENDED } else { 0 };
+    let remote = if frame.is_remote() { REMOTE } else { 0 };
+    frame.id().raw() | extended | remote
+}
+
+fn encode_xl(priority: CanId, xl: XlHeader, data: &[u8], packet: &mut Vec<u8>) {
+    packet.extend_from_slice(&(u32::from(xl.vcid) << 16 | priority.raw()).to_be_bytes());
+    packet.push(XLF | if xl.sec { SEC } else { 0 } | if xl.rrs { RRS } else { 0 });
+    packet.push(xl.sdt);
+    // At most 2048.
+    packet.extend_from_slice(&(data.len() as u16).to_le_bytes());
+    packet.extend_from_slice(&xl.af.to_le_bytes());
+    packet.extend_from_slice(data);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(link: LinkType, order: Endianness, packet: &[u8]) -> String {
+        match decode(link, order, packet) {
+            Ok(seen) => format!("{} {}", seen.record.frame, seen.record.direction),
+            Err(flaw) => flaw.damage(Place::default()).to_string(),
+        }
+    }
+
+    fn plain(packet: &[u8]) -> String {
+        shown(LinkType::SocketCan, Endianness::Little, packet)
+    }
+
+    #[test]
+    fn the_kinds_of_frames() {
+        assert_eq!(plain(b"\0\0\x06\x3F\x04\0\0\0\x40\0\x60\0\0\0\0\0"), "63F#40006000 ");
+        assert_eq!(plain(b"\x98\xFE\xCA\x01\x01\0\0\0\xAA"), "18FECA01#AA ", "without filling");
+        assert_eq!(plain(b"\x40\0\x07\x01\x01\0\0\0"), "701#R1 ");
+        assert_eq!(plain(b"\x20\0\0\x04\x08\0\0\0\0\x08\0\0\0\0\x60\0"), "20000004#0008000000006000 ");
+        assert_eq!(plain(b"\0\0\x01\x23\x08\0\0\x0F12345678"), "123#3132333435363738_F ");
+    }
+
+    #[test]
+    fn seventy_two_bytes_are_can_fd_whatever_the_flags_say() {
+        let mut packet = [0; FD_SIZE];
+        packet[3] = 0x55;
+        packet[4] = 2;
+        assert_eq!(plain(&packet), "055##40000 ");
+        packet[5] = 1;
+        assert_eq!(plain(&packet), "055##50000 ");
+        packet[6] = 0xCC;
+        assert_eq!(plain(&packet), "055##40000 ", "garbage in the reserved bytes: the flags are garbage too");
+        packet[4] = 13;
+        assert!(plain(&packet).contains("expected a length that CAN FD has, found \"13\""));
+    }
+
+    #[test]
+    fn cooked_frames_follow_the_order_of_the_section() {
+        let sll = b"\0\x04\x01\x18\0\0\0\0\0\0\0\0\0\0\0\x0C\x81\x01\0\0\x01\0\0\0\xEE\0\0\0\0\0\0\0";
+        assert_eq!(shown(LinkType::Sll, Endianness::Little, sll), "181#EE Tx");
+        let sll2 = b"\0\x0C\0\0\0\0\0\x05\x01\x18\0\0\0\0\0\0\0\0\0\0\0\0\x01\x81\x01\0\0\0\xEE\0\0\0\0\0\0\0";
+        assert_eq!(shown(LinkType::Sll2, Endianness::Big, sll2), "181#EE Rx");
+        assert_eq!(decode(LinkType::Sll2, Endianness::Big, sll2).unwrap().interface, Some(5));
+        let mut other = *sll;
+        other[14..16].copy_from_slice(b"\x08\0");
+        assert!(shown(LinkType::Sll, Endianness::Little, &other).starts_with("unsupported"));
+    }
+
+    #[test]
+    fn xl_mixes_the_byte_orders() {
+        let packet = b"\0\x45\x01\x23\x81\x03\x05\0\x78\x56\x34\x12hello";
+        let record = decode(LinkType::SocketCan, Endianness::Big, packet).unwrap().record;
+        let header = XlHeader { vcid: 0x45, sec: true, rrs: false, sdt: 3, af: 0x1234_5678 };
+        assert_eq!((record.frame.id().raw(), record.xl_header(), record.data()), (0x123, Some(header), &b"hello"[..]));
+        let mut again = Vec::new();
+        encode(&record, &mut again);
+        assert_eq!(again, packet);
+    }
+
+    #[test]
+    fn what_is_not_all_there_is_no_shorter_frame() {
+        assert!(plain(b"\0\0\x06\x3F\x08\0\0\0\x40\0\x60").starts_with("malformed: expected a payload of 8 bytes"));
+        assert!(plain(b"\0\0\x06\x3F\x08\0\0").starts_with("malformed: expected a frame header of 8 bytes"));
+        assert!(plain(b"\0\x45\x01\x23\x81\x03\x05\0\x78").starts_with("malformed: expected a CAN XL header"));
+        assert!(
+            plain(b"\0\x45\x01\x23\x81\x03\0\0\x78\x56\x34\x12").starts_with("malformed: expected a CAN XL length")
+        );
+        assert!(plain(b"\x40\0\x07\x01\x09\0\0\0").starts_with("malformed"));
+    }
+}

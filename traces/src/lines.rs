@@ -1,0 +1,282 @@
+//! Lines of a text capture, each with its number and offset.
+//!
+//! A line is given as soon as it is complete in the source's window. Lines longer than [`Lines::LONGEST`] are
+//! passed over as one damage, in bounded memory. A byte order mark (UTF-8) before the first line is no part of it.
+
+use crate::grammar::Expected;
+use crate::{Channels, Damage, DamageKind, Place, Reader, Record, Source, SourceError, TimeBase};
+use memchr::memchr;
+
+/// The UTF-8 byte order mark, which Windows editors leave.
+const BOM: &[u8] = b"\xEF\xBB\xBF";
+
+/// The lines of a source.
+pub(crate) struct Lines {
+    source: Source,
+    /// Length of the line given last with its end: it is consumed when the next one is asked for.
+    given: usize,
+    number: u64,
+    done: bool,
+}
+
+/// One line.
+#[derive(Clone, Copy)]
+pub(crate) struct Line<'a> {
+    /// Its bytes without the line end.
+    pub(crate) bytes: &'a [u8],
+    /// Its number and offset.
+    pub(crate) place: Place,
+    /// Whether a line end follows; without one the source ended here, perhaps in the middle of the line.
+    pub(crate) ended: bool,
+}
+
+/// Where the line that begins at the window's start ends.
+enum End {
+    /// After that many bytes comes a line feed.
+    Feed(usize),
+    /// After that many bytes the source ends.
+    Source(usize),
+    TooLong,
+}
+
+impl Lines {
+    /// The longest line that is looked at, in bytes: a CAN XL frame of 2048 bytes as bits on candump's console
+    /// has 18 KiB.
+    pub(crate) const LONGEST: usize = 64 * 1024;
+
+    pub(crate) fn new(source: Source) -> Self {
+        Self { source, given: 0, number: 0, done: false }
+    }
+
+    /// The next line; `None` at the end.
+    pub(crate) fn next(&mut self) -> Option<Result<Line<'_>, Damage>> {
+        self.source.consume(std::mem::take(&mut self.given));
+        if self.done {
+            return None;
+        }
+        self.number += 1;
+        let place = Place { number: self.number, offset: self.source.offset() };
+        match self.end() {
+            Ok(End::Feed(len)) => {
+                self.given = len + 1;
+                Some(Ok(Line::new(self.source.window().get(..len).unwrap_or_default(), place, true)))
+            }
+            Ok(End::Source(0)) => {
+                self.done = true;
+                None
+            }
+            Ok(End::Source(len)) => {
+                (self.given, self.done) = (len, true);
+                Some(Ok(Line::new(self.source.window(), place, false)))
+            }
+            Ok(End::TooLong) => Some(Err(self.skip(place))),
+            Err(error) => {
+                self.done = true;
+                Some(Err(fatal(place, &error)))
+            }
+        }
+    }
+
+    #[inline]
+
+    fn end(&mut self) -> Result<End, SourceError> {
+        let mut searched = 0;
+        loop {
+            let window = self.source.window();
+            match memchr(b'\n', window.get(searched..).unwrap_or_default()) {
+                Some(at) if searched + at <= Self::LONGEST => return Ok(End::Feed(searched + at)),
+                Some(_) => return Ok(End::TooLong),
+                None if window.len() > Self::LONGEST => return Ok(End::TooLong),
+                None => searched = window.len(),
+            }
+            if !self.source.fill()? {
+                return Ok(End::Source(searched));
+            }
+        }
+    }
+
+    /// Passes over a line that is too long.
+    fn skip(&mut self, place: Place) -> Damage {
+        let damage = Damage::new(
+            DamageKind::Malformed,
+            place,
+            format!("a line of at most {} bytes", Self::LONGEST),
+            self.source.window(),
+        );
+        loop {
+            let window = self.source.window();
+            if let Some(at) = memchr(b'\n', window) {
+                self.source.consume(at + 1);
+                return damage;
+            }
+            self.source.consume(window.len());
+            match self.source.fill() {
+                Ok(true) => {}
+                Ok(false) => return damage,
+                Err(error) => {
+                    self.done = true;
+                    return fatal(place, &error);
+                }
+            }
+        }
+    }
+}
+
+fn fatal(place: Place, error: &SourceError) -> Damage {
+    Damage::new(DamageKind::Fatal, place, format!("more of the file, but {error}"), b"")
+}
+
+impl<'a> Line<'a> {
+    /// A line end of two bytes shows already by its first one that the line is whole.
+    fn new(bytes: &'a [u8], place: Place, ended: bool) -> Self {
+        let bytes = if place.number == 1 { bytes.strip_prefix(BOM).unwrap_or(bytes) } else { bytes };
+        match bytes.strip_suffix(b"\r") {
+            Some(bytes) => Self { bytes, place, ended: true },
+            None => Self { bytes, place, ended },
+        }
+    }
+
+    /// What is missing in this line: truncated if the source ended just there, else malformed.
+    pub(crate) fn damage(&self, missing: Expected<'_>) -> Damage {
+        // The position is a part of this line, so its address tells the column.
+        let start = self.bytes.as_ptr() as usize;
+        let column = (missing.at.as_ptr() as usize).saturating_sub(start).min(self.bytes.len());
+        let found = self.bytes.get(column..).unwrap_or_default();
+        let damage = match found {
+            [] if !self.ended => self.cut(missing.what),
+            [] => {
+                let what = format!("{} before the line ends", missing.what);
+                Damage::new(DamageKind::Malformed, self.place, what, b"")
+            }
+            _ => Damage::new(DamageKind::Malformed, self.place, missing.what, found),
+        };
+        damage.at_column(column + 1)
+    }
+
+    /// The source ended in this line.
+    pub(crate) fn cut(&self, what: &'static str) -> Damage {
+        let what = format!("{what} before the file ends");
+        Damage::new(DamageKind::Truncated, self.place, what, self.bytes).at_column(self.bytes.len() + 1)
+    }
+
+    /// A damage of another kind that is this whole line.
+    pub(crate) fn as_damage(&self, kind: DamageKind, expected: &'static str) -> Damage {
+        Damage::new(kind, self.place, expected, self.bytes)
+    }
+}
+
+/// The lines at a source's head, to recognise its format: each with whether its end is in sight.
+pub(crate) fn head_lines(head: &[u8]) -> impl Iterator<Item = (&[u8], bool)> {
+    let head = head.strip_prefix(BOM).unwrap_or(head);
+    head.split_inclusive(|&b| b == b'\n').map(|line| match line.strip_suffix(b"\n") {
+        Some(line) => (line.strip_suffix(b"\r").unwrap_or(line), true),
+        None => (line, false),
+    })
+}
+
+/// How one text format understands its lines.
+pub(crate) trait LineFormat {
+    /// What a line holds; `None` for lines without a frame.
+    fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>>;
+
+    /// See [`Reader::time_base`].
+    fn time_base(&self) -> TimeBase;
+}
+
+/// Reads a capture of a text format.
+pub(crate) struct TextReader<F> {
+    lines: Lines,
+    channels: Channels,
+    format: F,
+}
+
+impl<F: LineFormat> TextReader<F> {
+    pub(crate) fn new(source: Source, format: F) -> Self {
+        Self { lines: Lines::new(source), channels: Channels::new(), format }
+    }
+}
+
+impl<F: LineFormat> Iterator for TextReader<F> {
+    type Item = Result<Record, Damage>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            match self.lines.next()? {
+                Ok(line) => {
+                    if let Some(item) = self.format.line(&line, &mut self.channels) {
+                        return Some(item);
+                    }
+                }
+                Err(damage) => return Some(Err(damage)),
+            }
+        }
+    }
+}
+
+impl<F: LineFormat> Reader for TextReader<F> {
+    fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    fn time_base(&self) -> TimeBase {
+        self.format.time_base()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{self, Read};
+
+    fn lines_of(source: Source) -> Vec<Result<(String, u64, u64, bool), DamageKind>> {
+        let mut lines = Lines::new(source);
+        let mut seen = Vec::new();
+        while let Some(line) = lines.next() {
+            seen.push(match line {
+                Ok(line) => {
+                    Ok((String::from_utf8_lossy(line.bytes).into(), line.place.number, line.place.offset, line.ended))
+                }
+                Err(damage) => Err(damage.kind),
+            });
+        }
+        seen
+    }
+
+    fn line(text: &str, number: u64, offset: u64, ended: bool) -> Result<(String, u64, u64, bool), DamageKind> {
+        Ok((text.into(), number, offset, ended))
+    }
+
+    #[test]
+    fn numbered_with_their_offsets() {
+        let source = Source::from_bytes(*b"\xEF\xBB\xBFone\r\n\ntwo");
+        assert_eq!(
+            lines_of(source),
+            [line("one", 1, 0, true), line("", 2, 8, true), line("two", 3, 9, false)],
+            "the mark is skipped, the last line has no end"
+        );
+        assert_eq!(lines_of(Source::from_bytes(*b"one\r")), [line("one", 1, 0, true)]);
+        assert_eq!(lines_of(Source::from_bytes(*b"")), []);
+    }
+
+    #[test]
+    fn long_lines_are_passed_over_in_bounded_memory() {
+        let long = io::repeat(b'x').take(50_000_000).chain(&b"\nnext\n"[..]);
+        assert_eq!(lines_of(Source::new(long)), [Err(DamageKind::Malformed), line("next", 2, 50_000_001, true)]);
+        let mut longest = vec![b'x'; Lines::LONGEST + 1];
+        assert_eq!(lines_of(Source::from_bytes(longest.clone())), [Err(DamageKind::Malformed)]);
+        longest.pop();
+        assert_eq!(lines_of(Source::from_bytes(longest)).iter().filter(|l| l.is_ok()).count(), 1);
+    }
+
+    #[test]
+    fn a_failing_source_is_reported_once() {
+        struct Fails;
+        impl Read for Fails {
+            fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+                Err(io::Error::other("gone"))
+            }
+        }
+        let source = Source::new((&b"one\ntw"[..]).chain(Fails));
+        assert_eq!(lines_of(source), [line("one", 1, 0, true), Err(DamageKind::Fatal)]);
+    }
+}

@@ -1,0 +1,73 @@
+//! Captures that other programs wrote, compared with what other programs read in them.
+
+mod shown;
+
+use canvass_traces::{DamageKind, TimeBase};
+use shown::{read, read_file};
+
+/// The sample is read as its `.frames` say, without any damage.
+fn reads_as_others_do(name: &str) {
+    let (frames, damages) = read_file(name);
+    let expected = std::fs::read_to_string(shown::sample(&format!("{name}.frames"))).unwrap();
+    assert_eq!(damages, [], "{name}");
+    for (n, (frame, expected)) in frames.iter().zip(expected.lines()).enumerate() {
+        assert_eq!(frame, expected, "{name}, frame {}", n + 1);
+    }
+    assert_eq!(frames.len(), expected.lines().count(), "{name}");
+}
+
+#[test]
+fn pcap() {
+    reads_as_others_do("tcpdump-us.pcap");
+    reads_as_others_do("tcpdump-ns.pcap");
+    reads_as_others_do("big-endian.pcap");
+}
+
+#[test]
+fn pcap_cooked() {
+    reads_as_others_do("cooked.pcap");
+    reads_as_others_do("cooked-big-endian.pcap");
+    reads_as_others_do("cooked-v2.pcap");
+}
+
+#[test]
+fn pcapng() {
+    reads_as_others_do("two-interfaces.pcapng");
+    reads_as_others_do("three-sections.pcapng");
+}
+
+#[test]
+fn places_are_packet_numbers_and_offsets() {
+    let mut capture = shown::open(shown::bytes("tcpdump-ns.pcap")).unwrap();
+    let places: Vec<_> = capture.by_ref().take(3).map(|record| record.unwrap().place).collect();
+    assert_eq!(
+        places.iter().map(|place| (place.number, place.offset)).collect::<Vec<_>>(),
+        [(1, 24), (2, 56), (3, 88)]
+    );
+    assert_eq!(canvass_traces::Reader::time_base(&capture), TimeBase::Utc);
+}
+
+#[test]
+fn link_types_that_carry_no_frames_are_named() {
+    let mut ethernet = shown::bytes("tcpdump-ns.pcap");
+    ethernet[20] = 1;
+    let (frames, damages) = read(&ethernet);
+    assert!(frames.is_empty());
+    assert_eq!(damages.len(), 1);
+    assert!(damages[0].to_string().contains("found \"link type 1\""));
+    assert_eq!(damages[0].kind, DamageKind::Fatal);
+    // The upper half of the field is not the link type.
+    let mut upper = shown::bytes("tcpdump-ns.pcap");
+    upper[23] = 0xF0;
+    assert_eq!(read(&upper).0.len(), 24);
+}
+
+#[test]
+fn a_packet_that_the_recorder_cut_is_no_shorter_frame() {
+    let mut cut = shown::bytes("tcpdump-ns.pcap");
+    cut[24 + 12] = 17;
+    let (frames, damages) = read(&cut);
+    assert_eq!((frames.len(), damages.len()), (23, 1));
+    assert_eq!(damages[0].kind, DamageKind::Truncated);
+    assert_eq!(damages[0].place.number, 1);
+}

@@ -1,0 +1,43 @@
+//! What CI runs.
+
+use crate::run::{is_there, run};
+use anyhow::Result;
+use std::process::Command;
+
+/// Format, lints, build, all tests, doc tests, documentation.
+pub fn ci() -> Result<()> {
+    components()?;
+    run("cargo", &["fmt", "--all", "--check"])?;
+    run("cargo", &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])?;
+    run("cargo", &["build", "--workspace", "--locked"])?;
+    // Documentation is checked before the tests, so that their count is the last thing printed.
+    documentation()?;
+    run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
+    if is_there("cargo", &["nextest", "--version"]) {
+        run("cargo", &["nextest", "run", "--workspace", "--locked", "--no-fail-fast"])
+    } else {
+        run("cargo", &["test", "--workspace", "--locked", "--no-fail-fast", "--all-targets"])
+    }
+}
+
+/// rustfmt and clippy, where a minimal toolchain came without them.
+fn components() -> Result<()> {
+    for component in ["fmt", "clippy"] {
+        if !is_there("cargo", &[component, "--version"]) {
+            let name = if component == "fmt" { "rustfmt" } else { "clippy" };
+            run("rustup", &["component", "add", name])?;
+        }
+    }
+    Ok(())
+}
+
+/// Broken links and missing docs are errors.
+fn documentation() -> Result<()> {
+    eprintln!("$ cargo doc");
+    let status = Command::new("cargo")
+        .args(["doc", "--workspace", "--locked", "--no-deps", "--quiet"])
+        .env("RUSTDOCFLAGS", "-D warnings")
+        .status()?;
+    anyhow::ensure!(status.success(), "cargo doc ended with {status}");
+    Ok(())
+}
