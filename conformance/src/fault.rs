@@ -74,6 +74,82 @@ faults! {
     DeviceNameWithGarbage = "device-name-with-garbage": "1008h ends in bytes that are not printable.",
     TpdoInPreOperational = "tpdo-in-pre-operational": "TPDOs are sent in pre-operational.",
     EventTimerDoubled = "event-timer-doubled": "TPDOs come at twice the time of their event timer.",
+    NmtStartWhenStoppedIgnored = "nmt-start-when-stopped-ignored": "Start remote node is ignored in stopped.",
+    HeartbeatToggles = "heartbeat-toggles": "Heartbeats have bit 7 set.",
+    HeartbeatLostOnStateChange = "heartbeat-lost-on-state-change": "The heartbeat ends when the NMT state changes.",
+    HeartbeatConsumerDoubleAccepted = "heartbeat-consumer-double-accepted": "1016h takes two entries for one node.",
+    GuardingToggleStuck = "guarding-toggle-stuck": "The toggle bit of node guarding answers does not alternate.",
+    SdoRangeUnchecked = "sdo-range-unchecked": "Values outside the limits of the device description are confirmed.",
+    TpdoWhenStopped = "tpdo-when-stopped": "TPDOs are sent in stopped.",
+    SyncCycleIgnored = "sync-cycle-ignored": "TPDOs of transmission type n are sent at every SYNC.",
+    InhibitTimeIgnored = "inhibit-time-ignored": "The inhibit time of TPDOs is not observed.",
+    CobIdChangeWhileValid = "cob-id-change-while-valid": "The CAN-ID of a PDO can be changed while the PDO is valid.",
+    RestrictedCanIdAccepted = "restricted-can-id-accepted": "Restricted CAN-IDs are accepted for PDOs, SYNC and EMCY.",
+    ReservedTransmissionTypeAccepted = "reserved-transmission-type-accepted": "Reserved transmission types are accepted.",
+    MappingChangeWhileValid = "mapping-change-while-valid": "The mapping can be changed while it is in use.",
+    MappingTooLongAccepted = "mapping-too-long-accepted": "Mappings of more than 64 bits are accepted.",
+    UnmappableObjectMapped = "unmappable-object-mapped": "Objects that are not for PDOs can be mapped.",
+    CyclicTimerNotLinked = "cyclic-timer-not-linked": "6200h does not change the event timer of TPDO 1.",
+    StoreSignatureUnchecked = "store-signature-unchecked": "1010h and 1011h take any value as their signature.",
+    StoreWithoutEffect = "store-without-effect": "1010h confirms, but nothing is stored.",
+    RestoreAtOnce = "restore-at-once": "1011h restores the values at once instead of at the next reset.",
+    EmcyWhenStopped = "emcy-when-stopped": "EMCY messages are sent in stopped.",
+    EmcyResetMissing = "emcy-reset-missing": "No EMCY 0000h when an error is gone.",
+    EmcyRepeated = "emcy-repeated": "An EMCY message is sent twice.",
+    ErrorRegisterGenericMissing = "error-register-generic-missing": "1001h does not have its generic bit set together with others.",
+    ErrorHistoryNotCleared = "error-history-not-cleared": "Writing 0 to 1003h:00 does not clear the history.",
+    LssNodeIdUnchecked = "lss-node-id-unchecked": "LSS confirms node-IDs that don't exist.",
+    LssAnsweredWhileWaiting = "lss-answered-while-waiting": "LSS inquiries are answered in the waiting state.",
+    PresetIgnored = "preset-ignored": "6003h is confirmed, but the position does not change.",
+    PresetOutOfRangeAccepted = "preset-out-of-range-accepted": "6003h takes values outside the measuring range.",
+    CodeSequenceIgnored = "code-sequence-ignored": "6000h bit 0 does not turn the direction of counting.",
+    ScalingIgnored = "scaling-ignored": "6001h and 6002h do not scale the position.",
+    OperatingStatusStuck = "operating-status-stuck": "6500h does not follow 6000h.",
+}
+
+/// A set of faults.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
+pub struct Faults(u128);
+
+// One bit for each.
+const _: () = assert!(Fault::ALL.len() <= u128::BITS as usize);
+
+impl Faults {
+    /// A firmware without any of them.
+    pub const NONE: Self = Self(0);
+
+    /// The same set with one more.
+    pub const fn with(self, fault: Fault) -> Self {
+        Self(self.0 | 1 << fault as u8)
+    }
+
+    /// Whether the set holds it.
+    pub const fn has(self, fault: Fault) -> bool {
+        self.0 >> fault as u8 & 1 != 0
+    }
+
+    /// The faults of the set, in the order of their definition.
+    pub fn iter(self) -> impl Iterator<Item = Fault> {
+        Fault::ALL.iter().copied().filter(move |&fault| self.has(fault))
+    }
+}
+
+impl FromIterator<Fault> for Faults {
+    fn from_iter<T: IntoIterator<Item = Fault>>(faults: T) -> Self {
+        faults.into_iter().fold(Self::NONE, Self::with)
+    }
+}
+
+impl From<Fault> for Faults {
+    fn from(fault: Fault) -> Self {
+        Self::NONE.with(fault)
+    }
+}
+
+impl fmt::Debug for Faults {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_set().entries(self.iter()).finish()
+    }
 }
 
 impl fmt::Display for Fault {
@@ -105,5 +181,12 @@ mod tests {
             assert_eq!(fault.id().parse(), Ok(fault));
         }
         assert!("nonsense".parse::<Fault>().is_err());
+    }
+
+    #[test]
+    fn sets_hold_what_was_put_in() {
+        assert_eq!(Fault::ALL.iter().copied().collect::<Faults>().iter().collect::<Vec<_>>(), Fault::ALL);
+        let two = Faults::from(Fault::BootUpTwice).with(Fault::EventTimerDoubled);
+        assert!(two.has(Fault::BootUpTwice) && two.has(Fault::EventTimerDoubled) && !two.has(Fault::BootUpMissing));
     }
 }

@@ -4,12 +4,12 @@ use canvass_traces::{Frame, Timestamp};
 
 /// A participant of a bus that does no I/O and reads no clock: time and frames come in by call, frames go out by
 /// call. A simulated device is one, and so is everything else that a simulated bus connects.
-pub trait Machine {
+pub trait Machine: Send {
     /// A frame of another participant was on the bus; it ended at `now`.
     fn handle(&mut self, now: Timestamp, frame: &Frame);
 
-    /// The next frame to send, if there is one. The bus asks after every other call until there is none, and sends
-    /// each as arbitration allows.
+    /// The next frame to send, if there is one. The bus asks whenever it can take a frame, until there is none, and
+    /// sends each as arbitration allows.
     fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame>;
 
     /// When [`Machine::handle_timeout`] wants to be called next, if ever.
@@ -17,4 +17,11 @@ pub trait Machine {
 
     /// The time that [`Machine::poll_timeout`] named has come.
     fn handle_timeout(&mut self, now: Timestamp);
+
+    /// Whether a frame that the bus took but has not begun to send shall not be sent any more: a reset, for example,
+    /// empties the mailboxes of a CAN controller.
+    fn withdraws(&self, pending: &Frame) -> bool {
+        let _ = pending;
+        false
+    }
 }

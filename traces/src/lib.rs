@@ -6,6 +6,7 @@
 //!
 //! One file per format; each describes its grammar and what is easily got wrong in its module's docs.
 
+mod bit_length;
 mod capture;
 mod channel;
 mod channel_numbers;
@@ -25,6 +26,7 @@ mod text_writer;
 mod time;
 mod writer;
 
+pub use bit_length::{INTERMISSION, bit_length};
 pub use capture::{Capture, OpenError, ReadOptions};
 pub use channel::{ChannelId, Channels};
 pub use damage::{Damage, DamageKind};

@@ -1,5 +1,11 @@
 //! The bus that a test runs on: live or simulated, a case can't tell which.
 
+mod address;
+mod simulated;
+
+pub use address::{BusAddress, Opened, open, open_seeded};
+pub use simulated::SimulatedBus;
+
 use canvass_traces::{Frame, Record, Timestamp};
 
 /// A CAN bus with its clock.
@@ -38,6 +44,22 @@ pub enum BusError {
         address: String,
         /// What is wrong and what would be right.
         reason: String,
+    },
+    /// The bus cannot carry that frame.
+    #[error("{frame} cannot be sent: {reason}")]
+    Unsendable {
+        /// The frame.
+        frame: Frame,
+        /// What the bus can carry.
+        reason: &'static str,
+    },
+    /// This build of the program has no such interface.
+    #[error("{address}: {interface} is not available in this build")]
+    Unavailable {
+        /// As it was given.
+        address: String,
+        /// The kind of interface.
+        interface: &'static str,
     },
     /// The operating system reports an error.
     #[error("the bus failed: {0}")]

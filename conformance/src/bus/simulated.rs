@@ -1,0 +1,256 @@
+//! A bus in the computer's memory, with a clock of its own.
+//!
+//! Time is virtual: it goes on from one event to the next, so a wait of five seconds takes no longer than what happens
+//! in it, and every run is the same. Frames take the time that their bits take. Whenever the bus is free, the lowest
+//! identifier among the participants' next frames goes out; each participant has one frame in arbitration at a time,
+//! as a CAN controller with a FIFO has.
+
+use super::{Bus, BusError};
+use crate::Machine;
+use canvass_traces::{ChannelId, Direction, Duration, Frame, INTERMISSION, Record, Timestamp, bit_length};
+use std::collections::VecDeque;
+
+/// Simulated participants, the tester, and the wire between them.
+pub struct SimulatedBus {
+    now: Timestamp,
+    bit_rate: u32,
+    /// When the next frame may begin.
+    free_from: Timestamp,
+    participants: Vec<Participant>,
+    /// What the tester wants to send, oldest first.
+    outgoing: VecDeque<Frame>,
+    on_wire: Option<OnWire>,
+    /// The earliest timeout of all participants.
+    next_timeout: Timestamp,
+}
+
+struct Participant {
+    machine: Box<dyn Machine>,
+    /// In arbitration.
+    pending: Option<Frame>,
+    /// [`Timestamp::MAX`]: none.
+    timeout: Timestamp,
+}
+
+#[derive(Clone, Copy)]
+struct OnWire {
+    frame: Frame,
+    sender: Sender,
+    end: Timestamp,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Sender {
+    Tester,
+    Participant(usize),
+}
+
+impl SimulatedBus {
+    /// An empty bus of that bit rate in bit/s (at least 1), switched on at time 0.
+    pub fn new(bit_rate: u32) -> Self {
+        Self {
+            now: Timestamp::ZERO,
+            bit_rate: bit_rate.max(1),
+            free_from: Timestamp::ZERO,
+            participants: Vec::new(),
+            outgoing: VecDeque::with_capacity(64),
+            on_wire: None,
+            next_timeout: Timestamp::MAX,
+        }
+    }
+
+    /// Connects one more participant. Of equal identifiers in arbitration, that of the earlier participant wins.
+    pub fn attach(&mut self, machine: Box<dyn Machine>) {
+        let timeout = machine.poll_timeout().unwrap_or(Timestamp::MAX);
+        self.participants.push(Participant { machine, pending: None, timeout });
+        self.next_timeout = self.next_timeout.min(timeout);
+    }
+
+    /// The time that so many bits take.
+    fn bits(&self, n: u32) -> Duration {
+        Duration(u64::from(n) * 1_000_000_000 / u64::from(self.bit_rate))
+    }
+
+    /// Lets every participant whose time has come act at `self.now`.
+    fn fire_timeouts(&mut self) {
+        for participant in &mut self.participants {
+            if participant.timeout <= self.now {
+                participant.machine.handle_timeout(self.now);
+                participant.settle(self.now);
+                // Time goes on, whatever a machine asks for.
+                participant.timeout = participant.timeout.max(self.now + Duration(1));
+            }
+        }
+        self.find_next_timeout();
+    }
+
+    fn find_next_timeout(&mut self) {
+        self.next_timeout = self.participants.iter().map(|p| p.timeout).min().unwrap_or(Timestamp::MAX);
+    }
+
+    /// The sender whose identifier wins the bus now, if any wants it.
+    fn arbitrate(&self) -> Option<Sender> {
+        let mut winner = self.outgoing.front().map(|frame| (priority(frame), Sender::Tester));
+        for (n, participant) in self.participants.iter().enumerate() {
+            if let Some(frame) = &participant.pending {
+                let own = priority(frame);
+                if winner.is_none_or(|(best, _)| own < best) {
+                    winner = Some((own, Sender::Participant(n)));
+                }
+            }
+        }
+        winner.map(|(_, sender)| sender)
+    }
+
+    /// Puts the winner's frame on the wire.
+    fn begin(&mut self, sender: Sender) {
+        let frame = match sender {
+            Sender::Tester => self.outgoing.pop_front(),
+            Sender::Participant(n) => self.participants.get_mut(n).and_then(|p| p.take_pending(self.now)),
+        };
+        if let Some(frame) = frame {
+            let end = self.now + self.bits(bit_length(&frame).unwrap_or(0));
+            self.on_wire = Some(OnWire { frame, sender, end });
+        }
+        self.find_next_timeout();
+    }
+
+    /// Gives a frame that has ended to everyone but its sender.
+    fn deliver(&mut self, sent: OnWire) -> Record {
+        self.now = sent.end;
+        self.free_from = sent.end + self.bits(INTERMISSION);
+        let mut next_timeout = Timestamp::MAX;
+        for (n, participant) in self.participants.iter_mut().enumerate() {
+            if sent.sender != Sender::Participant(n) {
+                participant.machine.handle(self.now, &sent.frame);
+                participant.settle(self.now);
+            }
+            next_timeout = next_timeout.min(participant.timeout);
+        }
+        self.next_timeout = next_timeout;
+        let direction = if sent.sender == Sender::Tester { Direction::Tx } else { Direction::Rx };
+        Record::new(self.now, ChannelId(0), sent.frame).with_direction(direction)
+    }
+
+    /// Goes on to the next event, at most to `deadline`; the record if that was the end of a frame.
+    fn step(&mut self, deadline: Timestamp) -> Step {
+        let Some(next) = self.next_event() else { return Step::Idle };
+        let at = next.time().max(self.now);
+        if at > deadline {
+            return Step::Idle;
+        }
+        self.now = at;
+        match next {
+            Next::Timeout(_) => self.fire_timeouts(),
+            Next::FrameEnd(sent) => {
+                self.on_wire = None;
+                return Step::Frame(self.deliver(sent));
+            }
+            Next::BusFree(_) => {
+                if let Some(sender) = self.arbitrate() {
+                    self.begin(sender);
+                }
+            }
+        }
+        Step::Quiet
+    }
+
+    /// What happens next. Timeouts come before frames of the same instant.
+    fn next_event(&self) -> Option<Next> {
+        let timeout = (self.next_timeout < Timestamp::MAX).then_some(Next::Timeout(self.next_timeout));
+        let wire = match self.on_wire {
+            Some(sent) => Some(Next::FrameEnd(sent)),
+            None => self.someone_waits().then_some(Next::BusFree(self.free_from)),
+        };
+        match (timeout, wire) {
+            (Some(timeout), Some(wire)) => Some(if timeout.time() <= wire.time() { timeout } else { wire }),
+            (timeout, wire) => timeout.or(wire),
+        }
+    }
+
+    fn someone_waits(&self) -> bool {
+        !self.outgoing.is_empty() || self.participants.iter().any(|p| p.pending.is_some())
+    }
+}
+
+enum Next {
+    Timeout(Timestamp),
+    FrameEnd(OnWire),
+    BusFree(Timestamp),
+}
+
+impl Next {
+    const fn time(&self) -> Timestamp {
+        match self {
+            Self::Timeout(time) | Self::BusFree(time) => *time,
+            Self::FrameEnd(sent) => sent.end,
+        }
+    }
+}
+
+enum Step {
+    Frame(Record),
+    Quiet,
+    /// Nothing happens until the deadline.
+    Idle,
+}
+
+impl Participant {
+    /// After every call: takes what the machine wants to send, and when it wants to be woken.
+    fn settle(&mut self, now: Timestamp) {
+        if self.pending.is_some_and(|frame| self.machine.withdraws(&frame)) {
+            self.pending = None;
+        }
+        if self.pending.is_none() {
+            self.pending = self.machine.poll_transmit(now);
+        }
+        self.timeout = self.machine.poll_timeout().unwrap_or(Timestamp::MAX);
+    }
+
+    /// Hands over the frame in arbitration and takes the next one.
+    fn take_pending(&mut self, now: Timestamp) -> Option<Frame> {
+        let frame = self.pending.take();
+        self.settle(now);
+        frame
+    }
+}
+
+/// As arbitration decides: the identifier, then data before remote frames.
+const fn priority(frame: &Frame) -> (canvass_traces::CanId, bool) {
+    (frame.id(), frame.is_remote())
+}
+
+impl Bus for SimulatedBus {
+    fn now(&self) -> Timestamp {
+        self.now
+    }
+
+    fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+        if bit_length(frame).is_none() {
+            let reason = "expected a classical data or remote frame";
+            return Err(BusError::Unsendable { frame: *frame, reason });
+        }
+        self.outgoing.push_back(*frame);
+        Ok(())
+    }
+
+    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
+        loop {
+            match self.step(deadline) {
+                Step::Frame(record) => return Ok(Some(record)),
+                Step::Quiet => {}
+                Step::Idle => {
+                    // A wait without end on a bus where nothing will ever happen must not end the time.
+                    if deadline < Timestamp::MAX {
+                        self.now = self.now.max(deadline);
+                    }
+                    return Ok(None);
+                }
+            }
+        }
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        Some(self.bit_rate)
+    }
+}

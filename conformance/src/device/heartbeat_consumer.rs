@@ -1,0 +1,107 @@
+//! The heartbeat consumer (1016h): misses the nodes that it has heard once.
+
+use super::parameters::Parameters;
+use crate::{Fault, Faults};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_traces::{Duration, Timestamp};
+
+/// What is awaited of other nodes, one for each sub-index of 1016h.
+#[derive(Clone, Debug)]
+pub(super) struct HeartbeatConsumer {
+    watched: Vec<Watched>,
+}
+
+#[derive(Clone, Copy, Debug)]
+struct Watched {
+    node: u8,
+    /// Zero: the entry is not in use.
+    time: Duration,
+    /// [`Timestamp::MAX`] until the first heartbeat.
+    due: Timestamp,
+    lost: bool,
+}
+
+/// A change that the device has to report.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Guarded {
+    /// No node is missing any more.
+    Back,
+    /// A node is missing.
+    Lost,
+}
+
+impl HeartbeatConsumer {
+    /// Nobody is watched.
+    pub const fn new() -> Self {
+        Self { watched: Vec::new() }
+    }
+
+    /// Begins anew with the entries of 1016h.
+    pub fn configure(&mut self, parameters: &Parameters) {
+        self.watched.clear();
+        let entries = (1..=127).map_while(|sub| parameters.number(0x1016, sub));
+        self.watched.extend(entries.map(|entry| {
+            let (node, time) = split(entry);
+            let in_use = (1..=127).contains(&node);
+            Watched {
+                node,
+                time: if in_use { Duration::from_millis(time) } else { Duration::ZERO },
+                due: Timestamp::MAX,
+                lost: false,
+            }
+        }));
+    }
+
+    /// An error control message of that node came.
+    pub fn on_heartbeat(&mut self, now: Timestamp, node: u8) -> Option<Guarded> {
+        let mut back = false;
+        for watched in self.watched.iter_mut().filter(|watched| watched.node == node) {
+            if watched.time > Duration::ZERO {
+                watched.due = now + watched.time;
+                back |= std::mem::take(&mut watched.lost);
+            }
+        }
+        (back && !self.watched.iter().any(|watched| watched.lost)).then_some(Guarded::Back)
+    }
+
+    /// When the next node is missed.
+    pub fn timeout(&self) -> Timestamp {
+        self.watched.iter().map(|watched| watched.due).min().unwrap_or(Timestamp::MAX)
+    }
+
+    /// A time has come.
+    pub fn poll(&mut self, now: Timestamp) -> Option<Guarded> {
+        let mut lost = false;
+        for watched in self.watched.iter_mut().filter(|watched| now >= watched.due) {
+            watched.due = Timestamp::MAX;
+            watched.lost = true;
+            lost = true;
+        }
+        lost.then_some(Guarded::Lost)
+    }
+}
+
+/// The node-ID (bits 16 to 23) and the time in milliseconds (bits 0 to 15).
+const fn split(entry: u64) -> (u8, u64) {
+    ((entry >> 16) as u8, entry & 0xFFFF)
+}
+
+/// The conditions of a write to 1016h: one entry for each node; another node only after the entry was erased.
+///
+/// # Errors
+/// "General parameter incompatibility" otherwise.
+pub(super) fn check(at: Multiplexer, value: u64, parameters: &Parameters, faults: Faults) -> Result<(), AbortCode> {
+    let (node, time) = split(value);
+    if node == 0 || time == 0 {
+        return Ok(());
+    }
+    let others = (1..=127).filter(|&sub| sub != at.sub.0).map_while(|sub| parameters.number(0x1016, sub));
+    let is_double = others.map(split).any(|(other, time)| other == node && time > 0);
+    let (old, old_time) = split(parameters.number_or_zero(0x1016, at.sub.0));
+    let replaces = old_time > 0 && old != 0 && old != node;
+    if (is_double || replaces) && !faults.has(Fault::HeartbeatConsumerDoubleAccepted) {
+        return Err(AbortCode::PARAMETER_INCOMPATIBLE);
+    }
+    Ok(())
+}

@@ -1,0 +1,184 @@
+//! The LSS slave: node-ID and bit rate over the bus (CiA 305).
+
+use crate::models::Model;
+use crate::{Fault, Faults};
+use canvass_analyzer::wire::lss::{ConfigureCommand, Part, Request, Response};
+
+/// The node-ID that says "not configured".
+pub(super) const UNCONFIGURED: u8 = 255;
+
+/// LSS address: 1018h:1 to 4.
+pub(super) type Address = [u32; 4];
+
+/// The state of the slave.
+#[derive(Clone, Debug)]
+pub(super) struct LssSlave {
+    configuring: bool,
+    /// How many parts of the address were given in order.
+    selected: usize,
+    /// How many bounds of "identify remote slave" fitted in order.
+    identified: usize,
+    /// Which part Fastscan compares.
+    scanning: u8,
+    /// What was configured and not yet taken over.
+    pub pending: Pending,
+}
+
+/// A new configuration.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct Pending {
+    /// 1 to 127 or [`UNCONFIGURED`].
+    pub node_id: Option<u8>,
+    /// The index in table 0 of CiA 305.
+    pub bit_timing: Option<u8>,
+}
+
+/// What the device has to do.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Effect {
+    /// Store what is pending.
+    Store,
+    /// Configuration is over: the new node-ID is taken over by a restart.
+    Leave,
+}
+
+impl LssSlave {
+    /// Waiting.
+    pub const fn new() -> Self {
+        Self {
+            configuring: false,
+            selected: 0,
+            identified: 0,
+            scanning: 0,
+            pending: Pending { node_id: None, bit_timing: None },
+        }
+    }
+
+    /// A message of the master came. `node` is the node-ID in use, or [`UNCONFIGURED`].
+    pub fn handle(
+        &mut self,
+        request: Request,
+        address: Address,
+        node: u8,
+        model: &Model,
+        faults: Faults,
+    ) -> (Option<Response>, Option<Effect>) {
+        let response = match request {
+            Request::SwitchGlobal { mode } => return (None, self.on_switch_global(mode)),
+            Request::SwitchSelective { part, value } => self.on_switch_selective(part, value, address),
+            Request::IdentifyRemote { bound, value } => self.on_identify(bound as usize, value, address),
+            Request::IdentifyNonConfigured => (node == UNCONFIGURED).then_some(Response::NonConfigured),
+            Request::Fastscan { id, bit_check, sub, next } => {
+                let takes_part = node == UNCONFIGURED && !self.configuring;
+                if takes_part { self.on_fastscan(id, bit_check, sub, next, address) } else { None }
+            }
+            Request::StoreConfiguration if self.configuring => {
+                let done = Response::Configured { command: ConfigureCommand::Store, error: 0, specific: 0 };
+                return (Some(done), Some(Effect::Store));
+            }
+            request if self.configuring || faults.has(Fault::LssAnsweredWhileWaiting) => {
+                self.on_configuration(request, address, node, model, faults)
+            }
+            _ => None,
+        };
+        (response, None)
+    }
+
+    fn on_switch_global(&mut self, mode: u8) -> Option<Effect> {
+        let was_configuring = self.configuring;
+        match mode {
+            0 => self.configuring = false,
+            1 => self.configuring = true,
+            _ => return None,
+        }
+        self.selected = 0;
+        (was_configuring && !self.configuring).then_some(Effect::Leave)
+    }
+
+    /// The four parts have to come in order; the last one switches.
+    fn on_switch_selective(&mut self, part: Part, value: u32, address: Address) -> Option<Response> {
+        if self.configuring {
+            return None;
+        }
+        let position = part as usize;
+        let fits = (position == 0 || position == self.selected) && address.get(position) == Some(&value);
+        self.selected = if fits { position + 1 } else { 0 };
+        if self.selected < address.len() {
+            return None;
+        }
+        self.selected = 0;
+        self.configuring = true;
+        Some(Response::Switched)
+    }
+
+    /// Vendor-ID and product code have to be equal, revision and serial number within bounds.
+    fn on_identify(&mut self, bound: usize, value: u32, address: Address) -> Option<Response> {
+        let [vendor, product, revision, serial] = address;
+        let fits = match bound {
+            0 => value == vendor,
+            1 => value == product,
+            2 => value <= revision,
+            3 => value >= revision,
+            4 => value <= serial,
+            _ => value >= serial,
+        };
+        let in_order = bound == 0 || bound == self.identified;
+        self.identified = if fits && in_order { bound + 1 } else { 0 };
+        if self.identified < 6 {
+            return None;
+        }
+        self.identified = 0;
+        Some(Response::Identified)
+    }
+
+    fn on_fastscan(&mut self, id: u32, bit_check: u8, sub: u8, next: u8, address: Address) -> Option<Response> {
+        if bit_check == 0x80 {
+            self.scanning = 0;
+            return Some(Response::Identified);
+        }
+        if bit_check > 31 || sub > 3 || next > 3 || sub != self.scanning {
+            return None;
+        }
+        let own = *address.get(usize::from(sub))?;
+        if (own ^ id) >> bit_check != 0 {
+            return None;
+        }
+        if bit_check == 0 {
+            // Only the last part ends the scan, and only from there back to the first.
+            self.configuring = sub == 3 && next < sub;
+            self.scanning = next;
+        }
+        Some(Response::Identified)
+    }
+
+    fn on_configuration(
+        &mut self,
+        request: Request,
+        address: Address,
+        node: u8,
+        model: &Model,
+        faults: Faults,
+    ) -> Option<Response> {
+        let configured = |command, ok: bool| Response::Configured { command, error: u8::from(!ok), specific: 0 };
+        Some(match request {
+            Request::ConfigureNodeId { node_id } => {
+                let ok = matches!(node_id, 1..=127 | UNCONFIGURED) || faults.has(Fault::LssNodeIdUnchecked);
+                if ok && matches!(node_id, 1..=127 | UNCONFIGURED) {
+                    self.pending.node_id = Some(node_id);
+                }
+                configured(ConfigureCommand::NodeId, ok)
+            }
+            Request::ConfigureBitTiming { table, index } => {
+                let known = model.sheet().bit_rates.iter().any(|rate| rate.lss_code == Some(index));
+                let ok = table == 0 && known;
+                if ok {
+                    self.pending.bit_timing = Some(index);
+                }
+                configured(ConfigureCommand::BitTiming, ok)
+            }
+            Request::Inquire { part } => Response::Part { part, value: *address.get(part as usize)? },
+            Request::InquireNodeId => Response::NodeId(node),
+            _ => return None,
+        })
+    }
+}

@@ -1,0 +1,322 @@
+//! The values of the object dictionary at run time, with what the device description says about each.
+
+use crate::models::Model;
+use canvass_analyzer::dictionary::{DataType, Entry, Setting, Value};
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{Multiplexer, NodeId};
+
+/// All entries of the object dictionary, by rising address.
+#[derive(Clone, Debug)]
+pub(super) struct Parameters {
+    /// The addresses alone, so that a search touches few cache lines.
+    keys: Vec<u32>,
+    entries: Vec<Parameter>,
+}
+
+/// One entry.
+#[derive(Clone, Debug)]
+pub(super) struct Parameter {
+    /// Its address.
+    pub at: Multiplexer,
+    pub data_type: DataType,
+    pub readable: bool,
+    pub writable: bool,
+    /// Whether a TPDO may carry it.
+    pub tpdo_mappable: bool,
+    low: Option<i128>,
+    high: Option<i128>,
+    default: Default,
+    pub content: Content,
+}
+
+/// A value: the bits of a number, or the bytes of anything else.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Content {
+    /// Of a type with a fixed length; the bits above it are zero.
+    Number(u64),
+    /// A string or domain.
+    Bytes(Vec<u8>),
+}
+
+#[derive(Clone, Debug)]
+enum Default {
+    Fixed(Content),
+    NodeIdPlus(u32),
+}
+
+/// What an SDO upload finds.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Reading<'a> {
+    /// A number of so many bytes, little-endian.
+    Number([u8; 8], usize),
+    /// A string or domain.
+    Bytes(&'a [u8]),
+}
+
+impl Reading<'_> {
+    /// The bytes of the value.
+    pub fn bytes(&self) -> &[u8] {
+        match self {
+            Self::Number(bytes, len) => bytes.get(..*len).unwrap_or(bytes),
+            Self::Bytes(bytes) => bytes,
+        }
+    }
+}
+
+/// The longest string or domain that the device takes.
+const LONGEST: usize = 1 << 16;
+
+impl Parameters {
+    /// The object dictionary of a device of that model, as delivered.
+    pub fn new(model: &Model, node: NodeId) -> Self {
+        let entries: Vec<Parameter> =
+            model.description().dictionary.entries().filter_map(|(at, entry)| Parameter::new(at, entry)).collect();
+        let mut parameters = Self { keys: entries.iter().map(|entry| key(entry.at)).collect(), entries };
+        for value in &model.sheet().values {
+            let number = value.value.as_integer().map(|number| number as u64);
+            let content = match (number, value.value.as_str()) {
+                (Some(number), _) => Content::Number(number),
+                (_, Some(text)) => Content::Bytes(text.as_bytes().to_vec()),
+                _ => continue,
+            };
+            parameters.redefine(value.at, content);
+        }
+        parameters.restore(node);
+        parameters
+    }
+
+    /// All values as delivered.
+    pub fn restore(&mut self, node: NodeId) {
+        self.entries.iter_mut().for_each(|entry| entry.content = entry.default_content(node));
+    }
+
+    /// Removes an entry, or a whole object where `sub` is `None`, as if the firmware had none.
+    pub fn remove(&mut self, index: u16, sub: Option<u8>) {
+        self.entries.retain(|entry| entry.at.index.0 != index || sub.is_some_and(|sub| entry.at.sub.0 != sub));
+        self.keys = self.entries.iter().map(|entry| key(entry.at)).collect();
+    }
+
+    /// Gives an entry another value as delivered.
+    pub fn redefine(&mut self, at: Multiplexer, content: Content) {
+        if let Ok(entry) = self.entry_mut(at) {
+            let content = entry.fitted(content);
+            entry.default = Default::Fixed(content.clone());
+            entry.content = content;
+        }
+    }
+
+    /// The entry at that address.
+    ///
+    /// # Errors
+    /// The abort code for a missing object, or for a missing sub-index of an object that exists.
+    pub fn entry(&self, at: Multiplexer) -> Result<&Parameter, AbortCode> {
+        let position = self.position(at)?;
+        self.entries.get(position).ok_or(AbortCode::NO_OBJECT)
+    }
+
+    fn entry_mut(&mut self, at: Multiplexer) -> Result<&mut Parameter, AbortCode> {
+        let position = self.position(at)?;
+        self.entries.get_mut(position).ok_or(AbortCode::NO_OBJECT)
+    }
+
+    fn position(&self, at: Multiplexer) -> Result<usize, AbortCode> {
+        self.keys.binary_search(&key(at)).map_err(|insertion| {
+            let neighbours = [insertion.checked_sub(1), Some(insertion)];
+            let mut indexes = neighbours.into_iter().flatten().filter_map(|n| self.entries.get(n));
+            match indexes.any(|entry| entry.at.index == at.index) {
+                true => AbortCode::NO_SUB_INDEX,
+                false => AbortCode::NO_OBJECT,
+            }
+        })
+    }
+
+    /// The number at that address; `None` if there is none.
+    pub fn number(&self, index: u16, sub: u8) -> Option<u64> {
+        match self.entry(Multiplexer::new(index, sub)).ok()?.content {
+            Content::Number(number) => Some(number),
+            Content::Bytes(_) => None,
+        }
+    }
+
+    /// The number at that address, 0 if there is none: most features are switched off by 0.
+    pub fn number_or_zero(&self, index: u16, sub: u8) -> u64 {
+        self.number(index, sub).unwrap_or(0)
+    }
+
+    /// Sets a number, whatever its access type; bits that don't fit are cut.
+    pub fn set_number(&mut self, index: u16, sub: u8, number: u64) {
+        if let Ok(entry) = self.entry_mut(Multiplexer::new(index, sub)) {
+            entry.content = entry.fitted(Content::Number(number));
+        }
+    }
+
+    /// Sets a value whose length and range were checked.
+    pub fn set(&mut self, at: Multiplexer, content: Content) {
+        if let Ok(entry) = self.entry_mut(at) {
+            entry.content = content;
+        }
+    }
+
+    /// All entries.
+    pub fn entries(&self) -> &[Parameter] {
+        &self.entries
+    }
+
+    /// All entries, to change.
+    pub fn entries_mut(&mut self) -> &mut [Parameter] {
+        &mut self.entries
+    }
+}
+
+const fn key(at: Multiplexer) -> u32 {
+    (at.index.0 as u32) << 8 | at.sub.0 as u32
+}
+
+impl Parameter {
+    /// `None` for a type that has no value.
+    fn new(at: Multiplexer, entry: &Entry) -> Option<Self> {
+        let default = match (&entry.default, entry.data_type.bytes()) {
+            (Some(Setting::NodeIdPlus(offset)), Some(_)) => Default::NodeIdPlus(*offset),
+            (Some(Setting::Fixed(value)), Some(_)) => Default::Fixed(Content::Number(value.to_raw().unwrap_or(0))),
+            (_, Some(_)) => Default::Fixed(Content::Number(0)),
+            (Some(Setting::Fixed(value)), None) => {
+                Default::Fixed(Content::Bytes(value.encode(entry.data_type).unwrap_or_default()))
+            }
+            (_, None) => Default::Fixed(Content::Bytes(Vec::new())),
+        };
+        entry.data_type.class()?;
+        let limit = |setting: &Option<Setting>| setting.as_ref().and_then(Setting::fixed).and_then(Value::as_number);
+        Some(Self {
+            at,
+            data_type: entry.data_type,
+            readable: entry.access.is_readable(),
+            writable: entry.access.is_writable(),
+            tpdo_mappable: entry.pdo_mappable && entry.access.allows_tpdo(),
+            low: limit(&entry.low_limit),
+            high: limit(&entry.high_limit),
+            default,
+            content: Content::Number(0),
+        })
+    }
+
+    /// The value as delivered.
+    pub fn default_content(&self, node: NodeId) -> Content {
+        match &self.default {
+            Default::Fixed(content) => self.fitted(content.clone()),
+            Default::NodeIdPlus(offset) => Content::Number(u64::from(offset.wrapping_add(u32::from(node.raw())))),
+        }
+    }
+
+    /// Cuts a number to the length of the type.
+    fn fitted(&self, content: Content) -> Content {
+        match (content, self.data_type.bits()) {
+            (Content::Number(number), Some(bits)) => Content::Number(number & mask(bits)),
+            (content, _) => content,
+        }
+    }
+
+    /// The length of values in bytes, where it is fixed.
+    pub fn size(&self) -> Option<usize> {
+        self.data_type.bytes()
+    }
+
+    /// Whether a value of that length fits.
+    ///
+    /// # Errors
+    /// The abort code for too few or too many bytes.
+    pub fn check_length(&self, len: usize) -> Result<(), AbortCode> {
+        match self.size() {
+            Some(size) if len > size => Err(AbortCode::LENGTH_TOO_HIGH),
+            Some(size) if len < size => Err(AbortCode::LENGTH_TOO_LOW),
+            None if len > LONGEST => Err(AbortCode::OUT_OF_MEMORY),
+            _ => Ok(()),
+        }
+    }
+
+    /// The largest number of bytes that a value can have.
+    pub fn longest(&self) -> usize {
+        self.size().unwrap_or(LONGEST)
+    }
+
+    /// Whether a number lies within the limits of the device description.
+    ///
+    /// # Errors
+    /// The abort code for a value that is too high or too low.
+    pub fn check_range(&self, raw: u64) -> Result<(), AbortCode> {
+        let value = Value::from_raw(self.data_type, raw).and_then(|value| value.as_number());
+        let Some(value) = value else { return Ok(()) };
+        if self.high.is_some_and(|high| value > high) {
+            return Err(AbortCode::VALUE_TOO_HIGH);
+        }
+        if self.low.is_some_and(|low| value < low) {
+            return Err(AbortCode::VALUE_TOO_LOW);
+        }
+        Ok(())
+    }
+
+    /// The content that those bytes, little-endian, encode.
+    pub fn decode(&self, bytes: &[u8]) -> Content {
+        match self.size() {
+            Some(size) => {
+                let number = bytes.iter().take(size.min(8)).rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));
+                Content::Number(number)
+            }
+            None => Content::Bytes(bytes.to_vec()),
+        }
+    }
+
+    /// The bytes of the value; `live` replaces a stored number.
+    pub fn reading(&self, live: Option<u64>) -> Reading<'_> {
+        match (&self.content, live) {
+            (Content::Bytes(bytes), _) => Reading::Bytes(bytes),
+            (Content::Number(number), live) => {
+                Reading::Number(live.unwrap_or(*number).to_le_bytes(), self.size().unwrap_or(8).min(8))
+            }
+        }
+    }
+}
+
+/// The lower `bits` bits.
+pub(super) const fn mask(bits: u32) -> u64 {
+    if bits >= 64 { u64::MAX } else { (1 << bits) - 1 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn parameters() -> Parameters {
+        Parameters::new(Model::by_id("kuebler-sendix-58x8").unwrap(), NodeId::new(63).unwrap())
+    }
+
+    #[test]
+    fn missing_objects_and_missing_sub_indexes_differ() {
+        let parameters = parameters();
+        let find = |index, sub| parameters.entry(Multiplexer::new(index, sub)).map(|entry| entry.at.sub.0);
+        assert_eq!(find(0x1800, 5), Ok(5));
+        assert_eq!(find(0x1800, 4), Err(AbortCode::NO_SUB_INDEX));
+        assert_eq!(find(0x1000, 1), Err(AbortCode::NO_SUB_INDEX));
+        for index in [0x0000, 0x1004, 0x5000, 0xFFFF] {
+            assert_eq!(find(index, 0), Err(AbortCode::NO_OBJECT), "{index:04X}");
+        }
+    }
+
+    #[test]
+    fn defaults_follow_the_node_id() {
+        assert_eq!(parameters().number(0x1800, 1), Some(0x1BF));
+        assert_eq!(parameters().number(0x1018, 1), Some(0x13));
+        let name = parameters().entry(Multiplexer::new(0x1008, 0)).map(|entry| entry.content.clone());
+        assert_eq!(name, Ok(Content::Bytes(b"Kuebler Sendix Encoder".to_vec())));
+    }
+
+    #[test]
+    fn lengths_and_limits() {
+        let parameters = parameters();
+        let entry = |index| parameters.entry(Multiplexer::new(index, 0)).unwrap();
+        assert_eq!(entry(0x1017).check_length(1), Err(AbortCode::LENGTH_TOO_LOW));
+        assert_eq!(entry(0x1017).check_length(4), Err(AbortCode::LENGTH_TOO_HIGH));
+        assert_eq!(entry(0x2100).check_range(9), Err(AbortCode::VALUE_TOO_HIGH));
+        assert_eq!(entry(0x2101).check_range(0), Err(AbortCode::VALUE_TOO_LOW));
+        assert_eq!(entry(0x2101).check_range(127), Ok(()));
+    }
+}

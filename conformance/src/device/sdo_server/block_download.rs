@@ -1,0 +1,94 @@
+//! Downloads in blocks (CiA 301, 7.2.4.3.8 to 7.2.4.3.11).
+
+use super::{Next, Transfer};
+use crate::device::objects::Objects;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Response, crc16};
+use canvass_traces::Timestamp;
+
+/// The size of all blocks that this server asks for.
+const BLOCK_SIZE: u8 = BlockSegment::MAX;
+
+/// A download in blocks while segments come.
+#[derive(Clone, Debug)]
+pub(super) struct BlockDownload {
+    pub object: Multiplexer,
+    crc: bool,
+    size: Option<usize>,
+    longest: usize,
+    data: Vec<u8>,
+    /// The last segment of this block that came in order.
+    sequence: u8,
+    /// Segments of this block that came, in order or not.
+    received: u8,
+}
+
+/// A download in blocks whose data is all there.
+#[derive(Clone, Debug)]
+pub(super) struct BlockDownloadEnd(BlockDownload);
+
+/// The request to write an object in blocks.
+pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, objects: &Objects) -> Next {
+    let size = size.map(|size| size as usize);
+    match objects.begin_download(object, size) {
+        Ok(longest) => {
+            let response = Response::InitiateBlockDownload { multiplexer: object, crc: true, block_size: BLOCK_SIZE };
+            let download = BlockDownload { object, crc, size, longest, data: Vec::new(), sequence: 0, received: 0 };
+            Next::answer(Transfer::BlockDownload(download), response)
+        }
+        Err(code) => Next::abort(object, code),
+    }
+}
+
+impl BlockDownload {
+    /// A segment of the block.
+    pub fn on_segment(mut self, segment: BlockSegment) -> Next {
+        if segment.sequence == 0 {
+            return Next::abort(self.object, AbortCode::SEQUENCE_NUMBER);
+        }
+        self.received = self.received.saturating_add(1);
+        if segment.sequence == self.sequence + 1 {
+            self.sequence = segment.sequence;
+            self.data.extend_from_slice(&segment.data);
+            if self.data.len() >= self.size.unwrap_or(self.longest).min(self.longest).saturating_add(7) {
+                return Next::abort(self.object, AbortCode::LENGTH_TOO_HIGH);
+            }
+        }
+        let is_end = segment.last && self.sequence == segment.sequence;
+        if !is_end && !segment.last && segment.sequence < BLOCK_SIZE && self.received < BLOCK_SIZE {
+            return Next::silence(Transfer::BlockDownload(self));
+        }
+        let response = Response::ConfirmBlockDownload { sequence: self.sequence, block_size: BLOCK_SIZE };
+        self.sequence = 0;
+        self.received = 0;
+        match is_end {
+            true => Next::answer(Transfer::BlockDownloadEnd(BlockDownloadEnd(self)), response),
+            false => Next::answer(Transfer::BlockDownload(self), response),
+        }
+    }
+}
+
+impl BlockDownloadEnd {
+    /// The object of the transfer.
+    pub const fn object(&self) -> Multiplexer {
+        self.0.object
+    }
+
+    /// The client's end: how many bytes of the last segment don't count, and the CRC.
+    pub fn on_end(self, now: Timestamp, unused: u8, crc: u16, objects: &mut Objects) -> Next {
+        let BlockDownload { object, crc: has_crc, size, mut data, .. } = self.0;
+        data.truncate(data.len().saturating_sub(usize::from(unused)));
+        if has_crc && crc != crc16(0, &data) {
+            return Next::abort(object, AbortCode::CRC);
+        }
+        match size {
+            Some(size) if data.len() > size => return Next::abort(object, AbortCode::LENGTH_TOO_HIGH),
+            Some(size) if data.len() < size => return Next::abort(object, AbortCode::LENGTH_TOO_LOW),
+            _ => {}
+        }
+        match objects.download(now, object, &data) {
+            Ok(()) => Next::end(Response::EndBlockDownload),
+            Err(code) => Next::abort(object, code),
+        }
+    }
+}

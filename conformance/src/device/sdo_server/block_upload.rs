@@ -1,0 +1,115 @@
+//! Uploads in blocks (CiA 301, 7.2.4.3.12 to 7.2.4.3.16).
+
+use super::{Answer, Next, Transfer, upload};
+use crate::device::objects::Objects;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Request, Response, crc16};
+use canvass_traces::Timestamp;
+
+/// An upload in blocks.
+#[derive(Clone, Debug)]
+pub(super) struct BlockUpload {
+    pub object: Multiplexer,
+    value: Vec<u8>,
+    crc: bool,
+    block_size: u8,
+    /// How many segments the client has confirmed.
+    confirmed: usize,
+    stage: Stage,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Stage {
+    /// The client has not said yet that it is ready.
+    Announced,
+    /// So many segments of the block are out.
+    Sent(u8),
+    /// All is out and confirmed, the end is announced.
+    Ending,
+}
+
+/// The request to read an object in blocks.
+pub(super) fn initiate(
+    now: Timestamp,
+    object: Multiplexer,
+    crc: bool,
+    block_size: u8,
+    threshold: u8,
+    objects: &Objects,
+) -> Next {
+    let reading = match objects.upload(now, object) {
+        Ok(reading) => reading,
+        Err(code) => return Next::abort(object, code),
+    };
+    if !is_block_size(block_size) {
+        return Next::abort(object, AbortCode::BLOCK_SIZE);
+    }
+    let bytes = reading.bytes();
+    // Up to the threshold a normal upload is shorter.
+    if bytes.len() <= usize::from(threshold) {
+        return upload::initiate(now, object, objects);
+    }
+    let response = Response::InitiateBlockUpload { multiplexer: object, crc: true, size: Some(bytes.len() as u32) };
+    let value = bytes.to_vec();
+    Next::answer(
+        Transfer::BlockUpload(BlockUpload { object, value, crc, block_size, confirmed: 0, stage: Stage::Announced }),
+        response,
+    )
+}
+
+const fn is_block_size(block_size: u8) -> bool {
+    matches!(block_size, 1..=BlockSegment::MAX)
+}
+
+impl BlockUpload {
+    /// What the client says in between.
+    pub fn on_request(self, request: Request) -> Next {
+        match (self.stage, request) {
+            (Stage::Announced, Request::StartBlockUpload) => self.send_block(),
+            (Stage::Sent(count), Request::ConfirmBlockUpload { sequence, block_size }) => {
+                self.on_confirm(count, sequence, block_size)
+            }
+            (Stage::Ending, Request::EndBlockUpload) => Next::silence(Transfer::Idle),
+            _ => Next::abort(self.object, AbortCode::COMMAND_SPECIFIER),
+        }
+    }
+
+    fn on_confirm(mut self, count: u8, sequence: u8, block_size: u8) -> Next {
+        if sequence > count {
+            return Next::abort(self.object, AbortCode::SEQUENCE_NUMBER);
+        }
+        if !is_block_size(block_size) {
+            return Next::abort(self.object, AbortCode::BLOCK_SIZE);
+        }
+        self.confirmed += usize::from(sequence);
+        self.block_size = block_size;
+        if self.confirmed < self.segments() {
+            return self.send_block();
+        }
+        let unused = (self.confirmed * 7 - self.value.len()) as u8;
+        let crc = if self.crc { crc16(0, &self.value) } else { 0 };
+        self.stage = Stage::Ending;
+        Next::answer(Transfer::BlockUpload(self), Response::EndBlockUpload { unused, crc })
+    }
+
+    /// The number of segments of the whole value; an empty one takes one too.
+    fn segments(&self) -> usize {
+        self.value.len().div_ceil(7).max(1)
+    }
+
+    fn send_block(mut self) -> Next {
+        let total = self.segments();
+        let until = total.min(self.confirmed + usize::from(self.block_size));
+        let segments: Vec<BlockSegment> = (self.confirmed..until)
+            .zip(1..=BlockSegment::MAX)
+            .map(|(n, sequence)| {
+                let mut data = [0; 7];
+                let bytes = self.value.iter().skip(n * 7).take(7);
+                data.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
+                BlockSegment { sequence, last: n + 1 == total, data }
+            })
+            .collect();
+        self.stage = Stage::Sent(segments.len() as u8);
+        Next { transfer: Transfer::BlockUpload(self), answer: Answer::Segments(segments) }
+    }
+}

@@ -1,0 +1,82 @@
+//! Downloads: expedited and in segments (CiA 301, 7.2.4.3.3 and 7.2.4.3.4).
+
+use super::{Next, Transfer};
+use crate::Fault;
+use crate::device::objects::Objects;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response, Segment};
+use canvass_traces::Timestamp;
+
+/// A download in segments.
+#[derive(Clone, Debug)]
+pub(super) struct SegmentedDownload {
+    pub object: Multiplexer,
+    /// What the client announced.
+    size: Option<usize>,
+    /// What the object takes.
+    longest: usize,
+    data: Vec<u8>,
+    toggle: bool,
+}
+
+/// The request to write an object.
+pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, objects: &mut Objects) -> Next {
+    let size = match payload {
+        Payload::Expedited(value) => return write(now, object, value.data(), objects),
+        Payload::ExpeditedUnsized(bytes) => return write_unsized(now, object, bytes, objects),
+        Payload::Segmented(size) => Some(size as usize),
+        Payload::SegmentedUnsized => None,
+    };
+    match objects.begin_download(object, size) {
+        Ok(longest) => {
+            let download = SegmentedDownload { object, size, longest, data: Vec::new(), toggle: false };
+            Next::answer(Transfer::Download(download), Response::InitiateDownload { multiplexer: object })
+        }
+        Err(code) => Next::abort(object, code),
+    }
+}
+
+fn write(now: Timestamp, object: Multiplexer, bytes: &[u8], objects: &mut Objects) -> Next {
+    match objects.download(now, object, bytes) {
+        Ok(()) => Next::end(Response::InitiateDownload { multiplexer: object }),
+        Err(code) => Next::abort(object, code),
+    }
+}
+
+/// The number of bytes is not said: the object's own is meant.
+fn write_unsized(now: Timestamp, object: Multiplexer, bytes: [u8; 4], objects: &mut Objects) -> Next {
+    let len = objects.size(object).unwrap_or(bytes.len());
+    match bytes.get(..len) {
+        Some(bytes) => write(now, object, bytes, objects),
+        None => write(now, object, &bytes, objects),
+    }
+}
+
+impl SegmentedDownload {
+    /// The next segment.
+    pub fn on_segment(mut self, now: Timestamp, segment: Segment, objects: &mut Objects) -> Next {
+        if segment.toggle != self.toggle && !objects.faults.has(Fault::SdoToggleUnchecked) {
+            return Next::abort(self.object, AbortCode::TOGGLE);
+        }
+        self.data.extend_from_slice(segment.data());
+        let unchecked = objects.faults.has(Fault::SdoLengthUnchecked);
+        if self.data.len() > self.size.unwrap_or(self.longest).min(self.longest) && !unchecked {
+            return Next::abort(self.object, AbortCode::LENGTH_TOO_HIGH);
+        }
+        let confirm = Response::DownloadSegment { toggle: segment.toggle };
+        if !segment.last {
+            self.toggle = !segment.toggle;
+            // A firmware that checks no length has a buffer of its own, and drops what does not fit.
+            self.data.truncate(self.longest.max(8));
+            return Next::answer(Transfer::Download(self), confirm);
+        }
+        let short = self.size.is_some_and(|size| self.data.len() < size);
+        if short && !objects.faults.has(Fault::SdoShortLengthUnchecked) && !unchecked {
+            return Next::abort(self.object, AbortCode::LENGTH_TOO_LOW);
+        }
+        match objects.download(now, self.object, &self.data) {
+            Ok(()) => Next::end(confirm),
+            Err(code) => Next::abort(self.object, code),
+        }
+    }
+}

@@ -1,0 +1,311 @@
+//! The SDO server: one transfer at a time, expedited, segmented or in blocks (CiA 301, 7.2.4).
+//!
+//! One file for each kind of transfer. A state is what that kind of transfer knows; an event takes the state and gives
+//! the [`Next`].
+
+mod block_download;
+mod block_upload;
+mod download;
+mod upload;
+
+use super::objects::Objects;
+use crate::Fault;
+use crate::models::Timing;
+use block_download::{BlockDownload, BlockDownloadEnd};
+use block_upload::BlockUpload;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Request, Response};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::{CanId, Duration, Frame, Timestamp};
+use download::SegmentedDownload;
+use std::collections::VecDeque;
+use upload::SegmentedUpload;
+
+/// The SDO server of the default SDO channel.
+#[derive(Clone, Debug)]
+pub(super) struct SdoServer {
+    transfer: Transfer,
+    timing: Timing,
+    blocks: bool,
+    /// What is to be sent, and when.
+    answers: VecDeque<(Timestamp, [u8; 8], usize)>,
+    /// A transfer ends then, if the client says nothing.
+    expires: Timestamp,
+    /// The object of the last transfer, for a firmware that does not forget it.
+    stale: Multiplexer,
+    /// Whether there was a request since boot-up.
+    began: bool,
+    chance: Chance,
+}
+
+/// The transfer under way.
+#[derive(Clone, Debug)]
+enum Transfer {
+    Idle,
+    Upload(SegmentedUpload),
+    Download(SegmentedDownload),
+    BlockUpload(BlockUpload),
+    BlockDownload(BlockDownload),
+    BlockDownloadEnd(BlockDownloadEnd),
+}
+
+/// What follows from a message: the transfer's next state, and what is sent.
+struct Next {
+    transfer: Transfer,
+    answer: Answer,
+}
+
+enum Answer {
+    Silence,
+    Response(Response),
+    /// A block of an upload.
+    Segments(Vec<BlockSegment>),
+}
+
+impl Next {
+    const fn answer(transfer: Transfer, response: Response) -> Self {
+        Self { transfer, answer: Answer::Response(response) }
+    }
+
+    const fn end(response: Response) -> Self {
+        Self::answer(Transfer::Idle, response)
+    }
+
+    const fn abort(object: Multiplexer, code: AbortCode) -> Self {
+        Self::end(Response::abort(object, code))
+    }
+
+    const fn silence(transfer: Transfer) -> Self {
+        Self { transfer, answer: Answer::Silence }
+    }
+}
+
+impl Transfer {
+    /// The object of the transfer.
+    const fn object(&self) -> Option<Multiplexer> {
+        match self {
+            Self::Idle => None,
+            Self::Upload(upload) => Some(upload.object),
+            Self::Download(download) => Some(download.object),
+            Self::BlockUpload(upload) => Some(upload.object),
+            Self::BlockDownload(download) => Some(download.object),
+            Self::BlockDownloadEnd(end) => Some(end.object()),
+        }
+    }
+}
+
+impl SdoServer {
+    /// An idle server. `seed` chooses how its response times vary.
+    pub fn new(timing: Timing, blocks: bool, seed: u64) -> Self {
+        Self {
+            transfer: Transfer::Idle,
+            timing,
+            blocks,
+            answers: VecDeque::with_capacity(usize::from(BlockSegment::MAX) + 1),
+            expires: Timestamp::MAX,
+            stale: Multiplexer::new(0, 0),
+            began: false,
+            chance: Chance::new(seed),
+        }
+    }
+
+    /// Drops the transfer and what was not sent yet.
+    pub fn reset(&mut self) {
+        self.transfer = Transfer::Idle;
+        self.answers.clear();
+        self.expires = Timestamp::MAX;
+    }
+
+    /// As [`SdoServer::reset`], at the start of the device.
+    pub fn boot(&mut self) {
+        self.reset();
+        self.began = false;
+    }
+
+    /// When [`SdoServer::poll`] has an answer or a transfer expires.
+    pub fn timeout(&self) -> Timestamp {
+        self.answers.front().map_or(self.expires, |(due, ..)| *due)
+    }
+
+    /// A frame came on the client's CAN-ID.
+    pub fn handle(&mut self, now: Timestamp, frame: &Frame, objects: &mut Objects) {
+        // SDO messages have eight bytes (CiA 301); others are ignored.
+        if frame.len() != 8 {
+            return;
+        }
+        let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
+        let next = match transfer {
+            // A segment with sequence number 0 that ends the transfer can't be told from an abort.
+            Transfer::BlockDownload(download) if frame.bytes()[0] != 0x80 => match BlockSegment::read(frame.data()) {
+                Ok(segment) => download.on_segment(segment),
+                Err(_) => Next::silence(Transfer::BlockDownload(download)),
+            },
+            transfer => match Request::read(frame.data()) {
+                Ok(request) => self.on_request(now, transfer, request, objects),
+                Err(_) => Next::silence(transfer),
+            },
+        };
+        self.began = true;
+        self.proceed(now, next, objects);
+    }
+
+    /// Requests that begin a transfer end the one under way.
+    fn on_request(&mut self, now: Timestamp, transfer: Transfer, request: Request, objects: &mut Objects) -> Next {
+        match request {
+            Request::InitiateUpload { multiplexer } => upload::initiate(now, multiplexer, objects),
+            Request::InitiateDownload { multiplexer, payload } => {
+                download::initiate(now, multiplexer, payload, objects)
+            }
+            Request::InitiateBlockUpload { multiplexer, crc, block_size, threshold } if self.blocks => {
+                block_upload::initiate(now, multiplexer, crc, block_size, threshold, objects)
+            }
+            Request::InitiateBlockDownload { multiplexer, crc, size } if self.blocks => {
+                block_download::initiate(multiplexer, crc, size, objects)
+            }
+            Request::Abort(abort) if objects.faults.has(Fault::SdoAbortAnswered) => {
+                Next::abort(abort.multiplexer, AbortCode::GENERAL)
+            }
+            Request::Abort(_) => Next::silence(Transfer::Idle),
+            request => match (transfer, request) {
+                (Transfer::Upload(upload), Request::UploadSegment { toggle }) => upload.on_request(toggle, objects),
+                (Transfer::Download(download), Request::DownloadSegment(segment)) => {
+                    download.on_segment(now, segment, objects)
+                }
+                (Transfer::BlockUpload(upload), request) => upload.on_request(request),
+                (Transfer::BlockDownloadEnd(end), Request::EndBlockDownload { unused, crc }) => {
+                    end.on_end(now, unused, crc, objects)
+                }
+                (transfer, request) => self.unexpected(&transfer, &request, objects),
+            },
+        }
+    }
+
+    /// A command specifier that is unknown, or has no meaning now.
+    fn unexpected(&self, transfer: &Transfer, request: &Request, objects: &Objects) -> Next {
+        if let Request::Unknown { .. } = request {
+            let first = objects.faults.has(Fault::SdoFirstUnknownCommandSilent) && !self.began;
+            if first || objects.faults.has(Fault::SdoUnknownCommandSilent) {
+                return Next::silence(Transfer::Idle);
+            }
+        }
+        let named = transfer.object().or(request.multiplexer()).or(match *request {
+            Request::Unknown { tail: [low, high, sub, ..], .. } => Some(Multiplexer::from_bytes([low, high, sub])),
+            _ => None,
+        });
+        Next::abort(named.unwrap_or(Multiplexer::new(0, 0)), AbortCode::COMMAND_SPECIFIER)
+    }
+
+    /// Takes the next state and sends the answer.
+    fn proceed(&mut self, now: Timestamp, next: Next, objects: &Objects) {
+        self.transfer = next.transfer;
+        self.expires = match self.transfer {
+            Transfer::Idle => Timestamp::MAX,
+            _ => now + self.timing.sdo_timeout(),
+        };
+        let due = self.due(now, objects);
+        match next.answer {
+            Answer::Silence => {}
+            Answer::Response(response) => self.answer(due, response, objects),
+            Answer::Segments(segments) => {
+                for segment in segments {
+                    let mut bytes = [0; 8];
+                    let len = segment.emit(&mut bytes);
+                    self.answers.push_back((due, bytes, len));
+                }
+            }
+        }
+    }
+
+    /// When the answer to a request of now is ready: requests are worked on one after the other.
+    fn due(&mut self, now: Timestamp, objects: &Objects) -> Timestamp {
+        let free = self.answers.back().map_or(now, |(due, ..)| now.max(*due));
+        let storing = objects.written.iter().any(|(at, _)| objects.takes_long(*at));
+        let extra = if storing { self.timing.store() } else { Duration::ZERO };
+        let jitter = self.chance.below(self.timing.sdo_response_jitter_us);
+        free + self.timing.sdo_response() + Duration::from_micros(jitter) + extra
+    }
+
+    fn answer(&mut self, due: Timestamp, response: Response, objects: &Objects) {
+        let faults = objects.faults;
+        let response = match response {
+            Response::Abort(abort) if faults.has(Fault::SdoStaleMultiplexer) => Response::abort(self.stale, abort.code),
+            response => response,
+        };
+        if let Some(object) = response.multiplexer() {
+            self.stale = object;
+        }
+        let mut bytes = [0; 8];
+        let mut len = response.emit(&mut bytes);
+        let used = used_bytes(&response);
+        if faults.has(Fault::SdoUnusedBytesNotZero) {
+            bytes.iter_mut().skip(used).for_each(|byte| *byte = 0xA5);
+        }
+        if faults.has(Fault::SdoShortResponse) {
+            len = used;
+        }
+        self.answers.push_back((due, bytes, len));
+    }
+
+    /// The next answer that is ready, as a frame.
+    pub fn poll(&mut self, now: Timestamp, node: NodeId) -> Option<Frame> {
+        let &(due, bytes, len) = self.answers.front()?;
+        if now < due {
+            return None;
+        }
+        self.answers.pop_front();
+        let id = CanId::standard_masked(u32::from(canvass_analyzer::wire::sdo::RESPONSE_BASE) + u32::from(node.raw()));
+        match len {
+            8 => Some(Frame::full(id, bytes)),
+            len => Frame::new(id, bytes.get(..len).unwrap_or(&bytes)),
+        }
+    }
+
+    /// A transfer whose client says nothing any more ends.
+    pub fn expire(&mut self, now: Timestamp, objects: &Objects) {
+        if now < self.expires {
+            return;
+        }
+        let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
+        self.expires = Timestamp::MAX;
+        if let Some(object) = transfer.object() {
+            self.answer(now, Response::abort(object, AbortCode::TIMEOUT), objects);
+        }
+    }
+}
+
+/// How many bytes of a response are not reserved.
+fn used_bytes(response: &Response) -> usize {
+    use canvass_analyzer::wire::sdo::Payload;
+    match response {
+        Response::UploadSegment(segment) => 1 + segment.data().len(),
+        Response::DownloadSegment { .. } | Response::EndBlockDownload => 1,
+        Response::InitiateDownload { .. } => 4,
+        Response::InitiateUpload { payload: Payload::Expedited(value), .. } => 4 + value.data().len(),
+        Response::InitiateUpload { payload: Payload::SegmentedUnsized, .. } => 4,
+        Response::InitiateBlockDownload { .. } => 5,
+        Response::ConfirmBlockDownload { .. } | Response::EndBlockUpload { .. } => 3,
+        _ => 8,
+    }
+}
+
+/// Repeatable chance (xorshift64*).
+#[derive(Clone, Debug)]
+struct Chance(u64);
+
+impl Chance {
+    const fn new(seed: u64) -> Self {
+        // 0 would stay 0 for ever.
+        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    /// A number from 0 to `limit - 1`; 0 where `limit` is 0.
+    const fn below(&mut self, limit: u64) -> u64 {
+        if limit == 0 {
+            return 0;
+        }
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 32) % limit
+    }
+}

@@ -1,0 +1,183 @@
+//! Non-volatile memory: 1010h and 1011h by groups, and what is loaded from it.
+
+use super::encoder::Encoder;
+use super::parameters::{Content, Parameters};
+use crate::models::{Model, Storage};
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::Timestamp;
+use std::sync::Arc;
+
+/// A set of groups of parameters.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Groups(u8);
+
+impl Groups {
+    /// Nothing.
+    pub const NONE: Self = Self(0);
+    /// 1000h to 1FFFh.
+    pub const COMMUNICATION: Self = Self(1);
+    /// 6000h to 9FFFh.
+    pub const APPLICATION: Self = Self(2);
+    /// 2000h to 5FFFh, without bit rate and node-ID.
+    pub const MANUFACTURER: Self = Self(4);
+    /// Bit rate, node-ID and what else only a command of its own stores.
+    pub const BUS: Self = Self(8);
+    /// Everything.
+    pub const ALL: Self = Self(15);
+    /// What 1010h:01 and 1011h:01 mean.
+    const PARAMETERS: Self = Self(7);
+
+    const fn contains(self, other: Self) -> bool {
+        self.0 & other.0 == other.0
+    }
+
+    /// The group of an object.
+    fn of(at: Multiplexer, storage: &Storage) -> Self {
+        match at.index.0 {
+            _ if storage.bus_objects.contains(&at) => Self::BUS,
+            ..0x2000 => Self::COMMUNICATION,
+            0x2000..0x6000 => Self::MANUFACTURER,
+            _ => Self::APPLICATION,
+        }
+    }
+
+    /// The groups that a sub-index of 1010h and 1011h stands for.
+    const fn of_sub_index(sub: u8) -> Self {
+        match sub {
+            1 => Self::PARAMETERS,
+            2 => Self::COMMUNICATION,
+            3 => Self::APPLICATION,
+            _ => Self::MANUFACTURER,
+        }
+    }
+}
+
+/// What a write to 1010h, 1011h or the bus parameters' own object orders.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum StoreCommand {
+    Save(Groups),
+    /// The defaults are loaded at the next reset.
+    Restore(Groups),
+}
+
+impl StoreCommand {
+    /// The command that a write to that object is; `None` if it is none.
+    pub fn of(at: Multiplexer, storage: &Storage) -> Option<Self> {
+        match (at.index.0, at.sub.0) {
+            _ if Some(at) == storage.bus_save_object => Some(Self::Save(Groups::BUS)),
+            (0x1010, sub @ 1..) => Some(Self::Save(Groups::of_sub_index(sub))),
+            (0x1011, sub @ 1..) => Some(Self::Restore(Groups::of_sub_index(sub))),
+            _ => None,
+        }
+    }
+
+    /// Whether the signature is right.
+    ///
+    /// # Errors
+    /// The abort code of this model for a wrong one.
+    pub fn check(self, value: u64, storage: &Storage) -> Result<(), AbortCode> {
+        let signature = match self {
+            Self::Save(_) => storage.save_signature,
+            Self::Restore(_) => storage.load_signature,
+        };
+        if value == u64::from(signature) { Ok(()) } else { Err(AbortCode(storage.wrong_signature_abort)) }
+    }
+}
+
+/// The non-volatile memory.
+#[derive(Clone, Debug)]
+pub(super) struct Store {
+    storage: Arc<Storage>,
+    /// What differs from the default, by the position of the parameter.
+    image: Vec<Option<Content>>,
+    offset: Option<i64>,
+    /// Being written; if a reset comes before it is done, the memory keeps what it had.
+    pending: Option<(Timestamp, StoreCommand)>,
+}
+
+impl Store {
+    /// An empty memory: everything as delivered.
+    pub fn new(model: &Model, parameters: &Parameters) -> Self {
+        let storage = Arc::new(model.sheet().storage.clone());
+        Self { storage, image: vec![None; parameters.entries().len()], offset: None, pending: None }
+    }
+
+    /// Begins to write; it is done at `done`.
+    pub const fn begin(&mut self, done: Timestamp, command: StoreCommand) {
+        self.pending = Some((done, command));
+    }
+
+    /// When writing is done.
+    pub fn timeout(&self) -> Timestamp {
+        self.pending.map_or(Timestamp::MAX, |(done, _)| done)
+    }
+
+    /// Ends writing, if it is time.
+    pub fn finish(&mut self, now: Timestamp, parameters: &Parameters, encoder: Option<&Encoder>, node: NodeId) {
+        if let Some((done, command)) = self.pending
+            && now >= done
+        {
+            self.pending = None;
+            match command {
+                StoreCommand::Save(groups) => self.save(groups, parameters, encoder, node),
+                StoreCommand::Restore(groups) => self.forget(groups, parameters),
+            }
+        }
+    }
+
+    fn save(&mut self, groups: Groups, parameters: &Parameters, encoder: Option<&Encoder>, node: NodeId) {
+        for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
+            if entry.writable && groups.contains(Groups::of(entry.at, &self.storage)) {
+                // COB-IDs that are as delivered go on following the node-ID.
+                *slot = (entry.content != entry.default_content(node)).then(|| entry.content.clone());
+            }
+        }
+        if groups.contains(Groups::APPLICATION) {
+            self.offset = encoder.map(Encoder::offset);
+        }
+    }
+
+    fn forget(&mut self, groups: Groups, parameters: &Parameters) {
+        for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
+            if groups.contains(Groups::of(entry.at, &self.storage)) {
+                *slot = None;
+            }
+        }
+        if groups.contains(Groups::APPLICATION) {
+            self.offset = None;
+        }
+    }
+
+    /// Stores one number at once, past all groups: LSS stores node-ID and bit rate so.
+    pub fn save_number(&mut self, at: Multiplexer, number: u64, parameters: &Parameters) {
+        let position = parameters.entries().iter().position(|entry| entry.at == at);
+        if let Some(slot) = position.and_then(|position| self.image.get_mut(position)) {
+            *slot = Some(Content::Number(number));
+        }
+    }
+
+    /// The stored number at that address.
+    pub fn number(&self, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
+        let position = parameters.entries().iter().position(|entry| entry.at == at)?;
+        match self.image.get(position)?.as_ref()? {
+            Content::Number(number) => Some(*number),
+            Content::Bytes(_) => None,
+        }
+    }
+
+    /// A reset: what is stored, or the default, becomes the value.
+    pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, encoder: Option<&mut Encoder>, node: NodeId) {
+        self.pending = None;
+        for (slot, entry) in self.image.iter().zip(parameters.entries_mut()) {
+            if groups.contains(Groups::of(entry.at, &self.storage)) {
+                entry.content = slot.clone().unwrap_or_else(|| entry.default_content(node));
+            }
+        }
+        if let Some(encoder) = encoder
+            && groups.contains(Groups::APPLICATION)
+        {
+            encoder.set_offset(self.offset.unwrap_or(0));
+        }
+    }
+}

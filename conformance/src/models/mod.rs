@@ -1,0 +1,107 @@
+//! The built-in device models. Two files each: an EDS with the object dictionary, and a TOML sheet with what an EDS
+//! cannot say.
+
+mod sheet;
+
+pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
+
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use std::sync::{Arc, LazyLock};
+
+/// The files of each model: EDS, sheet.
+const FILES: &[(&str, &str)] =
+    &[(include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml"))];
+
+static MODELS: LazyLock<Vec<Model>> =
+    LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
+
+/// A type of device: what it is, and what a simulated one needs to know.
+#[derive(Clone, Debug)]
+pub struct Model {
+    description: Arc<DeviceDescription>,
+    sheet: Arc<Sheet>,
+}
+
+/// Why a model's files could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// The EDS.
+    #[error("the EDS: {0}")]
+    Description(#[from] eds::DescriptionError),
+    /// The sheet.
+    #[error("the sheet: {0}")]
+    Sheet(#[from] toml::de::Error),
+    /// The node-ID as delivered.
+    #[error("the sheet: expected a default node-ID from 1 to 127, found {0}")]
+    NodeId(u8),
+}
+
+impl Model {
+    /// The built-in models.
+    pub fn all() -> &'static [Self] {
+        &MODELS
+    }
+
+    /// The built-in model of that id.
+    pub fn by_id(id: &str) -> Option<&'static Self> {
+        Self::all().iter().find(|model| model.id() == id)
+    }
+
+    /// A model from the text of its two files.
+    ///
+    /// # Errors
+    /// [`ModelError`] if one of them can't be read.
+    pub fn read(eds: &str, sheet: &str) -> Result<Self, ModelError> {
+        let sheet: Sheet = toml::from_str(sheet)?;
+        if let Some(node) = sheet.network.default_node_id {
+            NodeId::new(node).ok_or(ModelError::NodeId(node))?;
+        }
+        Ok(Self { description: Arc::new(eds::read(eds.as_bytes())?), sheet: Arc::new(sheet) })
+    }
+
+    /// The name on the command line.
+    pub fn id(&self) -> &str {
+        &self.sheet.id
+    }
+
+    /// What it is, in one line.
+    pub fn summary(&self) -> &str {
+        &self.sheet.summary
+    }
+
+    /// The node-ID as delivered; `None` if it has to be set by LSS first.
+    pub fn default_node(&self) -> Option<NodeId> {
+        self.sheet.network.default_node_id.and_then(NodeId::new)
+    }
+
+    /// The bit rate as delivered, in bit/s.
+    pub fn default_bit_rate(&self) -> u32 {
+        self.sheet.network.default_bit_rate_kbit.saturating_mul(1_000)
+    }
+
+    /// The device description.
+    pub fn description(&self) -> &DeviceDescription {
+        &self.description
+    }
+
+    /// What the EDS does not say.
+    pub fn sheet(&self) -> &Sheet {
+        &self.sheet
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_files_can_be_read() {
+        for (eds, sheet) in FILES {
+            let model = Model::read(eds, sheet).unwrap();
+            assert!(Model::by_id(model.id()).is_some());
+            assert!(!model.summary().is_empty());
+        }
+        assert_eq!(Model::all().len(), FILES.len());
+    }
+}

@@ -1,0 +1,205 @@
+//! The sheet of a device model, as its TOML file lays it out.
+
+use canvass_analyzer::Multiplexer;
+use canvass_traces::Duration;
+use serde::{Deserialize, Deserializer, de};
+
+/// What an EDS cannot say about a device, as far as the simulated device needs it. What is only for people and for
+/// the analyzer (signals, bits, errata) is not read here.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Sheet {
+    /// The name on the command line.
+    pub id: String,
+    /// One line.
+    pub summary: String,
+    /// Node-ID, bit rate, services.
+    pub network: Network,
+    /// Bit rates by their codes.
+    #[serde(default, rename = "bit_rate")]
+    pub bit_rates: Vec<BitRate>,
+    /// How long things take.
+    #[serde(default)]
+    pub timing: Timing,
+    /// What is stored, and how.
+    #[serde(default)]
+    pub storage: Storage,
+    /// The measurement.
+    pub encoder: Option<Encoder>,
+    /// Values that the EDS leaves open.
+    #[serde(default, rename = "value")]
+    pub values: Vec<Value>,
+}
+
+/// How the device is reached and which services it has.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Network {
+    /// As delivered; `None` if it has to be set by LSS first.
+    pub default_node_id: Option<u8>,
+    /// As delivered.
+    pub default_bit_rate_kbit: u32,
+    /// The object that holds the node-ID to use.
+    #[serde(default, deserialize_with = "address_option")]
+    pub node_id_object: Option<Multiplexer>,
+    /// The object that holds the code of the bit rate to use.
+    #[serde(default, deserialize_with = "address_option")]
+    pub bit_rate_object: Option<Multiplexer>,
+    /// Whether there is an LSS slave.
+    #[serde(default)]
+    pub lss: bool,
+    /// The NMT states in which LSS works; empty: in all.
+    #[serde(default)]
+    pub lss_states: Vec<String>,
+    /// Whether node guarding is answered.
+    #[serde(default)]
+    pub node_guarding: bool,
+    /// Whether a boot-up message is sent.
+    #[serde(default = "yes")]
+    pub boot_up_message: bool,
+    /// Whether TPDOs can be asked for by remote frames.
+    #[serde(default)]
+    pub rtr: bool,
+    /// The transmission types of TPDOs, as ranges.
+    #[serde(default = "all_transmission_types")]
+    pub transmission_types: Vec<(u8, u8)>,
+    /// Whether the SDO server knows block transfers.
+    #[serde(default)]
+    pub sdo_block_transfer: bool,
+}
+
+/// A bit rate with its codes.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct BitRate {
+    /// In kbit/s.
+    pub kbit: u32,
+    /// In the device's own object.
+    pub object_code: Option<u8>,
+    /// In LSS; `None`: not selectable.
+    pub lss_code: Option<u8>,
+}
+
+/// How long things take.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(default)]
+pub struct Timing {
+    /// From power-on or reset to the boot-up message.
+    pub boot_ms: u64,
+    /// From an SDO request to its response.
+    pub sdo_response_us: u64,
+    /// By how much responses come later than that, at most, by chance.
+    pub sdo_response_jitter_us: u64,
+    /// Writing the non-volatile memory.
+    pub store_ms: u64,
+    /// How long the SDO server waits for the next request of a transfer.
+    pub sdo_timeout_ms: u64,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self { boot_ms: 250, sdo_response_us: 1_000, sdo_response_jitter_us: 100, store_ms: 14, sdo_timeout_ms: 1_000 }
+    }
+}
+
+impl Timing {
+    /// From power-on or reset to the boot-up message.
+    pub const fn boot(&self) -> Duration {
+        Duration::from_millis(self.boot_ms)
+    }
+
+    /// From an SDO request to its response.
+    pub const fn sdo_response(&self) -> Duration {
+        Duration::from_micros(self.sdo_response_us)
+    }
+
+    /// Writing the non-volatile memory.
+    pub const fn store(&self) -> Duration {
+        Duration::from_millis(self.store_ms)
+    }
+
+    /// How long the SDO server waits for the next request of a transfer.
+    pub const fn sdo_timeout(&self) -> Duration {
+        Duration::from_millis(self.sdo_timeout_ms)
+    }
+}
+
+/// What is stored, and how.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(default)]
+pub struct Storage {
+    /// Writing it to 1010h stores.
+    pub save_signature: u32,
+    /// Writing it to 1011h restores the defaults.
+    pub load_signature: u32,
+    /// The abort code for any other value.
+    pub wrong_signature_abort: u32,
+    /// The object that stores `bus_objects` when the save signature is written.
+    #[serde(deserialize_with = "address_option")]
+    pub bus_save_object: Option<Multiplexer>,
+    /// Objects that 1010h does not store.
+    #[serde(deserialize_with = "addresses")]
+    pub bus_objects: Vec<Multiplexer>,
+}
+
+impl Default for Storage {
+    fn default() -> Self {
+        Self {
+            save_signature: u32::from_le_bytes(*b"save"),
+            load_signature: u32::from_le_bytes(*b"load"),
+            wrong_signature_abort: 0x0800_0020,
+            bus_save_object: None,
+            bus_objects: Vec::new(),
+        }
+    }
+}
+
+/// The measurement of a rotary encoder.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct Encoder {
+    /// The resolution of one revolution, in bits.
+    pub single_turn_bits: u8,
+    /// The revolutions that can be told apart.
+    #[serde(default = "one")]
+    pub revolutions: u32,
+    /// Above it, 6505h bit 0 warns.
+    pub speed_warning_rpm: Option<u32>,
+}
+
+/// The value of an object where the EDS has no default.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Value {
+    /// The object.
+    #[serde(deserialize_with = "address")]
+    pub at: Multiplexer,
+    /// A number.
+    pub value: toml::Value,
+}
+
+const fn yes() -> bool {
+    true
+}
+
+const fn one() -> u32 {
+    1
+}
+
+fn all_transmission_types() -> Vec<(u8, u8)> {
+    vec![(0, 240), (252, 255)]
+}
+
+fn parse_address<E: de::Error>(text: &str) -> Result<Multiplexer, E> {
+    let parsed = text.split_once(':').and_then(|(index, sub)| {
+        Some(Multiplexer::new(u16::from_str_radix(index, 16).ok()?, u8::from_str_radix(sub, 16).ok()?))
+    });
+    parsed.ok_or_else(|| E::custom(format!("expected \"index:sub\" in hexadecimal, found \"{text}\"")))
+}
+
+fn address<'de, D: Deserializer<'de>>(from: D) -> Result<Multiplexer, D::Error> {
+    parse_address(&String::deserialize(from)?)
+}
+
+fn address_option<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Multiplexer>, D::Error> {
+    address(from).map(Some)
+}
+
+fn addresses<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Multiplexer>, D::Error> {
+    Vec::<String>::deserialize(from)?.iter().map(|text| parse_address(text)).collect()
+}
