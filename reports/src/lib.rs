@@ -1,5 +1,9 @@
 //! Every rendering of decoded traffic and test results.
 //!
-//! - [`decode`]: frames, one line or one JSON object each.
+//! - [`conformance`]: the reports of a conformance run;
+//! - [`decode`]: frames, one line or one JSON object each;
+//! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
 
+pub mod conformance;
 pub mod decode;
+pub mod escape;

@@ -1,0 +1,140 @@
+//! The keys of the attribute.
+
+use proc_macro2::Span;
+use syn::parse::{Parse, ParseStream};
+use syn::punctuated::Punctuated;
+use syn::{Error, Ident, LitStr, Path, Result, Token, bracketed};
+
+/// What stands between the parentheses of `#[case(…)]`.
+pub struct Attributes {
+    pub id: LitStr,
+    pub standard: String,
+    pub section: Option<String>,
+    pub confidence: Ident,
+    pub level: Ident,
+    pub needs: Vec<Ident>,
+    pub touches: Vec<Ident>,
+    pub catches: Vec<Ident>,
+    pub cct: Option<LitStr>,
+}
+
+/// The same while it is read.
+#[derive(Default)]
+struct Keys {
+    id: Option<LitStr>,
+    clause: Option<LitStr>,
+    confidence: Option<Ident>,
+    level: Option<Ident>,
+    needs: Option<Vec<Ident>>,
+    touches: Option<Vec<Ident>>,
+    catches: Option<Vec<Ident>>,
+    cct: Option<LitStr>,
+}
+
+impl Parse for Attributes {
+    fn parse(input: ParseStream) -> Result<Self> {
+        let whole = input.span();
+        let mut keys = Keys::default();
+        while !input.is_empty() {
+            keys.read_one(input)?;
+            if !input.is_empty() {
+                input.parse::<Token![,]>()?;
+            }
+        }
+        keys.complete(whole)
+    }
+}
+
+impl Keys {
+    fn read_one(&mut self, input: ParseStream) -> Result<()> {
+        let key: Ident = input.parse()?;
+        input.parse::<Token![=]>()?;
+        let twice = match key.to_string().as_str() {
+            "id" => self.id.replace(input.parse()?).is_some(),
+            "clause" => self.clause.replace(input.parse()?).is_some(),
+            "cct" => self.cct.replace(input.parse()?).is_some(),
+            "confidence" => self.confidence.replace(name(input)?).is_some(),
+            "level" => self.level.replace(name(input)?).is_some(),
+            "needs" => self.needs.replace(names(input)?).is_some(),
+            "touches" => self.touches.replace(names(input)?).is_some(),
+            "catches" => self.catches.replace(names(input)?).is_some(),
+            _ => {
+                let known = "id, clause, confidence, level, needs, touches, catches and cct";
+                return Err(Error::new(key.span(), format!("no key of a case is called `{key}`: there are {known}")));
+            }
+        };
+        if twice { Err(Error::new(key.span(), format!("`{key}` is given twice"))) } else { Ok(()) }
+    }
+
+    fn complete(self, whole: Span) -> Result<Attributes> {
+        let id = required(self.id, "id = \"301/…\"", whole)?;
+        check_id(&id)?;
+        let clause = required(self.clause, "clause = \"CiA 301 …\"", whole)?;
+        let confidence = required(self.confidence, "confidence = Attested|Derived|Known|Unknown", whole)?;
+        let (standard, section) = split_clause(&clause, &confidence)?;
+        let catches = required(self.catches, "catches = [a firmware fault]", whole)?;
+        if catches.is_empty() {
+            return Err(Error::new(whole, "a case that catches no fault proves nothing: name one in `catches`"));
+        }
+        Ok(Attributes {
+            id,
+            standard,
+            section,
+            confidence,
+            level: required(self.level, "level = Must|Should|May", whole)?,
+            needs: self.needs.unwrap_or_default(),
+            touches: self.touches.unwrap_or_default(),
+            catches,
+            cct: self.cct,
+        })
+    }
+}
+
+fn required<T>(value: Option<T>, key: &str, whole: Span) -> Result<T> {
+    value.ok_or_else(|| Error::new(whole, format!("the case lacks `{key}`")))
+}
+
+/// The variant's name, with or without its enum before it.
+fn name(input: ParseStream) -> Result<Ident> {
+    let path: Path = input.parse()?;
+    let last = path.segments.last().map(|segment| segment.ident.clone());
+    last.ok_or_else(|| Error::new(input.span(), "expected a name"))
+}
+
+fn names(input: ParseStream) -> Result<Vec<Ident>> {
+    let content;
+    bracketed!(content in input);
+    Ok(Punctuated::<Ident, Token![,]>::parse_terminated_with(&content, name)?.into_iter().collect())
+}
+
+/// Ids are typed on command lines: lower case, digits, hyphens, and slashes between parts that are not empty.
+fn check_id(id: &LitStr) -> Result<()> {
+    let text = id.value();
+    let good_part = |part: &str| {
+        !part.is_empty() && part.bytes().all(|b| b.is_ascii_lowercase() || b.is_ascii_digit() || b == b'-')
+    };
+    if text.contains('/') && text.split('/').all(good_part) {
+        return Ok(());
+    }
+    Err(Error::new(id.span(), "an id is lower-case words in a path, such as \"301/sdo/download/read-only\""))
+}
+
+/// `CiA 301 7.2.8.2.3.1` -> `CiA 301` and `7.2.8.2.3.1`.
+fn split_clause(clause: &LitStr, confidence: &Ident) -> Result<(String, Option<String>)> {
+    let text = clause.value();
+    let mut words = text.split(' ');
+    let standard = match (words.next(), words.next()) {
+        (Some(body @ "CiA"), Some(number)) if !number.is_empty() => format!("{body} {number}"),
+        _ => return Err(Error::new(clause.span(), "a clause begins with its standard, such as \"CiA 301 7.2\"")),
+    };
+    let section = words.next().map(str::to_owned);
+    if words.next().is_some() || section.as_deref().is_some_and(|s| !s.bytes().all(|b| b.is_ascii_digit() || b == b'.'))
+    {
+        return Err(Error::new(clause.span(), "after the standard stands one section number, such as \"7.2.8\""));
+    }
+    match (&section, confidence == "Unknown") {
+        (None, false) => Err(Error::new(clause.span(), "only a clause of confidence Unknown has no section")),
+        (Some(_), true) => Err(Error::new(clause.span(), "a clause of confidence Unknown has no section")),
+        _ => Ok((standard, section)),
+    }
+}

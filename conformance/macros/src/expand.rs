@@ -1,0 +1,124 @@
+//! What the attribute becomes.
+
+use crate::attributes::Attributes;
+use proc_macro2::TokenStream;
+use quote::quote;
+use syn::{Attribute, Error, Expr, ExprLit, ItemFn, Lit, Meta, Result};
+
+/// The function as it was, and its registration.
+pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
+    let attributes: Attributes = syn::parse2(attribute)?;
+    let function: ItemFn = syn::parse2(item)?;
+    let requirement = requirement(&function)?;
+    let name = &function.sig.ident;
+    let Attributes { id, standard, section, confidence, level, needs, touches, catches, cct } = attributes;
+    let section = option(section);
+    let cct = option(cct);
+    Ok(quote! {
+        #function
+
+        ::inventory::submit! {
+            crate::case::Case {
+                id: #id,
+                requirement: #requirement,
+                clause: crate::case::Clause {
+                    standard: #standard,
+                    section: #section,
+                    confidence: crate::case::Confidence::#confidence,
+                },
+                level: crate::case::Level::#level,
+                needs: &[#(crate::case::Need::#needs),*],
+                touches: &[#(crate::case::Touch::#touches),*],
+                catches: &[#(crate::Fault::#catches),*],
+                cct: #cct,
+                run: #name,
+            }
+        }
+    })
+}
+
+fn option(value: Option<impl quote::ToTokens>) -> TokenStream {
+    match value {
+        Some(value) => quote!(::core::option::Option::Some(#value)),
+        None => quote!(::core::option::Option::None),
+    }
+}
+
+/// The doc comment as one text: lines joined by spaces, empty lines kept as paragraphs.
+fn requirement(function: &ItemFn) -> Result<String> {
+    let mut text = String::new();
+    for line in function.attrs.iter().filter_map(doc_line) {
+        let line = line.trim();
+        if line.is_empty() {
+            text.push_str("\n\n");
+        } else {
+            if !text.is_empty() && !text.ends_with('\n') {
+                text.push(' ');
+            }
+            text.push_str(line);
+        }
+    }
+    let text = text.trim();
+    if text.is_empty() {
+        let advice =
+            "a case says its requirement in its doc comment: what the standard demands, in one or two sentences";
+        return Err(Error::new(function.sig.ident.span(), advice));
+    }
+    Ok(text.to_owned())
+}
+
+fn doc_line(attribute: &Attribute) -> Option<String> {
+    match &attribute.meta {
+        Meta::NameValue(pair) if pair.path.is_ident("doc") => match &pair.value {
+            Expr::Lit(ExprLit { lit: Lit::Str(line), .. }) => Some(line.value()),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const FUNCTION: &str =
+        "/// Every reset ends\n/// in a boot-up.\n///\n/// Why.\nfn f(bench: &mut Bench) -> Judged {}";
+    const COMPLETE: &str = r#"id = "301/boot-up/reset", clause = "CiA 301 7.2", confidence = Known, level = Must,
+        needs = [Heartbeat], catches = [Fault::BootUpMissing], cct = "9.1""#;
+
+    fn expanded(attribute: &str, item: &str) -> std::result::Result<String, String> {
+        let parsed = (attribute.parse().unwrap(), item.parse().unwrap());
+        case(parsed.0, parsed.1).map(|tokens| tokens.to_string()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_complete_case_is_registered_with_its_requirement() {
+        let tokens = expanded(COMPLETE, FUNCTION).unwrap();
+        assert!(tokens.contains(r#"requirement : "Every reset ends in a boot-up.\n\nWhy.""#), "{tokens}");
+        assert!(tokens.contains("Fault :: BootUpMissing") && tokens.contains("Need :: Heartbeat"), "{tokens}");
+        assert!(tokens.contains(r#"section : :: core :: option :: Option :: Some ("7.2")"#), "{tokens}");
+    }
+
+    #[test]
+    fn what_is_missing_is_named() {
+        let without = |key: &str| {
+            let kept: Vec<&str> = COMPLETE.split(", ").filter(|pair| !pair.trim().starts_with(key)).collect();
+            expanded(&kept.join(", "), FUNCTION).unwrap_err()
+        };
+        for key in ["id", "clause", "confidence", "level", "catches"] {
+            assert!(without(key).contains(&format!("`{key} =")), "{}", without(key));
+        }
+        assert!(expanded(COMPLETE, "fn f() {}").unwrap_err().contains("doc comment"));
+    }
+
+    #[test]
+    fn what_is_wrong_is_named() {
+        let with = |from: &str, to: &str| expanded(&COMPLETE.replace(from, to), FUNCTION).unwrap_err();
+        assert!(with("[Fault::BootUpMissing]", "[]").contains("proves nothing"));
+        assert!(with("301/boot-up/reset", "301/Boot Up").contains("lower-case"));
+        assert!(with("CiA 301 7.2", "7.2").contains("its standard"));
+        assert!(with("Known", "Unknown").contains("no section"));
+        assert!(with("cct", "cst").contains("`cst`"));
+        assert!(with("cct =", "id =").contains("twice"));
+    }
+}

@@ -1,0 +1,85 @@
+//! The frames that were on the bus while a case ran.
+
+use canvass_traces::Record;
+use std::collections::VecDeque;
+
+/// Frames with their decoded text, bounded: the first and the last of them.
+#[derive(Clone, Debug, Default)]
+pub struct Evidence {
+    head: Vec<Exhibit>,
+    tail: VecDeque<Exhibit>,
+    omitted: u64,
+}
+
+/// One frame of the evidence.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Exhibit {
+    /// The frame, its time and direction.
+    pub record: Record,
+    /// What it means. Made from what the device sent: may hold anything.
+    pub text: String,
+}
+
+/// Gives frames their text. Sees every frame of a run once, in order.
+pub trait Annotate {
+    /// What the frame means.
+    fn annotate(&mut self, record: &Record) -> String;
+}
+
+impl<F: FnMut(&Record) -> String> Annotate for F {
+    fn annotate(&mut self, record: &Record) -> String {
+        self(record)
+    }
+}
+
+impl Evidence {
+    /// How many frames are kept from the start, and how many from the end.
+    pub const KEPT: usize = 250;
+
+    /// Adds a frame; the frame in the middle goes when there are too many.
+    pub fn push(&mut self, exhibit: Exhibit) {
+        if self.head.len() < Self::KEPT {
+            self.head.push(exhibit);
+            return;
+        }
+        if self.tail.len() == Self::KEPT {
+            self.tail.pop_front();
+            self.omitted += 1;
+        }
+        self.tail.push_back(exhibit);
+    }
+
+    /// The frames that were kept, in the order in which they were on the bus.
+    pub fn frames(&self) -> impl Iterator<Item = &Exhibit> {
+        self.head.iter().chain(&self.tail)
+    }
+
+    /// How many frames were left out.
+    pub const fn omitted(&self) -> u64 {
+        self.omitted
+    }
+
+    /// After how many of [`Evidence::frames`] frames were left out.
+    pub const fn gap(&self) -> usize {
+        self.head.len()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::{CanId, ChannelId, Frame, Timestamp};
+
+    #[test]
+    fn first_and_last_frames_are_kept() {
+        let mut evidence = Evidence::default();
+        let frame = Frame::full(CanId::standard_masked(1), [0; 8]);
+        for n in 0..1_000 {
+            let record = Record::new(Timestamp(n), ChannelId(0), frame);
+            evidence.push(Exhibit { record, text: String::new() });
+        }
+        let times: Vec<u64> = evidence.frames().map(|exhibit| exhibit.record.timestamp.0).collect();
+        assert_eq!((times.len(), evidence.omitted()), (500, 500));
+        assert_eq!((times[evidence.gap() - 1], times[evidence.gap()]), (249, 750));
+    }
+}

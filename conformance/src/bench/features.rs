@@ -1,0 +1,130 @@
+//! What the device has: its description and the device itself are asked.
+
+use super::Bench;
+use super::objects::{EVENT_TIMER, TPDO_COB_ID};
+use super::sdo::number;
+use super::state::{GUARD_TIME, HEARTBEAT_TIME};
+use crate::case::{Need, Touch};
+use crate::client::Outcome;
+use crate::verdict::Verdict;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{CobId, Multiplexer};
+
+impl Bench<'_> {
+    /// Whether a case's need is met; if not, why not. Asked once in a run.
+    ///
+    /// # Errors
+    /// [`Verdict::Error`] if the bus fails, [`Verdict::Inconclusive`] if the run was cancelled.
+    pub fn meets(&mut self, need: Need) -> Result<Result<(), String>, Verdict> {
+        // Other nodes can turn up at any time.
+        if need == Need::Alone {
+            return Ok(self.alone());
+        }
+        if let Some(known) = self.features.get(&need) {
+            return Ok(known.clone());
+        }
+        let met = self.find_out(need)?;
+        self.features.insert(need, met.clone());
+        Ok(met)
+    }
+
+    fn find_out(&mut self, need: Need) -> Result<Result<(), String>, Verdict> {
+        let absent = |what: &str| Err(format!("the device has no {what}"));
+        Ok(match need {
+            Need::VisibleState => match self.has(HEARTBEAT_TIME)? || self.has(GUARD_TIME)? {
+                true => Ok(()),
+                false => absent("1017h and no 100Ch"),
+            },
+            Need::Heartbeat => {
+                if self.has(HEARTBEAT_TIME)? {
+                    Ok(())
+                } else {
+                    absent("1017h")
+                }
+            }
+            Need::ScratchObject => match self.scratch_objects()?.is_empty() {
+                true => absent("object that can be written without consequence"),
+                false => Ok(()),
+            },
+            Need::SegmentedUpload => self
+                .long_object(8)?
+                .map(|_| ())
+                .ok_or_else(|| "no object that was found gives more than 7 bytes".to_owned()),
+            Need::EventTimer => self.event_timer()?,
+            Need::Name => {
+                if self.names()?.is_empty() {
+                    absent("1008h, 1009h or 100Ah")
+                } else {
+                    Ok(())
+                }
+            }
+            Need::Lss => self.lss(),
+            Need::Description => match self.target.description {
+                Some(_) => Ok(()),
+                None => Err("no description of the device was given".to_owned()),
+            },
+            Need::Alone => self.alone(),
+        })
+    }
+
+    /// Whether the device has an object. It is the device that decides; where it does not answer, its description.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn has(&mut self, multiplexer: Multiplexer) -> Result<bool, Verdict> {
+        if let Some(described) = self.described(multiplexer) {
+            return Ok(described);
+        }
+        let outcome = self.upload(multiplexer)?.outcome;
+        Ok(match outcome {
+            Outcome::Aborted(abort) => !matches!(abort.code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX),
+            Outcome::Silent => false,
+            _ => true,
+        })
+    }
+
+    /// What the description says of an object; `None` without a description.
+    pub fn described(&self, multiplexer: Multiplexer) -> Option<bool> {
+        self.target.description.as_ref().map(|description| description.dictionary.entry(multiplexer).is_ok())
+    }
+
+    fn event_timer(&mut self) -> Result<Result<(), String>, Verdict> {
+        let Outcome::Uploaded(cob_id) = self.upload(TPDO_COB_ID)?.outcome else {
+            return Ok(Err(format!("the device has no {TPDO_COB_ID}")));
+        };
+        if !CobId(number(&cob_id)).is_valid() {
+            return Ok(Err(format!("TPDO 1 is switched off ({TPDO_COB_ID} is {})", CobId(number(&cob_id)))));
+        }
+        Ok(if self.has(EVENT_TIMER)? { Ok(()) } else { Err(format!("the device has no {EVENT_TIMER}")) })
+    }
+
+    fn lss(&self) -> Result<(), String> {
+        match &self.target.description {
+            Some(description) if description.device.lss_supported => Ok(()),
+            Some(_) => Err("the description says that LSS is not supported".to_owned()),
+            None => Err("without a description it is not known whether the device supports LSS".to_owned()),
+        }
+    }
+
+    fn alone(&self) -> Result<(), String> {
+        if self.options.allow.contains(&Touch::OtherNodes) {
+            return Ok(());
+        }
+        match self.watch.others().first() {
+            None => Ok(()),
+            Some(other) => Err(format!(
+                "node {other} is on this bus too; with --allow {} it is commanded as well",
+                Touch::OtherNodes
+            )),
+        }
+    }
+
+    /// A node-ID next to that of the device at which no other node was heard.
+    pub fn vacant_neighbour(&self) -> Option<u8> {
+        let own = self.node().raw();
+        let candidates = [own.checked_add(1), own.checked_sub(1), own.checked_add(2), own.checked_sub(2)];
+        let vacant =
+            |raw: &u8| canvass_analyzer::NodeId::new(*raw).is_some_and(|node| !self.watch.others().contains(&node));
+        candidates.into_iter().flatten().find(vacant)
+    }
+}

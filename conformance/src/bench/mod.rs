@@ -1,0 +1,144 @@
+//! Where a case runs: it reaches the precondition, gives the stimulus, sees what happens, and cleans up.
+//!
+//! - `traffic`: frames out and in;
+//! - [`nmt`]: commands, resets, boot-up;
+//! - [`state`]: NMT states, seen and reached;
+//! - [`sdo`]: transfers and single messages;
+//! - [`objects`]: which objects of this device serve a case;
+//! - [`features`]: what this device has;
+//! - `restore`: as it was found.
+
+mod evidence;
+pub mod features;
+pub mod nmt;
+pub mod objects;
+mod restore;
+pub mod sdo;
+pub mod state;
+mod target;
+mod traffic;
+mod watch;
+
+pub use evidence::{Annotate, Evidence, Exhibit};
+pub use target::{Deviation, Options, Target, Timing};
+pub use traffic::Sent;
+
+use crate::bus::Bus;
+use crate::case::Need;
+use crate::verdict::{Reason, Verdict};
+use canvass_analyzer::NodeId;
+use canvass_traces::Timestamp;
+use restore::Change;
+use std::collections::BTreeMap;
+use std::sync::atomic::{AtomicBool, Ordering};
+use watch::Watch;
+
+/// The bus, the device under test, and what happens between them while a case runs.
+pub struct Bench<'a> {
+    bus: &'a mut dyn Bus,
+    target: &'a Target,
+    options: &'a Options,
+    annotate: &'a mut dyn Annotate,
+    cancel: &'a AtomicBool,
+    evidence: Evidence,
+    watch: Watch,
+    changes: Vec<Change>,
+    notes: Vec<String>,
+    /// Waits end at once when the user cancels, except while things are being put back.
+    restoring: bool,
+    features: BTreeMap<Need, Result<(), String>>,
+}
+
+/// What a case leaves behind for its report.
+#[derive(Debug)]
+pub struct Remains {
+    /// The frames that were on the bus.
+    pub evidence: Evidence,
+    /// What else happened: an EMCY nobody asked for, a value that could not be restored.
+    pub notes: Vec<String>,
+    /// The device restarted without being told to.
+    pub restarted: Option<Timestamp>,
+}
+
+impl<'a> Bench<'a> {
+    /// A bench for one device. `cancel` ends every wait once it is set.
+    pub fn new(
+        bus: &'a mut dyn Bus,
+        target: &'a Target,
+        options: &'a Options,
+        annotate: &'a mut dyn Annotate,
+        cancel: &'a AtomicBool,
+    ) -> Self {
+        Self {
+            bus,
+            target,
+            options,
+            annotate,
+            cancel,
+            evidence: Evidence::default(),
+            watch: Watch::new(target.node),
+            changes: Vec::new(),
+            notes: Vec::new(),
+            restoring: false,
+            features: BTreeMap::new(),
+        }
+    }
+
+    /// The node-ID of the device under test.
+    pub fn node(&self) -> NodeId {
+        self.target.node
+    }
+
+    /// What is tested.
+    pub fn target(&self) -> &'a Target {
+        self.target
+    }
+
+    /// How to test.
+    pub fn options(&self) -> &'a Options {
+        self.options
+    }
+
+    /// How long to wait for what.
+    pub fn timing(&self) -> Timing {
+        self.options.timing
+    }
+
+    /// The time on the bus.
+    pub fn now(&self) -> Timestamp {
+        self.bus.now()
+    }
+
+    /// Whether the user has cancelled the run.
+    pub fn is_cancelled(&self) -> bool {
+        self.cancel.load(Ordering::Relaxed)
+    }
+
+    /// Adds a sentence to the case's report. Does not change the verdict.
+    pub fn note(&mut self, text: impl Into<String>) {
+        self.notes.push(text.into());
+    }
+
+    /// Forgets the case before: nothing of it counts for the next one.
+    pub(crate) fn begin(&mut self) {
+        self.evidence = Evidence::default();
+        self.notes.clear();
+        self.watch.forget();
+    }
+
+    /// Ends a case: puts back what it changed and hands over what it left behind.
+    pub(crate) fn finish(&mut self) -> Remains {
+        self.restore();
+        let notes = self.watch.emergencies().map(|(at, emcy)| format!("EMCY at {at} s: {emcy}"));
+        let notes: Vec<String> = notes.collect::<Vec<_>>().into_iter().chain(self.notes.drain(..)).collect();
+        Remains { evidence: std::mem::take(&mut self.evidence), notes, restarted: self.watch.restarted() }
+    }
+
+    fn check_cancelled(&self) -> Result<(), Verdict> {
+        if self.is_cancelled() && !self.restoring {
+            let reason = Reason::new("the case runs to its end", "no interruption", "the run was cancelled");
+            return Err(Verdict::Inconclusive(reason));
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,178 @@
+//! NMT commands, resets and boot-up.
+
+use super::{Bench, Sent};
+use crate::verdict::{Reason, Verdict};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::error_control::{self, ErrorControl};
+use canvass_analyzer::wire::nmt::{self, Command, Nmt};
+use canvass_traces::{Duration, Frame, Record, Timestamp};
+
+/// After a boot-up: pending EMCYs and first heartbeats are sent now, not in the middle of the case.
+const AFTER_BOOT_UP: Duration = Duration::from_millis(50);
+
+/// Between two NMT commands: some stacks keep only one pending command.
+const BETWEEN_COMMANDS: Duration = Duration::from_millis(20);
+
+/// What the device sent between a reset command and the end of its start.
+#[derive(Clone, Debug, Default)]
+pub struct Start {
+    /// Each error control message of state 0, whatever its length.
+    pub boot_ups: Vec<Record>,
+    /// What the device sent before the first of them.
+    pub before: Vec<Record>,
+}
+
+impl Bench<'_> {
+    /// Commands the device under test.
+    ///
+    /// # Errors
+    /// As [`Bench::send`].
+    pub fn command(&mut self, command: Command) -> Result<Sent, Verdict> {
+        self.command_to(self.node().raw(), command)
+    }
+
+    /// Commands all nodes.
+    ///
+    /// # Errors
+    /// As [`Bench::send`].
+    pub fn command_all(&mut self, command: Command) -> Result<Sent, Verdict> {
+        self.command_to(0, command)
+    }
+
+    /// Sends an NMT command to any node-ID byte, a reserved one too.
+    ///
+    /// # Errors
+    /// As [`Bench::send`].
+    pub fn command_to(&mut self, node: u8, command: Command) -> Result<Sent, Verdict> {
+        let concerned = node == 0 || node == self.node().raw();
+        if concerned && matches!(command, Command::RESET_NODE | Command::RESET_COMMUNICATION) {
+            self.watch.expect_boot_up();
+        }
+        self.send(&Nmt { command, node }.to_frame(nmt::CAN_ID))
+    }
+
+    /// Whether a frame is a boot-up message of the device under test, and nothing else: one byte, 00h.
+    pub fn is_boot_up(&self, frame: &Frame) -> bool {
+        self.is_error_control(frame) && frame.data() == [0]
+    }
+
+    /// Whether a frame is an error control message of the device under test, whatever its content.
+    pub fn is_error_control(&self, frame: &Frame) -> bool {
+        frame.cob_id() == Some(error_control::CAN_ID_BASE + u16::from(self.node().raw()))
+    }
+
+    /// Waits for the boot-up message; `None` if there is none in time.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub fn wait_for_boot_up(&mut self) -> Result<Option<Timestamp>, Verdict> {
+        let boot_up = error_control::CAN_ID_BASE + u16::from(self.node().raw());
+        self.wait_for(self.timing().boot_up, |record| {
+            let is_boot_up = record.frame.cob_id() == Some(boot_up)
+                && ErrorControl::read(record.frame.data()).is_ok_and(ErrorControl::is_boot_up);
+            is_boot_up.then_some(record.timestamp)
+        })
+    }
+
+    /// Resets the device and sees it start. A device that does not send its boot-up message but answers SDOs again
+    /// has started too: that the message is missing is the matter of the cases on boot-up, not of all others.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if the device does not come back.
+    pub fn reset(&mut self, command: Command) -> Result<(), Verdict> {
+        self.drain()?;
+        self.command(command)?;
+        if self.wait_for_boot_up()?.is_none() {
+            // In stopped some devices ignore resets.
+            self.command(Command::ENTER_PRE_OPERATIONAL)?;
+            self.listen(BETWEEN_COMMANDS)?;
+            self.command(command)?;
+            if self.wait_for_boot_up()?.is_none() && !self.answers()? {
+                let (duty, expected) = (format!("after {command} the device starts"), "a boot-up message");
+                return Err(Verdict::Inconclusive(Reason::new(duty, expected, "neither boot-up nor SDO response")));
+            }
+        }
+        self.listen(AFTER_BOOT_UP)?;
+        Ok(())
+    }
+
+    /// Resets the device and records its start: from the command until `after` has passed since the first
+    /// boot-up, or until there was none in time.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub fn record_start(&mut self, command: Command, after: Duration) -> Result<Start, Verdict> {
+        self.drain()?;
+        self.command(command)?;
+        // The command itself must be on the bus first: what the device sent before it does not belong to the start.
+        self.wait_for_own(nmt::CAN_ID)?;
+        let deadline = self.now() + self.timing().boot_up;
+        let mut start = Start::default();
+        while start.boot_ups.is_empty() && self.now() < deadline {
+            let remaining = deadline.since(self.now());
+            self.record_until_boot_up(remaining, &mut start)?;
+        }
+        if !start.boot_ups.is_empty() {
+            let more = self.listen(after)?;
+            start.boot_ups.extend(more.into_iter().filter(|record| self.is_state_zero(&record.frame)));
+        }
+        Ok(start)
+    }
+
+    fn record_until_boot_up(&mut self, span: Duration, start: &mut Start) -> Result<(), Verdict> {
+        let node = self.node();
+        let error_control = error_control::CAN_ID_BASE + u16::from(node.raw());
+        let boot_up = self.wait_for(span, |record| {
+            if !super::traffic::is_from(node, &record.frame) {
+                return None;
+            }
+            if record.frame.cob_id() == Some(error_control) && is_state_zero(&record.frame) {
+                return Some(record.clone());
+            }
+            start.before.push(record.clone());
+            None
+        })?;
+        start.boot_ups.extend(boot_up);
+        Ok(())
+    }
+
+    fn is_state_zero(&self, frame: &Frame) -> bool {
+        self.is_error_control(frame) && is_state_zero(frame)
+    }
+
+    /// Waits until an own frame of that CAN-ID was on the bus.
+    fn wait_for_own(&mut self, cob_id: u16) -> Result<(), Verdict> {
+        let deadline = self.now() + self.timing().reaction;
+        while let Some(record) = self.receive(deadline)? {
+            let is_own = record.direction == canvass_traces::Direction::Tx;
+            if is_own && record.frame.cob_id() == Some(cob_id) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the SDO server answers at all.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub fn answers(&mut self) -> Result<bool, Verdict> {
+        Ok(!self.upload(Multiplexer::new(0x1000, 0))?.is_silent())
+    }
+
+    /// What every case starts from: reset, boot-up seen, pre-operational even if the device starts by itself.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if the device does not get there.
+    pub fn prepare(&mut self) -> Result<(), Verdict> {
+        self.reset(Command::RESET_NODE)?;
+        self.command(Command::ENTER_PRE_OPERATIONAL)?;
+        self.listen(self.timing().reaction)?;
+        Ok(())
+    }
+}
+
+fn is_state_zero(frame: &Frame) -> bool {
+    ErrorControl::read(frame.data()).is_ok_and(ErrorControl::is_boot_up)
+}

@@ -1,0 +1,75 @@
+//! The device is left as it was found.
+
+use super::Bench;
+use crate::client::sdo::{Bytes, Mode, Outcome};
+use crate::verdict::Verdict;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::nmt::Command;
+
+/// A value as it was before the case wrote to it.
+#[derive(Debug)]
+pub struct Change {
+    multiplexer: Multiplexer,
+    original: Vec<u8>,
+}
+
+/// Writing these makes something happen; there is no value to put back.
+const fn is_trigger(multiplexer: Multiplexer) -> bool {
+    matches!(multiplexer.index.0, 0x1010 | 0x1011)
+}
+
+impl Bench<'_> {
+    /// Keeps the value of an object that is about to be written. What can't be read can't be put back.
+    pub(super) fn remember(&mut self, multiplexer: Multiplexer) -> Result<(), Verdict> {
+        let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
+        if known || is_trigger(multiplexer) {
+            return Ok(());
+        }
+        if let Outcome::Uploaded(original) = self.upload(multiplexer)?.outcome {
+            self.changes.push(Change { multiplexer, original });
+        }
+        Ok(())
+    }
+
+    /// Puts back what the case changed, the last change first; also after a failure and after Ctrl-C.
+    pub(super) fn restore(&mut self) {
+        self.restoring = true;
+        let changes = std::mem::take(&mut self.changes);
+        if !changes.is_empty()
+            && let Err(verdict) = self.wake()
+        {
+            self.notes.push(format!("not restored: {}", verdict.reason().cloned().unwrap_or_default()));
+        }
+        for change in changes.into_iter().rev() {
+            if let Some(problem) = self.put_back(&change) {
+                let value = Bytes(&change.original);
+                self.notes.push(format!("{} could not be set back to {value}: {problem}", change.multiplexer));
+            }
+        }
+        self.restoring = false;
+    }
+
+    /// Only in stopped the SDO server must not answer.
+    fn wake(&mut self) -> Result<(), Verdict> {
+        if !self.answers()? {
+            self.command(Command::ENTER_PRE_OPERATIONAL)?;
+            self.listen(self.timing().reaction)?;
+        }
+        Ok(())
+    }
+
+    fn put_back(&mut self, change: &Change) -> Option<String> {
+        let now = match self.upload(change.multiplexer) {
+            Ok(attempt) => attempt.outcome,
+            Err(verdict) => return Some(verdict.reason().cloned().unwrap_or_default().to_string()),
+        };
+        if now == Outcome::Uploaded(change.original.clone()) {
+            return None;
+        }
+        match self.download_as(change.multiplexer, &change.original, Mode::Shortest) {
+            Ok(attempt) if attempt.outcome == Outcome::Downloaded => None,
+            Ok(attempt) => Some(attempt.outcome.to_string()),
+            Err(verdict) => Some(verdict.reason().cloned().unwrap_or_default().to_string()),
+        }
+    }
+}

@@ -1,0 +1,127 @@
+//! NMT states: how they are seen, and how they are reached.
+
+use super::Bench;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
+use canvass_analyzer::wire::nmt::Command;
+use canvass_traces::{CanId, Duration, Frame};
+
+/// Producer heartbeat time.
+pub const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(0x1017, 0);
+/// Guard time.
+pub const GUARD_TIME: Multiplexer = Multiplexer::new(0x100C, 0);
+
+/// The period at which a case lets the device say its state: short, and no burden on the bus.
+const PERIOD_MS: u16 = 50;
+
+/// A device whose heartbeats are further apart is not recognised as being at work.
+const LONGEST_HEARTBEAT: Duration = Duration::from_millis(1_100);
+
+/// How many periods without a heartbeat mean that there is none.
+const PERIODS: u64 = 4;
+
+impl Bench<'_> {
+    /// Makes the device show its state: lets it send heartbeats, where it can. Works only where SDOs work, so
+    /// before the device is stopped; a reset ends it.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if the device has a heartbeat producer but does not take the time.
+    pub fn show_state(&mut self) -> Result<(), Verdict> {
+        if self.has(HEARTBEAT_TIME)? { self.write(HEARTBEAT_TIME, &PERIOD_MS.to_le_bytes()) } else { Ok(()) }
+    }
+
+    /// The state that the device shows from now on; `None` if it shows none.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub fn state(&mut self) -> Result<Option<State>, Verdict> {
+        if self.has(HEARTBEAT_TIME)? {
+            self.drain()?;
+            return self.wait_for_state(Duration::from_millis(u64::from(PERIOD_MS)).times(PERIODS));
+        }
+        self.guard()
+    }
+
+    /// Asks for the state by node guarding.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub fn guard(&mut self) -> Result<Option<State>, Verdict> {
+        self.drain()?;
+        let id = CanId::standard_masked(u32::from(error_control::CAN_ID_BASE) + u32::from(self.node().raw()));
+        if let Some(request) = Frame::remote(id, 1) {
+            self.send(&request)?;
+        }
+        self.wait_for_state(self.timing().silence)
+    }
+
+    fn wait_for_state(&mut self, span: Duration) -> Result<Option<State>, Verdict> {
+        let cob_id = error_control::CAN_ID_BASE + u16::from(self.node().raw());
+        self.wait_for(span, |record| {
+            let is_ours = record.frame.cob_id() == Some(cob_id);
+            let message = is_ours.then(|| ErrorControl::read(record.frame.data()).ok()).flatten()?;
+            (!message.is_boot_up()).then_some(message.state)
+        })
+    }
+
+    /// Brings the device into a state and sees it there.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if it does not get there.
+    pub fn reach(&mut self, state: State) -> Result<(), Verdict> {
+        self.show_state()?;
+        if let Some(command) = command_to(state) {
+            self.command(command)?;
+        }
+        self.expect_state(state, "the precondition").map(|_| ()).map_err(Verdict::as_inconclusive)
+    }
+
+    /// Demands that the device now is in that state, `after` something. Gives it the time to get there.
+    ///
+    /// # Errors
+    /// [`Verdict::Fail`] if it shows another or none.
+    pub fn expect_state(&mut self, expected: State, after: &str) -> Judged {
+        self.listen(self.timing().reaction)?;
+        let found = self.state()?;
+        demand(found == Some(expected), || {
+            let actual = found.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
+            Reason::new(format!("the device is {expected} after {after}"), expected.to_string(), actual)
+        })
+    }
+
+    /// Whether the device says by itself that it is operational: it was at work before the run.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub(crate) fn is_operational(&mut self) -> Result<bool, Verdict> {
+        let cob_id = error_control::CAN_ID_BASE + u16::from(self.node().raw());
+        let state = self.wait_for(LONGEST_HEARTBEAT, |record| {
+            let is_ours = record.frame.cob_id() == Some(cob_id);
+            is_ours.then(|| ErrorControl::read(record.frame.data()).ok()).flatten().map(|message| message.state)
+        })?;
+        Ok(state == Some(State::OPERATIONAL))
+    }
+
+    /// Ends the run: the device is as after power-on, and operational if it was before. Works after Ctrl-C too.
+    pub(crate) fn leave(&mut self, operational: bool) {
+        self.restoring = true;
+        // What can fail here has failed before, and is in the reports of the cases.
+        let _ = self.reset(Command::RESET_NODE);
+        if operational {
+            let _ = self.command(Command::START);
+        }
+        self.restoring = false;
+    }
+}
+
+/// The command that leads to a state from every other.
+pub const fn command_to(state: State) -> Option<Command> {
+    match state {
+        State::PRE_OPERATIONAL => Some(Command::ENTER_PRE_OPERATIONAL),
+        State::OPERATIONAL => Some(Command::START),
+        State::STOPPED => Some(Command::STOP),
+        _ => None,
+    }
+}

@@ -1,0 +1,87 @@
+//! What is tested, and under which conditions.
+
+use crate::case::Touch;
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_traces::Duration;
+use std::collections::BTreeSet;
+
+/// The device under test.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// Its node-ID.
+    pub node: NodeId,
+    /// What the user calls it: the id of a model or the path of an EDS. Empty if neither was given.
+    pub model: String,
+    /// What its EDS or model says about it.
+    pub description: Option<DeviceDescription>,
+    /// Where its own documentation announces that it differs from the standard.
+    pub deviations: Vec<Deviation>,
+}
+
+/// A difference from the standard that the device's own documentation announces.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Deviation {
+    /// The case that it explains: an id, or a pattern with `*`.
+    pub case: String,
+    /// What the documentation says, and where.
+    pub documented: String,
+}
+
+/// How to test.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Options {
+    /// What the cases may do beyond what leaves no trace.
+    pub allow: BTreeSet<Touch>,
+    /// How long to wait for what.
+    pub timing: Timing,
+}
+
+/// How long to wait for what. CiA 301 gives no numbers for any of these: all are the tester's.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Timing {
+    /// For each response of an SDO server.
+    pub sdo_response: Duration,
+    /// From a reset command to the boot-up message.
+    pub boot_up: Duration,
+    /// From an NMT command to the state it leads to.
+    pub reaction: Duration,
+    /// How long nothing must come where nothing may come.
+    pub silence: Duration,
+    /// How far the mean of a period may be off, in percent (but see [`Timing::PERIOD_FLOOR`]).
+    pub period_tolerance: u32,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self {
+            // Most masters give up after 500 ms to 1 s; a server slower than that does not work in the field.
+            sdo_response: Duration::from_millis(1_000),
+            // Encoders with a bootloader and a self-test take up to 2 s.
+            boot_up: Duration::from_millis(5_000),
+            // Stacks handle NMT in their main loop, every 1 to 20 ms.
+            reaction: Duration::from_millis(50),
+            // Twice what a slow server takes to answer.
+            silence: Duration::from_millis(200),
+            period_tolerance: 5,
+        }
+    }
+}
+
+impl Timing {
+    /// A period is never held to less than this, whatever the percentage: timers tick in milliseconds.
+    pub const PERIOD_FLOOR: Duration = Duration::from_millis(1);
+
+    /// By how much a mean period may differ.
+    pub fn tolerance(&self, period: Duration) -> Duration {
+        let share = period.nanos() / 100 * u64::from(self.period_tolerance);
+        Duration::from_nanos(share.max(Self::PERIOD_FLOOR.nanos()))
+    }
+}
+
+impl Target {
+    /// A device of which only the node-ID is known.
+    pub fn unknown(node: NodeId) -> Self {
+        Self { node, model: String::new(), description: None, deviations: Vec::new() }
+    }
+}

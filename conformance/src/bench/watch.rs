@@ -1,0 +1,134 @@
+//! What is noticed in passing, whatever the case is about.
+
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::emcy::{self, Emcy};
+use canvass_analyzer::wire::error_control::{self, ErrorControl};
+use canvass_traces::{Direction, Duration, Record, Timestamp};
+use std::collections::BTreeSet;
+
+/// A second boot-up so soon after the first belongs to the same start: the boot-up cases judge it, the others don't.
+const SAME_START: Duration = Duration::from_millis(500);
+
+/// As many EMCYs are remembered: a storm needs no more.
+const EMERGENCIES: usize = 16;
+
+/// The passive observer.
+#[derive(Debug)]
+pub struct Watch {
+    node: NodeId,
+    awaiting_boot_up: bool,
+    last_boot_up: Option<Timestamp>,
+    restarted: Option<Timestamp>,
+    emergencies: Vec<(Timestamp, Emcy)>,
+    others: BTreeSet<NodeId>,
+}
+
+impl Watch {
+    pub fn new(node: NodeId) -> Self {
+        Self {
+            node,
+            awaiting_boot_up: false,
+            last_boot_up: None,
+            restarted: None,
+            emergencies: Vec::new(),
+            others: BTreeSet::new(),
+        }
+    }
+
+    /// A reset was commanded: the next boot-up is no surprise.
+    pub fn expect_boot_up(&mut self) {
+        self.awaiting_boot_up = true;
+    }
+
+    /// Takes a frame of the bus.
+    pub fn observe(&mut self, record: &Record) {
+        let Some(cob_id) = record.frame.cob_id() else { return };
+        if record.direction == Direction::Tx {
+            return;
+        }
+        let Some(node) = NodeId::of_cob_id(cob_id) else { return };
+        let is_error_control = cob_id & 0x780 == error_control::CAN_ID_BASE;
+        if node != self.node {
+            // Heartbeats and boot-ups say for sure that the node is there.
+            if is_error_control {
+                self.others.insert(node);
+            }
+        } else if is_error_control {
+            if ErrorControl::read(record.frame.data()).is_ok_and(ErrorControl::is_boot_up) {
+                self.on_boot_up(record.timestamp);
+            }
+        } else if cob_id & 0x780 == emcy::CAN_ID_BASE
+            && let Ok(emcy) = Emcy::read(record.frame.data())
+        {
+            self.on_emergency(record.timestamp, emcy);
+        }
+    }
+
+    fn on_boot_up(&mut self, at: Timestamp) {
+        let same_start = self.last_boot_up.is_some_and(|last| at.since(last) < SAME_START);
+        if !self.awaiting_boot_up && !same_start {
+            self.restarted.get_or_insert(at);
+        }
+        self.awaiting_boot_up = false;
+        self.last_boot_up = Some(at);
+    }
+
+    fn on_emergency(&mut self, at: Timestamp, emcy: Emcy) {
+        let is_error = emcy.code().is_some_and(|code| !code.is_reset());
+        if is_error && self.emergencies.len() < EMERGENCIES {
+            self.emergencies.push((at, emcy));
+        }
+    }
+
+    /// When the device first restarted by itself.
+    pub fn restarted(&self) -> Option<Timestamp> {
+        self.restarted
+    }
+
+    /// The errors that the device reported.
+    pub fn emergencies(&self) -> impl Iterator<Item = &(Timestamp, Emcy)> {
+        self.emergencies.iter()
+    }
+
+    /// The other nodes that were heard since the start of the run.
+    pub fn others(&self) -> &BTreeSet<NodeId> {
+        &self.others
+    }
+
+    /// Forgets what belongs to one case.
+    pub fn forget(&mut self) {
+        self.restarted = None;
+        self.emergencies.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::ChannelId;
+
+    fn boot_up(at_ms: u64) -> Record {
+        let frame = ErrorControl::BOOT_UP.to_frame(0x73F);
+        Record::new(Timestamp::ZERO + Duration::from_millis(at_ms), ChannelId(0), frame)
+    }
+
+    #[test]
+    fn a_boot_up_that_nobody_commanded_is_a_restart() {
+        let mut watch = Watch::new(NodeId::new(63).unwrap());
+        watch.expect_boot_up();
+        watch.observe(&boot_up(100));
+        watch.observe(&boot_up(110));
+        assert_eq!(watch.restarted(), None, "twice in one start is another case's matter");
+        watch.observe(&boot_up(2_000));
+        assert_eq!(watch.restarted(), Some(Timestamp(2_000_000_000)));
+    }
+
+    #[test]
+    fn other_nodes_are_heard() {
+        let mut watch = Watch::new(NodeId::new(62).unwrap());
+        watch.observe(&boot_up(1));
+        assert_eq!(watch.restarted(), None);
+        assert!(watch.others().contains(&NodeId::new(63).unwrap()));
+    }
+}

@@ -1,0 +1,6 @@
+//! NMT: what a slave does on each command.
+
+mod addressing;
+mod broadcast;
+mod parameters;
+mod transitions;

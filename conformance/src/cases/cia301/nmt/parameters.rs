@@ -1,0 +1,33 @@
+//! What resets do to parameters that were not stored (CiA 301, 7.3.2.1).
+
+use crate::bench::Bench;
+use crate::case;
+use crate::client::sdo::Bytes;
+use crate::verdict::{Judged, Reason, demand};
+use canvass_analyzer::wire::nmt::Command;
+
+/// Reset communication brings communication parameters that were changed but not stored back to their power-on values.
+#[case(id = "301/nmt/reset-communication/parameters", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+       needs = [ScratchObject], catches = [NmtResetCommunicationKeepsParameters])]
+fn reset_communication(bench: &mut Bench<'_>) -> Judged {
+    power_on_value(bench, Command::RESET_COMMUNICATION)
+}
+
+/// Reset node brings communication parameters that were changed but not stored back to their power-on values.
+#[case(id = "301/nmt/reset-node/parameters", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+       needs = [ScratchObject], catches = [NmtResetNodeKeepsParameters], cct = "9.1")]
+fn reset_node(bench: &mut Bench<'_>) -> Judged {
+    power_on_value(bench, Command::RESET_NODE)
+}
+
+fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
+    let scratch = bench.scratch(&[2, 1, 4])?;
+    // Prepared by a reset, the device holds its power-on values now.
+    bench.write(scratch.multiplexer, &scratch.other)?;
+    bench.reset(command)?;
+    let now = bench.read(scratch.multiplexer)?;
+    demand(now == scratch.value, || {
+        let duty = format!("{} has its power-on value after {command}", scratch.multiplexer);
+        Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&now).to_string())
+    })
+}

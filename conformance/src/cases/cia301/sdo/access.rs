@@ -1,0 +1,83 @@
+//! Which transfers the server refuses, and with which abort code (CiA 301, 7.2.4.3.17).
+
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Verdict};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::AbortCode;
+
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+
+/// Reading an object that does not exist is refused with abort 0602 0000h.
+#[case(id = "301/sdo/upload/no-object", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       catches = [SdoWrongCodeForNoObject], cct = "2.6")]
+fn no_object(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    // Reserved in CiA 301, except 1004h, which old profiles have.
+    for index in [0x1004, 0x0000, 0xFFFF] {
+        let multiplexer = Multiplexer::new(index, 0);
+        if bench.described(multiplexer) == Some(true) {
+            continue;
+        }
+        let attempt = bench.upload(multiplexer)?;
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::NO_OBJECT], &[AbortCode::GENERAL])?);
+    }
+    Ok(verdict)
+}
+
+/// Reading a sub-index that an object does not have is refused with abort 0609 0011h.
+#[case(id = "301/sdo/upload/no-sub-index", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       catches = [SdoWrongCodeForNoSubIndex], cct = "2.5")]
+fn no_sub_index(bench: &mut Bench<'_>) -> Judged {
+    let attempt = bench.upload(Multiplexer::new(0x1000, 1))?;
+    attempt.expect_abort(&[AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])
+}
+
+/// Writing an object that does not exist is refused with abort 0602 0000h.
+#[case(id = "301/sdo/download/no-object", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       catches = [SdoWrongCodeForNoObject])]
+fn download_no_object(bench: &mut Bench<'_>) -> Judged {
+    let attempt = bench.download(Multiplexer::new(0xFFFF, 0), &[0; 4])?;
+    attempt.expect_abort(&[AbortCode::NO_OBJECT], &[AbortCode::GENERAL])
+}
+
+/// Writing an object that can only be read is refused with abort 0601 0002h, and it keeps its value.
+#[case(id = "301/sdo/download/read-only", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "2.3")]
+fn read_only(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    for multiplexer in [DEVICE_TYPE, Multiplexer::new(0x1018, 1)] {
+        let before = bench.read(multiplexer)?;
+        let other: Vec<u8> = before.iter().map(|byte| !byte).collect();
+        let attempt = bench.download(multiplexer, &other)?;
+        let tolerated = [AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::READ_ONLY], &tolerated)?);
+        bench.expect_unchanged(multiplexer, &before)?;
+    }
+    Ok(verdict)
+}
+
+/// Writing more bytes than an object has is refused with abort 0607 0012h, and it keeps its value.
+#[case(id = "301/sdo/download/too-long", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       needs = [ScratchObject], catches = [SdoLengthUnchecked], cct = "2.8")]
+fn too_long(bench: &mut Bench<'_>) -> Judged {
+    let scratch = bench.scratch(&[2, 1])?;
+    let mut longer = scratch.other.clone();
+    longer.resize(4, 0);
+    let attempt = bench.download(scratch.multiplexer, &longer)?;
+    let verdict = attempt.expect_abort(&[AbortCode::LENGTH_TOO_HIGH], &[AbortCode::LENGTH, AbortCode::GENERAL])?;
+    bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
+    Ok(verdict)
+}
+
+/// Writing fewer bytes than an object has is refused with abort 0607 0013h, and it keeps its value.
+#[case(id = "301/sdo/download/too-short", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       needs = [ScratchObject], catches = [SdoShortLengthUnchecked], cct = "2.9")]
+fn too_short(bench: &mut Bench<'_>) -> Judged {
+    let scratch = bench.scratch(&[2, 4])?;
+    let shorter = scratch.other.get(..1).unwrap_or_default();
+    let attempt = bench.download(scratch.multiplexer, shorter)?;
+    let verdict = attempt.expect_abort(&[AbortCode::LENGTH_TOO_LOW], &[AbortCode::LENGTH, AbortCode::GENERAL])?;
+    bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
+    Ok(verdict)
+}

@@ -1,0 +1,41 @@
+//! Which services work in which NMT state (CiA 301, 7.3.2.2).
+
+use crate::bench::Bench;
+use crate::bench::state::command_to;
+use crate::case;
+use crate::verdict::{Judged, Verdict};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::error_control::State;
+use canvass_analyzer::wire::sdo::Request;
+
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+
+/// In stopped the SDO server does not answer at all, not even with an abort.
+#[case(id = "301/state/stopped/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+       catches = [SdoAnsweredWhenStopped], cct = "9.4")]
+fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
+    // That it answers before shows that its silence means something.
+    bench.read(DEVICE_TYPE)?;
+    if let Some(stop) = command_to(State::STOPPED) {
+        bench.command(stop)?;
+    }
+    bench.listen(bench.timing().reaction)?;
+    let reply = bench.send_unanswered(&Request::upload(DEVICE_TYPE), "upload of 1000h:00 in stopped")?;
+    reply.expect_silence()
+}
+
+/// In pre-operational and in operational the SDO server answers.
+#[case(id = "301/state/operational/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+       catches = [SdoSilentWhenOperational], cct = "9.2")]
+fn operational_sdo(bench: &mut Bench<'_>) -> Judged {
+    for state in [State::PRE_OPERATIONAL, State::OPERATIONAL] {
+        if let Some(command) = command_to(state) {
+            bench.command(command)?;
+        }
+        bench.listen(bench.timing().reaction)?;
+        let mut attempt = bench.upload(DEVICE_TYPE)?;
+        attempt.what = format!("{} in {state}", attempt.what);
+        attempt.value()?;
+    }
+    Ok(Verdict::Pass)
+}

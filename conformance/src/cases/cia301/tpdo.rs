@@ -1,0 +1,94 @@
+//! TPDOs: when they are sent.
+
+use crate::bench::Bench;
+use crate::bench::objects::{EVENT_TIMER, TPDO_COB_ID};
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::{CobId, Multiplexer};
+use canvass_traces::{Duration, Record};
+
+const TRANSMISSION_TYPE: Multiplexer = Multiplexer::new(0x1800, 2);
+const PERIOD_MS: u16 = 100;
+const PERIOD: Duration = Duration::from_millis(100);
+
+/// Sets TPDO 1 to its event timer and returns its CAN-ID.
+fn cyclic_tpdo(bench: &mut Bench<'_>) -> Result<u16, Verdict> {
+    let cob_id = CobId(bench.read_number(TPDO_COB_ID)?);
+    let transmission_type = bench.read_number(TRANSMISSION_TYPE)?;
+    if transmission_type < 254 {
+        let actual = format!("transmission type {transmission_type}");
+        let reason = Reason::new("TPDO 1 is event-driven", "transmission type 254 or 255", actual);
+        return Err(Verdict::NotApplicable(reason));
+    }
+    bench.write(EVENT_TIMER, &PERIOD_MS.to_le_bytes())?;
+    Ok((cob_id.can_id() & 0x7FF) as u16)
+}
+
+fn tpdos(bench: &mut Bench<'_>, cob_id: u16, span: Duration) -> Result<Vec<Record>, Verdict> {
+    let mut heard = Vec::new();
+    bench.wait_for(span, |record| {
+        if record.frame.cob_id() == Some(cob_id) && heard.len() < 1_000 {
+            heard.push(record.clone());
+        }
+        None::<()>
+    })?;
+    Ok(heard)
+}
+
+/// With an event timer the TPDO comes at that period in operational.
+#[case(id = "301/tpdo/event-timer", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+       needs = [EventTimer], catches = [EventTimerDoubled], cct = "3.5")]
+fn event_timer(bench: &mut Bench<'_>) -> Judged {
+    const PERIODS: u64 = 10;
+    let cob_id = cyclic_tpdo(bench)?;
+    bench.command(Command::START)?;
+    tpdos(bench, cob_id, PERIOD)?;
+    let heard = tpdos(bench, cob_id, PERIOD.times(PERIODS) + Duration::from_millis(50))?;
+    // Value changes may send the TPDO in between, so more is right and fewer is wrong; the gaps are what counts.
+    let gaps = heard.windows(2).map(|pair| match pair {
+        [a, b] => b.timestamp.since(a.timestamp),
+        _ => Duration::ZERO,
+    });
+    let longest = gaps.max();
+    let limit = PERIOD + bench.timing().tolerance(PERIOD);
+    demand(heard.len() as u64 >= PERIODS && longest.is_some_and(|gap| gap <= limit), || {
+        let actual = match longest {
+            Some(gap) => format!("{} TPDOs, up to {gap} apart", heard.len()),
+            None => format!("{} TPDOs", heard.len()),
+        };
+        let duty = format!("with {EVENT_TIMER} = {PERIOD_MS} the TPDO comes every {PERIOD}");
+        Reason::new(duty, format!("gaps of {limit} at most"), actual)
+    })
+}
+
+/// In pre-operational no TPDO is sent, even where its event timer runs.
+#[case(id = "301/state/pre-operational/tpdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+       needs = [EventTimer], catches = [TpdoInPreOperational], cct = "9.2")]
+fn pre_operational(bench: &mut Bench<'_>) -> Judged {
+    silent_unless_operational(bench, Command::ENTER_PRE_OPERATIONAL)
+}
+
+/// In stopped no TPDO is sent, even where its event timer runs.
+#[case(id = "301/state/stopped/tpdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+       needs = [EventTimer], catches = [TpdoInStopped], cct = "9.4")]
+fn stopped(bench: &mut Bench<'_>) -> Judged {
+    silent_unless_operational(bench, Command::STOP)
+}
+
+/// Sees that the TPDO comes in operational, then that it does not after `command`.
+fn silent_unless_operational(bench: &mut Bench<'_>, command: Command) -> Judged {
+    let cob_id = cyclic_tpdo(bench)?;
+    bench.command(Command::START)?;
+    let running = tpdos(bench, cob_id, PERIOD.times(3))?;
+    demand(!running.is_empty(), || Reason::new("TPDO 1 is sent in operational", "one every 100 ms", "none in 300 ms"))
+        .map_err(Verdict::as_inconclusive)?;
+    bench.command(command)?;
+    // One may be on its way.
+    bench.listen(bench.timing().reaction)?;
+    let heard = tpdos(bench, cob_id, PERIOD.times(5))?;
+    demand(heard.is_empty(), || {
+        let duty = format!("after {command} TPDO 1 is not sent");
+        Reason::new(duty, "silence for 500 ms", format!("{} TPDOs", heard.len()))
+    })
+}

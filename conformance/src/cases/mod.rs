@@ -1,0 +1,3 @@
+//! The cases, by standard.
+
+mod cia301;

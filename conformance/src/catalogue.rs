@@ -1,0 +1,158 @@
+//! All cases, and how some of them are selected.
+
+use crate::case::Case;
+use std::str::FromStr;
+
+/// All cases, by rising id.
+pub fn cases() -> Vec<&'static Case> {
+    let mut cases: Vec<&'static Case> = inventory::iter::<Case>.into_iter().collect();
+    cases.sort_unstable_by_key(|case| case.id);
+    cases
+}
+
+/// The case of that id.
+pub fn find(id: &str) -> Option<&'static Case> {
+    inventory::iter::<Case>.into_iter().find(|case| case.id == id)
+}
+
+/// One part of `--select`.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Selector {
+    /// The beginning of an id, whole words: `301/sdo`.
+    Prefix(String),
+    /// An id with `*` for any characters: `301/*/read-only`.
+    Glob(String),
+    /// The beginning of a section, whole numbers: `7.2.8` or `CiA 301 7.2.8`.
+    Section {
+        /// The standard, where it is named.
+        standard: Option<String>,
+        /// The section.
+        section: String,
+    },
+}
+
+/// What can't be a selector.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error(
+    "\"{0}\" selects nothing: expected the beginning of an id (301/sdo), a pattern (301/*/read-only) or a section (7.2.8)"
+)]
+pub struct BadSelector(pub String);
+
+impl FromStr for Selector {
+    type Err = BadSelector;
+
+    fn from_str(text: &str) -> Result<Self, BadSelector> {
+        let text = text.trim();
+        let is_section = |s: &str| s.contains('.') && s.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+        if text.is_empty() {
+            return Err(BadSelector(text.to_owned()));
+        }
+        if text.contains('*') {
+            return Ok(Self::Glob(text.to_owned()));
+        }
+        match text.rsplit_once(' ') {
+            Some((standard, section)) if is_section(section) => {
+                Ok(Self::Section { standard: Some(standard.trim().to_owned()), section: section.to_owned() })
+            }
+            Some(_) => Err(BadSelector(text.to_owned())),
+            None if is_section(text) => Ok(Self::Section { standard: None, section: text.to_owned() }),
+            None => Ok(Self::Prefix(text.trim_end_matches('/').to_owned())),
+        }
+    }
+}
+
+impl Selector {
+    /// Whether it selects the case.
+    pub fn selects(&self, case: &Case) -> bool {
+        match self {
+            Self::Prefix(prefix) => is_prefix(prefix, case.id, '/'),
+            Self::Glob(pattern) => matches(pattern, case.id),
+            Self::Section { standard, section } => {
+                standard.as_ref().is_none_or(|standard| standard.eq_ignore_ascii_case(case.clause.standard))
+                    && case.clause.section.is_some_and(|own| is_prefix(section.trim_end_matches('.'), own, '.'))
+            }
+        }
+    }
+}
+
+/// The cases that one of the selectors selects, by rising id; all cases if there is no selector.
+///
+/// # Errors
+/// A selector that selects no case: most likely a typing error, and a test that was not run.
+pub fn select(selectors: &[Selector]) -> Result<Vec<&'static Case>, Selector> {
+    let mut cases = cases();
+    if let Some(idle) = selectors.iter().find(|selector| !cases.iter().any(|case| selector.selects(case))) {
+        return Err(idle.clone());
+    }
+    if !selectors.is_empty() {
+        cases.retain(|case| selectors.iter().any(|selector| selector.selects(case)));
+    }
+    Ok(cases)
+}
+
+/// Whether `text` is `prefix` or goes on after it with a separator.
+fn is_prefix(prefix: &str, text: &str, separator: char) -> bool {
+    text.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with(separator))
+}
+
+/// Whether an id matches a pattern, in which `*` stands for any characters, none too.
+pub fn matches(pattern: &str, id: &str) -> bool {
+    let mut parts = pattern.split('*');
+    let Some(mut rest) = parts.next().and_then(|first| id.strip_prefix(first)) else { return false };
+    let mut parts = parts.peekable();
+    while let Some(part) = parts.next() {
+        if parts.peek().is_none() {
+            return rest.ends_with(part);
+        }
+        match rest.find(part) {
+            Some(at) => rest = &rest[at + part.len()..],
+            None => return false,
+        }
+    }
+    rest.is_empty()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    fn selected(text: &str) -> Vec<&'static str> {
+        let selector: Selector = text.parse().unwrap();
+        cases().into_iter().filter(|case| selector.selects(case)).map(|case| case.id).collect()
+    }
+
+    #[test]
+    fn ids_are_unique() {
+        let ids: BTreeSet<&str> = cases().iter().map(|case| case.id).collect();
+        assert_eq!(ids.len(), cases().len());
+    }
+
+    #[test]
+    fn every_case_names_a_fault_and_a_requirement() {
+        for case in cases() {
+            assert!(!case.catches.is_empty() && case.summary().len() > 20, "{}", case.id);
+        }
+    }
+
+    #[test]
+    fn selectors() {
+        assert!(selected("301/sdo").iter().all(|id| id.starts_with("301/sdo/")));
+        assert!(selected("301/sd").is_empty(), "whole words only");
+        assert_eq!(selected("301/sdo/download/read-only"), ["301/sdo/download/read-only"]);
+        assert_eq!(selected("301/*/read-only"), ["301/sdo/download/read-only"]);
+        assert!(!selected("7.2.8").is_empty());
+        assert_eq!(selected("CiA 301 7.2.8"), selected("7.2.8"));
+        assert!(selected("CiA 305 7.2.8").is_empty());
+        assert!("".parse::<Selector>().is_err());
+        let idle = select(&["301/sod".parse().unwrap()]).map(|cases| cases.len());
+        assert_eq!(idle, Err(Selector::Prefix("301/sod".to_owned())));
+    }
+
+    #[test]
+    fn patterns() {
+        assert!(matches("*", "a/b") && matches("a*", "a/b") && matches("*b", "a/b") && matches("a*/*b", "a/x/b"));
+        assert!(!matches("a*c", "a/b") && !matches("a", "a/b") && !matches("*ab*", "ba"));
+        assert!(matches("a/b", "a/b"));
+    }
+}

@@ -1,0 +1,364 @@
+//! An SDO client that does everything right and believes nothing: each response is checked against the state of the
+//! transfer.
+//!
+//! Expedited and segmented transfers; a block transfer would be one more [`State`].
+
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::{Abort, AbortCode, Payload, Request, Response, response};
+use canvass_analyzer::wire::sdo::{Expedited, Segment};
+use std::fmt;
+
+/// The most bytes that a server may send in one upload. A hostile server announces 4 GiB and sends for ever.
+pub const MAX_UPLOAD: usize = 16 << 20;
+
+/// One transfer, from the client's side.
+#[derive(Debug)]
+pub struct Transfer {
+    multiplexer: Multiplexer,
+    state: State,
+}
+
+#[derive(Debug)]
+enum State {
+    AwaitUpload,
+    UploadSegments { data: Vec<u8>, announced: Option<u32>, toggle: bool },
+    AwaitDownload { pending: Option<Vec<u8>> },
+    DownloadSegments { data: Vec<u8>, sent: usize, toggle: bool },
+}
+
+/// How a download is sent. CiA 301 leaves the choice to the client.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Mode {
+    /// Up to four bytes in the first message, more (or none) in segments.
+    Shortest,
+    /// Always in segments, with the size announced.
+    Segmented,
+}
+
+/// What to do after a response.
+#[derive(Debug)]
+pub enum Step {
+    /// Send this and wait for the next response.
+    Send(Request),
+    /// The transfer is over.
+    Done(Outcome),
+}
+
+/// How a transfer ended.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Outcome {
+    /// The value that was read.
+    Uploaded(Vec<u8>),
+    /// The server confirmed all that was written.
+    Downloaded,
+    /// The server ended the transfer.
+    Aborted(Abort),
+    /// No response came in time.
+    Silent,
+    /// The server's response has no place in the transfer.
+    Violated(Violation),
+}
+
+/// What a server did against the protocol.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Violation {
+    /// A response of another service than the one asked for.
+    Unexpected(Response),
+    /// A response too short for what it says.
+    Malformed(String),
+    /// The response names another object.
+    Multiplexer(Multiplexer),
+    /// The toggle bit did not alternate.
+    Toggle,
+    /// More or fewer bytes came than were announced.
+    Size {
+        /// What the first response said.
+        announced: u32,
+        /// What came.
+        received: usize,
+    },
+    /// More than [`MAX_UPLOAD`] bytes, without an end.
+    Endless,
+}
+
+impl Transfer {
+    /// Starts to read an object; returns the first request.
+    pub fn upload(multiplexer: Multiplexer) -> (Self, Request) {
+        (Self { multiplexer, state: State::AwaitUpload }, Request::upload(multiplexer))
+    }
+
+    /// Starts to write an object; returns the first request.
+    pub fn download(multiplexer: Multiplexer, value: &[u8], mode: Mode) -> (Self, Request) {
+        let payload = match mode {
+            Mode::Shortest => Payload::of(value),
+            Mode::Segmented => Payload::Segmented(u32::try_from(value.len()).unwrap_or(u32::MAX)),
+        };
+        let pending = matches!(payload, Payload::Segmented(_)).then(|| value.to_vec());
+        let request = Request::InitiateDownload { multiplexer, payload };
+        (Self { multiplexer, state: State::AwaitDownload { pending } }, request)
+    }
+
+    /// The object of the transfer.
+    pub const fn multiplexer(&self) -> Multiplexer {
+        self.multiplexer
+    }
+
+    /// Takes a response. After [`Step::Done`] the transfer is over; a violation should be answered with
+    /// [`Transfer::abort`].
+    pub fn handle(&mut self, response: &Response) -> Step {
+        if let Response::Abort(abort) = response {
+            return Step::Done(Outcome::Aborted(*abort));
+        }
+        match std::mem::replace(&mut self.state, State::AwaitUpload) {
+            State::AwaitUpload => self.on_upload(response),
+            State::UploadSegments { data, announced, toggle } => self.on_segment(response, data, announced, toggle),
+            State::AwaitDownload { pending } => self.on_download(response, pending),
+            State::DownloadSegments { data, sent, toggle } => self.on_confirmation(response, data, sent, toggle),
+        }
+    }
+
+    /// What ends the transfer from the client's side.
+    pub const fn abort(&self, code: AbortCode) -> Request {
+        Request::abort(self.multiplexer, code)
+    }
+
+    fn on_upload(&mut self, response: &Response) -> Step {
+        let Response::InitiateUpload { multiplexer, payload } = response else {
+            return violated(Violation::Unexpected(*response));
+        };
+        if *multiplexer != self.multiplexer {
+            return violated(Violation::Multiplexer(*multiplexer));
+        }
+        if let Some(value) = payload.value() {
+            return Step::Done(Outcome::Uploaded(value.to_vec()));
+        }
+        let announced = match payload {
+            Payload::Segmented(size) => Some(*size),
+            _ => None,
+        };
+        self.state = State::UploadSegments { data: Vec::new(), announced, toggle: false };
+        Step::Send(Request::UploadSegment { toggle: false })
+    }
+
+    fn on_segment(&mut self, response: &Response, mut data: Vec<u8>, announced: Option<u32>, toggle: bool) -> Step {
+        let Response::UploadSegment(segment) = response else {
+            return violated(Violation::Unexpected(*response));
+        };
+        if segment.toggle != toggle {
+            return violated(Violation::Toggle);
+        }
+        data.extend_from_slice(segment.data());
+        let too_many = announced.is_some_and(|size| data.len() as u64 > u64::from(size));
+        let mismatch = segment.last && announced.is_some_and(|size| data.len() as u64 != u64::from(size));
+        if let (true, Some(announced)) = (too_many || mismatch, announced) {
+            return violated(Violation::Size { announced, received: data.len() });
+        }
+        if segment.last {
+            return Step::Done(Outcome::Uploaded(data));
+        }
+        if data.len() > MAX_UPLOAD {
+            return violated(Violation::Endless);
+        }
+        self.state = State::UploadSegments { data, announced, toggle: !toggle };
+        Step::Send(Request::UploadSegment { toggle: !toggle })
+    }
+
+    fn on_download(&mut self, response: &Response, pending: Option<Vec<u8>>) -> Step {
+        let Response::InitiateDownload { multiplexer } = response else {
+            return violated(Violation::Unexpected(*response));
+        };
+        if *multiplexer != self.multiplexer {
+            return violated(Violation::Multiplexer(*multiplexer));
+        }
+        match pending {
+            None => Step::Done(Outcome::Downloaded),
+            Some(data) => self.send_segment(data, 0, false),
+        }
+    }
+
+    fn on_confirmation(&mut self, response: &Response, data: Vec<u8>, sent: usize, toggle: bool) -> Step {
+        match response {
+            Response::DownloadSegment { toggle: confirmed } if *confirmed == toggle => {}
+            Response::DownloadSegment { .. } => return violated(Violation::Toggle),
+            _ => return violated(Violation::Unexpected(*response)),
+        }
+        if sent >= data.len() { Step::Done(Outcome::Downloaded) } else { self.send_segment(data, sent, !toggle) }
+    }
+
+    fn send_segment(&mut self, data: Vec<u8>, from: usize, toggle: bool) -> Step {
+        let to = data.len().min(from + 7);
+        let Some(segment) = data.get(from..to).and_then(|part| Segment::new(toggle, part, to == data.len())) else {
+            return violated(Violation::Endless);
+        };
+        self.state = State::DownloadSegments { data, sent: to, toggle };
+        Step::Send(Request::DownloadSegment(segment))
+    }
+}
+
+fn violated(violation: Violation) -> Step {
+    Step::Done(Outcome::Violated(violation))
+}
+
+impl fmt::Display for Outcome {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Uploaded(value) => write!(f, "the value {}", Bytes(value)),
+            Self::Downloaded => f.write_str("confirmation"),
+            Self::Aborted(abort) => write!(f, "abort {}", abort.code),
+            Self::Silent => f.write_str("no answer"),
+            Self::Violated(violation) => fmt::Display::fmt(violation, f),
+        }
+    }
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Unexpected(response) => write!(f, "{}, which nobody asked for", name(response)),
+            Self::Malformed(why) => write!(f, "an unreadable response ({why})"),
+            Self::Multiplexer(other) => write!(f, "a response that names {other}"),
+            Self::Toggle => f.write_str("a toggle bit that does not alternate"),
+            Self::Size { announced, received } => {
+                write!(f, "{received} bytes after {announced} had been announced")
+            }
+            Self::Endless => write!(f, "an upload that does not end after {MAX_UPLOAD} bytes"),
+        }
+    }
+}
+
+/// What a response is called in CiA 301.
+pub const fn name(response: &Response) -> &'static str {
+    use response::Response as R;
+    match response {
+        R::UploadSegment(_) => "an upload segment",
+        R::DownloadSegment { .. } => "the confirmation of a download segment",
+        R::InitiateUpload { payload: Payload::Expedited(_) | Payload::ExpeditedUnsized(_), .. } => {
+            "an expedited upload response"
+        }
+        R::InitiateUpload { .. } => "the start of a segmented upload",
+        R::InitiateDownload { .. } => "the confirmation of a download",
+        R::Abort(_) => "an abort",
+        R::InitiateBlockDownload { .. } => "the confirmation of a block download",
+        R::ConfirmBlockDownload { .. } => "the confirmation of a block",
+        R::EndBlockDownload => "the end of a block download",
+        R::InitiateBlockUpload { .. } => "the start of a block upload",
+        R::EndBlockUpload { .. } => "the end of a block upload",
+        R::Unknown { .. } => "a response with an unknown command specifier",
+    }
+}
+
+/// Bytes as people read them on a bus: `01 7F`, with the count where there are many.
+#[derive(Clone, Copy, Debug)]
+pub struct Bytes<'a>(pub &'a [u8]);
+
+impl fmt::Display for Bytes<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const SHOWN: usize = 16;
+        if self.0.is_empty() {
+            return f.write_str("(empty)");
+        }
+        for (n, byte) in self.0.iter().take(SHOWN).enumerate() {
+            write!(f, "{}{byte:02X}", if n == 0 { "" } else { " " })?;
+        }
+        if self.0.len() > SHOWN { write!(f, " … ({} bytes)", self.0.len()) } else { Ok(()) }
+    }
+}
+
+/// The value that an expedited message of `value` would carry, for requests that a correct client would not send.
+pub fn expedited(multiplexer: Multiplexer, value: &[u8]) -> Option<Request> {
+    Expedited::new(value).map(|value| Request::InitiateDownload { multiplexer, payload: Payload::Expedited(value) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_analyzer::wire::Wire;
+    use proptest::prelude::*;
+
+    const NAME: Multiplexer = Multiplexer::new(0x1008, 0);
+
+    fn respond(transfer: &mut Transfer, bytes: &[u8]) -> Step {
+        transfer.handle(&Response::read(bytes).unwrap())
+    }
+
+    fn ended(step: Step) -> Outcome {
+        match step {
+            Step::Done(outcome) => outcome,
+            Step::Send(request) => panic!("{request:?}"),
+        }
+    }
+
+    /// Kübler manual 000, 5.3.7.4.2: 6000h is read.
+    #[test]
+    fn expedited_upload() {
+        let (mut transfer, request) = Transfer::upload(Multiplexer::new(0x6000, 0));
+        assert_eq!(request, Request::read(&[0x40, 0x00, 0x60, 0x00, 0, 0, 0, 0]).unwrap());
+        let outcome = ended(respond(&mut transfer, &[0x4B, 0x00, 0x60, 0x00, 1, 0, 0, 0]));
+        assert_eq!(outcome, Outcome::Uploaded(vec![1, 0]));
+    }
+
+    #[test]
+    fn segmented_upload() {
+        let (mut transfer, _) = Transfer::upload(NAME);
+        assert!(matches!(respond(&mut transfer, &[0x41, 8, 0x10, 0, 9, 0, 0, 0]), Step::Send(_)));
+        let step = respond(&mut transfer, &[0x00, b'K', b'u', b'e', b'b', b'l', b'e', b'r']);
+        assert!(matches!(step, Step::Send(Request::UploadSegment { toggle: true })));
+        let outcome = ended(respond(&mut transfer, &[0x1B, b' ', b'S', 0, 0, 0, 0, 0]));
+        assert_eq!(outcome, Outcome::Uploaded(b"Kuebler S".to_vec()));
+    }
+
+    #[test]
+    fn what_does_not_fit_is_a_violation() {
+        let start = || {
+            let (mut transfer, _) = Transfer::upload(NAME);
+            respond(&mut transfer, &[0x41, 8, 0x10, 0, 9, 0, 0, 0]);
+            transfer
+        };
+        let violation = |bytes: &[u8]| match ended(respond(&mut start(), bytes)) {
+            Outcome::Violated(violation) => violation,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!(violation(&[0x10, 0, 0, 0, 0, 0, 0, 0]), Violation::Toggle);
+        assert_eq!(violation(&[0x0D, 1, 0, 0, 0, 0, 0, 0]), Violation::Size { announced: 9, received: 1 });
+        assert!(matches!(violation(&[0x60, 8, 0x10, 0, 0, 0, 0, 0]), Violation::Unexpected(_)));
+        let (mut transfer, _) = Transfer::upload(NAME);
+        let outcome = ended(respond(&mut transfer, &[0x43, 0, 0x10, 0, 1, 2, 3, 4]));
+        assert_eq!(outcome, Outcome::Violated(Violation::Multiplexer(Multiplexer::new(0x1000, 0))));
+    }
+
+    proptest! {
+        /// A server that follows the protocol receives what was sent, whatever the length.
+        #[test]
+        fn a_download_arrives_whole(value in proptest::collection::vec(any::<u8>(), 0..40)) {
+            let (mut transfer, mut request) = Transfer::download(NAME, &value, Mode::Segmented);
+            let (mut received, mut toggle) = (Vec::new(), false);
+            let outcome = loop {
+                let response = match request {
+                    Request::InitiateDownload { multiplexer, .. } => Response::InitiateDownload { multiplexer },
+                    Request::DownloadSegment(segment) => {
+                        prop_assert_eq!(segment.toggle, toggle);
+                        received.extend_from_slice(segment.data());
+                        toggle = !toggle;
+                        Response::DownloadSegment { toggle: segment.toggle }
+                    }
+                    other => panic!("{other:?}"),
+                };
+                match transfer.handle(&response) {
+                    Step::Send(next) => request = next,
+                    Step::Done(outcome) => break outcome,
+                }
+            };
+            prop_assert_eq!(outcome, Outcome::Downloaded);
+            prop_assert_eq!(received, value);
+        }
+
+        /// No response, however wrong, makes the client panic.
+        #[test]
+        fn any_responses(frames in proptest::collection::vec(any::<[u8; 8]>(), 0..6)) {
+            let (mut transfer, _) = Transfer::upload(NAME);
+            for frame in frames {
+                transfer.handle(&Response::read(&frame).unwrap());
+            }
+        }
+    }
+}

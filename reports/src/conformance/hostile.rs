@@ -1,0 +1,131 @@
+//! Every rendering, with a device that calls itself whatever harms.
+
+use super::{Document, Render, Reporter, html, json, junit, markdown, terminal};
+use crate::escape;
+use canvass_analyzer::NodeId;
+use canvass_conformance::bench::{Evidence, Exhibit};
+use canvass_conformance::catalogue;
+use canvass_conformance::runner::{CaseReport, DeviceIdentity, RunEvent, RunInfo, Summary};
+use canvass_conformance::verdict::{Kind, Reason, Verdict};
+use canvass_traces::{CanId, ChannelId, Direction, Duration, Frame, Record, Timestamp};
+
+const HOSTILE: &str = "\x1b]0;owned\x07\x1b[2J<script>alert('x')</script>\"'&]]>\u{9b}31m\u{202e}\u{0}\u{ffff}";
+
+/// The events of a run with one case of each verdict.
+pub fn play(reporter: &mut dyn Reporter) {
+    let info = RunInfo {
+        bus: "sim:kuebler-sendix-58x8".to_owned(),
+        bit_rate: Some(250_000),
+        node: NodeId::new(63).unwrap(),
+        model: HOSTILE.to_owned(),
+        device: DeviceIdentity {
+            device_type: Some(0x0002_0196),
+            identity: [Some(0x13), Some(0x2001), None, Some(1)],
+            names: [Some(HOSTILE.to_owned()), None, Some("=cmd()".to_owned())],
+        },
+        seed: 7,
+        cases: 7,
+    };
+    reporter.event(&RunEvent::RunStarted(&info)).unwrap();
+    let mut summary = Summary::default();
+    summary.duration = Duration::from_millis(1_234);
+    let cases = catalogue::cases();
+    for (number, &kind) in Kind::ALL.iter().enumerate() {
+        let case = cases[number];
+        reporter.event(&RunEvent::CaseStarted { case, number: number + 1, of: 7 }).unwrap();
+        summary.add(kind);
+        let (mut evidence, id) = (Evidence::default(), CanId::standard(0x63F).unwrap());
+        let record = Record::new(Timestamp(12_345_678), ChannelId(0), Frame::full(id, [0x40, 0, 0x10, 0, 0, 0, 0, 0]));
+        evidence.push(Exhibit { record: record.with_direction(Direction::Tx), text: HOSTILE.to_owned() });
+        let (verdict, notes) = (verdict(kind), vec![HOSTILE.to_owned()]);
+        let report = CaseReport { case, verdict, evidence, notes, duration: Duration::from_millis(100) };
+        reporter.event(&RunEvent::CaseFinished(&report)).unwrap();
+    }
+    reporter.event(&RunEvent::RunFinished(&summary)).unwrap();
+}
+
+fn verdict(kind: Kind) -> Verdict {
+    let reason = Reason::new(HOSTILE, "the value", HOSTILE);
+    match kind {
+        Kind::Pass => Verdict::Pass,
+        Kind::Tolerated => Verdict::Tolerated(reason),
+        Kind::Deviation => Verdict::Deviation { reason, documented: HOSTILE.to_owned() },
+        Kind::Fail => Verdict::Fail(reason),
+        Kind::Inconclusive => Verdict::Inconclusive(reason),
+        Kind::NotApplicable => Verdict::NotApplicable(reason),
+        Kind::Error => Verdict::Error(reason),
+    }
+}
+
+fn rendered(render: Render) -> String {
+    let mut out = Vec::new();
+    play(&mut Document::new(&mut out, render));
+    String::from_utf8(out).unwrap()
+}
+
+fn acts(text: &str) -> bool {
+    text.contains(|c| c != '\n' && escape::acts(c))
+}
+
+#[test]
+fn the_terminal_is_not_taken_over() {
+    let (mut out, mut progress) = (Vec::new(), Vec::new());
+    let style = terminal::Style { color: false, progress: false, width: None };
+    play(&mut terminal::Terminal::new(&mut out, &mut progress, style));
+    let out = String::from_utf8(out).unwrap();
+    assert!(!acts(&out) && out.contains("\\x1B[2J") && out.contains("\\u{202E}"), "{out}");
+    assert!(progress.is_empty());
+    assert!(out.contains("(0.012345678) 63F#4000100000000000  Tx"), "{out}");
+}
+
+#[test]
+fn the_page_runs_no_foreign_script() {
+    let page = rendered(html::render);
+    assert!(!acts(&page) && !page.contains("<script>alert") && page.contains("&lt;script&gt;alert"));
+    assert_eq!(page.matches("<script").count(), 1);
+    assert!(!page.contains("http://") && !page.contains("https://"), "nothing external");
+}
+
+#[test]
+fn junit_stays_xml() {
+    let xml = rendered(junit::render);
+    assert!(!acts(&xml));
+    let read = quick_junit::Report::deserialize_from_str(&xml).unwrap();
+    assert_eq!((read.tests, read.failures, read.errors), (7, 1, 2));
+    // An XML parser that knows nothing of JUnit must get to the end, too.
+    let mut reader = quick_xml::Reader::from_str(&xml);
+    while reader.read_event().unwrap() != quick_xml::events::Event::Eof {}
+}
+
+#[test]
+fn json_keeps_the_contract() {
+    let text = rendered(json::render);
+    assert!(!acts(&text));
+    assert_eq!(text, rendered(json::render), "the same run gives the same bytes");
+    let value: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!(value["schema"], "canvass/test/1");
+    assert_eq!(value["device"]["name"], HOSTILE);
+    for kind in Kind::ALL {
+        assert_eq!(value["summary"][kind.name()], 1, "{kind}");
+    }
+    let case = &value["cases"][3];
+    assert_eq!((&case["verdict"], &case["reason"]["expected"]), (&"fail".into(), &"the value".into()));
+    assert!(case["id"].is_string() && case["clause"].is_string() && case["clause_confidence"].is_string());
+    assert_eq!(case["duration_ns"], 100_000_000);
+    let frame = &case["evidence"][0];
+    assert_eq!((&frame["t"], &frame["id"]), (&12_345_678.into(), &0x63F.into()));
+    assert_eq!((&frame["data"], &frame["channel"]), (&"4000100000000000".into(), &"sim:kuebler-sendix-58x8".into()));
+}
+
+#[test]
+fn markdown_is_text() {
+    let text = rendered(markdown::render);
+    assert!(!acts(&text) && !text.contains("<script>"));
+}
+
+#[test]
+fn cells_of_a_table_are_safe() {
+    let cell = escape::csv_cell("=HYPERLINK(\"http://x\")");
+    assert_eq!(cell, "\"'=HYPERLINK(\"\"http://x\"\")\"");
+    assert!(!acts(&escape::csv_cell(HOSTILE)));
+}

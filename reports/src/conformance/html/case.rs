@@ -1,0 +1,93 @@
+//! One case on the page.
+
+use crate::conformance::{hex, milliseconds_since, symbol};
+use crate::escape::printable;
+use canvass_conformance::bench::Exhibit;
+use canvass_conformance::runner::CaseReport;
+use canvass_conformance::verdict::Kind;
+use canvass_traces::{Direction, Timestamp};
+use maud::{Markup, html};
+
+/// The name of the case as a place on the page.
+pub fn anchor(report: &CaseReport) -> String {
+    report.case.id.replace('/', "-")
+}
+
+/// A case: its summary, and when opened everything about it.
+pub fn details(report: &CaseReport) -> Markup {
+    let kind = report.verdict.kind();
+    let open = matches!(kind, Kind::Fail | Kind::Error);
+    html! {
+        details.case id=(anchor(report)) data-kind=(kind.name()) open[open] {
+            summary {
+                span.badge.(kind.name()) { span aria-hidden="true" { (symbol(kind)) " " } (kind.title()) }
+                span.id { (report.case.id) }
+                span.clause { (report.case.clause.to_string()) }
+            }
+            div.body {
+                @for paragraph in report.case.requirement.split("\n\n") { p.requirement { (printable(paragraph)) } }
+                (reason(report))
+                @for note in &report.notes { p.note { (printable(note)) } }
+                p.meta {
+                    "Level: " (report.case.level.name())
+                    @if let Some(cct) = report.case.cct { " · comparable with case " (cct) " of CiA’s test tool" }
+                    " · " (report.duration) " on the bus"
+                }
+                (evidence(report))
+            }
+        }
+    }
+}
+
+fn reason(report: &CaseReport) -> Markup {
+    html! {
+        @if let Some(reason) = report.verdict.reason() {
+            dl.reason {
+                dt { "Duty" } dd { (printable(&reason.duty)) }
+                dt { "Expected" } dd { (printable(&reason.expected)) }
+                dt { "Found" } dd.actual { (printable(&reason.actual)) }
+                @if let Some(documented) = report.verdict.documented() {
+                    dt { "Documented" } dd { (printable(documented)) }
+                }
+            }
+        }
+    }
+}
+
+fn evidence(report: &CaseReport) -> Markup {
+    let frames: Vec<&Exhibit> = report.evidence.frames().collect();
+    let Some(start) = frames.first().map(|first| first.record.timestamp) else { return html! {} };
+    let omitted = report.evidence.omitted();
+    html! {
+        details.evidence open[matches!(report.verdict.kind(), Kind::Fail | Kind::Error)] {
+            summary { (frames.len()) " frames" @if omitted > 0 { " (" (omitted) " more left out)" } }
+            div.scroll {
+                table {
+                    thead { tr { th.number { "ms" } th { "" } th { "CAN-ID" } th { "Data" } th { "Meaning" } } }
+                    tbody {
+                        @for (at, exhibit) in frames.iter().enumerate() {
+                            @if omitted > 0 && at == report.evidence.gap() {
+                                tr { td.gap colspan="5" { (omitted) " frames left out" } }
+                            }
+                            (row(exhibit, start))
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn row(exhibit: &Exhibit, start: Timestamp) -> Markup {
+    let record = &exhibit.record;
+    let sent = record.direction == Direction::Tx;
+    html! {
+        tr.sent[sent] {
+            td.number { (milliseconds_since(start, record)) }
+            td title=(if sent { "sent by the tester" } else { "received" }) { (if sent { "→" } else { "←" }) }
+            td { (record.frame.id()) }
+            td { (hex(record)) }
+            td.text { (printable(&exhibit.text)) }
+        }
+    }
+}

@@ -1,0 +1,128 @@
+//! The result as one self-contained HTML page: no external resource, light and dark, printable, usable on a phone.
+//!
+//! Everything that a device can influence goes through [`printable`] and through maud, which escapes markup. Scripts
+//! and styles are ours, and the page forbids all others by its content security policy.
+
+mod case;
+
+use super::{Run, family, short_name, symbol};
+use crate::escape::printable;
+use canvass_conformance::verdict::Kind;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use std::io::{self, Write};
+
+const STYLE: &str = include_str!("page.css");
+const SCRIPT: &str = include_str!("page.js");
+
+/// The page may load nothing at all; only what stands in it runs.
+const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; \
+                      base-uri 'none'; form-action 'none'";
+
+/// Writes the page.
+///
+/// # Errors
+/// What `out` gives.
+pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    out.write_all(page(run).into_string().as_bytes())?;
+    out.write_all(b"\n")
+}
+
+fn page(run: &Run) -> Markup {
+    let [name, _, _] = &run.info.device.names;
+    let name = printable(name.as_deref().unwrap_or("CANopen device"));
+    html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(POLICY);
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                title { (name) ": conformance" }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header { (head(run, &name)) }
+                main {
+                    section.tiles aria-label="Verdicts" { @for kind in Kind::ALL { (tile(run, kind)) } }
+                    section { h2 { "Matrix" } (matrix(run)) }
+                    section {
+                        h2 { "Cases" }
+                        div.filter {
+                            input #filter type="search" placeholder="Filter by id, clause or text" aria-label="Filter";
+                            span #shown aria-live="polite" {}
+                        }
+                        @for report in &run.cases { (case::details(report)) }
+                    }
+                }
+                footer { "Times are those of the bus. A section that is not attested is marked." }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    }
+}
+
+fn head(run: &Run, name: &str) -> Markup {
+    let info = &run.info;
+    let good = run.summary.is_good();
+    let rate = info.bit_rate.map(|rate| format!(", {} kbit/s", rate / 1_000)).unwrap_or_default();
+    let [_, hardware, software] = info.device.names.each_ref().map(|name| name.as_deref());
+    let hex = |number: Option<u32>| number.map_or_else(|| "none".to_owned(), |number| format!("{number:08X}h"));
+    let [vendor, product, revision, serial] = info.device.identity.map(hex);
+    html! {
+        p.kicker { "CANopen conformance" }
+        h1 { (name) }
+        p.outcome.(if good { "good" } else { "bad" }) {
+            (if good { "No failure" } else { "Not conformant or not judged" })
+            " in " (run.summary.executed()) " of " (run.summary.total()) " cases"
+            @if run.summary.cancelled { " (cancelled)" }
+        }
+        dl.facts {
+            (fact("Node", &info.node.to_string()))
+            (fact("Bus", &format!("{}{rate}", info.bus)))
+            @if !info.model.is_empty() { (fact("Description", &info.model)) }
+            (fact("Hardware", hardware.unwrap_or("not given")))
+            (fact("Software", software.unwrap_or("not given")))
+            (fact("Device type", &hex(info.device.device_type)))
+            (fact("Vendor-ID", &vendor))
+            (fact("Product code", &product))
+            (fact("Revision", &revision))
+            (fact("Serial number", &serial))
+            (fact("Duration", &run.summary.duration.to_string()))
+        }
+    }
+}
+
+fn fact(name: &str, value: &str) -> Markup {
+    html! { div { dt { (name) } dd { (printable(value)) } } }
+}
+
+fn tile(run: &Run, kind: Kind) -> Markup {
+    let count = run.summary.count(kind);
+    html! {
+        button.tile.(kind.name()) type="button" data-kind=(kind.name()) aria-pressed="false" disabled[count == 0] {
+            span.count { (count) }
+            span.name { span aria-hidden="true" { (symbol(kind)) " " } (kind.title()) }
+        }
+    }
+}
+
+fn matrix(run: &Run) -> Markup {
+    html! {
+        div.matrix {
+            @for group in run.cases.chunk_by(|a, b| family(a.case.id) == family(b.case.id)) {
+                @let name = group.first().map_or("", |report| family(report.case.id));
+                div.family { (name) }
+                div.cells {
+                    @for report in group {
+                        @let kind = report.verdict.kind();
+                        a.cell.(kind.name()) href={ "#" (case::anchor(report)) }
+                            title={ (report.case.id) ": " (kind.title()) } {
+                            span aria-hidden="true" { (symbol(kind)) } " " (short_name(report.case.id))
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,36 @@
+(() => {
+  const cases = [...document.querySelectorAll('.case')];
+  const tiles = [...document.querySelectorAll('.tile')];
+  const filter = document.getElementById('filter');
+  const shown = document.getElementById('shown');
+  const texts = cases.map((c) => c.querySelector('summary').textContent.toLowerCase() + ' '
+    + [...c.querySelectorAll('.requirement, .reason, .note')].map((e) => e.textContent.toLowerCase()).join(' '));
+  const update = () => {
+    const kinds = tiles.filter((t) => t.getAttribute('aria-pressed') === 'true').map((t) => t.dataset.kind);
+    const words = filter.value.toLowerCase().split(/\s+/).filter(Boolean);
+    let count = 0;
+    cases.forEach((c, i) => {
+      const fits = (kinds.length === 0 || kinds.includes(c.dataset.kind)) && words.every((w) => texts[i].includes(w));
+      c.hidden = !fits;
+      count += fits ? 1 : 0;
+    });
+    shown.textContent = count === cases.length ? '' : count + ' of ' + cases.length;
+  };
+  tiles.forEach((t) => t.addEventListener('click', () => {
+    t.setAttribute('aria-pressed', t.getAttribute('aria-pressed') === 'true' ? 'false' : 'true');
+    update();
+  }));
+  filter.addEventListener('input', update);
+  const reveal = () => {
+    const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    if (target && target.tagName === 'DETAILS') { target.hidden = false; target.open = true; }
+  };
+  addEventListener('hashchange', reveal);
+  reveal();
+  let closed = [];
+  addEventListener('beforeprint', () => {
+    closed = cases.filter((c) => !c.open && !c.hidden);
+    closed.forEach((c) => { c.open = true; });
+  });
+  addEventListener('afterprint', () => closed.forEach((c) => { c.open = false; }));
+})();

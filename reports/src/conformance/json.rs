@@ -1,0 +1,161 @@
+//! The result as JSON: `"schema": "canvass/test/1"`.
+//!
+//! Contract: numbers are numbers, times are integer nanoseconds on the clock of the bus; nothing depends on the wall
+//! clock, so on the simulated bus two runs give the same bytes. New keys may be added; none changes its meaning within
+//! a version.
+
+use super::Run;
+use crate::escape;
+use canvass_conformance::bench::Exhibit;
+use canvass_conformance::runner::{CaseReport, DeviceIdentity};
+use canvass_conformance::verdict::{Kind, Reason};
+use canvass_traces::Direction;
+use serde::Serialize;
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+
+/// The name and version of the contract.
+pub const SCHEMA: &str = "canvass/test/1";
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    bus: &'a str,
+    bit_rate: Option<u32>,
+    node: u8,
+    model: Option<&'a str>,
+    device: Device<'a>,
+    seed: u64,
+    cancelled: bool,
+    duration_ns: u64,
+    summary: BTreeMap<&'static str, usize>,
+    cases: Vec<Case<'a>>,
+}
+
+#[derive(Serialize)]
+struct Device<'a> {
+    device_type: Option<u32>,
+    vendor_id: Option<u32>,
+    product_code: Option<u32>,
+    revision_number: Option<u32>,
+    serial_number: Option<u32>,
+    name: Option<&'a str>,
+    hardware_version: Option<&'a str>,
+    software_version: Option<&'a str>,
+}
+
+#[derive(Serialize)]
+struct Case<'a> {
+    id: &'static str,
+    requirement: &'static str,
+    clause: String,
+    clause_confidence: &'static str,
+    level: &'static str,
+    cct: Option<&'static str>,
+    verdict: &'static str,
+    reason: Option<CaseReason<'a>>,
+    documented: Option<&'a str>,
+    notes: &'a [String],
+    evidence: Vec<Frame<'a>>,
+    evidence_omitted: u64,
+    duration_ns: u64,
+}
+
+#[derive(Serialize)]
+struct CaseReason<'a> {
+    duty: &'a str,
+    expected: &'a str,
+    actual: &'a str,
+}
+
+#[derive(Serialize)]
+struct Frame<'a> {
+    t: u64,
+    channel: &'a str,
+    id: u32,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    extended: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    remote: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    error: Option<bool>,
+    direction: &'static str,
+    data: String,
+    text: &'a str,
+}
+
+/// Writes the document, indented, with a line end.
+///
+/// # Errors
+/// What `out` gives.
+pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    let document = Document {
+        schema: SCHEMA,
+        bus: &run.info.bus,
+        bit_rate: run.info.bit_rate,
+        node: run.info.node.raw(),
+        model: Some(run.info.model.as_str()).filter(|model| !model.is_empty()),
+        device: device(&run.info.device),
+        seed: run.info.seed,
+        cancelled: run.summary.cancelled,
+        duration_ns: run.summary.duration.nanos(),
+        summary: Kind::ALL.into_iter().map(|kind| (kind.name(), run.summary.count(kind))).collect(),
+        cases: run.cases.iter().map(|report| case(report, &run.info.bus)).collect(),
+    };
+    let text = serde_json::to_string_pretty(&document).map_err(io::Error::other)?;
+    out.write_all(escape::json(&text).as_bytes())?;
+    out.write_all(b"\n")
+}
+
+fn device(device: &DeviceIdentity) -> Device<'_> {
+    let [vendor_id, product_code, revision_number, serial_number] = device.identity;
+    let [name, hardware_version, software_version] = device.names.each_ref().map(Option::as_deref);
+    let device_type = device.device_type;
+    Device {
+        device_type,
+        vendor_id,
+        product_code,
+        revision_number,
+        serial_number,
+        name,
+        hardware_version,
+        software_version,
+    }
+}
+
+fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
+    let reason = |reason: &'a Reason| {
+        let Reason { duty, expected, actual } = reason;
+        CaseReason { duty, expected, actual }
+    };
+    Case {
+        id: report.case.id,
+        requirement: report.case.requirement,
+        clause: report.case.clause.bare(),
+        clause_confidence: report.case.clause.confidence.name(),
+        level: report.case.level.name(),
+        cct: report.case.cct,
+        verdict: report.verdict.kind().name(),
+        reason: report.verdict.reason().map(reason),
+        documented: report.verdict.documented(),
+        notes: &report.notes,
+        evidence: report.evidence.frames().map(|exhibit| frame(exhibit, channel)).collect(),
+        evidence_omitted: report.evidence.omitted(),
+        duration_ns: report.duration.nanos(),
+    }
+}
+
+fn frame<'a>(exhibit: &'a Exhibit, channel: &'a str) -> Frame<'a> {
+    let Exhibit { record, text } = exhibit;
+    Frame {
+        t: record.timestamp.nanos(),
+        channel,
+        id: record.frame.id().raw(),
+        extended: record.frame.id().is_extended().then_some(true),
+        remote: record.frame.is_remote().then_some(true),
+        error: record.frame.is_error().then_some(true),
+        direction: if record.direction == Direction::Tx { "tx" } else { "rx" },
+        data: record.data().iter().map(|byte| format!("{byte:02X}")).collect(),
+        text,
+    }
+}

@@ -1,0 +1,59 @@
+//! The result as Markdown: for a merge request or a wiki.
+
+use super::{Run, hex, milliseconds_since, symbol};
+use crate::escape::markdown;
+use canvass_conformance::runner::CaseReport;
+use canvass_conformance::verdict::Kind;
+use std::io::{self, Write};
+
+/// At most so many frames of a case are printed, the last ones.
+const FRAMES: usize = 20;
+
+/// Writes the document.
+///
+/// # Errors
+/// What `out` gives.
+pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    let [name, _, software] = run.info.device.names.each_ref().map(|name| name.as_deref().unwrap_or("unknown"));
+    writeln!(out, "# Conformance of node {}\n", run.info.node)?;
+    writeln!(out, "Device: {}, software {}. Bus: {}.\n", markdown(name), markdown(software), markdown(&run.info.bus))?;
+    writeln!(out, "| verdict | cases |\n|---|---:|")?;
+    for kind in Kind::ALL {
+        writeln!(out, "| {} {kind} | {} |", symbol(kind), run.summary.count(kind))?;
+    }
+    let told = |report: &&CaseReport| !matches!(report.verdict.kind(), Kind::Pass | Kind::NotApplicable);
+    for report in run.cases.iter().filter(told) {
+        section(report, out)?;
+    }
+    writeln!(out, "\n## All cases\n\n| | case | clause | verdict |\n|---|---|---|---|")?;
+    for report in &run.cases {
+        let kind = report.verdict.kind();
+        writeln!(out, "| {} | {} | {} | {kind} |", symbol(kind), report.case.id, report.case.clause)?;
+    }
+    Ok(())
+}
+
+fn section(report: &CaseReport, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "\n## {}: {}\n", report.verdict.kind(), report.case.id)?;
+    writeln!(out, "{} ({})\n", markdown(report.case.requirement), report.case.clause)?;
+    if let Some(reason) = report.verdict.reason() {
+        writeln!(out, "- Duty: {}", markdown(&reason.duty))?;
+        writeln!(out, "- Expected: {}", markdown(&reason.expected))?;
+        writeln!(out, "- Found: {}", markdown(&reason.actual))?;
+    }
+    if let Some(documented) = report.verdict.documented() {
+        writeln!(out, "- Documented: {}", markdown(documented))?;
+    }
+    for note in &report.notes {
+        writeln!(out, "- Note: {}", markdown(note))?;
+    }
+    let frames: Vec<_> = report.evidence.frames().collect();
+    let Some(start) = frames.first().map(|first| first.record.timestamp) else { return Ok(()) };
+    writeln!(out, "\n| ms | id | data | meaning |\n|---:|---|---|---|")?;
+    for exhibit in frames.iter().skip(frames.len().saturating_sub(FRAMES)) {
+        let record = &exhibit.record;
+        let time = milliseconds_since(start, record);
+        writeln!(out, "| {time} | {} | {} | {} |", record.frame.id(), hex(record), markdown(&exhibit.text))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,110 @@
+//! Reports of a conformance run. All are made from the same events.
+//!
+//! - [`Terminal`](terminal::Terminal) shows the progress and prints the result;
+//! - [`json`], [`junit`], [`html`] and [`markdown`] write a document when the run is over: see [`Document`].
+
+pub mod html;
+pub mod json;
+pub mod junit;
+pub mod markdown;
+pub mod terminal;
+
+#[cfg(test)]
+mod hostile;
+
+use canvass_conformance::runner::{CaseReport, RunEvent, RunInfo, Summary};
+use canvass_conformance::verdict::Kind;
+use canvass_traces::{Record, Timestamp};
+use std::io::{self, Write};
+
+/// Takes the events of a run.
+pub trait Reporter {
+    /// Something has happened.
+    ///
+    /// # Errors
+    /// What writing the report gave.
+    fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()>;
+}
+
+/// A whole run, as the documents need it.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// What was tested.
+    pub info: RunInfo,
+    /// The cases, in the order in which they ran.
+    pub cases: Vec<CaseReport>,
+    /// The outcome.
+    pub summary: Summary,
+}
+
+/// Writes a document about a whole run.
+pub type Render = fn(&Run, &mut dyn Write) -> io::Result<()>;
+
+/// A reporter that writes its document when the run is over.
+#[derive(Debug)]
+pub struct Document<W> {
+    out: W,
+    render: Render,
+    info: Option<RunInfo>,
+    cases: Vec<CaseReport>,
+}
+
+impl<W: Write> Document<W> {
+    /// A document that `render` writes to `out`.
+    pub const fn new(out: W, render: Render) -> Self {
+        Self { out, render, info: None, cases: Vec::new() }
+    }
+}
+
+impl<W: Write> Reporter for Document<W> {
+    fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()> {
+        match event {
+            RunEvent::RunStarted(info) => self.info = Some((*info).clone()),
+            RunEvent::CaseStarted { .. } => {}
+            RunEvent::CaseFinished(report) => self.cases.push((*report).clone()),
+            RunEvent::RunFinished(summary) => {
+                if let Some(info) = self.info.take() {
+                    let run = Run { info, cases: std::mem::take(&mut self.cases), summary: **summary };
+                    (self.render)(&run, &mut self.out)?;
+                    self.out.flush()?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A sign for each verdict, so that colour is never all that tells them apart.
+const fn symbol(kind: Kind) -> &'static str {
+    match kind {
+        Kind::Pass => "✓",
+        Kind::Tolerated => "≈",
+        Kind::Deviation => "≠",
+        Kind::Fail => "✗",
+        Kind::Inconclusive => "?",
+        Kind::NotApplicable => "–",
+        Kind::Error => "!",
+    }
+}
+
+/// The family of a case: its id without the last word.
+fn family(id: &str) -> &str {
+    id.rsplit_once('/').map_or(id, |(family, _)| family)
+}
+
+/// The last word of a case's id.
+fn short_name(id: &str) -> &str {
+    id.rsplit_once('/').map_or(id, |(_, name)| name)
+}
+
+/// Milliseconds with three digits since `start`: what a person compares.
+fn milliseconds_since(start: Timestamp, record: &Record) -> String {
+    let nanos = record.timestamp.since(start).nanos();
+    format!("{}.{:03}", nanos / 1_000_000, nanos / 1_000 % 1_000)
+}
+
+/// The payload in hexadecimal, bytes apart.
+fn hex(record: &Record) -> String {
+    let bytes: Vec<String> = record.data().iter().map(|byte| format!("{byte:02X}")).collect();
+    if record.frame.is_remote() { "remote request".to_owned() } else { bytes.join(" ") }
+}

@@ -1,0 +1,172 @@
+//! The result on a terminal: progress while the run goes on, then what was wrong, then the count.
+
+use super::{Reporter, symbol};
+use crate::escape::printable;
+use canvass_conformance::runner::{CaseReport, RunEvent, RunInfo, Summary};
+use canvass_conformance::verdict::Kind;
+use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, Table, presets};
+use std::io::{self, Write};
+
+/// At most so many frames of a case are printed, the last ones: the verdict is made of them.
+const FRAMES: usize = 16;
+
+/// How to print.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Style {
+    /// With colours.
+    pub color: bool,
+    /// One line that tells how far the run is: only where the progress goes to a terminal.
+    pub progress: bool,
+    /// The width of the terminal in columns, where it is one.
+    pub width: Option<u16>,
+}
+
+/// Prints results to one stream and progress to another.
+#[derive(Debug)]
+pub struct Terminal<O, P> {
+    out: O,
+    progress: P,
+    style: Style,
+    told: Vec<CaseReport>,
+    skipped: Vec<(&'static str, String)>,
+}
+
+impl<O: Write, P: Write> Terminal<O, P> {
+    /// Results go to `out`, progress to `progress`.
+    pub const fn new(out: O, progress: P, style: Style) -> Self {
+        Self { out, progress, style, told: Vec::new(), skipped: Vec::new() }
+    }
+
+    fn show_progress(&mut self, text: &str) -> io::Result<()> {
+        if self.style.progress {
+            // Back to the start of the line, and clear what was there.
+            write!(self.progress, "\r\x1b[K{text}")?;
+            self.progress.flush()?;
+        }
+        Ok(())
+    }
+
+    fn painted(&self, kind: Kind, text: &str) -> String {
+        let code = match kind {
+            Kind::Pass => "32",
+            Kind::Tolerated | Kind::Deviation => "33",
+            Kind::Fail | Kind::Error => "31",
+            Kind::Inconclusive => "35",
+            Kind::NotApplicable => "2",
+        };
+        if self.style.color { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
+    }
+
+    fn start(&mut self, info: &RunInfo) -> io::Result<()> {
+        let [name, _, software] = info.device.names.each_ref().map(|name| name.as_deref().unwrap_or("?"));
+        let (name, software, bus) = (printable(name), printable(software), printable(&info.bus));
+        writeln!(self.out, "node {} on {bus}: {name}, software {software}; {} cases", info.node, info.cases)
+    }
+
+    fn keep(&mut self, report: &CaseReport) {
+        match report.verdict.kind() {
+            Kind::Pass if report.notes.is_empty() => {}
+            Kind::NotApplicable => {
+                let why = report.verdict.reason().map(|reason| reason.actual.clone()).unwrap_or_default();
+                self.skipped.push((report.case.id, why));
+            }
+            _ => self.told.push(report.clone()),
+        }
+    }
+
+    fn finish(&mut self, summary: &Summary) -> io::Result<()> {
+        self.show_progress("")?;
+        for report in std::mem::take(&mut self.told) {
+            self.case(&report)?;
+        }
+        if !self.skipped.is_empty() {
+            writeln!(self.out, "\n{}", self.painted(Kind::NotApplicable, "not applicable"))?;
+        }
+        for (id, why) in std::mem::take(&mut self.skipped) {
+            writeln!(self.out, "  {id}: {}", printable(&why))?;
+        }
+        writeln!(self.out, "\n{}", self.table(summary))?;
+        if summary.cancelled {
+            writeln!(self.out, "The run was cancelled before all cases had run.")?;
+        }
+        self.out.flush()
+    }
+
+    fn case(&mut self, report: &CaseReport) -> io::Result<()> {
+        let kind = report.verdict.kind();
+        let title = self.painted(kind, &format!("{} {kind}", symbol(kind)));
+        writeln!(self.out, "\n{title}  {}  [{}]", report.case.id, report.case.clause)?;
+        if let Some(reason) = report.verdict.reason() {
+            writeln!(self.out, "  {}", printable(&reason.duty))?;
+            writeln!(self.out, "    expected  {}", printable(&reason.expected))?;
+            writeln!(self.out, "    found     {}", printable(&reason.actual))?;
+        }
+        if let Some(documented) = report.verdict.documented() {
+            writeln!(self.out, "    documented  {}", printable(documented))?;
+        }
+        for note in &report.notes {
+            writeln!(self.out, "    note  {}", printable(note))?;
+        }
+        if matches!(kind, Kind::Pass) { Ok(()) } else { self.frames(report) }
+    }
+
+    fn frames(&mut self, report: &CaseReport) -> io::Result<()> {
+        let frames: Vec<_> = report.evidence.frames().collect();
+        let hidden = frames.len().saturating_sub(FRAMES);
+        let before = report.evidence.omitted() + hidden as u64;
+        if before > 0 {
+            writeln!(self.out, "    … {before} frames before")?;
+        }
+        for exhibit in frames.iter().skip(hidden) {
+            let (record, text) = (&exhibit.record, printable(&exhibit.text));
+            let frame = record.frame.to_string();
+            writeln!(self.out, "    ({}) {frame:<21} {:<2} {text}", record.timestamp, record.direction.to_string())?;
+        }
+        Ok(())
+    }
+
+    fn table(&self, summary: &Summary) -> Table {
+        let mut table = Table::new();
+        table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
+        if self.style.color {
+            table.enforce_styling()
+        } else {
+            table.force_no_tty()
+        };
+        table.set_width(self.style.width.unwrap_or(80));
+        table.set_header(["verdict", "cases"]);
+        for kind in Kind::ALL {
+            let (count, color) = (summary.count(kind), color(kind));
+            let mut name = Cell::new(format!("{} {kind}", symbol(kind)));
+            if count > 0 {
+                name = name.fg(color).add_attribute(Attribute::Bold);
+            }
+            table.add_row([name, Cell::new(count).set_alignment(CellAlignment::Right)]);
+        }
+        table
+    }
+}
+
+const fn color(kind: Kind) -> Color {
+    match kind {
+        Kind::Pass => Color::Green,
+        Kind::Tolerated | Kind::Deviation => Color::Yellow,
+        Kind::Fail | Kind::Error => Color::Red,
+        Kind::Inconclusive => Color::Magenta,
+        Kind::NotApplicable => Color::DarkGrey,
+    }
+}
+
+impl<O: Write, P: Write> Reporter for Terminal<O, P> {
+    fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()> {
+        match event {
+            RunEvent::RunStarted(info) => self.start(info),
+            RunEvent::CaseStarted { case, number, of } => self.show_progress(&format!("[{number}/{of}] {}", case.id)),
+            RunEvent::CaseFinished(report) => {
+                self.keep(report);
+                Ok(())
+            }
+            RunEvent::RunFinished(summary) => self.finish(summary),
+        }
+    }
+}
