@@ -74,7 +74,6 @@ faults! {
     DeviceNameWithGarbage = "device-name-with-garbage": "1008h ends in bytes that are not printable.",
     TpdoInPreOperational = "tpdo-in-pre-operational": "TPDOs are sent in pre-operational.",
     EventTimerDoubled = "event-timer-doubled": "TPDOs come at twice the time of their event timer.",
-    NmtStartWhenStoppedIgnored = "nmt-start-when-stopped-ignored": "Start remote node is ignored in stopped.",
     HeartbeatToggles = "heartbeat-toggles": "Heartbeats have bit 7 set.",
     HeartbeatLostOnStateChange = "heartbeat-lost-on-state-change": "The heartbeat ends when the NMT state changes.",
     HeartbeatConsumerDoubleAccepted = "heartbeat-consumer-double-accepted": "1016h takes two entries for one node.",
