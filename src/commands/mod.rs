@@ -5,3 +5,5 @@ pub mod decode;
 pub mod explain;
 pub mod list;
 pub mod man;
+pub mod send;
+pub mod test;
