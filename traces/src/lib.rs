@@ -13,6 +13,7 @@ mod damage;
 mod formats;
 mod frame;
 mod id;
+mod limited;
 mod reader;
 mod record;
 mod source;
