@@ -8,7 +8,8 @@ use canvass_traces::{ChannelId, Duration, Record, Timestamp, parse_frame};
 pub struct Trace {
     /// The network, to look into.
     pub network: Network,
-    now: Timestamp,
+    /// The time of the latest frame.
+    pub now: Timestamp,
 }
 
 /// What the analyzer says to a frame.
