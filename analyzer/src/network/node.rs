@@ -85,7 +85,8 @@ impl Node {
 
     /// The defaults were restored; they take effect at the next reset.
     pub fn restore_defaults(&mut self) {
-        self.stored.clear();
+        // Device type and identity are the device's own: no default changes them.
+        self.stored.retain(|object, _| matches!(object.index.0, 0x1000 | 0x1018));
     }
 
     /// The node started anew: with what is stored, as far as the trace has shown that.
