@@ -47,6 +47,7 @@ pub struct Bench<'a> {
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
     features: BTreeMap<Need, Result<(), String>>,
+    starts_by_itself: Option<bool>,
 }
 
 /// What a case leaves behind for its report.
@@ -81,6 +82,7 @@ impl<'a> Bench<'a> {
             notes: Vec::new(),
             restoring: false,
             features: BTreeMap::new(),
+            starts_by_itself: None,
         }
     }
 
