@@ -8,6 +8,7 @@
 //! - [`features`]: what this device has;
 //! - `restore`: as it was found.
 
+mod decoder;
 mod evidence;
 pub mod features;
 pub mod nmt;
@@ -19,6 +20,7 @@ mod target;
 mod traffic;
 mod watch;
 
+pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
