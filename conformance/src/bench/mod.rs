@@ -8,7 +8,7 @@
 //! - [`features`]: what this device has;
 //! - `restore`: as it was found.
 
-mod annotator;
+mod decoder;
 mod evidence;
 pub mod features;
 pub mod nmt;
@@ -20,7 +20,7 @@ mod target;
 mod traffic;
 mod watch;
 
-pub use annotator::Annotator;
+pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
@@ -49,6 +49,7 @@ pub struct Bench<'a> {
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
     features: BTreeMap<Need, Result<(), String>>,
+    starts_by_itself: Option<bool>,
 }
 
 /// What a case leaves behind for its report.
@@ -83,6 +84,7 @@ impl<'a> Bench<'a> {
             notes: Vec::new(),
             restoring: false,
             features: BTreeMap::new(),
+            starts_by_itself: None,
         }
     }
 

@@ -4,7 +4,7 @@ use super::{Bench, Sent};
 use crate::verdict::{Reason, Verdict};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::error_control::{self, ErrorControl};
+use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::{self, Command, Nmt};
 use canvass_traces::{Duration, Frame, Record, Timestamp};
 
@@ -167,9 +167,24 @@ impl Bench<'_> {
     /// [`Verdict::Inconclusive`] if the device does not get there.
     pub fn prepare(&mut self) -> Result<(), Verdict> {
         self.reset(Command::RESET_NODE)?;
-        self.command(Command::ENTER_PRE_OPERATIONAL)?;
-        self.listen(self.timing().reaction)?;
+        if self.starts_by_itself()? {
+            self.command(Command::ENTER_PRE_OPERATIONAL)?;
+            self.listen(self.timing().reaction)?;
+        }
         Ok(())
+    }
+
+    /// Whether the device is operational after a reset without being told: 1F80h, or an object of its own, can make it
+    /// so. A device that does not show its state is taken for one that may. Found out once, by one more reset.
+    fn starts_by_itself(&mut self) -> Result<bool, Verdict> {
+        if let Some(known) = self.starts_by_itself {
+            return Ok(known);
+        }
+        self.show_state()?;
+        let found = self.state()? != Some(State::PRE_OPERATIONAL);
+        self.starts_by_itself = Some(found);
+        self.reset(Command::RESET_NODE)?;
+        Ok(found)
     }
 }
 

@@ -5,6 +5,8 @@ use crate::client::Outcome;
 use crate::verdict::{Reason, Verdict};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::{Payload, Response};
 
 /// COB-ID of TPDO 1.
 pub const TPDO_COB_ID: Multiplexer = Multiplexer::new(0x1800, 1);
@@ -99,9 +101,17 @@ impl Bench<'_> {
     /// As [`Bench::upload`].
     pub fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Verdict> {
         for multiplexer in self.long_candidates() {
-            if let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome
-                && value.len() >= at_least
-            {
+            let attempt = self.upload(multiplexer)?;
+            // What the server announces decides, not what it then delivers: that is what cases judge.
+            let announced = attempt.responses.first().and_then(|frame| Response::read(frame.data()).ok());
+            let is_long = match announced {
+                Some(Response::InitiateUpload { payload: Payload::Segmented(size), .. }) => size as usize >= at_least,
+                Some(Response::InitiateUpload { payload: Payload::SegmentedUnsized, .. }) => {
+                    matches!(&attempt.outcome, Outcome::Uploaded(value) if value.len() >= at_least)
+                }
+                _ => false,
+            };
+            if is_long {
                 return Ok(Some(multiplexer));
             }
         }

@@ -175,6 +175,7 @@ impl Device {
         match order {
             Order::ResetCommunication if keeps => self.initialise(now, Groups::NONE),
             Order::ResetCommunication => self.initialise(now, Groups::COMMUNICATION),
+            _ if self.faults.has(Fault::NmtResetNodeKeepsParameters) => self.initialise(now, Groups::NONE),
             _ => {
                 self.take_stored_node_id();
                 self.initialise(now, Groups::ALL);
@@ -193,10 +194,16 @@ impl Device {
     fn on_nmt(&mut self, now: Timestamp, frame: &Frame) {
         let Some(node) = self.node else { return };
         // An NMT message has two bytes (CiA 301); others are ignored.
-        let Ok(message) = nmt_wire::Nmt::read(frame.data()) else { return };
-        if frame.len() != 2 {
-            return;
-        }
+        let message = match *frame.data() {
+            [command] if self.faults.has(Fault::NmtShortFrameObeyed) => {
+                nmt_wire::Nmt { command: nmt_wire::Command(command), node: node.raw() }
+            }
+            [_, _] => match nmt_wire::Nmt::read(frame.data()) {
+                Ok(message) => message,
+                Err(_) => return,
+            },
+            _ => return,
+        };
         match nmt::order(message, node, self.phase, self.faults) {
             Some(Order::Enter(phase)) => self.enter(now, phase),
             Some(order) => self.reset(now, order),

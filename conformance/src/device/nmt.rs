@@ -59,6 +59,7 @@ impl Phase {
         match (self, service) {
             (_, Service::Lss) => true,
             (Self::Unconfigured | Self::Initialising { .. }, _) => false,
+            (Self::Operational, Service::Sdo) => !faults.has(Fault::SdoSilentWhenOperational),
             (_, Service::ErrorControl) | (Self::Operational, _) => true,
             (Self::PreOperational, Service::Pdo) => faults.has(Fault::TpdoInPreOperational),
             (Self::PreOperational, _) => true,
@@ -79,7 +80,20 @@ pub(super) fn order(message: Nmt, node: NodeId, phase: Phase, faults: Faults) ->
         return None;
     }
     let ignores_reset = phase == Phase::Stopped && faults.has(Fault::NmtResetWhenStoppedIgnored);
+    let target = match message.command {
+        Command::START => Some(Phase::Operational),
+        Command::STOP => Some(Phase::Stopped),
+        Command::ENTER_PRE_OPERATIONAL => Some(Phase::PreOperational),
+        _ => None,
+    };
+    if target == Some(phase) && faults.has(Fault::NmtRepeatedCommandResets) {
+        return Some(Order::ResetNode);
+    }
     Some(match message.command {
+        Command::ENTER_PRE_OPERATIONAL if faults.has(Fault::NmtEnterPreOperationalIgnored) => return None,
+        Command::STOP if phase == Phase::Operational && faults.has(Fault::NmtStopWhenOperationalIgnored) => {
+            return None;
+        }
         Command::START if phase == Phase::Stopped && faults.has(Fault::NmtStartWhenStoppedIgnored) => return None,
         Command::START => Order::Enter(Phase::Operational),
         Command::STOP => Order::Enter(Phase::Stopped),

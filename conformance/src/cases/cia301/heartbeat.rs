@@ -70,7 +70,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
 
 /// A heartbeat is one byte that holds the NMT state: 7Fh pre-operational, 05h operational, 04h stopped; bit 7 is 0.
 #[case(id = "301/heartbeat/state", clause = "CiA 301 7.2.8.3.2.2", confidence = Attested, level = Must,
-       needs = [Heartbeat], catches = [HeartbeatWrongState])]
+       needs = [Heartbeat], catches = [HeartbeatWrongState, HeartbeatToggles, HeartbeatLostOnStateChange])]
 fn state(bench: &mut Bench<'_>) -> Judged {
     set_time(bench, 50)?;
     for state in [State::PRE_OPERATIONAL, State::OPERATIONAL, State::STOPPED, State::OPERATIONAL] {

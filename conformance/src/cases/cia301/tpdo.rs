@@ -71,7 +71,7 @@ fn pre_operational(bench: &mut Bench<'_>) -> Judged {
 
 /// In stopped no TPDO is sent, even where its event timer runs.
 #[case(id = "301/state/stopped/tpdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
-       needs = [EventTimer], catches = [TpdoInStopped], cct = "9.4")]
+       needs = [EventTimer], catches = [TpdoWhenStopped], cct = "9.4")]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     silent_unless_operational(bench, Command::STOP)
 }

@@ -23,6 +23,9 @@ pub(super) struct SegmentedDownload {
 pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, objects: &mut Objects) -> Next {
     let size = match payload {
         Payload::Expedited(value) => return write(now, object, value.data(), objects),
+        Payload::ExpeditedUnsized(_) if objects.faults.has(Fault::SdoUnsizedDownloadSilent) => {
+            return Next::silence(Transfer::Idle);
+        }
         Payload::ExpeditedUnsized(bytes) => return write_unsized(now, object, bytes, objects),
         Payload::Segmented(size) => Some(size as usize),
         Payload::SegmentedUnsized => None,

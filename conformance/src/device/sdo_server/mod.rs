@@ -151,7 +151,12 @@ impl SdoServer {
 
     /// Requests that begin a transfer end the one under way.
     fn on_request(&mut self, now: Timestamp, transfer: Transfer, request: Request, objects: &mut Objects) -> Next {
+        let is_busy =
+            objects.faults.has(Fault::SdoBusyAfterAbandonedTransfer) && matches!(transfer, Transfer::Upload(_));
         match request {
+            Request::InitiateUpload { multiplexer } | Request::InitiateDownload { multiplexer, .. } if is_busy => {
+                Next::abort(multiplexer, AbortCode::COMMAND_SPECIFIER)
+            }
             Request::InitiateUpload { multiplexer } => upload::initiate(now, multiplexer, objects),
             Request::InitiateDownload { multiplexer, payload } => {
                 download::initiate(now, multiplexer, payload, objects)
@@ -187,6 +192,10 @@ impl SdoServer {
             if first || objects.faults.has(Fault::SdoUnknownCommandSilent) {
                 return Next::silence(Transfer::Idle);
             }
+        }
+        let stray = matches!(request, Request::DownloadSegment(_) | Request::UploadSegment { .. });
+        if stray && matches!(transfer, Transfer::Idle) && objects.faults.has(Fault::SdoStraySegmentSilent) {
+            return Next::silence(Transfer::Idle);
         }
         let named = transfer.object().or(request.multiplexer()).or(match *request {
             Request::Unknown { tail: [low, high, sub, ..], .. } => Some(Multiplexer::from_bytes([low, high, sub])),

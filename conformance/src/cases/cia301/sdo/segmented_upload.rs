@@ -31,10 +31,7 @@ fn begin(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<(), Verdict>
 #[case(id = "301/sdo/upload/segmented", clause = "CiA 301 7.2.4.3.7", confidence = Known, level = Must,
        needs = [SegmentedUpload], catches = [SdoSegmentLengthWrong, SdoUnusedBytesNotZero, SdoShortResponse], cct = "2.16")]
 fn segmented(bench: &mut Bench<'_>) -> Judged {
-    let name = Multiplexer::new(0x1008, 0);
-    let found = bench.long_object(8);
-    // A server whose segments do not add up has no object that could be found by reading it.
-    let multiplexer = found?.unwrap_or(name);
+    let multiplexer = long_object(bench)?;
     let attempt = bench.upload(multiplexer)?;
     attempt.clone().value()?;
     expect_form(&attempt)

@@ -1,0 +1,33 @@
+//! The decoded text of evidence: the analyzer's, which sees the whole run.
+
+use super::{Annotate, Target};
+use canvass_analyzer::Meaning;
+use canvass_analyzer::network::Network;
+use canvass_traces::Record;
+
+/// Annotates frames with what the analyzer makes of them in their context.
+#[derive(Default)]
+pub struct Decoder {
+    network: Network,
+}
+
+impl Decoder {
+    /// A decoder that knows the device under test by its description, where there is one.
+    pub fn new(target: &Target) -> Self {
+        let mut network = Network::new();
+        if let Some(description) = &target.description {
+            network.describe(target.node, description.clone());
+        }
+        Self { network }
+    }
+}
+
+impl Annotate for Decoder {
+    fn annotate(&mut self, record: &Record) -> String {
+        let decoded = self.network.handle(record);
+        match self.network.bus(record.channel) {
+            Some(bus) => Meaning::new(record, &decoded, bus).to_string(),
+            None => String::new(),
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! The catalogue is tested itself: every case passes on a device without fault, and fails on every fault that it names.
+
+use canvass_conformance::bench::{Bench, Options, Target};
+use canvass_conformance::bus::SimulatedBus;
+use canvass_conformance::case::Case;
+use canvass_conformance::device::Device;
+use canvass_conformance::models::Model;
+use canvass_conformance::runner::{CaseReport, run_case};
+use canvass_conformance::verdict::Kind;
+use canvass_conformance::{Fault, Faults, catalogue};
+use std::collections::BTreeSet;
+use std::sync::atomic::AtomicBool;
+
+const MODEL: &str = "kuebler-sendix-58x8";
+
+/// Runs one case on a new device with those faults.
+fn judge(case: &'static Case, faults: Faults) -> CaseReport {
+    let model = Model::by_id(MODEL).unwrap();
+    let mut bus = SimulatedBus::new(model.default_bit_rate());
+    bus.attach(Box::new(Device::new(model, model.default_node(), faults, 0)));
+    let target = Target {
+        node: model.default_node().unwrap(),
+        model: MODEL.to_owned(),
+        description: Some(model.description().clone()),
+        deviations: Vec::new(),
+    };
+    let (options, cancel) = (Options::default(), AtomicBool::new(false));
+    let mut annotate = |_: &canvass_traces::Record| String::new();
+    run_case(&mut Bench::new(&mut bus, &target, &options, &mut annotate, &cancel), case)
+}
+
+fn describe(report: &CaseReport) -> String {
+    let frames: Vec<String> = report
+        .evidence
+        .frames()
+        .map(|exhibit| {
+            format!("    ({}) {} {}", exhibit.record.timestamp, exhibit.record.frame, exhibit.record.direction)
+        })
+        .collect();
+    let tail = &frames[frames.len().saturating_sub(12)..];
+    format!(
+        "{}: {}: {:?} {:?}\n{}",
+        report.case.id,
+        report.verdict.kind(),
+        report.verdict.reason(),
+        report.notes,
+        tail.join("\n")
+    )
+}
+
+/// No false alarm: a device without fault passes every case.
+#[test]
+fn a_good_device_passes() {
+    let reports: Vec<CaseReport> = catalogue::cases().into_iter().map(|case| judge(case, Faults::NONE)).collect();
+    let wrong: Vec<String> = reports
+        .iter()
+        .filter(|report| report.verdict.kind() != Kind::Pass || !report.notes.is_empty())
+        .map(describe)
+        .collect();
+    assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), reports.len(), wrong.join("\n"));
+}
+
+/// No vacuous case: each fails on each fault that it names.
+#[test]
+fn every_case_catches_what_it_names() {
+    let mut missed = Vec::new();
+    for case in catalogue::cases() {
+        for &fault in case.catches {
+            let report = judge(case, Faults::from(fault));
+            if report.verdict.kind() != Kind::Fail {
+                missed.push(format!("{fault} by {}", describe(&report)));
+            }
+        }
+    }
+    assert!(missed.is_empty(), "{} missed:\n{}", missed.len(), missed.join("\n"));
+}
+
+/// No fault goes unnoticed.
+#[test]
+fn every_fault_is_named_by_a_case() {
+    let named: BTreeSet<Fault> = catalogue::cases().iter().flat_map(|case| case.catches).copied().collect();
+    let idle: Vec<&str> = Fault::ALL.iter().filter(|fault| !named.contains(fault)).map(|fault| fault.id()).collect();
+    assert!(idle.is_empty(), "{idle:?}");
+}

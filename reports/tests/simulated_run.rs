@@ -1,0 +1,77 @@
+//! A whole run on the simulated bus, through every report.
+
+use canvass_conformance::bench::{Bench, Decoder, Deviation, Options, Target};
+use canvass_conformance::bus::{Bus, SimulatedBus};
+use canvass_conformance::device::Device;
+use canvass_conformance::models::Model;
+use canvass_conformance::runner::{Plan, Summary, run};
+use canvass_conformance::verdict::Kind;
+use canvass_conformance::{Fault, Faults, catalogue};
+use canvass_reports::conformance::{Document, Reporter, html, json, junit, markdown, terminal};
+use std::sync::atomic::AtomicBool;
+
+const MODEL: &str = "kuebler-sendix-58x8";
+
+fn run_with(faults: Faults, reporters: &mut [&mut dyn Reporter]) -> Summary {
+    let model = Model::by_id(MODEL).unwrap();
+    let mut bus = SimulatedBus::new(model.default_bit_rate());
+    bus.attach(Box::new(Device::new(model, model.default_node(), faults, 0)));
+    let bit_rate = bus.bit_rate();
+    let target = Target {
+        node: model.default_node().unwrap(),
+        model: MODEL.to_owned(),
+        description: Some(model.description().clone()),
+        deviations: vec![Deviation {
+            case: "301/identity/names".to_owned(),
+            documented: "the manual says so".to_owned(),
+        }],
+    };
+    let (options, cancel) = (Options::default(), AtomicBool::new(false));
+    let mut decoder = Decoder::new(&target);
+    let mut bench = Bench::new(&mut bus, &target, &options, &mut decoder, &cancel);
+    let plan = Plan { cases: &catalogue::cases(), bus: "sim:kuebler-sendix-58x8", bit_rate, seed: 0 };
+    run(&mut bench, &plan, &mut |event| reporters.iter_mut().for_each(|reporter| reporter.event(event).unwrap()))
+        .unwrap()
+}
+
+#[test]
+fn two_runs_give_the_same_bytes() {
+    let document = || {
+        let mut out = Vec::new();
+        run_with(Faults::NONE, &mut [&mut Document::new(&mut out, json::render)]);
+        out
+    };
+    let first = document();
+    assert!(first.len() > 10_000);
+    assert_eq!(first, document());
+}
+
+#[test]
+fn every_report_of_a_faulty_device() {
+    let faults: Faults =
+        [Fault::SdoStaleMultiplexer, Fault::HeartbeatPeriodDoubled, Fault::DeviceNameWithGarbage].into_iter().collect();
+    let [mut page, mut xml, mut text, mut lines] = [const { Vec::new() }; 4];
+    let style = terminal::Style { color: false, progress: false, width: None };
+    let mut progress = Vec::new();
+    let summary = run_with(
+        faults,
+        &mut [
+            &mut Document::new(&mut page, html::render),
+            &mut Document::new(&mut xml, junit::render),
+            &mut Document::new(&mut text, markdown::render),
+            &mut terminal::Terminal::new(&mut lines, &mut progress, style),
+        ],
+    );
+    assert_eq!((summary.count(Kind::Fail), summary.count(Kind::Deviation)), (2, 1));
+    // To look at.
+    let directory = std::path::Path::new(env!("CARGO_TARGET_TMPDIR"));
+    for (name, bytes) in [("run.html", &page), ("run.xml", &xml), ("run.md", &text), ("run.txt", &lines)] {
+        std::fs::write(directory.join(name), bytes).unwrap();
+    }
+    let lines = String::from_utf8(lines).unwrap();
+    assert!(lines.contains("✗ fail  301/sdo/abort/multiplexer"), "{lines}");
+    assert!(lines.contains("documented  the manual says so"), "{lines}");
+    assert!(String::from_utf8(text).unwrap().contains("| ✗ fail | 2 |"));
+    let xml = String::from_utf8(xml).unwrap();
+    assert_eq!(quick_junit::Report::deserialize_from_str(&xml).unwrap().failures, 2);
+}
