@@ -374,7 +374,7 @@ impl Device {
 
     /// The next EMCY, if there is one and it may be sent.
     fn poll_emcy(&mut self, now: Timestamp) -> Option<Frame> {
-        if !self.phase.serves(Service::Emcy, self.faults) {
+        if now < self.emcy_timeout() {
             return None;
         }
         let cob_id = self.objects.parameters.number(0x1014, 0).map(|raw| CobId(raw as u32));
