@@ -125,7 +125,12 @@ fn heartbeat_consumer() {
     assert_eq!(rig.write(0x1016, 1, 0x0005_00C8, 4), "ok");
     assert_eq!(rig.write(0x1016, 2, 0x0005_0064, 4), "06040043", "one entry for each node");
     assert_eq!(rig.write(0x1016, 1, 0x0006_00C8, 4), "06040043", "another node only after erasing");
-    assert!(rig.run(1000).is_empty());
+    assert!(rig.ask("705#05").is_empty());
+    assert!(rig.run(1000).is_empty(), "the manual: not before it is stored and the device restarted");
+    assert_eq!(rig.write(0x1010, 1, 0x6576_6173, 4), "ok");
+    rig.send("000#813F");
+    rig.run(300);
+    assert!(rig.run(1000).is_empty(), "not before the first heartbeat");
     assert!(rig.ask("705#05").is_empty());
     assert_eq!(rig.run(160), ["0BF#3081110000000000"]);
     assert!(rig.run(1000).is_empty());
