@@ -236,12 +236,17 @@ impl Device {
         match at.index.0 {
             0x1003 => self.objects.errors.clear_history(),
             0x100C | 0x100D => self.configure_guarding(now),
-            0x1016 => self.consumer.configure(&self.objects.parameters),
+            0x1016 if self.heartbeat_consumer_acts(at) => self.consumer.configure(&self.objects.parameters),
             0x1017 => self.heartbeat.start(now, value, self.faults),
             0x1800..0x1C00 | 0x6200 => self.configure_tpdos(now),
             _ => {}
         }
         self.after_change(now);
+    }
+
+    fn heartbeat_consumer_acts(&self, at: Multiplexer) -> bool {
+        let needs_store = self.objects.model.sheet().network.heartbeat_consumer_needs_store;
+        !needs_store || self.store.number(at, &self.objects.parameters).is_some()
     }
 
     /// Values have changed: errors may have come or gone, PDOs may have to be sent.
@@ -381,7 +386,7 @@ impl Device {
 
     /// The next EMCY, if there is one and it may be sent.
     fn poll_emcy(&mut self, now: Timestamp) -> Option<Frame> {
-        if !self.phase.serves(Service::Emcy, self.faults) {
+        if now < self.emcy_timeout() {
             return None;
         }
         let cob_id = self.objects.parameters.number(0x1014, 0).map(|raw| CobId(raw as u32));

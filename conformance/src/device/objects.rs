@@ -193,7 +193,7 @@ impl Objects {
     fn follow_links(&mut self, at: Multiplexer, value: u64) {
         match (at.index.0, at.sub.0) {
             (0x6200, 0) if !self.faults.has(Fault::CyclicTimerNotLinked) => {
-                self.parameters.set_number(0x1800, 5, value)
+                self.parameters.set_number(0x1800, 5, value);
             }
             (0x1800, 5) => self.parameters.set_number(0x6200, 0, value),
             _ => {}
