@@ -37,6 +37,7 @@ faults! {
     NmtNodeIdIgnored = "nmt-node-id-ignored": "NMT commands to other nodes are obeyed.",
     NmtUnknownCommandStops = "nmt-unknown-command-stops": "A reserved NMT command puts the node into stopped.",
     NmtResetWhenStoppedIgnored = "nmt-reset-when-stopped-ignored": "Reset commands are ignored in stopped.",
+    NmtStartWhenStoppedIgnored = "nmt-start-when-stopped-ignored": "Start remote node is ignored in stopped.",
     NmtResetCommunicationKeepsParameters = "nmt-reset-communication-keeps-parameters": "Reset communication does not restore unsaved communication parameters.",
     NmtStopWhenOperationalIgnored = "nmt-stop-when-operational-ignored": "Stop remote node is ignored in operational.",
     NmtEnterPreOperationalIgnored = "nmt-enter-pre-operational-ignored": "Enter pre-operational is ignored.",

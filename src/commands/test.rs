@@ -7,7 +7,7 @@ use crate::output::Color;
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
 use canvass_analyzer::NodeId;
-use canvass_conformance::bench::{Annotator, Bench, Options, Target};
+use canvass_conformance::bench::{Bench, Decoder, Options, Target};
 use canvass_conformance::bus::{self, BusError, Opened};
 use canvass_conformance::case::{Case, Touch};
 use canvass_conformance::catalogue::{Selector, select};
@@ -61,15 +61,12 @@ impl Args {
         }
         let mut opened = open_bus(&self.bus, self.seed)?;
         let target = self.target(&opened)?;
-        let mut annotator = Annotator::new();
-        if let Some(description) = &target.description {
-            annotator.describe(target.node, description.clone());
-        }
+        let mut decoder = Decoder::new(&target);
         let options = Options { allow: self.allow.iter().copied().collect(), ..Options::default() };
         let mut reports = Reports::open(self.format, &self.report, color)?;
         let cancel = cancelled_by_ctrl_c()?;
         let plan = Plan { cases: &cases, bus: &self.bus, bit_rate: opened.bus.bit_rate(), seed: self.seed };
-        let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut annotator, &cancel);
+        let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut decoder, &cancel);
         let mut written: io::Result<()> = Ok(());
         let summary = run(&mut bench, &plan, &mut |event: &RunEvent<'_>| {
             // The device is put back in any case; a report that can't be written is told of afterwards.
