@@ -3,10 +3,11 @@
 #[cfg(test)]
 mod trace;
 
-use canvass_analyzer::dictionary::eds;
+use canvass_analyzer::dictionary::{DeviceDescription, eds};
 use canvass_analyzer::{NodeId, Service};
 use canvass_traces::{CanId, ChannelId, ErrorClass, Flags, Frame, Record, Timestamp};
 use proptest::prelude::*;
+use std::sync::LazyLock;
 use trace::Trace;
 
 /// CAN-IDs of few nodes, so that frames meet each other, and of all services.
@@ -82,11 +83,13 @@ proptest! {
 
     #[test]
     fn of_described_nodes(records in proptest::collection::vec(record(), 0..100)) {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../conformance/models/kuebler-sendix-58x8.eds");
+        static SENDIX: LazyLock<DeviceDescription> = LazyLock::new(|| {
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../conformance/models/kuebler-sendix-58x8.eds");
+            eds::read(&std::fs::read(path).unwrap()).unwrap()
+        });
         let mut trace = Trace::new();
         for node in 1..=2 {
-            let description = eds::read(&std::fs::read(path).unwrap()).unwrap();
-            trace.network.describe(NodeId::new(node).unwrap(), description);
+            trace.network.describe(NodeId::new(node).unwrap(), SENDIX.clone());
         }
         records.iter().for_each(|record| say(&mut trace, record));
     }

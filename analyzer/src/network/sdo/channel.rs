@@ -179,7 +179,9 @@ impl Channel {
     /// The server answers another request in the middle of a block download: the client has given that up, and its
     /// request was taken for a segment.
     fn leave_block_download(&mut self) {
-        if matches!(self.phase, Phase::Block(Block::Download(_))) {
+        let Phase::Block(Block::Download(state)) = self.phase else { return };
+        // Before the first segment there is no request that was taken for one.
+        if !matches!(state, DownloadBlock::Initiated { .. }) {
             self.phase = Phase::Idle;
             self.with(|transfer| transfer.end(Outcome::Superseded));
         }
