@@ -113,7 +113,6 @@ fn record(frame: Frame) -> Record {
 }
 
 #[inline]
-
 fn classical_or_fd(id: CanId, body: &[u8]) -> Parsed<'_, Record> {
     match body {
         [b'R' | b'r', len @ ..] => remote(id, len),

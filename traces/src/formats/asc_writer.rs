@@ -80,7 +80,7 @@ impl AscRows {
 
 fn write_time(out: &mut String, nanos: u64) -> fmt::Result {
     let (secs, fraction) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
-    if fraction % 1_000 == 0 {
+    if fraction.is_multiple_of(1_000) {
         write!(out, "{secs:4}.{:06} ", fraction / 1_000)
     } else {
         write!(out, "{secs:4}.{fraction:09} ")

@@ -187,7 +187,6 @@ struct Tail {
 }
 
 #[inline]
-
 fn tail(input: &[u8]) -> Result<Tail, Expected<'_>> {
     if input.is_empty() {
         return Ok(Tail { direction: Direction::Unknown, closed: false, open: false });
@@ -276,7 +275,7 @@ impl LogLines {
         let (secs, fraction) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
         // From 1970 there are ten digits; candump -tz fills up to three.
         write!(out, "({secs:03}.")?;
-        if fraction % 1_000 == 0 {
+        if fraction.is_multiple_of(1_000) {
             write!(out, "{:06}) {name} ", fraction / 1_000)?;
         } else {
             write!(out, "{fraction:09}) {name} ")?;

@@ -13,6 +13,7 @@ pub(crate) mod pcapng;
 pub(crate) mod python_can_csv;
 pub(crate) mod socketcan;
 pub(crate) mod trc;
+mod trc_row;
 mod trc_writer;
 
 use crate::{ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
