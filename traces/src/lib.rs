@@ -36,4 +36,4 @@ pub use reader::{Reader, TimeBase};
 pub use record::{Direction, Long, Place, Record, XlHeader};
 pub use source::{Source, SourceError};
 pub use time::{Duration, Timestamp};
-pub use writer::{Loss, Losses, WriteError, WriteOptions, Writer};
+pub use writer::{ChunkCompression, Loss, Losses, WriteError, WriteOptions, Writer};

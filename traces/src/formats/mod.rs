@@ -86,7 +86,7 @@ const FORMATS: &[Row] = &[
         extensions: &["mcap"],
         sniff: mcap::sniff,
         open: mcap::open,
-        create: None,
+        create: Some(mcap::create),
     },
     Row {
         format: Format::Blf,

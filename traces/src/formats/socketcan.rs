@@ -24,12 +24,11 @@
 //! Easily got wrong: FDF was not set by older kernels, so a packet of 72 bytes is CAN FD whatever the flags say;
 //! and the flags byte holds garbage where the reserved bytes are not zero.
 
-use crate::{CanId, ChannelId, Damage, DamageKind, Direction, ErrorClass, Flags, Frame, Place, Record};
-use crate::{Timestamp, XlHeader};
+use crate::damage::Flaw;
+use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Record, Timestamp, XlHeader};
 use nom::number::Endianness;
 use nom::number::complete::{be_u16, be_u32, u8, u16, u32};
 use nom::{IResult, Parser};
-use std::borrow::Cow;
 
 const EXTENDED: u32 = 0x8000_0000;
 const REMOTE: u32 = 0x4000_0000;
@@ -64,28 +63,6 @@ impl LinkType {
             276 => Some(Self::Sll2),
             _ => None,
         }
-    }
-}
-
-/// Why a packet is no readable frame.
-#[derive(Debug)]
-pub(crate) struct Flaw {
-    kind: DamageKind,
-    expected: Cow<'static, str>,
-    found: String,
-}
-
-impl Flaw {
-    fn malformed(expected: impl Into<Cow<'static, str>>, found: String) -> Self {
-        Self { kind: DamageKind::Malformed, expected: expected.into(), found }
-    }
-
-    fn unsupported(expected: &'static str, found: String) -> Self {
-        Self { kind: DamageKind::Unsupported, expected: expected.into(), found }
-    }
-
-    pub(crate) fn damage(self, place: Place) -> Damage {
-        Damage::new(self.kind, place, self.expected, self.found.as_bytes())
     }
 }
 
@@ -257,6 +234,7 @@ fn encode_xl(priority: CanId, xl: XlHeader, data: &[u8], packet: &mut Vec<u8>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Place;
 
     fn shown(link: LinkType, order: Endianness, packet: &[u8]) -> String {
         match decode(link, order, packet) {

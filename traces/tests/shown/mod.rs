@@ -37,6 +37,17 @@ pub fn read_file(name: &str) -> (Vec<String>, Vec<Damage>) {
     read(&bytes(name))
 }
 
+/// The sample is read as its `.frames` say, without any damage.
+pub fn reads_as_others_do(name: &str) {
+    let (frames, damages) = read_file(name);
+    let expected = std::fs::read_to_string(sample(&format!("{name}.frames"))).unwrap();
+    assert_eq!(damages, [], "{name}");
+    for (n, (frame, expected)) in frames.iter().zip(expected.lines()).enumerate() {
+        assert_eq!(frame, expected, "{name}, frame {}", n + 1);
+    }
+    assert_eq!(frames.len(), expected.lines().count(), "{name}");
+}
+
 /// `SECONDS.NANOS CHANNEL FRAME[ DIRECTION]`, with the whole payload.
 pub fn shown(record: &Record, channels: &Channels) -> String {
     use std::fmt::Write;
