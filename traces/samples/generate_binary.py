@@ -7,7 +7,7 @@ read back by tshark and python-can. Nothing here is written or read by canvass.
     pip install python-can mcap rosbags zstandard lz4
     ./generate_binary.py
 """
-import base64, gzip, json, struct, subprocess, sys
+import base64, json, struct, subprocess, sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -385,14 +385,17 @@ def make_blf():
         with can.BLFWriter(str(HERE / name), **options) as writer:
             for f in TRAFFIC:
                 writer.on_message_received(message(f))
+        # python-can reckons in floating point: the nanoseconds that its writer puts into the file.
+        start = int(TRAFFIC[0].t / 1e9 * 1000) / 1000
+        times = [int(start) * 10**9 + int((f.t / 1e9 - start) * 1e9) for f in TRAFFIC]
         lines = []
         for m in can.BLFReader(str(HERE / name)):
             can_id = m.arbitration_id | (EXT if m.is_extended_id else 0) | (RTR if m.is_remote_frame else 0) | \
                 (ERR if m.is_error_frame else 0)
+            # The format has no direction of error frames.
+            way = "" if m.is_error_frame else "Rx" if m.is_rx else "Tx"
             fd = m.bitrate_switch | m.error_state_indicator << 1 if m.is_fd else None
-            # python-can's times are floating point: rounded to the file's nanoseconds relative to its start.
-            nanos = START + round((m.timestamp - START / 1e9) * 1e6) * 1000
-            lines.append(show(nanos, str(m.channel + 1), can_id, bytes(m.data), fd, m.dlc, "Rx" if m.is_rx else "Tx"))
+            lines.append(show(times[len(lines)], str(m.channel + 1), can_id, bytes(m.data), fd, m.dlc, way))
         expect(name, lines)
 
 

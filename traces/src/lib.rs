@@ -15,6 +15,7 @@ mod formats;
 mod frame;
 mod grammar;
 mod id;
+mod limited;
 mod lines;
 mod local_time;
 mod merge;

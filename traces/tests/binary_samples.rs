@@ -77,3 +77,10 @@ fn a_packet_that_the_recorder_cut_is_no_shorter_frame() {
     assert_eq!(damages[0].kind, DamageKind::Truncated);
     assert_eq!(damages[0].place.number, 1);
 }
+
+#[test]
+fn blf() {
+    reads_as_others_do("python-can.blf");
+    reads_as_others_do("python-can-plain.blf");
+    reads_as_others_do("python-can-small-containers.blf");
+}

@@ -72,3 +72,26 @@ pub fn shown(record: &Record, channels: &Channels) -> String {
     }
     text
 }
+
+/// The binary samples.
+pub const SAMPLES: &[&str] = &[
+    "tcpdump-us.pcap",
+    "tcpdump-ns.pcap",
+    "big-endian.pcap",
+    "cooked.pcap",
+    "cooked-big-endian.pcap",
+    "cooked-v2.pcap",
+    "two-interfaces.pcapng",
+    "three-sections.pcapng",
+    "ros2-zstd.mcap",
+    "ros2-lz4.mcap",
+    "ros2-plain.mcap",
+    "ros2-unchunked.mcap",
+    "vendor.mcap",
+    "ros1.mcap",
+    "json.mcap",
+    "protobuf.mcap",
+    "python-can.blf",
+    "python-can-plain.blf",
+    "python-can-small-containers.blf",
+];

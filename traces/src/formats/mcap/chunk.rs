@@ -6,10 +6,11 @@
 //! ```
 
 use crate::Source;
+use crate::limited::Limited;
 use nom::bytes::complete::take;
 use nom::number::complete::{le_u32, le_u64};
 use nom::{IResult, Parser};
-use std::io::{self, BufRead, Read};
+use std::io::{self, Read};
 
 /// The largest uncompressed size that is held; recorders write 1 to 8 MiB.
 pub(crate) const LARGEST: u64 = 256 * 1024 * 1024;
@@ -65,47 +66,12 @@ pub(crate) enum Unpacked {
     },
 }
 
-/// A source's next bytes, up to an end.
-struct Limited<'a> {
-    source: &'a mut Source,
-    left: u64,
-    /// The source ended or failed before that.
-    cut: bool,
-}
-
-impl BufRead for Limited<'_> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        if self.left == 0 {
-            return Ok(&[]);
-        }
-        let left = usize::try_from(self.left).unwrap_or(usize::MAX);
-        self.cut = !matches!(BufRead::fill_buf(self.source), Ok(bytes) if !bytes.is_empty());
-        let window = self.source.window();
-        Ok(&window[..window.len().min(left)])
-    }
-
-    fn consume(&mut self, n: usize) {
-        self.source.consume(n);
-        self.left -= (n as u64).min(self.left);
-    }
-}
-
-impl Read for Limited<'_> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let bytes = self.fill_buf()?;
-        let n = bytes.len().min(buffer.len());
-        buffer[..n].copy_from_slice(&bytes[..n]);
-        self.consume(n);
-        Ok(n)
-    }
-}
-
 /// Unpacks a chunk's records from the source into `records`, and takes all of the chunk's bytes, of which there
 /// are `left`, from the source.
 pub(crate) fn unpack(source: &mut Source, header: &Header, left: u64, records: &mut Vec<u8>) -> Unpacked {
     records.clear();
-    let mut limited = Limited { source, left: header.compressed.min(left), cut: false };
-    let outer = left.saturating_sub(limited.left);
+    let mut limited = Limited::new(source, header.compressed.min(left));
+    let outer = left.saturating_sub(limited.left());
     // One byte more than there should be shows that there are more.
     let most = header.uncompressed.saturating_add(1);
     let read = match &header.compression {
@@ -114,7 +80,7 @@ pub(crate) fn unpack(source: &mut Source, header: &Header, left: u64, records: &
         Compression::Lz4 => lz4::Decoder::new(&mut limited).and_then(|d| d.take(most).read_to_end(records)),
         Compression::Other(name) => Err(io::Error::other(format!("compression {name}"))),
     };
-    let (cut, unread) = (limited.cut, limited.left);
+    let (cut, unread) = (limited.is_cut(), limited.left());
     let skipped = source.skip(unread.saturating_add(outer)).unwrap_or_default();
     if cut || skipped < unread.saturating_add(outer) && read.is_ok() {
         records.truncate(header.uncompressed as usize);

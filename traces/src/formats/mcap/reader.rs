@@ -344,7 +344,7 @@ impl McapReader {
 
     fn open_chunk(&mut self, length: u64) -> Result<Option<Record>, Damage> {
         let place = self.place();
-        let whole = RECORD_HEADER as u64 + length;
+        let whole = length.saturating_add(RECORD_HEADER as u64);
         let head = usize::try_from(whole).unwrap_or(usize::MAX).min(RECORD_HEADER + chunk::HEADER);
         if !self.has(head)? {
             return self.unfinished(Some(format!("a chunk of {length} bytes")));
