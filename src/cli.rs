@@ -22,6 +22,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Decode(commands::decode::Args),
+    Convert(commands::convert::Args),
     Completions(commands::completions::Args),
     Man(commands::man::Args),
     List(commands::list::Args),
@@ -33,6 +34,7 @@ impl Cli {
     pub fn run(self) -> Result<Status, Failure> {
         match self.command {
             Command::Decode(args) => args.run(self.color),
+            Command::Convert(args) => args.run(),
             Command::Completions(args) => args.run(),
             Command::Man(args) => args.run(),
             Command::List(args) => args.run(),
