@@ -22,6 +22,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Decode(commands::decode::Args),
+    Convert(commands::convert::Args),
     Test(commands::test::Args),
     Send(commands::send::Args),
     List(commands::list::Args),
@@ -37,6 +38,7 @@ impl Cli {
             Command::Decode(args) => args.run(self.color),
             Command::Test(args) => args.run(self.color),
             Command::Send(args) => args.run(self.color),
+            Command::Convert(args) => args.run(),
             Command::Completions(args) => args.run(),
             Command::Man(args) => args.run(),
             Command::List(args) => args.run(),
