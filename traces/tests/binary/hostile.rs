@@ -1,11 +1,8 @@
 //! Captures that are cut, changed or made to hurt: no panic, no hang, bounded memory, no frame that was not there.
 
-#[cfg(test)]
-mod shown;
-
+use crate::shown::{self, SAMPLES, read};
 use canvass_traces::{Capture, DamageKind, ReadOptions, Source};
 use proptest::prelude::*;
-use shown::{SAMPLES, read};
 use std::io::{self, Read};
 
 #[test]
