@@ -183,7 +183,6 @@ fn compression_bombs_are_streamed() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
     /// Changed bytes change or lose frames near them, but make no more of them, and are never a panic or a hang.
     #[test]

@@ -95,7 +95,6 @@ fn expected(records: &[Record], keeps: impl Fn(&Record) -> Option<Record>) -> Ve
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
     #[test]
     fn pcapng_holds_everything(records in prop::collection::vec(record(), 1..30)) {
