@@ -88,6 +88,17 @@ fn lss_addresses() {
     assert_eq!(rig.ask("7E5#5A00000000000000"), none, "this device knows no LSS when operational");
 }
 
+#[test]
+fn what_lss_does_not_store_is_lost() {
+    let mut rig = Rig::new();
+    for frame in ["7E5#0401000000000000", "7E5#1105000000000000", "7E5#0400000000000000"] {
+        rig.ask(frame);
+    }
+    assert_eq!(rig.run(300), ["705#00"]);
+    rig.send("000#8105");
+    assert_eq!(rig.run(300), ["73F#00"]);
+}
+
 fn serial() -> String {
     let serial = Rig::new().read(0x1018, 4).unwrap().to_le_bytes();
     serial.iter().map(|byte| format!("{byte:02X}")).collect()
