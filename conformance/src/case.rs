@@ -138,6 +138,8 @@ pub enum Need {
     Lss,
     /// The heartbeat consumer, 1016h:01, and a node-ID beside the device's own that the tester can act as.
     HeartbeatConsumer,
+    /// Life guarding that can be set, 100Ch and 100Dh, or the heartbeat consumer, 1016h:01.
+    Monitoring,
     /// Node guarding, 100Ch.
     Guarding,
     /// The predefined error field, 1003h.
@@ -166,6 +168,7 @@ impl Need {
             Self::Name => "a device name or version (1008h, 1009h or 100Ah)",
             Self::Lss => "layer setting services (LSS)",
             Self::HeartbeatConsumer => "the heartbeat consumer (1016h:01)",
+            Self::Monitoring => "life guarding (100Ch, 100Dh) or a heartbeat consumer (1016h:01)",
             Self::Guarding => "node guarding (100Ch)",
             Self::ErrorHistory => "the predefined error field (1003h)",
             Self::DynamicMapping => "a TPDO 1 whose mapping can be changed (1800h:01, 1A00h)",

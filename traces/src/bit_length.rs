@@ -56,14 +56,12 @@ impl Header {
     }
 }
 
-/// The CRC sequence over the `len` lowest bits of `stream`. Leading zeros don't change it, so whole bytes do.
+/// The CRC sequence over the `len` lowest bits of `stream`. Leading zeros don't change it, so whole bytes do; and it is
+/// linear, so each byte adds what it alone would leave: no byte waits for the one before.
 fn crc15(stream: u128, len: u32) -> u16 {
-    let mut crc = 0;
-    for n in (0..len.div_ceil(8)).rev() {
-        let byte = (stream >> (8 * n)) as u8;
-        crc = crc << 8 ^ CRC_TABLE[usize::from((crc >> 7) as u8 ^ byte)];
-    }
-    crc & 0x7FFF
+    let bytes = stream.to_be_bytes();
+    let bytes = lowest_bytes(&bytes, len.div_ceil(8)).iter().rev();
+    bytes.zip(&CRC_TABLES).fold(0, |crc, (&byte, table)| crc ^ table[usize::from(byte)])
 }
 
 /// The number of stuff bits that the `len` lowest bits of `stream` get.
@@ -76,12 +74,17 @@ fn stuff_bits(stream: u128, len: u32) -> u32 {
         run = next;
         stuffed += u32::from(added);
     }
-    for n in (0..whole).rev() {
-        let step = STUFF_TABLE[run.number()][usize::from((stream >> (8 * n)) as u8)];
+    for &byte in lowest_bytes(&stream.to_be_bytes(), whole) {
+        let step = STUFF_TABLE[run.number()][usize::from(byte)];
         run = Run::of_number(step >> 4);
         stuffed += u32::from(step & 0xF);
     }
     stuffed
+}
+
+/// The `n` bytes at the low end of a number, the highest first.
+fn lowest_bytes(big_endian: &[u8; 16], n: u32) -> &[u8] {
+    &big_endian[big_endian.len() - (n as usize).min(16)..]
 }
 
 /// The equal bits at the end of what was sent.
@@ -113,20 +116,25 @@ impl Run {
 /// Generator polynomial of CAN: x^15 + x^14 + x^10 + x^8 + x^7 + x^4 + x^3 + 1.
 const CRC_POLYNOMIAL: u16 = 0x4599;
 
-const CRC_TABLE: [u16; 256] = {
-    let mut table = [0; 256];
-    let mut n = 0;
-    while n < 256 {
-        let mut crc = (n as u16) << 7;
-        let mut bit = 0;
-        while bit < 8 {
-            crc = if crc & 0x4000 != 0 { crc << 1 ^ CRC_POLYNOMIAL } else { crc << 1 };
-            bit += 1;
+/// By the number of bytes that follow, and by byte: the CRC that a byte leaves. The longest header and data have 103 bits.
+const CRC_TABLES: [[u16; 256]; 13] = {
+    let mut tables = [[0; 256]; 13];
+    let mut following = 0;
+    while following < 13 {
+        let mut byte = 0;
+        while byte < 256 {
+            let mut crc = if following == 0 { (byte as u16) << 7 } else { tables[following - 1][byte] };
+            let mut bit = 0;
+            while bit < 8 {
+                crc = if crc & 0x4000 != 0 { crc << 1 ^ CRC_POLYNOMIAL } else { crc << 1 } & 0x7FFF;
+                bit += 1;
+            }
+            tables[following][byte] = crc;
+            byte += 1;
         }
-        table[n] = crc & 0x7FFF;
-        n += 1;
+        following += 1;
     }
-    table
+    tables
 };
 
 /// By run and byte: the run after the byte in the upper four bits, the stuff bits in the lower four.

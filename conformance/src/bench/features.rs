@@ -59,11 +59,11 @@ impl Bench<'_> {
                 }
             }
             Need::Lss => self.lss(),
-            Need::HeartbeatConsumer => match (self.has(Multiplexer::new(0x1016, 1))?, self.vacant_neighbour()) {
-                (false, _) => absent("1016h:01"),
-                (true, None) => Err("every node-ID beside that of the device is in use".to_owned()),
-                (true, Some(_)) => Ok(()),
-            },
+            Need::HeartbeatConsumer => self.heartbeat_consumer()?,
+            Need::Monitoring => {
+                let guarded = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
+                if guarded { Ok(()) } else { self.heartbeat_consumer()? }
+            }
             Need::Guarding => {
                 if self.has(GUARD_TIME)? {
                     Ok(())
@@ -126,9 +126,25 @@ impl Bench<'_> {
         Ok(if self.has(EVENT_TIMER)? { Ok(()) } else { Err(format!("the device has no {EVENT_TIMER}")) })
     }
 
+    fn heartbeat_consumer(&mut self) -> Result<Result<(), String>, Verdict> {
+        Ok(match (self.has(Multiplexer::new(0x1016, 1))?, self.vacant_neighbour()) {
+            (false, _) => Err("the device has no 1016h:01".to_owned()),
+            (true, None) => Err("every node-ID beside that of the device is in use".to_owned()),
+            (true, Some(_)) => Ok(()),
+        })
+    }
+
+    /// Whether the device has an object and its description does not call it read-only.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Verdict> {
+        Ok(self.is_described_as_writable(multiplexer) && self.has(multiplexer)?)
+    }
+
     fn dynamic_mapping(&mut self) -> Result<Result<(), String>, Verdict> {
         for multiplexer in [TPDO_COB_ID, TPDO_MAPPED, TPDO_FIRST_ENTRY] {
-            if !self.has(multiplexer)? || !self.is_described_as_writable(multiplexer) {
+            if !self.can_write(multiplexer)? {
                 return Ok(Err(format!("{multiplexer} is absent or can't be written")));
             }
         }

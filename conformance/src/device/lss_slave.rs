@@ -1,8 +1,14 @@
 //! The LSS slave: node-ID and bit rate over the bus (CiA 305).
 
+use super::nmt::Phase;
+use super::store::Groups;
+use super::{Device, push};
 use crate::models::Model;
 use crate::{Fault, Faults};
-use canvass_analyzer::wire::lss::{ConfigureCommand, Part, Request, Response};
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
+use canvass_traces::{Frame, Timestamp};
 
 /// The node-ID that says "not configured".
 pub(super) const UNCONFIGURED: u8 = 255;
@@ -180,5 +186,55 @@ impl LssSlave {
             Request::InquireNodeId => Response::NodeId(node),
             _ => return None,
         })
+    }
+}
+
+impl Device {
+    /// A frame of the LSS master came.
+    pub(super) fn on_lss(&mut self, now: Timestamp, frame: &Frame) {
+        let network = &self.objects.model.sheet().network;
+        let state = self.phase.state();
+        let works = network.lss_states.is_empty()
+            || self.phase == Phase::Unconfigured
+            || network.lss_states.iter().any(|name| state.name() == Some(name));
+        let booting = matches!(self.phase, Phase::Initialising { .. });
+        let Ok(request) = lss::Request::read(frame.data()) else { return };
+        if !network.lss || !works || booting || frame.len() != 8 {
+            return;
+        }
+        let address = [1, 2, 3, 4].map(|sub| self.objects.parameters.number_or_zero(0x1018, sub) as u32);
+        let node = self.node.map_or(UNCONFIGURED, NodeId::raw);
+        let model = self.objects.model.clone();
+        let (response, effect) = self.lss.handle(request, address, node, &model, self.faults);
+        if let Some(response) = response {
+            push(&mut self.outbox, response.to_frame(lss::SLAVE_CAN_ID));
+        }
+        match effect {
+            Some(Effect::Store) => self.store_lss(),
+            Some(Effect::Leave) => self.leave_lss(now),
+            None => {}
+        }
+    }
+
+    fn store_lss(&mut self) {
+        let sheet = self.objects.model.sheet();
+        let code = self.lss.pending.bit_timing;
+        let rate = code.and_then(|code| sheet.bit_rates.iter().find(|rate| rate.lss_code == Some(code)));
+        let node_id = self.lss.pending.node_id.map(u64::from);
+        let rate = rate.and_then(|rate| rate.object_code).map(u64::from);
+        for (at, number) in [(sheet.network.node_id_object, node_id), (sheet.network.bit_rate_object, rate)] {
+            if let (Some(at), Some(number)) = (at, number) {
+                self.store.save_number(at, number, &self.objects.parameters);
+            }
+        }
+    }
+
+    /// The manual: after "switch to waiting" the device restarts by itself, with its new settings.
+    fn leave_lss(&mut self, now: Timestamp) {
+        if let Some(node_id) = self.lss.pending.node_id.take() {
+            self.node = NodeId::new(node_id);
+            self.lss = LssSlave::new();
+            self.initialise(now, Groups::ALL);
+        }
     }
 }

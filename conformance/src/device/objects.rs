@@ -1,8 +1,10 @@
 //! The object dictionary as an SDO client meets it: access rights, lengths, limits, and the objects with behaviour.
 
+use super::PLACEHOLDER;
 use super::emcy::Errors;
 use super::encoder::Encoder;
 use super::heartbeat_consumer;
+use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
 use super::parameters::{Content, Parameters, Reading};
 use super::store::StoreCommand;
@@ -27,10 +29,11 @@ pub(super) struct Objects {
 
 impl Objects {
     /// The dictionary of a device as delivered.
-    pub fn new(model: &Model, node: NodeId, motion: Motion, faults: Faults) -> Self {
-        let mut parameters = Parameters::new(model, node);
+    pub fn new(model: &Model, node: Option<NodeId>, motion: Motion, faults: Faults) -> Self {
+        let mut parameters = Parameters::new(model, node.unwrap_or(PLACEHOLDER));
         if let Some(at) = model.sheet().network.node_id_object {
-            parameters.redefine(at, Content::Number(u64::from(node.raw())));
+            let node_id = node.map_or(UNCONFIGURED, NodeId::raw);
+            parameters.redefine(at, Content::Number(u64::from(node_id)));
         }
         plant(&mut parameters, faults);
         let history = parameters.entries().iter().filter(|entry| entry.at.index.0 == 0x1003).count();
@@ -193,7 +196,7 @@ impl Objects {
     fn follow_links(&mut self, at: Multiplexer, value: u64) {
         match (at.index.0, at.sub.0) {
             (0x6200, 0) if !self.faults.has(Fault::CyclicTimerNotLinked) => {
-                self.parameters.set_number(0x1800, 5, value)
+                self.parameters.set_number(0x1800, 5, value);
             }
             (0x1800, 5) => self.parameters.set_number(0x6200, 0, value),
             _ => {}

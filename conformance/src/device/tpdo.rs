@@ -299,10 +299,11 @@ pub(super) fn check_mapping(
     if at.sub.0 != 0 {
         return if value == 0 { Ok(()) } else { check_entry(MappingEntry(value as u32), parameters, faults) };
     }
+    let most = u8::try_from(value).map_err(|_| AbortCode::PDO_LENGTH)?;
+    parameters.number(at.index.0, most).ok_or(AbortCode::PDO_LENGTH)?;
     let mut bits = 0;
-    for sub in 1..=value.min(MOST_ENTRIES + 1) as u8 {
-        let raw = parameters.number(at.index.0, sub).ok_or(AbortCode::PDO_LENGTH)?;
-        let entry = MappingEntry(raw as u32);
+    for sub in 1..=most {
+        let entry = MappingEntry(parameters.number_or_zero(at.index.0, sub) as u32);
         check_entry(entry, parameters, faults)?;
         bits += u32::from(entry.bits());
     }

@@ -49,6 +49,9 @@ pub struct Network {
     /// The NMT states in which LSS works; empty: in all.
     #[serde(default)]
     pub lss_states: Vec<String>,
+    /// Whether entries of 1016h act only once they are stored: at the next boot-up, or when written again.
+    #[serde(default)]
+    pub heartbeat_consumer_needs_store: bool,
     /// Whether node guarding is answered.
     #[serde(default)]
     pub node_guarding: bool,

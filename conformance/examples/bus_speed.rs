@@ -1,0 +1,46 @@
+//! How many SDO exchanges per second one thread of this machine simulates: `cargo run --release --example bus_speed`.
+
+use canvass_conformance::Faults;
+use canvass_conformance::bus::{Bus, BusError, SimulatedBus};
+use canvass_conformance::device::Device;
+use canvass_conformance::models::Model;
+use canvass_traces::{CanId, Direction, Duration, Frame, Timestamp};
+use std::io::Write;
+use std::time::Instant;
+
+const EXCHANGES: u32 = 2_000_000;
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let model = Model::by_id("kuebler-sendix-58x8").ok_or("the model is built in")?;
+    let mut out = std::io::stdout().lock();
+    for devices in [1_usize, 10] {
+        let mut bus = SimulatedBus::new(1_000_000);
+        for node in canvass_analyzer::NodeId::all().skip(62).take(devices) {
+            bus.attach(Box::new(Device::new(model, Some(node), Faults::NONE, 1)));
+        }
+        while bus.receive(Timestamp(1_000_000_000))?.is_some() {}
+        let simulated = bus.now();
+        let begin = Instant::now();
+        for _ in 0..EXCHANGES / devices as u32 {
+            exchange(&mut bus)?;
+        }
+        let seconds = begin.elapsed().as_secs_f64();
+        let rate = f64::from(EXCHANGES / devices as u32) / seconds / 1e6;
+        let virtual_time = bus.now().since(simulated);
+        writeln!(out, "{devices} devices: {rate:.2} million SDO exchanges per second ({virtual_time} of bus time)")?;
+    }
+    Ok(())
+}
+
+/// Reads 6004h of node 63.
+fn exchange(bus: &mut SimulatedBus) -> Result<(), BusError> {
+    let request = Frame::full(CanId::standard_masked(0x63F), [0x40, 0x04, 0x60, 0, 0, 0, 0, 0]);
+    bus.send(&request)?;
+    let deadline = bus.now() + Duration::from_millis(100);
+    while let Some(record) = bus.receive(deadline)? {
+        if record.direction == Direction::Rx {
+            return Ok(());
+        }
+    }
+    Ok(())
+}

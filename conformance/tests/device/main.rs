@@ -1,0 +1,16 @@
+//! The simulated devices on the simulated bus.
+
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
+mod encoder;
+mod errors;
+mod faults;
+mod manual;
+mod nmt;
+mod pdo;
+mod rig;
+mod robustness;
+mod sdo;
+mod services;
+mod timing;
