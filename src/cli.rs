@@ -22,10 +22,13 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Decode(commands::decode::Args),
-    Completions(commands::completions::Args),
-    Man(commands::man::Args),
+    Convert(commands::convert::Args),
+    Test(commands::test::Args),
+    Send(commands::send::Args),
     List(commands::list::Args),
     Explain(commands::explain::Args),
+    Completions(commands::completions::Args),
+    Man(commands::man::Args),
 }
 
 impl Cli {
@@ -33,6 +36,9 @@ impl Cli {
     pub fn run(self) -> Result<Status, Failure> {
         match self.command {
             Command::Decode(args) => args.run(self.color),
+            Command::Test(args) => args.run(self.color),
+            Command::Send(args) => args.run(self.color),
+            Command::Convert(args) => args.run(),
             Command::Completions(args) => args.run(),
             Command::Man(args) => args.run(),
             Command::List(args) => args.run(),

@@ -3,6 +3,7 @@
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_conformance::models::Model;
 use std::path::Path;
 
 /// A node and the model or file that describes it, as typed.
@@ -36,11 +37,19 @@ pub fn parse_node(text: &str) -> Result<NodeId> {
 impl DeviceArg {
     /// The description of the device.
     pub fn describe(&self) -> Result<DeviceDescription> {
-        let path = Path::new(&self.device);
-        if !path.exists() {
-            bail!("\"{}\" is neither a built-in model (`canvass list models`) nor a file", self.device);
-        }
-        let bytes = std::fs::read(path).with_context(|| format!("can't read {}", path.display()))?;
-        DeviceDescription::read(&bytes).with_context(|| format!("{} is no device description", path.display()))
+        describe(&self.device)
     }
+}
+
+/// The description of a built-in model or in a file.
+pub fn describe(device: &str) -> Result<DeviceDescription> {
+    if let Some(model) = Model::by_id(device) {
+        return Ok(model.description().clone());
+    }
+    let path = Path::new(device);
+    if !path.exists() {
+        bail!("\"{device}\" is neither a built-in model (`canvass list models`) nor a file");
+    }
+    let bytes = std::fs::read(path).with_context(|| format!("can't read {}", path.display()))?;
+    DeviceDescription::read(&bytes).with_context(|| format!("{} is no device description", path.display()))
 }

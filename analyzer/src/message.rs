@@ -1,12 +1,16 @@
 //! One frame understood: which service it belongs to and what it says.
 
+use crate::wire::case_marker::CaseMarker;
 use crate::wire::emcy::Emcy;
 use crate::wire::error_control::ErrorControl;
+use crate::wire::flying_master::FlyingMaster;
+use crate::wire::mpdo::Mpdo;
 use crate::wire::nmt::Nmt;
 use crate::wire::sdo::BlockSegment;
+use crate::wire::srdo::Srdo;
 use crate::wire::sync::Sync;
 use crate::wire::time::TimeOfDay;
-use crate::wire::{Malformed, lss, sdo};
+use crate::wire::{Malformed, lmt, lss, sdo};
 use canvass_traces::ErrorClass;
 use std::fmt;
 
@@ -28,6 +32,8 @@ pub enum Message {
     Emcy(Emcy),
     /// Process data.
     Pdo(PdoNumber),
+    /// Process data that name their object.
+    Mpdo(PdoNumber, Mpdo),
     /// A remote frame that asks for a PDO.
     PdoRequest(PdoNumber),
     /// From an SDO client to a server.
@@ -42,6 +48,18 @@ pub enum Message {
     LssRequest(lss::Request),
     /// From an LSS slave.
     LssResponse(lss::Response),
+    /// From the LMT master.
+    LmtRequest(lmt::Request),
+    /// From an LMT slave.
+    LmtResponse(lmt::Response),
+    /// Safety-relevant data.
+    Srdo(Srdo),
+    /// The global fail-safe command.
+    GlobalFailSafe,
+    /// Masters agreeing on the active one.
+    FlyingMaster(FlyingMaster),
+    /// Where in a certification run a case begins or ends.
+    CaseMarker(CaseMarker),
     /// The controller's report of an error on the bus.
     ErrorFrame(ErrorClass),
     /// The payload is too short for its service.

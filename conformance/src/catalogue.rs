@@ -1,6 +1,7 @@
 //! All cases, and how some of them are selected.
 
 use crate::case::Case;
+use std::fmt;
 use std::str::FromStr;
 
 /// All cases, by rising id.
@@ -57,6 +58,18 @@ impl FromStr for Selector {
             Some(_) => Err(BadSelector(text.to_owned())),
             None if is_section(text) => Ok(Self::Section { standard: None, section: text.to_owned() }),
             None => Ok(Self::Prefix(text.trim_end_matches('/').to_owned())),
+        }
+    }
+}
+
+/// As it is typed.
+impl fmt::Display for Selector {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Prefix(text) | Self::Glob(text) | Self::Section { standard: None, section: text } => {
+                f.write_str(text)
+            }
+            Self::Section { standard: Some(standard), section } => write!(f, "{standard} {section}"),
         }
     }
 }

@@ -1,9 +1,15 @@
-//! `canvass explain`: one case, fault or format in full.
+//! `canvass explain`: one case, fault, model or format in full.
 
+use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
+use canvass_conformance::case::Case;
+use canvass_conformance::models::Model;
+use canvass_conformance::{Fault, catalogue};
+use canvass_traces::Format;
+use std::fmt::Write;
 
-/// Explain a case, a fault or a capture format in full
+/// Explain a case, a fault, a model or a capture format in full
 #[derive(clap::Args)]
 pub struct Args {
     /// The id, as `canvass list` shows it
@@ -12,10 +18,63 @@ pub struct Args {
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
-        Err(anyhow!(
-            "nothing is called \"{}\": `canvass list cases|models|faults|formats` shows what there is",
-            self.id
-        )
-        .into())
+        let id = &*self.id;
+        let text = catalogue::find(id)
+            .map(case)
+            .or_else(|| id.parse().ok().map(fault))
+            .or_else(|| Model::by_id(id).map(model))
+            .or_else(|| Format::by_id(id).map(format))
+            .ok_or_else(|| {
+                anyhow!("nothing is called \"{id}\": `canvass list cases|models|faults|formats` shows what there is")
+            })?;
+        print(&text)?;
+        Ok(Status::Good)
     }
+}
+
+/// The rows that are not empty, in two columns.
+fn rows(head: &str, text: &str, rows: &[(&str, String)]) -> String {
+    let mut shown = format!("{head}\n\n{text}\n\n");
+    for (name, value) in rows.iter().filter(|row| !row.1.is_empty()) {
+        // Writing to a string can't fail.
+        let _ = writeln!(shown, "{name:10} {value}");
+    }
+    shown.trim_end().to_owned() + "\n"
+}
+
+fn list<T>(items: &[T], name: impl Fn(&T) -> String) -> String {
+    items.iter().map(name).collect::<Vec<_>>().join(", ")
+}
+
+fn case(case: &Case) -> String {
+    let table = [
+        ("clause", case.clause.to_string()),
+        ("level", case.level.name().to_owned()),
+        ("needs", list(case.needs, |need| need.text().to_owned())),
+        ("touches", list(case.touches, |touch| format!("{} (--allow {touch})", touch.text()))),
+        ("catches", list(case.catches, ToString::to_string)),
+        ("CiA tool", case.cct.map(|number| format!("comparable with case {number}")).unwrap_or_default()),
+    ];
+    rows(case.id, case.requirement, &table)
+}
+
+fn fault(fault: Fault) -> String {
+    let caught = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
+    let caught: Vec<&str> = caught.map(|case| case.id).collect();
+    rows(fault.id(), fault.summary(), &[("caught by", list(&caught, ToString::to_string))])
+}
+
+fn model(model: &Model) -> String {
+    let table = [
+        ("node-ID", model.default_node().map(|node| node.to_string()).unwrap_or_default()),
+        ("bit rate", format!("{} kbit/s", model.default_bit_rate() / 1000)),
+        ("objects", model.description().dictionary.objects().len().to_string()),
+    ];
+    rows(model.id(), model.summary(), &table)
+}
+
+fn format(format: Format) -> String {
+    let written = if format.is_written() { "yes" } else { "no" };
+    let table = [("endings", list(format.extensions(), ToString::to_string)), ("written", written.to_owned())];
+    rows(format.id(), format.summary(), &table)
 }

@@ -2,6 +2,10 @@
 
 use crate::output::print;
 use crate::status::{Failure, Status};
+use canvass_analyzer::NodeId;
+use canvass_conformance::case::Case;
+use canvass_conformance::models::Model;
+use canvass_conformance::{Fault, catalogue};
 use canvass_traces::Format;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -19,6 +23,12 @@ pub struct Args {
 
 #[derive(Clone, Copy, clap::ValueEnum)]
 enum What {
+    /// Conformance cases
+    Cases,
+    /// Built-in device models
+    Models,
+    /// Firmware faults that a simulated device can be given
+    Faults,
     /// Capture formats
     Formats,
 }
@@ -35,6 +45,9 @@ enum ListFormat {
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         let rows = match self.what {
+            What::Cases => cases(),
+            What::Models => models(),
+            What::Faults => faults(),
             What::Formats => formats(),
         };
         match self.format {
@@ -43,6 +56,38 @@ impl Args {
         }
         Ok(Status::Good)
     }
+}
+
+fn cases() -> Vec<Value> {
+    let row = |case: &&Case| {
+        json!({
+            "id": case.id,
+            "summary": case.summary(),
+            "clause": case.clause.bare(),
+            "clause_confidence": case.clause.confidence.name(),
+            "level": case.level.name(),
+        })
+    };
+    catalogue::cases().iter().map(row).collect()
+}
+
+fn models() -> Vec<Value> {
+    let row = |model: &Model| {
+        json!({
+            "id": model.id(),
+            "summary": model.summary(),
+            "node": model.default_node().map(NodeId::raw),
+            "bit_rate": model.default_bit_rate(),
+        })
+    };
+    Model::all().iter().map(row).collect()
+}
+
+fn faults() -> Vec<Value> {
+    // One model has all of them so far, and there is no fuzzer to find them.
+    let model = Model::all().first().map(Model::id);
+    let row = |fault: &Fault| json!({ "id": fault.id(), "summary": fault.summary(), "model": model, "fuzz": false });
+    Fault::ALL.iter().map(row).collect()
 }
 
 fn formats() -> Vec<Value> {

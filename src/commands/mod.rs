@@ -1,7 +1,10 @@
 //! One file per subcommand: what was typed becomes objects, the objects do the work.
 
 pub mod completions;
+pub mod convert;
 pub mod decode;
 pub mod explain;
 pub mod list;
 pub mod man;
+pub mod send;
+pub mod test;

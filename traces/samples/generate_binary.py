@@ -7,7 +7,7 @@ read back by tshark and python-can. Nothing here is written or read by canvass.
     pip install python-can mcap rosbags zstandard lz4
     ./generate_binary.py
 """
-import base64, gzip, json, struct, subprocess, sys
+import base64, json, struct, subprocess, sys
 from pathlib import Path
 
 HERE = Path(__file__).parent
@@ -114,7 +114,8 @@ def tshark(name, channel=None, direction=None):
     for field in fields.split():
         run += ["-e", field]
     lines = []
-    for row in subprocess.run(run, check=True, capture_output=True, text=True).stdout.splitlines():
+    rows = subprocess.run(run, check=True, capture_output=True, text=True).stdout.splitlines()
+    for packet, row in enumerate(rows):
         t, iface, way, ident, xtd, rtr, err, length, data, brs, esi, ctrl, protocols, kind, index = row.split("|")
         if not t:  # a block that tshark does not know
             continue
@@ -126,7 +127,7 @@ def tshark(name, channel=None, direction=None):
             can_id &= ~(RTR | ERR)
         payload = b"" if can_id & RTR else bytes.fromhex(data)
         if can_id & ERR:  # dissected further, so not shown as data: taken from the bytes
-            payload = error_data(name, len(lines))
+            payload = error_data(name, packet)
         where = channel or (f"if{index}" if index else iface)
         way = {"1": "Rx", "2": "Tx", "0x00000001": "Rx", "0x00000002": "Tx"}.get(way, "")
         if kind:
@@ -205,7 +206,200 @@ def section(order, frames, resolution, offset, link):
     return out
 
 
-PARTS = {"pcap": make_pcap, "pcapng": make_pcapng}
+TYPES = {
+    "can_msgs/msg/Frame": "std_msgs/Header header\nuint32 id\nbool is_rtr\nbool is_extended\nbool is_error\nuint8 dlc\n"
+                          "uint8[8] data\n",
+    "ros2_socketcan_msgs/msg/FdFrame": "std_msgs/Header header\nuint32 id\nbool is_extended\nbool is_error\nuint8 len\n"
+                                       "uint8[<=64] data\n",
+    # As vendors make them: a header of their own, constants, the frame inside, the time beside it.
+    "vendor_msgs/msg/Raw": "uint32 can_id\nuint8 MAX_LENGTH=8\nbool extended\nbool rtr\nbool err\nuint8 datalen\n"
+                           "uint8[] payload\n",
+    "vendor_msgs/msg/CanEvent": "string<=16 device\nuint16[3] versions\nfloat64 load\n"
+                                "builtin_interfaces/Time stamp\nvendor_msgs/Raw frame\nstring[] notes\n",
+}
+STALE = bytes(range(0xF0, 0xF8))
+
+
+def typestore(release):
+    from rosbags.typesys import get_typestore, get_types_from_msg
+    store = get_typestore(release)
+    types = {}
+    for name, text in TYPES.items():
+        types.update(get_types_from_msg(text, name))
+    store.register(types)
+    return store
+
+
+def ros_message(store, f, name):
+    import numpy
+    time = store.types["builtin_interfaces/msg/Time"](sec=f.t // 10**9, nanosec=f.t % 10**9)
+    number, extended = f.id & 0x1FFF_FFFF, bool(f.id & EXT)
+    rtr, err = bool(f.id & RTR), bool(f.id & ERR)
+    make = store.types[name]
+    if name == "vendor_msgs/msg/CanEvent":
+        raw = store.types["vendor_msgs/msg/Raw"](can_id=number, extended=extended, rtr=rtr, err=err, datalen=f.dlc,
+                                                 payload=numpy.frombuffer(f.data, dtype=numpy.uint8))
+        return make(device="logger", versions=numpy.array([1, 2, 3], dtype=numpy.uint16), load=0.5, stamp=time,
+                    frame=raw, notes=["a", "bc"])
+    kwargs = {"seq": f.dlc} if "seq" in store.types["std_msgs/msg/Header"].__dataclass_fields__ else {}
+    header = store.types["std_msgs/msg/Header"](stamp=time, frame_id="can", **kwargs)
+    if name == "ros2_socketcan_msgs/msg/FdFrame":
+        data = numpy.frombuffer(f.data, dtype=numpy.uint8)
+        return make(header=header, id=number, is_extended=extended, is_error=err, len=f.dlc, data=data)
+    data = numpy.frombuffer(f.data + STALE[len(f.data):], dtype=numpy.uint8)
+    return make(header=header, id=number, is_rtr=rtr, is_extended=extended, is_error=err, dlc=f.dlc, data=data)
+
+
+def mcap_writer(name, **options):
+    from mcap.writer import Writer
+    writer = Writer(str(HERE / name), **options)
+    writer.start(profile="", library="generate_binary.py")
+    return writer
+
+
+def log_time(f):
+    return f.t + 5_000_000  # later than the frame's own stamp
+
+
+def make_ros2(name, frames, message_of, **options):
+    from rosbags.typesys import Stores
+    store = typestore(Stores.ROS2_HUMBLE)
+    writer = mcap_writer(name, **options)
+    text, _ = store.generate_msgdef("std_msgs/msg/String", ros_version=2)
+    log = writer.register_channel("/rosout", "cdr", writer.register_schema("std_msgs/msg/String", "ros2msg", text.encode()))
+    schemas, channels = {}, {}
+    for n, f in enumerate(frames):
+        message = message_of(f)
+        if message not in schemas:
+            text, _ = store.generate_msgdef(message, ros_version=2)
+            schemas[message] = writer.register_schema(message, "ros2msg", text.encode())
+        topic = f"/can{f.bus}" + ("/fd" if f.fd is not None else "")
+        if topic not in channels:
+            channels[topic] = writer.register_channel(topic, "cdr", schemas[message])
+        data = store.serialize_cdr(ros_message(store, f, message), message, little_endian=n % 5 != 4)
+        writer.add_message(channels[topic], log_time(f), bytes(data), f.t)
+        if n % 7 == 0:
+            writer.add_message(log, log_time(f), b"\0\x01\0\0\x06\0\0\0hello\0", f.t)
+    writer.finish()
+    # FdFrame has no BRS and ESI.
+    expect(name, [show(f.t, f"can{f.bus}", f.id, f.data, None if f.fd is None else 0, f.dlc) for f in frames])
+
+
+def make_ros1(name):
+    from rosbags.typesys import Stores
+    store = typestore(Stores.ROS1_NOETIC)
+    writer = mcap_writer(name)
+    message = "can_msgs/msg/Frame"
+    text, _ = store.generate_msgdef(message, ros_version=1)
+    schema = writer.register_schema("can_msgs/Frame", "ros1msg", text.encode())
+    channels = [writer.register_channel(f"/can{bus}", "ros1", schema) for bus in (0, 1)]
+    for f in CLASSICAL:
+        writer.add_message(channels[f.bus], log_time(f), bytes(store.serialize_ros1(ros_message(store, f, message), message)), f.t)
+    writer.finish()
+    expect(name, [f.shown(f"can{f.bus}") for f in CLASSICAL])
+
+
+def make_json(name):
+    writer = mcap_writer(name, use_chunking=False)
+    properties = {"timestamp": {"type": "object"}, "id": {"type": "integer"}, "is_extended": {"type": "boolean"},
+                  "is_rtr": {"type": "boolean"}, "is_error": {"type": "boolean"}, "is_fd": {"type": "boolean"},
+                  "brs": {"type": "boolean"}, "esi": {"type": "boolean"}, "len": {"type": "integer"},
+                  "data": {"type": "string", "contentEncoding": "base64"}}
+    schema = {"type": "object", "title": "CanFrame", "properties": properties}
+    described = writer.register_schema("CanFrame", "jsonschema", json.dumps(schema).encode())
+    channels = [writer.register_channel("/can0", "json", described), writer.register_channel("can1", "json", 0)]
+    for n, f in enumerate(TRAFFIC):
+        data = [base64.b64encode(f.data).decode(), list(f.data), f.data.hex(" ")][0 if f.bus == 0 else n % 2 + 1]
+        message = {"timestamp": {"sec": f.t // 10**9, "nsec": f.t % 10**9}, "id": f.id & 0x1FFF_FFFF,
+                   "is_extended": bool(f.id & EXT), "is_rtr": bool(f.id & RTR), "is_error": bool(f.id & ERR),
+                   "is_fd": f.fd is not None, "brs": bool((f.fd or 0) & 1), "esi": bool((f.fd or 0) & 2),
+                   "len": f.dlc, "data": data}
+        writer.add_message(channels[f.bus], log_time(f), json.dumps(message).encode(), f.t)
+    writer.finish()
+    expect(name, [f.shown(f"can{f.bus}") for f in TRAFFIC])
+
+
+def make_protobuf(name):
+    from google.protobuf import descriptor_pb2, descriptor_pool, message_factory, timestamp_pb2
+    T = descriptor_pb2.FieldDescriptorProto
+    file = descriptor_pb2.FileDescriptorProto(name="bus.proto", package="fleet.bus", syntax="proto3",
+                                              dependency=["google/protobuf/timestamp.proto"])
+    event = file.message_type.add(name="Event")
+    event.field.add(name="timestamp", number=1, type=T.TYPE_MESSAGE, label=1, type_name=".google.protobuf.Timestamp")
+    event.field.add(name="can_frame", number=9, type=T.TYPE_MESSAGE, label=1, type_name=".fleet.bus.Event.CanFrame")
+    frame = event.nested_type.add(name="CanFrame")
+    for number, (field, kind) in enumerate([("arbitration_id", T.TYPE_FIXED32), ("is_extended_id", T.TYPE_BOOL),
+                                            ("is_remote_frame", T.TYPE_BOOL), ("is_error_frame", T.TYPE_BOOL),
+                                            ("is_fd", T.TYPE_BOOL), ("bitrate_switch", T.TYPE_BOOL),
+                                            ("error_state_indicator", T.TYPE_BOOL), ("dlc", T.TYPE_UINT32)], 1):
+        frame.field.add(name=field, number=number, type=kind, label=1)
+    frame.field.add(name="data", number=200, type=T.TYPE_UINT32, label=3)
+    files = descriptor_pb2.FileDescriptorSet()
+    timestamp_pb2.DESCRIPTOR.CopyToProto(files.file.add())
+    files.file.add().CopyFrom(file)
+    pool = descriptor_pool.DescriptorPool()
+    for each in files.file:
+        pool.Add(each)
+    Event = message_factory.GetMessageClass(pool.FindMessageTypeByName("fleet.bus.Event"))
+    writer = mcap_writer(name, use_chunking=False)
+    schema = writer.register_schema("fleet.bus.Event", "protobuf", files.SerializeToString())
+    channels = [writer.register_channel(f"can{bus}", "protobuf", schema) for bus in (0, 1)]
+    for f in TRAFFIC:
+        message = Event()
+        message.timestamp.seconds, message.timestamp.nanos = f.t // 10**9, f.t % 10**9
+        c = message.can_frame
+        c.arbitration_id, c.is_extended_id = f.id & 0x1FFF_FFFF, bool(f.id & EXT)
+        c.is_remote_frame, c.is_error_frame = bool(f.id & RTR), bool(f.id & ERR)
+        c.is_fd, c.bitrate_switch, c.error_state_indicator = f.fd is not None, bool((f.fd or 0) & 1), bool((f.fd or 0) & 2)
+        c.dlc = f.dlc
+        c.data.extend(f.data)
+        writer.add_message(channels[f.bus], log_time(f), message.SerializeToString(), f.t)
+    writer.finish()
+    expect(name, [f.shown(f"can{f.bus}") for f in TRAFFIC])
+
+
+def make_mcap():
+    from mcap.writer import CompressionType, IndexType
+    frame = lambda f: "can_msgs/msg/Frame" if f.fd is None else "ros2_socketcan_msgs/msg/FdFrame"
+    make_ros2("ros2-zstd.mcap", TRAFFIC, frame, compression=CompressionType.ZSTD, chunk_size=600)
+    make_ros2("ros2-lz4.mcap", TRAFFIC, frame, compression=CompressionType.LZ4, chunk_size=600)
+    make_ros2("ros2-plain.mcap", TRAFFIC, frame, compression=CompressionType.NONE, chunk_size=600)
+    make_ros2("ros2-unchunked.mcap", TRAFFIC, frame, use_chunking=False)
+    make_ros2("vendor.mcap", CLASSICAL, lambda f: "vendor_msgs/msg/CanEvent")
+    make_ros1("ros1.mcap")
+    make_json("json.mcap")
+    make_protobuf("protobuf.mcap")
+
+
+def make_blf():
+    import can
+
+    def message(f):
+        return can.Message(timestamp=f.t / 1e9, channel=f.bus, arbitration_id=f.id & 0x1FFF_FFFF,
+                           is_extended_id=bool(f.id & EXT), is_remote_frame=bool(f.id & RTR),
+                           is_error_frame=bool(f.id & ERR), is_fd=f.fd is not None, bitrate_switch=bool((f.fd or 0) & 1),
+                           error_state_indicator=bool((f.fd or 0) & 2), dlc=f.dlc, data=f.data, is_rx=f.bus == 0)
+
+    for name, options in [("python-can.blf", {}), ("python-can-plain.blf", {"compression_level": 0}),
+                          ("python-can-small-containers.blf", {"max_container_size": 100})]:
+        with can.BLFWriter(str(HERE / name), **options) as writer:
+            for f in TRAFFIC:
+                writer.on_message_received(message(f))
+        # python-can reckons in floating point: the nanoseconds that its writer puts into the file.
+        start = int(TRAFFIC[0].t / 1e9 * 1000) / 1000
+        times = [int(start) * 10**9 + int((f.t / 1e9 - start) * 1e9) for f in TRAFFIC]
+        lines = []
+        for m in can.BLFReader(str(HERE / name)):
+            can_id = m.arbitration_id | (EXT if m.is_extended_id else 0) | (RTR if m.is_remote_frame else 0) | \
+                (ERR if m.is_error_frame else 0)
+            # The format has no direction of error frames.
+            way = "" if m.is_error_frame else "Rx" if m.is_rx else "Tx"
+            fd = m.bitrate_switch | m.error_state_indicator << 1 if m.is_fd else None
+            lines.append(show(times[len(lines)], str(m.channel + 1), can_id, bytes(m.data), fd, m.dlc, way))
+        expect(name, lines)
+
+
+PARTS = {"pcap": make_pcap, "pcapng": make_pcapng, "mcap": make_mcap, "blf": make_blf}
 
 if __name__ == "__main__":
     for part in sys.argv[1:] or PARTS:

@@ -89,6 +89,28 @@ impl Damage {
     }
 }
 
+/// Why bytes are no readable frame; a damage whose place is not known yet.
+#[derive(Debug)]
+pub(crate) struct Flaw {
+    kind: DamageKind,
+    expected: Cow<'static, str>,
+    found: String,
+}
+
+impl Flaw {
+    pub(crate) fn malformed(expected: impl Into<Cow<'static, str>>, found: impl Into<String>) -> Self {
+        Self { kind: DamageKind::Malformed, expected: expected.into(), found: found.into() }
+    }
+
+    pub(crate) fn unsupported(expected: impl Into<Cow<'static, str>>, found: impl Into<String>) -> Self {
+        Self { kind: DamageKind::Unsupported, expected: expected.into(), found: found.into() }
+    }
+
+    pub(crate) fn damage(self, place: Place) -> Damage {
+        Damage::new(self.kind, place, self.expected, self.found.as_bytes())
+    }
+}
+
 /// The first characters of hostile bytes, fit for a terminal.
 fn excerpt(bytes: &[u8]) -> String {
     let head = &bytes[..bytes.len().min(4 * Damage::EXCERPT)];

@@ -17,6 +17,8 @@ pub(crate) struct Lines {
     given: usize,
     number: u64,
     done: bool,
+    /// Why the source could not be read when its head was asked for.
+    failed: Option<SourceError>,
 }
 
 /// One line.
@@ -45,7 +47,15 @@ impl Lines {
     pub(crate) const LONGEST: usize = 64 * 1024;
 
     pub(crate) fn new(source: Source) -> Self {
-        Self { source, given: 0, number: 0, done: false }
+        Self { source, given: 0, number: 0, done: false, failed: None }
+    }
+
+    /// What is at hand before the first line is asked for: at least the source's first bytes, unless it has none.
+    fn head(&mut self) -> &[u8] {
+        if self.source.window().is_empty() {
+            self.failed = self.source.fill().err();
+        }
+        self.source.window()
     }
 
     /// The next line; `None` at the end.
@@ -78,8 +88,10 @@ impl Lines {
     }
 
     #[inline]
-
     fn end(&mut self) -> Result<End, SourceError> {
+        if let Some(error) = self.failed.take() {
+            return Err(error);
+        }
         let mut searched = 0;
         loop {
             let window = self.source.window();
@@ -176,6 +188,9 @@ pub(crate) fn head_lines(head: &[u8]) -> impl Iterator<Item = (&[u8], bool)> {
 
 /// How one text format understands its lines.
 pub(crate) trait LineFormat {
+    /// Looks at what is at hand before the first line is read, perhaps only a part of it.
+    fn begin(&mut self, _head: &[u8]) {}
+
     /// What a line holds; `None` for lines without a frame.
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>>;
 
@@ -188,11 +203,12 @@ pub(crate) struct TextReader<F> {
     lines: Lines,
     channels: Channels,
     format: F,
+    begun: bool,
 }
 
 impl<F: LineFormat> TextReader<F> {
     pub(crate) fn new(source: Source, format: F) -> Self {
-        Self { lines: Lines::new(source), channels: Channels::new(), format }
+        Self { lines: Lines::new(source), channels: Channels::new(), format, begun: false }
     }
 }
 
@@ -200,6 +216,10 @@ impl<F: LineFormat> Iterator for TextReader<F> {
     type Item = Result<Record, Damage>;
 
     fn next(&mut self) -> Option<Self::Item> {
+        if !self.begun {
+            self.begun = true;
+            self.format.begin(self.lines.head());
+        }
         loop {
             match self.lines.next()? {
                 Ok(line) => {

@@ -70,7 +70,7 @@ pub(crate) enum Identifier {
 }
 
 /// An identifier, and what follows it.
-#[inline]
+#[inline(always)]
 pub(crate) fn identifier(input: &[u8]) -> Parsed<'_, Identifier> {
     let (rest, digits, id) = hex_run(input);
     let identifier = match digits {
@@ -97,7 +97,7 @@ pub(crate) fn identifier(input: &[u8]) -> Parsed<'_, Identifier> {
 }
 
 /// A frame, and what follows it.
-#[inline]
+#[inline(always)]
 pub(crate) fn frame(input: &[u8]) -> Parsed<'_, Record> {
     let (rest, id) = identifier(input)?;
     let [b'#', body @ ..] = rest else { return Expected::fail(rest, "'#' after the id") };
@@ -112,8 +112,7 @@ fn record(frame: Frame) -> Record {
     Record::new(Timestamp::ZERO, ChannelId(0), frame)
 }
 
-#[inline]
-
+#[inline(always)]
 fn classical_or_fd(id: CanId, body: &[u8]) -> Parsed<'_, Record> {
     match body {
         [b'R' | b'r', len @ ..] => remote(id, len),
@@ -147,6 +146,7 @@ fn raw_dlc(frame: Frame, input: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
+#[inline(never)]
 fn remote(id: CanId, input: &[u8]) -> Parsed<'_, Record> {
     let (rest, len) = match input {
         [digit @ b'0'..=b'9', rest @ ..] => (rest, digit - b'0'),
@@ -159,6 +159,7 @@ fn remote(id: CanId, input: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
+#[inline(never)]
 fn fd(id: CanId, input: &[u8]) -> Parsed<'_, Record> {
     let [flags, body @ ..] = input else { return Expected::fail(input, "a hex digit with the CAN FD flags") };
     let Some(flags) = nibble(*flags) else { return Expected::fail(input, "a hex digit with the CAN FD flags") };
@@ -170,12 +171,14 @@ fn fd(id: CanId, input: &[u8]) -> Parsed<'_, Record> {
     }
 }
 
+#[inline(never)]
 fn error(class: ErrorClass, body: &[u8]) -> Parsed<'_, Record> {
     let (rest, (data, len)) = payload::<8>(body, "at most 8 bytes of an error frame")?;
     let frame = data.get(..len).and_then(|data| Frame::error(class, data));
     frame.map_or_else(|| Expected::fail(body, "data"), |frame| Ok((rest, record(frame))))
 }
 
+#[inline(never)]
 fn xl(id: u32, input: &[u8]) -> Parsed<'_, Record> {
     let (rest, flags) = hex_field(2, "two hex digits with the CAN XL flags")(input)?;
     let (rest, ()) = tag(b":", "':' after the CAN XL flags")(rest)?;
@@ -201,6 +204,7 @@ pub(crate) fn xl_header(id: u32, flags: u8, sdt: u8, af: u32) -> Option<(CanId, 
 }
 
 /// Up to `MAX` bytes in hex, with or without a point before each, and their number.
+#[inline(never)]
 fn payload<'a, const MAX: usize>(input: &'a [u8], limit: &'static str) -> Parsed<'a, ([u8; MAX], usize)> {
     let mut data = [0; MAX];
     let mut len = 0;

@@ -99,6 +99,12 @@ impl Record {
         self
     }
 
+    /// The same frame as it was seen.
+    #[inline]
+    pub(crate) fn seen(self, timestamp: Timestamp, channel: ChannelId, direction: Direction, place: Place) -> Self {
+        Self { timestamp, channel, direction, place, ..self }
+    }
+
     /// The whole payload. Empty for a remote frame.
     pub fn data(&self) -> &[u8] {
         match &self.long {

@@ -54,6 +54,20 @@ pub enum WriteError {
 pub struct WriteOptions {
     /// What the records' timestamps count from: some formats hold a date, or say that there is none.
     pub time_base: crate::TimeBase,
+    /// How chunks are compressed, in formats that have them (MCAP).
+    pub chunk_compression: ChunkCompression,
+}
+
+/// How the chunks of a written file are compressed.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum ChunkCompression {
+    /// By zstd: small.
+    #[default]
+    Zstd,
+    /// By lz4: fast.
+    Lz4,
+    /// Not at all.
+    None,
 }
 
 /// What a format can't hold, each with the number of records that it was lost of.

@@ -4,11 +4,16 @@ use super::cob_ids::{CobIds, Source, Use};
 use super::event::{Change, Event};
 use super::node::{Cause, Node};
 use super::sdo::{Channel, ChannelIndex, Step, Transfer};
+use super::srdo_pairs::SrdoPairs;
 use super::{Decoded, learning};
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::{Message, PdoNumber, Service};
+use crate::wire::case_marker::CaseMarker;
 use crate::wire::error_control::{ErrorControl, State};
+use crate::wire::flying_master::FlyingMaster;
+use crate::wire::lmt::{self, Dialect};
+use crate::wire::mpdo::Mpdo;
 use crate::wire::nmt::{Command, Nmt};
 use crate::wire::sync::Sync;
 use crate::wire::time::TimeOfDay;
@@ -23,6 +28,9 @@ pub struct Bus {
     /// The SDO servers beyond the first of a node: node, number from 1, channel.
     pub(super) further_channels: Vec<(NodeId, u16, ChannelIndex)>,
     nodes: Box<[Option<Box<Node>>]>,
+    /// The protocol of 7E5h and 7E4h, as the last message showed that only one of the two knows.
+    dialect: Dialect,
+    srdo_pairs: SrdoPairs,
 }
 
 impl Bus {
@@ -33,6 +41,8 @@ impl Bus {
             channels: NodeId::all().map(Channel::new).collect(),
             further_channels: Vec::new(),
             nodes: (0..=127).map(|_| None).collect(),
+            dialect: Dialect::Lss,
+            srdo_pairs: SrdoPairs::default(),
         }
     }
 
@@ -78,16 +88,40 @@ impl Bus {
             Use::Nmt => self.nmt(payload),
             Use::Sync => read::<Sync>(Service::Sync, None, payload, Message::Sync),
             Use::Time => read::<TimeOfDay>(Service::Time, None, payload, Message::Time),
-            Use::Emcy(node) => read::<Emcy>(Service::Emcy, Some(node), payload, Message::Emcy),
-            Use::Pdo(node, number) => self.pdo(node, number),
+            Use::Emcy(node) => self.emcy(node, payload),
+            Use::Pdo(node, number) => self.pdo(node, number, payload),
             Use::SdoRequest(channel) => self.sdo(channel, |channel| channel.request(now, payload)),
             Use::SdoResponse(channel) => self.sdo(channel, |channel| channel.response(now, payload)),
             Use::ErrorControl(node) => self.error_control(node, payload),
-            Use::LssRequest => read::<lss::Request>(Service::Lss, None, payload, Message::LssRequest),
-            Use::LssResponse => read::<lss::Response>(Service::Lss, None, payload, Message::LssResponse),
-            Use::Unknown => plain(Service::Unknown, None, Message::Unknown),
+            Use::LssRequest => match self.dialect(payload) {
+                Dialect::Lss => read::<lss::Request>(Service::Lss, None, payload, Message::LssRequest),
+                Dialect::Lmt => read::<lmt::Request>(Service::Lmt, None, payload, Message::LmtRequest),
+            },
+            Use::LssResponse => match self.dialect(payload) {
+                Dialect::Lss => read::<lss::Response>(Service::Lss, None, payload, Message::LssResponse),
+                Dialect::Lmt => read::<lmt::Response>(Service::Lmt, None, payload, Message::LmtResponse),
+            },
+            Use::GlobalFailSafe => plain(Service::Srdo, None, Message::GlobalFailSafe),
+            Use::FlyingMaster => flying_master(can_id, payload),
+            Use::CaseMarker => case_marker(payload),
+            Use::Unknown => self.unknown(now, can_id, frame),
         };
         Decoded { source, ..decoded }
+    }
+
+    /// A frame of no known use: part of an SRDO, if its twin shows that.
+    fn unknown(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Decoded {
+        match self.srdo_pairs.handle(now, can_id, frame) {
+            Some((pair, srdo)) => plain(Service::Srdo, pair.node(), Message::Srdo(srdo)),
+            None => plain(Service::Unknown, None, Message::Unknown),
+        }
+    }
+
+    /// The protocol of a message on 7E5h or 7E4h. Both know the messages that configure; what was said before tells
+    /// whose they are.
+    fn dialect(&mut self, payload: &[u8]) -> Dialect {
+        self.dialect = lmt::dialect(payload).unwrap_or(self.dialect);
+        self.dialect
     }
 
     fn remote(&mut self, frame: &Frame) -> Decoded {
@@ -137,28 +171,52 @@ impl Bus {
             Ok(message) => message,
             Err(error) => return malformed(Service::Heartbeat, Some(id), error),
         };
-        let node = self.node_mut(id);
-        let from = node.state;
-        let (service, to, cause) = match (message.is_boot_up(), node.guarded || message.toggle) {
+        let guarded = self.node_mut(id).guarded;
+        let (service, to, cause) = match (message.is_boot_up(), guarded || message.toggle) {
             (true, _) => (Service::BootUp, State::PRE_OPERATIONAL, Cause::BootUp),
             (false, true) => (Service::Guarding, message.state, Cause::ErrorControl),
             (false, false) => (Service::Heartbeat, message.state, Cause::ErrorControl),
         };
-        node.state = Some((to, cause));
-        if service == Service::BootUp {
-            learning::after_boot_up(self, id);
-        }
-        let changed = service == Service::BootUp || from.is_none_or(|from| from.0 != to);
-        let change = Change { from: from.map(|from| from.0), to, cause };
-        let event = changed.then_some(Event::StateChanged(id, change));
+        let event = self.state_seen(id, to, cause);
         Decoded { event, ..plain(service, Some(id), Message::ErrorControl(message)) }
     }
 
-    fn pdo(&mut self, id: NodeId, number: PdoNumber) -> Decoded {
+    /// Takes the state that a node showed itself.
+    fn state_seen(&mut self, id: NodeId, to: State, cause: Cause) -> Option<Event> {
+        let node = self.node_mut(id);
+        let from = node.state.map(|from| from.0);
+        node.state = Some((to, cause));
+        if cause == Cause::BootUp {
+            learning::after_boot_up(self, id);
+        }
+        let changed = cause == Cause::BootUp || from != Some(to);
+        changed.then_some(Event::StateChanged(id, Change { from, to, cause }))
+    }
+
+    fn emcy(&mut self, id: NodeId, payload: &[u8]) -> Decoded {
+        let decoded = read::<Emcy>(Service::Emcy, Some(id), payload, Message::Emcy);
+        if !payload.is_empty() {
+            return decoded;
+        }
+        // Before CiA 301 V4 this was the boot-up message.
+        let event = self.state_seen(id, State::PRE_OPERATIONAL, Cause::BootUp);
+        Decoded { service: Service::BootUp, event, ..decoded }
+    }
+
+    fn pdo(&mut self, id: NodeId, number: PdoNumber, payload: &[u8]) -> Decoded {
         // Works out the layout if it is new: who shows the PDO finds it in the node.
         let node = self.node_mut(id);
         node.layout(id, number);
-        plain(Service::Pdo, Some(id), Message::Pdo(number))
+        if node.addressing(number).is_none() {
+            return plain(Service::Pdo, Some(id), Message::Pdo(number));
+        }
+        match Mpdo::read(payload) {
+            Ok(mpdo) => {
+                let message = Message::Mpdo(number, mpdo);
+                Decoded { object: Some(mpdo.object), ..plain(Service::Pdo, Some(id), message) }
+            }
+            Err(error) => malformed(Service::Pdo, Some(id), error),
+        }
     }
 
     fn sdo(&mut self, index: ChannelIndex, step: impl FnOnce(&mut Channel) -> Step) -> Decoded {
@@ -207,6 +265,23 @@ fn plain(service: Service, node: Option<NodeId>, message: Message) -> Decoded {
         event: None,
         violation: None,
     }
+}
+
+fn flying_master(can_id: u16, payload: &[u8]) -> Decoded {
+    match FlyingMaster::read(can_id, payload) {
+        Ok(message) => {
+            let node = match message {
+                FlyingMaster::ActiveMaster { node, .. } => NodeId::new(node),
+                _ => None,
+            };
+            plain(Service::FlyingMaster, node, Message::FlyingMaster(message))
+        }
+        Err(error) => malformed(Service::FlyingMaster, None, error),
+    }
+}
+
+fn case_marker(payload: &[u8]) -> Decoded {
+    plain(Service::Unknown, None, CaseMarker::read(payload).map_or(Message::Unknown, Message::CaseMarker))
 }
 
 fn malformed(service: Service, node: Option<NodeId>, error: Malformed) -> Decoded {

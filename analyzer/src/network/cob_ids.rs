@@ -3,7 +3,8 @@
 use super::sdo::ChannelIndex;
 use crate::NodeId;
 use crate::message::PdoNumber;
-use crate::wire::{emcy, error_control, lss, nmt, pdo, sdo, sync, time};
+use crate::wire::flying_master::FlyingMaster;
+use crate::wire::{case_marker, emcy, error_control, lss, nmt, pdo, sdo, srdo, sync, time};
 
 /// The use of a CAN-ID.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -24,11 +25,17 @@ pub enum Use {
     SdoResponse(ChannelIndex),
     /// Boot-up, heartbeat and guarding of a node.
     ErrorControl(NodeId),
-    /// LSS, master to slaves.
+    /// LSS or LMT, master to slaves.
     LssRequest,
-    /// LSS, slave to master.
+    /// LSS or LMT, slave to master.
     LssResponse,
-    /// No use is known.
+    /// The global fail-safe command.
+    GlobalFailSafe,
+    /// The services of flying master, by the CAN-ID.
+    FlyingMaster,
+    /// Case markers of CiA's test tool.
+    CaseMarker,
+    /// No use is known. 101h to 180h may be SRDOs.
     Unknown,
 }
 
@@ -102,7 +109,8 @@ fn owner(used: Use) -> Option<NodeId> {
     }
 }
 
-/// The predefined connection set (CiA 301), with LSS (CiA 305).
+/// The predefined connection set (CiA 301), with LSS (CiA 305), flying master (CiA 302-2) and the global fail-safe
+/// command (CiA 304).
 fn predefined(can_id: u16) -> Use {
     match can_id {
         nmt::CAN_ID => return Use::Nmt,
@@ -110,6 +118,9 @@ fn predefined(can_id: u16) -> Use {
         time::CAN_ID => return Use::Time,
         lss::MASTER_CAN_ID => return Use::LssRequest,
         lss::SLAVE_CAN_ID => return Use::LssResponse,
+        srdo::GLOBAL_FAIL_SAFE_CAN_ID => return Use::GlobalFailSafe,
+        case_marker::CAN_ID => return Use::CaseMarker,
+        id if FlyingMaster::CAN_IDS.contains(&id) => return Use::FlyingMaster,
         _ => {}
     }
     let Some(node) = NodeId::of_cob_id(can_id) else { return Use::Unknown };
@@ -150,7 +161,8 @@ mod tests {
         assert_eq!(used(0x73F), Use::ErrorControl(node(63)));
         assert_eq!(used(0x7E5), Use::LssRequest);
         // Neither NMT nor TIME: only 000h and 100h are.
-        for id in (0x001..=0x07F).chain(0x101..=0x17F).chain([0x180, 0x580, 0x680, 0x780]) {
+        assert_eq!((used(0x001), used(0x071)), (Use::GlobalFailSafe, Use::FlyingMaster));
+        for id in (0x002..=0x070).chain(0x077..=0x07F).chain(0x101..=0x17F).chain([0x180, 0x580, 0x680, 0x780]) {
             assert_eq!(used(id), Use::Unknown, "{id:03X}");
         }
     }

@@ -11,6 +11,7 @@ mod layout;
 mod learning;
 mod node;
 pub mod sdo;
+mod srdo_pairs;
 
 pub use bus::Bus;
 pub use cob_ids::{Source, Use};

@@ -4,6 +4,7 @@ use crate::dictionary::DeviceDescription;
 use crate::message::PdoNumber;
 use crate::network::layout::Layout;
 use crate::wire::error_control::State;
+use crate::wire::mpdo::Addressing;
 use crate::wire::nmt::Command;
 use crate::wire::pdo::MappingEntry;
 use crate::{Multiplexer, NodeId};
@@ -24,6 +25,8 @@ pub struct Node {
     /// Those that the device will have after its next reset.
     stored: BTreeMap<Multiplexer, (u32, Shown)>,
     layouts: BTreeMap<PdoNumber, Option<Layout>>,
+    /// The PDOs that are multiplexed; worked out with their layouts.
+    multiplexed: BTreeMap<PdoNumber, Addressing>,
 }
 
 /// How the trace has shown a parameter.
@@ -71,7 +74,7 @@ impl Node {
         let shown = if written { Shown::Written } else { shown };
         self.parameters.insert(object, (value, shown));
         if matches!(object.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF) {
-            self.layouts.clear();
+            self.forget_layouts();
         }
     }
 
@@ -82,13 +85,14 @@ impl Node {
 
     /// The defaults were restored; they take effect at the next reset.
     pub fn restore_defaults(&mut self) {
-        self.stored.clear();
+        // Device type and identity are the device's own: no default changes them.
+        self.stored.retain(|object, _| matches!(object.index.0, 0x1000 | 0x1018));
     }
 
     /// The node started anew: with what is stored, as far as the trace has shown that.
     pub fn restart(&mut self) {
         self.parameters = self.stored.clone();
-        self.layouts.clear();
+        self.forget_layouts();
         self.guarded = false;
     }
 
@@ -100,7 +104,7 @@ impl Node {
     /// Sets or replaces the description.
     pub fn describe(&mut self, description: Arc<DeviceDescription>) {
         self.description = Some(description);
-        self.layouts.clear();
+        self.forget_layouts();
     }
 
     /// How a PDO is laid out at this moment; `None` where its mapping is not known.
@@ -108,6 +112,10 @@ impl Node {
         if !self.layouts.contains_key(&pdo) {
             let layout = self.mapping(id, pdo).map(|entries| Layout::new(&entries, self.description.as_deref()));
             self.layouts.insert(pdo, layout);
+            let count = self.parameter(id, Multiplexer::new(pdo.mapping_index(), 0));
+            if let Some(addressing) = count.and_then(Addressing::of_mapping_count) {
+                self.multiplexed.insert(pdo, addressing);
+            }
         }
         self.layouts.get(&pdo).and_then(Option::as_ref)
     }
@@ -115,6 +123,16 @@ impl Node {
     /// The layout, where it has been worked out already.
     pub fn known_layout(&self, pdo: PdoNumber) -> Option<&Layout> {
         self.layouts.get(&pdo).and_then(Option::as_ref)
+    }
+
+    /// The addressing of a multiplexed PDO, where its layout has been asked for already; `None` for other PDOs.
+    pub fn addressing(&self, pdo: PdoNumber) -> Option<Addressing> {
+        self.multiplexed.get(&pdo).copied()
+    }
+
+    fn forget_layouts(&mut self) {
+        self.layouts.clear();
+        self.multiplexed.clear();
     }
 
     /// The entries of a PDO's mapping, if all of them are known and the mapping is switched on.

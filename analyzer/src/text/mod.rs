@@ -9,6 +9,7 @@ use crate::message::{Message, Service};
 use crate::network::{Bus, Decoded};
 use crate::wire::emcy::Emcy;
 use crate::wire::error_control::ErrorControl;
+use crate::wire::error_frame::ErrorFrame;
 use canvass_traces::{ErrorClass, Record};
 use std::fmt;
 
@@ -42,6 +43,11 @@ impl<'a> Meaning<'a> {
         write!(f, "malformed {service}: expected {expected} at byte {offset}, found {len} bytes in all")
     }
 
+    fn error_frame(&self, class: ErrorClass, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let error = ErrorFrame::of(&self.record.frame).unwrap_or(ErrorFrame { class, detail: [0; 8] });
+        write!(f, "{error}")
+    }
+
     fn foreign(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let frame = &self.record.frame;
         let kind = match () {
@@ -63,13 +69,20 @@ impl fmt::Display for Meaning<'_> {
             Message::Time(time) => write!(f, "TIME {time}"),
             Message::Emcy(emcy) => self.emcy(emcy, f),
             Message::Pdo(number) => self.pdo(*number, f),
+            Message::Mpdo(number, mpdo) => self.mpdo(*number, mpdo, f),
             Message::PdoRequest(number) => write!(f, "{number} requested"),
             Message::SdoRequest(request) => self.sdo_request(request, f),
             Message::SdoResponse(response) => self.sdo_response(response, f),
             Message::SdoBlockDownload(segment) | Message::SdoBlockUpload(segment) => self.sdo_block(segment, f),
             Message::LssRequest(request) => write!(f, "LSS {request}"),
             Message::LssResponse(response) => write!(f, "LSS {response}"),
-            Message::ErrorFrame(class) => error_frame(*class, f),
+            Message::LmtRequest(request) => write!(f, "LMT {request}"),
+            Message::LmtResponse(response) => write!(f, "LMT {response}"),
+            Message::Srdo(srdo) => write!(f, "{srdo}"),
+            Message::GlobalFailSafe => f.write_str("global fail-safe command"),
+            Message::FlyingMaster(message) => write!(f, "flying master: {message}"),
+            Message::CaseMarker(marker) => write!(f, "CiA test tool: {marker}"),
+            Message::ErrorFrame(class) => self.error_frame(*class, f),
             Message::Malformed(service, error) => self.malformed(*service, error.offset, error.expected, f),
             Message::Foreign => self.foreign(f),
             Message::UnexpectedRemote => f.write_str("remote frame"),
@@ -80,13 +93,4 @@ impl fmt::Display for Meaning<'_> {
             None => Ok(()),
         }
     }
-}
-
-fn error_frame(class: ErrorClass, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    f.write_str("error frame")?;
-    let names = ErrorClass::NAMES.iter().filter(|(bit, _)| class.0 & bit != 0).map(|(_, name)| *name);
-    for (n, name) in names.enumerate() {
-        write!(f, "{}{name}", if n == 0 { ": " } else { ", " })?;
-    }
-    Ok(())
 }

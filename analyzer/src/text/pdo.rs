@@ -2,8 +2,10 @@
 
 use super::Meaning;
 use super::object::Object;
+use crate::NodeId;
 use crate::message::PdoNumber;
 use crate::network::{Layout, Signal};
+use crate::wire::mpdo::{Addressing, Mpdo};
 use std::fmt;
 
 impl Meaning<'_> {
@@ -15,6 +17,17 @@ impl Meaning<'_> {
             Some(layout) => self.signals(layout, payload, f),
             None => bytes(payload, f),
         }
+    }
+
+    pub(super) fn mpdo(&self, number: PdoNumber, mpdo: &Mpdo, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        // The object is in the dictionary of the node that the address names.
+        let addressed = match mpdo.addressing {
+            Addressing::Source => NodeId::new(mpdo.node).or(self.decoded.node),
+            Addressing::Destination => NodeId::new(mpdo.node),
+        };
+        let node = addressed.and_then(|id| self.bus.node(id));
+        let object = Object::new(addressed, node, mpdo.object);
+        write!(f, "{number}, multiplexed, {mpdo}: {object} = {}", object.leading(&mpdo.data))
     }
 
     fn signals(&self, layout: &Layout, payload: &[u8], f: &mut fmt::Formatter<'_>) -> fmt::Result {

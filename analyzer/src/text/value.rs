@@ -92,7 +92,8 @@ impl fmt::Display for ValueText<'_> {
 fn hexadecimal(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     match (raw, bytes) {
         (0..=9, _) => write!(f, "{raw}"),
-        (_, 0..=2) => write!(f, "{raw:0width$X}h ({raw})", width = 2 * bytes),
+        (_, 0..=1) => write!(f, "{raw} ({raw:02X}h)"),
+        (_, 2) => write!(f, "{raw:0width$X}h ({raw})", width = 2 * bytes),
         _ => write!(f, "{raw:0width$X}h", width = 2 * bytes),
     }
 }

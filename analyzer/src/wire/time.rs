@@ -111,7 +111,7 @@ mod tests {
     /// Counted by walking the calendar, independently of the formula.
     #[test]
     fn every_date_that_sixteen_bits_can_say() {
-        let leap = |year: u32| year % 4 == 0 && (year % 100 != 0 || year % 400 == 0);
+        let leap = |year: u32| year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400));
         let (mut year, mut month, mut day) = (1984, 1, 1);
         for days in 0..=u16::MAX {
             assert_eq!(TimeOfDay { raw_milliseconds: 0, days }.date(), (year, month, day), "day {days}");

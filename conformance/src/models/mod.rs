@@ -1,10 +1,12 @@
 //! The built-in device models. Two files each: an EDS with the object dictionary, and a TOML sheet with what an EDS
 //! cannot say.
 
+mod annotations;
 mod sheet;
 
 pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
 
+use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
 use std::sync::{Arc, LazyLock};
@@ -52,12 +54,15 @@ impl Model {
     ///
     /// # Errors
     /// [`ModelError`] if one of them can't be read.
-    pub fn read(eds: &str, sheet: &str) -> Result<Self, ModelError> {
-        let sheet: Sheet = toml::from_str(sheet)?;
+    pub fn read(eds: &str, text: &str) -> Result<Self, ModelError> {
+        let sheet: Sheet = toml::from_str(text)?;
         if let Some(node) = sheet.network.default_node_id {
             NodeId::new(node).ok_or(ModelError::NodeId(node))?;
         }
-        Ok(Self { description: Arc::new(eds::read(eds.as_bytes())?), sheet: Arc::new(sheet) })
+        let mut description = eds::read(eds.as_bytes())?;
+        let tables: AnnotationTables = toml::from_str(text)?;
+        description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
     }
 
     /// The name on the command line.

@@ -195,7 +195,7 @@ fn parse_address<E: de::Error>(text: &str) -> Result<Multiplexer, E> {
     parsed.ok_or_else(|| E::custom(format!("expected \"index:sub\" in hexadecimal, found \"{text}\"")))
 }
 
-fn address<'de, D: Deserializer<'de>>(from: D) -> Result<Multiplexer, D::Error> {
+pub(super) fn address<'de, D: Deserializer<'de>>(from: D) -> Result<Multiplexer, D::Error> {
     parse_address(&String::deserialize(from)?)
 }
 

@@ -127,6 +127,7 @@ impl Asc {
 }
 
 /// The lines that are no rows.
+#[derive(Clone, Copy)]
 enum Header {
     Nothing,
     /// A date that could be read, or one that could not.

@@ -30,9 +30,7 @@ impl LineWriter for AscRows {
             Some(first) if has_date => {
                 let millis = first.timestamp.nanos() / 1_000_000;
                 self.start = millis * 1_000_000;
-                let date = date_of(self.start).strftime("%a %b %d %H:%M:%S");
-                let year = date_of(self.start).year();
-                let date = format!("{date}.{:03} {year}", millis % 1_000);
+                let date = header_date(self.start);
                 write!(out, "date {date}\n{HEADER}Begin Triggerblock {date}\n   0.000000 Start of measurement\n")
             }
             _ => write!(out, "{HEADER}Begin Triggerblock\n   0.000000 Start of measurement\n"),
@@ -78,9 +76,17 @@ impl AscRows {
     }
 }
 
+/// As English versions of CANalyzer write it, which all readers know.
+fn header_date(nanos: u64) -> String {
+    let date = date_of(nanos);
+    let half = if date.hour() < 12 { "am" } else { "pm" };
+    let millis = nanos / 1_000_000 % 1_000;
+    format!("{}.{millis:03} {half} {}", date.strftime("%a %b %d %I:%M:%S"), date.year())
+}
+
 fn write_time(out: &mut String, nanos: u64) -> fmt::Result {
     let (secs, fraction) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
-    if fraction % 1_000 == 0 {
+    if fraction.is_multiple_of(1_000) {
         write!(out, "{secs:4}.{:06} ", fraction / 1_000)
     } else {
         write!(out, "{secs:4}.{fraction:09} ")

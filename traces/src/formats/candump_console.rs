@@ -48,8 +48,7 @@ pub(crate) fn sniff(head: &[u8]) -> bool {
 }
 
 pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
-    let clock = Clock::guess(source.window());
-    Box::new(TextReader::new(source, Console { clock, ..Console::default() }))
+    Box::new(TextReader::new(source, Console::default()))
 }
 
 #[derive(Default)]
@@ -62,6 +61,10 @@ struct Console {
 }
 
 impl LineFormat for Console {
+    fn begin(&mut self, head: &[u8]) {
+        self.clock = Clock::guess(head);
+    }
+
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>> {
         let plain = without_colours(line.bytes);
         let line = Line { bytes: &plain, ..*line };
@@ -90,7 +93,7 @@ impl Console {
             return Err(line.cut("the end of this line, as the frame may go on,"));
         }
         let mut record = body.record;
-        self.hexadecimal |= record.frame.len() > 0 && body.doubt == Doubt::None && !body.bits;
+        self.hexadecimal |= !record.frame.is_empty() && body.doubt == Doubt::None && !body.bits;
         record.channel = intern(start.name, channels).map_err(|missing| line.damage(missing))?;
         record.timestamp = self.clock.time(start.stamp);
         record.direction = start.direction;

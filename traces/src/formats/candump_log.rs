@@ -90,19 +90,16 @@ impl CandumpLog {
     fn frame_line(&mut self, line: &Line<'_>, text: &[u8], channels: &mut Channels) -> Result<Record, Damage> {
         let damage = |error| line.damage(Expected::from(error));
         let (rest, (nanos, name)) = stamp_and_interface(text).map_err(damage)?;
-        let (behind, mut record) = frame(rest).map_err(damage)?;
+        let (behind, record) = frame(rest).map_err(damage)?;
         let tail = tail(behind).map_err(|missing| line.damage(missing))?;
         if !line.ended && !self.habits.complete(&record.frame, &tail) {
             return Err(line.cut("the end of this line, as the frame may go on,"));
         }
-        record.channel = self.intern(name, channels).map_err(|missing| line.damage(missing))?;
-        record.timestamp = Timestamp(nanos);
-        record.direction = tail.direction;
-        record.place = line.place;
+        let channel = self.intern(name, channels).map_err(|missing| line.damage(missing))?;
         self.base.get_or_insert(if nanos < EPOCH_FROM { TimeBase::Start } else { TimeBase::Utc });
         self.explained = record.frame.is_error();
-        self.habits.learn(&record);
-        Ok(record)
+        self.habits.learn(&record.frame, tail.direction);
+        Ok(record.seen(Timestamp(nanos), channel, tail.direction, line.place))
     }
 
     /// What is not a frame, or a frame behind spaces.
@@ -187,7 +184,6 @@ struct Tail {
 }
 
 #[inline]
-
 fn tail(input: &[u8]) -> Result<Tail, Expected<'_>> {
     if input.is_empty() {
         return Ok(Tail { direction: Direction::Unknown, closed: false, open: false });
@@ -227,9 +223,9 @@ fn ignore(input: &[u8]) -> Result<(), Expected<'_>> {
 
 impl Habits {
     #[inline]
-    fn learn(&mut self, record: &Record) {
-        self.direction |= record.direction != Direction::Unknown;
-        self.raw_dlc |= record.frame.flags() == Flags::NONE && record.frame.dlc() > 8;
+    fn learn(&mut self, frame: &Frame, direction: Direction) {
+        self.direction |= direction != Direction::Unknown;
+        self.raw_dlc |= frame.flags() == Flags::NONE && frame.dlc() > 8;
     }
 
     /// Whether a line without end can't be the beginning of a longer one.
@@ -276,7 +272,7 @@ impl LogLines {
         let (secs, fraction) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
         // From 1970 there are ten digits; candump -tz fills up to three.
         write!(out, "({secs:03}.")?;
-        if fraction % 1_000 == 0 {
+        if fraction.is_multiple_of(1_000) {
             write!(out, "{:06}) {name} ", fraction / 1_000)?;
         } else {
             write!(out, "{fraction:09}) {name} ")?;

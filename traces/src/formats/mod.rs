@@ -6,6 +6,7 @@ mod asc_writer;
 pub(crate) mod blf;
 pub(crate) mod candump_console;
 pub(crate) mod candump_log;
+mod limits;
 pub(crate) mod mcap;
 pub(crate) mod minimon;
 pub(crate) mod pcap;
@@ -13,6 +14,7 @@ pub(crate) mod pcapng;
 pub(crate) mod python_can_csv;
 pub(crate) mod socketcan;
 pub(crate) mod trc;
+mod trc_row;
 mod trc_writer;
 
 use crate::{ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
@@ -85,7 +87,7 @@ const FORMATS: &[Row] = &[
         extensions: &["mcap"],
         sniff: mcap::sniff,
         open: mcap::open,
-        create: None,
+        create: Some(mcap::create),
     },
     Row {
         format: Format::Blf,

@@ -202,7 +202,7 @@ impl LineWriter for CsvRows {
         let nanos = record.timestamp.nanos();
         let (secs, fraction) = (nanos / 1_000_000_000, nanos % 1_000_000_000);
         // Writing into a String does not fail.
-        let _ = if fraction % 1_000 == 0 {
+        let _ = if fraction.is_multiple_of(1_000) {
             write!(out, "{secs}.{:06}", fraction / 1_000)
         } else {
             write!(out, "{secs}.{fraction:09}")

@@ -24,12 +24,11 @@
 //! Easily got wrong: FDF was not set by older kernels, so a packet of 72 bytes is CAN FD whatever the flags say;
 //! and the flags byte holds garbage where the reserved bytes are not zero.
 
-use crate::{CanId, ChannelId, Damage, DamageKind, Direction, ErrorClass, Flags, Frame, Place, Record};
-use crate::{Timestamp, XlHeader};
+use crate::damage::Flaw;
+use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Record, Timestamp, XlHeader};
 use nom::number::Endianness;
 use nom::number::complete::{be_u16, be_u32, u8, u16, u32};
 use nom::{IResult, Parser};
-use std::borrow::Cow;
 
 const EXTENDED: u32 = 0x8000_0000;
 const REMOTE: u32 = 0x4000_0000;
@@ -67,34 +66,22 @@ impl LinkType {
     }
 }
 
-/// Why a packet is no readable frame.
-#[derive(Debug)]
-pub(crate) struct Flaw {
-    kind: DamageKind,
-    expected: Cow<'static, str>,
-    found: String,
-}
-
-impl Flaw {
-    fn malformed(expected: impl Into<Cow<'static, str>>, found: String) -> Self {
-        Self { kind: DamageKind::Malformed, expected: expected.into(), found }
-    }
-
-    fn unsupported(expected: &'static str, found: String) -> Self {
-        Self { kind: DamageKind::Unsupported, expected: expected.into(), found }
-    }
-
-    pub(crate) fn damage(self, place: Place) -> Damage {
-        Damage::new(self.kind, place, self.expected, self.found.as_bytes())
-    }
-}
-
 /// A packet's frame; time, channel and place are still to be set.
 #[derive(Debug)]
 pub(crate) struct Seen {
     pub(crate) record: Record,
     /// The index of the network interface, where the header has it (SLL2).
     pub(crate) interface: Option<u32>,
+}
+
+/// A classical data frame of eight bytes in a packet of link type 227: most of what there is, so it has a way of
+/// its own, which gives the same as [`decode`].
+#[inline]
+pub(crate) fn full_frame(packet: &[u8]) -> Option<Frame> {
+    let &[a, b, c, d, 8, 0, 0, 0, ref data @ ..] = packet else { return None };
+    let id = u32::from_be_bytes([a, b, c, d]);
+    let data: [u8; 8] = data.try_into().ok()?;
+    (id & (REMOTE | ERROR) == 0).then(|| Frame::full(can_id(id), data))
 }
 
 /// The frame in a whole packet; `order` is that of the file or section.
@@ -257,6 +244,7 @@ fn encode_xl(priority: CanId, xl: XlHeader, data: &[u8], packet: &mut Vec<u8>) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Place;
 
     fn shown(link: LinkType, order: Endianness, packet: &[u8]) -> String {
         match decode(link, order, packet) {
@@ -313,6 +301,17 @@ mod tests {
         let mut again = Vec::new();
         encode(&record, &mut again);
         assert_eq!(again, packet);
+    }
+
+    #[test]
+    fn the_short_way_gives_the_same() {
+        for packet in [*b"\0\0\x06\x3F\x08\0\0\0\x40\0\x60\0\0\0\0\0", *b"\x98\xFE\xCA\x01\x08\0\0\0abcdefgh"] {
+            let whole = decode(LinkType::SocketCan, Endianness::Big, &packet).unwrap().record.frame;
+            assert_eq!(full_frame(&packet), Some(whole));
+        }
+        for other in [&b"\x40\0\x07\x01\x08\0\0\0abcdefgh"[..], b"\0\0\x07\x01\x08\0\0\0abcdefg", &[0; FD_SIZE]] {
+            assert_eq!(full_frame(other), None);
+        }
     }
 
     #[test]

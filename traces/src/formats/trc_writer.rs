@@ -78,7 +78,7 @@ impl TrcRows {
         if self.time_base == TimeBase::Utc {
             losses.count(Loss::TimeZone);
         }
-        if record.timestamp.nanos() < self.start || record.timestamp.nanos() % 1_000 != 0 {
+        if record.timestamp.nanos() < self.start || !record.timestamp.nanos().is_multiple_of(1_000) {
             losses.count(Loss::TimeResolution);
         }
         if record.direction == Direction::Unknown {

@@ -4,10 +4,14 @@
 //! others are sent again.
 
 use super::channel::{Channel, Step};
-use super::transfer::Violation;
+use super::transfer::{Direction, Violation};
 use crate::message::Message;
+use crate::wire::Wire;
 use crate::wire::sdo::{BlockSegment, Request, Response};
-use canvass_traces::Timestamp;
+use canvass_traces::{Duration, Timestamp};
+
+/// A sub-block in which nothing came for so long is over: no SDO timeout in use comes near it.
+const SILENCE: Duration = Duration(10_000_000_000);
 
 /// The state of a block transfer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -98,11 +102,25 @@ pub struct Run {
     in_order: u8,
     /// The segment with that number is the last of the transfer.
     last: bool,
+    /// The segment that came last, in order or not.
+    latest: Option<BlockSegment>,
 }
 
 impl Run {
     const fn new(block_size: u8) -> Self {
-        Self { block_size, in_order: 0, last: false }
+        Self { block_size, in_order: 0, last: false, latest: None }
+    }
+
+    /// Whether the transfer's last segment is among those up to that number.
+    ///
+    /// A receiver that confirms more than came, and less than the whole sub-block, has the last segment, though the
+    /// capture has not.
+    fn ends_with(self, sequence: u8) -> bool {
+        let latest = self.latest.map_or(0, |segment| segment.sequence);
+        match self.latest {
+            Some(segment) if segment.last => sequence >= latest,
+            _ => sequence > latest && sequence < self.block_size,
+        }
     }
 }
 
@@ -123,10 +141,36 @@ impl HeldBack {
 }
 
 impl Channel {
+    /// The frame as a segment, where the state of the transfer makes it one.
+    ///
+    /// Behind the end of a sub-block only the repetition of its last segment is one: a CAN controller repeats a frame
+    /// of which the last bit was disturbed, although others have taken it.
+    pub(super) fn as_block_segment(
+        &self,
+        now: Timestamp,
+        direction: Direction,
+        payload: &[u8],
+    ) -> Option<BlockSegment> {
+        let (run, over) = match (direction, self.block()?) {
+            (Direction::Download, Block::Download(DownloadBlock::Segments { run, .. })) => (run, false),
+            (Direction::Download, Block::Download(DownloadBlock::Confirmation { run, .. })) => (run, true),
+            (Direction::Upload, Block::Upload(UploadBlock::Segments { run, .. })) => (run, false),
+            (Direction::Upload, Block::Upload(UploadBlock::Confirmation { run, .. })) => (run, true),
+            _ => return None,
+        };
+        // 80h is an abort: there is no segment 0.
+        let segment = BlockSegment::read(payload).ok().filter(|_| payload.first() != Some(&0x80))?;
+        let silence = self.transfer.as_ref().map_or(Duration(0), |transfer| now - transfer.latest);
+        let belongs = if over { run.latest == Some(segment) } else { silence <= SILENCE };
+        belongs.then_some(segment)
+    }
+
     /// A segment of a block download, from the client.
     pub(super) fn block_download_segment(&mut self, now: Timestamp, segment: BlockSegment) -> Step {
         let step = Step::segment(Message::SdoBlockDownload(segment));
-        let Some(Block::Download(DownloadBlock::Segments { crc, run })) = self.block() else {
+        let Some(Block::Download(DownloadBlock::Segments { crc, run } | DownloadBlock::Confirmation { crc, run })) =
+            self.block()
+        else {
             return step.out_of_place();
         };
         let (run, over, step) = self.block_segment(now, run, segment, step);
@@ -138,7 +182,9 @@ impl Channel {
     /// A segment of a block upload, from the server.
     pub(super) fn block_upload_segment(&mut self, now: Timestamp, segment: BlockSegment) -> Step {
         let step = Step::segment(Message::SdoBlockUpload(segment));
-        let Some(Block::Upload(UploadBlock::Segments { crc, run })) = self.block() else {
+        let Some(Block::Upload(UploadBlock::Segments { crc, run } | UploadBlock::Confirmation { crc, run })) =
+            self.block()
+        else {
             return step.out_of_place();
         };
         let (run, over, step) = self.block_segment(now, run, segment, step);
@@ -150,6 +196,7 @@ impl Channel {
     /// Takes a segment if it is the next in order; returns the state of its sub-block and whether that is over.
     fn block_segment(&mut self, now: Timestamp, mut run: Run, segment: BlockSegment, step: Step) -> (Run, bool, Step) {
         self.seen(now);
+        run.latest = Some(segment);
         let over = segment.last || segment.sequence >= run.block_size;
         let expected = run.in_order.saturating_add(1);
         if segment.sequence != expected || run.last {
@@ -165,7 +212,7 @@ impl Channel {
 
     /// The receiver's confirmation of a sub-block: what it confirms counts, the rest comes again.
     fn confirm(&mut self, run: Run, sequence: u8) -> bool {
-        let done = run.last && sequence >= run.in_order;
+        let done = run.ends_with(sequence);
         let held_back = &mut self.held_back;
         if let Some(transfer) = &mut self.transfer {
             transfer.segments += u32::from(sequence.min(run.in_order));
@@ -221,6 +268,7 @@ impl Channel {
                 }
             }
             (Ended, Request::EndBlockUpload) => return self.complete(step),
+            (_, Request::EndBlockUpload) => return self.complete_early(step),
             _ => return step.out_of_place(),
         };
         self.set_block(Block::Upload(next));
@@ -256,6 +304,12 @@ impl Channel {
         }
     }
 
+    /// The end was confirmed while more was due: the capture has not all frames.
+    fn complete_early(&mut self, step: Step) -> Step {
+        self.with(|transfer| transfer.blame(Violation::Unexpected));
+        self.complete(step.out_of_place())
+    }
+
     fn block_download_response(
         &mut self,
         now: Timestamp,
@@ -283,6 +337,10 @@ impl Channel {
             (Ended, Response::EndBlockDownload) => {
                 self.seen(now);
                 return self.complete(step);
+            }
+            (_, Response::EndBlockDownload) => {
+                self.seen(now);
+                return self.complete_early(step);
             }
             _ => return step.out_of_place(),
         };

@@ -3,7 +3,7 @@
 use super::block::{Block, DownloadBlock, HeldBack, UploadBlock};
 use super::transfer::{Direction, Mode, Outcome, Side, Transfer, Violation};
 use crate::message::{Message, Service};
-use crate::wire::sdo::{Abort, BlockSegment, Payload, Request, Response, Segment};
+use crate::wire::sdo::{Abort, Payload, Request, Response, Segment};
 use crate::wire::{Malformed, Wire};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
@@ -94,10 +94,7 @@ impl Channel {
 
     /// A frame from the client.
     pub fn request(&mut self, now: Timestamp, payload: &[u8]) -> Step {
-        if let Phase::Block(Block::Download(DownloadBlock::Segments { .. })) = self.phase
-            && let Ok(segment) = BlockSegment::read(payload)
-            && payload[0] != 0x80
-        {
+        if let Some(segment) = self.as_block_segment(now, Direction::Download, payload) {
             return self.block_download_segment(now, segment);
         }
         match Request::read(payload) {
@@ -108,10 +105,7 @@ impl Channel {
 
     /// A frame from the server.
     pub fn response(&mut self, now: Timestamp, payload: &[u8]) -> Step {
-        if let Phase::Block(Block::Upload(UploadBlock::Segments { .. })) = self.phase
-            && let Ok(segment) = BlockSegment::read(payload)
-            && payload[0] != 0x80
-        {
+        if let Some(segment) = self.as_block_segment(now, Direction::Upload, payload) {
             return self.block_upload_segment(now, segment);
         }
         match Response::read(payload) {
@@ -182,6 +176,17 @@ impl Channel {
         superseded
     }
 
+    /// The server answers another request in the middle of a block download: the client has given that up, and its
+    /// request was taken for a segment.
+    fn leave_block_download(&mut self) {
+        let Phase::Block(Block::Download(state)) = self.phase else { return };
+        // Before the first segment there is no request that was taken for one.
+        if !matches!(state, DownloadBlock::Initiated { .. }) {
+            self.phase = Phase::Idle;
+            self.with(|transfer| transfer.end(Outcome::Superseded));
+        }
+    }
+
     /// Takes the value of an initiate message, or the announcement of its segments.
     fn announce(&mut self, payload: Payload) {
         self.with(|transfer| match payload {
@@ -200,6 +205,7 @@ impl Channel {
     fn upload_initiated(&mut self, now: Timestamp, multiplexer: Multiplexer, payload: Payload, step: Step) -> Step {
         let block = matches!(self.phase, Phase::Block(Block::Upload(UploadBlock::Initiated { .. })));
         if !(block || self.phase == Phase::Initiated && self.direction() == Some(Direction::Upload)) {
+            self.leave_block_download();
             return step.unexpected();
         }
         let step = self.answered(now, multiplexer, step);
@@ -213,6 +219,7 @@ impl Channel {
 
     fn download_initiated(&mut self, now: Timestamp, multiplexer: Multiplexer, step: Step) -> Step {
         if self.phase != Phase::Initiated || self.direction() != Some(Direction::Download) {
+            self.leave_block_download();
             return step.unexpected();
         }
         let step = self.answered(now, multiplexer, step);

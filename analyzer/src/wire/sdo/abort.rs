@@ -61,6 +61,19 @@ pub const ABORT_CODES: &[(AbortCode, &str)] = &[
     (AbortCode::NO_DATA, "no data available"),
 ];
 
+/// The classes and codes of CAL (CiA DS-202), which DS-301 V3.0 still used, ascending: class, code, meaning. They are
+/// the upper two bytes of an abort code; most codes of CiA 301 come from them.
+pub const CAL_ERRORS: &[(u8, u8, &str)] = &[
+    (5, 3, "service error, parameter inconsistent"),
+    (5, 4, "service error, illegal parameter"),
+    (6, 1, "access error, object access unsupported"),
+    (6, 2, "access error, object non-existent"),
+    (6, 6, "access error, hardware fault"),
+    (6, 7, "access error, type conflict"),
+    (6, 9, "access error, object attribute inconsistent"),
+    (8, 0, "other error"),
+];
+
 impl AbortCode {
     /// Toggle bit not alternated.
     pub const TOGGLE: Self = Self(0x0503_0000);
@@ -129,6 +142,16 @@ impl AbortCode {
     pub fn name(self) -> Option<&'static str> {
         ABORT_CODES.binary_search_by_key(&self, |row| row.0).ok().map(|at| ABORT_CODES[at].1)
     }
+
+    /// The meaning of error class (bits 31..24) and error code (bits 23..16) in CAL, `None` where it has none.
+    ///
+    /// TR-Electronic (manual 004, 8.14 and 12.2) has class 6, code 6 as 0600 0006h: the code stands in the lowest
+    /// byte where its own place is 0.
+    pub fn cal_name(self) -> Option<&'static str> {
+        let [class, code, _, lowest] = self.0.to_be_bytes();
+        let find = |code| CAL_ERRORS.iter().find(|row| (row.0, row.1) == (class, code)).map(|row| row.2);
+        find(code).or_else(|| find(lowest).filter(|_| self.0 & 0x00FF_FF00 == 0))
+    }
 }
 
 impl Wire for Abort {
@@ -147,8 +170,12 @@ impl Wire for Abort {
 /// `0601 0002h attempt to write a read only object`.
 impl fmt::Display for AbortCode {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let name = self.name().unwrap_or("unknown abort code");
-        write!(f, "{:04X} {:04X}h {name}", self.0 >> 16, self.0 & 0xFFFF)
+        write!(f, "{:04X} {:04X}h ", self.0 >> 16, self.0 & 0xFFFF)?;
+        match (self.name(), self.cal_name()) {
+            (Some(name), _) => f.write_str(name),
+            (None, Some(name)) => write!(f, "{name} (CAL)"),
+            (None, None) => f.write_str("unknown abort code"),
+        }
     }
 }
 
@@ -176,5 +203,17 @@ mod tests {
         assert!(ABORT_CODES.is_sorted_by_key(|row| row.0));
         assert_eq!(ABORT_CODES.len(), 31);
         assert_eq!(AbortCode(0x0600_0006).name(), None);
+    }
+
+    /// EEPROM error and wrong signature of TR-Electronic manual 004, 12.2.
+    #[test]
+    fn codes_of_cal() {
+        assert_eq!(AbortCode(0x0600_0006).to_string(), "0600 0006h access error, hardware fault (CAL)");
+        assert_eq!(AbortCode(0x0606_0000).cal_name(), AbortCode(0x0600_0006).cal_name());
+        assert_eq!(AbortCode(0x0800_0000).to_string(), "0800 0000h general error");
+        assert_eq!(AbortCode(0x0609_0055).to_string(), "0609 0055h access error, object attribute inconsistent (CAL)");
+        assert_eq!(AbortCode(0x0600_0106).to_string(), "0600 0106h unknown abort code");
+        assert_eq!(AbortCode(0x1234_5678).to_string(), "1234 5678h unknown abort code");
+        assert!(CAL_ERRORS.is_sorted());
     }
 }

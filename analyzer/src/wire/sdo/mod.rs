@@ -10,7 +10,7 @@ pub mod block;
 pub mod request;
 pub mod response;
 
-pub use abort::{ABORT_CODES, Abort, AbortCode};
+pub use abort::{ABORT_CODES, Abort, AbortCode, CAL_ERRORS};
 pub use block::{BlockSegment, crc16};
 pub use request::Request;
 pub use response::Response;

@@ -37,6 +37,17 @@ pub fn read_file(name: &str) -> (Vec<String>, Vec<Damage>) {
     read(&bytes(name))
 }
 
+/// The sample is read as its `.frames` say, without any damage.
+pub fn reads_as_others_do(name: &str) {
+    let (frames, damages) = read_file(name);
+    let expected = std::fs::read_to_string(sample(&format!("{name}.frames"))).unwrap();
+    assert_eq!(damages, [], "{name}");
+    for (n, (frame, expected)) in frames.iter().zip(expected.lines()).enumerate() {
+        assert_eq!(frame, expected, "{name}, frame {}", n + 1);
+    }
+    assert_eq!(frames.len(), expected.lines().count(), "{name}");
+}
+
 /// `SECONDS.NANOS CHANNEL FRAME[ DIRECTION]`, with the whole payload.
 pub fn shown(record: &Record, channels: &Channels) -> String {
     use std::fmt::Write;
@@ -61,3 +72,26 @@ pub fn shown(record: &Record, channels: &Channels) -> String {
     }
     text
 }
+
+/// The binary samples.
+pub const SAMPLES: &[&str] = &[
+    "tcpdump-us.pcap",
+    "tcpdump-ns.pcap",
+    "big-endian.pcap",
+    "cooked.pcap",
+    "cooked-big-endian.pcap",
+    "cooked-v2.pcap",
+    "two-interfaces.pcapng",
+    "three-sections.pcapng",
+    "ros2-zstd.mcap",
+    "ros2-lz4.mcap",
+    "ros2-plain.mcap",
+    "ros2-unchunked.mcap",
+    "vendor.mcap",
+    "ros1.mcap",
+    "json.mcap",
+    "protobuf.mcap",
+    "python-can.blf",
+    "python-can-plain.blf",
+    "python-can-small-containers.blf",
+];

@@ -1,20 +1,7 @@
 //! Captures that other programs wrote, compared with what other programs read in them.
 
-mod shown;
-
+use crate::shown::{self, read, reads_as_others_do};
 use canvass_traces::{DamageKind, TimeBase};
-use shown::{read, read_file};
-
-/// The sample is read as its `.frames` say, without any damage.
-fn reads_as_others_do(name: &str) {
-    let (frames, damages) = read_file(name);
-    let expected = std::fs::read_to_string(shown::sample(&format!("{name}.frames"))).unwrap();
-    assert_eq!(damages, [], "{name}");
-    for (n, (frame, expected)) in frames.iter().zip(expected.lines()).enumerate() {
-        assert_eq!(frame, expected, "{name}, frame {}", n + 1);
-    }
-    assert_eq!(frames.len(), expected.lines().count(), "{name}");
-}
 
 #[test]
 fn pcap() {
@@ -34,6 +21,22 @@ fn pcap_cooked() {
 fn pcapng() {
     reads_as_others_do("two-interfaces.pcapng");
     reads_as_others_do("three-sections.pcapng");
+}
+
+#[test]
+fn mcap_of_ros_2() {
+    reads_as_others_do("ros2-zstd.mcap");
+    reads_as_others_do("ros2-lz4.mcap");
+    reads_as_others_do("ros2-plain.mcap");
+    reads_as_others_do("ros2-unchunked.mcap");
+}
+
+#[test]
+fn mcap_of_others() {
+    reads_as_others_do("vendor.mcap");
+    reads_as_others_do("ros1.mcap");
+    reads_as_others_do("json.mcap");
+    reads_as_others_do("protobuf.mcap");
 }
 
 #[test]
@@ -70,4 +73,11 @@ fn a_packet_that_the_recorder_cut_is_no_shorter_frame() {
     assert_eq!((frames.len(), damages.len()), (23, 1));
     assert_eq!(damages[0].kind, DamageKind::Truncated);
     assert_eq!(damages[0].place.number, 1);
+}
+
+#[test]
+fn blf() {
+    reads_as_others_do("python-can.blf");
+    reads_as_others_do("python-can-plain.blf");
+    reads_as_others_do("python-can-small-containers.blf");
 }

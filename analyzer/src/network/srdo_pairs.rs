@@ -1,0 +1,59 @@
+//! Which CAN-IDs of 101h to 180h carry SRDOs.
+
+use crate::wire::srdo::{Fit, Half, Pair, Srdo, is_inverse};
+use canvass_traces::{Duration, Frame, Timestamp};
+
+/// The SRDO pairs of a bus. A pair is one only when the inverted data were seen behind the data; until then its
+/// frames are of no known use.
+#[derive(Default)]
+pub struct SrdoPairs {
+    /// By [`Pair::position`]; not made before the first frame.
+    pairs: Vec<State>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct State {
+    /// It was seen to be a pair.
+    known: bool,
+    /// The data whose inverse is due.
+    normal: Option<(Timestamp, Frame)>,
+}
+
+/// The longest time that may lie between the two frames (safety-relevant object validation time, one byte of
+/// milliseconds).
+const VALIDATION_TIME: Duration = Duration(255_000_000);
+
+impl SrdoPairs {
+    /// Takes a frame; `None` where it is not known to be of an SRDO.
+    pub fn handle(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Option<(Pair, Srdo)> {
+        let (pair, half) = Pair::of(can_id)?;
+        if self.pairs.is_empty() {
+            self.pairs.resize(64, State::default());
+        }
+        let state = self.pairs.get_mut(pair.position())?;
+        let fit = match half {
+            Half::Normal => {
+                state.normal = Some((now, *frame));
+                Fit::Alone
+            }
+            Half::Inverted => state.fit(now, frame),
+        };
+        state.known |= fit == Fit::Inverse;
+        state.known.then_some((pair, Srdo { half, fit }))
+    }
+}
+
+impl State {
+    fn fit(&mut self, now: Timestamp, inverted: &Frame) -> Fit {
+        match self.normal.take() {
+            Some((then, normal)) if now - then <= VALIDATION_TIME => {
+                if is_inverse(normal.data(), inverted.data()) {
+                    Fit::Inverse
+                } else {
+                    Fit::Different
+                }
+            }
+            _ => Fit::Alone,
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! SRDO: safety-relevant data, sent twice (CiA 304, EN 50325-5), and the global fail-safe command.
+//!
+//! ```text
+//! odd CAN-ID 101h..17Fh:  the data
+//! the even one after it:  the same data with every bit inverted
+//! 001h:                   global fail-safe command
+//! ```
+//!
+//! The pair of node n (1 to 64) is 0FFh + 2n and 100h + 2n. CAN-IDs 101h to 180h may as well carry a PDO, so that
+//! only the inverted twin makes a frame an SRDO.
+
+use crate::NodeId;
+use std::fmt;
+
+/// The CAN-ID of the global fail-safe command.
+pub const GLOBAL_FAIL_SAFE_CAN_ID: u16 = 0x001;
+/// The CAN-IDs of the predefined pairs.
+pub const CAN_IDS: std::ops::RangeInclusive<u16> = 0x101..=0x180;
+/// The CAN-ID of the data of node 0; twice the node-ID is added.
+pub const CAN_ID_BASE: u16 = 0x0FF;
+
+/// A pair of CAN-IDs, by the node of the predefined set.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Pair(u8);
+
+/// Which of the two frames of a pair.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Half {
+    /// The data.
+    Normal,
+    /// The inverted data.
+    Inverted,
+}
+
+/// One frame of an SRDO.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Srdo {
+    /// Which of the two.
+    pub half: Half,
+    /// How it fits to the other one.
+    pub fit: Fit,
+}
+
+/// How the inverted data fit the data.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub enum Fit {
+    /// Every bit is inverted.
+    Inverse,
+    /// The inverted frame is not the inverse of the data.
+    Different,
+    /// The other frame did not come, or came too late.
+    Alone,
+}
+
+impl Pair {
+    /// The pair of a CAN-ID and which half of it that is; `None` outside [`CAN_IDS`].
+    pub fn of(can_id: u16) -> Option<(Self, Half)> {
+        let half = if can_id % 2 == 1 { Half::Normal } else { Half::Inverted };
+        CAN_IDS.contains(&can_id).then(|| (Self(((can_id - CAN_ID_BASE) / 2) as u8), half))
+    }
+
+    /// The pair of a node in the predefined set, which has 64.
+    pub const fn of_node(node: NodeId) -> Option<Self> {
+        if node.raw() <= 64 { Some(Self(node.raw())) } else { None }
+    }
+
+    /// The node of the predefined set, 1 to 64.
+    pub const fn node(self) -> Option<NodeId> {
+        NodeId::new(self.0)
+    }
+
+    /// 0 to 63.
+    pub const fn position(self) -> usize {
+        self.0 as usize - 1
+    }
+
+    /// The CAN-ID of a half.
+    pub const fn can_id(self, half: Half) -> u16 {
+        let normal = CAN_ID_BASE + 2 * self.0 as u16;
+        match half {
+            Half::Normal => normal,
+            Half::Inverted => normal + 1,
+        }
+    }
+}
+
+/// Whether two payloads are each other's inverse. Empty ones are not: they would prove nothing.
+pub fn is_inverse(normal: &[u8], inverted: &[u8]) -> bool {
+    !normal.is_empty() && normal.len() == inverted.len() && normal.iter().zip(inverted).all(|(a, b)| *a == !*b)
+}
+
+impl fmt::Display for Srdo {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.half {
+            Half::Normal => "SRDO data",
+            Half::Inverted => "SRDO inverted data",
+        })?;
+        f.write_str(match (self.half, self.fit) {
+            (_, Fit::Inverse) | (Half::Normal, Fit::Alone) => "",
+            (_, Fit::Different) => ", not the inverse of the data",
+            (Half::Inverted, Fit::Alone) => ", without the data before it",
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn pairs_of_the_predefined_set() {
+        let node = |raw| NodeId::new(raw).unwrap();
+        assert_eq!(Pair::of(0x101), Some((Pair::of_node(node(1)).unwrap(), Half::Normal)));
+        assert_eq!(Pair::of(0x102), Some((Pair::of_node(node(1)).unwrap(), Half::Inverted)));
+        assert_eq!(Pair::of(0x180), Some((Pair::of_node(node(64)).unwrap(), Half::Inverted)));
+        assert_eq!((Pair::of(0x100), Pair::of(0x181), Pair::of_node(node(65))), (None, None, None));
+        for can_id in CAN_IDS {
+            let (pair, half) = Pair::of(can_id).unwrap();
+            assert_eq!(pair.can_id(half), can_id);
+            assert!(pair.position() < 64 && pair.node().is_some());
+        }
+    }
+
+    #[test]
+    fn only_the_inverse_makes_a_pair() {
+        assert!(is_inverse(&[0x00, 0xA5], &[0xFF, 0x5A]));
+        assert!(!is_inverse(&[0x00, 0xA5], &[0xFF, 0x5B]));
+        assert!(!is_inverse(&[0x00], &[0xFF, 0xFF]));
+        assert!(!is_inverse(&[], &[]));
+    }
+}

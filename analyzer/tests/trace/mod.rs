@@ -1,0 +1,53 @@
+//! A trace spoken frame by frame, in candump's syntax, and what the analyzer says to it.
+
+use canvass_analyzer::Meaning;
+use canvass_analyzer::network::{Decoded, Network};
+use canvass_traces::{ChannelId, Duration, Record, Timestamp, parse_frame};
+
+/// A network and a clock that goes on by a millisecond with every frame.
+pub struct Trace {
+    /// The network, to look into.
+    pub network: Network,
+    /// The time of the latest frame.
+    pub now: Timestamp,
+}
+
+/// What the analyzer says to a frame.
+pub struct Said {
+    /// All that it knows.
+    pub decoded: Decoded,
+    /// The same in words.
+    pub text: String,
+}
+
+impl Trace {
+    /// A network of which nothing is known.
+    pub fn new() -> Self {
+        Self { network: Network::new(), now: Timestamp(1_000_000_000) }
+    }
+
+    /// The next frame, as `7E5#0401000000000000`; blanks are ignored.
+    pub fn say(&mut self, frame: &str) -> Said {
+        let compact: String = frame.split_whitespace().collect();
+        let record = parse_frame(&compact).unwrap_or_else(|error| panic!("{frame}: {error:?}"));
+        self.record(record)
+    }
+
+    /// The next frame, with the time of the trace.
+    pub fn record(&mut self, mut record: Record) -> Said {
+        self.now += Duration(1_000_000);
+        record.timestamp = self.now;
+        record.channel = ChannelId(0);
+        let decoded = self.network.handle(&record);
+        let bus = self.network.bus(ChannelId(0)).expect("a bus once a frame was seen");
+        let text = Meaning::new(&record, &decoded, bus).to_string();
+        Said { decoded, text }
+    }
+}
+
+impl Said {
+    /// The service, by its name in JSON.
+    pub fn service(&self) -> &'static str {
+        self.decoded.service.name()
+    }
+}

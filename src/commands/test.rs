@@ -1,0 +1,124 @@
+//! `canvass test`: the conformance cases against one device.
+
+mod reports;
+
+use crate::devices::{describe, parse_node};
+use crate::output::Color;
+use crate::status::{Failure, Status};
+use anyhow::{Context, anyhow};
+use canvass_analyzer::NodeId;
+use canvass_conformance::bench::{Bench, Decoder, Options, Target};
+use canvass_conformance::bus::{self, BusError, Opened};
+use canvass_conformance::case::{Case, Touch};
+use canvass_conformance::catalogue::{Selector, select};
+use canvass_conformance::runner::{Plan, RunEvent, run};
+use reports::{ReportArg, ReportFormat, Reports};
+use std::io;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+
+/// Test a device against CiA 301
+///
+/// The device is left as it was found, also after a failure or Ctrl-C. Nothing is done that writes its non-volatile
+/// memory or changes its node-ID or bit rate unless --allow names it.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The bus: sim:MODEL[@BITRATE][+FAULT...]
+    bus: String,
+    /// The device's node-ID; on a simulated bus the model's own is taken
+    #[arg(long, value_parser = parse_node)]
+    node: Option<NodeId>,
+    /// What the device is: a built-in model or an EDS or DCF file
+    #[arg(long, value_name = "MODEL|FILE")]
+    device: Option<String>,
+    /// Which cases: the beginning of an id (301/sdo), a pattern (301/*/toggle) or a section (7.2.8)
+    #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
+    select: Vec<Selector>,
+    /// What the cases may do: nvm, node-id, bit-rate, other-nodes
+    #[arg(long, value_name = "WHAT", value_delimiter = ',')]
+    allow: Vec<Touch>,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: ReportFormat,
+    /// Write a report into a file too; can be given several times
+    #[arg(long, value_name = "FORMAT=FILE")]
+    report: Vec<ReportArg>,
+    /// The seed of everything that is left to chance
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Only say which cases would run
+    #[arg(long)]
+    dry_run: bool,
+}
+
+impl Args {
+    pub fn run(self, color: Color) -> Result<Status, Failure> {
+        let cases = self.cases()?;
+        if self.dry_run {
+            let lines: String = cases.iter().map(|case| format!("{}\n", case.id)).collect();
+            crate::output::print(&lines)?;
+            return Ok(Status::Good);
+        }
+        let mut opened = open_bus(&self.bus, self.seed)?;
+        let target = self.target(&opened)?;
+        let mut decoder = Decoder::new(&target);
+        let options = Options { allow: self.allow.iter().copied().collect(), ..Options::default() };
+        let mut reports = Reports::open(self.format, &self.report, color)?;
+        let cancel = cancelled_by_ctrl_c()?;
+        let plan = Plan { cases: &cases, bus: &self.bus, bit_rate: opened.bus.bit_rate(), seed: self.seed };
+        let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut decoder, &cancel);
+        let mut written: io::Result<()> = Ok(());
+        let summary = run(&mut bench, &plan, &mut |event: &RunEvent<'_>| {
+            // The device is put back in any case; a report that can't be written is told of afterwards.
+            if written.is_ok() {
+                written = reports.event(event);
+            }
+        });
+        written.context("can't write the report")?;
+        let summary = summary.map_err(Failure::unreachable)?;
+        Ok(if summary.is_good() && !summary.cancelled { Status::Good } else { Status::Findings })
+    }
+
+    fn cases(&self) -> Result<Vec<&'static Case>, Failure> {
+        select(&self.select).map_err(|idle| {
+            Failure::unreachable(anyhow!(
+                "no case was executed: --select {idle} selects none, see `canvass list cases`"
+            ))
+        })
+    }
+
+    fn target(&self, opened: &Opened) -> Result<Target, Failure> {
+        let model = opened.model;
+        let node = self.node.or_else(|| model.and_then(|model| model.default_node()));
+        let node = node.ok_or_else(|| anyhow!("which node? Say --node N"))?;
+        let named = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let (model, description) = match (named, model) {
+            (Some(device), _) => (device.to_owned(), Some(describe(device)?)),
+            (None, Some(model)) => (model.id().to_owned(), Some(model.description().clone())),
+            (None, None) => (String::new(), None),
+        };
+        Ok(Target { model, description, ..Target::unknown(node) })
+    }
+}
+
+/// Opens a bus; an address that names none is a mistake of the user, anything else is the bus's.
+pub fn open_bus(address: &str, seed: u64) -> Result<Opened, Failure> {
+    bus::open_seeded(address, seed).map_err(|error| match error {
+        BusError::Address { .. } => Failure::from(error),
+        _ => Failure::unreachable(error),
+    })
+}
+
+/// Is set by the first Ctrl-C, so that the device can be put back; the second one ends the program at once.
+fn cancelled_by_ctrl_c() -> Result<Arc<AtomicBool>, Failure> {
+    const INTERRUPTED: i32 = 130;
+    let cancel = Arc::new(AtomicBool::new(false));
+    let flag = Arc::clone(&cancel);
+    ctrlc::set_handler(move || {
+        if flag.swap(true, Ordering::SeqCst) {
+            std::process::exit(INTERRUPTED);
+        }
+        crate::output::diagnostic("canvass: interrupted, the device is being restored (again: at once)");
+    })?;
+    Ok(cancel)
+}

@@ -1,0 +1,4 @@
+//! The program, end to end.
+
+mod decode;
+mod running;

@@ -1,0 +1,37 @@
+//! Running the program as a user does.
+
+use std::io::Write;
+use std::process::{Command, Output, Stdio};
+
+/// What a run left behind.
+pub struct Run {
+    pub status: i32,
+    pub stdout: String,
+    pub stderr: String,
+}
+
+/// The program with these arguments, in the project's folder, without colours from the environment.
+pub fn command(args: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_canvass"));
+    command.args(args).env_remove("NO_COLOR").current_dir(env!("CARGO_MANIFEST_DIR"));
+    command
+}
+
+pub fn run(args: &[&str]) -> Run {
+    finished(command(args).stdin(Stdio::null()).output().unwrap())
+}
+
+/// Runs with a text on standard input.
+pub fn run_with_input(args: &[&str], input: &str) -> Run {
+    let mut child = command(args).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+    finished(child.wait_with_output().unwrap())
+}
+
+pub fn finished(output: Output) -> Run {
+    Run {
+        status: output.status.code().unwrap_or(-1),
+        stdout: String::from_utf8(output.stdout).unwrap(),
+        stderr: String::from_utf8(output.stderr).unwrap(),
+    }
+}

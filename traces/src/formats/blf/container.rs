@@ -1,0 +1,69 @@
+//! Log containers: a part of the stream of objects, deflated or plain.
+//!
+//! ```text
+//! compression (16 bits: 0 none, 2 zlib), reserved (48), uncompressed size (32), reserved (32), bytes
+//! ```
+
+use crate::Source;
+use crate::limited::Limited;
+use flate2::bufread::ZlibDecoder;
+use nom::bytes::complete::take;
+use nom::number::complete::{le_u16, le_u32};
+use nom::{IResult, Parser};
+use std::io::{self, Read};
+
+pub(crate) const HEADER: usize = 16;
+/// The largest uncompressed size that is held; Vector's tools write 128 KiB, some loggers some MiB.
+const LARGEST: u32 = 64 * 1024 * 1024;
+
+/// How unpacking a container ended.
+#[derive(Debug)]
+pub(crate) enum Unpacked {
+    Whole,
+    /// The source ended before the container: what was there is unpacked.
+    Cut,
+    /// Nothing of it can be trusted.
+    Damaged {
+        expected: String,
+        found: String,
+    },
+}
+
+/// Compression and uncompressed size.
+fn header(i: &[u8]) -> IResult<&[u8], (u16, u32)> {
+    (le_u16, take(6usize), le_u32, le_u32).map(|(compression, _, size, _)| (compression, size)).parse(i)
+}
+
+/// Appends a container's content to `objects`, and takes its `length` bytes, header included, from the source.
+pub(crate) fn unpack(source: &mut Source, length: u64, objects: &mut Vec<u8>) -> Unpacked {
+    let start = objects.len();
+    let mut limited = Limited::new(source, length);
+    let mut head = [0; HEADER];
+    let read = limited.read_exact(&mut head).and_then(|()| {
+        let (compression, size) = header(&head).map_or((u16::MAX, 0), |(_, header)| header);
+        // One byte more than there should be shows that there are more.
+        let most = u64::from(size.min(LARGEST)) + 1;
+        match compression {
+            _ if size > LARGEST => Err(io::Error::other(format!("{size} bytes, uncompressed"))),
+            0 => (&mut limited).take(most).read_to_end(objects),
+            2 => ZlibDecoder::new(&mut limited).take(most).read_to_end(objects),
+            other => Err(io::Error::other(format!("compression {other}"))),
+        }
+        .map(|_| u64::from(size))
+    });
+    let (cut, unread) = (limited.is_cut(), limited.left());
+    let skipped = source.skip(unread).unwrap_or_default();
+    let unpacked = (objects.len() - start) as u64;
+    match read {
+        _ if cut => Unpacked::Cut,
+        Ok(size) if unpacked == size && skipped == unread => Unpacked::Whole,
+        Ok(size) => {
+            let found = if unpacked > size { "more".to_owned() } else { format!("{unpacked}") };
+            Unpacked::Damaged { expected: format!("a container of {size} bytes, uncompressed"), found }
+        }
+        Err(error) => {
+            let expected = format!("a container deflated by zlib or plain, of at most {LARGEST} bytes");
+            Unpacked::Damaged { expected, found: error.to_string() }
+        }
+    }
+}

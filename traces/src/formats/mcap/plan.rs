@@ -1,0 +1,247 @@
+//! How to read the messages of a ROS schema: the steps through the bytes, with the role of each value.
+//!
+//! Both encodings, CDR and ROS 1, walk the same plan; they differ in how they lay out numbers and texts.
+
+use super::fields::{Role, Shape, Values};
+use super::ros_definition::{Count, Definitions, Field, Kind, Message};
+use crate::damage::Flaw;
+use std::borrow::Cow;
+
+/// Messages nest no deeper than this.
+const DEEPEST: usize = 16;
+/// A plan has no more steps than this: a hostile schema may square them with each level.
+const MOST_STEPS: usize = 10_000;
+
+/// How an encoding lays out values. Every method fails by `None` where the bytes end.
+pub(crate) trait Layout<'a> {
+    /// A number of 1, 2, 4 or 8 bytes.
+    fn number(&mut self, size: usize) -> Option<u64>;
+    /// Passes over that many numbers.
+    fn skip_numbers(&mut self, size: usize, count: usize) -> Option<()>;
+    /// Passes over a text.
+    fn skip_text(&mut self, wide: bool) -> Option<()>;
+    /// That many bytes.
+    fn bytes(&mut self, count: usize) -> Option<&'a [u8]>;
+}
+
+/// A step through a message's bytes.
+#[derive(Clone, Debug)]
+enum Step {
+    Number {
+        size: usize,
+        signed: bool,
+        role: Option<Role>,
+    },
+    Text {
+        wide: bool,
+    },
+    Data(Count),
+    /// Numbers without a role.
+    Numbers {
+        size: usize,
+        count: Count,
+    },
+    /// Texts or messages without a role. The body is never empty and takes at least one byte.
+    Repeat {
+        count: Count,
+        body: Vec<Step>,
+    },
+}
+
+/// The way through the messages of a schema.
+#[derive(Clone, Debug)]
+pub(crate) struct Plan {
+    /// Up to the last value that has a role.
+    steps: Vec<Step>,
+    pub(crate) shape: Shape,
+}
+
+impl Plan {
+    /// The plan for a schema; `None` if its messages are no CAN frames.
+    pub(crate) fn new(definitions: &Definitions) -> Option<Self> {
+        let messages = definitions.0.as_slice();
+        let target = find(messages, 0, &mut vec![false; messages.len()])?;
+        let mut compiler = Compiler { messages, target, found: false, timed: false, steps_left: MOST_STEPS };
+        let mut steps = compiler.message(0, 0, true)?;
+        let last = steps.iter().rposition(Step::has_role)?;
+        steps.truncate(last + 1);
+        Some(Self { steps, shape: shape(messages.get(target)?)? })
+    }
+
+    /// The values of a message.
+    #[inline]
+    pub(crate) fn read<'a>(&self, layout: &mut impl Layout<'a>) -> Result<Values<'a>, Flaw> {
+        let mut values = Values::default();
+        for step in &self.steps {
+            if step.read(layout, &mut values).is_none() {
+                return Err(Flaw::malformed("a message as its schema says", "an end before its last field"));
+            }
+        }
+        Ok(values)
+    }
+}
+
+/// The message that has a frame's fields: the first one or, where that has not, one that it holds.
+fn find(messages: &[Message], place: usize, seen: &mut [bool]) -> Option<usize> {
+    let message = messages.get(place)?;
+    if std::mem::replace(seen.get_mut(place)?, true) {
+        return None;
+    }
+    if shape(message).is_some() {
+        return Some(place);
+    }
+    message.fields.iter().find_map(|field| match (field.kind, field.count) {
+        (Kind::Message(inner), Count::One) => find(messages, inner, seen),
+        _ => None,
+    })
+}
+
+/// The shape of a message with a frame's fields; `None` for others.
+fn shape(message: &Message) -> Option<Shape> {
+    let roles: Vec<_> = message.fields.iter().filter_map(|field| Some((role(field)?, field))).collect();
+    let of = |wanted| roles.iter().find(|(role, _)| *role == wanted).map(|(_, field)| field);
+    of(Role::Id)?;
+    let capacity = match of(Role::Data)?.count {
+        Count::Array(n) => Some(n),
+        Count::Sequence(bound) => bound,
+        Count::One => None,
+    };
+    let has_length = of(Role::Dlc).is_some() || of(Role::Length).is_some();
+    let shape = Shape { named_fd: Shape::is_named_fd(&message.name), capacity, has_length };
+    shape.is_can(&message.name).then_some(shape)
+}
+
+/// A field's role, where its type fits.
+fn role(field: &Field) -> Option<Role> {
+    let role = Role::by_name(&field.name)?;
+    let fits = match (role, field.kind, field.count) {
+        (Role::Data, Kind::Number { size: 1, .. }, Count::Array(_) | Count::Sequence(_)) => true,
+        (Role::Data, ..) => false,
+        (_, Kind::Number { .. }, Count::One) => true,
+        _ => false,
+    };
+    fits.then_some(role)
+}
+
+struct Compiler<'a> {
+    messages: &'a [Message],
+    /// The message with the frame's fields; its first occurrence counts.
+    target: usize,
+    found: bool,
+    /// Whether a time stamp was found.
+    timed: bool,
+    steps_left: usize,
+}
+
+impl Compiler<'_> {
+    /// The steps through a message; `None` if it is too large. `on_path`: whether it, or what holds it, may be the target.
+    fn message(&mut self, place: usize, depth: usize, on_path: bool) -> Option<Vec<Step>> {
+        if depth > DEEPEST {
+            return None;
+        }
+        let is_target = on_path && place == self.target && !self.found;
+        self.found |= is_target;
+        let mut steps = Vec::new();
+        for field in &self.messages.get(place)?.fields {
+            self.steps_left = self.steps_left.checked_sub(1)?;
+            let time = on_path && !self.timed && self.is_time(field);
+            match (field.kind, field.count) {
+                (_, Count::Array(0)) => {}
+                (Kind::Number { size, signed }, Count::One) => {
+                    let role = if is_target { role(field) } else { None };
+                    steps.push(Step::Number { size, signed, role });
+                }
+                (Kind::Number { .. }, count) if is_target && role(field) == Some(Role::Data) => {
+                    steps.push(Step::Data(count));
+                }
+                (Kind::Number { size, .. }, count) => steps.push(Step::Numbers { size, count }),
+                (Kind::Text, count) => repeat(&mut steps, count, vec![Step::Text { wide: false }]),
+                (Kind::WideText, count) => repeat(&mut steps, count, vec![Step::Text { wide: true }]),
+                (Kind::Message(inner), _) if time => steps.extend(self.time(inner)?),
+                (Kind::Message(inner), Count::One) => steps.extend(self.message(inner, depth + 1, on_path)?),
+                (Kind::Message(inner), count) => {
+                    let body = self.message(inner, depth + 1, false)?;
+                    repeat(&mut steps, count, body);
+                }
+            }
+        }
+        Some(steps)
+    }
+
+    /// Whether the field is a point in time: `stamp` in a header or beside the frame.
+    fn is_time(&self, field: &Field) -> bool {
+        let Kind::Message(inner) = field.kind else { return false };
+        let parts = self.messages.get(inner).map_or(&[][..], |message| &message.fields);
+        field.count == Count::One
+            && Role::is_time(&field.name)
+            && parts.len() == 2
+            && parts.iter().all(|part| matches!(part.kind, Kind::Number { .. }) && Role::of_time(&part.name).is_some())
+    }
+
+    fn time(&mut self, place: usize) -> Option<Vec<Step>> {
+        self.timed = true;
+        let steps = self.messages.get(place)?.fields.iter().map(|field| match field.kind {
+            Kind::Number { size, signed } => Some(Step::Number { size, signed, role: Role::of_time(&field.name) }),
+            _ => None,
+        });
+        steps.collect()
+    }
+}
+
+fn repeat(steps: &mut Vec<Step>, count: Count, body: Vec<Step>) {
+    match count {
+        _ if body.is_empty() && !matches!(count, Count::Sequence(_)) => {}
+        Count::One => steps.extend(body),
+        count => steps.push(Step::Repeat { count, body }),
+    }
+}
+
+impl Step {
+    fn has_role(&self) -> bool {
+        matches!(self, Self::Number { role: Some(_), .. } | Self::Data(_))
+    }
+
+    #[inline]
+    fn read<'a>(&self, layout: &mut impl Layout<'a>, values: &mut Values<'a>) -> Option<()> {
+        match self {
+            Self::Number { size, signed, role } => {
+                let number = layout.number(*size)?;
+                if let Some(role) = role {
+                    values.set(*role, if *signed { sign_extended(number, *size) } else { number as i64 });
+                }
+            }
+            Self::Text { wide } => layout.skip_text(*wide)?,
+            Self::Data(count) => {
+                let count = counted(layout, *count)?;
+                values.data = Cow::Borrowed(layout.bytes(count)?);
+            }
+            Self::Numbers { size, count } => {
+                let count = counted(layout, *count)?;
+                layout.skip_numbers(*size, count)?;
+            }
+            Self::Repeat { count, body } => {
+                let count = counted(layout, *count)?;
+                // Each turn takes at least a byte, so the bytes' end bounds a hostile count.
+                for _ in 0..if body.is_empty() { 0 } else { count } {
+                    body.iter().try_for_each(|step| step.read(layout, values))?;
+                }
+            }
+        }
+        Some(())
+    }
+}
+
+#[inline]
+fn counted<'a>(layout: &mut impl Layout<'a>, count: Count) -> Option<usize> {
+    match count {
+        Count::One => Some(1),
+        Count::Array(n) => Some(n),
+        Count::Sequence(_) => usize::try_from(layout.number(4)?).ok(),
+    }
+}
+
+/// A signed number of `size` bytes.
+const fn sign_extended(number: u64, size: usize) -> i64 {
+    let unused = 64 - 8 * size as u32;
+    (number << unused) as i64 >> unused
+}

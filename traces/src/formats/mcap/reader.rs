@@ -1,0 +1,312 @@
+//! Reads MCAP.
+
+use super::chunk::{self, Unpacked};
+use super::topics::{Slot, Topics};
+use crate::damage::Flaw;
+use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
+use mcap::records::op;
+use nom::number::complete::{le_u16, le_u32, le_u64, u8};
+use nom::{IResult, Parser};
+use std::collections::VecDeque;
+
+/// Operation code and length in front of each record.
+const RECORD_HEADER: usize = 9;
+/// Channel, sequence number, log time, publish time in front of a message.
+const MESSAGE_HEADER: usize = 22;
+/// The longest record that is looked into, chunks apart. Longer ones are passed over: none of them is a CAN frame.
+const LONGEST: u64 = 512 * 1024;
+
+pub(crate) fn sniff(head: &[u8]) -> bool {
+    head.starts_with(mcap::MAGIC)
+}
+
+pub(crate) fn open(source: Source, options: &ReadOptions) -> Box<dyn Reader> {
+    Box::new(McapReader {
+        source,
+        topics: Topics::new(options.topics.clone()),
+        chunk: Vec::new(),
+        chunk_at: 0,
+        chunk_place: 0,
+        chunk_cut: false,
+        messages: 0,
+        pending: VecDeque::new(),
+        state: State::Magic,
+    })
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    Magic,
+    Records,
+    Chunk,
+    /// The last damages are given out.
+    Ended,
+}
+
+struct McapReader {
+    source: Source,
+    topics: Topics,
+    /// The uncompressed records of the current chunk, and how far they are read.
+    chunk: Vec<u8>,
+    chunk_at: usize,
+    /// The chunk's offset in the source.
+    chunk_place: u64,
+    /// The source ended in the chunk.
+    chunk_cut: bool,
+    messages: u64,
+    pending: VecDeque<Damage>,
+    state: State,
+}
+
+/// A record's operation code and length.
+fn record_header(i: &[u8]) -> IResult<&[u8], (u8, u64)> {
+    (u8, le_u64).parse(i)
+}
+
+/// A message's channel and log time.
+#[inline]
+fn message_header(i: &[u8]) -> IResult<&[u8], (u16, u64)> {
+    (le_u16, le_u32, le_u64, le_u64).map(|(channel, _, logged, _)| (channel, logged)).parse(i)
+}
+
+impl McapReader {
+    fn place(&self) -> Place {
+        Place { number: self.messages, offset: self.source.offset() }
+    }
+
+    fn has(&mut self, n: usize) -> Result<bool, Damage> {
+        self.source.fill_to(n).map_err(|error| {
+            self.state = State::Ended;
+            Damage::source(&error, self.place())
+        })
+    }
+
+    fn magic(&mut self) -> Result<(), Damage> {
+        if !self.has(mcap::MAGIC.len())? || !sniff(self.source.window()) {
+            self.state = State::Ended;
+            return Err(Damage::new(DamageKind::Fatal, self.place(), "the magic number of MCAP", b""));
+        }
+        self.source.consume(mcap::MAGIC.len());
+        self.state = State::Records;
+        Ok(())
+    }
+
+    /// The next record of the file; a frame if it is a message with one.
+    fn record(&mut self) -> Result<Option<Record>, Damage> {
+        if !self.has(RECORD_HEADER)? {
+            let cut = !self.source.window().is_empty();
+            return self.unfinished(cut.then(|| "a record header of 9 bytes".to_owned()));
+        }
+        let Ok((_, (code, length))) = record_header(self.source.window()) else { return Ok(None) };
+        match code {
+            op::CHUNK => return self.open_chunk(length),
+            op::FOOTER => return self.footer(length),
+            op::MESSAGE | op::SCHEMA | op::CHANNEL if length <= LONGEST => {}
+            _ => return self.pass_over(code, length),
+        }
+        let end = RECORD_HEADER + length as usize;
+        if !self.has(end)? {
+            return self.unfinished(Some(format!("a record of {length} bytes")));
+        }
+        let place = Place { number: self.messages + 1, offset: self.source.offset() };
+        let bytes = self.source.window().get(RECORD_HEADER..end).unwrap_or_default();
+        let result = inner_record(&mut self.topics, code, bytes, place);
+        self.messages += u64::from(code == op::MESSAGE);
+        self.source.consume(end);
+        result
+    }
+
+    /// Passes over a record that is none of ours, or too long to be.
+    fn pass_over(&mut self, code: u8, length: u64) -> Result<Option<Record>, Damage> {
+        let place = self.place();
+        self.source.consume(RECORD_HEADER);
+        let skipped = self.source.skip(length).map_err(|error| {
+            self.state = State::Ended;
+            Damage::source(&error, place)
+        })?;
+        if skipped < length {
+            return self.unfinished(Some(format!("a record of {length} bytes")));
+        }
+        self.messages += u64::from(code == op::MESSAGE);
+        if matches!(code, op::SCHEMA | op::CHANNEL) {
+            let expected = format!("a schema or channel of at most {LONGEST} bytes");
+            return Err(Damage::new(DamageKind::Unsupported, place, expected, length.to_string().as_bytes()));
+        }
+        Ok(None)
+    }
+
+    /// The source ends without a footer, perhaps in a record.
+    fn unfinished(&mut self, cut_record: Option<String>) -> Result<Option<Record>, Damage> {
+        self.state = State::Ended;
+        let place = self.place();
+        let unfinished = Damage::new(DamageKind::Unfinished, place, "a footer at the end of the file", b"");
+        self.nothing_found(place);
+        let Some(expected) = cut_record else { return Err(unfinished) };
+        self.pending.push_front(unfinished);
+        Err(Damage::new(DamageKind::Truncated, place, expected, b"the end of the file"))
+    }
+
+    /// The regular end.
+    fn footer(&mut self, length: u64) -> Result<Option<Record>, Damage> {
+        let magic = mcap::MAGIC.len();
+        let end = RECORD_HEADER + usize::try_from(length.min(LONGEST)).unwrap_or_default();
+        if length != 20 || !self.has(end + magic)? || !self.source.window().get(end..).is_some_and(sniff) {
+            return self.unfinished(Some("a footer and the magic number of MCAP".to_owned()));
+        }
+        self.state = State::Ended;
+        let place = self.place();
+        self.nothing_found(place);
+        self.source.consume(end + magic);
+        if self.has(1)? {
+            let expected = "the end of the file behind the magic number";
+            self.pending.push_back(Damage::new(DamageKind::Malformed, self.place(), expected, b"more bytes"));
+        }
+        Ok(None)
+    }
+
+    /// A file without any CAN channel, or without the topics that the user wants, is told.
+    fn nothing_found(&mut self, place: Place) {
+        let topics = &self.topics;
+        let seen = || format!("topics {}", topics.seen.join(", "));
+        let missing = topics.wanted.iter().filter(|wanted| !topics.seen.contains(wanted));
+        let mut expected: Vec<String> = missing.map(|wanted| format!("the topic {wanted}")).collect();
+        if topics.wanted.is_empty() && !topics.found && !topics.seen.is_empty() {
+            expected.push("a topic with CAN frames".to_owned());
+        }
+        let damages = expected
+            .into_iter()
+            .map(|expected| Damage::new(DamageKind::Unsupported, place, expected, seen().as_bytes()));
+        self.pending.extend(damages);
+    }
+
+    fn open_chunk(&mut self, length: u64) -> Result<Option<Record>, Damage> {
+        let place = self.place();
+        let whole = length.saturating_add(RECORD_HEADER as u64);
+        let head = usize::try_from(whole).unwrap_or(usize::MAX).min(RECORD_HEADER + chunk::HEADER);
+        if !self.has(head)? {
+            return self.unfinished(Some(format!("a chunk of {length} bytes")));
+        }
+        let parsed = chunk::header(self.source.window().get(RECORD_HEADER..head).unwrap_or_default());
+        let malformed =
+            |expected: String, found: String| Damage::new(DamageKind::Malformed, place, expected, found.as_bytes());
+        let header = parsed.ok().map(|(_, header)| header);
+        let Some(header) = header.filter(|header| header.compressed <= length.saturating_sub(header.length as u64))
+        else {
+            self.pass_over(op::CHUNK, length)?;
+            return Err(malformed("a chunk whose header fits into it".into(), String::new()));
+        };
+        if header.uncompressed > chunk::LARGEST {
+            self.pass_over(op::CHUNK, length)?;
+            let expected = format!("a chunk of at most {} bytes, uncompressed", chunk::LARGEST);
+            return Err(malformed(expected, header.uncompressed.to_string()));
+        }
+        self.source.consume(RECORD_HEADER + header.length);
+        let left = length - header.length as u64;
+        self.chunk_at = 0;
+        self.chunk_place = place.offset;
+        match chunk::unpack(&mut self.source, &header, left, &mut self.chunk) {
+            Unpacked::Damaged { expected, found } => {
+                self.chunk.clear();
+                return Err(malformed(expected, found));
+            }
+            unpacked => self.chunk_cut = matches!(unpacked, Unpacked::Cut),
+        }
+        self.state = State::Chunk;
+        Ok(None)
+    }
+
+    /// The next record of the chunk.
+    #[inline]
+    fn chunk_record(&mut self) -> Result<Option<Record>, Damage> {
+        let rest = self.chunk.get(self.chunk_at..).unwrap_or_default();
+        let place = Place { number: self.messages + 1, offset: self.chunk_place };
+        if rest.is_empty() {
+            return self.end_of_chunk(None);
+        }
+        let Ok((behind, (code, length))) = record_header(rest) else {
+            return self.end_of_chunk(Some("a record header of 9 bytes".to_owned()));
+        };
+        let Some(bytes) = usize::try_from(length).ok().and_then(|length| behind.get(..length)) else {
+            return self.end_of_chunk(Some(format!("a record of {length} bytes in its chunk")));
+        };
+        self.chunk_at += RECORD_HEADER + bytes.len();
+        self.messages += u64::from(code == op::MESSAGE);
+        inner_record(&mut self.topics, code, bytes, place)
+    }
+
+    fn end_of_chunk(&mut self, missing: Option<String>) -> Result<Option<Record>, Damage> {
+        self.state = State::Records;
+        if std::mem::take(&mut self.chunk_cut) {
+            return self.unfinished(Some(missing.unwrap_or_else(|| "the rest of a chunk".to_owned())));
+        }
+        let place = Place { number: self.messages, offset: self.chunk_place };
+        match missing {
+            Some(expected) => Err(Damage::new(DamageKind::Malformed, place, expected, b"the end of the chunk")),
+            None => Ok(None),
+        }
+    }
+}
+
+/// A schema, channel or message, wherever it stands.
+#[inline]
+fn inner_record(topics: &mut Topics, code: u8, bytes: &[u8], place: Place) -> Result<Option<Record>, Damage> {
+    match code {
+        op::MESSAGE => message(topics, bytes, place),
+        op::SCHEMA => topics.schema(bytes).map(|()| None).map_err(|flaw| flaw.damage(place)),
+        op::CHANNEL => topics.channel(bytes).map(|()| None).map_err(|flaw| flaw.damage(place)),
+        _ => Ok(None),
+    }
+}
+
+#[inline]
+fn message(topics: &mut Topics, bytes: &[u8], place: Place) -> Result<Option<Record>, Damage> {
+    let Ok((data, (channel, logged))) = message_header(bytes) else {
+        let flaw =
+            Flaw::malformed(format!("a message header of {MESSAGE_HEADER} bytes"), format!("{} bytes", bytes.len()));
+        return Err(flaw.damage(place));
+    };
+    let decoder = match topics.slots.get(usize::from(channel)) {
+        Some(Slot::Can(decoder)) => decoder,
+        Some(Slot::Other) => return Ok(None),
+        Some(Slot::Undeclared) | None => {
+            let flaw = Flaw::malformed("a message of a channel declared before", format!("channel {channel}"));
+            return Err(flaw.damage(place));
+        }
+    };
+    let record = decoder.record(data, Timestamp(logged)).map_err(|flaw| flaw.damage(place))?;
+    Ok(record.map(|mut record| {
+        topics.found = true;
+        (record.channel, record.place) = (decoder.channel, place);
+        record
+    }))
+}
+
+impl Iterator for McapReader {
+    type Item = Result<Record, Damage>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        loop {
+            let next = match self.state {
+                State::Chunk => self.chunk_record(),
+                State::Records => self.record(),
+                State::Magic => self.magic().map(|()| None),
+                State::Ended => return self.pending.pop_front().map(Err),
+            };
+            match next {
+                Ok(None) => {}
+                Ok(Some(record)) => return Some(Ok(record)),
+                Err(damage) => return Some(Err(damage)),
+            }
+        }
+    }
+}
+
+impl Reader for McapReader {
+    fn channels(&self) -> &Channels {
+        &self.topics.channels
+    }
+
+    fn time_base(&self) -> TimeBase {
+        TimeBase::Utc
+    }
+}

@@ -1,0 +1,168 @@
+//! What is written is read back the same; what a format can't hold is counted.
+
+use crate::shown;
+use canvass_traces::{
+    CanId, ChannelId, Channels, ChunkCompression, Direction, ErrorClass, Flags, Format, Frame, Loss, Losses, Record,
+    Timestamp, WriteOptions, XlHeader,
+};
+use proptest::prelude::*;
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex};
+
+/// A sink whose bytes can be looked at while a writer has it.
+#[derive(Clone, Default)]
+struct Sink(Arc<Mutex<Vec<u8>>>);
+
+impl Write for Sink {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.lock().map_err(|_| io::ErrorKind::Other)?.extend_from_slice(bytes);
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn channels() -> Channels {
+    let mut channels = Channels::new();
+    for name in ["can0", "can1", "vcan17"] {
+        channels.intern(name);
+    }
+    channels
+}
+
+fn written(format: Format, options: &WriteOptions, records: &[Record]) -> (Vec<u8>, Losses) {
+    let sink = Sink::default();
+    let mut writer = format.create(Box::new(sink.clone()), options).unwrap();
+    for (n, record) in records.iter().enumerate() {
+        writer.write(record, &channels()).unwrap();
+        if n == 3 {
+            writer.flush().unwrap();
+        }
+    }
+    writer.finish().unwrap();
+    let losses = writer.losses().clone();
+    drop(writer);
+    let bytes = sink.0.lock().unwrap().clone();
+    (bytes, losses)
+}
+
+fn id() -> impl Strategy<Value = CanId> {
+    prop_oneof![
+        (0..=CanId::MAX_STANDARD).prop_filter_map("standard", CanId::standard),
+        (0..=CanId::MAX_EXTENDED).prop_filter_map("extended", CanId::extended),
+    ]
+}
+
+fn bytes(most: usize) -> impl Strategy<Value = Vec<u8>> {
+    prop::collection::vec(any::<u8>(), 0..=most)
+}
+
+fn classical() -> impl Strategy<Value = Frame> {
+    prop_oneof![
+        4 => (id(), bytes(8)).prop_filter_map("data", |(id, data)| Frame::new(id, &data)),
+        1 => (id(), 0u8..=8).prop_filter_map("remote", |(id, len)| Frame::remote(id, len)),
+        1 => (0..=CanId::MAX_EXTENDED, bytes(8)).prop_filter_map("error", |(class, data)| Frame::error(ErrorClass(class), &data)),
+    ]
+}
+
+fn record() -> impl Strategy<Value = Record> {
+    let at = || (0..4_000_000_000_000_000_000u64).prop_map(Timestamp);
+    let channel = || (0u16..3).prop_map(ChannelId);
+    let xl = (any::<u8>(), any::<bool>(), any::<bool>(), any::<u8>(), any::<u32>())
+        .prop_map(|(vcid, sec, rrs, sdt, af)| XlHeader { vcid, sec, rrs, sdt, af });
+    let classical = (at(), channel(), classical()).prop_map(|(at, channel, frame)| Record::new(at, channel, frame));
+    let fd = (at(), channel(), id(), 0u8..4, 0usize..16, bytes(64)).prop_filter_map(
+        "CAN FD",
+        |(at, channel, id, flags, code, mut data)| {
+            data.resize(usize::from(Frame::FD_LENGTHS[code]), 0x55);
+            Record::fd(at, channel, id, Flags::from_bits(flags), &data)
+        },
+    );
+    let xl = (at(), channel(), 0..=CanId::MAX_STANDARD, xl, prop::collection::vec(any::<u8>(), 1..=2048))
+        .prop_filter_map("CAN XL", |(at, channel, id, xl, data)| {
+            Record::xl(at, channel, CanId::standard(id)?, xl, &data)
+        });
+    let direction = prop::sample::select(&[Direction::Unknown, Direction::Rx, Direction::Tx]);
+    (prop_oneof![6 => classical, 3 => fd, 1 => xl], direction)
+        .prop_map(|(record, direction)| record.with_direction(direction))
+}
+
+/// The records as a format that holds nothing but these keeps them.
+fn expected(records: &[Record], keeps: impl Fn(&Record) -> Option<Record>) -> Vec<String> {
+    records.iter().filter_map(keeps).map(|record| shown::shown(&record, &channels())).collect()
+}
+
+proptest! {
+
+    #[test]
+    fn pcapng_holds_everything(records in prop::collection::vec(record(), 1..30)) {
+        let (bytes, losses) = written(Format::Pcapng, &WriteOptions::default(), &records);
+        prop_assert!(losses.is_empty());
+        prop_assert_eq!(shown::read(&bytes), (expected(&records, |record| Some(record.clone())), vec![]));
+    }
+
+    #[test]
+    fn pcap_holds_all_but_channels_and_directions(records in prop::collection::vec(record(), 1..30)) {
+        let (bytes, losses) = written(Format::Pcap, &WriteOptions::default(), &records);
+        let keeps = |record: &Record| {
+            let mut kept = record.clone().with_direction(Direction::Unknown);
+            kept.channel = ChannelId(0);
+            Some(kept)
+        };
+        prop_assert_eq!(shown::read(&bytes), (expected(&records, keeps), vec![]));
+        let others = records.iter().filter(|record| record.channel != ChannelId(0)).count() as u64;
+        let lost = losses.iter().find(|(loss, _)| *loss == Loss::ChannelName).map_or(0, |(_, n)| n);
+        prop_assert_eq!(lost, others);
+    }
+
+    #[test]
+    fn mcap_holds_all_but_can_xl_and_flags(
+        records in prop::collection::vec(record(), 1..30),
+        chunk_compression in prop::sample::select(&[ChunkCompression::Zstd, ChunkCompression::Lz4, ChunkCompression::None]),
+    ) {
+        let options = WriteOptions { chunk_compression, ..WriteOptions::default() };
+        let (bytes, losses) = written(Format::Mcap, &options, &records);
+        let keeps = |record: &Record| {
+            let (at, channel) = (record.timestamp, record.channel);
+            if record.frame.is_xl() {
+                None
+            } else if record.frame.is_fd() {
+                Record::fd(at, channel, record.frame.id(), Flags::NONE, record.data())
+            } else {
+                Some(record.clone().with_direction(Direction::Unknown))
+            }
+        };
+        prop_assert_eq!(shown::read(&bytes), (expected(&records, keeps), vec![]));
+        let lost = losses.iter().find(|(loss, _)| *loss == Loss::Frame).map_or(0, |(_, n)| n);
+        prop_assert_eq!(lost, records.iter().filter(|record| record.frame.is_xl()).count() as u64);
+    }
+}
+
+#[test]
+fn data_length_codes_above_eight() {
+    let frame = Frame::full(CanId::standard_masked(1), [7; 8]).with_raw_dlc(0xB);
+    let record = Record::new(Timestamp(5), ChannelId(0), frame);
+    for format in [Format::Pcap, Format::Pcapng] {
+        let (bytes, losses) = written(format, &WriteOptions::default(), std::slice::from_ref(&record));
+        assert!(losses.is_empty());
+        assert_eq!(shown::read(&bytes).0, ["0.000000005 can0 001#0707070707070707_B"]);
+    }
+    let (bytes, losses) = written(Format::Mcap, &WriteOptions::default(), &[record]);
+    assert_eq!(losses.iter().collect::<Vec<_>>(), [(Loss::RawDlc, 1)]);
+    assert_eq!(shown::read(&bytes).0, ["0.000000005 can0 001#0707070707070707"]);
+}
+
+#[test]
+fn the_crate_mcap_reads_what_is_written() {
+    let frame = Frame::new(CanId::standard_masked(0x63F), &[0x40, 0, 0x60, 0]).unwrap();
+    let record = Record::new(Timestamp(1_700_000_000_000_000_001), ChannelId(1), frame);
+    let (bytes, _) = written(Format::Mcap, &WriteOptions::default(), &[record]);
+    let messages: Vec<_> = mcap::MessageStream::new(&bytes).unwrap().collect::<Result<_, _>>().unwrap();
+    assert_eq!(messages.len(), 1);
+    assert_eq!(messages[0].channel.topic, "/can1");
+    assert_eq!(messages[0].channel.schema.as_ref().unwrap().name, "can_msgs/msg/Frame");
+    assert_eq!(messages[0].data.len(), 36);
+    assert_eq!(messages[0].log_time, 1_700_000_000_000_000_001);
+}
