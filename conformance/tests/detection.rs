@@ -1,8 +1,11 @@
 //! The catalogue is tested itself: every case passes on a device without fault, and fails on every fault that it names.
 
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
 use canvass_conformance::bench::{Bench, Options, Target};
 use canvass_conformance::bus::SimulatedBus;
-use canvass_conformance::case::Case;
+use canvass_conformance::case::{Case, Touch};
 use canvass_conformance::device::Device;
 use canvass_conformance::models::Model;
 use canvass_conformance::runner::{CaseReport, run_case};
@@ -24,7 +27,8 @@ fn judge(case: &'static Case, faults: Faults) -> CaseReport {
         description: Some(model.description().clone()),
         deviations: Vec::new(),
     };
-    let (options, cancel) = (Options::default(), AtomicBool::new(false));
+    let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
+    let cancel = AtomicBool::new(false);
     let mut annotate = |_: &canvass_traces::Record| String::new();
     run_case(&mut Bench::new(&mut bus, &target, &options, &mut annotate, &cancel), case)
 }
@@ -54,7 +58,13 @@ fn a_good_device_passes() {
     let reports: Vec<CaseReport> = catalogue::cases().into_iter().map(|case| judge(case, Faults::NONE)).collect();
     let wrong: Vec<String> = reports
         .iter()
-        .filter(|report| report.verdict.kind() != Kind::Pass || !report.notes.is_empty())
+        .filter(|report| {
+            report.verdict.kind() != Kind::Pass
+                || report
+                    .notes
+                    .iter()
+                    .any(|note| note.contains("EMCY") || note.contains("restored") || note.contains("set back"))
+        })
         .map(describe)
         .collect();
     assert!(wrong.is_empty(), "{} of {}:\n{}", wrong.len(), reports.len(), wrong.join("\n"));
