@@ -304,7 +304,7 @@ fn a_multiplexed_pdo_names_its_object() {
     trace.say("605#2F 00 1A 00 FE 00 00 00");
     trace.say("585#60 00 1A 00 00 00 00 00");
     let said = trace.say("185#05 04 60 00 BA 4C 00 00");
-    assert_eq!(said.text, "TPDO 1, multiplexed, from node 5: 6004h:00 Position value = 00004CBAh");
+    assert_eq!(said.text, "TPDO 1, multiplexed, from node 5: 6004h:00 Position value = 19642 steps");
     assert_eq!(said.service(), "pdo");
     assert!(trace.say("185#05 04").text.starts_with("malformed pdo"));
 

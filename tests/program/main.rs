@@ -1,4 +1,8 @@
 //! The program, end to end.
 
+#[cfg(test)]
+mod conformance;
+#[cfg(test)]
 mod decode;
+#[cfg(test)]
 mod running;
