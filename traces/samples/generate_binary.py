@@ -300,7 +300,7 @@ def make_ros1(name):
 
 
 def make_json(name):
-    writer = mcap_writer(name)
+    writer = mcap_writer(name, use_chunking=False)
     properties = {"timestamp": {"type": "object"}, "id": {"type": "integer"}, "is_extended": {"type": "boolean"},
                   "is_rtr": {"type": "boolean"}, "is_error": {"type": "boolean"}, "is_fd": {"type": "boolean"},
                   "brs": {"type": "boolean"}, "esi": {"type": "boolean"}, "len": {"type": "integer"},
@@ -341,7 +341,7 @@ def make_protobuf(name):
     for each in files.file:
         pool.Add(each)
     Event = message_factory.GetMessageClass(pool.FindMessageTypeByName("fleet.bus.Event"))
-    writer = mcap_writer(name)
+    writer = mcap_writer(name, use_chunking=False)
     schema = writer.register_schema("fleet.bus.Event", "protobuf", files.SerializeToString())
     channels = [writer.register_channel(f"can{bus}", "protobuf", schema) for bus in (0, 1)]
     for f in TRAFFIC:

@@ -59,11 +59,13 @@ impl Source {
     }
 
     /// The bytes at hand: not consumed yet, maybe followed by more.
+    #[inline]
     pub fn window(&self) -> &[u8] {
         &self.buffer[self.start..self.end]
     }
 
     /// The offset of the window's first byte in the source.
+    #[inline]
     pub fn offset(&self) -> u64 {
         self.offset
     }
@@ -74,6 +76,7 @@ impl Source {
     }
 
     /// Moves the window past its first `n` bytes (at most all of them).
+    #[inline]
     pub fn consume(&mut self, n: usize) {
         let n = n.min(self.end - self.start);
         self.start += n;
@@ -114,6 +117,7 @@ impl Source {
     ///
     /// # Errors
     /// As [`Source::fill`].
+    #[inline]
     pub fn fill_to(&mut self, n: usize) -> Result<bool, SourceError> {
         while self.end - self.start < n {
             if !self.fill()? {

@@ -2,7 +2,7 @@
 
 use super::container::{self, Unpacked};
 use super::object::{self, BASE_HEADER, BaseHeader, Content, LOG_CONTAINER, SIGNATURE};
-use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
+use crate::{ChannelId, Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
 use memchr::memmem;
 use nom::bytes::complete::{tag, take};
 use nom::multi::count;
@@ -30,6 +30,7 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
         skip: 0,
         container_offset: 0,
         channels: Channels::new(),
+        latest_channel: None,
         number: 0,
         last: None,
         done: false,
@@ -47,6 +48,8 @@ struct BlfReader {
     skip: u64,
     container_offset: u64,
     channels: Channels,
+    /// The number of the last frame's channel, and what it is here.
+    latest_channel: Option<(u16, ChannelId)>,
     number: u64,
     /// The last damage, after the end of the file.
     last: Option<Damage>,
@@ -92,6 +95,9 @@ enum Next {
 }
 
 fn next_object(bytes: &[u8]) -> Next {
+    if bytes.starts_with(SIGNATURE) {
+        return if bytes.len() < BASE_HEADER { Next::More } else { Next::At(0) };
+    }
     match memmem::find(&bytes[..bytes.len().min(FILLING + SIGNATURE.len() - 1)], SIGNATURE) {
         Some(at) if bytes.len() >= at + BASE_HEADER => Next::At(at),
         Some(_) => Next::More,
@@ -173,7 +179,11 @@ impl BlfReader {
             Content::Frame { mut record, channel } => {
                 let start = self.file.and_then(|file| file.start).unwrap_or_default();
                 record.timestamp = Timestamp(start.saturating_add(record.timestamp.nanos()));
-                record.channel = self.channels.intern(&channel.to_string());
+                record.channel = match self.latest_channel {
+                    Some((number, id)) if number == channel => id,
+                    _ => self.channels.intern(&channel.to_string()),
+                };
+                self.latest_channel = Some((channel, record.channel));
                 record.place = place;
                 Ok(Some(record))
             }
@@ -298,11 +308,13 @@ fn no_object(place: Place, found: &[u8]) -> Damage {
 /// A header that no object has: behind its signature the next one is looked for.
 fn unlikely(header: BaseHeader, place: Place) -> Option<Damage> {
     let least = if object::is_read(header.kind) { 2 * BASE_HEADER } else { BASE_HEADER };
-    let found = format!("header {} of version {}, object {}", header.header_size, header.version, header.size);
     let fits = usize::from(header.header_size) >= least && header.size >= header.header_size.into();
     let small = !object::is_read(header.kind) || header.size as usize <= object::LARGEST;
-    let expected = "an object header with its sizes";
-    (!fits || !small).then(|| Damage::new(DamageKind::Malformed, place, expected, found.as_bytes()))
+    if fits && small {
+        return None;
+    }
+    let found = format!("header {} of version {}, object {}", header.header_size, header.version, header.size);
+    Some(Damage::new(DamageKind::Malformed, place, "an object header with its sizes", found.as_bytes()))
 }
 
 impl Iterator for BlfReader {

@@ -21,6 +21,7 @@ mod reader;
 mod ros1;
 mod ros_definition;
 mod topic;
+mod topics;
 mod writer;
 
 pub(crate) use reader::{open, sniff};

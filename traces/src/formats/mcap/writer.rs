@@ -104,7 +104,8 @@ impl McapWriter {
         message.extend_from_slice(&nanoseconds.to_le_bytes());
         message.extend_from_slice(b"\x04\0\0\0can\0");
         message.extend_from_slice(&frame.id().raw().to_le_bytes());
-        let (extended, error) = (u8::from(frame.id().is_extended()), u8::from(frame.is_error()));
+        let extended = u8::from(frame.id().is_extended() && !frame.is_error());
+        let error = u8::from(frame.is_error());
         // A frame has at most 64 bytes here.
         let length = frame.len() as u8;
         if frame.is_fd() {

@@ -51,6 +51,7 @@ pub(crate) fn byte_order(magic: [u8; 4]) -> Option<Endianness> {
 }
 
 /// Bytes filled up to a multiple of four; the filling of the last ones may be absent.
+#[inline]
 fn padded(len: usize, i: &[u8]) -> IResult<&[u8], &[u8]> {
     let (rest, data) = take(len).parse(i)?;
     let filling = (4 - len % 4) % 4;
@@ -58,6 +59,7 @@ fn padded(len: usize, i: &[u8]) -> IResult<&[u8], &[u8]> {
 }
 
 /// The body of an enhanced packet block.
+#[inline]
 pub(crate) fn enhanced_packet(order: Endianness, i: &[u8]) -> IResult<&[u8], Packet<'_>> {
     let (i, (interface, high, low, captured, original)) =
         (u32(order), u32(order), u32(order), u32(order), u32(order)).parse(i)?;

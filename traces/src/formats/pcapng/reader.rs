@@ -5,7 +5,7 @@ use super::block::{
     ISB_OSDROP, PACKET, Packet, SECTION_HEADER, SIMPLE_PACKET,
 };
 use super::interface::{self, Interface};
-use crate::formats::socketcan::{self, LINK_TYPES};
+use crate::formats::socketcan::{self, LINK_TYPES, LinkType};
 use crate::{Channels, Damage, DamageKind, Direction, Place, ReadOptions, Reader, Record, Source, SourceError};
 use crate::{TimeBase, Timestamp};
 use nom::number::Endianness;
@@ -275,6 +275,7 @@ struct Frames<'a> {
 
 impl Frames<'_> {
     /// The packet's frame, and the damage that goes before it.
+    #[inline]
     fn read(
         &mut self,
         order: Endianness,
@@ -325,14 +326,7 @@ impl Frames<'_> {
             let expected = format!("a packet of {} bytes", packet.original);
             return Err(damage(DamageKind::Truncated, expected.into(), &format!("cut to {}", packet.data.len())));
         }
-        let seen = socketcan::decode(link, order, packet.data).map_err(|flaw| flaw.damage(place))?;
-        let mut record = seen.record;
-        record.channel = match seen.interface {
-            Some(index) => self.channels.intern(&format!("if{index}")),
-            None => interface.channel,
-        };
-        record.place = place;
-        record.timestamp = match packet.time {
+        let timestamp = match packet.time {
             Some(time) => *self.latest.insert(interface.clock.timestamp(time)),
             // Among packets with times one without is not earlier than those before it.
             None => {
@@ -340,6 +334,18 @@ impl Frames<'_> {
                 self.latest.unwrap_or_default()
             }
         };
+        let common = if link == LinkType::SocketCan { socketcan::full_frame(packet.data) } else { None };
+        if let Some(frame) = common {
+            let record = Record::new(timestamp, interface.channel, frame);
+            return Ok(record.at(place.number, place.offset));
+        }
+        let seen = socketcan::decode(link, order, packet.data).map_err(|flaw| flaw.damage(place))?;
+        let mut record = seen.record;
+        record.channel = match seen.interface {
+            Some(index) => self.channels.intern(&format!("if{index}")),
+            None => interface.channel,
+        };
+        (record.timestamp, record.place) = (timestamp, place);
         Ok(record)
     }
 }

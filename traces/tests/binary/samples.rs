@@ -1,10 +1,7 @@
 //! Captures that other programs wrote, compared with what other programs read in them.
 
-#[cfg(test)]
-mod shown;
-
+use crate::shown::{self, read, reads_as_others_do};
 use canvass_traces::{DamageKind, TimeBase};
-use shown::{read, reads_as_others_do};
 
 #[test]
 fn pcap() {

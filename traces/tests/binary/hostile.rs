@@ -1,11 +1,8 @@
 //! Captures that are cut, changed or made to hurt: no panic, no hang, bounded memory, no frame that was not there.
 
-#[cfg(test)]
-mod shown;
-
+use crate::shown::{self, SAMPLES, read};
 use canvass_traces::{Capture, DamageKind, ReadOptions, Source};
 use proptest::prelude::*;
-use shown::{SAMPLES, read};
 use std::io::{self, Read};
 
 #[test]
@@ -186,7 +183,6 @@ fn compression_bombs_are_streamed() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 2000, ..ProptestConfig::default() })]
 
     /// Changed bytes change or lose frames near them, but make no more of them, and are never a panic or a hang.
     #[test]

@@ -1,8 +1,6 @@
 //! What is written is read back the same; what a format can't hold is counted.
 
-#[cfg(test)]
-mod shown;
-
+use crate::shown;
 use canvass_traces::{
     CanId, ChannelId, Channels, ChunkCompression, Direction, ErrorClass, Flags, Format, Frame, Loss, Losses, Record,
     Timestamp, WriteOptions, XlHeader,
@@ -34,7 +32,6 @@ fn channels() -> Channels {
     channels
 }
 
-#[cfg(test)]
 fn written(format: Format, options: &WriteOptions, records: &[Record]) -> (Vec<u8>, Losses) {
     let sink = Sink::default();
     let mut writer = format.create(Box::new(sink.clone()), options).unwrap();
@@ -98,7 +95,6 @@ fn expected(records: &[Record], keeps: impl Fn(&Record) -> Option<Record>) -> Ve
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 200, ..ProptestConfig::default() })]
 
     #[test]
     fn pcapng_holds_everything(records in prop::collection::vec(record(), 1..30)) {

@@ -1,0 +1,12 @@
+//! The binary formats: samples that others wrote, damaged and hostile captures, and what canvass writes itself.
+
+#[cfg(test)]
+mod details;
+#[cfg(test)]
+mod hostile;
+#[cfg(test)]
+mod samples;
+#[cfg(test)]
+mod shown;
+#[cfg(test)]
+mod written;
