@@ -1,10 +1,18 @@
 //! The text formats, read and written through the public interface.
 
+#[cfg(test)]
 mod asc;
+#[cfg(test)]
 mod candump_console;
+#[cfg(test)]
 mod candump_log;
+#[cfg(test)]
 mod csv;
+#[cfg(test)]
 mod frames;
+#[cfg(test)]
 mod notation;
+#[cfg(test)]
 mod samples;
+#[cfg(test)]
 mod trc;
