@@ -62,8 +62,7 @@ const DAY: u64 = 1_738_022_400_000_000_000;
 
 fn minimon(rows: &str) -> (Vec<(u64, String)>, TimeBase) {
     let (items, _, base) = read(MINIMON, format!("{MINIMON_HEADER}{rows}").as_bytes());
-    let seen =
-        items.into_iter().map(Result::unwrap).map(|r| (r.timestamp.nanos() - DAY, r.notation().to_string()));
+    let seen = items.into_iter().map(Result::unwrap).map(|r| (r.timestamp.nanos() - DAY, r.notation().to_string()));
     (seen.collect(), base)
 }
 

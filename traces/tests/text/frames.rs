@@ -50,7 +50,8 @@ impl Write for Shared {
 /// What a writer makes of records, and what it could not hold.
 pub fn written(format: Format, records: &[Record], channels: &Channels, time_base: TimeBase) -> (Vec<u8>, Losses) {
     let sink = Shared::default();
-    let mut writer = format.create(Box::new(sink.clone()), &WriteOptions { time_base }).unwrap();
+    let mut writer =
+        format.create(Box::new(sink.clone()), &WriteOptions { time_base, ..WriteOptions::default() }).unwrap();
     for record in records {
         writer.write(record, channels).unwrap();
     }
