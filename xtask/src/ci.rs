@@ -1,5 +1,6 @@
 //! What CI runs.
 
+use crate::fuzz::fuzz;
 use crate::run::{is_there, run};
 use anyhow::Result;
 use std::process::Command;
@@ -13,6 +14,7 @@ pub fn ci() -> Result<()> {
     // Documentation is checked before the tests, so that their count is the last thing printed.
     documentation()?;
     run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
+    fuzz()?;
     if is_there("cargo", &["nextest", "--version"]) {
         run("cargo", &["nextest", "run", "--workspace", "--locked", "--no-fail-fast"])
     } else {

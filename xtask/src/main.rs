@@ -3,6 +3,7 @@
 
 mod bench;
 mod ci;
+mod fuzz;
 mod packages;
 mod run;
 
@@ -14,6 +15,7 @@ fn main() -> Result<()> {
     match std::env::args().nth(1).as_deref() {
         Some("ci") => ci::ci(),
         Some("bench") => bench::bench(),
-        _ => bail!("usage: cargo xtask ci | bench"),
+        Some("fuzz") => fuzz::fuzz(),
+        _ => bail!("usage: cargo xtask ci | bench | fuzz"),
     }
 }
