@@ -46,8 +46,8 @@ fn position(of: impl Fn(u16, u8) -> Option<u32>, raw: bool) -> Option<Unit> {
         // Rotary: 01h to 05h of CiA 406; 0Bh of newer devices.
         0x01..=0x05 | 0x0B => {
             let physical = || of(0x6501, 0);
-            // Bit 2 switches the scaling function; 6500h shows what is in effect.
-            let scaled = of(0x6500, 0).or_else(|| of(0x6000, 0)).map(|operating| operating & 4 != 0);
+            // Bit 2 switches the scaling function.
+            let scaled = of(0x6000, 0).or_else(|| of(0x6500, 0)).map(|operating| operating & 4 != 0);
             let steps = match scaled {
                 _ if raw => physical(),
                 Some(false) => physical(),

@@ -91,15 +91,17 @@ impl<'a> SignalValue<'a> {
         self.object.is_named().then_some(Name(self.object))
     }
 
-    /// The value in the unit that the description or the standard gives it; the raw one where they give none.
+    /// The value in the unit that the description or the standard gives it, else in that which the device's
+    /// configuration decides; the raw one where there is none.
     pub fn value(&self) -> Option<(Number, Option<Cow<'_, Unit>>)> {
-        let unit = self.object.unit();
+        let unit = self.object.unit().or_else(|| self.scale.as_deref().map(Cow::Borrowed));
         Some((physical(self.raw?, unit.as_deref()), unit))
     }
 
-    /// The value in the unit that the device's configuration decides, such as degrees, where that is known.
+    /// Beside that, the value in the unit that the device's configuration decides, such as degrees, where it is known.
     pub fn scaled(&self) -> Option<(Number, &Unit)> {
         let scale = self.scale.as_deref()?;
+        self.object.unit()?;
         Some((physical(self.raw?, Some(scale)), scale))
     }
 }

@@ -1,11 +1,10 @@
 //! JSON Lines: one object per event, as `docs/json.md` describes it.
 
-use super::{Events, Scene, UseName, outcome_name};
+use super::{Events, Scene, StateName, UseName, outcome_name};
 use crate::decode::{push_schema, push_violation, source_name};
 use crate::push::{push_decimal, push_hex, push_json_string, push_text};
 use canvass_analyzer::network::sdo::{Outcome, Transfer};
 use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange, Move};
-use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::{NodeId, PdoNumber, TransferText};
 
 /// The JSON rendering of `decode --events`.
@@ -129,25 +128,17 @@ fn push_optional(out: &mut Vec<u8>, key: &str, number: Option<u64>) {
 fn push_change(change: Change, out: &mut Vec<u8>) {
     out.extend_from_slice(b",\"from\":");
     match change.from {
-        Some(from) => push_state(from, out),
+        Some(from) => push_json_string(out, StateName(from)),
         None => out.extend_from_slice(b"null"),
     }
     out.extend_from_slice(b",\"to\":");
-    push_state(change.to, out);
+    push_json_string(out, StateName(change.to));
     let cause = match change.cause {
         Cause::Command => "command",
         Cause::BootUp => "boot-up",
         Cause::ErrorControl => "error-control",
     };
     push_text(out, format_args!(",\"cause\":\"{cause}\""));
-}
-
-/// After a reset command a node is initialising until its boot-up.
-fn push_state(state: State, out: &mut Vec<u8>) {
-    match state {
-        State::BOOT_UP => push_json_string(out, "initialisation"),
-        other => push_json_string(out, other),
-    }
 }
 
 fn push_emergency(scene: &Scene<'_>, emergency: Emergency, out: &mut Vec<u8>) {

@@ -8,6 +8,7 @@ pub use text::TextEvents;
 
 use canvass_analyzer::network::sdo::{Outcome, Transfer};
 use canvass_analyzer::network::{Bus, Event, Use};
+use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::{Meaning, NodeId, network::Decoded};
 use canvass_traces::{Record, Timestamp};
 use std::fmt;
@@ -82,6 +83,18 @@ const fn outcome_name(outcome: Outcome, left: bool) -> &'static str {
         Outcome::Superseded => "superseded",
         Outcome::Open if left => "reset",
         Outcome::Open => "open",
+    }
+}
+
+/// An NMT state; after a reset command a node is initialising until its boot-up.
+struct StateName(State);
+
+impl fmt::Display for StateName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            State::BOOT_UP => f.write_str("initialisation"),
+            other => write!(f, "{other}"),
+        }
     }
 }
 

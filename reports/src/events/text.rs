@@ -1,6 +1,6 @@
 //! One aligned line per event: time, channel, node, kind, what happened.
 
-use super::{Events, Scene, UseName, outcome_name};
+use super::{Events, Scene, StateName, UseName, outcome_name};
 use crate::decode::{TimeStyle, push_node};
 use crate::push::{pad, push_text, push_visible};
 use crate::time::Clock;
@@ -129,10 +129,10 @@ fn push_transfer(text: &TransferText<'_>, transfer: &Transfer, left: bool, out: 
     }
     push_text(out, format_args!(": {}", transfer.mode));
     if transfer.length() > 0 {
-        push_text(out, format_args!(", {} bytes", transfer.length()));
+        push_text(out, format_args!(", {} byte{}", transfer.length(), plural(transfer.length())));
     }
     if transfer.segments > 0 {
-        push_text(out, format_args!(" in {} segments", transfer.segments));
+        push_text(out, format_args!(" in {} segment{}", transfer.segments, plural(transfer.segments.into())));
     }
     push_text(out, format_args!(", {}", transfer.duration()));
     match transfer.outcome {
@@ -147,9 +147,13 @@ fn push_transfer(text: &TransferText<'_>, transfer: &Transfer, left: bool, out: 
     }
 }
 
+const fn plural(n: u64) -> &'static str {
+    if n == 1 { "" } else { "s" }
+}
+
 fn push_change(change: Change, out: &mut Vec<u8>) {
-    let to = change.to;
-    match (change.cause, change.from) {
+    let (to, from) = (StateName(change.to), change.from.map(StateName));
+    match (change.cause, from) {
         (Cause::BootUp, Some(from)) => return push_text(out, format_args!("boot-up, was {from}")),
         (Cause::BootUp, None) => return push_text(out, "boot-up"),
         (_, Some(from)) => push_text(out, format_args!("{from} -> {to}")),

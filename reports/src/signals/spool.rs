@@ -69,10 +69,15 @@ impl<F: Read + Write + Seek> Spool<F> {
 
     /// The next row, in the order in which they were kept; the first call ends the writing.
     pub(super) fn next(&mut self) -> io::Result<Option<Kept>> {
-        self.flush()?;
-        if let State::Writing(mut file) = std::mem::replace(&mut self.state, State::Done) {
-            file.seek(SeekFrom::Start(0))?;
-            self.state = State::Reading(BufReader::with_capacity(PART, file));
+        if matches!(self.state, State::Writing(_)) {
+            self.flush()?;
+            self.state = match std::mem::replace(&mut self.state, State::Done) {
+                State::Writing(mut file) => {
+                    file.seek(SeekFrom::Start(0))?;
+                    State::Reading(BufReader::with_capacity(PART, file))
+                }
+                other => other,
+            };
         }
         let State::Reading(file) = &mut self.state else { return Ok(None) };
         let mut head = [0; 18];
