@@ -63,6 +63,13 @@ fn allocations(mut lines: impl Lines) -> u64 {
     allocation_counter::measure(|| frames(COUNTED * cycle)).count_total
 }
 
+/// The counter counts.
+#[test]
+fn an_allocation_is_seen() {
+    let counted = allocation_counter::measure(|| drop(std::hint::black_box(vec![1_u8])));
+    assert_eq!(counted.count_total, 1);
+}
+
 #[test]
 fn text_lines_allocate_nothing() {
     assert_eq!(allocations(TextLines::new(TimeStyle::Absolute, true)), 0);

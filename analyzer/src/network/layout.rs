@@ -3,8 +3,8 @@
 use super::node::Node;
 use super::scaling;
 use crate::dictionary::{DataType, Unit};
-use crate::{Multiplexer, NodeId};
 use crate::wire::pdo::{MappingEntry, extract};
+use crate::{Multiplexer, NodeId};
 
 /// The signals of a PDO, in the order of its mapping.
 #[derive(Clone, Debug)]

@@ -1,8 +1,8 @@
 //! What is known of one node.
 
 use crate::dictionary::DeviceDescription;
-use crate::message::PdoNumber;
 use crate::dictionary::Unit;
+use crate::message::PdoNumber;
 use crate::network::layout::Layout;
 use crate::network::scaling;
 use crate::wire::error_control::State;
@@ -10,8 +10,8 @@ use crate::wire::mpdo::Addressing;
 use crate::wire::nmt::Command;
 use crate::wire::pdo::MappingEntry;
 use crate::{Multiplexer, NodeId};
-use std::collections::BTreeMap;
 use canvass_traces::Timestamp;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A node of a bus, as far as the trace and its description tell.

@@ -51,9 +51,7 @@ impl Meaning<'_> {
         let layout = node.zip(number).and_then(|(node, number)| node.known_layout(number));
         let signals = layout.into_iter().flat_map(|layout| &layout.signals).filter(|signal| !signal.is_dummy());
         let payload = self.record.frame.data();
-        let mapped = signals.map(move |signal| {
-            SignalValue::new(Object::new(id, node, signal.object), signal, payload)
-        });
+        let mapped = signals.map(move |signal| SignalValue::new(Object::new(id, node, signal.object), signal, payload));
         mapped.chain(multiplexed)
     }
 
