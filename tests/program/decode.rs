@@ -110,6 +110,7 @@ fn json_lines_hold_what_the_contract_names() {
         "data": "4000600000000000",
         "node": 63,
         "service": "sdo",
+        "source": "predefined",
         "index": 0x6000,
         "sub": 0,
         "text": "read 6000h:00",

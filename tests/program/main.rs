@@ -3,6 +3,12 @@
 #[cfg(test)]
 mod conformance;
 #[cfg(test)]
+mod contract;
+#[cfg(test)]
 mod decode;
+#[cfg(test)]
+mod events;
+#[cfg(test)]
+mod rows;
 #[cfg(test)]
 mod running;
