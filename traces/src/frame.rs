@@ -114,6 +114,13 @@ impl Frame {
         Self { id, kind: FrameKind::Data, flags: 0, len: 8, data: [a, b, c, d, e, f, g, h, 0, 0, 0, 0, 0, 0, 0, 0] }
     }
 
+    /// A classical data frame of up to 8 bytes; those of `data` beyond its length, which is cut to 8, must be zero.
+    #[inline]
+    pub(crate) const fn short(id: CanId, data: [u8; 8], len: usize) -> Self {
+        let frame = Self::full(id, data);
+        Self { len: if len < 8 { len as u16 } else { 8 }, ..frame }
+    }
+
     /// A remote frame that asks for `len` bytes; `None` above 8.
     pub const fn remote(id: CanId, len: u8) -> Option<Self> {
         if len > 8 { None } else { Some(Self::raw(id, FrameKind::Remote, 0, len as u16)) }

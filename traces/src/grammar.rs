@@ -3,6 +3,7 @@
 //! They are nom parsers written by hand, because these few loops see every byte of a capture. The structure of the
 //! lines is put together from them with nom's combinators where each format is described.
 
+use crate::digits::{four_decimal, hex_prefix};
 use nom::IResult;
 use nom::error::{ErrorKind, ParseError};
 
@@ -107,7 +108,7 @@ fn digits(input: &[u8]) -> (usize, u64) {
     let mut rest = input;
     // A digit after the other is a chain of multiplications; four at once make it short.
     while let Some((four, tail)) = rest.split_first_chunk::<4>()
-        && let Some(next) = four_digits(*four)
+        && let Some(next) = four_decimal(*four)
     {
         (value, rest) = (value.wrapping_mul(10_000).wrapping_add(u64::from(next)), tail);
     }
@@ -115,18 +116,6 @@ fn digits(input: &[u8]) -> (usize, u64) {
         (value, rest) = (value.wrapping_mul(10).wrapping_add(u64::from(digit - b'0')), tail);
     }
     (input.len() - rest.len(), value)
-}
-
-/// The number of four decimal digits, whose values are the bytes of one word.
-#[inline]
-const fn four_digits(text: [u8; 4]) -> Option<u32> {
-    let word = u32::from_le_bytes(text);
-    let values = word.wrapping_sub(0x3030_3030);
-    if (values | word.wrapping_add(0x4646_4646)) & 0x8080_8080 != 0 {
-        return None;
-    }
-    let pairs = values.wrapping_mul(10).wrapping_add(values >> 8);
-    Some((pairs & 0xFF) * 100 + (pairs >> 16 & 0xFF))
 }
 
 /// So many decimal digits always fit into 64 bits.
@@ -244,14 +233,10 @@ pub(crate) fn hex_byte(input: &[u8]) -> Parsed<'_, u8> {
 #[inline]
 pub(crate) fn eight_bytes(input: &[u8]) -> Option<([u8; 8], &[u8])> {
     let (digits, rest) = input.split_first_chunk::<16>()?;
-    let mut bytes = [0; 8];
-    let mut all = 0;
-    for (byte, pair) in bytes.iter_mut().zip(digits.chunks_exact(2)) {
-        let [high, low] = [NIBBLES[usize::from(pair[0])], NIBBLES[usize::from(pair[1])]];
-        all |= high | low;
-        *byte = high << 4 | low & 15;
+    match hex_prefix(*digits) {
+        (16, bytes) => Some((bytes, rest)),
+        _ => None,
     }
-    (all < 16).then_some((bytes, rest))
 }
 
 #[cfg(test)]
@@ -273,21 +258,6 @@ mod tests {
         assert_eq!(decimal("n")(b"9999999999999999999"), Ok((&b""[..], 9_999_999_999_999_999_999)));
         assert!(decimal("n")(b"10000000000000000000").is_err());
         assert_eq!(hex_run(b"123456789"), (&b"9"[..], 8, 0x1234_5678));
-    }
-
-    #[test]
-    fn four_digits_at_once() {
-        for n in 0..10_000_u32 {
-            let text = format!("{n:04}");
-            assert_eq!(four_digits(text.as_bytes().try_into().unwrap()), Some(n));
-        }
-        for other in 0..=u8::MAX {
-            for place in 0..4 {
-                let mut text = *b"0990";
-                text[place] = other;
-                assert_eq!(four_digits(text).is_some(), other.is_ascii_digit(), "{text:?}");
-            }
-        }
     }
 
     #[test]

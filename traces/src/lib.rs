@@ -12,6 +12,7 @@ mod channel;
 mod channel_numbers;
 mod compression;
 mod damage;
+mod digits;
 mod formats;
 mod frame;
 mod grammar;

@@ -58,6 +58,16 @@ impl Lines {
         self.source.window()
     }
 
+    /// The next line, if `usual` knows it by what is at hand: `usual` gives what it holds and its length with its end.
+    #[inline]
+    pub(crate) fn next_usual<T>(&mut self, usual: impl FnOnce(&[u8], Place) -> Option<(T, usize)>) -> Option<T> {
+        self.source.consume(std::mem::take(&mut self.given));
+        let place = Place { number: self.number + 1, offset: self.source.offset() };
+        let (content, len) = usual(self.source.window(), place)?;
+        (self.number, self.given) = (place.number, len);
+        Some(content)
+    }
+
     /// The next line; `None` at the end.
     pub(crate) fn next(&mut self) -> Option<Result<Line<'_>, Damage>> {
         self.source.consume(std::mem::take(&mut self.given));
@@ -82,7 +92,7 @@ impl Lines {
             Ok(End::TooLong) => Some(Err(self.skip(place))),
             Err(error) => {
                 self.done = true;
-                Some(Err(fatal(place, &error)))
+                Some(Err(Damage::source(&error, place)))
             }
         }
     }
@@ -127,15 +137,11 @@ impl Lines {
                 Ok(false) => return damage,
                 Err(error) => {
                     self.done = true;
-                    return fatal(place, &error);
+                    return Damage::source(&error, place);
                 }
             }
         }
     }
-}
-
-fn fatal(place: Place, error: &SourceError) -> Damage {
-    Damage::new(DamageKind::Fatal, place, format!("more of the file, but {error}"), b"")
 }
 
 impl<'a> Line<'a> {
@@ -191,6 +197,14 @@ pub(crate) trait LineFormat {
     /// Looks at what is at hand before the first line is read, perhaps only a part of it.
     fn begin(&mut self, _head: &[u8]) {}
 
+    /// What the line that begins here holds, and its length with its end, if it is one of those that nearly all lines
+    /// are like: so it need not be searched for its end, nor taken apart word by word. Never anything else than
+    /// [`LineFormat::line`] says of it, which is asked where this gives `None`.
+    #[inline]
+    fn usual_line(&mut self, _window: &[u8], _place: Place) -> Option<(Record, usize)> {
+        None
+    }
+
     /// What a line holds; `None` for lines without a frame.
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>>;
 
@@ -219,6 +233,10 @@ impl<F: LineFormat> Iterator for TextReader<F> {
         if !self.begun {
             self.begun = true;
             self.format.begin(self.lines.head());
+        }
+        let format = &mut self.format;
+        if let Some(record) = self.lines.next_usual(|window, place| format.usual_line(window, place)) {
+            return Some(Ok(record));
         }
         loop {
             match self.lines.next()? {

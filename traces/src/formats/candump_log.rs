@@ -23,12 +23,13 @@
 //! it had a direction, it needs one too, and likewise the raw DLC, for which 8 bytes alone are then not enough.
 //! Otherwise it is reported as truncated: better to miss a frame aloud than to invent one.
 
+use crate::formats::candump_usual::{self, Names};
 use crate::grammar::{Expected, Parsed, blanks1, decimal, seconds, skip_blanks, tag, word};
 use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::notation::{frame, write_frame};
 use crate::text_writer::{LineWriter, TextWriter};
 use crate::{
-    ChannelId, Channels, Damage, DamageKind, Direction, Flags, Frame, Loss, Losses, ReadOptions, Reader, Record,
+    ChannelId, Channels, Damage, DamageKind, Direction, Flags, Frame, Loss, Losses, Place, ReadOptions, Reader, Record,
     Source, TimeBase, Timestamp, WriteError, WriteOptions, Writer,
 };
 use std::fmt::Write as _;
@@ -57,11 +58,11 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 #[derive(Default)]
 struct CandumpLog {
     base: Option<TimeBase>,
-    /// Most lines are of the same channel as the one before.
-    channel: Option<ChannelId>,
     /// The last frame was an error frame: an explanation may follow.
     explained: bool,
     habits: Habits,
+    /// For the usual lines; empty until the first frame was read.
+    names: Names,
 }
 
 /// What the frames so far had behind their data: the last line must have it too, if it has no end.
@@ -72,6 +73,14 @@ struct Habits {
 }
 
 impl LineFormat for CandumpLog {
+    #[inline]
+    fn usual_line(&mut self, window: &[u8], place: Place) -> Option<(Record, usize)> {
+        let usual = candump_usual::line(window, &self.names, place)?;
+        self.explained = false;
+        self.habits.direction |= usual.0.direction != Direction::Unknown;
+        Some(usual)
+    }
+
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>> {
         match line.bytes {
             [b'(', ..] => {}
@@ -95,7 +104,8 @@ impl CandumpLog {
         if !line.ended && !self.habits.complete(&record.frame, &tail) {
             return Err(line.cut("the end of this line, as the frame may go on,"));
         }
-        let channel = self.intern(name, channels).map_err(|missing| line.damage(missing))?;
+        let channel = intern(name, channels).map_err(|missing| line.damage(missing))?;
+        self.names.learn(text, rest, channel);
         self.base.get_or_insert(if nanos < EPOCH_FROM { TimeBase::Start } else { TimeBase::Utc });
         self.explained = record.frame.is_error();
         self.habits.learn(&record.frame, tail.direction);
@@ -111,17 +121,6 @@ impl CandumpLog {
             Some(damage) => damage.map(Err),
             None => Some(Err(line.damage(Expected::new(text, "a frame, such as (1700000000.123456) can0 123#11")))),
         }
-    }
-
-    fn intern<'a>(&mut self, name: &'a [u8], channels: &mut Channels) -> Result<ChannelId, Expected<'a>> {
-        if let Some(channel) = self.channel
-            && channels.name(channel).as_bytes() == name
-        {
-            return Ok(channel);
-        }
-        let channel = intern(name, channels)?;
-        self.channel = Some(channel);
-        Ok(channel)
     }
 }
 

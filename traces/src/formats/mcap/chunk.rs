@@ -12,8 +12,8 @@ use nom::number::complete::{le_u32, le_u64};
 use nom::{IResult, Parser};
 use std::io::{self, Read};
 
-/// The largest uncompressed size that is held; recorders write 1 to 8 MiB.
-pub(crate) const LARGEST: u64 = 256 * 1024 * 1024;
+/// The largest uncompressed size that is held; recorders write 1 to 8 MiB. A decompressor may hold as much again.
+pub(crate) const LARGEST: u64 = 32 * 1024 * 1024;
 /// The longest header, with the name of the compression.
 pub(crate) const HEADER: usize = 40 + LONGEST_NAME;
 const LONGEST_NAME: usize = 32;

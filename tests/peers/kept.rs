@@ -1,0 +1,89 @@
+//! What formats and peers can't hold, as functions on frames.
+
+use crate::recording::Seen;
+use canvass_traces::{Direction, ErrorClass, Flags, Frame, Record, Timestamp};
+
+/// What becomes of a frame on its way.
+pub type Kept = fn(Seen) -> Seen;
+
+/// What becomes of a frame that loses several things.
+pub fn kept(seen: &Seen, losses: &[Kept]) -> Seen {
+    losses.iter().fold(seen.clone(), |seen, loss| loss(seen))
+}
+
+/// Times end with the microseconds.
+pub fn micros(mut seen: Seen) -> Seen {
+    seen.record.timestamp = Timestamp(seen.record.timestamp.nanos() / 1_000 * 1_000);
+    seen
+}
+
+/// `can0` is 1.
+pub fn numbered(seen: Seen) -> Seen {
+    let number: u16 = seen.channel.trim_start_matches("can").parse().unwrap();
+    Seen { channel: (number + 1).to_string(), ..seen }
+}
+
+/// All channels are one.
+pub fn one_channel(seen: Seen) -> Seen {
+    Seen { channel: "can0".into(), ..seen }
+}
+
+/// All channels are one that is called 1.
+pub fn channel_1(seen: Seen) -> Seen {
+    Seen { channel: "1".into(), ..seen }
+}
+
+fn with_direction(seen: Seen, direction: Direction) -> Seen {
+    Seen { record: seen.record.with_direction(direction), ..seen }
+}
+
+/// No direction is told.
+pub fn no_direction(seen: Seen) -> Seen {
+    with_direction(seen, Direction::Unknown)
+}
+
+/// What was not sent was received.
+pub fn received_or_sent(seen: Seen) -> Seen {
+    let direction = if seen.record.direction == Direction::Tx { Direction::Tx } else { Direction::Rx };
+    with_direction(seen, direction)
+}
+
+/// Everything counts as received.
+pub fn received(seen: Seen) -> Seen {
+    with_direction(seen, Direction::Rx)
+}
+
+/// Error frames have no direction.
+pub fn no_direction_of_errors(seen: Seen) -> Seen {
+    if seen.record.frame.is_error() { no_direction(seen) } else { seen }
+}
+
+/// All that is left of an error frame is that there was one: a bus error, as Linux numbers it.
+pub fn no_error_detail(seen: Seen) -> Seen {
+    let Record { timestamp, channel, ref frame, .. } = seen.record;
+    if !frame.is_error() {
+        return seen;
+    }
+    let record = Record::new(timestamp, channel, Frame::error(ErrorClass(0x80), &[]).unwrap());
+    seen.with_record(record)
+}
+
+/// CAN FD frames have no BRS and ESI.
+pub fn no_fd_flags(seen: Seen) -> Seen {
+    let Record { timestamp, channel, ref frame, .. } = seen.record;
+    if !frame.is_fd() {
+        return seen;
+    }
+    let record = Record::fd(timestamp, channel, frame.id(), Flags::NONE, seen.record.data()).unwrap();
+    seen.with_record(record)
+}
+
+/// CAN FD frames of up to 8 bytes are classical ones.
+pub fn no_short_fd(seen: Seen) -> Seen {
+    let Record { timestamp, channel, ref frame, .. } = seen.record;
+    if !frame.is_fd() || frame.len() > 8 {
+        return seen;
+    }
+    let record = Record::new(timestamp, channel, Frame::new(frame.id(), frame.data()).unwrap());
+    seen.with_record(record)
+}

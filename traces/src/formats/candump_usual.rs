@@ -1,0 +1,199 @@
+//! The lines that nearly all of a candump log are like, read at a glance.
+//!
+//! ```text
+//! "(" 10 digits "." 6 or 9 digits ") " name " " (3 or 8 digits) "#" up to 16 digits [" R" | " T"] [CR] LF
+//! ```
+//!
+//! The name is one that was met before, padded as then. Everything else, and everything that is wrong, is left to
+//! the grammar: this is never another truth, only a faster way to the same one.
+
+use crate::digits::{eight_decimal, hex_prefix};
+use crate::{CanId, ChannelId, Direction, Frame, Place, Record, Timestamp};
+
+/// The names that were met, each as its line has it between the time and the id.
+#[derive(Default)]
+pub(crate) struct Names(Vec<Name>);
+
+struct Name {
+    /// The padding, the name and the space behind it, filled up with zeros.
+    word: u64,
+    /// The bytes of a word that belong to it.
+    mask: u64,
+    len: usize,
+    channel: ChannelId,
+}
+
+impl Names {
+    /// A log has one width at a time, so more names than this are of a bus that is not usual.
+    const MOST: usize = 8;
+
+    /// Remembers how a line names that channel, if it fits into a word; `frame` is the end of that line.
+    pub(crate) fn learn(&mut self, line: &[u8], frame: &[u8], channel: ChannelId) {
+        let behind_time = line.iter().position(|&byte| byte == b')').map_or(0, |at| at + 2);
+        let text = line.get(behind_time..line.len() - frame.len()).unwrap_or_default();
+        if text.len() > 8 || self.0.len() == Self::MOST || !text.ends_with(b" ") {
+            return;
+        }
+        let mut bytes = [0; 8];
+        bytes.iter_mut().zip(text).for_each(|(to, from)| *to = *from);
+        let (word, mask) = (u64::from_le_bytes(bytes), u64::MAX >> (64 - 8 * text.len()));
+        if !self.0.iter().any(|name| name.word == word) {
+            self.0.push(Name { word, mask, len: text.len(), channel });
+        }
+    }
+
+    #[inline]
+    fn find(&self, text: &[u8; 8]) -> Option<&Name> {
+        let word = u64::from_le_bytes(*text);
+        self.0.iter().find(|name| word & name.mask == name.word)
+    }
+}
+
+/// The frame of the line at the window's start and the length of that line with its end, if it is usual.
+#[inline]
+pub(crate) fn line(window: &[u8], names: &Names, place: Place) -> Option<(Record, usize)> {
+    let (nanos, at) = time(window)?;
+    let name = names.find(chunk(window, at)?)?;
+    let (id, at) = identifier(window, at + name.len)?;
+    let (digits, data) = hex_prefix(*chunk(window, at)?);
+    if !digits.is_multiple_of(2) {
+        return None;
+    }
+    let (direction, end) = line_end(window, at + digits)?;
+    let frame = Frame::short(id, data, digits / 2);
+    Some((
+        Record::new(Timestamp::ZERO, name.channel, frame).seen(Timestamp(nanos), name.channel, direction, place),
+        end,
+    ))
+}
+
+#[inline]
+fn chunk<const N: usize>(window: &[u8], at: usize) -> Option<&[u8; N]> {
+    window.get(at..)?.first_chunk()
+}
+
+/// The time in nanoseconds, and where the text behind its parenthesis and one space begins.
+#[inline]
+fn time(window: &[u8]) -> Option<(u64, usize)> {
+    let head: &[u8; 24] = window.first_chunk()?;
+    let [b'(', s0, s1, s2, s3, s4, s5, s6, s7, s8, s9, b'.', fraction @ ..] = *head else { return None };
+    let seconds = u64::from(eight_decimal([s0, s1, s2, s3, s4, s5, s6, s7])?) * 100 + two_decimal(s8, s9)?;
+    let [f0, f1, f2, f3, f4, f5, f6, f7, f8, after, space, _] = fraction;
+    let (fraction, at) = if f6 == b')' && f7 == b' ' {
+        (u64::from(eight_decimal([f0, f1, f2, f3, f4, f5, b'0', b'0'])?) * 10, 20)
+    } else if after == b')' && space == b' ' {
+        (u64::from(eight_decimal([f0, f1, f2, f3, f4, f5, f6, f7])?) * 10 + two_decimal(b'0', f8)?, 23)
+    } else {
+        return None;
+    };
+    // Ten digits of seconds are below 2^64 nanoseconds.
+    Some((seconds * 1_000_000_000 + fraction, at))
+}
+
+#[inline]
+fn two_decimal(tens: u8, ones: u8) -> Option<u64> {
+    let (tens, ones) = (tens.wrapping_sub(b'0'), ones.wrapping_sub(b'0'));
+    (tens < 10 && ones < 10).then(|| u64::from(10 * tens + ones))
+}
+
+/// An identifier of 3 or 8 digits that is no error frame, and where the text behind its `#` begins.
+#[inline]
+fn identifier(window: &[u8], at: usize) -> Option<(CanId, usize)> {
+    let text: &[u8; 9] = chunk(window, at)?;
+    let [i0, i1, i2, i3, i4, i5, i6, i7, i8] = *text;
+    if i3 == b'#' {
+        let (4, [high, low, ..]) = hex_prefix([b'0', i0, i1, i2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]) else {
+            return None;
+        };
+        return Some((CanId::standard(u32::from(high) << 8 | u32::from(low))?, at + 4));
+    }
+    let (8, [a, b, c, d, ..]) = hex_prefix([i0, i1, i2, i3, i4, i5, i6, i7, 0, 0, 0, 0, 0, 0, 0, 0]) else {
+        return None;
+    };
+    let id = CanId::extended(u32::from_be_bytes([a, b, c, d]))?;
+    (i8 == b'#').then_some((id, at + 9))
+}
+
+/// The direction behind the data, and where the next line begins.
+#[inline]
+fn line_end(window: &[u8], at: usize) -> Option<(Direction, usize)> {
+    match window.get(at..)? {
+        [b'\n', ..] => Some((Direction::Unknown, at + 1)),
+        [b'\r', b'\n', ..] => Some((Direction::Unknown, at + 2)),
+        [b' ', letter @ (b'R' | b'T'), rest @ ..] => {
+            let direction = if *letter == b'R' { Direction::Rx } else { Direction::Tx };
+            match rest {
+                [b'\n', ..] => Some((direction, at + 3)),
+                [b'\r', b'\n', ..] => Some((direction, at + 4)),
+                _ => None,
+            }
+        }
+        _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{Format, ReadOptions, Source};
+    use proptest::prelude::*;
+
+    const FIRST: &str = "(1700000000.000000)   can0 123#\n(1700000000.000000) vcan10 123#\n";
+
+    fn names() -> Names {
+        let mut names = Names::default();
+        for (n, line) in FIRST.lines().enumerate() {
+            names.learn(line.as_bytes(), b"123#", ChannelId(n as u16));
+        }
+        names.learn(b"(1700000000.000000) can0 123#", b"123#", ChannelId(0));
+        names
+    }
+
+    /// What a reader says of a line that it does not take for a usual one, because a space stands before it.
+    fn by_grammar(line: &str) -> Vec<Option<Record>> {
+        let source = Source::from_bytes(format!("{FIRST} {line}"));
+        let reader = Format::Candump.open(source, &ReadOptions::default());
+        reader.skip(2).map(|item| item.ok().map(|record| record.at(0, 0))).collect()
+    }
+
+    fn at_a_glance(line: &str) -> Option<(Record, usize)> {
+        super::line(line.as_bytes(), &names(), Place::default())
+    }
+
+    #[test]
+    fn usual_lines_are_seen() {
+        for line in [
+            "(1700000000.123456) can0 181#0011223344556677\n",
+            "(1700000000.123456789)   can0 181#\n",
+            "(1700000000.123456) vcan10 12345678#aAbB R\n",
+            "(1700000000.123456) can0 7FF#01 T\r\n",
+        ] {
+            let rest = format!("{line}(1700000000.123456) can0 181#00\n");
+            let (record, len) = at_a_glance(&rest).unwrap();
+            assert_eq!((by_grammar(line), len), (vec![Some(record)], line.len()), "{line}");
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_seen_at_a_glance_is_what_the_grammar_says(
+            seconds in "[0-9]{10}",
+            fraction in "[0-9]{6}|[0-9]{9}|[0-9]{5,10}",
+            name in "can0|  can0| can0|vcan10|can1|can0 ",
+            id in "[0-7][0-9A-Fa-f]{2}|[01][0-9A-F]{7}|[0-9A-F]{2,9}",
+            data in "([0-9A-Fa-f]{2}){0,8}|[0-9A-F._R#]{0,20}",
+            end in "\n| R\n| T\n|\r\n| R\r\n| \n| 0\n| R T\n|_9\n",
+            change in prop::option::of((any::<prop::sample::Index>(), "[ -~\t\r\n]")),
+        ) {
+            let mut line = format!("({seconds}.{fraction}) {name} {id}#{data}{end}");
+            if let Some((at, to)) = change {
+                let at = at.index(line.len());
+                line.replace_range(at..=at, &to);
+            }
+            let lines = format!("{line}{:64}", "");
+            if let Some((record, len)) = at_a_glance(&lines) {
+                prop_assert_eq!(by_grammar(&line[..len]), vec![Some(record)]);
+            }
+        }
+    }
+}
