@@ -1,5 +1,6 @@
 //! What a frame means, in words: one line, made for reading down a trace.
 
+mod escaped;
 mod fixed;
 mod object;
 mod pdo;
