@@ -45,6 +45,16 @@ impl Output {
         if buffer.len() >= Self::FULL { write_out(&mut buffer) } else { Ok(()) }
     }
 
+    /// The same where adding can fail; what was added before that stays.
+    pub fn append_with<T>(&self, append: impl FnOnce(&mut Vec<u8>) -> io::Result<T>) -> io::Result<T> {
+        let mut buffer = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let appended = append(&mut buffer)?;
+        if buffer.len() >= Self::FULL {
+            write_out(&mut buffer)?;
+        }
+        Ok(appended)
+    }
+
     /// Writes out what is in the buffer.
     pub fn flush(&self) -> io::Result<()> {
         write_out(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
@@ -67,6 +77,11 @@ impl Write for Output {
     fn flush(&mut self) -> io::Result<()> {
         Ok(())
     }
+}
+
+/// The columns of standard output, if it is a terminal.
+pub fn terminal_width() -> Option<usize> {
+    terminal_size::terminal_size_of(io::stdout()).map(|(width, _)| usize::from(width.0))
 }
 
 /// Writes a text to standard output.

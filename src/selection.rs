@@ -7,7 +7,7 @@ use crate::status::Failure;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::filter::{Filter, Subject};
 use canvass_analyzer::network::{Decoded, Network};
-use canvass_traces::Record;
+use canvass_traces::{ChannelId, Record};
 
 /// Which frames are chosen.
 #[derive(clap::Args)]
@@ -36,6 +36,11 @@ impl Selection {
         Ok(network)
     }
 
+    /// Whether a filter was given.
+    pub fn has_filter(&self) -> bool {
+        self.filter.is_some()
+    }
+
     /// Whether frames must be decoded to be chosen.
     pub fn needs_decoding(&self) -> bool {
         !self.node.is_empty() || self.filter.is_some()
@@ -43,17 +48,31 @@ impl Selection {
 
     /// Whether a record's channel is chosen.
     pub fn has_channel(&self, record: &Record, inputs: &Inputs<'_>) -> bool {
+        self.has_channel_id(record.channel, inputs)
+    }
+
+    /// Whether a channel is chosen.
+    pub fn has_channel_id(&self, channel: ChannelId, inputs: &Inputs<'_>) -> bool {
         self.channel.is_empty() || {
-            let (name, own) = (inputs.channels().name(record.channel), inputs.own_name(record.channel));
+            let (name, own) = (inputs.channels().name(channel), inputs.own_name(channel));
             self.channel.iter().any(|wanted| wanted == name || wanted == own)
         }
     }
 
     /// Whether a record is chosen, whatever its channel.
     pub fn has(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>) -> bool {
-        let node = self.node.is_empty() || decoded.node.is_some_and(|node| self.node.contains(&node));
+        self.has_node(decoded.node) && self.passes(record, decoded, inputs)
+    }
+
+    /// Whether what is about that node is chosen.
+    pub fn has_node(&self, node: Option<NodeId>) -> bool {
+        self.node.is_empty() || node.is_some_and(|node| self.node.contains(&node))
+    }
+
+    /// Whether a record passes the filter, whatever its channel and node.
+    pub fn passes(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>) -> bool {
         let subject = Subject { record, decoded, channel: inputs.channels().name(record.channel) };
-        node && self.filter.as_ref().is_none_or(|filter| filter.matches(&subject))
+        self.filter.as_ref().is_none_or(|filter| filter.matches(&subject))
     }
 
     /// Says which channels were asked for and never seen: most likely they are called otherwise.

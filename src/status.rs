@@ -39,8 +39,17 @@ impl Failure {
         if self.is_broken_pipe() {
             return Status::Good;
         }
-        crate::output::diagnostic(&format!("canvass: {:#}", self.error));
+        crate::output::diagnostic(&format!("canvass: {}", self.message()));
         self.status
+    }
+
+    /// The error and its causes, without those that the words before them tell already.
+    fn message(&self) -> String {
+        self.error.chain().map(ToString::to_string).fold(String::new(), |message, cause| match message.as_str() {
+            "" => cause,
+            _ if message.contains(&cause) => message,
+            _ => format!("{message}: {cause}"),
+        })
     }
 
     fn is_broken_pipe(&self) -> bool {

@@ -174,6 +174,15 @@ impl PdoNumber {
         }
     }
 
+    /// The PDO whose mapping parameters have that index.
+    pub const fn of_mapping_index(index: u16) -> Option<Self> {
+        match index {
+            0x1600..=0x17FF => Some(Self::Receive(index - 0x1600 + 1)),
+            0x1A00..=0x1BFF => Some(Self::Transmit(index - 0x1A00 + 1)),
+            _ => None,
+        }
+    }
+
     /// The index of the mapping parameters.
     pub const fn mapping_index(self) -> u16 {
         self.communication_index() + 0x200

@@ -134,8 +134,22 @@ pub enum Need {
     EventTimer,
     /// A device name, hardware or software version: 1008h, 1009h, 100Ah.
     Name,
-    /// A description that gives the object's value or says that LSS is supported.
+    /// Layer setting services: the description says that they are supported.
     Lss,
+    /// The heartbeat consumer, 1016h:01, and a node-ID beside the device's own that the tester can act as.
+    HeartbeatConsumer,
+    /// Life guarding that can be set, 100Ch and 100Dh, or the heartbeat consumer, 1016h:01.
+    Monitoring,
+    /// Node guarding, 100Ch.
+    Guarding,
+    /// The predefined error field, 1003h.
+    ErrorHistory,
+    /// TPDO 1 with a mapping that can be changed: 1800h:01 and 1A00h.
+    DynamicMapping,
+    /// The device is an encoder (CiA 406).
+    Encoder,
+    /// Store parameters, 1010h:01.
+    Store,
     /// The device's EDS or built-in model.
     Description,
     /// No other node was heard on the bus, or `--allow other-nodes` was given: the case commands all nodes.
@@ -153,6 +167,13 @@ impl Need {
             Self::EventTimer => "a TPDO with an event timer (1800h:05)",
             Self::Name => "a device name or version (1008h, 1009h or 100Ah)",
             Self::Lss => "layer setting services (LSS)",
+            Self::HeartbeatConsumer => "the heartbeat consumer (1016h:01)",
+            Self::Monitoring => "life guarding (100Ch, 100Dh) or a heartbeat consumer (1016h:01)",
+            Self::Guarding => "node guarding (100Ch)",
+            Self::ErrorHistory => "the predefined error field (1003h)",
+            Self::DynamicMapping => "a TPDO 1 whose mapping can be changed (1800h:01, 1A00h)",
+            Self::Encoder => "an encoder of CiA 406 with a position (6004h)",
+            Self::Store => "store parameters (1010h:01)",
             Self::Description => "a description of the device (an EDS or a built-in model)",
             Self::Alone => "a bus without other nodes, because the case commands all of them",
         }
@@ -170,11 +191,13 @@ pub enum Touch {
     BitRate,
     /// Commands other nodes than the device under test.
     OtherNodes,
+    /// Restores the factory defaults: what the user had configured is lost.
+    FactoryDefaults,
 }
 
 impl Touch {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Nvm, Self::NodeId, Self::BitRate, Self::OtherNodes];
+    pub const ALL: [Self; 5] = [Self::Nvm, Self::NodeId, Self::BitRate, Self::OtherNodes, Self::FactoryDefaults];
 
     /// The name for `--allow`.
     pub const fn name(self) -> &'static str {
@@ -183,6 +206,7 @@ impl Touch {
             Self::NodeId => "node-id",
             Self::BitRate => "bit-rate",
             Self::OtherNodes => "other-nodes",
+            Self::FactoryDefaults => "factory-defaults",
         }
     }
 
@@ -193,6 +217,7 @@ impl Touch {
             Self::NodeId => "changes the node-ID",
             Self::BitRate => "changes the bit rate",
             Self::OtherNodes => "commands other nodes",
+            Self::FactoryDefaults => "restores the factory defaults",
         }
     }
 }
@@ -205,7 +230,7 @@ impl fmt::Display for Touch {
 
 /// There is nothing of that name to allow.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate and other-nodes")]
+#[error("nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate, other-nodes and factory-defaults")]
 pub struct UnknownTouch(pub String);
 
 impl FromStr for Touch {

@@ -262,7 +262,7 @@ fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Verdict {
 
 fn not_allowed(touch: Touch) -> Reason {
     let duty = format!("the user allows what the case does: it {}", touch.text());
-    Reason::new(duty, format!("--allow {touch}"), "no leave")
+    Reason::new(duty, format!("--allow {touch}"), format!("not allowed: it {} (--allow {touch})", touch.text()))
 }
 
 fn panicked(panic: &(dyn Any + Send)) -> Reason {
@@ -336,7 +336,7 @@ mod tests {
     #[test]
     fn what_was_not_allowed_is_not_done_and_nothing_executed_is_an_error() {
         let (result, events) = run_cases(ROWS, &[&TOUCHES]);
-        assert_eq!(events[1], "test/touches: not applicable no leave");
+        assert_eq!(events[1], "test/touches: not applicable not allowed: it writes non-volatile memory (--allow nvm)");
         assert!(matches!(result, Err(RunError::NothingToRun { .. })));
         assert!(matches!(run_cases(ROWS, &[]).0, Err(RunError::NothingToRun { .. })));
     }

@@ -38,12 +38,36 @@ pub const fn acts(c: char) -> bool {
 /// One cell of a CSV file. Spreadsheets run what begins with `=`, `+`, `-` or `@`: an apostrophe before it keeps it
 /// text. A number with its sign stays a number.
 pub fn csv_cell(text: &str) -> String {
+    let mut cell = String::with_capacity(text.len() + 2);
+    write_csv_cell(text, &mut |part| cell.push_str(part));
+    cell
+}
+
+/// Appends such a cell; allocates only where there are characters that act.
+pub fn push_csv_cell(out: &mut Vec<u8>, text: &str) {
+    write_csv_cell(text, &mut |part| out.extend_from_slice(part.as_bytes()));
+}
+
+fn write_csv_cell(text: &str, write: &mut dyn FnMut(&str)) {
     let text = printable(text);
     // Spreadsheets skip leading blanks before they look for a formula.
     let dangerous = text.trim_start().starts_with(['=', '+', '-', '@']) && text.trim().parse::<f64>().is_err();
-    let guarded = if dangerous { format!("'{text}") } else { text.into_owned() };
-    let needs_quotes = guarded.contains([',', ';', '"']) || guarded.trim() != guarded;
-    if needs_quotes { format!("\"{}\"", guarded.replace('"', "\"\"")) } else { guarded }
+    let needs_quotes = text.contains([',', ';', '"']) || text.trim() != text;
+    if needs_quotes {
+        write("\"");
+    }
+    if dangerous {
+        write("'");
+    }
+    for (n, part) in text.split('"').enumerate() {
+        if n > 0 {
+            write("\"\"");
+        }
+        write(part);
+    }
+    if needs_quotes {
+        write("\"");
+    }
 }
 
 /// Text inside a Markdown document or one of its table cells: nothing in it is markup.

@@ -98,7 +98,8 @@ fn clock(quality: &Quality, name: Option<&str>) -> String {
         None => "no steps back".to_owned(),
         Some(first) => {
             let count = quality.steps.count;
-            format!("{count} steps back, the largest {}, the first at {}", quality.steps.largest, place(name, first))
+            let steps = if count == 1 { "step" } else { "steps" };
+            format!("{count} {steps} back, the largest {}, the first at {}", quality.steps.largest, place(name, first))
         }
     }
 }
@@ -245,8 +246,8 @@ mod tests {
              \x20 channels   can0 3, can\u{FFFD}[31m 1\n\
              \x20 time       1.000000000 to 29.000000000, 28 s, resolution 1 s\n\
              \x20 damage     7 dropped\n\
-             \x20 clock      1 steps back, the largest 1 s, the first at a.log:4\n\
-             \x20 gaps       1, the largest 28 s until a.log:3, where at most 1.25 s was usual\n\
+             \x20 clock      1 step back, the largest 1 s, the first at a.log:4\n\
+             \x20 gaps       1, the largest 28 s until a.log:3, where at most 998.046 ms was usual\n\
              \x20 warning    times are no finer than 1 s: the order and delays of frames are not certain\n\
              \x20 warning    the recorder lost 7 frames\n\
              \x20 warning    the clock stepped back: times before and after can't be compared\n"

@@ -1,5 +1,8 @@
 //! A whole run on the simulated bus, through every report.
 
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
 use canvass_conformance::bench::{Bench, Decoder, Deviation, Options, Target};
 use canvass_conformance::bus::{Bus, SimulatedBus};
 use canvass_conformance::device::Device;

@@ -18,6 +18,7 @@ use std::str::FromStr;
 /// captures are merged by time. What the format can't hold, and what can't be read, is said on standard error.
 /// Ctrl-C ends the file properly.
 #[derive(clap::Args)]
+#[command(override_usage = "canvass convert [OPTIONS] <IN>... <OUT>")]
 #[command(after_help = "\
 Examples:
   canvass convert field.mcap field.log             a candump log
@@ -26,7 +27,7 @@ Examples:
   candump -L can0 | canvass convert - --to pcapng live.pcapng.zst")]
 pub struct Args {
     /// Capture files, and the file to write; - is standard input or output
-    #[arg(required = true, num_args = 2.., value_names = ["IN", "OUT"])]
+    #[arg(required = true, value_name = "IN... OUT")]
     files: Vec<PathBuf>,
     /// The format to write, such as pcapng; or the time behind which frames are left out, as for --from; or both, one each
     #[arg(long, value_name = "FORMAT|TIME")]
@@ -67,7 +68,10 @@ impl FromStr for To {
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         let (to_format, to_time) = formats_and_times(&self.to)?;
-        let Some((out, files)) = self.files.split_last() else { return Err(anyhow!("expected IN and OUT").into()) };
+        let (out, files) = match self.files.split_last() {
+            Some((out, files)) if !files.is_empty() => (out, files),
+            _ => return Err(anyhow!("expected captures to read and a file to write, such as: in.log out.asc").into()),
+        };
         let destination = Destination::new(out, to_format, self.force)?;
         let output = Output::default();
         let mut inputs = Inputs::open(files, &self.input, &output)?;

@@ -1,17 +1,19 @@
 //! `canvass decode`: captures in words.
 
+use super::decode_events;
 use crate::inputs::{InputOptions, Inputs, Seen};
-use crate::output::{Color, Output};
+use crate::output::{Color, Output, diagnostic, terminal_width};
 use crate::selection::Selection;
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
+use anyhow::anyhow;
 use canvass_analyzer::Meaning;
 use canvass_analyzer::network::Network;
-use canvass_reports::decode::{JsonLines, Line, Lines, TextLines, TimeStyle};
-use canvass_traces::Record;
+use canvass_reports::decode::{CsvLines, JsonLines, Line, Lines, TableLines, TextLines, TimeStyle};
+use canvass_traces::{Record, TimeBase};
 use std::path::PathBuf;
 
-/// Decode captures: one annotated line per frame
+/// Decode captures: one annotated line per frame, or one per event
 ///
 /// The format of a capture is recognised by its content. Several captures are merged by time. What can't be read is
 /// reported with its place and reason on standard error, and the rest is decoded.
@@ -23,7 +25,10 @@ pub struct Args {
     /// How to print the frames
     #[arg(long, value_enum, default_value_t)]
     format: DecodeFormat,
-    /// Which time to show
+    /// Show what happened instead of frames: whole SDO transfers, states, errors, layer setting, COB-IDs and mappings
+    #[arg(long)]
+    events: bool,
+    /// Which time to show; JSON always has integer nanoseconds
     #[arg(long, value_enum, default_value_t)]
     time: Time,
     #[command(flatten)]
@@ -39,8 +44,12 @@ enum DecodeFormat {
     /// Aligned lines
     #[default]
     Text,
+    /// A table with a header, no wider than the terminal
+    Table,
     /// JSON Lines
     Json,
+    /// Comma-separated values with a header
+    Csv,
 }
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
@@ -52,21 +61,56 @@ enum Time {
     Relative,
     /// Since the frame before
     Delta,
+    /// Date and time of day in UTC (RFC 3339)
+    Utc,
 }
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let output = Output::default();
-        let mut lines: Box<dyn Lines> = match self.format {
-            DecodeFormat::Text => Box::new(TextLines::new(self.time.style(), color.on_stdout())),
-            DecodeFormat::Json => Box::new(JsonLines::new()),
-        };
+        if self.events {
+            return self.events(color, &output);
+        }
+        let mut lines = self.lines(color);
+        output.append(|buffer| lines.begin(buffer))?;
         let (mut network, mut range) = (self.selection.network()?, self.range);
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
         while let Some(Seen::Record(record) | Seen::Salvaged(record)) = inputs.next()? {
             self.show(&record, &inputs, &mut network, &mut range, lines.as_mut(), &output)?;
         }
+        self.end(inputs)
+    }
+
+    fn lines(&self, color: Color) -> Box<dyn Lines> {
+        let (time, color) = (self.time.style(), color.on_stdout());
+        match self.format {
+            DecodeFormat::Text => Box::new(TextLines::new(time, color)),
+            DecodeFormat::Table => Box::new(TableLines::new(time, color, terminal_width())),
+            DecodeFormat::Json => Box::new(JsonLines::new()),
+            DecodeFormat::Csv => Box::new(CsvLines::new(time)),
+        }
+    }
+
+    fn events(self, color: Color, output: &Output) -> Result<Status, Failure> {
+        let mut events = match self.format {
+            DecodeFormat::Text => decode_events::text(self.time.style(), color),
+            DecodeFormat::Json => decode_events::json(),
+            DecodeFormat::Table | DecodeFormat::Csv => {
+                return Err(anyhow!("--events has the formats text and json").into());
+            }
+        };
+        let mut network = self.selection.network()?;
+        let mut inputs = Inputs::open(&self.files, &self.input, output)?;
+        decode_events::show(&mut inputs, &mut network, self.range, &self.selection, events.as_mut(), output)?;
+        self.end(inputs)
+    }
+
+    fn end(&self, inputs: Inputs<'_>) -> Result<Status, Failure> {
         self.selection.warn_of_unknown_channels(&inputs);
+        if matches!(self.time, Time::Utc) && inputs.time_base() != TimeBase::Utc {
+            let base = inputs.time_base();
+            diagnostic(&format!("canvass: the times of the capture count from {base}: they are not UTC"));
+        }
         inputs.finish()?;
         Ok(Status::Good)
     }
@@ -100,6 +144,7 @@ impl Time {
             Self::Absolute => TimeStyle::Absolute,
             Self::Relative => TimeStyle::Relative,
             Self::Delta => TimeStyle::Delta,
+            Self::Utc => TimeStyle::Utc,
         }
     }
 }

@@ -3,8 +3,10 @@
 pub mod completions;
 pub mod convert;
 pub mod decode;
+mod decode_events;
 pub mod explain;
 pub mod list;
 pub mod man;
 pub mod send;
+pub mod signals;
 pub mod test;

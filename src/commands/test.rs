@@ -34,7 +34,7 @@ pub struct Args {
     /// Which cases: the beginning of an id (301/sdo), a pattern (301/*/toggle) or a section (7.2.8)
     #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
     select: Vec<Selector>,
-    /// What the cases may do: nvm, node-id, bit-rate, other-nodes
+    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Touch>,
     /// How to print the result

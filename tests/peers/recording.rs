@@ -59,7 +59,7 @@ fn frame(random: &mut Random) -> String {
     match random.below(20) {
         0 => format!("{id}#R"),
         1 => format!("{id}#R{}", 1 + random.below(8)),
-        2 => format!("{:08X}#{data}", 0x2000_0000 | 1 + random.below(0x1FF)),
+        2 => format!("{:08X}#{data}", 0x2000_0001 + random.below(0x1FF)),
         3..=7 => {
             let len = canvass_traces::Frame::FD_LENGTHS[random.below(16) as usize];
             format!("{id}##{:X}{}", 4 + random.below(4), &long[..2 * usize::from(len)])

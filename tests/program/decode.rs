@@ -110,11 +110,14 @@ fn json_lines_hold_what_the_contract_names() {
         "data": "4000600000000000",
         "node": 63,
         "service": "sdo",
+        "source": "predefined",
         "index": 0x6000,
         "sub": 0,
         "text": "read 6000h:00",
     });
-    assert_eq!(lines[0], expected);
+    for (key, value) in expected.as_object().unwrap() {
+        assert_eq!(&lines[0][key], value, "{key} of {}", lines[0]);
+    }
     assert_eq!((&lines[1]["extended"], &lines[1]["remote"], &lines[1]["dlc"]), (&true.into(), &true.into(), &4.into()));
     assert_eq!((&lines[1]["node"], &lines[1]["service"]), (&serde_json::Value::Null, &"unknown".into()));
 }

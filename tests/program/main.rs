@@ -1,5 +1,16 @@
 //! The program, end to end.
 
+#[cfg(test)]
+mod conformance;
+#[cfg(test)]
+mod contract;
+#[cfg(test)]
 mod decode;
+#[cfg(test)]
+mod events;
+#[cfg(test)]
 mod hostile;
+#[cfg(test)]
+mod rows;
+#[cfg(test)]
 mod running;

@@ -3,6 +3,7 @@
 use canvass_traces::{Capture, Channels, Merge, Naming, ReadOptions, Reader, Source, TimeBase};
 use proptest::prelude::*;
 
+#[cfg(test)]
 fn capture(name: &str, log: &str) -> Capture {
     Capture::from_source(name, Source::from_bytes(log), &ReadOptions::default()).unwrap()
 }

@@ -1,5 +1,6 @@
 //! What CI runs.
 
+use crate::fuzz::fuzz;
 use crate::peers;
 use crate::run::{is_there, run};
 use anyhow::Result;
@@ -18,6 +19,7 @@ pub fn ci() -> Result<()> {
     // Documentation is checked before the tests, so that their count is the last thing printed.
     documentation()?;
     run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
+    fuzz()?;
     peers::install_all()?;
     let all = [&["--workspace", "--locked", "--no-fail-fast"], &PEERS[..]].concat();
     if is_there("cargo", &["nextest", "--version"]) {

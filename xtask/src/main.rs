@@ -4,6 +4,7 @@
 
 mod bench;
 mod ci;
+mod fuzz;
 mod measure;
 mod memory;
 mod packages;
@@ -19,7 +20,8 @@ fn main() -> Result<()> {
         Some("ci") => ci::ci(),
         Some("peers") => peers::test(),
         Some("bench") => bench::bench(),
+        Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
-        _ => bail!("usage: cargo xtask ci | peers | bench | memory"),
+        _ => bail!("usage: cargo xtask ci | fuzz | peers | bench | memory"),
     }
 }

@@ -1,7 +1,8 @@
 //! One bus: which CAN-ID means what, its nodes, its transfers.
 
 use super::cob_ids::{CobIds, Source, Use};
-use super::event::{Change, Event};
+use super::event::{Change, Emergency, Event};
+use super::layer_setting::LayerSetting;
 use super::node::{Cause, Node};
 use super::sdo::{Channel, ChannelIndex, Step, Transfer};
 use super::srdo_pairs::SrdoPairs;
@@ -31,6 +32,11 @@ pub struct Bus {
     /// The protocol of 7E5h and 7E4h, as the last message showed that only one of the two knows.
     dialect: Dialect,
     srdo_pairs: SrdoPairs,
+    layer_setting: LayerSetting,
+    /// What the last frame brought about; its memory is used again.
+    pub(super) events: Vec<Event>,
+    /// The next frame begins a new list of events.
+    handled: bool,
 }
 
 impl Bus {
@@ -43,6 +49,9 @@ impl Bus {
             nodes: (0..=127).map(|_| None).collect(),
             dialect: Dialect::Lss,
             srdo_pairs: SrdoPairs::default(),
+            layer_setting: LayerSetting::default(),
+            events: Vec::new(),
+            handled: false,
         }
     }
 
@@ -56,6 +65,27 @@ impl Bus {
         self.channels.get(usize::from(channel.0)).and_then(Channel::transfer)
     }
 
+    /// The transfer on an SDO channel that was left last, before its end.
+    pub fn left_transfer(&self, channel: ChannelIndex) -> Option<&Transfer> {
+        self.channels.get(usize::from(channel.0)).and_then(Channel::left_transfer)
+    }
+
+    /// The node that serves an SDO channel.
+    pub fn server(&self, channel: ChannelIndex) -> Option<NodeId> {
+        self.channels.get(usize::from(channel.0)).map(|channel| channel.server)
+    }
+
+    /// The transfers that are under way.
+    pub fn open_transfers(&self) -> impl Iterator<Item = (NodeId, &Transfer)> {
+        let open = self.channels.iter().filter(|channel| channel.is_busy());
+        open.filter_map(|channel| Some((channel.server, channel.transfer()?)))
+    }
+
+    /// All that the last frame brought about, in its order; with the first frame also what descriptions said before.
+    pub fn events(&self) -> &[Event] {
+        &self.events
+    }
+
     pub(super) fn node_mut(&mut self, id: NodeId) -> &mut Node {
         // 128 places for the node-IDs 1 to 127: the index is always there.
         self.nodes[usize::from(id.raw())].get_or_insert_default()
@@ -63,12 +93,18 @@ impl Bus {
 
     /// Says which device a node is.
     pub fn describe(&mut self, id: NodeId, description: &Arc<DeviceDescription>) {
+        if std::mem::take(&mut self.handled) {
+            self.events.clear();
+        }
         self.node_mut(id).describe(Arc::clone(description));
         learning::from_description(self, id, description);
     }
 
     /// Takes the next record and says what it means.
     pub fn handle(&mut self, record: &Record) -> Decoded {
+        if std::mem::replace(&mut self.handled, true) {
+            self.events.clear();
+        }
         let frame = &record.frame;
         match (frame.cob_id(), frame.kind()) {
             (Some(can_id), _) => self.data(record.timestamp, can_id, frame),
@@ -88,19 +124,13 @@ impl Bus {
             Use::Nmt => self.nmt(payload),
             Use::Sync => read::<Sync>(Service::Sync, None, payload, Message::Sync),
             Use::Time => read::<TimeOfDay>(Service::Time, None, payload, Message::Time),
-            Use::Emcy(node) => self.emcy(node, payload),
+            Use::Emcy(node) => self.emcy(now, node, payload),
             Use::Pdo(node, number) => self.pdo(node, number, payload),
             Use::SdoRequest(channel) => self.sdo(channel, |channel| channel.request(now, payload)),
             Use::SdoResponse(channel) => self.sdo(channel, |channel| channel.response(now, payload)),
             Use::ErrorControl(node) => self.error_control(node, payload),
-            Use::LssRequest => match self.dialect(payload) {
-                Dialect::Lss => read::<lss::Request>(Service::Lss, None, payload, Message::LssRequest),
-                Dialect::Lmt => read::<lmt::Request>(Service::Lmt, None, payload, Message::LmtRequest),
-            },
-            Use::LssResponse => match self.dialect(payload) {
-                Dialect::Lss => read::<lss::Response>(Service::Lss, None, payload, Message::LssResponse),
-                Dialect::Lmt => read::<lmt::Response>(Service::Lmt, None, payload, Message::LmtResponse),
-            },
+            Use::LssRequest => self.layer_setting_request(now, payload),
+            Use::LssResponse => self.layer_setting_response(now, payload),
             Use::GlobalFailSafe => plain(Service::Srdo, None, Message::GlobalFailSafe),
             Use::FlyingMaster => flying_master(can_id, payload),
             Use::CaseMarker => case_marker(payload),
@@ -115,6 +145,32 @@ impl Bus {
             Some((pair, srdo)) => plain(Service::Srdo, pair.node(), Message::Srdo(srdo)),
             None => plain(Service::Unknown, None, Message::Unknown),
         }
+    }
+
+    fn layer_setting_request(&mut self, now: Timestamp, payload: &[u8]) -> Decoded {
+        let decoded = match self.dialect(payload) {
+            Dialect::Lss => read::<lss::Request>(Service::Lss, None, payload, Message::LssRequest),
+            Dialect::Lmt => read::<lmt::Request>(Service::Lmt, None, payload, Message::LmtRequest),
+        };
+        match decoded.message {
+            Message::LssRequest(request) => self.layer_setting.lss_request(now, request, &mut self.events),
+            Message::LmtRequest(request) => self.layer_setting.lmt_request(now, request, &mut self.events),
+            _ => {}
+        }
+        decoded
+    }
+
+    fn layer_setting_response(&mut self, now: Timestamp, payload: &[u8]) -> Decoded {
+        let decoded = match self.dialect(payload) {
+            Dialect::Lss => read::<lss::Response>(Service::Lss, None, payload, Message::LssResponse),
+            Dialect::Lmt => read::<lmt::Response>(Service::Lmt, None, payload, Message::LmtResponse),
+        };
+        match decoded.message {
+            Message::LssResponse(response) => self.layer_setting.lss_response(now, response, &mut self.events),
+            Message::LmtResponse(response) => self.layer_setting.lmt_response(now, response, &mut self.events),
+            _ => {}
+        }
+        decoded
     }
 
     /// The protocol of a message on 7E5h or 7E4h. Both know the messages that configure; what was said before tells
@@ -163,7 +219,11 @@ impl Bus {
         let node = self.node_mut(id);
         let from = node.state.map(|state| state.0);
         let to = node.obey(command)?;
-        Some(Event::StateChanged(id, Change { from, to, cause: Cause::Command }))
+        let event = Event::StateChanged(id, Change { from, to, cause: Cause::Command });
+        if from != Some(to) {
+            self.events.push(event);
+        }
+        Some(event)
     }
 
     fn error_control(&mut self, id: NodeId, payload: &[u8]) -> Decoded {
@@ -186,21 +246,35 @@ impl Bus {
         let node = self.node_mut(id);
         let from = node.state.map(|from| from.0);
         node.state = Some((to, cause));
+        let changed = cause == Cause::BootUp || from != Some(to);
+        let event = changed.then_some(Event::StateChanged(id, Change { from, to, cause }));
+        self.events.extend(event);
         if cause == Cause::BootUp {
             learning::after_boot_up(self, id);
+            if let Some(before) = self.layer_setting.started(id) {
+                learning::after_new_node_id(self, id, &before);
+            }
         }
-        let changed = cause == Cause::BootUp || from != Some(to);
-        changed.then_some(Event::StateChanged(id, Change { from, to, cause }))
+        event
     }
 
-    fn emcy(&mut self, id: NodeId, payload: &[u8]) -> Decoded {
+    fn emcy(&mut self, now: Timestamp, id: NodeId, payload: &[u8]) -> Decoded {
         let decoded = read::<Emcy>(Service::Emcy, Some(id), payload, Message::Emcy);
         if !payload.is_empty() {
+            self.emergency(now, id, &decoded.message);
             return decoded;
         }
         // Before CiA 301 V4 this was the boot-up message.
         let event = self.state_seen(id, State::PRE_OPERATIONAL, Cause::BootUp);
         Decoded { service: Service::BootUp, event, ..decoded }
+    }
+
+    fn emergency(&mut self, now: Timestamp, id: NodeId, message: &Message) {
+        let Message::Emcy(emcy) = *message else { return };
+        let since = &mut self.node_mut(id).error_since;
+        let is_reset = emcy.code().is_some_and(|code| code.is_reset());
+        let since = if is_reset { since.take() } else { Some(*since.get_or_insert(now)) };
+        self.events.push(Event::Emergency(id, Emergency { emcy, since }));
     }
 
     fn pdo(&mut self, id: NodeId, number: PdoNumber, payload: &[u8]) -> Decoded {
@@ -226,7 +300,11 @@ impl Bus {
         let step = step(channel);
         let server = channel.server;
         let object = channel.transfer().map(|transfer| transfer.multiplexer);
+        if step.superseded {
+            self.events.push(Event::TransferLeft(index));
+        }
         if step.ended {
+            self.events.push(Event::TransferEnded);
             learning::from_transfer(self, index);
         }
         Decoded {

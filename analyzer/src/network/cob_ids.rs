@@ -67,6 +67,16 @@ impl CobIds {
         self.table.get(usize::from(can_id)).copied().unwrap_or((Use::Unknown, Source::Predefined))
     }
 
+    /// The CAN-ID of a use, the lowest if there are several.
+    pub fn place(&self, used: Use) -> Option<u16> {
+        self.table.iter().position(|entry| entry.0 == used).and_then(|id| u16::try_from(id).ok())
+    }
+
+    /// All CAN-IDs with their uses.
+    pub fn iter(&self) -> impl Iterator<Item = (u16, Use, Source)> {
+        (0_u16..).zip(&self.table).map(|(id, &(used, source))| (id, used, source))
+    }
+
     /// Sets the use of a CAN-ID, unless a better source said otherwise.
     pub fn assign(&mut self, can_id: u32, used: Use, source: Source) {
         if let Some(entry) = self.table.get_mut(can_id as usize)

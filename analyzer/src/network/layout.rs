@@ -1,8 +1,10 @@
 //! How a PDO is laid out: its signals.
 
-use crate::Multiplexer;
-use crate::dictionary::{DataType, DeviceDescription};
+use super::node::Node;
+use super::scaling;
+use crate::dictionary::{DataType, Unit};
 use crate::wire::pdo::{MappingEntry, extract};
+use crate::{Multiplexer, NodeId};
 
 /// The signals of a PDO, in the order of its mapping.
 #[derive(Clone, Debug)]
@@ -22,16 +24,20 @@ pub struct Signal {
     pub bits: u8,
     /// The data type, where it is known.
     pub data_type: Option<DataType>,
+    /// What its values are in the unit that the device's configuration decides, where that is known.
+    pub scale: Option<Unit>,
 }
 
 impl Layout {
-    /// The layout that a mapping gives; a description tells the data types.
-    pub fn new(entries: &[MappingEntry], description: Option<&DeviceDescription>) -> Self {
+    /// The layout that a mapping of a node gives; its description tells the data types.
+    pub fn new(entries: &[MappingEntry], id: NodeId, node: &Node) -> Self {
+        let description = node.description.as_deref();
         let mut offset = 0;
         let signals = entries.iter().map(|entry| {
             let object = entry.object();
             let described = description.and_then(|d| d.dictionary.entry(object).ok()).map(|entry| entry.data_type);
-            let signal = Signal { object, offset, bits: entry.bits(), data_type: described };
+            let scale = scaling::scale(node, id, object);
+            let signal = Signal { object, offset, bits: entry.bits(), data_type: described, scale };
             offset += usize::from(entry.bits());
             signal
         });
@@ -45,6 +51,11 @@ impl Layout {
 }
 
 impl Signal {
+    /// Whether it is a gap: the object is a data type (CiA 301, dummy mapping).
+    pub const fn is_dummy(&self) -> bool {
+        matches!(self.object.index.0, 1..=7)
+    }
+
     /// The signal's bits in a payload; `None` where the payload is too short or the signal longer than 64 bits.
     pub fn raw(&self, payload: &[u8]) -> Option<u64> {
         extract(payload, self.offset, self.bits)

@@ -2,18 +2,23 @@
 
 use super::bus::Bus;
 use super::cob_ids::{Source, Use};
-use super::node::Shown;
+use super::event::{Event, Move};
+use super::layer_setting::Before;
+use super::node::{Node, Shown};
+use super::scaling::is_scaling_parameter;
 use super::sdo::{Channel, ChannelIndex, Direction, Outcome};
 use crate::dictionary::DeviceDescription;
 use crate::message::PdoNumber;
+use crate::wire::pdo::MappingEntry;
 use crate::{CobId, Multiplexer, NodeId};
+use std::sync::Arc;
 
 /// Takes the COB-IDs of a description.
 pub fn from_description(bus: &mut Bus, node: NodeId, description: &DeviceDescription) {
     for (object, entry) in description.dictionary.entries() {
         let value = entry.start_value(node).and_then(|value| value.to_raw());
         if let Some(value) = value.and_then(|value| u32::try_from(value).ok()) {
-            assign(bus, node, object, value, Source::Description);
+            learn_cob_id(bus, node, object, value, Source::Description);
         }
     }
 }
@@ -23,7 +28,7 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     let Some(channel) = bus.channels.get(usize::from(index.0)) else { return };
     let server = channel.server;
     let Some(transfer) = channel.transfer() else { return };
-    if transfer.outcome != Outcome::Complete || !is_communication_parameter(transfer.multiplexer) {
+    if transfer.outcome != Outcome::Complete || !is_learned(transfer.multiplexer) {
         return;
     }
     let object = transfer.multiplexer;
@@ -32,37 +37,132 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         Direction::Download => Shown::Written,
     };
     match (object.index.0, object.sub.0, shown, transfer.data()) {
-        // All parameters, or those of communication.
-        (0x1010, 1..=2, Shown::Written, b"save") => return bus.node_mut(server).store(),
+        // All parameters, those of communication, those of the application.
+        (0x1010, sub @ 1..=3, Shown::Written, b"save") => return bus.node_mut(server).store(sub),
         (0x1011, 1..=2, Shown::Written, b"load") => return bus.node_mut(server).restore_defaults(),
         _ => {}
     }
     let Some(value) = number(transfer.data()) else { return };
-    bus.node_mut(server).learn(object, value, shown);
-    assign(bus, server, object, value, Source::Trace);
+    learn(bus, server, object, value, shown);
+    learn_cob_id(bus, server, object, value, Source::Trace);
+}
+
+fn learn(bus: &mut Bus, server: NodeId, object: Multiplexer, value: u32, shown: Shown) {
+    let pdo = PdoNumber::of_mapping_index(object.index.0);
+    let node = bus.node_mut(server);
+    let before = pdo.map(|pdo| node.mapping(server, pdo));
+    node.learn(object, value, shown);
+    let after = pdo.map(|pdo| node.mapping(server, pdo));
+    if let Some(pdo) = pdo
+        && before != after
+    {
+        bus.events.push(Event::MappingChanged(server, pdo));
+    }
+}
+
+/// Gives a COB-ID parameter's CAN-ID its use, and says where that was before.
+fn learn_cob_id(bus: &mut Bus, node: NodeId, object: Multiplexer, value: u32, source: Source) {
+    let Some(used) = used_by(bus, node, object) else { return };
+    let from = bus.cob_ids.place(used);
+    assign(bus, used, value, source);
+    let to = bus.cob_ids.place(used);
+    if from != to {
+        bus.events.push(Event::CobIdMoved(Move { used, from, to, source }));
+    }
 }
 
 /// After its boot-up a node has its stored parameters again: COB-IDs and mappings that were changed and not stored
 /// are gone, and so are its transfers.
 pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
-    for channel in bus.channels.iter_mut().filter(|channel| channel.server == node) {
-        channel.reset();
+    for (index, channel) in (0_u16..).zip(&mut bus.channels) {
+        if channel.server == node && channel.reset() {
+            bus.events.push(Event::TransferLeft(ChannelIndex(index)));
+        }
     }
+    let (places, mappings) = (places(bus, node), mappings(bus, node));
     let state = bus.node_mut(node);
     state.restart();
     let description = state.description.clone();
     let parameters: Vec<_> = state.parameters().collect();
     bus.cob_ids.reset(node);
+    let announced = bus.events.len();
     if let Some(description) = description {
         from_description(bus, node, &description);
     }
     for (object, value) in parameters {
-        assign(bus, node, object, value, Source::Trace);
+        learn_cob_id(bus, node, object, value, Source::Trace);
+    }
+    // What matters is what differs from before the start, not the way there.
+    bus.events.truncate(announced);
+    announce_moves(bus, node, &places);
+    for (pdo, before) in mappings {
+        if bus.node_mut(node).mapping(node, pdo) != before {
+            bus.events.push(Event::MappingChanged(node, pdo));
+        }
     }
 }
 
-fn is_communication_parameter(object: Multiplexer) -> bool {
-    matches!(object.index.0, 0x1000..=0x1FFF)
+/// A node that has got its node-ID by layer setting: what is known of the device it was before is known of it.
+pub fn after_new_node_id(bus: &mut Bus, to: NodeId, before: &Before) {
+    let of_address = || NodeId::all().find(|&id| bus.node(id).is_some_and(|node| has_address(node, id, before)));
+    let from = before.told.or_else(of_address);
+    if from == Some(to) {
+        return;
+    }
+    bus.events.push(Event::NodeIdChanged { from, to });
+    let description = from.and_then(|from| bus.node(from)).and_then(|node| node.description.clone());
+    if let Some(description) = description
+        && bus.node_mut(to).description.is_none()
+    {
+        bus.node_mut(to).describe(Arc::clone(&description));
+        from_description(bus, to, &description);
+    }
+}
+
+/// Whether a node has shown the four numbers of an LSS address.
+fn has_address(node: &Node, id: NodeId, before: &Before) -> bool {
+    let shown = |sub: u8| node.parameter(id, Multiplexer::new(0x1018, sub));
+    (1..).zip(before.address).all(|(sub, part)| part.is_some() && part == shown(sub))
+}
+
+/// The CAN-IDs that a node uses.
+fn places(bus: &Bus, node: NodeId) -> Vec<(Use, u16, Source)> {
+    let of_node = |used: Use| match used {
+        Use::SdoRequest(channel) | Use::SdoResponse(channel) => bus.server(channel) == Some(node),
+        Use::Emcy(id) | Use::Pdo(id, _) => id == node,
+        _ => false,
+    };
+    bus.cob_ids.iter().filter(|&(_, used, _)| of_node(used)).map(|(id, used, source)| (used, id, source)).collect()
+}
+
+fn announce_moves(bus: &mut Bus, node: NodeId, before: &[(Use, u16, Source)]) {
+    let now = places(bus, node);
+    let place = |places: &[(Use, u16, Source)], used| places.iter().find(|place| place.0 == used).copied();
+    for &(used, from, _) in before {
+        let to = place(&now, used);
+        if to.map(|to| to.1) != Some(from) {
+            let source = to.map_or(Source::Predefined, |to| to.2);
+            bus.events.push(Event::CobIdMoved(Move { used, from: Some(from), to: to.map(|to| to.1), source }));
+        }
+    }
+    for &(used, to, source) in &now {
+        if place(before, used).is_none() {
+            bus.events.push(Event::CobIdMoved(Move { used, from: None, to: Some(to), source }));
+        }
+    }
+}
+
+/// The mappings of the PDOs of which the trace has shown something.
+fn mappings(bus: &mut Bus, id: NodeId) -> Vec<(PdoNumber, Option<Vec<MappingEntry>>)> {
+    let node = bus.node_mut(id);
+    let mut pdos: Vec<_> = node.parameters().filter_map(|row| PdoNumber::of_mapping_index(row.0.index.0)).collect();
+    pdos.dedup();
+    pdos.into_iter().map(|pdo| (pdo, node.mapping(id, pdo))).collect()
+}
+
+/// Communication parameters, and what decides the unit of others.
+fn is_learned(object: Multiplexer) -> bool {
+    matches!(object.index.0, 0x1000..=0x1FFF) || is_scaling_parameter(object)
 }
 
 /// A value of 1 to 4 bytes.
@@ -73,8 +173,7 @@ fn number(data: &[u8]) -> Option<u32> {
 }
 
 /// Gives a COB-ID parameter's CAN-ID its use.
-fn assign(bus: &mut Bus, node: NodeId, object: Multiplexer, value: u32, source: Source) {
-    let Some(used) = used_by(bus, node, object) else { return };
+fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     let cob_id = CobId(value);
     // Bit 31 of 1005h and 1012h does not mean that there is no SYNC or TIME.
     let exists = cob_id.is_valid() || matches!(used, Use::Sync | Use::Time);

@@ -7,15 +7,17 @@
 mod bus;
 mod cob_ids;
 mod event;
+mod layer_setting;
 mod layout;
 mod learning;
 mod node;
+mod scaling;
 pub mod sdo;
 mod srdo_pairs;
 
 pub use bus::Bus;
 pub use cob_ids::{Source, Use};
-pub use event::{Change, Event};
+pub use event::{Change, Emergency, Event, Exchange, Move};
 pub use layout::{Layout, Signal};
 pub use node::{Cause, Node};
 
@@ -48,7 +50,7 @@ pub struct Decoded {
     pub object: Option<Multiplexer>,
     /// The SDO channel that it went over.
     pub channel: Option<ChannelIndex>,
-    /// What it brought about.
+    /// What it brought about, first of all; [`Bus::events`] holds everything.
     pub event: Option<Event>,
     /// The rule of the SDO protocol that it broke.
     pub violation: Option<Violation>,

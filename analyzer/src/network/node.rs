@@ -1,13 +1,16 @@
 //! What is known of one node.
 
 use crate::dictionary::DeviceDescription;
+use crate::dictionary::Unit;
 use crate::message::PdoNumber;
 use crate::network::layout::Layout;
+use crate::network::scaling;
 use crate::wire::error_control::State;
 use crate::wire::mpdo::Addressing;
 use crate::wire::nmt::Command;
 use crate::wire::pdo::MappingEntry;
 use crate::{Multiplexer, NodeId};
+use canvass_traces::Timestamp;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
@@ -20,6 +23,8 @@ pub struct Node {
     pub guarded: bool,
     /// Its description, where the user gave one or its identity was recognised.
     pub description: Option<Arc<DeviceDescription>>,
+    /// When the oldest error was reported that no EMCY has taken back.
+    pub(super) error_since: Option<Timestamp>,
     /// The communication parameters that the trace has shown, as numbers, and whether it was a download.
     parameters: BTreeMap<Multiplexer, (u32, Shown)>,
     /// Those that the device will have after its next reset.
@@ -72,21 +77,29 @@ impl Node {
             self.stored.insert(object, (value, shown));
         }
         let shown = if written { Shown::Written } else { shown };
-        self.parameters.insert(object, (value, shown));
-        if matches!(object.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF) {
+        let before = self.parameters.insert(object, (value, shown)).map(|before| before.0);
+        let lays_out = PdoNumber::of_mapping_index(object.index.0).is_some() || scaling::is_scaling_parameter(object);
+        if lays_out && before != Some(value) {
             self.forget_layouts();
         }
     }
 
-    /// The parameters were stored: a reset does not change them any more.
-    pub fn store(&mut self) {
-        self.stored = self.parameters.clone();
+    /// Parameters were stored by that sub-index of 1010h: a reset does not change them any more.
+    pub fn store(&mut self, sub: u8) {
+        let is_stored = |index: u16| match sub {
+            1 => true,
+            2 => matches!(index, 0x1000..=0x1FFF),
+            3 => matches!(index, 0x6000..=0x9FFF),
+            _ => false,
+        };
+        let shown = self.parameters.iter().filter(|(object, _)| is_stored(object.index.0));
+        self.stored.extend(shown.map(|(&object, &value)| (object, value)));
     }
 
     /// The defaults were restored; they take effect at the next reset.
     pub fn restore_defaults(&mut self) {
-        // Device type and identity are the device's own: no default changes them.
-        self.stored.retain(|object, _| matches!(object.index.0, 0x1000 | 0x1018));
+        // Device type, identity and resolution are the device's own: no default changes them.
+        self.stored.retain(|object, _| matches!(object.index.0, 0x1000 | 0x1018 | 0x6501 | 0x6507));
     }
 
     /// The node started anew: with what is stored, as far as the trace has shown that.
@@ -94,6 +107,7 @@ impl Node {
         self.parameters = self.stored.clone();
         self.forget_layouts();
         self.guarded = false;
+        self.error_since = None;
     }
 
     /// The communication parameters that the trace has shown.
@@ -110,7 +124,7 @@ impl Node {
     /// How a PDO is laid out at this moment; `None` where its mapping is not known.
     pub fn layout(&mut self, id: NodeId, pdo: PdoNumber) -> Option<&Layout> {
         if !self.layouts.contains_key(&pdo) {
-            let layout = self.mapping(id, pdo).map(|entries| Layout::new(&entries, self.description.as_deref()));
+            let layout = self.mapping(id, pdo).map(|entries| Layout::new(&entries, id, self));
             self.layouts.insert(pdo, layout);
             let count = self.parameter(id, Multiplexer::new(pdo.mapping_index(), 0));
             if let Some(addressing) = count.and_then(Addressing::of_mapping_count) {
@@ -135,8 +149,14 @@ impl Node {
         self.multiplexed.clear();
     }
 
+    /// What the values of an object are in the unit that the configuration of the device decides, where that is
+    /// known: degrees or millimetres of a position, the unit of a speed.
+    pub fn scale(&self, id: NodeId, object: Multiplexer) -> Option<Unit> {
+        scaling::scale(self, id, object)
+    }
+
     /// The entries of a PDO's mapping, if all of them are known and the mapping is switched on.
-    fn mapping(&self, id: NodeId, pdo: PdoNumber) -> Option<Vec<MappingEntry>> {
+    pub fn mapping(&self, id: NodeId, pdo: PdoNumber) -> Option<Vec<MappingEntry>> {
         let index = pdo.mapping_index();
         let count = self.parameter(id, Multiplexer::new(index, 0))?;
         // FEh and FFh make it a multiplexed PDO, which carries its own addresses.

@@ -3,7 +3,12 @@
 mod object;
 mod pdo;
 mod sdo;
+mod signal;
+mod transfer;
 mod value;
+
+pub use signal::{Name, Number, SignalValue};
+pub use transfer::TransferText;
 
 use crate::message::{Message, Service};
 use crate::network::{Bus, Decoded};

@@ -5,11 +5,15 @@ use crate::dictionary::names::{ObjectName, bit_name, object_name, unit};
 use crate::dictionary::{Annotation, DataType, Entry, Object as DescribedObject, Unit};
 use crate::network::Node;
 use crate::{Multiplexer, NodeId};
+use std::borrow::Cow;
 use std::fmt;
 
 /// An object of a node: `1018h:01 Identity object, Vendor-ID`.
+#[derive(Clone, Copy)]
 pub(super) struct Object<'a> {
-    multiplexer: Multiplexer,
+    id: Option<NodeId>,
+    node: Option<&'a Node>,
+    pub multiplexer: Multiplexer,
     object: Option<&'a DescribedObject>,
     entry: Option<&'a Entry>,
     standard: Option<ObjectName>,
@@ -23,6 +27,8 @@ impl<'a> Object<'a> {
         let object = description.and_then(|description| description.dictionary.object(multiplexer.index));
         let profile = id.zip(node).and_then(|(id, node)| node.profile(id));
         Self {
+            id,
+            node,
             multiplexer,
             object,
             entry: object.and_then(|object| object.entry(multiplexer.sub)),
@@ -41,9 +47,15 @@ impl<'a> Object<'a> {
         self.annotation.and_then(|annotation| annotation.choice(raw))
     }
 
-    pub fn unit(&self) -> Option<Unit> {
-        let annotated = self.annotation.and_then(|annotation| annotation.unit.clone());
-        annotated.or_else(|| unit(self.multiplexer, self.profile))
+    /// The unit that the description or the standard gives the object.
+    pub fn unit(&self) -> Option<Cow<'a, Unit>> {
+        let annotated = self.annotation.and_then(|annotation| annotation.unit.as_ref());
+        annotated.map(Cow::Borrowed).or_else(|| unit(self.multiplexer, self.profile).map(Cow::Owned))
+    }
+
+    /// The unit that the configuration of the device decides.
+    pub fn scale(&self) -> Option<Unit> {
+        self.node.zip(self.id).and_then(|(node, id)| node.scale(id, self.multiplexer))
     }
 
     /// What a bit says in that state, where that is worth saying.
@@ -58,7 +70,7 @@ impl<'a> Object<'a> {
 
     /// A value of the object.
     pub fn value<'v>(&'v self, bytes: &'v [u8]) -> ValueText<'v> {
-        ValueText { bytes, object: self }
+        ValueText { bytes, object: self, scale: None }
     }
 
     /// The first bytes of a value, as many as the object's type has: of an SDO whose length is not said, or of a
@@ -79,6 +91,25 @@ impl fmt::Display for Object<'_> {
         write!(f, " {}", object.name.escape_debug())?;
         match self.entry {
             Some(entry) if !object.code.is_single() => write!(f, ", {}", entry.name.escape_debug()),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl Object<'_> {
+    /// Whether the description or a standard names it.
+    pub fn is_named(&self) -> bool {
+        self.object.is_some() || self.standard.is_some()
+    }
+
+    /// The name without the address, as it stands in the description: not escaped.
+    pub fn name(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Some(object) = self.object else {
+            return self.standard.map_or(Ok(()), |name| write!(f, "{name}"));
+        };
+        f.write_str(&object.name)?;
+        match self.entry {
+            Some(entry) if !object.code.is_single() => write!(f, ", {}", entry.name),
             _ => Ok(()),
         }
     }

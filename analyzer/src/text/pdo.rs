@@ -2,6 +2,8 @@
 
 use super::Meaning;
 use super::object::Object;
+use super::signal::SignalValue;
+use super::value::ValueText;
 use crate::NodeId;
 use crate::message::PdoNumber;
 use crate::network::{Layout, Signal};
@@ -14,23 +16,30 @@ impl Meaning<'_> {
         let payload = self.record.frame.data();
         let node = self.decoded.node.and_then(|node| self.bus.node(node));
         match node.and_then(|node| node.known_layout(number)) {
-            Some(layout) => self.signals(layout, payload, f),
+            Some(layout) => self.layout_signals(layout, payload, f),
             None => bytes(payload, f),
         }
     }
 
     pub(super) fn mpdo(&self, number: PdoNumber, mpdo: &Mpdo, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        // The object is in the dictionary of the node that the address names.
+        let object = self.mpdo_object(mpdo);
+        write!(f, "{number}, multiplexed, {mpdo}: {object} = {}", object.leading(&mpdo.data))
+    }
+
+    /// The object is in the dictionary of the node that the address names.
+    pub(super) fn mpdo_object(&self, mpdo: &Mpdo) -> Object<'_> {
         let addressed = match mpdo.addressing {
             Addressing::Source => NodeId::new(mpdo.node).or(self.decoded.node),
             Addressing::Destination => NodeId::new(mpdo.node),
         };
-        let node = addressed.and_then(|id| self.bus.node(id));
-        let object = Object::new(addressed, node, mpdo.object);
-        write!(f, "{number}, multiplexed, {mpdo}: {object} = {}", object.leading(&mpdo.data))
+        Object::new(addressed, addressed.and_then(|id| self.bus.node(id)), mpdo.object)
     }
 
-    fn signals(&self, layout: &Layout, payload: &[u8], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    pub(super) fn multiplexed(&self, mpdo: &Mpdo) -> SignalValue<'_> {
+        SignalValue::multiplexed(self.mpdo_object(mpdo), mpdo.data)
+    }
+
+    fn layout_signals(&self, layout: &Layout, payload: &[u8], f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for (n, signal) in layout.signals.iter().enumerate() {
             f.write_str(if n == 0 { ": " } else { ", " })?;
             self.signal(signal, payload, f)?;
@@ -48,7 +57,8 @@ impl Meaning<'_> {
             Some(raw) => {
                 let bytes = raw.to_le_bytes();
                 let mapped = &bytes[..usize::from(signal.bits).div_ceil(8).min(8)];
-                write!(f, "{object} = {}", object.leading(mapped))
+                let value = ValueText { scale: signal.scale.as_ref(), ..object.leading(mapped) };
+                write!(f, "{object} = {value}")
             }
             None => write!(f, "{object} cut off"),
         }

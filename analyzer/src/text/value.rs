@@ -8,6 +8,8 @@ use std::fmt;
 pub(super) struct ValueText<'v> {
     pub bytes: &'v [u8],
     pub object: &'v Object<'v>,
+    /// The unit that the configuration decides, where that is known already.
+    pub scale: Option<&'v Unit>,
 }
 
 /// How many bytes of a long value are shown.
@@ -18,8 +20,8 @@ impl ValueText<'_> {
         if let Some(name) = self.object.choice(raw) {
             return write!(f, "{raw} ({})", name.escape_debug());
         }
-        if let Some(unit) = self.object.unit() {
-            return physical(raw as f64, &unit, f);
+        if let Some(done) = self.physical(raw as f64, f) {
+            return done;
         }
         if let Some(text) = signature(self.bytes) {
             return write!(f, "\"{text}\"");
@@ -40,9 +42,17 @@ impl ValueText<'_> {
     }
 
     fn integer(&self, value: i64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.object.unit() {
-            Some(unit) => physical(value as f64, &unit, f),
-            None => write!(f, "{value}"),
+        self.physical(value as f64, f).unwrap_or_else(|| write!(f, "{value}"))
+    }
+
+    /// The value in its unit, and in that which the configuration decides; `None` if it has neither.
+    fn physical(&self, raw: f64, f: &mut fmt::Formatter<'_>) -> Option<fmt::Result> {
+        let computed = if self.scale.is_none() { self.object.scale() } else { None };
+        match (self.object.unit(), self.scale.or(computed.as_ref())) {
+            (None, None) => None,
+            (Some(unit), None) => Some(physical(raw, &unit, f)),
+            (None, Some(scale)) => Some(physical(raw, scale, f)),
+            (Some(unit), Some(scale)) => Some(both(raw, &unit, scale, f)),
         }
     }
 
@@ -98,11 +108,17 @@ fn hexadecimal(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Resul
     }
 }
 
+/// `19642 steps (863.173828°)`.
+fn both(raw: f64, unit: &Unit, scale: &Unit, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    physical(raw, unit, f)?;
+    f.write_str(" (")?;
+    physical(raw, scale, f)?;
+    f.write_str(")")
+}
+
 fn physical(raw: f64, unit: &Unit, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    let value = raw.mul_add(unit.factor, unit.offset);
-    // Factors such as 0.1 have no exact binary form; six digits are far beyond any of these devices.
-    let rounded = (value * 1e6).round() / 1e6;
-    write!(f, "{rounded} {}", unit.symbol.escape_debug())
+    let blank = if unit.symbol == "°" { "" } else { " " };
+    write!(f, "{}{blank}{}", unit.physical(raw), unit.symbol.escape_debug())
 }
 
 /// The text of signatures such as `save` and `load`.

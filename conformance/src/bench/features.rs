@@ -1,7 +1,7 @@
 //! What the device has: its description and the device itself are asked.
 
 use super::Bench;
-use super::objects::{EVENT_TIMER, TPDO_COB_ID};
+use super::objects::{EVENT_TIMER, TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
 use super::sdo::number;
 use super::state::{GUARD_TIME, HEARTBEAT_TIME};
 use crate::case::{Need, Touch};
@@ -59,6 +59,34 @@ impl Bench<'_> {
                 }
             }
             Need::Lss => self.lss(),
+            Need::HeartbeatConsumer => self.heartbeat_consumer()?,
+            Need::Monitoring => {
+                let guarded = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
+                if guarded { Ok(()) } else { self.heartbeat_consumer()? }
+            }
+            Need::Guarding => {
+                if self.has(GUARD_TIME)? {
+                    Ok(())
+                } else {
+                    absent("100Ch")
+                }
+            }
+            Need::ErrorHistory => {
+                if self.has(Multiplexer::new(0x1003, 0))? {
+                    Ok(())
+                } else {
+                    absent("1003h")
+                }
+            }
+            Need::DynamicMapping => self.dynamic_mapping()?,
+            Need::Encoder => self.encoder()?,
+            Need::Store => {
+                if self.has(Multiplexer::new(0x1010, 1))? {
+                    Ok(())
+                } else {
+                    absent("1010h:01")
+                }
+            }
             Need::Description => match self.target.description {
                 Some(_) => Ok(()),
                 None => Err("no description of the device was given".to_owned()),
@@ -96,6 +124,42 @@ impl Bench<'_> {
             return Ok(Err(format!("TPDO 1 is switched off ({TPDO_COB_ID} is {})", CobId(number(&cob_id)))));
         }
         Ok(if self.has(EVENT_TIMER)? { Ok(()) } else { Err(format!("the device has no {EVENT_TIMER}")) })
+    }
+
+    fn heartbeat_consumer(&mut self) -> Result<Result<(), String>, Verdict> {
+        Ok(match (self.has(Multiplexer::new(0x1016, 1))?, self.vacant_neighbour()) {
+            (false, _) => Err("the device has no 1016h:01".to_owned()),
+            (true, None) => Err("every node-ID beside that of the device is in use".to_owned()),
+            (true, Some(_)) => Ok(()),
+        })
+    }
+
+    /// Whether the device has an object and its description does not call it read-only.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Verdict> {
+        Ok(self.is_described_as_writable(multiplexer) && self.has(multiplexer)?)
+    }
+
+    fn dynamic_mapping(&mut self) -> Result<Result<(), String>, Verdict> {
+        for multiplexer in [TPDO_COB_ID, TPDO_MAPPED, TPDO_FIRST_ENTRY] {
+            if !self.can_write(multiplexer)? {
+                return Ok(Err(format!("{multiplexer} is absent or can't be written")));
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    fn encoder(&mut self) -> Result<Result<(), String>, Verdict> {
+        let Outcome::Uploaded(device_type) = self.upload(Multiplexer::new(0x1000, 0))?.outcome else {
+            return Ok(Err("1000h can't be read".to_owned()));
+        };
+        let profile = number(&device_type) & 0xFFFF;
+        if profile != 406 {
+            return Ok(Err(format!("1000h names profile {profile}")));
+        }
+        Ok(if self.has(Multiplexer::new(0x6004, 0))? { Ok(()) } else { Err("the device has no 6004h".to_owned()) })
     }
 
     fn lss(&self) -> Result<(), String> {

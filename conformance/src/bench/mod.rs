@@ -123,6 +123,11 @@ impl<'a> Bench<'a> {
         self.notes.push(text.into());
     }
 
+    /// Says that the case provokes errors: EMCYs are not noted as unasked.
+    pub fn expect_emergencies(&mut self) {
+        self.watch.expect_emergencies();
+    }
+
     /// Forgets the case before: nothing of it counts for the next one.
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();

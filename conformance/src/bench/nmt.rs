@@ -52,6 +52,11 @@ impl Bench<'_> {
         self.send(&Nmt { command, node }.to_frame(nmt::CAN_ID))
     }
 
+    /// Says that the device may restart because of what the case does next: no surprise, but no duty either.
+    pub fn watch_restart(&mut self) {
+        self.watch.expect_boot_up();
+    }
+
     /// Whether a frame is a boot-up message of the device under test, and nothing else: one byte, 00h.
     pub fn is_boot_up(&self, frame: &Frame) -> bool {
         self.is_error_control(frame) && frame.data() == [0]

@@ -10,6 +10,14 @@ use canvass_analyzer::wire::sdo::{Payload, Response};
 
 /// COB-ID of TPDO 1.
 pub const TPDO_COB_ID: Multiplexer = Multiplexer::new(0x1800, 1);
+/// Transmission type of TPDO 1.
+pub const TRANSMISSION_TYPE: Multiplexer = Multiplexer::new(0x1800, 2);
+/// Inhibit time of TPDO 1, in 100 µs.
+pub const INHIBIT_TIME: Multiplexer = Multiplexer::new(0x1800, 3);
+/// How many objects TPDO 1 carries.
+pub const TPDO_MAPPED: Multiplexer = Multiplexer::new(0x1A00, 0);
+/// The first object that TPDO 1 carries.
+pub const TPDO_FIRST_ENTRY: Multiplexer = Multiplexer::new(0x1A00, 1);
 /// Event timer of TPDO 1, in ms.
 pub const EVENT_TIMER: Multiplexer = Multiplexer::new(0x1800, 5);
 
@@ -89,7 +97,7 @@ impl Bench<'_> {
     }
 
     /// Without a description every object may be writable.
-    fn is_described_as_writable(&self, multiplexer: Multiplexer) -> bool {
+    pub(super) fn is_described_as_writable(&self, multiplexer: Multiplexer) -> bool {
         self.target.description.as_ref().is_none_or(|description| {
             description.dictionary.entry(multiplexer).is_ok_and(|entry| entry.access.is_writable())
         })

@@ -13,9 +13,9 @@ pub struct Change {
     original: Vec<u8>,
 }
 
-/// Writing these makes something happen; there is no value to put back.
+/// Writing these makes something happen (clears the error history, stores, restores); there is no value to put back.
 const fn is_trigger(multiplexer: Multiplexer) -> bool {
-    matches!(multiplexer.index.0, 0x1010 | 0x1011)
+    matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011)
 }
 
 impl Bench<'_> {
@@ -40,11 +40,16 @@ impl Bench<'_> {
         {
             self.notes.push(format!("not restored: {}", verdict.reason().cloned().unwrap_or_default()));
         }
-        for change in changes.into_iter().rev() {
-            if let Some(problem) = self.put_back(&change) {
-                let value = Bytes(&change.original);
-                self.notes.push(format!("{} could not be set back to {value}: {problem}", change.multiplexer));
-            }
+        let mut stuck: Vec<Change> =
+            changes.into_iter().rev().filter(|change| self.put_back(change).is_some()).collect();
+        // Some values can only be written in a certain order, such as those of a PDO that is valid again by now. What
+        // was not stored is back after a reset.
+        if !stuck.is_empty() && self.reset(Command::RESET_NODE).is_ok() {
+            stuck.retain(|change| self.put_back(change).is_some());
+        }
+        for change in stuck {
+            let value = Bytes(&change.original);
+            self.notes.push(format!("{} could not be set back to {value}", change.multiplexer));
         }
         self.restoring = false;
     }
@@ -58,6 +63,7 @@ impl Bench<'_> {
         Ok(())
     }
 
+    /// What stands against it, if the value could not be put back.
     fn put_back(&mut self, change: &Change) -> Option<String> {
         let now = match self.upload(change.multiplexer) {
             Ok(attempt) => attempt.outcome,

@@ -21,6 +21,7 @@ pub struct Watch {
     last_boot_up: Option<Timestamp>,
     restarted: Option<Timestamp>,
     emergencies: Vec<(Timestamp, Emcy)>,
+    provoked: bool,
     others: BTreeSet<NodeId>,
 }
 
@@ -32,6 +33,7 @@ impl Watch {
             last_boot_up: None,
             restarted: None,
             emergencies: Vec::new(),
+            provoked: false,
             others: BTreeSet::new(),
         }
     }
@@ -39,6 +41,11 @@ impl Watch {
     /// A reset was commanded: the next boot-up is no surprise.
     pub fn expect_boot_up(&mut self) {
         self.awaiting_boot_up = true;
+    }
+
+    /// Errors are provoked from now on: EMCYs are no surprise.
+    pub fn expect_emergencies(&mut self) {
+        self.provoked = true;
     }
 
     /// Takes a frame of the bus.
@@ -76,7 +83,7 @@ impl Watch {
 
     fn on_emergency(&mut self, at: Timestamp, emcy: Emcy) {
         let is_error = emcy.code().is_some_and(|code| !code.is_reset());
-        if is_error && self.emergencies.len() < EMERGENCIES {
+        if is_error && !self.provoked && self.emergencies.len() < EMERGENCIES {
             self.emergencies.push((at, emcy));
         }
     }
@@ -100,6 +107,7 @@ impl Watch {
     pub fn forget(&mut self) {
         self.restarted = None;
         self.emergencies.clear();
+        self.provoked = false;
     }
 }
 

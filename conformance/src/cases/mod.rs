@@ -1,3 +1,5 @@
 //! The cases, by standard.
 
 mod cia301;
+mod cia305;
+mod cia406;

@@ -10,7 +10,7 @@ use super::tpdo::Tpdo;
 use super::{Device, PLACEHOLDER, heartbeat};
 use crate::Fault;
 use canvass_analyzer::NodeId;
-use canvass_analyzer::wire::{Wire, nmt as nmt_wire};
+use canvass_analyzer::wire::nmt as nmt_wire;
 use canvass_traces::{Frame, Timestamp};
 
 impl Device {
@@ -110,10 +110,7 @@ impl Device {
             [command] if self.faults.has(Fault::NmtShortFrameObeyed) => {
                 nmt_wire::Nmt { command: nmt_wire::Command(command), node: node.raw() }
             }
-            [_, _] => match nmt_wire::Nmt::read(frame.data()) {
-                Ok(message) => message,
-                Err(_) => return,
-            },
+            [command, node] => nmt_wire::Nmt { command: nmt_wire::Command(command), node },
             _ => return,
         };
         match nmt::order(message, node, self.phase, self.faults) {

@@ -3,7 +3,7 @@
 //! A *fail* is a failure; *error* and *inconclusive* are errors, because nothing is known where something should be;
 //! *not applicable* is skipped; *tolerated* and *deviation* pass, with their reason in the output.
 
-use super::{Run, family, short_name};
+use super::{Run, family, name_in_family};
 use crate::escape::printable;
 use canvass_conformance::runner::CaseReport;
 use canvass_conformance::verdict::{Kind, Reason, Verdict};
@@ -39,7 +39,7 @@ fn suite(run: &Run, cases: &[CaseReport]) -> TestSuite {
 }
 
 fn test_case(report: &CaseReport) -> TestCase {
-    let mut case = TestCase::new(short_name(report.case.id), status(&report.verdict));
+    let mut case = TestCase::new(name_in_family(report.case.id), status(&report.verdict));
     case.set_classname(family(report.case.id).replace('/', "."));
     case.set_time(report.duration.into());
     case.add_property(("clause", report.case.clause.to_string().as_str()));

@@ -1,6 +1,6 @@
 //! The result as Markdown: for a merge request or a wiki.
 
-use super::{Run, hex, milliseconds_since, symbol};
+use super::{Run, hex, milliseconds_since, outcome, symbol};
 use crate::escape::markdown;
 use canvass_conformance::runner::CaseReport;
 use canvass_conformance::verdict::Kind;
@@ -17,6 +17,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     let [name, _, software] = run.info.device.names.each_ref().map(|name| name.as_deref().unwrap_or("unknown"));
     writeln!(out, "# Conformance of node {}\n", run.info.node)?;
     writeln!(out, "Device: {}, software {}. Bus: {}.\n", markdown(name), markdown(software), markdown(&run.info.bus))?;
+    writeln!(out, "{}.\n", outcome(&run.summary))?;
     writeln!(out, "| verdict | cases |\n|---|---:|")?;
     for kind in Kind::ALL {
         writeln!(out, "| {} {kind} | {} |", symbol(kind), run.summary.count(kind))?;

@@ -87,14 +87,31 @@ const fn symbol(kind: Kind) -> &'static str {
     }
 }
 
-/// The family of a case: its id without the last word.
+/// The family of a case: the first two words of its id, such as `301/sdo`.
 fn family(id: &str) -> &str {
-    id.rsplit_once('/').map_or(id, |(family, _)| family)
+    id.match_indices('/').nth(1).map_or(id, |(at, _)| id.get(..at).unwrap_or(id))
 }
 
-/// The last word of a case's id.
-fn short_name(id: &str) -> &str {
-    id.rsplit_once('/').map_or(id, |(_, name)| name)
+/// A case within its family: `download/read-only`.
+fn name_in_family(id: &str) -> &str {
+    id.splitn(3, '/').nth(2).unwrap_or(id)
+}
+
+/// One line about the outcome.
+fn outcome(summary: &Summary) -> String {
+    let counted = |kind: Kind, verb: &str| {
+        let count = summary.count(kind);
+        (count > 0).then(|| format!("{count} {verb}"))
+    };
+    let bad = [
+        counted(Kind::Fail, "failed"),
+        counted(Kind::Error, "could not be run"),
+        counted(Kind::Inconclusive, "could not be judged"),
+    ];
+    let bad: Vec<String> = bad.into_iter().flatten().collect();
+    let good = if bad.is_empty() { "none failed".to_owned() } else { bad.join(", ") };
+    let cancelled = if summary.cancelled { " (cancelled before the end)" } else { "" };
+    format!("Of {} cases {good}{cancelled}", summary.total())
 }
 
 /// Milliseconds with three digits since `start`: what a person compares.

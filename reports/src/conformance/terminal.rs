@@ -1,6 +1,6 @@
 //! The result on a terminal: progress while the run goes on, then what was wrong, then the count.
 
-use super::{Reporter, symbol};
+use super::{Reporter, outcome, symbol};
 use crate::escape::printable;
 use canvass_conformance::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_conformance::verdict::Kind;
@@ -86,9 +86,7 @@ impl<O: Write, P: Write> Terminal<O, P> {
             writeln!(self.out, "  {id}: {}", printable(&why))?;
         }
         writeln!(self.out, "\n{}", self.table(summary))?;
-        if summary.cancelled {
-            writeln!(self.out, "The run was cancelled before all cases had run.")?;
-        }
+        writeln!(self.out, "{}, in {} on the bus.", outcome(summary), summary.duration)?;
         self.out.flush()
     }
 
@@ -115,7 +113,8 @@ impl<O: Write, P: Write> Terminal<O, P> {
         let hidden = frames.len().saturating_sub(FRAMES);
         let before = report.evidence.omitted() + hidden as u64;
         if before > 0 {
-            writeln!(self.out, "    … {before} frames before")?;
+            let plural = if before == 1 { "" } else { "s" };
+            writeln!(self.out, "    … {before} frame{plural} before")?;
         }
         for exhibit in frames.iter().skip(hidden) {
             let (record, text) = (&exhibit.record, printable(&exhibit.text));

@@ -253,10 +253,11 @@ struct PcapWriter {
     sink: Box<dyn Write>,
     /// The packet under way.
     packet: Vec<u8>,
+    time_base: TimeBase,
     losses: Losses,
 }
 
-pub(crate) fn create(mut sink: Box<dyn Write>, _options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
+pub(crate) fn create(mut sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
     let mut header = Vec::with_capacity(FILE_HEADER);
     header.extend_from_slice(&NANOSECONDS.to_le_bytes());
     header.extend_from_slice(&[2, 0, 4, 0]);
@@ -264,7 +265,7 @@ pub(crate) fn create(mut sink: Box<dyn Write>, _options: &WriteOptions) -> Resul
     header.extend_from_slice(&LONGEST.to_le_bytes());
     header.extend_from_slice(&u32::from(socketcan::WRITTEN_LINK_TYPE).to_le_bytes());
     sink.write_all(&header)?;
-    Ok(Box::new(PcapWriter { sink, packet: Vec::new(), losses: Losses::default() }))
+    Ok(Box::new(PcapWriter { sink, packet: Vec::new(), time_base: options.time_base, losses: Losses::default() }))
 }
 
 impl Writer for PcapWriter {
@@ -274,6 +275,9 @@ impl Writer for PcapWriter {
         }
         if record.direction != Direction::Unknown {
             self.losses.count(Loss::Direction);
+        }
+        if self.time_base == TimeBase::Local {
+            self.losses.count(Loss::TimeZone);
         }
         let nanos = record.timestamp.nanos();
         // 32 bits of seconds last until 2106.

@@ -19,6 +19,18 @@ impl Unit {
     const fn new(factor: f64, symbol: &'static str) -> Self {
         Self { factor, offset: 0.0, symbol: Cow::Borrowed(symbol) }
     }
+
+    /// The physical value of a raw one, to six decimals: factors such as 0.1 have no exact binary form, and six
+    /// digits are far beyond any of these devices.
+    pub fn physical(&self, raw: f64) -> f64 {
+        let value = raw.mul_add(self.factor, self.offset);
+        (value * 1e6).round() / 1e6
+    }
+
+    /// Whether raw and physical values are the same numbers.
+    pub fn is_raw(&self) -> bool {
+        self.factor == 1.0 && self.offset == 0.0
+    }
 }
 
 /// Measuring units of a position: how many make a revolution or a millimetre is configured.

@@ -29,6 +29,8 @@ pub struct Channel {
     /// The node that serves.
     pub server: NodeId,
     pub(super) transfer: Option<Transfer>,
+    /// The last one that was left before its end.
+    left: Option<Transfer>,
     pub(super) held_back: HeldBack,
     phase: Phase,
 }
@@ -59,7 +61,7 @@ pub struct Step {
     pub message: Message,
     /// Whether it ended the transfer.
     pub ended: bool,
-    /// Whether it began a transfer while another was open, which then ended as [`Outcome::Superseded`].
+    /// Whether a transfer that was open ended as [`Outcome::Superseded`]: the channel's left transfer.
     pub superseded: bool,
     /// The rule that this frame broke.
     pub violation: Option<Violation>,
@@ -79,7 +81,7 @@ impl Step {
 impl Channel {
     /// A channel on which nothing was seen yet.
     pub fn new(server: NodeId) -> Self {
-        Self { server, transfer: None, held_back: HeldBack::default(), phase: Phase::Idle }
+        Self { server, transfer: None, left: None, held_back: HeldBack::default(), phase: Phase::Idle }
     }
 
     /// The transfer under way, or the last one.
@@ -87,9 +89,24 @@ impl Channel {
         self.transfer.as_ref()
     }
 
-    /// Forgets the transfer under way: its node was reset.
-    pub fn reset(&mut self) {
+    /// The last transfer that was left before its end.
+    pub fn left_transfer(&self) -> Option<&Transfer> {
+        self.left.as_ref()
+    }
+
+    /// Forgets the transfer under way: its node was reset. Returns whether there was one.
+    pub fn reset(&mut self) -> bool {
+        let open = self.phase != Phase::Idle;
         self.phase = Phase::Idle;
+        if open {
+            self.left = self.transfer.take();
+        }
+        open
+    }
+
+    /// Whether a transfer is under way.
+    pub fn is_busy(&self) -> bool {
+        self.phase != Phase::Idle
     }
 
     /// A frame from the client.
@@ -168,6 +185,11 @@ impl Channel {
     /// Starts a transfer; returns whether another one was open.
     fn begin(&mut self, now: Timestamp, multiplexer: Multiplexer, direction: Direction, mode: Mode) -> bool {
         let superseded = self.phase != Phase::Idle;
+        if superseded {
+            self.with(|transfer| transfer.end(Outcome::Superseded));
+            // The memory of the one before is used again.
+            std::mem::swap(&mut self.transfer, &mut self.left);
+        }
         match &mut self.transfer {
             Some(transfer) => transfer.restart(multiplexer, direction, mode, now),
             None => self.transfer = Some(Transfer::new(multiplexer, direction, mode, now)),
@@ -178,13 +200,16 @@ impl Channel {
 
     /// The server answers another request in the middle of a block download: the client has given that up, and its
     /// request was taken for a segment.
-    fn leave_block_download(&mut self) {
-        let Phase::Block(Block::Download(state)) = self.phase else { return };
+    fn leave_block_download(&mut self, step: Step) -> Step {
+        let Phase::Block(Block::Download(state)) = self.phase else { return step };
         // Before the first segment there is no request that was taken for one.
-        if !matches!(state, DownloadBlock::Initiated { .. }) {
-            self.phase = Phase::Idle;
-            self.with(|transfer| transfer.end(Outcome::Superseded));
+        if matches!(state, DownloadBlock::Initiated { .. }) {
+            return step;
         }
+        self.phase = Phase::Idle;
+        self.with(|transfer| transfer.end(Outcome::Superseded));
+        self.left = self.transfer.take();
+        Step { superseded: true, ..step }
     }
 
     /// Takes the value of an initiate message, or the announcement of its segments.
@@ -205,8 +230,7 @@ impl Channel {
     fn upload_initiated(&mut self, now: Timestamp, multiplexer: Multiplexer, payload: Payload, step: Step) -> Step {
         let block = matches!(self.phase, Phase::Block(Block::Upload(UploadBlock::Initiated { .. })));
         if !(block || self.phase == Phase::Initiated && self.direction() == Some(Direction::Upload)) {
-            self.leave_block_download();
-            return step.unexpected();
+            return self.leave_block_download(step).unexpected();
         }
         let step = self.answered(now, multiplexer, step);
         self.announce(payload);
@@ -219,8 +243,7 @@ impl Channel {
 
     fn download_initiated(&mut self, now: Timestamp, multiplexer: Multiplexer, step: Step) -> Step {
         if self.phase != Phase::Initiated || self.direction() != Some(Direction::Download) {
-            self.leave_block_download();
-            return step.unexpected();
+            return self.leave_block_download(step).unexpected();
         }
         let step = self.answered(now, multiplexer, step);
         if self.mode() == Some(Mode::Expedited) {

@@ -212,6 +212,20 @@ impl fmt::Display for Side {
     }
 }
 
+impl Violation {
+    /// The name in JSON.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Toggle => "toggle",
+            Self::Multiplexer(_) => "multiplexer",
+            Self::Size { .. } => "size",
+            Self::Crc { .. } => "crc",
+            Self::Sequence { .. } => "sequence",
+            Self::Unexpected => "unexpected",
+        }
+    }
+}
+
 impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -2,9 +2,15 @@
 
 mod boot_up;
 mod dictionary;
+mod emcy;
+mod guarding;
 mod heartbeat;
+mod heartbeat_consumer;
 mod identity;
 mod nmt;
+mod pdo_communication;
+mod pdo_mapping;
 mod sdo;
 mod state;
+mod store;
 mod tpdo;

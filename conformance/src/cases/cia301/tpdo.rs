@@ -1,14 +1,14 @@
 //! TPDOs: when they are sent.
 
 use crate::bench::Bench;
-use crate::bench::objects::{EVENT_TIMER, TPDO_COB_ID};
+use crate::bench::objects::{EVENT_TIMER, INHIBIT_TIME, TPDO_COB_ID, TRANSMISSION_TYPE};
 use crate::case;
 use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::CobId;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_analyzer::{CobId, Multiplexer};
+use canvass_analyzer::wire::sync;
 use canvass_traces::{Duration, Record};
 
-const TRANSMISSION_TYPE: Multiplexer = Multiplexer::new(0x1800, 2);
 const PERIOD_MS: u16 = 100;
 const PERIOD: Duration = Duration::from_millis(100);
 
@@ -90,5 +90,57 @@ fn silent_unless_operational(bench: &mut Bench<'_>, command: Command) -> Judged 
     demand(heard.is_empty(), || {
         let duty = format!("after {command} TPDO 1 is not sent");
         Reason::new(duty, "silence for 500 ms", format!("{} TPDOs", heard.len()))
+    })
+}
+
+/// A TPDO of transmission type n is sent once for every n SYNCs.
+#[case(id = "301/tpdo/sync-cycle", clause = "CiA 301 7.2.2.2", confidence = Known, level = Must,
+       needs = [EventTimer], catches = [SyncCycleIgnored], cct = "6.3")]
+fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
+    const CYCLES: usize = 4;
+    let cob_id = (CobId(bench.read_number(TPDO_COB_ID)?).can_id() & 0x7FF) as u16;
+    for cycle in [1_u8, 3] {
+        bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+        bench.listen(bench.timing().reaction)?;
+        bench.write(TRANSMISSION_TYPE, &[cycle])?;
+        bench.command(Command::START)?;
+        bench.listen(bench.timing().reaction)?;
+        let mut sent = 0;
+        for _ in 0..CYCLES * usize::from(cycle) {
+            bench.send_bytes(sync::CAN_ID, &[])?;
+            sent += tpdos(bench, cob_id, Duration::from_millis(20))?.len();
+        }
+        demand(sent == CYCLES, || {
+            let duty = format!("with transmission type {cycle} TPDO 1 follows every {cycle}. SYNC");
+            let syncs = CYCLES * usize::from(cycle);
+            Reason::new(duty, format!("{CYCLES} TPDOs after {syncs} SYNCs"), format!("{sent}"))
+        })?;
+    }
+    Ok(Verdict::Pass)
+}
+
+/// Between two TPDOs at least the inhibit time passes, whatever the event timer says.
+#[case(id = "301/tpdo/inhibit-time", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+       needs = [EventTimer], catches = [InhibitTimeIgnored])]
+fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
+    const INHIBIT: Duration = Duration::from_millis(300);
+    let cob_id = bench.read(TPDO_COB_ID)?;
+    let number = crate::bench::sdo::number(&cob_id);
+    // The inhibit time changes only while the PDO is not valid. In units of 100 µs.
+    bench.write(TPDO_COB_ID, &(number | CobId::INVALID).to_le_bytes())?;
+    bench.write(INHIBIT_TIME, &3_000_u16.to_le_bytes())?;
+    bench.write(TPDO_COB_ID, &cob_id)?;
+    let can_id = cyclic_tpdo(bench)?;
+    bench.command(Command::START)?;
+    let heard = tpdos(bench, can_id, INHIBIT.times(5))?;
+    let gaps = heard.windows(2).filter_map(|pair| match pair {
+        [a, b] => Some(b.timestamp.since(a.timestamp)),
+        _ => None,
+    });
+    let shortest = gaps.min();
+    let limit = INHIBIT.nanos() - bench.timing().tolerance(INHIBIT).nanos();
+    demand(shortest.is_some_and(|gap| gap.nanos() >= limit), || {
+        let actual = shortest.map_or_else(|| "fewer than two TPDOs".to_owned(), |gap| format!("{gap}"));
+        Reason::new("TPDOs are at least the inhibit time apart", INHIBIT.to_string(), actual)
     })
 }

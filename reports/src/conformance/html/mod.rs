@@ -5,7 +5,7 @@
 
 mod case;
 
-use super::{Run, family, short_name, symbol};
+use super::{Run, family, name_in_family, outcome, symbol};
 use crate::escape::printable;
 use canvass_conformance::verdict::Kind;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
@@ -73,9 +73,7 @@ fn head(run: &Run, name: &str) -> Markup {
         p.kicker { "CANopen conformance" }
         h1 { (name) }
         p.outcome.(if good { "good" } else { "bad" }) {
-            (if good { "No failure" } else { "Not conformant or not judged" })
-            " in " (run.summary.executed()) " of " (run.summary.total()) " cases"
-            @if run.summary.cancelled { " (cancelled)" }
+            (outcome(&run.summary))
         }
         dl.facts {
             (fact("Node", &info.node.to_string()))
@@ -118,7 +116,7 @@ fn matrix(run: &Run) -> Markup {
                         @let kind = report.verdict.kind();
                         a.cell.(kind.name()) href={ "#" (case::anchor(report)) }
                             title={ (report.case.id) ": " (kind.title()) } {
-                            span aria-hidden="true" { (symbol(kind)) } " " (short_name(report.case.id))
+                            span aria-hidden="true" { (symbol(kind)) } " " (name_in_family(report.case.id))
                         }
                     }
                 }

@@ -2,8 +2,8 @@
 
 use super::topic;
 use crate::{
-    ChannelId, Channels, ChunkCompression, Direction, Flags, Format, Loss, Losses, Record, WriteError, WriteOptions,
-    Writer,
+    ChannelId, Channels, ChunkCompression, Direction, Flags, Format, Loss, Losses, Record, TimeBase, WriteError,
+    WriteOptions, Writer,
 };
 use mcap::records::MessageHeader;
 use mcap::write::NoSeek;
@@ -29,6 +29,7 @@ struct McapWriter {
     /// The message under way.
     message: Vec<u8>,
     finished: bool,
+    time_base: TimeBase,
     losses: Losses,
 }
 
@@ -45,6 +46,7 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
         ChunkCompression::Lz4 => Some(mcap::Compression::Lz4),
         ChunkCompression::None => None,
     };
+    let time_base = options.time_base;
     // The sink may be a pipe.
     let options = mcap::WriteOptions::new()
         .profile("ros2")
@@ -59,7 +61,17 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
     let fd_schema = schema("ros2_socketcan_msgs/msg/FdFrame", FD_FRAME)?;
     let (channels, losses) = (HashMap::new(), Losses::default());
     let message = Vec::new();
-    Ok(Box::new(McapWriter { mcap, frame_schema, fd_schema, channels, sequence: 0, message, finished: false, losses }))
+    Ok(Box::new(McapWriter {
+        mcap,
+        frame_schema,
+        fd_schema,
+        channels,
+        sequence: 0,
+        message,
+        finished: false,
+        time_base,
+        losses,
+    }))
 }
 
 impl McapWriter {
@@ -118,6 +130,9 @@ impl McapWriter {
         }
         if !frame.is_fd() && frame.dlc() > 8 {
             self.losses.count(Loss::RawDlc);
+        }
+        if self.time_base == TimeBase::Local {
+            self.losses.count(Loss::TimeZone);
         }
     }
 }

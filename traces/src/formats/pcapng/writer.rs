@@ -5,7 +5,7 @@ use super::block::{
     SHB_USERAPPL,
 };
 use crate::formats::socketcan;
-use crate::{Channels, Direction, Losses, Record, WriteError, WriteOptions, Writer};
+use crate::{Channels, Direction, Loss, Losses, Record, TimeBase, WriteError, WriteOptions, Writer};
 use std::io::Write;
 
 struct PcapngWriter {
@@ -15,13 +15,19 @@ struct PcapngWriter {
     described: u32,
     /// The block under way.
     block: Vec<u8>,
-    /// Always empty: the format holds everything.
+    time_base: TimeBase,
     losses: Losses,
 }
 
-pub(crate) fn create(sink: Box<dyn Write>, _options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
-    let mut writer =
-        PcapngWriter { sink, interfaces: Vec::new(), described: 0, block: Vec::new(), losses: Losses::default() };
+pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
+    let mut writer = PcapngWriter {
+        sink,
+        interfaces: Vec::new(),
+        described: 0,
+        block: Vec::new(),
+        time_base: options.time_base,
+        losses: Losses::default(),
+    };
     writer.begin(SECTION_HEADER);
     writer.put(&BYTE_ORDER_MAGIC.to_le_bytes());
     writer.put(&[1, 0, 0, 0]);
@@ -90,6 +96,9 @@ impl PcapngWriter {
 
 impl Writer for PcapngWriter {
     fn write(&mut self, record: &Record, channels: &Channels) -> Result<(), WriteError> {
+        if self.time_base == TimeBase::Local {
+            self.losses.count(Loss::TimeZone);
+        }
         let interface = self.interface(record, channels)?;
         let nanos = record.timestamp.nanos();
         self.begin(ENHANCED_PACKET);

@@ -2,8 +2,9 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Verdict};
+use crate::verdict::{Judged, Reason, Verdict};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::Value;
 use canvass_analyzer::wire::sdo::AbortCode;
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
@@ -80,4 +81,47 @@ fn too_short(bench: &mut Bench<'_>) -> Judged {
     let verdict = attempt.expect_abort(&[AbortCode::LENGTH_TOO_LOW], &[AbortCode::LENGTH, AbortCode::GENERAL])?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
     Ok(verdict)
+}
+
+/// A value outside the limits that the description gives is refused, above the high limit with abort 0609 0031h, and the
+/// object keeps its value.
+#[case(id = "301/sdo/download/out-of-range", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       needs = [Description], catches = [SdoRangeUnchecked], cct = "2.10")]
+fn out_of_range(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    let limited = limited_objects(bench);
+    if limited.is_empty() {
+        let reason = Reason::new("an object has limits", "a writable object with HighLimit", "none");
+        return Err(Verdict::NotApplicable(reason));
+    }
+    for (multiplexer, beyond) in limited {
+        let before = bench.read(multiplexer)?;
+        let attempt = bench.download(multiplexer, &beyond)?;
+        let tolerated = [AbortCode::INVALID_VALUE, AbortCode::GENERAL];
+        let judged = attempt.expect_abort(&[AbortCode::VALUE_TOO_HIGH], &tolerated)?;
+        verdict = verdict.and(judged);
+        bench.expect_unchanged(multiplexer, &before)?;
+    }
+    Ok(verdict)
+}
+
+/// Communication and profile objects with a limit below what their type can hold, and the value just above it.
+/// Manufacturer objects stay out: among them are node-ID and bit rate.
+fn limited_objects(bench: &Bench<'_>) -> Vec<(Multiplexer, Vec<u8>)> {
+    const ENOUGH: usize = 4;
+    let node = bench.node();
+    let Some(description) = &bench.target().description else { return Vec::new() };
+    let entries = description.dictionary.entries().filter(|(multiplexer, entry)| {
+        let is_standard = matches!(multiplexer.index.0, 0x1012..=0x1029 | 0x6000..=0x9FFF);
+        let is_plain = !entry.flags.refuses_write_on_download() && entry.access.is_readable();
+        is_standard && is_plain && entry.access.is_writable()
+    });
+    let beyond = entries.filter_map(|(multiplexer, entry)| {
+        let limit = entry.high_limit.as_ref()?.resolve(entry.data_type, node).as_number()?;
+        let length = entry.data_type.bytes().filter(|&length| length <= 4)?;
+        let beyond = Value::Unsigned(u64::try_from(limit + 1).ok()?);
+        let bytes = beyond.encode(entry.data_type).ok().filter(|bytes| bytes.len() == length)?;
+        Some((multiplexer, bytes))
+    });
+    beyond.take(ENOUGH).collect()
 }

@@ -1,0 +1,171 @@
+//! The values of a PDO one by one, typed and in their units, for renderings that are not text.
+
+use super::Meaning;
+use super::object::Object;
+use crate::Multiplexer;
+use crate::dictionary::{DataClass, DataType, Unit, Value};
+use crate::message::Message;
+use crate::network::Signal;
+use std::borrow::Cow;
+use std::fmt;
+
+/// A mapped object of a PDO with its value.
+pub struct SignalValue<'a> {
+    object: Object<'a>,
+    /// The number of bits in the PDO.
+    pub bits: u8,
+    /// The bits as a number of its type; `None` where the PDO is too short for it, or it has more than 64 bits.
+    pub raw: Option<Number>,
+    scale: Option<Cow<'a, Unit>>,
+}
+
+/// A value by its type.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub enum Number {
+    /// BOOLEAN.
+    Boolean(bool),
+    /// A signed number.
+    Integer(i64),
+    /// A number from 0; also what has no type.
+    Unsigned(u64),
+    /// REAL32.
+    Real32(f32),
+    /// REAL64, and every physical value that is not the raw one.
+    Real64(f64),
+}
+
+/// The name of an object as it stands in its description: nothing is escaped. Empty where it has none.
+pub struct Name<'a>(pub(super) Object<'a>);
+
+impl Meaning<'_> {
+    /// The values of a PDO whose layout is known, in the order of its mapping, or the one of a multiplexed PDO; none
+    /// of any other frame. Gaps in a mapping (dummy entries) are left out.
+    pub fn signals(&self) -> impl Iterator<Item = SignalValue<'_>> {
+        let (number, multiplexed) = match &self.decoded.message {
+            Message::Pdo(number) => (Some(*number), None),
+            Message::Mpdo(_, mpdo) => (None, Some(self.multiplexed(mpdo))),
+            _ => (None, None),
+        };
+        let id = self.decoded.node;
+        let node = id.and_then(|id| self.bus.node(id));
+        let layout = node.zip(number).and_then(|(node, number)| node.known_layout(number));
+        let signals = layout.into_iter().flat_map(|layout| &layout.signals).filter(|signal| !signal.is_dummy());
+        let payload = self.record.frame.data();
+        let mapped = signals.map(move |signal| SignalValue::new(Object::new(id, node, signal.object), signal, payload));
+        mapped.chain(multiplexed)
+    }
+
+    /// The name of the object that the frame is about; `None` where it has no object or that has no name.
+    pub fn object_name(&self) -> Option<Name<'_>> {
+        let object = self.decoded.object?;
+        let named = match &self.decoded.message {
+            Message::Mpdo(_, mpdo) => self.mpdo_object(mpdo),
+            _ => Object::new(self.decoded.node, self.decoded.node.and_then(|id| self.bus.node(id)), object),
+        };
+        named.is_named().then_some(Name(named))
+    }
+}
+
+impl<'a> SignalValue<'a> {
+    fn new(object: Object<'a>, signal: &'a Signal, payload: &[u8]) -> Self {
+        let raw = signal.raw(payload).map(|raw| typed(raw, signal.bits, object.data_type()));
+        Self { object, bits: signal.bits, raw, scale: signal.scale.as_ref().map(Cow::Borrowed) }
+    }
+
+    /// Of a multiplexed PDO, which has four bytes for any object.
+    pub(super) fn multiplexed(object: Object<'a>, data: [u8; 4]) -> Self {
+        let bits = object.data_type().and_then(DataType::bits).filter(|&bits| bits <= 32).unwrap_or(32) as u8;
+        let raw = u64::from(u32::from_le_bytes(data)) & ((1 << bits) - 1);
+        Self { object, bits, raw: Some(typed(raw, bits, object.data_type())), scale: object.scale().map(Cow::Owned) }
+    }
+
+    /// The object.
+    pub const fn multiplexer(&self) -> Multiplexer {
+        self.object.multiplexer
+    }
+
+    /// The object's name, where it has one.
+    pub fn name(&self) -> Option<Name<'_>> {
+        self.object.is_named().then_some(Name(self.object))
+    }
+
+    /// The value in the unit that the description or the standard gives it, else in that which the device's
+    /// configuration decides; the raw one where there is none.
+    pub fn value(&self) -> Option<(Number, Option<Cow<'_, Unit>>)> {
+        let unit = self.object.unit().or_else(|| self.scale.as_deref().map(Cow::Borrowed));
+        Some((physical(self.raw?, unit.as_deref()), unit))
+    }
+
+    /// Beside that, the value in the unit that the device's configuration decides, such as degrees, where it is known.
+    pub fn scaled(&self) -> Option<(Number, &Unit)> {
+        let scale = self.scale.as_deref()?;
+        self.object.unit()?;
+        Some((physical(self.raw?, Some(scale)), scale))
+    }
+}
+
+impl Number {
+    /// The nearest floating-point number.
+    pub fn as_f64(self) -> f64 {
+        match self {
+            Self::Boolean(value) => f64::from(u8::from(value)),
+            Self::Integer(value) => value as f64,
+            Self::Unsigned(value) => value as f64,
+            Self::Real32(value) => f64::from(value),
+            Self::Real64(value) => value,
+        }
+    }
+}
+
+fn physical(raw: Number, unit: Option<&Unit>) -> Number {
+    match unit {
+        Some(unit) if !unit.is_raw() => Number::Real64(unit.physical(raw.as_f64())),
+        _ => raw,
+    }
+}
+
+/// The bits as a number. Where a mapping has another length than the type, the sign is that of the mapped bits.
+fn typed(raw: u64, bits: u8, data_type: Option<DataType>) -> Number {
+    let value = data_type.filter(|data_type| data_type.bits() == Some(u32::from(bits)));
+    match value.and_then(|data_type| Value::from_raw(data_type, raw)) {
+        Some(Value::Boolean(value)) => Number::Boolean(value),
+        Some(Value::Integer(value)) => Number::Integer(value),
+        Some(Value::Real32(value)) => Number::Real32(value),
+        Some(Value::Real64(value)) => Number::Real64(value),
+        Some(_) => Number::Unsigned(raw),
+        None if data_type.and_then(DataType::class) == Some(DataClass::Integer) && (1..=64).contains(&bits) => {
+            let unused = 64 - u32::from(bits);
+            Number::Integer((raw << unused) as i64 >> unused)
+        }
+        None => Number::Unsigned(raw),
+    }
+}
+
+impl fmt::Display for Name<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.name(f)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_sign_is_that_of_the_mapped_bits() {
+        assert_eq!(typed(0xFFFF, 16, Some(DataType::INTEGER16)), Number::Integer(-1));
+        assert_eq!(typed(0xFFFF, 16, Some(DataType::INTEGER32)), Number::Integer(-1));
+        assert_eq!(typed(0xFFFF, 16, Some(DataType::UNSIGNED32)), Number::Unsigned(0xFFFF));
+        assert_eq!(typed(1, 1, Some(DataType::BOOLEAN)), Number::Boolean(true));
+        assert_eq!(typed(0x3F80_0000, 32, Some(DataType::REAL32)), Number::Real32(1.0));
+        assert_eq!(typed(7, 3, None), Number::Unsigned(7));
+        assert_eq!(typed(0, 0, Some(DataType::INTEGER8)), Number::Unsigned(0));
+    }
+
+    #[test]
+    fn whole_units_keep_numbers_whole() {
+        let unit = |factor| Unit { factor, offset: 0.0, symbol: Cow::Borrowed("x") };
+        assert_eq!(physical(Number::Unsigned(u64::MAX), Some(&unit(1.0))), Number::Unsigned(u64::MAX));
+        assert_eq!(physical(Number::Integer(259), Some(&unit(0.1))), Number::Real64(25.9));
+    }
+}

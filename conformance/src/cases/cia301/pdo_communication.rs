@@ -1,0 +1,62 @@
+//! PDO communication parameters (1800h).
+
+use crate::bench::Bench;
+use crate::bench::objects::{TPDO_COB_ID, TRANSMISSION_TYPE};
+use crate::case;
+use crate::verdict::{Judged, Verdict};
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{CobId, Multiplexer};
+
+/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+const FREE: u32 = 0x6A0;
+
+/// The CAN-ID of a PDO that is valid can't be changed: abort 0609 0030h, and the COB-ID stays.
+#[case(id = "301/pdo/cob-id/valid", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+       needs = [EventTimer, DynamicMapping], catches = [CobIdChangeWhileValid])]
+fn valid(bench: &mut Bench<'_>) -> Judged {
+    let before = bench.read(TPDO_COB_ID)?;
+    let other = crate::bench::sdo::number(&before) & !0x7FF | FREE;
+    let attempt = bench.download(TPDO_COB_ID, &other.to_le_bytes())?;
+    let verdict = attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?;
+    bench.expect_unchanged(TPDO_COB_ID, &before)?;
+    Ok(verdict)
+}
+
+/// Restricted CAN-IDs are refused for PDOs and SYNC with abort 0609 0030h. A sample of the 797 is written.
+#[case(id = "301/pdo/cob-id/restricted", clause = "CiA 301 7.3.5", confidence = Attested, level = Must,
+       needs = [EventTimer, DynamicMapping], catches = [RestrictedCanIdAccepted], cct = "8.10")]
+fn restricted(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    let own = bench.read_number(TPDO_COB_ID)?;
+    bench.write(TPDO_COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
+    for can_id in [0x000_u32, 0x001, 0x07F, 0x101, 0x17F, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF] {
+        let value = own & !(0x7FF | CobId::INVALID) | can_id;
+        let attempt = bench.download(TPDO_COB_ID, &value.to_le_bytes())?;
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
+    }
+    let sync = Multiplexer::new(0x1005, 0);
+    if bench.has(sync)? {
+        for can_id in [0x001_u32, 0x101, 0x601, 0x701] {
+            let attempt = bench.download(sync, &can_id.to_le_bytes())?;
+            let tolerated = [AbortCode::GENERAL, AbortCode::READ_ONLY];
+            verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &tolerated)?);
+        }
+    }
+    Ok(verdict)
+}
+
+/// The reserved transmission types 241 to 251 are refused with abort 0609 0030h.
+#[case(id = "301/pdo/transmission-type/reserved", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+       needs = [EventTimer, DynamicMapping], catches = [ReservedTransmissionTypeAccepted])]
+fn reserved_type(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    let before = bench.read(TRANSMISSION_TYPE)?;
+    let own = bench.read_number(TPDO_COB_ID)?;
+    bench.write(TPDO_COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
+    for reserved in [241_u8, 246, 251] {
+        let attempt = bench.download(TRANSMISSION_TYPE, &[reserved])?;
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
+    }
+    bench.expect_unchanged(TRANSMISSION_TYPE, &before)?;
+    Ok(verdict)
+}

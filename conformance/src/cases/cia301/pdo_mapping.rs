@@ -1,0 +1,78 @@
+//! PDO mapping (1A00h).
+//!
+//! Stacks disagree on the abort code for a mapping that may not change now: CANopenNode sends 0601 0000h, lely-core
+//! 0609 0030h. The standard fixes none, so all that fit the reason pass.
+
+use crate::bench::Bench;
+use crate::bench::objects::{TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict};
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{CobId, Multiplexer};
+
+/// Codes for a mapping that may not be changed now.
+const NOT_NOW: [AbortCode; 4] =
+    [AbortCode::UNSUPPORTED_ACCESS, AbortCode::NOT_MAPPABLE, AbortCode::INVALID_VALUE, AbortCode::DEVICE_STATE];
+
+/// Switches TPDO 1 and its mapping off, so that entries can be written.
+fn open_mapping(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+    let own = bench.read_number(TPDO_COB_ID)?;
+    bench.write(TPDO_COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
+    bench.write(TPDO_MAPPED, &[0])
+}
+
+/// The mapping of a PDO that is valid can't be changed, and stays as it is.
+#[case(id = "301/pdo/mapping/valid", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
+       needs = [EventTimer, DynamicMapping], catches = [MappingChangeWhileValid], cct = "3.24")]
+fn valid(bench: &mut Bench<'_>) -> Judged {
+    let before = bench.read(TPDO_MAPPED)?;
+    let attempt = bench.download(TPDO_MAPPED, &[0])?;
+    let verdict = attempt.expect_abort(&NOT_NOW, &[AbortCode::GENERAL])?;
+    bench.expect_unchanged(TPDO_MAPPED, &before)?;
+    Ok(verdict)
+}
+
+/// A mapping of more than 64 bits is refused with abort 0604 0042h.
+#[case(id = "301/pdo/mapping/too-long", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
+       needs = [EventTimer, DynamicMapping], catches = [MappingTooLongAccepted], cct = "3.26")]
+fn too_long(bench: &mut Bench<'_>) -> Judged {
+    let entry = bench.read(TPDO_FIRST_ENTRY)?;
+    let bits = u32::from(entry.first().copied().unwrap_or_default());
+    let needed = (64_u32).checked_div(bits).and_then(|fits| u8::try_from(fits + 1).ok());
+    let Some(needed) = needed.filter(|&needed| needed <= 64) else {
+        let reason = Reason::new("1A00h:01 maps an object", "an entry with a length", format!("{bits} bits"));
+        return Err(Verdict::Inconclusive(reason));
+    };
+    open_mapping(bench)?;
+    for sub in 1..=needed {
+        let attempt = bench.download(Multiplexer::new(0x1A00, sub), &entry)?;
+        match attempt.abort() {
+            None => {}
+            // Some check the sum with every entry.
+            Some(AbortCode::PDO_LENGTH) => return Ok(Verdict::Pass),
+            Some(AbortCode::NO_SUB_INDEX) => {
+                let reason = Reason::new("so many objects can be mapped", format!("{needed}"), format!("{}", sub - 1));
+                return Err(Verdict::NotApplicable(reason));
+            }
+            Some(_) => attempt.expect_confirmation().map(|_| ()).map_err(Verdict::as_inconclusive)?,
+        }
+    }
+    let attempt = bench.download(TPDO_MAPPED, &[needed])?;
+    let tolerated = [AbortCode::NO_OBJECT, AbortCode::NOT_MAPPABLE, AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
+    attempt.expect_abort(&[AbortCode::PDO_LENGTH], &tolerated)
+}
+
+/// An object that is not for PDOs can't be mapped: abort 0604 0041h.
+#[case(id = "301/pdo/mapping/unmappable", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
+       needs = [EventTimer, DynamicMapping], catches = [UnmappableObjectMapped], cct = "3.29")]
+fn unmappable(bench: &mut Bench<'_>) -> Judged {
+    open_mapping(bench)?;
+    // The device type, 32 bits.
+    let attempt = bench.download(TPDO_FIRST_ENTRY, &0x1000_0020_u32.to_le_bytes())?;
+    if attempt.abort().is_some() {
+        return attempt.expect_abort(&[AbortCode::NOT_MAPPABLE], &[AbortCode::NO_OBJECT, AbortCode::GENERAL]);
+    }
+    // Some check the entries only when the mapping is switched on.
+    let attempt = bench.download(TPDO_MAPPED, &[1])?;
+    attempt.expect_abort(&[AbortCode::NOT_MAPPABLE], &[AbortCode::NO_OBJECT, AbortCode::GENERAL])
+}

@@ -1,0 +1,137 @@
+//! Position, scaling, code sequence and preset (6000h to 6004h, 6500h).
+
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_traces::Duration;
+
+const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
+const UNITS_PER_REVOLUTION: Multiplexer = Multiplexer::new(0x6001, 0);
+const RANGE: Multiplexer = Multiplexer::new(0x6002, 0);
+const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
+const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+const OFFSET: Multiplexer = Multiplexer::new(0x6509, 0);
+const OPERATING_STATUS: Multiplexer = Multiplexer::new(0x6500, 0);
+const CODE_SEQUENCE: u32 = 1;
+const SCALING: u32 = 4;
+
+/// By how many units a position at rest may differ: the last bit of the sensor trembles.
+const TREMBLE: u32 = 2;
+
+/// The position of a shaft at rest.
+fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+    let first = bench.read_number(POSITION)?;
+    bench.listen(Duration::from_millis(50))?;
+    let second = bench.read_number(POSITION)?;
+    demand(first.abs_diff(second) <= TREMBLE, || {
+        Reason::new("the shaft is at rest", format!("{first}"), format!("{second} after 50 ms"))
+    })
+    .map_err(Verdict::as_inconclusive)?;
+    Ok(second)
+}
+
+/// Sets bits of 6000h, and clears those of `without`.
+fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<u32, Verdict> {
+    let value = bench.read_number(OPERATING_PARAMETERS)? & !without | with;
+    let value = u16::try_from(value).unwrap_or(u16::MAX);
+    bench.write(OPERATING_PARAMETERS, &value.to_le_bytes())?;
+    Ok(u32::from(value))
+}
+
+/// A range that every encoder can show: one revolution of 256 units, 16 revolutions.
+fn small_range(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+    const RANGE_UNITS: u32 = 4_096;
+    operate(bench, SCALING, CODE_SEQUENCE)?;
+    bench.write(UNITS_PER_REVOLUTION, &256_u32.to_le_bytes())?;
+    bench.write(RANGE, &RANGE_UNITS.to_le_bytes())?;
+    Ok(RANGE_UNITS)
+}
+
+fn is_near(a: u32, b: u32, range: u32) -> bool {
+    let difference = a.abs_diff(b);
+    difference <= TREMBLE || range.saturating_sub(difference) <= TREMBLE
+}
+
+/// Writing a preset makes the position that value, at rest.
+#[case(id = "406/preset/position", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [PresetIgnored])]
+fn preset(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    let before = position_at_rest(bench)?;
+    let wanted = (before + 1_000) % range;
+    bench.write(PRESET, &wanted.to_le_bytes())?;
+    let position = bench.read_number(POSITION)?;
+    demand(is_near(position, wanted, range), || {
+        Reason::new("after a preset 6004h has its value", format!("{wanted}"), format!("{position}"))
+    })
+}
+
+/// A preset outside the measuring range is refused.
+#[case(id = "406/preset/out-of-range", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [PresetOutOfRangeAccepted])]
+fn preset_out_of_range(bench: &mut Bench<'_>) -> Judged {
+    use canvass_analyzer::wire::sdo::AbortCode;
+    let range = small_range(bench)?;
+    let attempt = bench.download(PRESET, &range.to_le_bytes())?;
+    attempt.expect_abort(&[AbortCode::INVALID_VALUE, AbortCode::VALUE_TOO_HIGH], &[AbortCode::GENERAL])
+}
+
+/// The code sequence, bit 0 of 6000h, turns the direction in which the position counts.
+#[case(id = "406/operating-parameters/code-sequence", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [CodeSequenceIgnored])]
+fn code_sequence(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    let before = position_at_rest(bench)?;
+    operate(bench, CODE_SEQUENCE, 0)?;
+    let after = position_at_rest(bench)?;
+    // At 0 and in the middle both directions show the same.
+    if is_near(before, (range - before) % range, range) {
+        let reason =
+            Reason::new("the shaft stands where the directions differ", "not 0 or half the range", format!("{before}"));
+        return Err(Verdict::Inconclusive(reason));
+    }
+    demand(!is_near(before, after, range), || {
+        let duty = "with the code sequence turned the same shaft shows another position";
+        Reason::new(duty, format!("not {before}"), format!("{after}"))
+    })
+}
+
+/// With scaling on, the position stays below the measuring range 6002h and counts 6001h units per revolution.
+#[case(id = "406/scaling/range", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [ScalingIgnored])]
+fn scaling(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    let position = position_at_rest(bench)?;
+    demand(position < range, || {
+        Reason::new("with scaling on 6004h stays below 6002h", format!("below {range}"), format!("{position}"))
+    })?;
+    // An offset from a stored preset shifts what follows.
+    if bench.read_number(OFFSET)? != 0 {
+        return Ok(Verdict::Pass);
+    }
+    // Half the units per revolution, half the position; the range then spans twice the revolutions, so the position is
+    // known only within half of it.
+    bench.write(UNITS_PER_REVOLUTION, &128_u32.to_le_bytes())?;
+    let half = position_at_rest(bench)?;
+    demand(is_near(half % (range / 2), position / 2, range / 2), || {
+        let expected = format!("{} or {}", position / 2, position / 2 + range / 2);
+        Reason::new("half the units per revolution give half the position", expected, format!("{half}"))
+    })
+}
+
+/// The operating status 6500h shows what 6000h was set to.
+#[case(id = "406/operating-status/follows", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [OperatingStatusStuck])]
+fn status(bench: &mut Bench<'_>) -> Judged {
+    for (with, without) in [(SCALING, CODE_SEQUENCE), (CODE_SEQUENCE | SCALING, 0), (0, CODE_SEQUENCE | SCALING)] {
+        let written = operate(bench, with, without)?;
+        let mask = CODE_SEQUENCE | SCALING;
+        let status = bench.read_number(OPERATING_STATUS)?;
+        demand(status & mask == written & mask, || {
+            let duty = format!("bits 0 and 2 of 6500h are those of 6000h, {written:04X}h");
+            Reason::new(duty, format!("{:04X}h", written & mask), format!("{:04X}h", status & mask))
+        })?;
+    }
+    Ok(Verdict::Pass)
+}

@@ -1,0 +1,134 @@
+//! A table for terminals: a header, column rules, one row per frame, no wider than the terminal.
+//!
+//! Rows go out as they come: a column that turns out too narrow is wider from there on.
+
+use super::text::{DATA_WIDTH, SERVICE_WIDTH, push_data, push_node, style};
+use super::{Line, Lines};
+use crate::push::{pad, push_hex_number, push_visible};
+use crate::time::{Clock, TimeStyle};
+use canvass_traces::Record;
+use std::fmt::Write;
+
+/// The table rendering of `decode`.
+pub struct TableLines {
+    clock: Clock,
+    color: bool,
+    /// The columns of the terminal, if it is one.
+    width: Option<usize>,
+    begun: bool,
+    time_width: usize,
+    channel_width: usize,
+    id_width: usize,
+    /// The meaning before it is cut; kept for its memory.
+    text: String,
+}
+
+const RULE: &str = " │ ";
+
+impl TableLines {
+    /// With that style of time, with colours or without, and for a terminal of that width, if it is for one.
+    pub const fn new(time: TimeStyle, color: bool, width: Option<usize>) -> Self {
+        let clock = Clock::new(time);
+        let time_width = clock.width();
+        Self { clock, color, width, begun: false, time_width, channel_width: 7, id_width: 3, text: String::new() }
+    }
+
+    fn push_header(&self, out: &mut Vec<u8>) {
+        let columns = self.columns();
+        let names = ["time", "channel", "id", "data", "node", "service", "meaning"];
+        for (n, (name, width)) in names.iter().zip(columns).enumerate() {
+            if n > 0 {
+                out.extend_from_slice(RULE.as_bytes());
+            }
+            let start = out.len();
+            out.extend_from_slice(name.as_bytes());
+            if n + 1 < names.len() {
+                pad(out, start, width);
+            }
+        }
+        out.push(b'\n');
+        for (n, width) in columns.into_iter().enumerate() {
+            if n > 0 {
+                out.extend_from_slice("─┼─".as_bytes());
+            }
+            (0..width).for_each(|_| out.extend_from_slice("─".as_bytes()));
+        }
+        out.push(b'\n');
+    }
+
+    /// The widths of all columns; of the meaning what the terminal leaves it.
+    fn columns(&self) -> [usize; 7] {
+        let before = [self.time_width, self.channel_width, self.id_width, DATA_WIDTH, 4, SERVICE_WIDTH];
+        let used: usize = before.iter().map(|width| width + 3).sum();
+        let [time, channel, id, data, node, service] = before;
+        let meaning = self.width.map_or(40, |width| width.saturating_sub(used).max(10));
+        [time, channel, id, data, node, service, meaning]
+    }
+
+    fn push_id(&mut self, record: &Record, out: &mut Vec<u8>) {
+        let id = record.frame.id();
+        let digits = if id.is_extended() { 8 } else { 3 };
+        self.id_width = self.id_width.max(digits);
+        out.resize(out.len() + self.id_width - digits, b' ');
+        push_hex_number(out, id.raw(), digits);
+    }
+
+    /// The meaning, cut to what the terminal leaves it.
+    fn push_meaning(&self, out: &mut Vec<u8>) {
+        let [.., room] = self.columns();
+        let cut = self.text.char_indices().nth(room).filter(|_| self.width.is_some());
+        match cut.and_then(|_| self.text.char_indices().nth(room - 1)) {
+            Some((end, _)) => {
+                out.extend_from_slice(&self.text.as_bytes()[..end]);
+                out.extend_from_slice("…".as_bytes());
+            }
+            None => out.extend_from_slice(self.text.as_bytes()),
+        }
+    }
+}
+
+impl Lines for TableLines {
+    fn line(&mut self, line: &Line<'_>, out: &mut Vec<u8>) {
+        let Line { record, channels, decoded, meaning } = line;
+        let name = channels.name(record.channel);
+        self.channel_width = self.channel_width.max(name.chars().count());
+        if record.frame.id().is_extended() {
+            self.id_width = 8;
+        }
+        if !std::mem::replace(&mut self.begun, true) {
+            self.push_header(out);
+        }
+        let start = out.len();
+        self.clock.push(record.timestamp, out);
+        // Numbers stand by their ends.
+        let written = out.len() - start;
+        self.time_width = self.time_width.max(written);
+        out.resize(start + self.time_width, b' ');
+        out[start..].rotate_right(self.time_width - written);
+        out.extend_from_slice(RULE.as_bytes());
+        push_visible(out, name);
+        out.resize(out.len() + self.channel_width - name.chars().count(), b' ');
+        out.extend_from_slice(RULE.as_bytes());
+        self.push_id(record, out);
+        out.extend_from_slice(RULE.as_bytes());
+        push_data(record, out);
+        out.extend_from_slice(RULE.as_bytes());
+        out.push(b' ');
+        push_node(decoded.node, out);
+        out.extend_from_slice(RULE.as_bytes());
+        let start = out.len();
+        out.extend_from_slice(decoded.service.name().as_bytes());
+        pad(out, start, SERVICE_WIDTH);
+        out.extend_from_slice(RULE.as_bytes());
+        self.text.clear();
+        // Writing to a string can't fail.
+        let _ = write!(self.text, "{meaning}");
+        let style = if self.color { style(decoded.service, &decoded.message, decoded.violation) } else { "" };
+        out.extend_from_slice(style.as_bytes());
+        self.push_meaning(out);
+        if !style.is_empty() {
+            out.extend_from_slice(b"\x1b[0m");
+        }
+        out.push(b'\n');
+    }
+}

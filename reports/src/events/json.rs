@@ -1,0 +1,200 @@
+//! JSON Lines: one object per event, as `docs/json.md` describes it.
+
+use super::{Events, Scene, StateName, UseName, outcome_name};
+use crate::decode::{push_schema, push_violation, source_name};
+use crate::push::{push_decimal, push_hex, push_json_string, push_text};
+use canvass_analyzer::network::sdo::{Outcome, Transfer};
+use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange, Move};
+use canvass_analyzer::{NodeId, PdoNumber, TransferText};
+
+/// The JSON rendering of `decode --events`.
+#[derive(Default)]
+pub struct JsonEvents {
+    begun: bool,
+}
+
+/// The contract's name and version.
+const SCHEMA: &str = "canvass/events/1";
+
+impl JsonEvents {
+    /// A rendering that has written nothing yet.
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    fn begin(&mut self, scene: &Scene<'_>, kind: &str, node: Option<NodeId>, out: &mut Vec<u8>) {
+        out.push(b'{');
+        if !std::mem::replace(&mut self.begun, true) {
+            push_schema(SCHEMA, out);
+        }
+        push_text(out, format_args!("\"event\":\"{kind}\",\"t\":{}", scene.time.nanos()));
+        out.extend_from_slice(b",\"channel\":");
+        push_json_string(out, scene.channel);
+        push_optional(out, "node", node.map(|node| u64::from(node.raw())));
+    }
+
+    fn transfer(&mut self, scene: &Scene<'_>, server: NodeId, transfer: &Transfer, left: bool, out: &mut Vec<u8>) {
+        self.begin(scene, "sdo", Some(server), out);
+        let text = TransferText::new(scene.bus, server, transfer);
+        let object = transfer.multiplexer;
+        push_text(out, format_args!(",\"index\":{},\"sub\":{}", object.index.0, object.sub.0));
+        if let Some(name) = text.name() {
+            out.extend_from_slice(b",\"object\":");
+            push_json_string(out, name);
+        }
+        push_text(out, format_args!(",\"direction\":\"{}\",\"mode\":\"{}\"", transfer.direction, transfer.mode));
+        let (outcome, started) = (outcome_name(transfer.outcome, left), transfer.started.nanos());
+        push_text(out, format_args!(",\"outcome\":\"{outcome}\",\"started\":{started}"));
+        push_text(out, format_args!(",\"duration_ns\":{}", transfer.duration().nanos()));
+        push_text(out, format_args!(",\"bytes\":{},\"segments\":{}", transfer.length(), transfer.segments));
+        push_optional(out, "announced", transfer.announced.map(u64::from));
+        out.extend_from_slice(b",\"data\":\"");
+        push_hex(out, transfer.data(), None);
+        out.extend_from_slice(b"\",\"value\":");
+        match transfer.length() {
+            0 => out.extend_from_slice(b"null"),
+            _ => push_json_string(out, text.value()),
+        }
+        if let Outcome::Aborted(side, code) = transfer.outcome {
+            push_text(out, format_args!(",\"abort\":{{\"code\":{},\"by\":\"{side}\",\"text\":", code.0));
+            push_json_string(out, code.name().or_else(|| code.cal_name()).unwrap_or("unknown abort code"));
+            out.push(b'}');
+        }
+        if let Some(violation) = transfer.violation {
+            push_violation(violation, out);
+        }
+        out.extend_from_slice(b"}\n");
+    }
+}
+
+impl Events for JsonEvents {
+    fn event(&mut self, scene: &Scene<'_>, event: &Event, out: &mut Vec<u8>) {
+        if let Some((server, transfer)) = scene.transfer(event) {
+            return self.transfer(scene, server, transfer, matches!(event, Event::TransferLeft(_)), out);
+        }
+        let node = scene.node(event);
+        match *event {
+            // Its channel is known: it was answered above.
+            Event::TransferEnded | Event::TransferLeft(_) => return,
+            Event::StateChanged(_, change) => {
+                let kind = if change.cause == Cause::BootUp { "boot-up" } else { "state" };
+                self.begin(scene, kind, node, out);
+                push_change(change, out);
+            }
+            Event::Emergency(_, emergency) => {
+                self.begin(scene, "emcy", node, out);
+                push_emergency(scene, emergency, out);
+            }
+            Event::LayerSetting(exchange) => {
+                self.begin(scene, scene.layer_setting(), node, out);
+                push_exchange(scene, exchange, out);
+            }
+            Event::NodeIdChanged { from, to } => {
+                self.begin(scene, "node-id", node, out);
+                push_optional(out, "from", from.map(|from| u64::from(from.raw())));
+                push_text(out, format_args!(",\"to\":{to}"));
+            }
+            Event::BitRateChanged { bit_rate, delay } => {
+                self.begin(scene, "bit-rate", node, out);
+                push_optional(out, "bit_rate", bit_rate.map(u64::from));
+                push_text(out, format_args!(",\"delay_ns\":{}", delay.nanos()));
+            }
+            Event::CobIdMoved(moved) => {
+                self.begin(scene, "cob-id", node, out);
+                push_move(moved, out);
+            }
+            Event::MappingChanged(id, pdo) => {
+                self.begin(scene, "mapping", node, out);
+                push_mapping(scene, id, pdo, out);
+            }
+        }
+        out.extend_from_slice(b"}\n");
+    }
+
+    fn open_transfer(&mut self, scene: &Scene<'_>, server: NodeId, transfer: &Transfer, out: &mut Vec<u8>) {
+        self.transfer(scene, server, transfer, false, out);
+    }
+}
+
+/// A number, or `null`.
+fn push_optional(out: &mut Vec<u8>, key: &str, number: Option<u64>) {
+    push_text(out, format_args!(",\"{key}\":"));
+    match number {
+        Some(number) => push_decimal(out, number),
+        None => out.extend_from_slice(b"null"),
+    }
+}
+
+fn push_change(change: Change, out: &mut Vec<u8>) {
+    out.extend_from_slice(b",\"from\":");
+    match change.from {
+        Some(from) => push_json_string(out, StateName(from)),
+        None => out.extend_from_slice(b"null"),
+    }
+    out.extend_from_slice(b",\"to\":");
+    push_json_string(out, StateName(change.to));
+    let cause = match change.cause {
+        Cause::Command => "command",
+        Cause::BootUp => "boot-up",
+        Cause::ErrorControl => "error-control",
+    };
+    push_text(out, format_args!(",\"cause\":\"{cause}\""));
+}
+
+fn push_emergency(scene: &Scene<'_>, emergency: Emergency, out: &mut Vec<u8>) {
+    let emcy = &emergency.emcy;
+    let cleared = emcy.code().is_some_and(|code| code.is_reset());
+    push_text(out, format_args!(",\"state\":\"{}\"", if cleared { "cleared" } else { "raised" }));
+    push_optional(out, "code", emcy.code().map(|code| u64::from(code.0)));
+    push_optional(out, "register", emcy.register().map(|register| u64::from(register.0)));
+    out.extend_from_slice(b",\"manufacturer\":\"");
+    push_hex(out, emcy.manufacturer(), None);
+    out.push(b'"');
+    if cleared {
+        push_optional(out, "duration_ns", emergency.since.map(|since| (scene.time - since).nanos()));
+    }
+    out.extend_from_slice(b",\"text\":");
+    push_json_string(out, emcy);
+}
+
+fn push_exchange(scene: &Scene<'_>, exchange: Exchange, out: &mut Vec<u8>) {
+    match exchange {
+        Exchange::Request { unanswered } => {
+            push_text(out, format_args!(",\"role\":\"request\",\"previous_unanswered\":{unanswered}"));
+        }
+        Exchange::Response(delay) => {
+            push_text(out, format_args!(",\"role\":\"response\",\"delay_ns\":{}", delay.nanos()));
+        }
+        Exchange::Unasked => out.extend_from_slice(b",\"role\":\"response\",\"delay_ns\":null"),
+    }
+    if let Some((record, _)) = scene.frame {
+        out.extend_from_slice(b",\"data\":\"");
+        push_hex(out, record.data(), None);
+        out.push(b'"');
+    }
+    if let Some(meaning) = scene.meaning() {
+        out.extend_from_slice(b",\"text\":");
+        push_json_string(out, meaning);
+    }
+}
+
+fn push_move(moved: Move, out: &mut Vec<u8>) {
+    push_text(out, format_args!(",\"use\":\"{}\"", UseName(moved.used)));
+    push_optional(out, "from", moved.from.map(u64::from));
+    push_optional(out, "to", moved.to.map(u64::from));
+    push_text(out, format_args!(",\"source\":\"{}\"", source_name(moved.source)));
+}
+
+fn push_mapping(scene: &Scene<'_>, node: NodeId, pdo: PdoNumber, out: &mut Vec<u8>) {
+    push_text(out, format_args!(",\"pdo\":\"{pdo}\",\"entries\":"));
+    let Some(entries) = scene.bus.node(node).and_then(|known| known.mapping(node, pdo)) else {
+        return out.extend_from_slice(b"null");
+    };
+    out.push(b'[');
+    for (n, entry) in entries.iter().enumerate() {
+        let (object, comma) = (entry.object(), if n == 0 { "" } else { "," });
+        let (index, sub, bits) = (object.index.0, object.sub.0, entry.bits());
+        push_text(out, format_args!("{comma}{{\"index\":{index},\"sub\":{sub},\"bits\":{bits}}}"));
+    }
+    out.push(b']');
+}

@@ -1,0 +1,123 @@
+//! What frames brought about: whole SDO transfers, states, errors, layer setting, what was learned of the network.
+
+mod json;
+mod text;
+
+pub use json::JsonEvents;
+pub use text::TextEvents;
+
+use canvass_analyzer::network::sdo::{Outcome, Transfer};
+use canvass_analyzer::network::{Bus, Event, Use};
+use canvass_analyzer::wire::error_control::State;
+use canvass_analyzer::{Meaning, NodeId, network::Decoded};
+use canvass_traces::{Record, Timestamp};
+use std::fmt;
+
+/// The frame behind an event, and its bus.
+pub struct Scene<'a> {
+    /// When the frame was seen.
+    pub time: Timestamp,
+    /// The name of its channel.
+    pub channel: &'a str,
+    /// The bus, which has just taken the frame.
+    pub bus: &'a Bus,
+    /// The frame and what the network made of it; nothing at the end of a capture.
+    pub frame: Option<(&'a Record, &'a Decoded)>,
+}
+
+/// Renders events.
+pub trait Events {
+    /// Appends an event to `out`.
+    fn event(&mut self, scene: &Scene<'_>, event: &Event, out: &mut Vec<u8>);
+
+    /// Appends a transfer that had not ended when the capture did.
+    fn open_transfer(&mut self, scene: &Scene<'_>, server: NodeId, transfer: &Transfer, out: &mut Vec<u8>);
+}
+
+impl<'a> Scene<'a> {
+    /// The node that an event is about.
+    pub fn node(&self, event: &Event) -> Option<NodeId> {
+        match *event {
+            Event::TransferEnded | Event::LayerSetting(_) => self.frame.and_then(|(_, decoded)| decoded.node),
+            Event::TransferLeft(channel) => self.bus.server(channel),
+            Event::StateChanged(node, _) | Event::Emergency(node, _) | Event::MappingChanged(node, _) => Some(node),
+            Event::NodeIdChanged { to, .. } => Some(to),
+            Event::BitRateChanged { .. } => None,
+            Event::CobIdMoved(moved) => match moved.used {
+                Use::Emcy(node) | Use::Pdo(node, _) | Use::ErrorControl(node) => Some(node),
+                Use::SdoRequest(channel) | Use::SdoResponse(channel) => self.bus.server(channel),
+                _ => self.frame.and_then(|(_, decoded)| decoded.node),
+            },
+        }
+    }
+
+    /// The transfer of an event, with its server.
+    fn transfer(&self, event: &Event) -> Option<(NodeId, &'a Transfer)> {
+        let (channel, transfer) = match *event {
+            Event::TransferEnded => {
+                let channel = self.frame?.1.channel?;
+                (channel, self.bus.transfer(channel)?)
+            }
+            Event::TransferLeft(channel) => (channel, self.bus.left_transfer(channel)?),
+            _ => return None,
+        };
+        Some((self.bus.server(channel)?, transfer))
+    }
+
+    /// What the frame says.
+    fn meaning(&self) -> Option<Meaning<'a>> {
+        self.frame.map(|(record, decoded)| Meaning::new(record, decoded, self.bus))
+    }
+
+    /// `lss` or `lmt`.
+    fn layer_setting(&self) -> &'static str {
+        self.frame.map_or("lss", |(_, decoded)| decoded.service.name())
+    }
+}
+
+/// How a transfer ended. One that was left open was ended by a reset of its server.
+const fn outcome_name(outcome: Outcome, left: bool) -> &'static str {
+    match outcome {
+        Outcome::Complete => "complete",
+        Outcome::Aborted(..) => "aborted",
+        Outcome::Superseded => "superseded",
+        Outcome::Open if left => "reset",
+        Outcome::Open => "open",
+    }
+}
+
+/// An NMT state; after a reset command a node is initialising until its boot-up.
+struct StateName(State);
+
+impl fmt::Display for StateName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.0 {
+            State::BOOT_UP => f.write_str("initialisation"),
+            other => write!(f, "{other}"),
+        }
+    }
+}
+
+/// The use of a CAN-ID: `TPDO 1`, `SDO request`.
+struct UseName(Use);
+
+impl fmt::Display for UseName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.0 {
+            Use::Pdo(_, number) => return write!(f, "{number}"),
+            Use::Nmt => "NMT",
+            Use::Sync => "SYNC",
+            Use::Time => "TIME",
+            Use::Emcy(_) => "EMCY",
+            Use::SdoRequest(_) => "SDO request",
+            Use::SdoResponse(_) => "SDO response",
+            Use::ErrorControl(_) => "error control",
+            Use::LssRequest => "LSS request",
+            Use::LssResponse => "LSS response",
+            Use::GlobalFailSafe => "global fail-safe command",
+            Use::FlyingMaster => "flying master",
+            Use::CaseMarker => "case marker",
+            Use::Unknown => "no known use",
+        })
+    }
+}

@@ -1,0 +1,220 @@
+//! One aligned line per event: time, channel, node, kind, what happened.
+
+use super::{Events, Scene, StateName, UseName, outcome_name};
+use crate::decode::{TimeStyle, push_node};
+use crate::push::{pad, push_text, push_visible};
+use crate::time::Clock;
+use canvass_analyzer::network::sdo::{Direction, Outcome, Transfer};
+use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange, Move, Source};
+use canvass_analyzer::{Multiplexer, NodeId, PdoNumber, TransferText};
+
+/// The text rendering of `decode --events`.
+pub struct TextEvents {
+    clock: Clock,
+    color: bool,
+    channel_width: usize,
+}
+
+const KIND_WIDTH: usize = 8;
+const RED: &str = "\x1b[31m";
+
+impl TextEvents {
+    /// With that style of time, and with colours or without.
+    pub const fn new(time: TimeStyle, color: bool) -> Self {
+        Self { clock: Clock::new(time), color, channel_width: 4 }
+    }
+
+    fn begin(&mut self, scene: &Scene<'_>, node: Option<NodeId>, kind: &str, style: &str, out: &mut Vec<u8>) {
+        self.clock.push(scene.time, out);
+        out.extend_from_slice(b"  ");
+        let start = out.len();
+        push_visible(out, scene.channel);
+        self.channel_width = self.channel_width.max(out.len() - start);
+        pad(out, start, self.channel_width);
+        out.extend_from_slice(b"  ");
+        push_node(node, out);
+        out.extend_from_slice(b"  ");
+        let start = out.len();
+        out.extend_from_slice(kind.as_bytes());
+        pad(out, start, KIND_WIDTH);
+        out.push(b' ');
+        if self.color {
+            out.extend_from_slice(style.as_bytes());
+        }
+    }
+
+    fn end(&self, style: &str, out: &mut Vec<u8>) {
+        if self.color && !style.is_empty() {
+            out.extend_from_slice(b"\x1b[0m");
+        }
+        out.push(b'\n');
+    }
+
+    fn transfer(&mut self, scene: &Scene<'_>, server: NodeId, transfer: &Transfer, left: bool, out: &mut Vec<u8>) {
+        let bad = transfer.violation.is_some() || transfer.outcome != Outcome::Complete;
+        let style = if bad { RED } else { "" };
+        self.begin(scene, Some(server), "sdo", style, out);
+        push_transfer(&TransferText::new(scene.bus, server, transfer), transfer, left, out);
+        self.end(style, out);
+    }
+}
+
+impl Events for TextEvents {
+    fn event(&mut self, scene: &Scene<'_>, event: &Event, out: &mut Vec<u8>) {
+        if let Some((server, transfer)) = scene.transfer(event) {
+            return self.transfer(scene, server, transfer, matches!(event, Event::TransferLeft(_)), out);
+        }
+        let style = style(event);
+        self.begin(scene, scene.node(event), kind(scene, event), style, out);
+        match *event {
+            Event::TransferEnded | Event::TransferLeft(_) => push_text(out, "a transfer that is not known any more"),
+            Event::StateChanged(_, change) => push_change(change, out),
+            Event::Emergency(_, emergency) => push_emergency(scene, emergency, out),
+            Event::LayerSetting(exchange) => push_exchange(scene, exchange, out),
+            Event::NodeIdChanged { from: Some(from), to } => {
+                push_text(out, format_args!("node {from} has become node {to}, as set by layer setting"));
+            }
+            Event::NodeIdChanged { from: None, to } => {
+                push_text(out, format_args!("a device has become node {to}, as set by layer setting"));
+            }
+            Event::BitRateChanged { bit_rate: Some(bit_rate), delay } => {
+                push_text(out, format_args!("all change to {} kbit/s, {delay} of silence", bit_rate / 1000));
+            }
+            Event::BitRateChanged { bit_rate: None, delay } => {
+                push_text(out, format_args!("all change to a bit rate that is not known, {delay} of silence"));
+            }
+            Event::CobIdMoved(moved) => push_move(moved, out),
+            Event::MappingChanged(node, pdo) => push_mapping(scene, node, pdo, out),
+        }
+        self.end(style, out);
+    }
+
+    fn open_transfer(&mut self, scene: &Scene<'_>, server: NodeId, transfer: &Transfer, out: &mut Vec<u8>) {
+        self.transfer(scene, server, transfer, false, out);
+    }
+}
+
+fn kind(scene: &Scene<'_>, event: &Event) -> &'static str {
+    match event {
+        Event::TransferEnded | Event::TransferLeft(_) => "sdo",
+        Event::StateChanged(_, Change { cause: Cause::BootUp, .. }) => "boot-up",
+        Event::StateChanged(..) => "state",
+        Event::Emergency(..) => "emcy",
+        Event::LayerSetting(_) => scene.layer_setting(),
+        Event::NodeIdChanged { .. } => "node-id",
+        Event::BitRateChanged { .. } => "bit-rate",
+        Event::CobIdMoved(_) => "cob-id",
+        Event::MappingChanged(..) => "mapping",
+    }
+}
+
+/// As with frames: errors red, starts yellow, commands cyan.
+fn style(event: &Event) -> &'static str {
+    match event {
+        Event::Emergency(_, emergency) if emergency.emcy.code().is_none_or(|code| !code.is_reset()) => RED,
+        Event::StateChanged(..) => "\x1b[33m",
+        Event::LayerSetting(_) | Event::NodeIdChanged { .. } | Event::BitRateChanged { .. } => "\x1b[36m",
+        _ => "",
+    }
+}
+
+fn push_transfer(text: &TransferText<'_>, transfer: &Transfer, left: bool, out: &mut Vec<u8>) {
+    let verb = match transfer.direction {
+        Direction::Upload => "read",
+        Direction::Download => "write",
+    };
+    push_text(out, format_args!("{verb} {}", text.object()));
+    if transfer.length() > 0 {
+        push_text(out, format_args!(" = {}", text.value()));
+    }
+    push_text(out, format_args!(": {}", transfer.mode));
+    if transfer.length() > 0 {
+        push_text(out, format_args!(", {} byte{}", transfer.length(), plural(transfer.length())));
+    }
+    if transfer.segments > 0 {
+        push_text(out, format_args!(" in {} segment{}", transfer.segments, plural(transfer.segments.into())));
+    }
+    push_text(out, format_args!(", {}", transfer.duration()));
+    match transfer.outcome {
+        Outcome::Complete => {}
+        Outcome::Aborted(side, code) => push_text(out, format_args!(", aborted by {side}: {code}")),
+        Outcome::Superseded => push_text(out, ", given up: the client began another one"),
+        Outcome::Open if left => push_text(out, ", given up: the node started anew"),
+        other => push_text(out, format_args!(", {} at the end of the capture", outcome_name(other, left))),
+    }
+    if let Some(violation) = transfer.violation {
+        push_text(out, format_args!(" [violation: {violation}]"));
+    }
+}
+
+const fn plural(n: u64) -> &'static str {
+    if n == 1 { "" } else { "s" }
+}
+
+fn push_change(change: Change, out: &mut Vec<u8>) {
+    let (to, from) = (StateName(change.to), change.from.map(StateName));
+    match (change.cause, from) {
+        (Cause::BootUp, Some(from)) => return push_text(out, format_args!("boot-up, was {from}")),
+        (Cause::BootUp, None) => return push_text(out, "boot-up"),
+        (_, Some(from)) => push_text(out, format_args!("{from} -> {to}")),
+        (_, None) => push_text(out, to),
+    }
+    push_text(out, if change.cause == Cause::Command { ", as commanded" } else { ", as its error control shows" });
+}
+
+fn push_emergency(scene: &Scene<'_>, emergency: Emergency, out: &mut Vec<u8>) {
+    let reset = emergency.emcy.code().is_some_and(|code| code.is_reset());
+    push_text(out, if reset { "gone: " } else { "raised: " });
+    push_text(out, emergency.emcy);
+    if let Some(since) = emergency.since.filter(|_| reset) {
+        push_text(out, format_args!(", after {}", scene.time - since));
+    }
+}
+
+fn push_exchange(scene: &Scene<'_>, exchange: Exchange, out: &mut Vec<u8>) {
+    match exchange {
+        Exchange::Request { .. } => push_text(out, "-> "),
+        Exchange::Response(_) | Exchange::Unasked => push_text(out, "<- "),
+    }
+    if let Some(meaning) = scene.meaning() {
+        push_text(out, meaning);
+    }
+    match exchange {
+        Exchange::Request { unanswered: true } => push_text(out, " [the request before was not answered]"),
+        Exchange::Request { unanswered: false } => {}
+        Exchange::Response(delay) => push_text(out, format_args!(", after {delay}")),
+        Exchange::Unasked => push_text(out, " [nothing was asked]"),
+    }
+}
+
+fn push_move(moved: Move, out: &mut Vec<u8>) {
+    let used = UseName(moved.used);
+    match (moved.from, moved.to) {
+        (Some(from), Some(to)) => push_text(out, format_args!("{used}: {from:03X}h -> {to:03X}h")),
+        (None, Some(to)) => push_text(out, format_args!("{used}: now {to:03X}h")),
+        (Some(from), None) => push_text(out, format_args!("{used}: {from:03X}h no more")),
+        (None, None) => push_text(out, used),
+    }
+    push_text(
+        out,
+        match moved.source {
+            Source::Predefined => ", as predefined",
+            Source::Description => ", by the description",
+            Source::Trace => ", by SDO traffic",
+        },
+    );
+}
+
+fn push_mapping(scene: &Scene<'_>, node: NodeId, pdo: PdoNumber, out: &mut Vec<u8>) {
+    push_text(out, pdo);
+    match scene.bus.node(node).and_then(|known| known.mapping(node, pdo)) {
+        None => push_text(out, ": no mapping"),
+        Some(entries) => {
+            for (n, entry) in entries.iter().enumerate() {
+                let object: Multiplexer = entry.object();
+                push_text(out, if n == 0 { ": " } else { ", " });
+                push_text(out, format_args!("{object} ({} bits)", entry.bits()));
+            }
+        }
+    }
+}

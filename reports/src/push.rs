@@ -1,0 +1,132 @@
+//! Numbers and strings appended to a buffer, without allocating.
+
+use crate::escape::acts;
+use std::fmt::{self, Display, Write as _};
+
+pub const HEX: &[u8; 16] = b"0123456789ABCDEF";
+
+/// Appends two digits for each byte, with `separator` between them.
+pub fn push_hex(out: &mut Vec<u8>, bytes: &[u8], separator: Option<u8>) {
+    for (n, &byte) in bytes.iter().enumerate() {
+        if n > 0 {
+            out.extend(separator);
+        }
+        out.extend_from_slice(&[HEX[usize::from(byte >> 4)], HEX[usize::from(byte & 15)]]);
+    }
+}
+
+/// Appends the lower `digits` hexadecimal digits of a number.
+pub fn push_hex_number(out: &mut Vec<u8>, number: u32, digits: usize) {
+    out.extend((0..digits).rev().map(|n| HEX[(number >> (4 * n) & 15) as usize]));
+}
+
+/// Appends a decimal number.
+pub fn push_decimal(out: &mut Vec<u8>, mut n: u64) {
+    let mut digits = [0; 20];
+    let mut at = digits.len();
+    loop {
+        at -= 1;
+        digits[at] = b'0' + (n % 10) as u8;
+        n /= 10;
+        if n == 0 {
+            break;
+        }
+    }
+    out.extend_from_slice(&digits[at..]);
+}
+
+/// Appends the last `width` (at most 20) decimal digits of a number.
+pub fn push_fraction(out: &mut Vec<u8>, mut n: u64, width: usize) {
+    let mut digits = [b'0'; 20];
+    for digit in digits[..width].iter_mut().rev() {
+        *digit = b'0' + (n % 10) as u8;
+        n /= 10;
+    }
+    out.extend_from_slice(&digits[..width]);
+}
+
+/// Fills up with blanks to `width` columns from `start`.
+pub fn pad(out: &mut Vec<u8>, start: usize, width: usize) {
+    let written = out.len() - start;
+    out.resize(out.len() + width.saturating_sub(written), b' ');
+}
+
+/// Appends a text.
+pub fn push_text(out: &mut Vec<u8>, text: impl Display) {
+    use std::io::Write as _;
+    // Writing to a vector can't fail.
+    let _ = write!(out, "{text}");
+}
+
+/// Appends a JSON string. Characters that act instead of being shown are escaped, as all that JSON forbids.
+pub fn push_json_string(out: &mut Vec<u8>, text: impl Display) {
+    out.push(b'"');
+    let _ = write!(JsonEscaped(out), "{text}");
+    out.push(b'"');
+}
+
+struct JsonEscaped<'a>(&'a mut Vec<u8>);
+
+impl fmt::Write for JsonEscaped<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        if text.bytes().all(|byte| matches!(byte, b' '..=b'~') && byte != b'"' && byte != b'\\') {
+            self.0.extend_from_slice(text.as_bytes());
+            return Ok(());
+        }
+        text.chars().for_each(|c| self.push(c));
+        Ok(())
+    }
+}
+
+impl JsonEscaped<'_> {
+    fn push(&mut self, c: char) {
+        match c {
+            '"' | '\\' => self.0.extend_from_slice(&[b'\\', c as u8]),
+            c if acts(c) => {
+                for unit in c.encode_utf16(&mut [0; 2]) {
+                    self.0.extend_from_slice(b"\\u");
+                    push_hex_number(self.0, u32::from(*unit), 4);
+                }
+            }
+            c => self.0.extend_from_slice(c.encode_utf8(&mut [0; 4]).as_bytes()),
+        }
+    }
+}
+
+/// Appends a text on one line: every character that acts instead of being shown becomes `�`.
+pub fn push_visible(out: &mut Vec<u8>, text: &str) {
+    for c in text.chars() {
+        let c = if acts(c) { char::REPLACEMENT_CHARACTER } else { c };
+        out.extend_from_slice(c.encode_utf8(&mut [0; 4]).as_bytes());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn pushed(push: impl FnOnce(&mut Vec<u8>)) -> String {
+        let mut out = Vec::new();
+        push(&mut out);
+        String::from_utf8(out).unwrap()
+    }
+
+    #[test]
+    fn digits() {
+        assert_eq!(pushed(|out| push_decimal(out, 0)), "0");
+        assert_eq!(pushed(|out| push_decimal(out, u64::MAX)), u64::MAX.to_string());
+        assert_eq!(pushed(|out| push_fraction(out, 42, 6)), "000042");
+        assert_eq!(pushed(|out| push_hex(out, &[0x0A, 0xFF], Some(b' '))), "0A FF");
+        assert_eq!(pushed(|out| push_hex_number(out, 0x1234, 3)), "234");
+    }
+
+    proptest! {
+        #[test]
+        fn json_strings_mean_the_text_and_show_nothing_that_acts(text in any::<String>()) {
+            let json = pushed(|out| push_json_string(out, &text));
+            prop_assert!(!json.contains(acts), "{json:?}");
+            prop_assert_eq!(serde_json::from_str::<String>(&json).unwrap(), text);
+        }
+    }
+}

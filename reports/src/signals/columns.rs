@@ -1,0 +1,106 @@
+//! The columns: one for each object, unit and type that a PDO has shown.
+
+use canvass_analyzer::{Multiplexer, NodeId, Number, SignalValue};
+use canvass_traces::ChannelId;
+use std::collections::{HashMap, HashSet};
+
+/// A column of values of one type.
+pub struct Column {
+    /// `can0.63.Position value [steps]`.
+    pub name: String,
+    unit: String,
+    number: usize,
+}
+
+/// All columns, in the order in which they were first seen.
+#[derive(Default)]
+pub struct Columns {
+    columns: Vec<Column>,
+    by_key: HashMap<Key, Vec<usize>>,
+    names: HashSet<String>,
+    /// Values for which no column was made because there are too many.
+    pub left_out: u64,
+}
+
+/// What tells columns apart, beside the unit.
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+struct Key {
+    channel: ChannelId,
+    node: NodeId,
+    object: Multiplexer,
+    scaled: bool,
+    kind: u8,
+}
+
+/// Where a value belongs.
+pub struct Place<'a> {
+    pub channel: ChannelId,
+    pub channel_name: &'a str,
+    pub node: NodeId,
+    pub signal: &'a SignalValue<'a>,
+    pub scaled: bool,
+}
+
+impl Columns {
+    /// The most columns: far more than any network has, so that a hostile capture can't make rows without end.
+    pub const MOST: usize = 4096;
+
+    /// The columns.
+    pub fn iter(&self) -> impl Iterator<Item = &Column> {
+        self.columns.iter()
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Whether no PDO of a known mapping was seen.
+    pub fn is_empty(&self) -> bool {
+        self.columns.is_empty()
+    }
+
+    /// The column of a value, made if it is new; `None` if there are too many.
+    pub(super) fn of(&mut self, place: &Place<'_>, number: Number, unit: &str) -> Option<usize> {
+        let Place { channel, node, signal, scaled, .. } = *place;
+        let key = Key { channel, node, object: signal.multiplexer(), scaled, kind: kind(number) };
+        let known = self.by_key.get(&key).into_iter().flatten();
+        if let Some(column) = known.filter_map(|&at| self.columns.get(at)).find(|column| column.unit == unit) {
+            return Some(column.number);
+        }
+        if self.columns.len() >= Self::MOST {
+            self.left_out += 1;
+            return None;
+        }
+        let number = self.columns.len();
+        let name = self.free_name(place, unit);
+        self.columns.push(Column { name, unit: unit.to_owned(), number });
+        self.by_key.entry(key).or_default().push(number);
+        Some(number)
+    }
+
+    /// A name that no other column has.
+    fn free_name(&mut self, place: &Place<'_>, unit: &str) -> String {
+        let object = place.signal.multiplexer();
+        let of_node = format!("{}.{}", place.channel_name, place.node);
+        let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
+        let name = place.signal.name().map(|name| name.to_string());
+        let plain = name.as_deref().map_or_else(|| format!("{object}"), ToOwned::to_owned);
+        let first = format!("{of_node}.{plain}{unit}");
+        let second = || format!("{of_node}.{plain} {object}{unit}");
+        let further = || (2..).map(|n| format!("{of_node}.{plain} {object} #{n}{unit}"));
+        let mut candidates = std::iter::once(first).chain(std::iter::once_with(second)).chain(further());
+        // A free one comes in time: there are no more names than columns.
+        let free = candidates.find(|name| !self.names.contains(name)).unwrap_or_default();
+        self.names.insert(free.clone());
+        free
+    }
+}
+
+const fn kind(number: Number) -> u8 {
+    match number {
+        Number::Boolean(_) => 0,
+        Number::Integer(_) | Number::Unsigned(_) => 1,
+        Number::Real32(_) | Number::Real64(_) => 2,
+    }
+}

@@ -1,0 +1,132 @@
+//! The time of a frame as it is shown.
+
+use crate::push::{push_decimal, push_fraction, push_text};
+use canvass_traces::Timestamp;
+
+/// How the time of a frame is shown.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum TimeStyle {
+    /// Seconds as they stand in the capture.
+    #[default]
+    Absolute,
+    /// Seconds since the first frame.
+    Relative,
+    /// Seconds since the frame before.
+    Delta,
+    /// Date and time of day in UTC, as RFC 3339 writes them, with nanoseconds.
+    Utc,
+}
+
+/// Shows one time after the other.
+pub struct Clock {
+    style: TimeStyle,
+    /// Always nine decimals: for machines.
+    full: bool,
+    first: Option<Timestamp>,
+    previous: Option<Timestamp>,
+    /// A second since 1970 and its date and time of day: most frames have the same as the one before.
+    second: (u64, Vec<u8>),
+}
+
+const NANOS: u64 = 1_000_000_000;
+
+impl Clock {
+    /// A clock for people: six decimals, nine where the time has them.
+    pub const fn new(style: TimeStyle) -> Self {
+        Self { style, full: false, first: None, previous: None, second: (u64::MAX, Vec::new()) }
+    }
+
+    /// A clock for machines: always nine decimals.
+    pub const fn full(style: TimeStyle) -> Self {
+        let mut clock = Self::new(style);
+        clock.full = true;
+        clock
+    }
+
+    /// The style of the times.
+    pub const fn style(&self) -> TimeStyle {
+        self.style
+    }
+
+    /// The columns that most times take: seconds since 1970 with six decimals, or a date.
+    pub const fn width(&self) -> usize {
+        match self.style {
+            TimeStyle::Absolute => 17,
+            TimeStyle::Relative | TimeStyle::Delta => 12,
+            TimeStyle::Utc => 30,
+        }
+    }
+
+    /// Appends a time.
+    pub fn push(&mut self, now: Timestamp, out: &mut Vec<u8>) {
+        let first = *self.first.get_or_insert(now);
+        let previous = self.previous.replace(now).unwrap_or(now);
+        let from = match self.style {
+            TimeStyle::Absolute => Timestamp::ZERO,
+            TimeStyle::Relative => first,
+            TimeStyle::Delta => previous,
+            TimeStyle::Utc => return self.push_utc(now, out),
+        };
+        if now < from {
+            out.push(b'-');
+        }
+        let nanos = now.nanos().abs_diff(from.nanos());
+        push_decimal(out, nanos / NANOS);
+        out.push(b'.');
+        match nanos % 1000 {
+            0 if !self.full => push_fraction(out, nanos % NANOS / 1000, 6),
+            _ => push_fraction(out, nanos % NANOS, 9),
+        }
+    }
+
+    fn push_utc(&mut self, now: Timestamp, out: &mut Vec<u8>) {
+        let second = now.nanos() / NANOS;
+        let (known, date) = &mut self.second;
+        if *known != second {
+            *known = second;
+            date.clear();
+            // 64 bits of nanoseconds end in the year 2554: every second has a date.
+            if let Ok(time) = jiff::Timestamp::from_second(second.cast_signed()) {
+                push_text(date, time.strftime("%Y-%m-%dT%H:%M:%S"));
+            }
+        }
+        out.extend_from_slice(date);
+        out.push(b'.');
+        push_fraction(out, now.nanos() % NANOS, 9);
+        out.push(b'Z');
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(mut clock: Clock, times: &[u64]) -> Vec<String> {
+        let mut pushed = |&nanos: &u64| {
+            let mut out = Vec::new();
+            clock.push(Timestamp(nanos), &mut out);
+            String::from_utf8(out).unwrap()
+        };
+        times.iter().map(&mut pushed).collect()
+    }
+
+    #[test]
+    fn styles() {
+        let times = [1_500_000_000, 1_500_001_000, 1_400_000_001];
+        assert_eq!(shown(Clock::new(TimeStyle::Absolute), &times), ["1.500000", "1.500001", "1.400000001"]);
+        assert_eq!(shown(Clock::full(TimeStyle::Relative), &times), ["0.000000000", "0.000001000", "-0.099999999"]);
+        assert_eq!(shown(Clock::new(TimeStyle::Delta), &times), ["0.000000", "0.000001", "-0.100000999"]);
+    }
+
+    #[test]
+    fn dates() {
+        let times = [0, 1_738_061_235_500_000_001, 1_738_061_235_600_000_000, u64::MAX];
+        let expected = [
+            "1970-01-01T00:00:00.000000000Z",
+            "2025-01-28T10:47:15.500000001Z",
+            "2025-01-28T10:47:15.600000000Z",
+            "2554-07-21T23:34:33.709551615Z",
+        ];
+        assert_eq!(shown(Clock::new(TimeStyle::Utc), &times), expected);
+    }
+}

@@ -1,0 +1,123 @@
+//! `canvass signals`: the values of PDOs as columns over time.
+
+use crate::inputs::{InputOptions, Inputs, Seen};
+use crate::output::{Output, diagnostic};
+use crate::selection::Selection;
+use crate::status::{Failure, Status};
+use crate::time_range::TimeRange;
+use anyhow::{Context, Result, bail};
+use canvass_analyzer::Meaning;
+use canvass_analyzer::network::Network;
+use canvass_reports::signals::{Columns, CsvSheet, JsonSheet, Sampler, Sheet};
+use canvass_traces::{Duration, Record};
+use std::path::PathBuf;
+use tempfile::SpooledTempFile;
+
+/// Print the values of PDOs as columns over time, for plots and data frames
+///
+/// One row for each PDO, with the latest value of every column; empty is what is not known yet. A column is named
+/// CHANNEL.NODE.OBJECT [UNIT]. The mapping must be known: from --device, or because the capture shows how it is read or
+/// written. Times are integer nanoseconds.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Capture files; - is standard input
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// How to print the rows
+    #[arg(long, value_enum, default_value_t)]
+    format: SignalFormat,
+    /// One row every so many milliseconds, with the latest values, instead of one for each PDO
+    #[arg(long, value_name = "MS", value_parser = parse_milliseconds)]
+    every: Option<Duration>,
+    #[command(flatten)]
+    range: TimeRange,
+    #[command(flatten)]
+    selection: Selection,
+    #[command(flatten)]
+    input: InputOptions,
+}
+
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum SignalFormat {
+    /// Comma-separated values; the header needs all columns, so it comes when everything was read
+    #[default]
+    Csv,
+    /// JSON Lines, as they come
+    Json,
+}
+
+/// Memory for the rows that wait for the header; more of them wait in a temporary file.
+const IN_MEMORY: usize = 64 << 20;
+
+/// Milliseconds with up to six decimals, more than 0.
+fn parse_milliseconds(text: &str) -> Result<Duration> {
+    let expected = "expected milliseconds such as 10 or 0.5";
+    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
+    if fraction.len() > 6 || !fraction.bytes().all(|byte| byte.is_ascii_digit()) {
+        bail!("{expected}, with at most six decimals");
+    }
+    let whole: u64 = whole.parse().context(expected)?;
+    let fraction: u64 = format!("{fraction:0<6}").parse().context(expected)?;
+    match whole.checked_mul(1_000_000).and_then(|nanos| nanos.checked_add(fraction)) {
+        None | Some(0) => bail!("{expected}, more than 0"),
+        Some(nanos) => Ok(Duration(nanos)),
+    }
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let output = Output::default();
+        let sheet: Box<dyn Sheet> = match self.format {
+            SignalFormat::Csv => Box::new(CsvSheet::new(SpooledTempFile::new(IN_MEMORY), self.every.is_none())),
+            SignalFormat::Json => Box::new(JsonSheet::new()),
+        };
+        let (network, sampler) = (self.selection.network()?, Sampler::new(self.every));
+        let mut rows = Rows { selection: &self.selection, network, range: self.range, sampler, sheet };
+        let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
+        while let Some(Seen::Record(record) | Seen::Salvaged(record)) = inputs.next()? {
+            rows.take(&record, &inputs, &output)?;
+        }
+        let Rows { mut sampler, mut sheet, .. } = rows;
+        output.append_with(|buffer| sampler.finish(sheet.as_mut(), buffer))?;
+        while output.append_with(|buffer| sheet.finish(sampler.columns(), buffer))? {}
+        self.selection.warn_of_unknown_channels(&inputs);
+        inputs.finish()?;
+        warn(&sampler);
+        Ok(Status::Good)
+    }
+}
+
+/// What turns records into rows.
+struct Rows<'a> {
+    selection: &'a Selection,
+    network: Network,
+    range: TimeRange,
+    sampler: Sampler,
+    sheet: Box<dyn Sheet>,
+}
+
+impl Rows<'_> {
+    fn take(&mut self, record: &Record, inputs: &Inputs<'_>, output: &Output) -> std::io::Result<()> {
+        let decoded = self.network.handle(record);
+        let chosen = self.range.contains(record.timestamp)
+            && self.selection.has_channel(record, inputs)
+            && self.selection.has(record, &decoded, inputs);
+        let Some(bus) = self.network.bus(record.channel).filter(|_| chosen) else { return Ok(()) };
+        let meaning = Meaning::new(record, &decoded, bus);
+        let (sampler, sheet) = (&mut self.sampler, self.sheet.as_mut());
+        output.append_with(|buffer| sampler.frame(record, inputs.channels(), &decoded, &meaning, sheet, buffer))
+    }
+}
+
+fn warn(sampler: &Sampler) {
+    if sampler.columns().is_empty() {
+        diagnostic("canvass: no PDO whose mapping is known: say which device a node is with --device NODE=MODEL|FILE");
+    }
+    if sampler.columns().left_out > 0 {
+        let (left_out, most) = (sampler.columns().left_out, Columns::MOST);
+        diagnostic(&format!("canvass: {left_out} values left out: there are more than {most} columns"));
+    }
+    if sampler.skipped() > 0 {
+        diagnostic(&format!("canvass: {} long silences left out", sampler.skipped()));
+    }
+}

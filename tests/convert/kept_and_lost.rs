@@ -1,0 +1,212 @@
+//! What each format keeps of a recording that has everything, and what it loses, aloud.
+
+use crate::command::{Folder, sample};
+use crate::recording;
+use crate::rows::{Row, rows};
+use canvass_traces::{Direction, Format, Loss};
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// One written format.
+struct Kept {
+    format: Format,
+    /// What is lost of [`recording::log`].
+    lost: &'static [Loss],
+    /// What is lost of other recordings only; each has its test below.
+    lost_elsewhere: &'static [Loss],
+    /// What becomes of a row; `None` if nothing.
+    row: fn(Row, &mut Numbers) -> Option<Row>,
+}
+
+const TABLE: &[Kept] = &[
+    Kept {
+        format: Format::Candump,
+        lost: &[],
+        lost_elsewhere: &[Loss::ChannelName, Loss::TimeZone],
+        row: |row, _| Some(row),
+    },
+    Kept { format: Format::Pcapng, lost: &[], lost_elsewhere: &[Loss::TimeZone], row: |row, _| Some(row) },
+    Kept {
+        format: Format::Pcap,
+        lost: &[Loss::ChannelName, Loss::Direction],
+        lost_elsewhere: &[Loss::Date, Loss::TimeZone],
+        row: |row, _| Some(Row { channel: "can0".into(), direction: Direction::Unknown, ..row }),
+    },
+    Kept {
+        format: Format::Mcap,
+        lost: &[Loss::Frame, Loss::Direction, Loss::FdFlags, Loss::RawDlc],
+        lost_elsewhere: &[Loss::TimeZone],
+        row: |row, _| {
+            let flags = row.flags & 4;
+            no_xl(Row { direction: Direction::Unknown, flags, ..no_raw_dlc(row) })
+        },
+    },
+    Kept {
+        format: Format::Asc,
+        lost: &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::TimeZone, Loss::ErrorDetail],
+        lost_elsewhere: &[Loss::TimeResolution],
+        row: |row, numbers| {
+            let mut row = numbered(no_error_detail(no_xl(row)?), numbers);
+            row.direction = match row.direction {
+                _ if row.is_error => Direction::Unknown,
+                Direction::Unknown => Direction::Rx,
+                known => known,
+            };
+            Some(row)
+        },
+    },
+    Kept {
+        format: Format::Trc,
+        lost: &[
+            Loss::Frame,
+            Loss::ChannelName,
+            Loss::Direction,
+            Loss::TimeResolution,
+            Loss::TimeZone,
+            Loss::ErrorDetail,
+        ],
+        lost_elsewhere: &[],
+        row: |row, numbers| {
+            let row = numbered(no_error_detail(no_xl(row)?), numbers);
+            let direction = if row.direction == Direction::Tx { Direction::Tx } else { Direction::Rx };
+            Some(Row { nanos: row.nanos / 1_000 * 1_000, direction, ..row })
+        },
+    },
+    Kept {
+        format: Format::PythonCanCsv,
+        lost: &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::FdFlags, Loss::RawDlc],
+        lost_elsewhere: &[Loss::TimeZone],
+        row: |row, _| {
+            let flags = if row.flags & 4 != 0 && row.data.len() > 8 { 4 } else { 0 };
+            no_xl(Row { channel: "1".into(), direction: Direction::Unknown, flags, ..no_raw_dlc(row) })
+        },
+    },
+];
+
+/// Channels that became numbers, in the order of their first frames.
+#[derive(Default)]
+struct Numbers(Vec<String>);
+
+fn numbered(row: Row, Numbers(names): &mut Numbers) -> Row {
+    let at = names.iter().position(|name| *name == row.channel).unwrap_or_else(|| {
+        names.push(row.channel.clone());
+        names.len() - 1
+    });
+    Row { channel: (at + 1).to_string(), ..row }
+}
+
+fn no_xl(row: Row) -> Option<Row> {
+    row.xl.is_none().then_some(row)
+}
+
+fn no_raw_dlc(row: Row) -> Row {
+    let dlc = if row.flags == 0 { row.dlc.min(8) } else { row.dlc };
+    Row { dlc, ..row }
+}
+
+/// All that is left is that there was an error: a bus error, as Linux numbers it.
+fn no_error_detail(row: Row) -> Row {
+    if row.is_error { Row { id: 0x80, data: Vec::new(), dlc: 0, ..row } } else { row }
+}
+
+fn file(format: Format) -> String {
+    format!("out.{}", format.extensions()[0])
+}
+
+/// `canvass: FORMAT can't hold LOSS: …` of each line.
+fn losses_told(errors: &str, format: Format) -> Vec<&str> {
+    let prefix = format!("canvass: {format} can't hold ");
+    errors
+        .lines()
+        .map(|line| line.strip_prefix(&prefix).unwrap_or_else(|| panic!("{line}")).rsplit_once(": ").unwrap().0)
+        .collect()
+}
+
+fn names(losses: &[Loss]) -> BTreeSet<&'static str> {
+    losses.iter().map(|loss| loss.name()).collect()
+}
+
+#[test]
+fn every_format_keeps_what_it_can_hold_and_tells_what_it_can_not() {
+    let folder = Folder::new().with("all.log", recording::log());
+    let all = rows(&folder.path("all.log"));
+    assert_eq!(all.len(), recording::FRAMES);
+    for kept in TABLE {
+        let (out, mut numbers) = (file(kept.format), Numbers::default());
+        let errors = folder.good(&format!("convert all.log {out}"));
+        assert_eq!(BTreeSet::from_iter(losses_told(&errors, kept.format)), names(kept.lost), "{}", kept.format);
+        let expected: Vec<Row> = all.iter().filter_map(|row| (kept.row)(row.clone(), &mut numbers)).collect();
+        same(&rows(&folder.path(&out)), &expected, kept.format);
+    }
+}
+
+#[test]
+fn what_a_format_gave_it_can_hold() {
+    let folder = Folder::new().with("all.log", recording::log());
+    for kept in TABLE {
+        let out = file(kept.format);
+        folder.good(&format!("convert all.log {out}"));
+        let again = format!("again.{out}");
+        assert_eq!(folder.good(&format!("convert {out} {again}")), "", "nothing is lost: {}", kept.format);
+        let (before, after) = (rows(&folder.path(&out)), rows(&folder.path(&again)));
+        assert!(before.len() >= 5_000);
+        same(&after, &before, kept.format);
+    }
+}
+
+fn same(found: &[Row], expected: &[Row], format: Format) {
+    for (n, (found, expected)) in found.iter().zip(expected).enumerate() {
+        assert_eq!(found, expected, "{format}, frame {}", n + 1);
+    }
+    assert_eq!(found.len(), expected.len(), "{format}");
+}
+
+#[test]
+fn the_table_is_that_of_the_formats() {
+    for format in Format::all() {
+        let kept = TABLE.iter().find(|kept| kept.format == format);
+        assert_eq!(kept.is_some(), format.is_written(), "{format}");
+        let tested = kept.map(|kept| [kept.lost, kept.lost_elsewhere].concat()).unwrap_or_default();
+        assert_eq!(BTreeSet::from_iter(tested), BTreeSet::from_iter(format.losses().iter().copied()), "{format}");
+    }
+}
+
+/// The losses told when that file is converted to that format.
+fn told_of(folder: &Folder, file: &Path, format: Format) -> String {
+    std::fs::copy(file, folder.path("in")).unwrap();
+    folder.good(&format!("convert in --force --to {format} lost"))
+}
+
+#[test]
+fn local_times_become_times_of_no_zone() {
+    let folder = Folder::new();
+    let local = sample("python-can.asc");
+    for kept in TABLE.iter().filter(|kept| kept.lost_elsewhere.contains(&Loss::TimeZone)) {
+        let errors = told_of(&folder, &local, kept.format);
+        assert!(errors.contains(Loss::TimeZone.name()), "{}: {errors}", kept.format);
+    }
+    assert!(!told_of(&folder, &local, Format::Trc).contains(Loss::TimeZone.name()));
+}
+
+#[test]
+fn names_that_are_no_words_are_lost_in_a_log() {
+    let folder = Folder::new().with("a b", "(1.000000) can0 001#\n").with("c", "(2.000000) can0 001#\n");
+    let mut command = folder.command("convert --to candump");
+    let output = command.args(["a b", "c", "-"]).output().unwrap();
+    let (_, out, errors) = crate::command::ended(&output);
+    assert_eq!(out, "(001.000000) a_b:can0 001#\n(002.000000) c:can0 001#\n");
+    assert_eq!(errors, "canvass: candump can't hold channel names: lost of 1 frame\n");
+}
+
+#[test]
+fn pcap_ends_in_2106() {
+    let folder = Folder::new().with("in.log", "(4294967296.000000) can0 001#\n");
+    assert_eq!(folder.good("convert in.log out.pcap"), "canvass: pcap can't hold the date: lost of 1 frame\n");
+}
+
+#[test]
+fn a_clock_before_the_start_is_lost_in_asc() {
+    let log = "(1700000010.000000) can0 001# R\n(1700000000.000000) can0 001# R\n";
+    let folder = Folder::new().with("in.log", log);
+    assert!(folder.good("convert in.log out.asc").contains("asc can't hold digits of the time: lost of 1 frame"));
+}

@@ -1,0 +1,73 @@
+//! The examples of `docs/json.md` are what the program prints.
+
+use crate::running::run;
+use serde_json::Value;
+
+/// The commands of the page and what it shows of their output.
+fn examples(page: &str) -> Vec<(String, String)> {
+    let mut examples: Vec<(String, String)> = Vec::new();
+    let blocks = page.split("```console\n").skip(1).filter_map(|rest| rest.split("```").next());
+    for line in blocks.flat_map(str::lines) {
+        match line.strip_prefix("$ canvass ") {
+            Some(command) => examples.push((command.to_owned(), String::new())),
+            None => {
+                let shown = &mut examples.last_mut().expect("a command comes first").1;
+                shown.push_str(line);
+                shown.push('\n');
+            }
+        }
+    }
+    examples
+}
+
+/// JSON documents one after the other.
+fn documents(text: &str) -> Vec<Value> {
+    serde_json::Deserializer::from_str(text).into_iter().collect::<Result<_, _>>().unwrap()
+}
+
+/// Whether all that the page shows is in the output, at its place: lists may hold more in between.
+fn holds(whole: &Value, shown: &Value) -> bool {
+    match (whole, shown) {
+        (Value::Object(whole), Value::Object(shown)) => {
+            shown.iter().all(|(key, value)| whole.get(key).is_some_and(|found| holds(found, value)))
+        }
+        (Value::Array(whole), Value::Array(shown)) => follow(whole, shown),
+        _ => whole == shown,
+    }
+}
+
+fn follow(whole: &[Value], shown: &[Value]) -> bool {
+    let mut rest = whole.iter();
+    shown.iter().all(|value| rest.any(|found| holds(found, value)))
+}
+
+#[test]
+fn the_examples_of_the_contract_are_real() {
+    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/json.md")).unwrap();
+    let examples = examples(&page);
+    assert!(examples.len() >= 9, "{}", examples.len());
+    for (command, shown) in examples {
+        let ended = run(&command.split(' ').collect::<Vec<_>>());
+        assert_eq!(ended.status, 0, "{command}: {}", ended.stderr);
+        let (whole, shown) = (documents(&ended.stdout), documents(&shown));
+        for value in &shown {
+            assert!(whole.iter().any(|found| holds(found, value)), "{command} does not print {value}");
+        }
+        assert!(follow(&whole, &shown), "{command} prints in another order");
+    }
+}
+
+/// An array stands for itself: there is nowhere to put a schema.
+#[test]
+fn every_output_but_arrays_names_its_schema() {
+    for command in [
+        &["decode", "--format", "json", "docs/examples/commissioning.log"][..],
+        &["decode", "--events", "--format", "json", "docs/examples/commissioning.log"],
+        &["signals", "--format", "json", "docs/examples/commissioning.log"],
+        &["test", "sim:kuebler-sendix-58x8", "--select", "301/nmt/back-to-back", "--format", "json"],
+    ] {
+        let first = documents(&run(command).stdout).into_iter().next();
+        let schema = first.as_ref().map(|first| first["schema"].clone());
+        assert!(schema.is_none_or(|schema| schema.as_str().is_some_and(|s| s.starts_with("canvass/"))), "{command:?}");
+    }
+}
