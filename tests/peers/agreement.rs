@@ -18,6 +18,8 @@ pub struct Defect {
 pub struct Way<'a> {
     /// For messages.
     pub name: &'a str,
+    /// What is not sent, since the peer could not hold it.
+    pub before: &'a [Kept],
     /// What can't arrive, since the format or the peer has no place for it.
     pub losses: &'a [Kept],
     /// What the peer gets wrong.
@@ -31,7 +33,7 @@ impl Way<'_> {
     pub fn agrees(&self, exchange: impl Fn(&Path, &[Seen]) -> Result<Vec<String>, String>) {
         let folder = tempfile::tempdir().unwrap();
         let path: PathBuf = folder.path().join("capture");
-        let all = recording();
+        let all: Vec<Seen> = recording().iter().map(|seen| kept(seen, self.before)).collect();
         let (wrong, right): (Vec<Seen>, Vec<Seen>) =
             all.into_iter().partition(|seen| self.defects.iter().any(|defect| (defect.concerns)(&seen.record.frame)));
         assert!(right.len() > FRAMES / 2, "{}", self.name);

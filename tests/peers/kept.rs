@@ -58,14 +58,28 @@ pub fn no_direction_of_errors(seen: Seen) -> Seen {
     if seen.record.frame.is_error() { no_direction(seen) } else { seen }
 }
 
-/// All that is left of an error frame is that there was one: a bus error, as Linux numbers it.
-pub fn no_error_detail(seen: Seen) -> Seen {
+/// Error frames count as received.
+pub fn received_errors(seen: Seen) -> Seen {
+    if seen.record.frame.is_error() { received(seen) } else { seen }
+}
+
+fn with_error(seen: Seen, data: &[u8]) -> Seen {
     let Record { timestamp, channel, ref frame, .. } = seen.record;
     if !frame.is_error() {
         return seen;
     }
-    let record = Record::new(timestamp, channel, Frame::error(ErrorClass(0x80), &[]).unwrap());
+    let record = Record::new(timestamp, channel, Frame::error(ErrorClass(0x80), data).unwrap());
     seen.with_record(record)
+}
+
+/// All that is left of an error frame is that there was one: a bus error, as Linux numbers it.
+pub fn no_error_detail(seen: Seen) -> Seen {
+    with_error(seen, &[])
+}
+
+/// The same, with the eight bytes that SocketCAN's error frames have.
+pub fn zeros_of_errors(seen: Seen) -> Seen {
+    with_error(seen, &[0; 8])
 }
 
 /// CAN FD frames have no BRS and ESI.

@@ -4,9 +4,15 @@
 //! `cargo xtask ci` installs the peers (tshark, can-utils, and a Python environment with what `requirements.txt`
 //! names) and runs these tests, which are behind the feature `peers`.
 
+#[cfg(test)]
 mod agreement;
+#[cfg(test)]
 mod can_utils;
+#[cfg(test)]
 mod kept;
+#[cfg(test)]
 mod python;
+#[cfg(test)]
 mod recording;
+#[cfg(test)]
 mod tshark;

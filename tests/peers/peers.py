@@ -48,7 +48,9 @@ def parsed(line):
 def of_message(m, first_channel):
     """Channels are names, or numbers that python-can counts from 0 where the file counts from 1."""
     can_id = m.arbitration_id | (EXT if m.is_extended_id else 0) | (RTR if m.is_remote_frame else 0)
-    can_id |= ERR if m.is_error_frame else 0
+    if m.is_error_frame:
+        # One of which a file tells nothing is a bus error, as python-can's own logs have it.
+        can_id |= ERR | (0 if m.arbitration_id else 0x80)
     channel = m.channel + first_channel if isinstance(m.channel, int) else m.channel or "1"
     fd = m.bitrate_switch | m.error_state_indicator << 1 if m.is_fd else None
     way = "Rx" if m.is_rx else "Tx"
@@ -82,7 +84,7 @@ def python_can_writer(writer, numbered=True, **options):
 
         with getattr(can, writer)(path, **options) as out:
             for f in frames:
-                out.on_message_received(to_message(f, int(f.channel) - 1 if numbered else f.channel))
+                out.on_message_received(to_message(f, int(f.channel.removeprefix("can")) if numbered else f.channel))
     return write
 
 

@@ -1,8 +1,8 @@
 //! The recording that is exchanged with the peers, and captures of it.
 
 use canvass_traces::{
-    CanId, Capture, ChannelId, Channels, ChunkCompression, Compression, Direction, Format, ReadOptions, Reader, Record,
-    Recording, TimeBase, Timestamp, WriteOptions, Writer, parse_frame,
+    CanId, Capture, Channels, ChunkCompression, Compression, Direction, Format, ReadOptions, Reader, Record, Recording,
+    TimeBase, Timestamp, WriteOptions, Writer, parse_frame,
 };
 use std::fmt;
 use std::fs::File;
@@ -12,7 +12,7 @@ pub const FRAMES: usize = 6_000;
 
 /// 2023-11-14 12:00 UTC. TRC and ASC begin with a date in days or milliseconds, and python-can reckons it in floating
 /// point: half a day is exact everywhere.
-const START: u64 = 1_699_963_200_000_000_000;
+pub const START: u64 = 1_699_963_200_000_000_000;
 
 /// A frame as it was seen, with its channel's name.
 #[derive(Clone, Debug)]
@@ -59,7 +59,7 @@ fn frame(random: &mut Random) -> String {
     match random.below(20) {
         0 => format!("{id}#R"),
         1 => format!("{id}#R{}", 1 + random.below(8)),
-        2 => format!("{:08X}#{data}", 0x2000_0001 | random.below(0x400)),
+        2 => format!("{:08X}#{data}", 0x2000_0001 + random.below(0x1FF)),
         3..=7 => {
             let len = canvass_traces::Frame::FD_LENGTHS[random.below(16) as usize];
             format!("{id}##{:X}{}", 4 + random.below(4), &long[..2 * usize::from(len)])
@@ -95,24 +95,24 @@ pub fn write(path: &Path, format: Format, chunk_compression: ChunkCompression, f
 }
 
 /// All frames of a capture, whose format is to be recognised; nothing in it may be damaged.
-pub fn read(path: &Path, format: Format) -> Vec<String> {
-    let mut capture = Capture::open(path, &ReadOptions::default()).unwrap();
+pub fn read(path: &Path, format: Format) -> Result<Vec<String>, String> {
+    let mut capture = Capture::open(path, &ReadOptions::default()).map_err(|error| error.to_string())?;
     assert_eq!(capture.format(), format);
     let mut frames = Vec::new();
     while let Some(item) = capture.next() {
-        let record = item.unwrap_or_else(|damage| panic!("{}: line {}: {damage}", path.display(), damage.place.number));
+        let record = item.map_err(|damage| format!("line {}: {damage}", damage.place.number))?;
         let channel = capture.channels().name(record.channel).to_owned();
         frames.push(Seen { channel, record: record.at(0, 0) }.to_string());
     }
-    frames
+    Ok(frames)
 }
 
-/// The same frame under another identifier's channel, see [`ChannelId`]: only the name counts here.
 impl Seen {
+    /// Another frame, seen as this one was.
     pub fn with_record(self, record: Record) -> Self {
         let Record { timestamp, direction, .. } = self.record;
         let mut record = record.with_direction(direction);
-        (record.timestamp, record.channel) = (timestamp, ChannelId(0));
+        record.timestamp = timestamp;
         Self { record, ..self }
     }
 }

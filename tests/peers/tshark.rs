@@ -47,29 +47,43 @@ const CLASSES: [&str; 9] = [
 fn dissected(path: &Path) -> Vec<String> {
     let mut args = vec!["--disable-protocol", "autosar-nm", "-T", "fields", "-E", "separator=|"];
     args.extend(FIELDS.iter().chain(&CLASSES).flat_map(|field| ["-e", field]));
-    tshark(path, &args).lines().map(line).collect()
+    let mut errors = error_bytes(path).into_iter();
+    tshark(path, &args).lines().map(|row| line(row, &mut errors)).collect()
 }
 
-fn line(row: &str) -> String {
+/// The bytes of all error frames, in hex: tshark dissects only those of them that the class gives a meaning.
+fn error_bytes(path: &Path) -> Vec<String> {
+    let packets = tshark(path, &["-Y", "can.flags.err == 1", "-T", "jsonraw", "-J", "frame", "-x"]);
+    let packets: Vec<serde_json::Value> = serde_json::from_str(&packets).unwrap();
+    let bytes = packets.iter().map(|packet| packet["_source"]["layers"]["frame_raw"][0].as_str().unwrap());
+    bytes.map(|packet| packet[16..].to_uppercase()).collect()
+}
+
+fn line(row: &str, errors: &mut impl Iterator<Item = String>) -> String {
     let fields: Vec<&str> = row.split('|').collect();
     let (fields, classes) = fields.split_at(FIELDS.len());
     let [time, interface, direction, protocols, id, xtd, rtr, err, len, brs, esi, data] = fields else {
         panic!("{row}");
     };
     let (seconds, fraction) = time.split_once('.').unwrap();
-    let id = u32::from_str_radix(id.trim_start_matches("0x"), 16).unwrap();
     let set = |flag: &str| flag == "1";
-    let class: u32 = classes.iter().enumerate().map(|(bit, flag)| u32::from(set(flag)) << bit).sum();
-    let id = match () {
-        () if set(err) => format!("{:08X}", 0x2000_0000 | class),
-        () if set(xtd) => format!("{id:08X}"),
-        () => format!("{id:03X}"),
-    };
+    let id = || id.parse::<u32>().unwrap();
     let is_fd = protocols.contains("canfd") || !brs.is_empty();
+    let flags = 4 | u8::from(set(brs)) | u8::from(set(esi)) << 1;
+    let data = data.to_uppercase();
+    let frame = match () {
+        () if !is_fd && set(err) => {
+            let class: u32 = classes.iter().enumerate().map(|(bit, flag)| u32::from(set(flag)) << bit).sum();
+            format!("{:08X}#{}", 0x2000_0000 | class, errors.next().unwrap())
+        }
+        () if set(xtd) => format!("{:08X}#", id()),
+        () => format!("{:03X}#", id()),
+    };
     let body = match () {
-        () if is_fd => format!("#{:X}{}", 4 | u8::from(set(brs)) | u8::from(set(esi)) << 1, data.to_uppercase()),
+        () if is_fd => format!("#{flags:X}{data}"),
+        () if set(err) => String::new(),
         () if set(rtr) => format!("R{}", if *len == "0" { "" } else { len }),
-        () => data.to_uppercase(),
+        () => data,
     };
     let channel = if interface.is_empty() { "can0" } else { interface };
     let direction = match direction.trim_start_matches("0x").trim_start_matches('0') {
@@ -77,12 +91,12 @@ fn line(row: &str) -> String {
         "2" => " Tx",
         _ => "",
     };
-    format!("{seconds}{fraction} {channel} {id}#{body}{direction}")
+    format!("{seconds}{fraction} {channel} {frame}{body}{direction}")
 }
 
 fn reads(format: Format, losses: &[Kept]) {
     let name = format!("tshark reads {format}");
-    Way { name: &name, losses, defects: &[] }.agrees(|path: &Path, frames: &[Seen]| {
+    Way { name: &name, before: &[], losses, defects: &[] }.agrees(|path: &Path, frames: &[Seen]| {
         recording::write(path, format, ChunkCompression::None, frames);
         Ok(dissected(path))
     });
@@ -96,4 +110,31 @@ fn tshark_reads_pcap() {
 #[test]
 fn tshark_reads_pcapng() {
     reads(Format::Pcapng, &[]);
+}
+
+/// tshark writes the packets again, in a file of its own.
+fn writes(kind: &str, format: Format, before: &[Kept], losses: &[Kept]) {
+    let name = format!("tshark writes {kind}");
+    Way { name: &name, before, losses, defects: &[] }.agrees(|path: &Path, frames: &[Seen]| {
+        let (from, to) = (path.with_extension("from"), path.with_extension("to"));
+        recording::write(&from, Format::Pcapng, ChunkCompression::None, frames);
+        tshark(&from, &["-F", kind, "-w", to.to_str().unwrap()]);
+        recording::read(&to, format)
+    });
+}
+
+/// Other formats than pcapng have one channel.
+fn one_channel_writes(kind: &str, format: Format, before: &[Kept]) {
+    writes(kind, format, before, &[no_direction]);
+}
+
+#[test]
+fn tshark_writes_pcap() {
+    one_channel_writes("pcap", Format::Pcap, &[one_channel, micros]);
+    one_channel_writes("nsecpcap", Format::Pcap, &[one_channel]);
+}
+
+#[test]
+fn tshark_writes_pcapng() {
+    writes("pcapng", Format::Pcapng, &[], &[]);
 }

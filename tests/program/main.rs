@@ -9,6 +9,8 @@ mod decode;
 #[cfg(test)]
 mod events;
 #[cfg(test)]
+mod hostile;
+#[cfg(test)]
 mod rows;
 #[cfg(test)]
 mod running;

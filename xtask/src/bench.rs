@@ -1,164 +1,160 @@
 //! How fast canvass is, beside its peers, measured in the same run on the same frames.
 
-use crate::packages::{Package, install};
+use crate::measure::{Cost, TIME, cost, machine, release};
+use crate::packages::install;
+use crate::peers::{PYTHON, install_all};
 use crate::run::run;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
-use std::io::{BufWriter, Write};
-use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
 
-const FRAMES: u64 = 1_000_000;
+const FRAMES: u32 = 1_000_000;
+/// Python is given the first of them only, as it is slow.
+const FRAMES_FOR_PYTHON: u32 = 100_000;
 const RUNS: usize = 3;
+const READING_RUNS: &str = "15";
 
-/// Measures and prints; nothing is asserted.
+/// Measures and prints; nothing is asserted. Times are those of the processor, so that it matters little what else the
+/// machine does.
 pub fn bench() -> Result<()> {
-    install(&[Package { program: "tshark", probe: "--version", package: "tshark" }])?;
-    run("cargo", &["build", "--release", "--locked"])?;
-    let folder = PathBuf::from("target/bench");
-    fs::create_dir_all(&folder)?;
-    let capture = Capture::write(&folder)?;
+    install(&[TIME])?;
+    install_all()?;
+    build()?;
+    fs::create_dir_all("target/bench")?;
+    for format in ["candump", "pcap", "pcapng", "mcap"] {
+        let capture = File::create(capture(format))?;
+        let written =
+            Command::new(release("examples/traffic")).args([format, &FRAMES.to_string()]).stdout(capture).status()?;
+        if !written.success() {
+            bail!("the traffic could not be made: {written}");
+        }
+    }
     println!("machine: {}", machine());
-    println!("{FRAMES} frames, best of {RUNS} runs, output to /dev/null");
-    let canvass = |format| vec!["target/release/canvass", "decode", "--format", format, capture.log()];
-    let tshark = ["tshark", "-n", "-d", "can.subdissector,canopen", "-r", capture.pcap()];
-    let reference = measure("tshark, one line per frame (pcap)", &tshark)?;
-    compare("canvass decode, text (candump log)", &canvass("text"), reference)?;
-    compare("canvass decode, JSON (candump log)", &canvass("json"), reference)?;
+    println!("{FRAMES} frames, best of {RUNS} runs, processor time");
+    decoding()?;
+    reading()
+}
+
+/// Builds what is measured, and what makes the traffic.
+pub fn build() -> Result<()> {
+    run("cargo", &["build", "--release", "--locked"])?;
+    run("cargo", &["build", "--release", "--locked", "--package", "canvass-traces", "--examples"])
+}
+
+fn capture(format: &str) -> String {
+    format!("target/bench/traffic.{format}")
+}
+
+/// One line of text for each frame.
+fn decoding() -> Result<()> {
+    println!("\ndecoding to a line per frame, output to /dev/null");
+    let tshark = ["tshark", "-n", "-d", "can.subdissector,canopen", "-r", &capture("pcap")];
+    let reference = rate(best(&tshark, None)?);
+    println!("{:44} {reference:>6.2} M frames/s", "tshark (pcap)");
+    let canvass = release("canvass");
+    for (format, name) in [("text", "text"), ("json", "JSON")] {
+        let ours = rate(best(&[&canvass, "decode", "--format", format, &capture("candump")], None)?);
+        compare(&format!("canvass decode, {name} (candump log)"), ours, reference);
+    }
     Ok(())
 }
 
-/// The same frames as a candump log and as pcap.
-struct Capture {
-    log: String,
-    pcap: String,
+/// A format and who else reads it.
+struct Reading {
+    format: &'static str,
+    peers: &'static [Peer],
 }
 
-impl Capture {
-    fn write(folder: &Path) -> Result<Self> {
-        let path = |name: &str| folder.join(name).to_string_lossy().into_owned();
-        let capture = Self { log: path("traffic.log"), pcap: path("traffic.pcap") };
-        let mut log = BufWriter::new(File::create(&capture.log)?);
-        let mut pcap = BufWriter::new(File::create(&capture.pcap)?);
-        // Nanosecond pcap, big-endian fields would do as well; link type 227 is SocketCAN.
-        for word in [0xA1B2_3C4D_u32, 0x0004_0002, 0, 0, 0x40000, 227] {
-            pcap.write_all(&word.to_le_bytes())?;
-        }
-        let mut traffic = Traffic::new();
-        for _ in 0..FRAMES {
-            let (time_us, id, data) = traffic.next_frame();
-            let hex: String = data.iter().map(|byte| format!("{byte:02X}")).collect();
-            writeln!(log, "({}.{:06}) can0 {id:03X}#{hex}", time_us / 1_000_000, time_us % 1_000_000)?;
-            write_packet(&mut pcap, time_us, id, &data)?;
-        }
-        log.flush()?;
-        pcap.flush()?;
-        Ok(capture)
-    }
-
-    fn log(&self) -> &str {
-        &self.log
-    }
-
-    fn pcap(&self) -> &str {
-        &self.pcap
-    }
+enum Peer {
+    /// A program that reads its standard input.
+    Program(&'static str),
+    /// tshark, showing one field.
+    Tshark,
+    /// A Python library, and an expression that gives frames out of the file `path`.
+    Python(&'static str, &'static str),
 }
 
-fn write_packet(pcap: &mut impl Write, time_us: u64, id: u16, data: &[u8]) -> std::io::Result<()> {
-    let seconds = (time_us / 1_000_000) as u32;
-    let nanos = (time_us % 1_000_000 * 1000) as u32;
-    for word in [seconds, nanos, 16, 16] {
-        pcap.write_all(&word.to_le_bytes())?;
-    }
-    let mut packet = [0; 16];
-    packet[..4].copy_from_slice(&u32::from(id).to_be_bytes());
-    packet[4] = data.len() as u8;
-    packet[8..8 + data.len()].copy_from_slice(data);
-    pcap.write_all(&packet)
-}
+const READING: [Reading; 4] = [
+    Reading {
+        format: "candump",
+        peers: &[Peer::Program("log2long"), Peer::Python("python-can", "__import__('can').CanutilsLogReader(path)")],
+    },
+    Reading { format: "pcap", peers: &[Peer::Tshark] },
+    Reading { format: "pcapng", peers: &[Peer::Tshark] },
+    Reading {
+        format: "mcap",
+        peers: &[Peer::Python(
+            "mcap (Python)",
+            "make_reader(open(path, 'rb'), decoder_factories=[DecoderFactory()]).iter_decoded_messages()",
+        )],
+    },
+];
 
-/// An eight-node bus as machines have it: mostly PDOs, then SDO dialogues, heartbeats and SYNC.
-struct Traffic {
-    random: u64,
-    time_us: u64,
-    pending: Option<(u16, Vec<u8>)>,
-}
-
-impl Traffic {
-    const fn new() -> Self {
-        Self { random: 0x2545_F491_4F6C_DD1D, time_us: 1_700_000_000_000_000, pending: None }
-    }
-
-    /// xorshift64: repeatable, and enough for traffic.
-    const fn random(&mut self) -> u64 {
-        self.random ^= self.random << 13;
-        self.random ^= self.random >> 7;
-        self.random ^= self.random << 17;
-        self.random
-    }
-
-    fn next_frame(&mut self) -> (u64, u16, Vec<u8>) {
-        self.time_us += 100 + self.random() % 800;
-        let (id, data) = self.pending.take().unwrap_or_else(|| self.fresh_frame());
-        (self.time_us, id, data)
-    }
-
-    fn fresh_frame(&mut self) -> (u16, Vec<u8>) {
-        let node = (self.random() % 8 + 1) as u16;
-        let payload = self.random().to_le_bytes();
-        match self.random() % 100 {
-            0..60 => (0x180 + node, payload.to_vec()),
-            60..72 => (0x280 + node, payload[..4].to_vec()),
-            72..80 => (0x700 + node, vec![0x05]),
-            80..86 => (0x080, Vec::new()),
-            _ => {
-                self.pending = Some((0x580 + node, vec![0x43, 0x04, 0x60, 0, payload[0], payload[1], 0, 0]));
-                (0x600 + node, vec![0x40, 0x04, 0x60, 0, 0, 0, 0, 0])
-            }
+/// To records, on one thread.
+fn reading() -> Result<()> {
+    println!("\nreading, one thread");
+    for Reading { format, peers } in READING {
+        let path = capture(format);
+        let ours = reported(Command::new(release("examples/read_speed")).args([&path, READING_RUNS]))?;
+        println!("{:44} {ours:>6.2} M frames/s", format!("{format}: canvass"));
+        for peer in peers {
+            let (name, theirs) = match peer {
+                Peer::Program(name) => (*name, rate(best(&[name], Some(&path))?)),
+                Peer::Tshark => {
+                    let command = ["tshark", "-n", "-r", &path, "-T", "fields", "-e", "can.id"];
+                    ("tshark -T fields", rate(best(&command, None)?))
+                }
+                Peer::Python(name, frames) => (*name, python(frames, &path)?),
+            };
+            println!(
+                "{:44} {theirs:>6.2} M frames/s, canvass {:.1} times as fast",
+                format!("{format}: {name}"),
+                ours / theirs
+            );
         }
     }
+    Ok(())
 }
 
-/// The best time of several runs.
-fn best(command: &[&str]) -> Result<Duration> {
-    let mut best = Duration::MAX;
+fn python(frames: &str, path: &str) -> Result<f64> {
+    let program = format!(
+        "import itertools, sys, time\n\
+         from mcap.reader import make_reader\n\
+         from mcap_ros2.decoder import DecoderFactory\n\
+         path, begin = sys.argv[1], time.process_time_ns()\n\
+         count = sum(1 for _ in itertools.islice({frames}, {FRAMES_FOR_PYTHON}))\n\
+         print(count, 0, time.process_time_ns() - begin)"
+    );
+    reported(Command::new(PYTHON).args(["-c", &program, path]))
+}
+
+/// The rate that a program reports as its number of frames, its number of damages, and its nanoseconds.
+fn reported(command: &mut Command) -> Result<f64> {
+    let output = command.stderr(Stdio::inherit()).output().with_context(|| format!("can't run {command:?}"))?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let numbers: Vec<f64> = text.split_whitespace().map_while(|word| word.parse().ok()).collect();
+    match numbers[..] {
+        [frames, 0.0, nanos] if frames > 0.0 => Ok(frames / nanos * 1e3),
+        _ => bail!("{command:?} says {text}"),
+    }
+}
+
+/// The cheapest of several runs.
+fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
+    let mut best: Option<Cost> = None;
     for _ in 0..RUNS {
-        let begin = Instant::now();
-        let status = Command::new(command[0])
-            .args(&command[1..])
-            .stdout(Stdio::null())
-            .stderr(Stdio::null())
-            .status()
-            .with_context(|| format!("can't run {}", command[0]))?;
-        ensure!(status.success(), "{} ended with {status}", command.join(" "));
-        best = best.min(begin.elapsed());
+        let input = input.map(File::open).transpose()?.map_or_else(Stdio::null, Stdio::from);
+        let cost = cost(command, input)?;
+        best = Some(best.filter(|best| best.cpu <= cost.cpu).unwrap_or(cost));
     }
-    Ok(best)
+    best.context("no run")
 }
 
-fn measure(name: &str, command: &[&str]) -> Result<Duration> {
-    let time = best(command)?;
-    println!("{name:40} {:>8.3} s  {:>6.2} M frames/s", time.as_secs_f64(), rate(time));
-    Ok(time)
+fn compare(name: &str, ours: f64, reference: f64) {
+    println!("{name:44} {ours:>6.2} M frames/s, {:.1} times as fast", ours / reference);
 }
 
-fn compare(name: &str, command: &[&str], reference: Duration) -> Result<()> {
-    let time = best(command)?;
-    let ratio = reference.as_secs_f64() / time.as_secs_f64();
-    println!("{name:40} {:>8.3} s  {:>6.2} M frames/s  {ratio:>6.1} times as fast", time.as_secs_f64(), rate(time));
-    Ok(())
-}
-
-fn rate(time: Duration) -> f64 {
-    FRAMES as f64 / time.as_secs_f64() / 1e6
-}
-
-/// The processor and how many of it there are.
-fn machine() -> String {
-    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
-    let model = info.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(" unknown processor");
-    let cores = info.lines().filter(|line| line.starts_with("processor")).count();
-    format!("{}, {cores} cores", model.trim_start_matches(['\t', ':', ' ']))
+/// In million frames per second.
+fn rate(cost: Cost) -> f64 {
+    f64::from(FRAMES) / cost.cpu / 1e6
 }

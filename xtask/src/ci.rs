@@ -1,24 +1,31 @@
 //! What CI runs.
 
 use crate::fuzz::fuzz;
+use crate::peers;
 use crate::run::{is_there, run};
 use anyhow::Result;
 use std::process::Command;
 
-/// Format, lints, build, all tests, doc tests, documentation.
+/// The tests that exchange captures with other people's programs, beside all others.
+const PEERS: [&str; 2] = ["--features", "canvass/peers"];
+
+/// Format, lints, build, all tests, those with peers too, doc tests, documentation.
 pub fn ci() -> Result<()> {
     components()?;
     run("cargo", &["fmt", "--all", "--check"])?;
-    run("cargo", &["clippy", "--workspace", "--all-targets", "--locked", "--", "-D", "warnings"])?;
+    let clippy = [&["clippy", "--workspace", "--all-targets", "--locked"], &PEERS[..], &["--", "-D", "warnings"]];
+    run("cargo", &clippy.concat())?;
     run("cargo", &["build", "--workspace", "--locked"])?;
     // Documentation is checked before the tests, so that their count is the last thing printed.
     documentation()?;
     run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
     fuzz()?;
+    peers::install_all()?;
+    let all = [&["--workspace", "--locked", "--no-fail-fast"], &PEERS[..]].concat();
     if is_there("cargo", &["nextest", "--version"]) {
-        run("cargo", &["nextest", "run", "--workspace", "--locked", "--no-fail-fast"])
+        run("cargo", &[&["nextest", "run"], &all[..]].concat())
     } else {
-        run("cargo", &["test", "--workspace", "--locked", "--no-fail-fast", "--all-targets"])
+        run("cargo", &[&["test", "--all-targets"], &all[..]].concat())
     }
 }
 

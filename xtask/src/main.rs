@@ -1,10 +1,14 @@
-//! `cargo xtask ci`: everything that must pass, with all its set-up. `cargo xtask bench`: how fast it is, beside its
-//! peers.
+//! `cargo xtask ci`: everything that must pass, with all its set-up. `cargo xtask peers`: of these, the tests that
+//! exchange captures with other people's programs. `cargo xtask bench`: how fast canvass is, beside its peers. `cargo
+//! xtask memory`: what it needs for captures of gigabytes.
 
 mod bench;
 mod ci;
 mod fuzz;
+mod measure;
+mod memory;
 mod packages;
+mod peers;
 mod run;
 
 use anyhow::{Result, bail};
@@ -14,8 +18,10 @@ fn main() -> Result<()> {
     std::env::set_current_dir(root.unwrap_or_else(|| ".".into()))?;
     match std::env::args().nth(1).as_deref() {
         Some("ci") => ci::ci(),
+        Some("peers") => peers::test(),
         Some("bench") => bench::bench(),
         Some("fuzz") => fuzz::fuzz(),
-        _ => bail!("usage: cargo xtask ci | bench | fuzz"),
+        Some("memory") => memory::memory(),
+        _ => bail!("usage: cargo xtask ci | fuzz | peers | bench | memory"),
     }
 }

@@ -7,15 +7,15 @@ use anyhow::{Result, bail};
 pub struct Package {
     /// The program, and how to ask whether it works.
     pub program: &'static str,
-    /// The argument that only shows a version or a help text.
-    pub probe: &'static str,
+    /// Arguments with which it does nothing but show that it works.
+    pub probe: &'static [&'static str],
     /// The package.
     pub package: &'static str,
 }
 
 /// Installs what is missing, with apt-get (and sudo where that is needed).
 pub fn install(packages: &[Package]) -> Result<()> {
-    let missing: Vec<_> = packages.iter().filter(|p| !is_there(p.program, &[p.probe])).map(|p| p.package).collect();
+    let missing: Vec<_> = packages.iter().filter(|p| !is_there(p.program, p.probe)).map(|p| p.package).collect();
     if missing.is_empty() {
         return Ok(());
     }

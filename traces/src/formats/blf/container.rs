@@ -14,7 +14,7 @@ use std::io::{self, Read};
 
 pub(crate) const HEADER: usize = 16;
 /// The largest uncompressed size that is held; Vector's tools write 128 KiB, some loggers some MiB.
-const LARGEST: u32 = 64 * 1024 * 1024;
+const LARGEST: u32 = 32 * 1024 * 1024;
 
 /// How unpacking a container ended.
 #[derive(Debug)]

@@ -2,6 +2,7 @@
 
 use super::container::{self, Unpacked};
 use super::object::{self, BASE_HEADER, BaseHeader, Content, LOG_CONTAINER, SIGNATURE};
+use crate::local_time;
 use crate::{ChannelId, Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
 use memchr::memmem;
 use nom::bytes::complete::{tag, take};
@@ -79,9 +80,7 @@ fn start(date: &[u16]) -> Option<u64> {
     let fraction = i32::from(millisecond).checked_mul(1_000_000)?;
     let date =
         jiff::civil::DateTime::new(i16::try_from(year).ok()?, month, day, hour, minute, second, fraction).ok()?;
-    // Reckoned as if it were UTC, see `TimeBase::Local`.
-    let start = date.to_zoned(jiff::tz::TimeZone::UTC).ok()?.timestamp();
-    u64::try_from(start.as_nanosecond()).ok().filter(|&nanos| nanos > 0)
+    local_time::nanos(date).filter(|&nanos| nanos > 0)
 }
 
 /// Where the next object begins.

@@ -1,0 +1,160 @@
+//! Captures made to hurt, through the program: a clear word about what is wrong, no crash, and little memory.
+
+use crate::running::{Run, finished};
+use std::io::{self, Read, Write};
+use std::process::{Command, Stdio};
+
+/// All memory that the program may ask for, in KiB; what is in use of it is less.
+const MEMORY: usize = 100_000;
+
+/// Runs the program on what `write` makes, with that limit.
+fn run(args: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()> + Send) -> Run {
+    let shell = format!("ulimit -v {MEMORY} && exec \"$0\" {args}");
+    let mut child = Command::new("sh")
+        .args(["-c", &shell, env!("CARGO_BIN_EXE_canvass")])
+        // Each thread would reserve 64 MiB of addresses beforehand.
+        .env("MALLOC_ARENA_MAX", "1")
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let mut stdin = child.stdin.take().unwrap();
+    std::thread::scope(|scope| {
+        // The program may end before it has read everything.
+        scope.spawn(move || write(&mut stdin).or_else(closed));
+        finished(child.wait_with_output().unwrap())
+    })
+}
+
+fn closed(error: io::Error) -> io::Result<()> {
+    if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) }
+}
+
+/// `decode` and `convert` both say `report` and end with `status`; `lines` is what `decode` prints before.
+fn says(report: &str, status: i32, lines: usize, write: impl Fn(&mut dyn Write) -> io::Result<()> + Send + Sync) {
+    let decoded = run("decode -", &write);
+    assert!(decoded.stderr.contains(report), "{}", decoded.stderr);
+    assert!(decoded.stderr.lines().count() < 10, "{}", decoded.stderr);
+    assert_eq!((decoded.status, decoded.stdout.lines().count()), (status, lines), "{}", decoded.stderr);
+    let converted = run("convert --to candump - -", &write);
+    assert!(converted.stderr.contains(report), "{}", converted.stderr);
+    assert_eq!(converted.status, status, "{}", converted.stderr);
+    if status == 0 {
+        assert_eq!(converted.stdout.lines().count(), lines);
+    }
+}
+
+fn sample(name: &str) -> Vec<u8> {
+    std::fs::read(format!("{}/traces/samples/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
+}
+
+/// So many bytes that are all the same.
+fn fill(out: &mut dyn Write, byte: u8, count: u64) -> io::Result<()> {
+    let block = vec![byte; 1 << 20];
+    (0..count >> 20).try_for_each(|_| out.write_all(&block))
+}
+
+fn mcap_chunk(record: u64, uncompressed: u64, compression: &str, compressed: u64) -> Vec<u8> {
+    let mut file = b"\x89MCAP0\r\n\x06".to_vec();
+    file.extend(record.to_le_bytes());
+    file.extend([0; 16]);
+    file.extend(uncompressed.to_le_bytes());
+    file.extend([0; 4]);
+    file.extend((compression.len() as u32).to_le_bytes());
+    file.extend(compression.as_bytes());
+    file.extend(compressed.to_le_bytes());
+    file
+}
+
+#[test]
+fn an_mcap_chunk_of_2_to_the_63_bytes() {
+    for compression in ["", "zstd", "lz4"] {
+        for (record, compressed, report) in [
+            (1 << 63, 1 << 62, "expected a record of 9223372036854775808 bytes, found \"the end of the file\""),
+            (50 << 20, 40 << 20, "expected a chunk of at most 33554432 bytes, uncompressed"),
+        ] {
+            says(report, 0, 0, |out| {
+                out.write_all(&mcap_chunk(record, 1 << 63, compression, compressed))?;
+                fill(out, 0, 60 << 20)
+            });
+        }
+    }
+}
+
+#[test]
+fn an_mcap_chunk_that_is_as_large_as_it_may_be() {
+    let size = 32 << 20;
+    let bomb = zstd::encode_all(io::repeat(0).take(size), 1).unwrap();
+    says("malformed", 0, 0, |out| {
+        out.write_all(&mcap_chunk(44 + bomb.len() as u64, size, "zstd", bomb.len() as u64))?;
+        out.write_all(&bomb)
+    });
+}
+
+#[test]
+fn pcapng_blocks_of_length_0_and_4_gib() {
+    for (length, status, report) in [
+        (0_u32, 2, "expected a block of at least 12 bytes, found \"length 0\""),
+        (u32::MAX, 0, "expected a block of 4294967296 bytes, found \"the end of the file"),
+    ] {
+        let mut file = sample("two-interfaces.pcapng");
+        file.extend(6_u32.to_le_bytes());
+        file.extend(length.to_le_bytes());
+        says(report, status, 24, |out| {
+            out.write_all(&file)?;
+            fill(out, 0, 50 << 20)
+        });
+    }
+}
+
+#[test]
+fn an_asc_line_of_1_gib() {
+    let head = "date Tue Nov 14 12:00:00.000 2023\nbase hex  timestamps absolute\ninternal events logged\n";
+    says("expected a line of at most 65536 bytes", 0, 1, |out| {
+        out.write_all(head.as_bytes())?;
+        fill(out, b'1', 1 << 30)?;
+        out.write_all(b"\n   0.100000 1  181             Rx   d 1 05\n")
+    });
+}
+
+#[test]
+fn blf_containers_that_inflate_without_end() {
+    let mut zlib = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::fast());
+    io::copy(&mut io::repeat(0).take(300 << 20), &mut zlib).unwrap();
+    let bomb = zlib.finish().unwrap();
+    for (claimed, report) in [
+        (1_000_u32, "expected a container of 1000 bytes, uncompressed, found \"more\""),
+        (u32::MAX, "of at most"),
+        (32 << 20, "found \"more\""),
+    ] {
+        let mut file = sample("python-can.blf")[..144].to_vec();
+        file.extend(b"LOBJ\x10\0\x01\0");
+        file.extend((32 + bomb.len() as u32).to_le_bytes());
+        file.extend([10, 0, 0, 0, 2, 0, 0, 0, 0, 0, 0, 0]);
+        file.extend(claimed.to_le_bytes());
+        file.extend([0; 4]);
+        file.extend(&bomb);
+        says(report, 0, 0, |out| out.write_all(&file));
+    }
+}
+
+/// A gzip stream of many members, which the decompressor takes for one.
+fn gzip_bomb(out: &mut dyn Write, head: &[u8], byte: u8) -> io::Result<()> {
+    let member = |content: &mut dyn Read| -> io::Result<Vec<u8>> {
+        let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        io::copy(content, &mut gzip)?;
+        gzip.finish()
+    };
+    out.write_all(&member(&mut io::Cursor::new(head))?)?;
+    let bomb = member(&mut io::repeat(byte).take(16 << 20))?;
+    (0..64).try_for_each(|_| out.write_all(&bomb))
+}
+
+#[test]
+fn gzip_bombs() {
+    says("is of no known format", 2, 0, |out| gzip_bomb(out, b"", 0));
+    let log = b"(1700000000.000000) can0 701#05\n";
+    says("expected a line of at most 65536 bytes", 0, 1, |out| gzip_bomb(out, log, b'('));
+    says("expected", 2, 24, |out| gzip_bomb(out, &sample("tcpdump-us.pcap"), 0xFF));
+}

@@ -1,0 +1,52 @@
+//! Measuring other programs, by GNU time.
+
+use crate::packages::Package;
+use anyhow::{Context, Result, bail, ensure};
+use std::fs;
+use std::path::PathBuf;
+use std::process::{Command, Stdio};
+
+pub const TIME: Package = Package { program: TIME_PATH, probe: &["--version"], package: "time" };
+/// Not the word of the shell, which tells no memory.
+const TIME_PATH: &str = "/usr/bin/time";
+const RESULT: &str = "target/bench/time";
+
+/// What a run of a program cost.
+#[derive(Clone, Copy)]
+pub struct Cost {
+    /// Seconds of all processors. Other programs on the machine change it little.
+    pub cpu: f64,
+    /// The most memory that was in use, in KiB.
+    pub memory: u64,
+}
+
+/// Runs a program on that input; what it prints is thrown away.
+pub fn cost(command: &[&str], input: Stdio) -> Result<Cost> {
+    let status = Command::new(TIME_PATH)
+        .args(["--quiet", "--format", "%U %S %M", "--output", RESULT])
+        .args(command)
+        .stdin(input)
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .with_context(|| format!("can't run {TIME_PATH}"))?;
+    ensure!(status.success(), "{} ended with {status}", command.join(" "));
+    let result = fs::read_to_string(RESULT)?;
+    let numbers: Vec<f64> = result.split_whitespace().map(str::parse).collect::<Result<_, _>>()?;
+    let [user, system, memory] = numbers[..] else { bail!("{TIME_PATH} says {result}") };
+    Ok(Cost { cpu: user + system, memory: memory as u64 })
+}
+
+/// A program of the release profile.
+pub fn release(name: &str) -> String {
+    let target = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from);
+    target.join("release").join(name).to_string_lossy().into_owned()
+}
+
+/// The processor and how many of it there are.
+pub fn machine() -> String {
+    let info = fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
+    let model = info.lines().find_map(|line| line.strip_prefix("model name")).unwrap_or(" unknown processor");
+    let cores = info.lines().filter(|line| line.starts_with("processor")).count();
+    format!("{}, {cores} cores", model.trim_start_matches(['\t', ':', ' ']))
+}

@@ -1,0 +1,51 @@
+//! What canvass needs for captures of gigabytes. They are made and read through a pipe.
+
+use crate::bench::build;
+use crate::measure::{TIME, cost, machine, release};
+use crate::packages::install;
+use anyhow::{Result, ensure};
+use std::fs;
+use std::process::{Command, Stdio};
+
+/// In KiB.
+const MOST: u64 = 64 * 1024;
+
+/// A kind of capture.
+struct Kind {
+    format: &'static str,
+    size: &'static str,
+    frames: &'static str,
+}
+
+const KINDS: [Kind; 2] = [
+    // A line has 43.3 bytes on average, a message 83.0.
+    Kind { format: "candump", size: "2 GB", frames: "46200000" },
+    Kind { format: "mcap", size: "1 GB", frames: "12100000" },
+];
+
+/// Decodes and converts a candump log of 2 GB and an MCAP file of 1 GB.
+///
+/// # Errors
+/// If one of these takes 64 MiB or more.
+pub fn memory() -> Result<()> {
+    install(&[TIME])?;
+    build()?;
+    fs::create_dir_all("target/bench")?;
+    println!("machine: {}", machine());
+    for Kind { format, size, frames } in KINDS {
+        for args in
+            [&["decode", "-"][..], &["convert", "--to", "mcap", "-", "-"], &["convert", "--to", "candump", "-", "-"]]
+        {
+            let mut traffic =
+                Command::new(release("examples/traffic")).args([format, frames]).stdout(Stdio::piped()).spawn()?;
+            let Some(capture) = traffic.stdout.take() else { continue };
+            let canvass = release("canvass");
+            let cost = cost(&[&[&*canvass], args].concat(), capture.into())?;
+            ensure!(traffic.wait()?.success(), "the traffic could not be made");
+            let (args, mib) = (args.join(" "), cost.memory as f64 / 1024.0);
+            println!("{size} {format:8} canvass {args:30} {mib:>6.1} MiB at most, {:>6.1} s", cost.cpu);
+            ensure!(cost.memory < MOST, "canvass {args} takes {mib:.1} MiB of a {format} capture of {size}");
+        }
+    }
+    Ok(())
+}
