@@ -10,6 +10,19 @@ pub(crate) struct Limited<'a> {
     cut: bool,
 }
 
+/// How unpacking such a part ended.
+#[derive(Debug)]
+pub(crate) enum Unpacked {
+    Whole,
+    /// The source ended before the part: what was there is unpacked.
+    Cut,
+    /// Nothing of what was unpacked can be trusted.
+    Damaged {
+        expected: String,
+        found: String,
+    },
+}
+
 impl<'a> Limited<'a> {
     /// The next `length` bytes of a source.
     pub(crate) fn new(source: &'a mut Source, length: u64) -> Self {

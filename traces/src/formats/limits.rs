@@ -12,15 +12,7 @@ impl Format {
             Self::Candump => &[Loss::ChannelName, Loss::TimeZone],
             Self::Pcap => &[Loss::ChannelName, Loss::Direction, Loss::Date, Loss::TimeZone],
             Self::Mcap => &[Loss::Frame, Loss::Direction, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc],
-            Self::Asc => &[
-                Loss::Frame,
-                Loss::ChannelName,
-                Loss::Direction,
-                Loss::TimeResolution,
-                Loss::TimeZone,
-                Loss::ErrorDetail,
-            ],
-            Self::Trc => &[
+            Self::Asc | Self::Trc => &[
                 Loss::Frame,
                 Loss::ChannelName,
                 Loss::Direction,

@@ -76,6 +76,22 @@ fn line_ends_of_windows_and_a_byte_order_mark_change_nothing() {
     }
 }
 
+/// The lines before the cut are read, and the file is unfinished, not unreadable.
+#[test]
+fn a_compressed_log_that_ends_early_is_unfinished() {
+    let plain = sample("python-can.log");
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::none());
+    std::io::Write::write_all(&mut gzip, &plain).unwrap();
+    let gzip = gzip.finish().unwrap();
+    let source = Source::from_bytes(&gzip[..gzip.len() - 300]);
+    let capture = Capture::from_source("cut", source, &ReadOptions::default()).unwrap();
+    let (records, damages): (Items, Items) = capture.partition(Result::is_ok);
+    let whole = read(Format::Candump, &plain).0;
+    assert!(!records.is_empty() && whole.starts_with(&records));
+    let kinds: Vec<_> = damages.into_iter().map(|damage| damage.unwrap_err().kind).collect();
+    assert_eq!(kinds, [DamageKind::Unfinished]);
+}
+
 proptest! {
     #[test]
     fn random_damage_is_survived(

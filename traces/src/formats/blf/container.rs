@@ -5,7 +5,7 @@
 //! ```
 
 use crate::Source;
-use crate::limited::Limited;
+use crate::limited::{Limited, Unpacked};
 use flate2::bufread::ZlibDecoder;
 use nom::bytes::complete::take;
 use nom::number::complete::{le_u16, le_u32};
@@ -15,19 +15,6 @@ use std::io::{self, Read};
 pub(crate) const HEADER: usize = 16;
 /// The largest uncompressed size that is held; Vector's tools write 128 KiB, some loggers some MiB.
 const LARGEST: u32 = 32 * 1024 * 1024;
-
-/// How unpacking a container ended.
-#[derive(Debug)]
-pub(crate) enum Unpacked {
-    Whole,
-    /// The source ended before the container: what was there is unpacked.
-    Cut,
-    /// Nothing of it can be trusted.
-    Damaged {
-        expected: String,
-        found: String,
-    },
-}
 
 /// Compression and uncompressed size.
 fn header(i: &[u8]) -> IResult<&[u8], (u16, u32)> {

@@ -1,7 +1,8 @@
 //! Reads BLF.
 
-use super::container::{self, Unpacked};
+use super::container;
 use super::object::{self, BASE_HEADER, BaseHeader, Content, LOG_CONTAINER, SIGNATURE};
+use crate::limited::Unpacked;
 use crate::local_time;
 use crate::{ChannelId, Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
 use memchr::memmem;

@@ -6,7 +6,7 @@
 //! ```
 
 use crate::Source;
-use crate::limited::Limited;
+use crate::limited::{Limited, Unpacked};
 use nom::bytes::complete::take;
 use nom::number::complete::{le_u32, le_u64};
 use nom::{IResult, Parser};
@@ -53,21 +53,8 @@ pub(crate) fn header(i: &[u8]) -> IResult<&[u8], Header> {
     Ok((i, Header { uncompressed, crc, compression, compressed, length: whole - i.len() }))
 }
 
-/// How unpacking a chunk ended.
-#[derive(Debug)]
-pub(crate) enum Unpacked {
-    Whole,
-    /// The source ended before the chunk: what was there is unpacked, its checksum not looked at.
-    Cut,
-    /// Nothing of it can be trusted.
-    Damaged {
-        expected: String,
-        found: String,
-    },
-}
-
 /// Unpacks a chunk's records from the source into `records`, and takes all of the chunk's bytes, of which there
-/// are `left`, from the source.
+/// are `left`, from the source. Of a chunk that is cut the checksum is not looked at.
 pub(crate) fn unpack(source: &mut Source, header: &Header, left: u64, records: &mut Vec<u8>) -> Unpacked {
     records.clear();
     let mut limited = Limited::new(source, header.compressed.min(left));

@@ -1,8 +1,9 @@
 //! Reads MCAP.
 
-use super::chunk::{self, Unpacked};
+use super::chunk;
 use super::topics::{Slot, Topics};
 use crate::damage::Flaw;
+use crate::limited::Unpacked;
 use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
 use mcap::records::op;
 use nom::number::complete::{le_u16, le_u32, le_u64, u8};
