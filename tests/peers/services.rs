@@ -142,10 +142,10 @@ fn traffic() -> Vec<Record> {
         let payload = random.next().to_le_bytes();
         match random.below(40) {
             0..=13 => {
-                frames.push(data([0x180, 0x280, 0x380, 0x480][random.below(4)] + node, &payload[..random.below(9)]))
+                frames.push(data([0x180, 0x280, 0x380, 0x480][random.below(4)] + node, &payload[..random.below(9)]));
             }
             14..=17 => {
-                frames.push(data([0x200, 0x300, 0x400, 0x500][random.below(4)] + node, &payload[..random.below(9)]))
+                frames.push(data([0x200, 0x300, 0x400, 0x500][random.below(4)] + node, &payload[..random.below(9)]));
             }
             18..=21 => frames.push(data(0x700 + node, &[[0x00, 0x04, 0x05, 0x7F][random.below(4)]])),
             22 => frames.push(data(0x080, &payload[..random.below(2)])),
