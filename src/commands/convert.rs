@@ -151,7 +151,8 @@ impl Conversion<'_> {
 
     fn recording(&mut self, inputs: &Inputs<'_>) -> Result<&mut Recording, Failure> {
         if let Some(sink) = self.sink.take() {
-            let options = WriteOptions { time_base: inputs.time_base(), ..WriteOptions::default() };
+            let (time_base, live) = (inputs.time_base(), self.flushes);
+            let options = WriteOptions { time_base, live, ..WriteOptions::default() };
             let Destination { format, compression, .. } = self.destination;
             self.recording = Some(Recording::create(sink, format, compression, &options)?);
         }

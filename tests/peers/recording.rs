@@ -82,7 +82,7 @@ impl Random {
 
 /// Writes a capture as `canvass convert` does.
 pub fn write(path: &Path, format: Format, chunk_compression: ChunkCompression, frames: &[Seen]) {
-    let options = WriteOptions { time_base: TimeBase::Utc, chunk_compression };
+    let options = WriteOptions { time_base: TimeBase::Utc, chunk_compression, ..WriteOptions::default() };
     let file = Box::new(File::create(path).unwrap());
     let mut recording = Recording::create(file, format, Compression::None, &options).unwrap();
     let mut channels = Channels::new();

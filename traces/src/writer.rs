@@ -56,6 +56,9 @@ pub struct WriteOptions {
     pub time_base: crate::TimeBase,
     /// How chunks are compressed, in formats that have them (MCAP).
     pub chunk_compression: ChunkCompression,
+    /// Every record will be flushed: formats with chunks write none, as each of one record would take its place in the
+    /// index, and the memory that this needs.
+    pub live: bool,
 }
 
 /// How the chunks of a written file are compressed.

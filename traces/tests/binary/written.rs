@@ -121,8 +121,9 @@ proptest! {
     fn mcap_holds_all_but_can_xl_and_flags(
         records in prop::collection::vec(record(), 1..30),
         chunk_compression in prop::sample::select(&[ChunkCompression::Zstd, ChunkCompression::Lz4, ChunkCompression::None]),
+        live in any::<bool>(),
     ) {
-        let options = WriteOptions { chunk_compression, ..WriteOptions::default() };
+        let options = WriteOptions { chunk_compression, live, ..WriteOptions::default() };
         let (bytes, losses) = written(Format::Mcap, &options, &records);
         let keeps = |record: &Record| {
             let (at, channel) = (record.timestamp, record.channel);
@@ -165,4 +166,25 @@ fn the_crate_mcap_reads_what_is_written() {
     assert_eq!(messages[0].channel.schema.as_ref().unwrap().name, "can_msgs/msg/Frame");
     assert_eq!(messages[0].data.len(), 36);
     assert_eq!(messages[0].log_time, 1_700_000_000_000_000_001);
+}
+
+/// A record that is flushed is on its way at once, and costs no more than itself: no chunk, no place in an index.
+#[test]
+fn mcap_that_is_written_live_holds_nothing_back() {
+    let sink = Sink::default();
+    let options = WriteOptions { live: true, ..WriteOptions::default() };
+    let mut writer = Format::Mcap.create(Box::new(sink.clone()), &options).unwrap();
+    let size = || sink.0.lock().unwrap().len();
+    let frame = Frame::new(CanId::standard_masked(0x63F), &[0x40, 0, 0x60, 0]).unwrap();
+    let mut record = |n| {
+        writer.write(&Record::new(Timestamp(n), ChannelId(0), frame), &channels()).unwrap();
+        writer.flush().unwrap();
+        size()
+    };
+    let first = record(0);
+    let sizes: Vec<usize> = (1..1_000).map(record).collect();
+    assert!(sizes.iter().zip(1..).all(|(size, n)| *size == first + n * (9 + 22 + 36)), "{sizes:?}");
+    writer.finish().unwrap();
+    // The end repeats the schemas and channels.
+    assert!(size() < sizes[998] + 4_000);
 }

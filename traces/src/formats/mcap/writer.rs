@@ -53,6 +53,7 @@ pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box
         .library(concat!("canvass ", env!("CARGO_PKG_VERSION")))
         .compression(compression)
         .compression_threads(0)
+        .use_chunks(!options.live)
         .disable_seeking(true);
     let mut mcap = options.create(NoSeek::new(sink)).map_err(failed)?;
     let mut schema =
