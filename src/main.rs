@@ -3,9 +3,15 @@
 mod cli;
 mod commands;
 mod damages;
+mod destination;
 mod devices;
+mod inputs;
+mod interrupt;
 mod output;
+mod quality;
+mod selection;
 mod status;
+mod stdin;
 mod time_range;
 
 use clap::Parser;

@@ -1,6 +1,6 @@
 //! Standard output and standard error.
 
-use std::io::{self, IsTerminal, Read, Write};
+use std::io::{self, IsTerminal, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Whether to use colours.
@@ -49,11 +49,6 @@ impl Output {
     pub fn flush(&self) -> io::Result<()> {
         write_out(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
-
-    /// Standard input that flushes this output whenever it is about to wait.
-    pub fn flushed_by_stdin(&self) -> impl Read + Send + 'static {
-        FlushingStdin { output: self.clone(), stdin: io::stdin() }
-    }
 }
 
 fn write_out(buffer: &mut Vec<u8>) -> io::Result<()> {
@@ -63,15 +58,14 @@ fn write_out(buffer: &mut Vec<u8>) -> io::Result<()> {
     written
 }
 
-struct FlushingStdin {
-    output: Output,
-    stdin: io::Stdin,
-}
+/// As a sink: nothing reaches standard output before it is flushed or full, whatever flushes the sink.
+impl Write for Output {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.append(|buffer| buffer.extend_from_slice(bytes)).map(|()| bytes.len())
+    }
 
-impl Read for FlushingStdin {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        self.output.flush()?;
-        self.stdin.read(buffer)
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 

@@ -27,6 +27,11 @@ pub struct TimeRange {
 }
 
 impl TimeRange {
+    /// The part between two points, both of which may be open.
+    pub fn new(from: Option<TimePoint>, to: Option<TimePoint>) -> Self {
+        Self { from, to, start: None }
+    }
+
     /// Whether a frame of that time is in the part. The first one asked for is the start.
     pub fn contains(&mut self, time: Timestamp) -> bool {
         let start = *self.start.get_or_insert(time);

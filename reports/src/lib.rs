@@ -2,8 +2,10 @@
 //!
 //! - [`conformance`]: the reports of a conformance run;
 //! - [`decode`]: frames, one line or one JSON object each;
-//! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
+//! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here;
+//! - [`quality`]: what captures hold and lack.
 
 pub mod conformance;
 pub mod decode;
 pub mod escape;
+pub mod quality;

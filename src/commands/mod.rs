@@ -1,6 +1,7 @@
 //! One file per subcommand: what was typed becomes objects, the objects do the work.
 
 pub mod completions;
+pub mod convert;
 pub mod decode;
 pub mod explain;
 pub mod list;

@@ -26,3 +26,14 @@ pub enum TimeBase {
     /// Nothing: the source has no times, and all are zero.
     None,
 }
+
+impl std::fmt::Display for TimeBase {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::Utc => "1970 in UTC",
+            Self::Local => "1970 in local time",
+            Self::Start => "the start of the recording",
+            Self::None => "nothing",
+        })
+    }
+}

@@ -6,6 +6,7 @@ mod asc_writer;
 pub(crate) mod blf;
 pub(crate) mod candump_console;
 pub(crate) mod candump_log;
+mod limits;
 pub(crate) mod mcap;
 pub(crate) mod minimon;
 pub(crate) mod pcap;

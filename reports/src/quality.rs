@@ -1,0 +1,286 @@
+//! The quality of captures, as text and as JSON (`canvass/quality/1`, described in `docs/quality.md`).
+
+use canvass_traces::quality::{Gaps, Sighting};
+use canvass_traces::{Capture, ChannelId, Channels, Format, Quality, Reader, TimeBase};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// The contract's name and version.
+const SCHEMA: &str = "canvass/quality/1";
+
+/// One capture and what was seen of it.
+#[derive(Clone, Copy, Debug)]
+pub struct CaptureQuality<'a> {
+    /// The file's name.
+    pub name: &'a str,
+    /// Its format.
+    pub format: Format,
+    /// What its times count from.
+    pub time_base: TimeBase,
+    /// What was seen.
+    pub quality: &'a Quality,
+}
+
+impl<'a> CaptureQuality<'a> {
+    /// Of a capture that was read.
+    pub fn new(capture: &'a Capture, quality: &'a Quality) -> Self {
+        Self { name: capture.name(), format: capture.format(), time_base: capture.time_base(), quality }
+    }
+}
+
+/// All captures together.
+fn total(captures: &[CaptureQuality<'_>]) -> Quality {
+    captures.iter().fold(Quality::default(), |mut total, capture| {
+        total.add(capture.quality);
+        total
+    })
+}
+
+/// Every capture, and the total where there are several; `channels` names the channels of all.
+pub fn text(captures: &[CaptureQuality<'_>], channels: &Channels) -> String {
+    let mut text = String::from("capture quality\n");
+    for capture in captures {
+        let name = printable(capture.name);
+        // Writing to a string can't fail.
+        let _ = writeln!(text, "{name} ({})", capture.format);
+        push_quality(&mut text, Some(&name), capture.quality, channels);
+    }
+    if captures.len() > 1 {
+        let _ = writeln!(text, "all {} captures", captures.len());
+        push_quality(&mut text, None, &total(captures), channels);
+    }
+    text
+}
+
+fn push_quality(text: &mut String, name: Option<&str>, quality: &Quality, channels: &Channels) {
+    let mut row = |label: &str, value: String| {
+        let _ = writeln!(text, "  {label:<11}{value}");
+    };
+    row("frames", frames(quality));
+    let by_channel = by_channel(quality, channels).map(|(name, frames)| format!("{} {frames}", printable(name)));
+    match by_channel.collect::<Vec<_>>() {
+        none if none.is_empty() => {}
+        some => row("channels", some.join(", ")),
+    }
+    if let (Some(first), Some(last)) = (quality.first, quality.last) {
+        let resolution = quality.resolution.get().map(|unit| format!(", resolution {unit}")).unwrap_or_default();
+        row("time", format!("{first} to {last}, {}{resolution}", quality.duration()));
+    }
+    row("damage", damages(quality));
+    row("clock", clock(quality, name));
+    row("gaps", gaps(&quality.gaps, name));
+    for warning in warnings(quality) {
+        row("warning", warning);
+    }
+}
+
+/// `5000: 4000 standard, 1000 error`.
+fn frames(quality: &Quality) -> String {
+    let kinds: Vec<String> = counted(&quality.frames.by_kind()).collect();
+    let colon = if kinds.is_empty() { "" } else { ": " };
+    format!("{}{colon}{}", quality.frames.total(), kinds.join(", "))
+}
+
+fn counted<'a>(counts: &'a [(&'static str, u64)]) -> impl Iterator<Item = String> + 'a {
+    counts.iter().filter(|(_, count)| *count > 0).map(|(name, count)| format!("{count} {name}"))
+}
+
+fn damages(quality: &Quality) -> String {
+    if quality.damages.is_empty() {
+        return "none".to_owned();
+    }
+    let shown: Vec<String> = counted(&quality.damages.by_kind()).collect();
+    shown.join(", ")
+}
+
+fn clock(quality: &Quality, name: Option<&str>) -> String {
+    match quality.steps.first {
+        None => "no steps back".to_owned(),
+        Some(first) => {
+            let count = quality.steps.count;
+            format!("{count} steps back, the largest {}, the first at {}", quality.steps.largest, place(name, first))
+        }
+    }
+}
+
+fn gaps(gaps: &Gaps, name: Option<&str>) -> String {
+    match gaps.largest {
+        None => "none".to_owned(),
+        Some(gap) => {
+            let end = place(name, gap.end);
+            format!("{}, the largest {} until {end}, where at most {} was usual", gaps.count, gap.length, gap.usual)
+        }
+    }
+}
+
+/// The place as damages show it, or the time where the file is not told.
+fn place(name: Option<&str>, at: Sighting) -> String {
+    match name {
+        Some(name) => format!("{name}:{}", at.place.number),
+        None => at.time.to_string(),
+    }
+}
+
+/// What to be careful with.
+fn warnings(quality: &Quality) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if let Some(resolution) = quality.resolution.get()
+        && quality.resolution.is_coarse()
+    {
+        warnings.push(format!("times are no finer than {resolution}: the order and delays of frames are not certain"));
+    }
+    if quality.damages.dropped > 0 {
+        warnings.push(format!("the recorder lost {} frames", quality.damages.dropped));
+    }
+    if quality.damages.unfinished > 0 {
+        warnings.push("the recording has no proper end: the last frames may be missing".to_owned());
+    }
+    if quality.steps.count > 0 {
+        warnings.push("the clock stepped back: times before and after can't be compared".to_owned());
+    }
+    warnings
+}
+
+/// The object of schema `canvass/quality/1`: times and spans are integer nanoseconds.
+pub fn json(captures: &[CaptureQuality<'_>], channels: &Channels) -> Value {
+    let source = |capture: &CaptureQuality<'_>| {
+        let mut object = quality_json(capture.quality, channels);
+        object["name"] = json!(capture.name);
+        object["format"] = json!(capture.format.id());
+        object["time_base"] = json!(time_base(capture.time_base));
+        object
+    };
+    json!({
+        "schema": SCHEMA,
+        "sources": captures.iter().map(source).collect::<Vec<_>>(),
+        "total": quality_json(&total(captures), channels),
+    })
+}
+
+fn quality_json(quality: &Quality, channels: &Channels) -> Value {
+    let object = |counts: &[(&'static str, u64)]| {
+        counts.iter().map(|&(name, count)| (name.to_owned(), json!(count))).collect::<serde_json::Map<_, _>>()
+    };
+    let channels: Vec<Value> =
+        by_channel(quality, channels).map(|(name, frames)| json!({ "name": name, "frames": frames })).collect();
+    json!({
+        "frames": quality.frames.total(),
+        "kinds": object(&quality.frames.by_kind()),
+        "channels": channels,
+        "damages": object(&quality.damages.by_kind()),
+        "first_t": quality.first.map(|time| time.nanos()),
+        "last_t": quality.last.map(|time| time.nanos()),
+        "duration_ns": quality.duration().nanos(),
+        "resolution_ns": quality.resolution.get().map(|unit| unit.nanos()),
+        "clock_steps_back": {
+            "count": quality.steps.count,
+            "largest_ns": quality.steps.largest.nanos(),
+            "first": quality.steps.first.map(sighting),
+        },
+        "gaps": {
+            "count": quality.gaps.count,
+            "largest": quality.gaps.largest.map(|gap| json!({
+                "length_ns": gap.length.nanos(),
+                "usual_ns": gap.usual.nanos(),
+                "end": sighting(gap.end),
+            })),
+        },
+        "warnings": warnings(quality),
+    })
+}
+
+fn sighting(at: Sighting) -> Value {
+    json!({ "t": at.time.nanos(), "number": at.place.number, "offset": at.place.offset })
+}
+
+const fn time_base(base: TimeBase) -> &'static str {
+    match base {
+        TimeBase::Utc => "utc",
+        TimeBase::Local => "local",
+        TimeBase::Start => "start",
+        TimeBase::None => "none",
+    }
+}
+
+/// The channels that have frames.
+fn by_channel<'a>(quality: &'a Quality, channels: &'a Channels) -> impl Iterator<Item = (&'a str, u64)> {
+    let named = quality.channels.iter().enumerate();
+    named.filter(|(_, frames)| **frames > 0).map(|(id, frames)| (channels.name(ChannelId(id as u16)), *frames))
+}
+
+/// A name comes from outside: it may be anything.
+fn printable(name: &str) -> String {
+    name.chars().map(|c| if c.is_control() { char::REPLACEMENT_CHARACTER } else { c }).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::{CanId, Damage, DamageKind, Frame, Place, Record, Timestamp};
+
+    const SECOND: u64 = 1_000_000_000;
+
+    fn seen(channels: &mut Channels) -> Quality {
+        let mut quality = Quality::default();
+        let frame = Frame::full(CanId::standard_masked(0x181), [0; 8]);
+        for (n, (channel, time)) in [("can0", 1), ("can\x1b[31m", 2), ("can0", 30), ("can0", 29)].iter().enumerate() {
+            let record = Record::new(Timestamp(time * SECOND), channels.intern(channel), frame);
+            quality.record(&record.at(n as u64 + 1, 100));
+        }
+        quality.damage(&Damage::new(DamageKind::Dropped(7), Place::default(), "", b""));
+        quality
+    }
+
+    #[test]
+    fn as_text() {
+        let mut channels = Channels::new();
+        let quality = seen(&mut channels);
+        let capture =
+            CaptureQuality { name: "a.log", format: Format::Candump, time_base: TimeBase::Start, quality: &quality };
+        assert_eq!(
+            text(&[capture], &channels),
+            "capture quality\n\
+             a.log (candump)\n\
+             \x20 frames     4: 4 standard\n\
+             \x20 channels   can0 3, can\u{FFFD}[31m 1\n\
+             \x20 time       1.000000000 to 29.000000000, 28 s, resolution 1 s\n\
+             \x20 damage     7 dropped\n\
+             \x20 clock      1 steps back, the largest 1 s, the first at a.log:4\n\
+             \x20 gaps       1, the largest 28 s until a.log:3, where at most 1.25 s was usual\n\
+             \x20 warning    times are no finer than 1 s: the order and delays of frames are not certain\n\
+             \x20 warning    the recorder lost 7 frames\n\
+             \x20 warning    the clock stepped back: times before and after can't be compared\n"
+        );
+        assert!(text(&[capture, capture], &channels).contains("all 2 captures\n  frames     8: 8 standard\n"));
+    }
+
+    #[test]
+    fn as_json() {
+        let mut channels = Channels::new();
+        let quality = seen(&mut channels);
+        let capture =
+            CaptureQuality { name: "a.log", format: Format::Candump, time_base: TimeBase::Start, quality: &quality };
+        let value = json(&[capture, capture], &channels);
+        assert_eq!(value["schema"], "canvass/quality/1");
+        let source = &value["sources"][1];
+        assert_eq!(
+            (&source["name"], &source["format"], &source["time_base"]),
+            (&json!("a.log"), &json!("candump"), &json!("start"))
+        );
+        assert_eq!(source["channels"][1], json!({ "name": "can\u{1b}[31m", "frames": 1 }));
+        assert_eq!(source["first_t"], SECOND);
+        assert_eq!(source["clock_steps_back"]["first"], json!({ "t": 29 * SECOND, "number": 4, "offset": 100 }));
+        assert_eq!(source["gaps"]["largest"]["length_ns"], 28 * SECOND);
+        assert_eq!(value["total"]["frames"], 8);
+        assert_eq!(value["total"]["damages"]["dropped"], 14);
+    }
+
+    #[test]
+    fn nothing_seen() {
+        let quality = Quality::default();
+        let capture = CaptureQuality { name: "-", format: Format::Mcap, time_base: TimeBase::Utc, quality: &quality };
+        let value = json(&[capture], &Channels::new());
+        assert_eq!((&value["total"]["first_t"], &value["total"]["resolution_ns"]), (&Value::Null, &Value::Null));
+        assert!(text(&[capture], &Channels::new()).contains("  frames     0\n  damage     none\n"));
+    }
+}

@@ -1,0 +1,189 @@
+//! `canvass convert`: captures from one format to another.
+
+use crate::destination::Destination;
+use crate::inputs::{InputOptions, Inputs, Seen, format_ids};
+use crate::output::{Output, diagnostic};
+use crate::selection::Selection;
+use crate::status::{Failure, Status};
+use crate::time_range::{TimePoint, TimeRange};
+use anyhow::{anyhow, bail};
+use canvass_analyzer::network::Network;
+use canvass_traces::{Format, Loss, Losses, Record, Recording, WriteOptions, Writer};
+use std::path::PathBuf;
+use std::str::FromStr;
+
+/// Convert captures to another format
+///
+/// The format written is told by the extension of OUT, which .gz or .zst may follow for compression, or by --to. Several
+/// captures are merged by time. What the format can't hold, and what can't be read, is said on standard error.
+/// Ctrl-C ends the file properly.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  canvass convert field.mcap field.log             a candump log
+  canvass convert a.trc b.asc both.pcapng          two recorders' captures as one, by time
+  canvass convert in.log out.asc --from +10 --to +20 --node 5,6
+  candump -L can0 | canvass convert - --to pcapng live.pcapng.zst")]
+pub struct Args {
+    /// Capture files, and the file to write; - is standard input or output
+    #[arg(required = true, num_args = 2.., value_names = ["IN", "OUT"])]
+    files: Vec<PathBuf>,
+    /// The format to write, such as pcapng; or the time behind which frames are left out, as for --from; or both, one each
+    #[arg(long, value_name = "FORMAT|TIME")]
+    to: Vec<To>,
+    /// Leave out what was before: seconds as in the capture, +SECONDS since its first frame, or 2025-01-28T10:47:15Z
+    #[arg(long, value_name = "TIME")]
+    from: Option<TimePoint>,
+    /// Overwrite OUT if it exists
+    #[arg(long)]
+    force: bool,
+    #[command(flatten)]
+    selection: Selection,
+    #[command(flatten)]
+    input: InputOptions,
+}
+
+/// What `--to` names.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum To {
+    Format(Format),
+    Time(TimePoint),
+}
+
+impl FromStr for To {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if let Some(format) = Format::by_id(text) {
+            return Ok(Self::Format(format));
+        }
+        // Where it does not even begin like a time, it is a format misspelt.
+        text.parse()
+            .map(Self::Time)
+            .map_err(|_| format!("expected a format ({}) or a time (12.5, +12.5, 2025-01-28T10:47:15Z)", format_ids()))
+    }
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let (to_format, to_time) = formats_and_times(&self.to)?;
+        let Some((out, files)) = self.files.split_last() else { return Err(anyhow!("expected IN and OUT").into()) };
+        let destination = Destination::new(out, to_format, self.force)?;
+        let output = Output::default();
+        let mut inputs = Inputs::open(files, &self.input, &output)?;
+        let mut conversion = Conversion {
+            selection: &self.selection,
+            network: self.selection.network()?,
+            range: TimeRange::new(self.from, to_time),
+            sink: Some(destination.open(files, &output)?),
+            flushes: inputs.is_live() && destination.is_stdout(),
+            destination,
+            recording: None,
+        };
+        let converted = conversion.run(&mut inputs);
+        // Also after an error, so that what was written is a valid file.
+        let finished = conversion.finish(&inputs);
+        converted?;
+        finished?;
+        self.selection.warn_of_unknown_channels(&inputs);
+        inputs.finish()?;
+        Ok(Status::Good)
+    }
+}
+
+/// The format and the time among the values of `--to`.
+fn formats_and_times(to: &[To]) -> anyhow::Result<(Option<Format>, Option<TimePoint>)> {
+    let (mut format, mut time) = (None, None);
+    for to in to {
+        let before = match *to {
+            To::Format(new) => format.replace(new).is_some(),
+            To::Time(new) => time.replace(new).is_some(),
+        };
+        if before {
+            bail!("--to names two formats or two times: expected one of each at most");
+        }
+    }
+    Ok((format, time))
+}
+
+struct Conversion<'a> {
+    selection: &'a Selection,
+    network: Network,
+    range: TimeRange,
+    destination: Destination,
+    sink: Option<Box<dyn std::io::Write>>,
+    /// What the times count from is known with the first record.
+    recording: Option<Recording>,
+    /// Every frame is to be seen at once.
+    flushes: bool,
+}
+
+impl Conversion<'_> {
+    fn run(&mut self, inputs: &mut Inputs<'_>) -> Result<(), Failure> {
+        while let Some(seen) = inputs.next()? {
+            // A salvaged frame contradicts itself: writing it would make it a good one.
+            if let Seen::Record(record) = seen
+                && self.chooses(&record, inputs)
+            {
+                let flushes = self.flushes;
+                let recording = self.recording(inputs)?;
+                recording.write(&record, inputs.channels())?;
+                if flushes {
+                    recording.flush()?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    fn chooses(&mut self, record: &Record, inputs: &Inputs<'_>) -> bool {
+        let selection = self.selection;
+        // What a frame means may depend on all frames before it.
+        let decoded = selection.needs_decoding().then(|| self.network.handle(record));
+        self.range.contains(record.timestamp)
+            && selection.has_channel(record, inputs)
+            && decoded.is_none_or(|decoded| selection.has(record, &decoded, inputs))
+    }
+
+    fn recording(&mut self, inputs: &Inputs<'_>) -> Result<&mut Recording, Failure> {
+        if let Some(sink) = self.sink.take() {
+            let options = WriteOptions { time_base: inputs.time_base(), ..WriteOptions::default() };
+            let Destination { format, compression, .. } = self.destination;
+            self.recording = Some(Recording::create(sink, format, compression, &options)?);
+        }
+        self.recording.as_mut().ok_or_else(|| anyhow!("the file could not be begun").into())
+    }
+
+    fn finish(&mut self, inputs: &Inputs<'_>) -> Result<(), Failure> {
+        let format = self.destination.format;
+        let recording = self.recording(inputs)?;
+        recording.finish()?;
+        report_losses(format, recording.losses());
+        Ok(())
+    }
+}
+
+fn report_losses(format: Format, losses: &Losses) {
+    for (loss, frames) in losses.iter() {
+        let plural = if frames == 1 { "" } else { "s" };
+        diagnostic(&match loss {
+            Loss::Frame => format!("canvass: {format} can't hold {}: {frames} frame{plural} left out", loss.name()),
+            _ => format!("canvass: {format} can't hold {}: lost of {frames} frame{plural}", loss.name()),
+        });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn to_names_a_format_a_time_or_both() {
+        let parsed = |texts: &[&str]| formats_and_times(&texts.iter().map(|t| t.parse().unwrap()).collect::<Vec<_>>());
+        assert_eq!(parsed(&["pcapng"]).unwrap(), (Some(Format::Pcapng), None));
+        assert_eq!(parsed(&["+5", "csv"]).unwrap(), (Some(Format::PythonCanCsv), Some("+5".parse().unwrap())));
+        assert!(parsed(&["csv", "asc"]).is_err());
+        assert!(parsed(&["1", "2"]).is_err());
+        assert!("xlsx".parse::<To>().unwrap_err().contains("pcapng"));
+    }
+}

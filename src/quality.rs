@@ -1,0 +1,45 @@
+//! `--quality`: how far the captures can be trusted.
+
+use crate::output::{diagnostic, print};
+use anyhow::{Context, Result};
+use canvass_reports::quality::{self, CaptureQuality};
+use canvass_traces::Channels;
+use std::path::PathBuf;
+
+/// Whether and how the quality of the captures is shown.
+#[derive(clap::Args)]
+pub struct QualityOptions {
+    /// Say at the end what the captures hold and lack: frames, damage, clock steps, time resolution, gaps
+    #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, default_missing_value = "text")]
+    quality: Option<QualityFormat>,
+    /// Where to; without it standard error; - is standard output
+    #[arg(long, value_name = "FILE", requires = "quality")]
+    quality_out: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum QualityFormat {
+    /// Aligned text
+    Text,
+    /// A JSON object
+    Json,
+}
+
+impl QualityOptions {
+    /// Shows it, if it was asked for.
+    pub fn report(&self, captures: &[CaptureQuality<'_>], channels: &Channels) -> Result<()> {
+        let shown = match self.quality {
+            None => return Ok(()),
+            Some(QualityFormat::Text) => quality::text(captures, channels),
+            Some(QualityFormat::Json) => format!("{:#}\n", quality::json(captures, channels)),
+        };
+        match &self.quality_out {
+            None => diagnostic(shown.trim_end()),
+            Some(path) if path.as_os_str() == "-" => print(&shown)?,
+            Some(path) => {
+                std::fs::write(path, shown).with_context(|| format!("can't write to {}", path.display()))?;
+            }
+        }
+        Ok(())
+    }
+}

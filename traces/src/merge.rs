@@ -1,0 +1,196 @@
+//! Several captures as one, by time.
+//!
+//! - One record of each source is looked ahead, and only while more than one source is left; nothing is sorted.
+//!   Where a source's own clock steps back, its records keep the order of their source.
+//! - Of records of the same time, those of the source named first come first.
+//! - A damage comes out as soon as it is found: behind the record before it in its own source. One with a salvaged
+//!   record takes that record's place in time.
+//! - Channels of different sources are different channels, even if their names are equal: with more than one source
+//!   every channel is named `FILE:CHANNEL` ([`Naming::BySource`]). A rule that looked at the names would have to
+//!   rename a channel once another of the same name turns up. [`Naming::SameBus`] is for parts of one recording,
+//!   or several recorders on the same bus: equal names are then one channel.
+
+use crate::{Capture, ChannelId, Channels, Damage, Reader, Record, TimeBase, Timestamp};
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+use std::path::Path;
+
+/// What the channels of several captures are called.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
+pub enum Naming {
+    /// `FILE:CHANNEL`, if there is more than one source.
+    #[default]
+    BySource,
+    /// As in the sources; equal names are one channel.
+    SameBus,
+}
+
+/// Several captures as one; iterates over items, each with the index of the source that it comes from.
+pub struct Merge {
+    sources: Vec<MergedSource>,
+    channels: Channels,
+    /// By the merged channel: its name in its own source.
+    own_names: Vec<Box<str>>,
+    /// The times of the heads, the earliest first.
+    heap: BinaryHeap<Reverse<(Timestamp, usize)>>,
+    /// Sources whose next item is not known yet, the last one next.
+    wanted: Vec<usize>,
+}
+
+/// One of the captures.
+struct MergedSource {
+    capture: Capture,
+    /// What its channels are prefixed with.
+    prefix: Option<String>,
+    /// Its channels, by their own ids.
+    channels: Vec<ChannelId>,
+    /// Its next item, which has a time.
+    head: Option<Item>,
+}
+
+type Item = Result<Record, Damage>;
+
+impl Merge {
+    /// Merges captures in that order.
+    pub fn new(captures: Vec<Capture>, naming: Naming) -> Self {
+        let prefixes = match naming {
+            Naming::BySource if captures.len() > 1 => labels(&captures).into_iter().map(Some).collect(),
+            _ => vec![None; captures.len()],
+        };
+        let source = |(capture, prefix)| MergedSource { capture, prefix, channels: Vec::new(), head: None };
+        Self {
+            wanted: (0..captures.len()).rev().collect(),
+            sources: captures.into_iter().zip(prefixes).map(source).collect(),
+            channels: Channels::new(),
+            own_names: Vec::new(),
+            heap: BinaryHeap::new(),
+        }
+    }
+
+    /// The captures, in the order in which they were given.
+    pub fn sources(&self) -> impl ExactSizeIterator<Item = &Capture> {
+        self.sources.iter().map(|source| &source.capture)
+    }
+
+    /// The name of a source; empty for one that is none.
+    pub fn name(&self, source: usize) -> &str {
+        self.sources.get(source).map_or("", |source| source.capture.name())
+    }
+
+    /// The channels seen so far, of all sources; every record's channel is among them.
+    pub fn channels(&self) -> &Channels {
+        &self.channels
+    }
+
+    /// A channel's name in its own source, without the source's name in front.
+    pub fn own_name(&self, channel: ChannelId) -> &str {
+        self.own_names.get(usize::from(channel.0)).map_or("?", |name| name)
+    }
+
+    /// What the timestamps count from: that of the first source, as far as it has shown.
+    pub fn time_base(&self) -> TimeBase {
+        self.sources.first().map_or(TimeBase::None, |source| source.capture.time_base())
+    }
+
+    /// The first source whose times count from something else than those of the first one: they can't be brought
+    /// together and are merged as numbers. To be asked once all sources have shown a record.
+    pub fn odd_source(&self) -> Option<usize> {
+        self.sources.iter().position(|source| source.capture.time_base() != self.time_base())
+    }
+
+    /// Looks at the next item of a source: an item without a time is given back at once.
+    fn look_ahead(&mut self, at: usize) -> Option<Item> {
+        let item = self.take(at)?;
+        let time = match &item {
+            Ok(record) => record.timestamp,
+            Err(Damage { salvaged: Some(record), .. }) => record.timestamp,
+            Err(_) => {
+                self.wanted.push(at);
+                return Some(item);
+            }
+        };
+        self.sources.get_mut(at)?.head = Some(item);
+        self.heap.push(Reverse((time, at)));
+        None
+    }
+
+    /// The next item of a source, with its channel as it is called here.
+    fn take(&mut self, at: usize) -> Option<Item> {
+        let source = self.sources.get_mut(at)?;
+        let mut item = source.capture.next()?;
+        let record = match &mut item {
+            Ok(record) => Some(record),
+            Err(damage) => damage.salvaged.as_deref_mut(),
+        };
+        if let Some(record) = record {
+            record.channel = match source.channels.get(usize::from(record.channel.0)) {
+                Some(&channel) => channel,
+                None => self.intern(at, record.channel),
+            };
+        }
+        Some(item)
+    }
+
+    /// Makes the channels of a source known up to that one.
+    fn intern(&mut self, at: usize, channel: ChannelId) -> ChannelId {
+        let Some(source) = self.sources.get_mut(at) else { return channel };
+        for own in source.channels.len()..=usize::from(channel.0) {
+            let own = source.capture.channels().name(ChannelId(own as u16));
+            let merged = match &source.prefix {
+                Some(prefix) => self.channels.intern(&format!("{prefix}:{own}")),
+                None => self.channels.intern(own),
+            };
+            if self.own_names.len() <= usize::from(merged.0) {
+                self.own_names.push(own.into());
+            }
+            source.channels.push(merged);
+        }
+        source.channels.last().copied().unwrap_or(channel)
+    }
+}
+
+impl Iterator for Merge {
+    type Item = (usize, Item);
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.sources.len() == 1 {
+            // Nothing to wait for: a live frame comes out as soon as it came in.
+            return Some((0, self.take(0)?));
+        }
+        while let Some(at) = self.wanted.pop() {
+            if let Some(damage) = self.look_ahead(at) {
+                return Some((at, damage));
+            }
+        }
+        let Reverse((_, at)) = self.heap.pop()?;
+        self.wanted.push(at);
+        let head = self.sources.get_mut(at)?.head.take()?;
+        Some((at, head))
+    }
+}
+
+/// A name for each capture that no other has: the file's name, the path where others have the same file name, and a
+/// number where the same path was given before.
+fn labels(captures: &[Capture]) -> Vec<String> {
+    let file_name = |capture: &Capture| match Path::new(capture.name()).file_name() {
+        Some(name) => name.to_string_lossy().into_owned(),
+        None => capture.name().to_owned(),
+    };
+    let mut labels: Vec<String> = Vec::new();
+    for capture in captures {
+        let mut label = file_name(capture);
+        if captures.iter().filter(|other| file_name(other) == label).count() > 1 {
+            label = capture.name().to_owned();
+        }
+        let numbered = (2_usize..).map(|n| format!("{label}#{n}"));
+        let label = std::iter::once(label.clone()).chain(numbered).find(|label| !labels.contains(label));
+        labels.extend(label);
+    }
+    labels
+}
+
+impl std::fmt::Debug for Merge {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.debug_list().entries(self.sources()).finish()
+    }
+}

@@ -1,0 +1,217 @@
+//! The quality of a capture: what it holds, what is missing, and how far its clock can be trusted.
+//!
+//! Every frame and damage is counted as it comes, in constant memory and in the order of its source.
+//!
+//! - **Time resolution**: the largest power of ten, of at most one second, that divides all times seen. A clock of
+//!   10 ms shows as 10 ms; a fine clock shows its last digit within a few frames.
+//! - **Clock steps**: a frame that is older than the one before it in the same source.
+//! - **Gaps**: an interval of more than [`Gaps::FACTOR`] times the usual one. *Usual* is the interval that about 99
+//!   of 100 do not exceed, followed as it changes: a longer one raises it by a quarter, a shorter one lowers it by
+//!   1/512. (A median would take every pause between the bursts of a SYNC cycle for a gap.) It begins with 1 s and is
+//!   never taken for less than 10 ms, so that 10 s are a gap at the begin and nothing below 100 ms ever is.
+
+mod clock;
+mod gaps;
+
+pub use clock::{ClockSteps, Resolution};
+pub use gaps::{Gap, Gaps};
+
+use crate::{ChannelId, Damage, DamageKind, Duration, Frame, Place, Record, Timestamp};
+
+/// What was seen of one source, or of all together.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Quality {
+    /// The frames by kind.
+    pub frames: FrameCounts,
+    /// The frames by channel: the index is the [`ChannelId`].
+    pub channels: Vec<u64>,
+    /// What could not be read.
+    pub damages: DamageCounts,
+    /// The time of the first frame.
+    pub first: Option<Timestamp>,
+    /// The time of the last frame.
+    pub last: Option<Timestamp>,
+    /// Where the clock stepped back.
+    pub steps: ClockSteps,
+    /// How fine the times are.
+    pub resolution: Resolution,
+    /// Where nothing was recorded.
+    pub gaps: Gaps,
+}
+
+/// Frames by kind: every frame is counted once.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct FrameCounts {
+    /// Classical data frames of 11 bits.
+    pub standard: u64,
+    /// Classical data frames of 29 bits.
+    pub extended: u64,
+    /// Remote frames.
+    pub remote: u64,
+    /// Error frames.
+    pub error: u64,
+    /// CAN FD frames.
+    pub fd: u64,
+    /// CAN XL frames.
+    pub xl: u64,
+}
+
+/// Damages by kind.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct DamageCounts {
+    /// Lines, packets or messages that break the rules of their format.
+    pub malformed: u64,
+    /// Those that end early or were cut.
+    pub truncated: u64,
+    /// Those of a kind that is not read.
+    pub unsupported: u64,
+    /// Frames that the recorder says it lost.
+    pub dropped: u64,
+    /// Files without their proper end.
+    pub unfinished: u64,
+    /// Files of which the rest can't be read.
+    pub unreadable: u64,
+}
+
+impl Quality {
+    /// Counts a record: the next one of its source.
+    pub fn record(&mut self, record: &Record) {
+        let time = record.timestamp;
+        self.frames.count(&record.frame);
+        let channel = usize::from(record.channel.0);
+        match self.channels.get_mut(channel) {
+            Some(frames) => *frames += 1,
+            None => self.add_channel(record.channel),
+        }
+        self.resolution.see(time);
+        match self.last.replace(time) {
+            Some(last) if time >= last => self.gaps.interval(last, time, record.place),
+            Some(last) => self.steps.step(last, time, record.place),
+            None => self.first = Some(time),
+        }
+    }
+
+    #[cold]
+    fn add_channel(&mut self, channel: ChannelId) {
+        self.channels.resize(usize::from(channel.0), 0);
+        self.channels.push(1);
+    }
+
+    /// Counts a damage.
+    pub fn damage(&mut self, damage: &Damage) {
+        self.damages.count(damage.kind);
+    }
+
+    /// From the first frame to the last one; zero where the clock stepped back behind its begin.
+    pub fn duration(&self) -> Duration {
+        match (self.first, self.last) {
+            (Some(first), Some(last)) => last.since(first),
+            _ => Duration::ZERO,
+        }
+    }
+
+    /// Takes in what was seen of another source. The places are those of the largest step and gap of all.
+    pub fn add(&mut self, other: &Self) {
+        self.frames.add(other.frames);
+        if self.channels.len() < other.channels.len() {
+            self.channels.resize(other.channels.len(), 0);
+        }
+        for (sum, frames) in self.channels.iter_mut().zip(&other.channels) {
+            *sum += frames;
+        }
+        self.damages.add(other.damages);
+        self.first = self.first.into_iter().chain(other.first).min();
+        self.last = self.last.max(other.last);
+        self.steps.add(&other.steps);
+        self.resolution.add(other.resolution);
+        self.gaps.add(&other.gaps);
+    }
+}
+
+impl FrameCounts {
+    /// The kinds with their names and counts.
+    pub fn by_kind(&self) -> [(&'static str, u64); 6] {
+        let Self { standard, extended, remote, error, fd, xl } = *self;
+        [("standard", standard), ("extended", extended), ("remote", remote), ("error", error), ("fd", fd), ("xl", xl)]
+    }
+
+    /// All frames.
+    pub fn total(&self) -> u64 {
+        self.by_kind().iter().map(|(_, count)| count).sum()
+    }
+
+    #[inline]
+    fn count(&mut self, frame: &Frame) {
+        let kind = match () {
+            () if frame.is_error() => &mut self.error,
+            () if frame.is_remote() => &mut self.remote,
+            () if frame.is_fd() => &mut self.fd,
+            () if frame.is_xl() => &mut self.xl,
+            () if frame.id().is_extended() => &mut self.extended,
+            () => &mut self.standard,
+        };
+        *kind += 1;
+    }
+
+    fn add(&mut self, other: Self) {
+        self.standard += other.standard;
+        self.extended += other.extended;
+        self.remote += other.remote;
+        self.error += other.error;
+        self.fd += other.fd;
+        self.xl += other.xl;
+    }
+}
+
+impl DamageCounts {
+    /// The kinds with their names and counts.
+    pub fn by_kind(&self) -> [(&'static str, u64); 6] {
+        let Self { malformed, truncated, unsupported, dropped, unfinished, unreadable } = *self;
+        [
+            ("malformed", malformed),
+            ("truncated", truncated),
+            ("unsupported", unsupported),
+            ("dropped", dropped),
+            ("unfinished", unfinished),
+            ("unreadable", unreadable),
+        ]
+    }
+
+    /// Whether everything could be read and the recorder lost nothing.
+    pub fn is_empty(&self) -> bool {
+        self.by_kind().iter().all(|(_, count)| *count == 0)
+    }
+
+    fn count(&mut self, kind: DamageKind) {
+        match kind {
+            DamageKind::Malformed => self.malformed += 1,
+            DamageKind::Truncated => self.truncated += 1,
+            DamageKind::Unsupported => self.unsupported += 1,
+            // The number comes out of the file.
+            DamageKind::Dropped(frames) => self.dropped = self.dropped.saturating_add(frames),
+            DamageKind::Unfinished => self.unfinished += 1,
+            DamageKind::Fatal => self.unreadable += 1,
+        }
+    }
+
+    fn add(&mut self, other: Self) {
+        self.malformed += other.malformed;
+        self.truncated += other.truncated;
+        self.unsupported += other.unsupported;
+        self.dropped = self.dropped.saturating_add(other.dropped);
+        self.unfinished += other.unfinished;
+        self.unreadable += other.unreadable;
+    }
+}
+
+/// Where and when something was seen.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Sighting {
+    /// The time of the frame at whose place it was seen.
+    pub time: Timestamp,
+    /// That frame's place in its source.
+    pub place: Place,
+}
+
+#[cfg(test)]
+mod tests;
