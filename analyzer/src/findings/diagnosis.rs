@@ -6,11 +6,11 @@ use super::finding::Finding;
 use super::registry;
 use super::rule::{Definition, Rule, Thresholds};
 use super::sink::{Findings, Sink};
+use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::Service;
 use crate::network::{Decoded, Network};
 use crate::statistics::{BusStatistics, Statistics};
-use crate::{Meaning, NodeId};
 use canvass_traces::{ChannelId, Duration, Quality, Record, Timestamp};
 
 /// Finds what is wrong in a capture. Memory does not grow with the capture.
@@ -47,6 +47,9 @@ pub struct Results {
     pub buses: Vec<(ChannelId, BusStatistics)>,
 }
 
+/// The last frames of 128 CAN-IDs.
+type Page = Box<[Option<Seen>]>;
+
 /// What watches one bus.
 struct BusWatch {
     channel: ChannelId,
@@ -57,7 +60,7 @@ struct BusWatch {
     quality: Quality,
     statistics: Statistics,
     /// The last frame of each CAN-ID, in pages of 128.
-    latest: Box<[Option<Box<[Option<Seen>]>>]>,
+    latest: Box<[Option<Page>]>,
     start: Timestamp,
     now: Timestamp,
     next_tick: Timestamp,
@@ -143,6 +146,13 @@ fn watch<'a>(
         *slot = Some(Box::new(BusWatch::new(record, thresholds)));
     }
     slot.as_deref_mut()
+}
+
+/// The CAN-ID under which a frame is kept as the latest: that of a classical frame of 11 bits.
+fn latest_id(record: &Record) -> Option<u16> {
+    let frame = &record.frame;
+    let classical = !frame.is_error() && !frame.is_fd() && !frame.is_xl();
+    frame.id().as_standard().filter(|_| classical)
 }
 
 impl BusWatch {
@@ -233,19 +243,23 @@ impl BusWatch {
             quality: &self.quality,
             bit_rate,
         };
-        let id = record.frame.id().as_standard().filter(|_| !record.frame.is_error());
-        let previous = id.and_then(|id| self.latest.get(usize::from(id >> 7))?.as_ref()?[usize::from(id & 0x7F)].as_ref());
+        let id = latest_id(record);
+        let previous = id.and_then(|id| self.latest.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F)));
+        let previous = previous.and_then(Option::as_ref);
         let context = Context { scene, record, decoded, previous };
         for &at in &self.by_service[decoded.service as usize] {
             if let Some((definition, rule)) = self.rules.get_mut(usize::from(at)) {
                 rule.frame(&context, &mut Sink::of(findings, definition.metadata, &scene));
             }
         }
+        let seen = id.map(|_| context.seen());
         self.statistics.frame(record, decoded, bus);
         self.facts.note(self.now, decoded, bus);
-        if let Some(page) = id.and_then(|id| self.latest.get_mut(usize::from(id >> 7))) {
+        if let (Some(id), Some(seen)) = (id, seen)
+            && let Some(page) = self.latest.get_mut(usize::from(id >> 7))
+        {
             let page = page.get_or_insert_with(|| (0..128).map(|_| None).collect());
-            page[usize::from(id.unwrap_or(0) & 0x7F)] = Some(context.seen());
+            page[usize::from(id & 0x7F)] = Some(seen);
         }
     }
 
@@ -254,12 +268,5 @@ impl BusWatch {
             rule.tick(scene, sink);
             rule.finish(scene, sink);
         });
-    }
-}
-
-impl Seen {
-    /// What it means, in words.
-    pub fn text(&self, bus: &crate::network::Bus) -> String {
-        Meaning::new(&self.record, &self.decoded, bus).to_string()
     }
 }

@@ -42,12 +42,7 @@ pub struct NodeFacts {
 
 impl Default for Facts {
     fn default() -> Self {
-        Self {
-            nodes: vec![NodeFacts::default(); 128].into(),
-            layer_setting: None,
-            present: 0,
-            has_sdo_client: false,
-        }
+        Self { nodes: vec![NodeFacts::default(); 128].into(), layer_setting: None, present: 0, has_sdo_client: false }
     }
 }
 

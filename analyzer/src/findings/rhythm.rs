@@ -42,11 +42,6 @@ impl Rhythm {
         Some(interval)
     }
 
-    /// The last beat.
-    pub const fn last(&self) -> Option<Timestamp> {
-        self.last
-    }
-
     /// The period: as told, else as learned.
     pub fn period(&self) -> Option<Duration> {
         self.told.or_else(|| self.learned())

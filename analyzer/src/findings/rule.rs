@@ -46,8 +46,11 @@ pub struct Definition {
     /// The services whose frames it is shown.
     pub services: &'static [Service],
     /// Its state for one bus; `None` for a rule about whole captures.
-    pub make: Option<fn(&Thresholds) -> Box<dyn Rule>>,
+    pub make: Option<Make>,
 }
+
+/// Makes a rule's state for one bus.
+pub type Make = fn(&Thresholds) -> Box<dyn Rule>;
 
 /// A rule's state on one bus. It does no I/O and reads no clock; time is that of the capture.
 pub trait Rule {

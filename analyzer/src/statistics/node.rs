@@ -120,12 +120,10 @@ impl NodeStatistics {
     fn emcy(&mut self, now: Timestamp, decoded: &Decoded) {
         let Message::Emcy(emcy) = decoded.message else { return };
         let Some(code) = emcy.code() else { return };
-        match self.emcy.iter_mut().find(|row| row.code == code) {
-            Some(row) => (row.count, row.last) = (row.count + 1, now),
-            None if self.emcy.len() < Self::CODES => {
-                self.emcy.push(EmcyCount { code, count: 1, first: now, last: now });
-            }
-            None => {}
+        if let Some(row) = self.emcy.iter_mut().find(|row| row.code == code) {
+            (row.count, row.last) = (row.count + 1, now);
+        } else if self.emcy.len() < Self::CODES {
+            self.emcy.push(EmcyCount { code, count: 1, first: now, last: now });
         }
     }
 

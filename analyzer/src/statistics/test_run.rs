@@ -38,16 +38,16 @@ impl TestRun {
     /// A marker.
     pub fn marker(&mut self, now: Timestamp, place: Place, marker: CaseMarker) {
         let CaseMarker { group, case, verdict } = marker;
-        let open = self.cases.last_mut().filter(|last| last.verdict.is_none());
-        match (open, verdict) {
-            (Some(open), Some(verdict)) if (open.group, open.case) == (group, case) => {
-                (open.verdict, open.end) = (Some(verdict), now);
-            }
-            // A begin, or the end of a case whose begin was not recorded.
-            _ if self.cases.len() < Self::MOST => {
-                self.cases.push(TestCase { group, case, verdict, begin: now, end: now, place, frames: 0 });
-            }
-            _ => self.omitted += 1,
+        let is_open = |last: &&mut TestCase| last.verdict.is_none() && (last.group, last.case) == (group, case);
+        if let (Some(open), Some(_)) = (self.cases.last_mut().filter(is_open), verdict) {
+            (open.verdict, open.end) = (verdict, now);
+            return;
+        }
+        // A begin, or the end of a case whose begin was not recorded.
+        if self.cases.len() < Self::MOST {
+            self.cases.push(TestCase { group, case, verdict, begin: now, end: now, place, frames: 0 });
+        } else {
+            self.omitted += 1;
         }
     }
 

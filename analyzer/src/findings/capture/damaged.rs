@@ -1,8 +1,8 @@
 use super::name;
+use crate::findings::Severity;
 use crate::findings::diagnosis::SourceQuality;
 use crate::findings::rule::{Definition, Metadata, Thresholds};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::Severity;
 
 pub const RULE: Definition = Definition { metadata: &METADATA, services: &[], make: None };
 

@@ -10,9 +10,7 @@ use canvass_traces::{Duration, Timestamp};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo],
-    make: Some(|_| {
-        Box::new(ConsumerTime { consumers: Vec::new(), last: vec![None; 128] })
-    }),
+    make: Some(|_| Box::new(ConsumerTime { consumers: Vec::new(), last: vec![None; 128] })),
 };
 
 static METADATA: Metadata = Metadata {

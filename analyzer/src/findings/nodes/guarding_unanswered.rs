@@ -1,8 +1,8 @@
+use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Scene, Seen, Severity};
 use crate::message::{Message, Service};
-use crate::NodeId;
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {

@@ -1,9 +1,9 @@
 use super::heartbeat::{Heartbeats, SERVICES};
+use crate::NodeId;
 use crate::findings::rhythm::Jitter;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Severity};
-use crate::NodeId;
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {

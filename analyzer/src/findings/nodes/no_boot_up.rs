@@ -8,9 +8,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Nmt],
-    make: Some(|thresholds| {
-        Box::new(NoBootUp { wait: Duration::from_millis(thresholds.get(&METADATA, "wait")) })
-    }),
+    make: Some(|thresholds| Box::new(NoBootUp { wait: Duration::from_millis(thresholds.get(&METADATA, "wait")) })),
 };
 
 static METADATA: Metadata = Metadata {

@@ -30,7 +30,9 @@ static METADATA: Metadata = Metadata {
              If it was, it is a fault of the device's firmware.",
     thresholds: &[
         Threshold { name: "percent", default: 90, unit: "%", meaning: "of the inhibit time; sooner is too soon" },
-        Threshold { name: "tolerance", default: 1000, unit: "µs", meaning: "for waiting for the bus and the recorder" },
+        Threshold {
+            name: "tolerance", default: 1000, unit: "µs", meaning: "for waiting for the bus and the recorder"
+        },
     ],
 };
 

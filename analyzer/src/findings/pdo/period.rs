@@ -70,11 +70,8 @@ impl Rule for Period {
         let Some(last) = slot.and_then(|slot| slot.replace(context.now())) else { return };
         let interval = context.now().since(last);
         let limit = Duration(timer.nanos() * self.percent / 100) + self.least + context.scene.slack();
-        let storing = NodeFacts::is_recent(
-            context.scene.facts.node(node).last_store,
-            context.now(),
-            Duration::from_secs(5),
-        );
+        let storing =
+            NodeFacts::is_recent(context.scene.facts.node(node).last_store, context.now(), Duration::from_secs(5));
         if interval <= limit || storing || operational.is_none_or(|state| state.0 != State::OPERATIONAL) {
             return;
         }

@@ -10,11 +10,5 @@ mod unanswered;
 
 use super::rule::Definition;
 
-pub static RULES: &[Definition] = &[
-    unanswered::RULE,
-    late::RULE,
-    retries::RULE,
-    aborted::RULE,
-    protocol_violation::RULE,
-    store_wear::RULE,
-];
+pub static RULES: &[Definition] =
+    &[unanswered::RULE, late::RULE, retries::RULE, aborted::RULE, protocol_violation::RULE, store_wear::RULE];

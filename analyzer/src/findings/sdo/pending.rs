@@ -37,7 +37,7 @@ pub enum Step {
     /// The client sent something else: it does not wait any more.
     GivenUp(Pending),
     /// The client sent the same request again.
-    Repeated(Duration),
+    Repeated,
 }
 
 impl Requests {
@@ -69,12 +69,8 @@ impl Requests {
     }
 
     fn request(&mut self, channel: ChannelIndex, context: &Context<'_>) -> Step {
-        let pending = Pending {
-            request: context.seen(),
-            since: context.now(),
-            object: context.decoded.object,
-            told: false,
-        };
+        let pending =
+            Pending { request: context.seen(), since: context.now(), object: context.decoded.object, told: false };
         let slot = self.slot(channel);
         let Some(open) = slot.as_mut() else {
             *slot = Some(pending);
@@ -86,7 +82,7 @@ impl Requests {
             true if elapsed <= Self::COPY => Step::None,
             true => {
                 open.since = context.now();
-                Step::Repeated(elapsed)
+                Step::Repeated
             }
             false => slot.replace(pending).map_or(Step::None, Step::GivenUp),
         }

@@ -51,7 +51,9 @@ impl Rule for ProtocolViolation {
             let side = if client { "client" } else { "server" };
             let object = context.decoded.object.map(|object| format!(" ({object})")).unwrap_or_default();
             match violation {
-                Violation::Unexpected => format!("{} {side} that does not belong here{object}", what(context.message())),
+                Violation::Unexpected => {
+                    format!("{} {side} that does not belong here{object}", what(context.message()))
+                }
                 other => format!("{side}: {other}{object}"),
             }
         });

@@ -1,15 +1,13 @@
 use super::pending::{Requests, SERVICES, Step};
+use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
-use crate::NodeId;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: SERVICES,
-    make: Some(|_| {
-        Box::new(Retries { requests: Requests::default(), first: (0..128).map(|_| None).collect() })
-    }),
+    make: Some(|_| Box::new(Retries { requests: Requests::default(), first: (0..128).map(|_| None).collect() })),
 };
 
 static METADATA: Metadata = Metadata {
@@ -32,7 +30,7 @@ struct Retries {
 
 impl Rule for Retries {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
-        let (Step::Repeated(_), Some(node)) = (self.requests.frame(context), context.node()) else { return };
+        let (Step::Repeated, Some(node)) = (self.requests.frame(context), context.node()) else { return };
         self.first[usize::from(node.raw())].get_or_insert_with(|| (context.seen(), 0)).1 += 1;
     }
 

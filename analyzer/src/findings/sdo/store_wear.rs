@@ -1,10 +1,10 @@
+use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Service;
 use crate::network::Event;
 use crate::network::sdo::{Direction, Outcome};
-use crate::NodeId;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
@@ -59,10 +59,8 @@ impl Rule for StoreWear {
             done && transfer.multiplexer.index.0 == 0x1010
         });
         if stored {
-            let stores = self.nodes[usize::from(node.raw())].get_or_insert_with(|| Stores {
-                count: 0,
-                first: context.seen(),
-            });
+            let stores =
+                self.nodes[usize::from(node.raw())].get_or_insert_with(|| Stores { count: 0, first: context.seen() });
             stores.count += 1;
         }
     }
