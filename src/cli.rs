@@ -22,6 +22,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Decode(commands::decode::Args),
+    Diagnose(commands::diagnose::Args),
     Test(commands::test::Args),
     Send(commands::send::Args),
     Convert(commands::convert::Args),
@@ -36,6 +37,7 @@ impl Cli {
     pub fn run(self) -> Result<Status, Failure> {
         match self.command {
             Command::Decode(args) => args.run(self.color),
+            Command::Diagnose(args) => args.run(self.color),
             Command::Test(args) => args.run(self.color),
             Command::Send(args) => args.run(self.color),
             Command::Convert(args) => args.run(),

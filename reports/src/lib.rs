@@ -2,10 +2,12 @@
 //!
 //! - [`conformance`]: the reports of a conformance run;
 //! - [`decode`]: frames, one line or one JSON object each;
+//! - [`diagnosis`]: what was wrong in a capture;
 //! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here;
 //! - [`quality`]: what captures hold and lack.
 
 pub mod conformance;
 pub mod decode;
+pub mod diagnosis;
 pub mod escape;
 pub mod quality;

@@ -3,6 +3,7 @@
 pub mod completions;
 pub mod convert;
 pub mod decode;
+pub mod diagnose;
 pub mod explain;
 pub mod list;
 pub mod man;
