@@ -1,4 +1,5 @@
 //! The program, end to end.
 
 mod decode;
+mod diagnose;
 mod running;

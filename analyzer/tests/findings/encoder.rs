@@ -43,7 +43,6 @@ fn the_end_of_the_range() {
 fn with_speed() -> Traffic {
     let mut traffic = machine();
     traffic.remove(|_, frame| matches!(frame.cob_id(), Some(0x283 | 0x183)));
-    traffic.remove(|ms, frame| ms < 600 && frame.data().starts_with(&[0x2F, 0x00, 0x18]));
     let ok = "60";
     traffic.sdo(600, 3, "2F011A0000000000", &format!("{ok}011A0000000000"));
     traffic.sdo(610, 3, "23011A0120000460", &format!("{ok}011A0100000000"));

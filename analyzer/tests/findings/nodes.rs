@@ -55,7 +55,7 @@ fn a_heartbeat_of_unknown_period() {
 fn an_irregular_heartbeat() {
     let mut traffic = machine();
     traffic.silence(0x703, 5_000, END);
-    for n in 0..240_u64 {
+    for n in 0..249_u64 {
         traffic.at(5_060 + n * 100 + n * 37 % 7 * 9, "703#05");
     }
     let found = traffic.only(&["nodes/heartbeat-jitter", "nodes/heartbeat-late"]);

@@ -44,7 +44,7 @@ fn sync_is_irregular() {
 #[test]
 fn a_sync_counter_that_jumps() {
     let mut traffic = machine();
-    traffic.remove(|ms, frame| ms == 15_000 && frame.cob_id() == Some(0x080)).at(15_000, "080#0A");
+    traffic.remove(|ms, frame| ms == 15_000 && frame.cob_id() == Some(0x080)).at(15_000, "080#05");
     traffic.finds("pdo/sync-counter", None, 15_000);
 }
 

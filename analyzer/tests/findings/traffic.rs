@@ -139,7 +139,8 @@ pub fn machine() -> Traffic {
     for (n, ms) in (START + 20..END).step_by(20).enumerate() {
         let n = n as u64;
         traffic.at(ms, &format!("080#{:02X}", n % 10 + 1));
-        traffic.micros(ms * 1000 + 400, &format!("183#{}", hex(4096 + n * 3)));
+        // It waits for SYNC to end.
+        traffic.micros(ms * 1000 + 30, &format!("183#{}", hex(4096 + n * 3)));
     }
     traffic.every(START + 7, END, 50, |n| format!("283#{:02X}{:02X}", n & 0xFF, n >> 8 & 0xFF));
     // On an event: whenever it likes.

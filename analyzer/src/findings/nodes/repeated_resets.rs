@@ -48,6 +48,9 @@ impl Rule for RepeatedResets {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
         let restarts = &mut self.nodes[usize::from(node.raw())];
+        if context.scene.facts.node(node).last_seen.is_none() {
+            return;
+        }
         if is_explained(context, context.scene.facts.node(node)) {
             *restarts = Restarts::default();
             return;
