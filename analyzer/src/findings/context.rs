@@ -48,10 +48,27 @@ pub struct Seen {
     pub decoded: Decoded,
 }
 
+/// Whether so many frames have the same time as the one before that the clock must be coarse.
+pub fn is_coarse(quality: &Quality) -> bool {
+    const ONE_OF: u64 = 20;
+    quality.simultaneous.saturating_mul(ONE_OF) > quality.frames.total()
+}
+
 impl Scene<'_> {
-    /// How far a measured interval may be off because times are coarse: two steps of the clock.
+    /// How far a measured interval may be off because times are coarse: two steps of the clock. That all times are
+    /// multiples of something proves nothing, as long as no two frames have the same time.
     pub fn slack(&self) -> Duration {
-        self.quality.resolution.get().unwrap_or_default().times(2)
+        if is_coarse(self.quality) { self.resolution().times(2) } else { Duration::ZERO }
+    }
+
+    /// The largest power of ten that divides all times.
+    pub fn resolution(&self) -> Duration {
+        self.quality.resolution.get().unwrap_or_default()
+    }
+
+    /// Whether the capture has times at all.
+    pub fn has_times(&self) -> bool {
+        self.quality.resolution.get().is_some()
     }
 }
 

@@ -182,12 +182,15 @@ impl BusWatch {
 
     /// Time goes on to that of the next record.
     fn advance(&mut self, record: &Record, network: &Network, bit_rate: Option<u32>, findings: &mut Findings) {
-        let (steps, gaps) = (self.quality.steps.count, self.quality.gaps.count);
+        // What is only out of order by a little is no step of the clock.
+        const DISORDER: Duration = Duration::from_millis(1);
+        let gaps = self.quality.gaps.count;
         self.quality.record(record);
+        let steps_back = self.now.since(record.timestamp) > DISORDER;
         self.now = record.timestamp;
         // A pause of a single node is its own; of several at once it is the recorder's or the bus's.
         let silent = self.quality.gaps.count > gaps && self.facts.present > 1;
-        if self.quality.steps.count > steps || silent {
+        if steps_back || silent {
             self.interrupted();
             self.next_tick = self.now + Diagnosis::TICK;
         } else if self.now >= self.next_tick {

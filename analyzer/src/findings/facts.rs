@@ -122,8 +122,11 @@ impl Facts {
             return;
         }
         let facts = self.node_mut(node);
+        // Some devices store other objects too, by the same signatures.
+        let signed = matches!(transfer.data(), b"save" | b"load");
         match transfer.multiplexer.index.0 {
             0x1010 | 0x1011 => facts.last_store = Some(now),
+            0x2000..=0x5FFF if signed => facts.last_store = Some(now),
             0x1F50 | 0x1F51 => facts.last_program_control = Some(now),
             _ => {}
         }

@@ -78,6 +78,13 @@ impl Interval {
         let limit = Duration(expected.nanos().saturating_mul(percent) / 100) + slack;
         (self.length > limit).then_some(expected)
     }
+
+    /// As [`Interval::exceeds`], for beats that were left out: a coarse clock hides a tenth of the period at most, so
+    /// that twice the period is never taken for one.
+    pub fn misses(self, percent: u64, slack: Duration) -> Option<Duration> {
+        let tenth = Duration(self.expected?.nanos() / 10);
+        self.exceeds(percent, slack.min(tenth))
+    }
 }
 
 /// How often something came too early or too late.

@@ -1,4 +1,5 @@
-use crate::traffic::{Traffic, machine};
+use crate::traffic::{Traffic, diagnose, machine};
+use canvass_traces::Timestamp;
 
 #[test]
 fn nothing_is_found_in_healthy_traffic() {
@@ -23,4 +24,21 @@ fn nothing_is_found_wherever_a_capture_ends() {
 #[test]
 fn an_empty_capture_has_no_findings() {
     Traffic::default().only(&[]);
+}
+
+/// Written by a person or a script: all times are multiples of 100 ms. That does not make the clock coarse.
+#[test]
+fn regular_times_hide_nothing() {
+    let mut traffic = Traffic::default();
+    traffic.every(0, 5_000, 100, |_| "703#05".to_owned()).silence(0x703, 2_400, 2_500);
+    let mut records = traffic.records();
+    for record in &mut records {
+        record.timestamp = Timestamp(record.timestamp.nanos() / 100_000_000 * 100_000_000);
+    }
+    let findings = diagnose(&records, |_| {}).findings;
+    let [finding] = findings.as_slice() else { panic!("{findings:?}") };
+    assert_eq!(
+        (finding.rule.id, finding.message.as_str()),
+        ("nodes/heartbeat-missing", "no heartbeat for 200 ms, its period is 100 ms: 1 missing",)
+    );
 }

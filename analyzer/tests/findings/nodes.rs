@@ -28,6 +28,16 @@ fn a_node_that_restarts_again_and_again() {
     );
 }
 
+/// Switched off and on, so that stored parameters take effect: as in the manual of an encoder.
+#[test]
+fn a_power_cycle_after_a_store() {
+    let mut traffic = machine();
+    traffic.sdo(15_000, 4, "2305210073617665", "6005210000000000");
+    traffic.silence(0x704, 15_050, 20_000).silence(0x184, 15_050, 20_000);
+    traffic.at(17_100, "704#00").every(17_300, 20_000, 200, |_| "704#7F".to_owned());
+    traffic.only(&[]);
+}
+
 #[test]
 fn heartbeats_late_missing_and_ended() {
     let mut late = machine();

@@ -145,7 +145,8 @@ fn of_node(id: NodeId, node: &NodeStatistics) -> Vec<String> {
     let emcy: u64 = node.emcy.iter().filter(|row| !row.code.is_reset()).map(|row| row.count).sum();
     let times = &node.responses;
     let response = match (times.quantile(50), times.quantile(99), times.max()) {
-        (Some(median), Some(late), Some(max)) => {
+        // Without times in the capture all are zero.
+        (Some(median), Some(late), Some(max)) if max > Duration::ZERO => {
             format!("{} / {} / {}", rounded(median), rounded(late), rounded(max))
         }
         _ => String::new(),

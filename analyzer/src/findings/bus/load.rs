@@ -56,7 +56,7 @@ impl Rule for Load {
             return;
         }
         // A window that is longer than asked for has had a pause in it: its load is lower all the same.
-        if let Some(rate) = context.scene.bit_rate.or_else(|| self.rate.inferred(context.scene.slack())) {
+        if let Some(rate) = context.scene.bit_rate.or_else(|| self.rate.inferred(context.scene.resolution().times(2))) {
             let most = u128::from(rate) * u128::from(elapsed.nanos()) / 1_000_000_000;
             let load = (u128::from(self.bits) * 100 / most.max(1)) as u64;
             if load > self.percent {

@@ -39,7 +39,7 @@ struct Storm {
 
 impl Rule for Storm {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Some(node) = context.node() else { return };
+        let Some(node) = context.node().filter(|_| context.scene.has_times()) else { return };
         let (begin, count) = &mut self.nodes[usize::from(node.raw())];
         if *count == 0 || context.now().since(*begin) > self.within {
             (*begin, *count) = (context.now(), 0);

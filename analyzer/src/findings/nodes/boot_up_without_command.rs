@@ -13,7 +13,8 @@ static METADATA: Metadata = Metadata {
     title: "a node restarts by itself",
     what: "A boot-up message of a node that was already running, and that no NMT reset command, LSS service or program \
            control (1F51h) explains. The first boot-up in a capture is not reported: the node was switched on. Of two \
-           boot-ups after one reset command the second one is.",
+           boot-ups after one reset command the second one is. Within ten seconds of a store, a boot-up is taken for \
+           the power cycle that makes stored parameters take effect.",
     why: "The node has restarted: a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational \
           with its stored parameters, and sends no process data until it is started again.",
     advice: "See whether several nodes restart together (supply), what the node sent just before (EMCY), and whether \
@@ -32,6 +33,7 @@ pub fn is_explained(context: &Context<'_>, facts: &NodeFacts) -> bool {
     facts.pending_reset.is_some()
         || after_boot_up(context.scene.facts.layer_setting)
         || after_boot_up(facts.last_program_control)
+        || after_boot_up(facts.last_store)
 }
 
 impl Rule for BootUpWithoutCommand {

@@ -46,7 +46,7 @@ impl Rule for HeartbeatLate {
         let Some(interval) = self.heartbeats.frame(context) else { return };
         let slack = context.scene.slack() + self.least;
         let Some(period) = interval.exceeds(self.percent, slack) else { return };
-        if interval.exceeds(self.missing, context.scene.slack()).is_some() {
+        if interval.misses(self.missing, context.scene.slack()).is_some() {
             return;
         }
         let report = Report::at(context.now()).node(context.node()).measure(interval.length.nanos());

@@ -37,7 +37,7 @@ struct HeartbeatMissing {
 impl Rule for HeartbeatMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(interval) = self.heartbeats.frame(context) else { return };
-        let Some(period) = interval.exceeds(self.percent, context.scene.slack()) else { return };
+        let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };
         let begin = context.previous.map_or(context.now(), Seen::time);
         let report = Report::at(begin).node(context.node()).measure(interval.length.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());

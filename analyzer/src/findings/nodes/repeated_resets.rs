@@ -48,7 +48,7 @@ impl Rule for RepeatedResets {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
         let restarts = &mut self.nodes[usize::from(node.raw())];
-        if context.scene.facts.node(node).last_seen.is_none() {
+        if context.scene.facts.node(node).last_seen.is_none() || !context.scene.has_times() {
             return;
         }
         if is_explained(context, context.scene.facts.node(node)) {

@@ -56,7 +56,8 @@ impl Rule for InhibitTime {
         };
         let Some(inhibit) = self.parameters.of(node, *number).inhibit else { return };
         let slot = self.last[usize::from(node.raw())].get_mut(usize::from(*number) - 1);
-        let Some(last) = slot.and_then(|slot| slot.replace(context.now())) else { return };
+        let last = slot.and_then(|slot| slot.replace(context.now())).filter(|_| context.scene.has_times());
+        let Some(last) = last else { return };
         let interval = context.now().since(last);
         // The first of two PDOs may have waited for the bus, so that they end up closer on it.
         let tolerated = interval + self.tolerance + context.scene.slack();

@@ -35,7 +35,7 @@ impl Rule for SyncMissing {
             return self.rhythm.pause();
         }
         let Some(interval) = self.rhythm.beat(context.now()) else { return };
-        let Some(period) = interval.exceeds(self.percent, context.scene.slack()) else { return };
+        let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };
         let begin = context.previous.map_or(context.now(), Seen::time);
         let report = Report::at(begin).measure(interval.length.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());

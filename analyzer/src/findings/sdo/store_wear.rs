@@ -68,6 +68,9 @@ impl Rule for StoreWear {
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         const SECONDS_OF_YEAR: u64 = 365 * 86_400;
         let bearable = SECONDS_OF_YEAR * self.years / self.cycles;
+        if !scene.has_times() {
+            return;
+        }
         for (node, stores) in NodeId::all().zip(self.nodes.iter().skip(1)) {
             let Some(stores) = stores.as_ref().filter(|stores| stores.count >= self.times.max(1)) else { continue };
             let seconds = scene.now.since(scene.start).nanos() / 1_000_000_000;
