@@ -22,6 +22,7 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     Decode(commands::decode::Args),
+    Diagnose(commands::diagnose::Args),
     Signals(commands::signals::Args),
     Convert(commands::convert::Args),
     Test(commands::test::Args),
@@ -37,6 +38,7 @@ impl Cli {
     pub fn run(self) -> Result<Status, Failure> {
         match self.command {
             Command::Decode(args) => args.run(self.color),
+            Command::Diagnose(args) => args.run(self.color),
             Command::Signals(args) => args.run(),
             Command::Test(args) => args.run(self.color),
             Command::Send(args) => args.run(self.color),

@@ -130,6 +130,12 @@ impl<'a> Inputs<'a> {
         Ok(())
     }
 
+    /// How many damages there were so far, frames that a recorder lost included: frames may be missing there.
+    pub fn damages(&self) -> u64 {
+        let counts = self.quality.iter().flat_map(|quality| quality.damages.by_kind());
+        counts.map(|(_, count)| count).fold(0, u64::saturating_add)
+    }
+
     /// Whether standard input is among them: frames may come as they are seen.
     pub fn is_live(&self) -> bool {
         self.is_live
@@ -166,7 +172,8 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    fn captures(&self) -> Vec<CaptureQuality<'_>> {
+    /// The captures, and how far each can be trusted so far.
+    pub fn captures(&self) -> Vec<CaptureQuality<'_>> {
         let captures = self.merge.sources().zip(&self.quality);
         captures.map(|(capture, quality)| CaptureQuality::new(capture, quality)).collect()
     }

@@ -4,12 +4,16 @@
 //! - [`dictionary`]: data types, values, device descriptions and the standard's object names.
 //! - [`filter`]: a small language to choose frames.
 //! - [`network`]: what happened on a bus: COB-IDs in use, node states, whole transfers.
+//! - [`findings`]: what was wrong: one rule per file.
+//! - [`statistics`]: figures of a bus and its nodes.
 
 pub mod dictionary;
 pub mod filter;
+pub mod findings;
 mod identity;
 pub mod message;
 pub mod network;
+pub mod statistics;
 mod text;
 pub mod wire;
 

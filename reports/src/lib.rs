@@ -2,6 +2,7 @@
 //!
 //! - [`conformance`]: the reports of a conformance run;
 //! - [`decode`]: frames, one line or one JSON object each;
+//! - [`diagnosis`]: what was wrong in a capture;
 //! - [`events`]: what the frames brought about, one line or one JSON object each;
 //! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
 //! - [`quality`]: what captures hold and lack;
@@ -9,6 +10,7 @@
 
 pub mod conformance;
 pub mod decode;
+pub mod diagnosis;
 pub mod escape;
 pub mod events;
 mod push;

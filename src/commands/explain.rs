@@ -1,15 +1,17 @@
-//! `canvass explain`: one case, fault, model or format in full.
+//! `canvass explain`: one case, fault, rule, model or format in full.
 
 use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
+use canvass_analyzer::findings;
 use canvass_conformance::case::Case;
 use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, catalogue};
+use canvass_reports::diagnosis;
 use canvass_traces::Format;
 use std::fmt::Write;
 
-/// Explain a case, a fault, a model or a capture format in full
+/// Explain a case, a fault, a rule, a model or a capture format in full
 #[derive(clap::Args)]
 pub struct Args {
     /// The id, as `canvass list` shows it
@@ -22,10 +24,13 @@ impl Args {
         let text = catalogue::find(id)
             .map(case)
             .or_else(|| id.parse().ok().map(fault))
+            .or_else(|| findings::find(id).map(|rule| diagnosis::explain(rule.metadata)))
             .or_else(|| Model::by_id(id).map(model))
             .or_else(|| Format::by_id(id).map(format))
             .ok_or_else(|| {
-                anyhow!("nothing is called \"{id}\": `canvass list cases|models|faults|formats` shows what there is")
+                anyhow!(
+                    "nothing is called \"{id}\": `canvass list cases|models|faults|rules|formats` shows what there is"
+                )
             })?;
         print(&text)?;
         Ok(Status::Good)

@@ -3,6 +3,7 @@
 use crate::output::print;
 use crate::status::{Failure, Status};
 use canvass_analyzer::NodeId;
+use canvass_analyzer::findings::{self, Metadata, Threshold};
 use canvass_conformance::case::Case;
 use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, catalogue};
@@ -10,7 +11,7 @@ use canvass_traces::Format;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// List cases, models, faults or formats
+/// List cases, models, faults, rules or formats
 #[derive(clap::Args)]
 pub struct Args {
     /// What to list
@@ -29,6 +30,8 @@ enum What {
     Models,
     /// Firmware faults that a simulated device can be given
     Faults,
+    /// Rules of `canvass diagnose`
+    Rules,
     /// Capture formats
     Formats,
 }
@@ -48,6 +51,7 @@ impl Args {
             What::Cases => cases(),
             What::Models => models(),
             What::Faults => faults(),
+            What::Rules => rules(),
             What::Formats => formats(),
         };
         match self.format {
@@ -88,6 +92,26 @@ fn faults() -> Vec<Value> {
     let model = Model::all().first().map(Model::id);
     let row = |fault: &Fault| json!({ "id": fault.id(), "summary": fault.summary(), "model": model, "fuzz": false });
     Fault::ALL.iter().map(row).collect()
+}
+
+fn rules() -> Vec<Value> {
+    let row = |rule: &Metadata| {
+        let threshold = |threshold: &Threshold| {
+            json!({
+                "name": threshold.name,
+                "default": threshold.default,
+                "unit": threshold.unit,
+                "summary": threshold.meaning,
+            })
+        };
+        json!({
+            "id": rule.id,
+            "summary": rule.title,
+            "severity": rule.severity.name(),
+            "thresholds": rule.thresholds.iter().map(threshold).collect::<Vec<_>>(),
+        })
+    };
+    findings::all().map(|definition| row(definition.metadata)).collect()
 }
 
 fn formats() -> Vec<Value> {

@@ -4,6 +4,7 @@ pub mod completions;
 pub mod convert;
 pub mod decode;
 mod decode_events;
+pub mod diagnose;
 pub mod explain;
 pub mod list;
 pub mod man;

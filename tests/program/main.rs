@@ -7,6 +7,8 @@ mod contract;
 #[cfg(test)]
 mod decode;
 #[cfg(test)]
+mod diagnose;
+#[cfg(test)]
 mod events;
 #[cfg(test)]
 mod hostile;

@@ -37,6 +37,11 @@ pub struct Quality {
     pub resolution: Resolution,
     /// Where nothing was recorded.
     pub gaps: Gaps,
+    /// Frames with the very time of the frame before them on the same channel: on a bus they follow each other, so
+    /// that many of them show a coarse clock.
+    pub simultaneous: u64,
+    /// The channel of the last frame.
+    last_channel: ChannelId,
 }
 
 /// Frames by kind: every frame is counted once.
@@ -84,6 +89,8 @@ impl Quality {
             None => self.add_channel(record.channel),
         }
         self.resolution.see(time);
+        self.simultaneous += u64::from(self.last == Some(time) && self.last_channel == record.channel);
+        self.last_channel = record.channel;
         match self.last.replace(time) {
             Some(last) if time >= last => self.gaps.interval(last, time, record.place),
             Some(last) => self.steps.step(last, time, record.place),
@@ -125,6 +132,7 @@ impl Quality {
         self.steps.add(&other.steps);
         self.resolution.add(other.resolution);
         self.gaps.add(&other.gaps);
+        self.simultaneous += other.simultaneous;
     }
 }
 

@@ -117,3 +117,14 @@ fn any_times_are_taken() {
         }
     });
 }
+
+#[test]
+fn frames_with_the_same_time_are_counted_by_channel() {
+    assert_eq!(quality([1, 1, 1, 2, 3, 3]).simultaneous, 3);
+    let mut two_buses = Quality::default();
+    let mut other = at(5);
+    other.channel = ChannelId(1);
+    two_buses.record(&at(5));
+    two_buses.record(&other);
+    assert_eq!(two_buses.simultaneous, 0);
+}

@@ -1,0 +1,204 @@
+use super::interleaving::Interleaving;
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, Service};
+use crate::network::sdo::ChannelIndex;
+use crate::wire::error_control::State;
+use crate::wire::nmt::Command;
+use crate::wire::sdo::{Request, Response};
+use crate::{Multiplexer, NodeId};
+use canvass_traces::{Duration, Timestamp};
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo],
+    make: Some(|_| Box::new(DuplicateNodeId::default())),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "bus/duplicate-node-id",
+    severity: Severity::Error,
+    title: "two devices have the same node-ID",
+    what: "One node-ID speaks with two voices: its heartbeats alternate between two states without any command, or \
+           between two intervals; one SDO request gets two different answers; a second boot-up follows the first \
+           without a reset while the other device's heartbeat goes on; or a part of its identity that can't change \
+           is read with two values.",
+    why: "Both devices obey and answer whatever is sent to this node-ID. Configuration of one destroys the other's, \
+          and data of both are mixed on the same CAN-IDs, where equal beginnings even cause bus errors.",
+    advice: "Disconnect the devices one by one until the node-ID is silent, and give one of them another. Devices of \
+             the same type that were all delivered with the default node-ID are the usual cause.",
+    thresholds: &[],
+};
+
+struct DuplicateNodeId {
+    nodes: Vec<Voice>,
+}
+
+/// What a node-ID has said of late.
+#[derive(Default)]
+struct Voice {
+    interleaving: Interleaving,
+    state: Option<State>,
+    /// How often the state has gone to and fro without a command.
+    flips: u32,
+    /// The state before the last one.
+    earlier: Option<State>,
+    last_boot_up: Option<Timestamp>,
+    /// The state in the last heartbeat before a boot-up that no command explains.
+    surviving: Option<State>,
+    answer: Option<Answer>,
+    /// Requests that have no answer yet: a repeated one gets two answers rightly.
+    outstanding: u8,
+    identity: [Option<u32>; 4],
+}
+
+/// The answer to the latest SDO request.
+struct Answer {
+    channel: ChannelIndex,
+    seen: Seen,
+}
+
+impl Default for DuplicateNodeId {
+    fn default() -> Self {
+        Self { nodes: (0..128).map(|_| Voice::default()).collect() }
+    }
+}
+
+impl Voice {
+    /// So many changes of state to and fro are no accident.
+    const FLIPS: u32 = 4;
+
+    fn commanded(&mut self) {
+        (self.flips, self.state, self.earlier, self.surviving) = (0, None, None, None);
+        self.interleaving.restart();
+    }
+}
+
+impl Rule for DuplicateNodeId {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if let Message::Nmt(nmt) = context.message() {
+            let all = nmt.node == 0;
+            let named = self.nodes.iter_mut().enumerate().filter(|(id, _)| all || usize::from(nmt.node) == *id);
+            return named.for_each(|(_, voice)| {
+                voice.commanded();
+                if matches!(nmt.command, Command::RESET_NODE | Command::RESET_COMMUNICATION) {
+                    voice.last_boot_up = None;
+                }
+            });
+        }
+        let Some(node) = context.node() else { return };
+        let voice = &mut self.nodes[usize::from(node.raw())];
+        match context.message() {
+            Message::ErrorControl(message) if context.decoded.service == Service::Heartbeat => {
+                voice.heartbeat(message.state, node, context, sink);
+            }
+            Message::ErrorControl(_) => voice.boot_up(context),
+            Message::SdoRequest(Request::Abort(_)) => {}
+            Message::SdoRequest(_) | Message::SdoBlockDownload(_) => {
+                voice.answer = None;
+                voice.outstanding = voice.outstanding.saturating_add(1);
+            }
+            Message::SdoResponse(response) => voice.answered(*response, node, context, sink),
+            _ => {}
+        }
+    }
+
+    fn interrupted(&mut self) {
+        for voice in &mut self.nodes {
+            voice.commanded();
+            (voice.last_boot_up, voice.answer, voice.outstanding) = (None, None, 0);
+        }
+    }
+}
+
+impl Voice {
+    fn heartbeat(&mut self, state: State, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let report = Report::at(context.now()).node(node);
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        if let Some((a, b)) = self.interleaving.beat(context.now(), context.scene.slack()) {
+            sink.report(report.detail(1), || {
+                format!("heartbeats come after {a} and after {b} in turn: two devices, each every {}", a + b)
+            });
+        }
+        if self.state != Some(state) {
+            let back = self.earlier == Some(state);
+            self.flips = if back { self.flips + 1 } else { 0 };
+            (self.earlier, self.state) = (self.state, Some(state));
+            if self.flips >= Self::FLIPS
+                && let Some(other) = self.earlier
+            {
+                sink.report(report.detail(2), || {
+                    format!("heartbeats say {other} and {state} in turn, without a command in between")
+                });
+            }
+        }
+        if let Some(before) = self.surviving.take()
+            && before == state
+            && state != State::PRE_OPERATIONAL
+        {
+            sink.report(report.detail(3), || {
+                format!("a second boot-up, but a heartbeat goes on to say {state}: another device has started")
+            });
+        }
+    }
+
+    fn boot_up(&mut self, context: &Context<'_>) {
+        // Both started within seconds and the first one had no time to fail: look at the heartbeats that follow.
+        let recent = |then: Timestamp| context.now().since(then) <= Duration::from_secs(10);
+        let repeated = self.last_boot_up.is_some_and(recent);
+        self.last_boot_up = Some(context.now());
+        self.surviving = if repeated { self.state } else { None };
+        (self.flips, self.earlier, self.state) = (0, None, None);
+        self.interleaving.restart();
+        (self.answer, self.outstanding) = (None, 0);
+    }
+
+    fn answered(&mut self, response: Response, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(channel) = context.decoded.channel else { return };
+        let now = context.now();
+        if let Some(first) = self.answer.as_ref().filter(|first| first.channel == channel)
+            && let Message::SdoResponse(before) = first.seen.decoded.message
+            && contradicts(before, response)
+            && now.since(first.seen.time()) <= Duration::from_secs(1)
+        {
+            let report = Report::at(now).node(node).detail(4).evidence(first.seen.evidence());
+            sink.report(report.evidence(context.evidence()), || {
+                "one SDO request has got two different answers".to_owned()
+            });
+        }
+        self.identify(response, node, context, sink);
+        self.outstanding = self.outstanding.saturating_sub(1);
+        self.answer = (self.outstanding == 0).then(|| Answer { channel, seen: context.seen() });
+    }
+
+    /// Vendor-ID, product code, revision and serial number can't change while the node is running.
+    fn identify(&mut self, response: Response, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some((sub, value)) = identity(response) else { return };
+        let Some(known) = self.identity.get_mut(usize::from(sub) - 1) else { return };
+        if let Some(before) = known.replace(value).filter(|before| *before != value) {
+            let report = Report::at(context.now()).node(node).detail(5 + u64::from(sub));
+            sink.report(report.evidence(context.evidence()), || {
+                format!("1018h:{sub:02X} was {before:08X}h and is {value:08X}h now: another device")
+            });
+        }
+    }
+}
+
+/// A part of the identity object, read in one message.
+fn identity(response: Response) -> Option<(u8, u32)> {
+    let Response::InitiateUpload { multiplexer, payload } = response else { return None };
+    let sub @ 1..=4 = multiplexer.sub.0 else { return None };
+    let value = payload.value()?.first_chunk::<4>()?;
+    (multiplexer.index.0 == 0x1018).then(|| (sub, u32::from_le_bytes(*value)))
+}
+
+/// Whether two answers to one request, about the same object, say different things. A server that has confirmed a
+/// download may still abort it.
+fn contradicts(a: Response, b: Response) -> bool {
+    if matches!((a, b), (Response::InitiateDownload { .. }, Response::Abort(_))) {
+        return false;
+    }
+    let object = |response: Response| -> Option<Multiplexer> { response.multiplexer() };
+    object(a).is_some() && object(a) == object(b) && a != b
+}

@@ -1,0 +1,36 @@
+//! Two senders of the same period, heard as one: their beats alternate.
+
+use canvass_traces::{Duration, Timestamp};
+
+/// Watches whether intervals alternate between a long and a short one that together are always the same.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Interleaving {
+    last: Option<Timestamp>,
+    /// The last two intervals, the later one last.
+    before: [u64; 2],
+    alternations: u32,
+}
+
+impl Interleaving {
+    /// So many alternations in a row are no accident.
+    const ENOUGH: u32 = 8;
+
+    /// A beat. Returns the two intervals when they have alternated often enough to be two senders.
+    pub fn beat(&mut self, now: Timestamp, slack: Duration) -> Option<(Duration, Duration)> {
+        let length = now.since(self.last.replace(now)?).nanos();
+        let [earlier, previous] = self.before;
+        self.before = [previous, length];
+        let period = length + previous;
+        // Jitter of the senders must not look like an alternation, nor hide one.
+        let close = (period / 50).max(1_000_000) + slack.nanos();
+        let apart = (period / 8).max(3 * close);
+        let alternates = earlier > 0 && length.abs_diff(earlier) <= close && length.abs_diff(previous) >= apart;
+        self.alternations = if alternates { self.alternations + 1 } else { 0 };
+        (self.alternations >= Self::ENOUGH).then_some((Duration(previous), Duration(length)))
+    }
+
+    /// Begins anew.
+    pub fn restart(&mut self) {
+        *self = Self::default();
+    }
+}

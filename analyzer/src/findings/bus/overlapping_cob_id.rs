@@ -1,0 +1,74 @@
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Severity};
+use crate::message::Service;
+use crate::network::Event;
+use crate::network::sdo::Outcome;
+use crate::{CobId, Multiplexer, NodeId};
+use std::collections::BTreeMap;
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Sdo, Service::BootUp],
+    make: Some(|_| Box::new(OverlappingCobId::default())),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "bus/overlapping-cob-id",
+    severity: Severity::Error,
+    title: "one CAN-ID was given to two producers",
+    what: "SDO traffic shows that two TPDOs or EMCYs, of one node or of two, have the same CAN-ID and are both \
+           switched on.",
+    why: "When both send at the same moment, arbitration can't decide, both see an error, and both repeat. Receivers \
+          can't tell whose data they got.",
+    advice: "Give one of them another CAN-ID, or switch it off (bit 31 of its COB-ID).",
+    thresholds: &[],
+};
+
+#[derive(Default)]
+struct OverlappingCobId {
+    /// The producers by CAN-ID; an entry for each object that the trace has shown.
+    producers: BTreeMap<(NodeId, Multiplexer), u32>,
+}
+
+impl OverlappingCobId {
+    /// 127 nodes with more TPDOs than any encoder has.
+    const MOST: usize = 4096;
+}
+
+impl Rule for OverlappingCobId {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(node) = context.node() else { return };
+        if context.decoded.service == Service::BootUp {
+            // What was not stored is gone.
+            self.producers.retain(|producer, _| producer.0 != node);
+            return;
+        }
+        if context.decoded.event != Some(Event::TransferEnded) {
+            return;
+        }
+        let Some(transfer) = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel)) else {
+            return;
+        };
+        let object = transfer.multiplexer;
+        let produces = matches!((object.index.0, object.sub.0), (0x1014, 0) | (0x1800..=0x19FF, 1));
+        let Some(&value) = transfer.data().first_chunk::<4>() else { return };
+        if !produces || transfer.outcome != Outcome::Complete {
+            return;
+        }
+        let cob_id = CobId(u32::from_le_bytes(value));
+        self.producers.remove(&(node, object));
+        if !cob_id.is_valid() || self.producers.len() >= Self::MOST {
+            return;
+        }
+        let can_id = cob_id.can_id();
+        let other = self.producers.iter().find(|producer| *producer.1 == can_id).map(|producer| *producer.0);
+        if let Some((other_node, other_object)) = other {
+            let report = Report::at(context.now()).node(node).detail(u64::from(can_id));
+            sink.report(report.evidence(context.evidence()), || {
+                format!("CAN-ID {can_id:03X}h of {object} is also that of {other_object} of node {other_node}")
+            });
+        }
+        self.producers.insert((node, object), can_id);
+    }
+}

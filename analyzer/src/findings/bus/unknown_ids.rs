@@ -1,0 +1,57 @@
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::{Message, Service};
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Unknown],
+    make: Some(|thresholds| {
+        Box::new(UnknownIds { least: thresholds.get(&METADATA, "frames"), ids: [0; 128], seen: 0, first: None })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "bus/unknown-ids",
+    severity: Severity::Info,
+    title: "frames with CAN-IDs of no known use",
+    what: "Frames of 11 bits on CAN-IDs that belong neither to the predefined connection set nor to anything that a \
+           description or the SDO traffic of the capture has set up.",
+    why: "They may be PDOs whose CAN-IDs were set before the capture began, or another protocol on the same wires. \
+          They take their share of the bus, and nothing can be said of what is in them.",
+    advice: "Name the devices with --device, so that their COB-IDs are known, or record from the start of the machine.",
+    thresholds: &[Threshold { name: "frames", default: 1, unit: "", meaning: "fewer frames are not reported" }],
+};
+
+struct UnknownIds {
+    least: u64,
+    /// A bit for each CAN-ID.
+    ids: [u16; 128],
+    seen: u64,
+    first: Option<Seen>,
+}
+
+impl Rule for UnknownIds {
+    fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
+        let Some(id) = context.record.frame.id().as_standard() else { return };
+        if *context.message() != Message::Unknown || context.record.frame.cob_id().is_none() {
+            return;
+        }
+        self.ids[usize::from(id >> 4)] |= 1 << (id & 0xF);
+        self.seen += 1;
+        if self.first.is_none() {
+            self.first = Some(context.seen());
+        }
+    }
+
+    fn finish(&mut self, _: &Scene<'_>, sink: &mut Sink<'_>) {
+        let Some(first) = self.first.as_ref().filter(|_| self.seen >= self.least) else { return };
+        const SHOWN: usize = 12;
+        let ids: Vec<u16> = (0..0x800).filter(|id| self.ids[usize::from(id >> 4)] >> (id & 0xF) & 1 != 0).collect();
+        let listed: Vec<String> = ids.iter().take(SHOWN).map(|id| format!("{id:03X}h")).collect();
+        let more = if ids.len() > SHOWN { ", …" } else { "" };
+        sink.report(Report::at(first.time()).evidence(first.evidence()), || {
+            format!("{} frames on {} CAN-IDs: {}{more}", self.seen, ids.len(), listed.join(", "))
+        });
+    }
+}

@@ -1,0 +1,40 @@
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Severity};
+use crate::message::Service;
+use crate::wire::error_frame::ErrorFrame;
+
+pub const RULE: Definition =
+    Definition { metadata: &METADATA, services: &[Service::ErrorFrame], make: Some(|_| Box::new(ErrorPassive)) };
+
+static METADATA: Metadata = Metadata {
+    id: "capture/error-passive",
+    severity: Severity::Error,
+    title: "the recorder's controller went error passive",
+    what: "An error frame says that an error counter of the controller that recorded has passed 127: it does not \
+           signal errors any more.",
+    why: "So many errors in a row mean a bus on which hardly anything gets through: wrong bit rate, broken wire, \
+          missing termination, or no other node that acknowledges.",
+    advice: "Check bit rate, wiring and termination. If only transmission fails, the recorder was alone on the bus.",
+    thresholds: &[],
+};
+
+/// Receive or transmit error passive, in byte 1.
+const PASSIVE: u8 = 0x10 | 0x20;
+
+struct ErrorPassive;
+
+impl Rule for ErrorPassive {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(error) = ErrorFrame::of(&context.record.frame) else { return };
+        if error.class.0 & 0x004 == 0 || error.detail[1] & PASSIVE == 0 {
+            return;
+        }
+        let report = Report::at(context.now()).detail(u64::from(error.detail[1] & PASSIVE));
+        sink.report(report.evidence(context.evidence()), || {
+            let states: Vec<_> = error.controller().collect();
+            let counters = error.counters().map(|(tx, rx)| format!(", counters: transmit {tx}, receive {rx}"));
+            format!("controller: {}{}", states.join(", "), counters.unwrap_or_default())
+        });
+    }
+}

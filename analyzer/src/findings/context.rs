@@ -1,0 +1,112 @@
+//! What a rule sees.
+
+use super::facts::Facts;
+use super::sink::Evidence;
+use crate::NodeId;
+use crate::message::Message;
+use crate::network::{Bus, Decoded};
+use canvass_traces::{ChannelId, Duration, Quality, Record, Timestamp};
+
+/// What is known of a bus at a moment.
+#[derive(Clone, Copy)]
+pub struct Scene<'a> {
+    /// The moment: the time of the frame that is being looked at, or of the last one.
+    pub now: Timestamp,
+    /// The time of the first frame on this bus.
+    pub start: Timestamp,
+    /// The bus with its nodes and transfers, after the frame.
+    pub bus: &'a Bus,
+    /// Its channel.
+    pub channel: ChannelId,
+    /// What its nodes have done, before the frame.
+    pub facts: &'a Facts,
+    /// How far the times of this bus can be trusted.
+    pub quality: &'a Quality,
+    /// The bit rate in bit/s, where the user said it.
+    pub bit_rate: Option<u32>,
+}
+
+/// A frame, understood, and what is known around it.
+#[derive(Clone, Copy)]
+pub struct Context<'a> {
+    /// The bus at this moment.
+    pub scene: Scene<'a>,
+    /// The frame.
+    pub record: &'a Record,
+    /// What it means.
+    pub decoded: &'a Decoded,
+    /// The frame before it with the same CAN-ID, if it has 11 bits.
+    pub previous: Option<&'a Seen>,
+}
+
+/// A frame that was seen earlier, kept as evidence.
+#[derive(Clone, Debug)]
+pub struct Seen {
+    /// The frame.
+    pub record: Record,
+    /// What it meant then.
+    pub decoded: Decoded,
+}
+
+/// Whether so many frames have the same time as the one before that the clock must be coarse.
+pub fn is_coarse(quality: &Quality) -> bool {
+    const ONE_OF: u64 = 20;
+    quality.simultaneous.saturating_mul(ONE_OF) > quality.frames.total()
+}
+
+impl Scene<'_> {
+    /// How far a measured interval may be off because times are coarse: two steps of the clock. That all times are
+    /// multiples of something proves nothing, as long as no two frames have the same time.
+    pub fn slack(&self) -> Duration {
+        if is_coarse(self.quality) { self.resolution().times(2) } else { Duration::ZERO }
+    }
+
+    /// The largest power of ten that divides all times.
+    pub fn resolution(&self) -> Duration {
+        self.quality.resolution.get().unwrap_or_default()
+    }
+
+    /// Whether the capture has times at all.
+    pub fn has_times(&self) -> bool {
+        self.quality.resolution.get().is_some()
+    }
+}
+
+impl<'a> Context<'a> {
+    /// The time of the frame.
+    pub const fn now(&self) -> Timestamp {
+        self.scene.now
+    }
+
+    /// The node that it is about.
+    pub const fn node(&self) -> Option<NodeId> {
+        self.decoded.node
+    }
+
+    /// What it says.
+    pub const fn message(&self) -> &'a Message {
+        &self.decoded.message
+    }
+
+    /// The frame as evidence.
+    pub const fn evidence(&self) -> Evidence<'a> {
+        Evidence { record: self.record, decoded: self.decoded }
+    }
+
+    /// The frame to keep.
+    pub fn seen(&self) -> Seen {
+        Seen { record: self.record.clone(), decoded: *self.decoded }
+    }
+}
+
+impl Seen {
+    /// When it was seen.
+    pub const fn time(&self) -> Timestamp {
+        self.record.timestamp
+    }
+
+    /// The frame as evidence.
+    pub const fn evidence(&self) -> Evidence<'_> {
+        Evidence { record: &self.record, decoded: &self.decoded }
+    }
+}

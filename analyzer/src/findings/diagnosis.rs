@@ -1,0 +1,275 @@
+//! Lets every rule look at a capture, once, record by record.
+
+use super::context::{Context, Scene, Seen};
+use super::facts::Facts;
+use super::finding::Finding;
+use super::registry;
+use super::rule::{Definition, Rule, Thresholds};
+use super::sink::{Findings, Sink};
+use crate::NodeId;
+use crate::dictionary::DeviceDescription;
+use crate::message::Service;
+use crate::network::{Decoded, Network};
+use crate::statistics::{BusStatistics, Statistics};
+use canvass_traces::{ChannelId, Duration, Quality, Record, Timestamp};
+
+/// Finds what is wrong in a capture. Memory does not grow with the capture.
+pub struct Diagnosis {
+    network: Network,
+    thresholds: Thresholds,
+    bit_rate: Option<u32>,
+    buses: Vec<Option<Box<BusWatch>>>,
+    watched: usize,
+    findings: Findings,
+    /// Frames of channels beyond [`Diagnosis::BUSES`], which no rule looked at.
+    unwatched: u64,
+}
+
+/// One of the captures that were read, and how far it can be trusted.
+#[derive(Clone, Copy, Debug)]
+pub struct SourceQuality<'a> {
+    /// Its name.
+    pub name: &'a str,
+    /// What was seen of it.
+    pub quality: &'a Quality,
+}
+
+/// What has come out.
+#[derive(Debug)]
+pub struct Results {
+    /// The findings: the worst first, then by time.
+    pub findings: Vec<Finding>,
+    /// The rules of which there were more findings than are kept, with how many reports were left out.
+    pub omitted: Vec<(&'static str, u64)>,
+    /// Frames of channels beyond [`Diagnosis::BUSES`], which were not looked at.
+    pub unwatched: u64,
+    /// What was on each bus, by channel.
+    pub buses: Vec<(ChannelId, BusStatistics)>,
+}
+
+/// The last frames of 128 CAN-IDs.
+type Page = Box<[Option<Seen>]>;
+
+/// What watches one bus.
+struct BusWatch {
+    channel: ChannelId,
+    rules: Vec<(&'static Definition, Box<dyn Rule>)>,
+    /// The places of the rules that want frames of a service.
+    by_service: [Vec<u8>; Service::ALL.len()],
+    facts: Facts,
+    quality: Quality,
+    statistics: Statistics,
+    /// The last frame of each CAN-ID, in pages of 128.
+    latest: Box<[Option<Page>]>,
+    start: Timestamp,
+    now: Timestamp,
+    next_tick: Timestamp,
+}
+
+impl Diagnosis {
+    /// How many channels are watched at most.
+    pub const BUSES: usize = 64;
+    /// How often rules look at the clock, at most.
+    pub const TICK: Duration = Duration::from_millis(20);
+
+    /// A diagnosis with those thresholds.
+    pub fn new(thresholds: Thresholds) -> Self {
+        Self {
+            network: Network::new(),
+            thresholds,
+            bit_rate: None,
+            buses: Vec::new(),
+            watched: 0,
+            findings: Findings::default(),
+            unwatched: 0,
+        }
+    }
+
+    /// Says which device a node is, on all buses.
+    pub fn describe(&mut self, node: NodeId, description: DeviceDescription) {
+        self.network.describe(node, description);
+    }
+
+    /// Says the bit rate of all buses, in bit/s. Without it, it is inferred.
+    pub const fn set_bit_rate(&mut self, bit_rate: u32) {
+        self.bit_rate = Some(bit_rate);
+    }
+
+    /// Takes the next record.
+    pub fn record(&mut self, record: &Record) {
+        let Some(watch) = watch(&mut self.buses, &mut self.watched, record, &self.thresholds) else {
+            self.unwatched += 1;
+            return;
+        };
+        watch.advance(record, &self.network, self.bit_rate, &mut self.findings);
+        let decoded = self.network.handle(record);
+        watch.frame(record, &decoded, &self.network, self.bit_rate, &mut self.findings);
+    }
+
+    /// Frames may be missing here: the recorder lost some, or something could not be read.
+    pub fn interrupted(&mut self) {
+        for watch in self.buses.iter_mut().flatten() {
+            watch.interrupted();
+        }
+    }
+
+    /// The capture has ended.
+    pub fn finish(mut self, sources: &[SourceQuality<'_>]) -> Results {
+        for watch in self.buses.iter_mut().flatten() {
+            watch.finish(&self.network, self.bit_rate, &mut self.findings);
+        }
+        super::capture::check(sources, &self.thresholds, &mut self.findings);
+        let (findings, omitted) = self.findings.into_sorted();
+        let buses = self.buses.into_iter().flatten();
+        let buses = buses.map(|watch| (watch.channel, watch.statistics.finish(watch.now, self.bit_rate))).collect();
+        Results { findings, omitted, unwatched: self.unwatched, buses }
+    }
+}
+
+/// What watches the bus of a record, unless there are too many buses.
+fn watch<'a>(
+    buses: &'a mut Vec<Option<Box<BusWatch>>>,
+    watched: &mut usize,
+    record: &Record,
+    thresholds: &Thresholds,
+) -> Option<&'a mut BusWatch> {
+    let index = usize::from(record.channel.0);
+    if buses.len() <= index {
+        buses.resize_with(index + 1, || None);
+    }
+    let slot = buses.get_mut(index)?;
+    if slot.is_none() {
+        if *watched >= Diagnosis::BUSES {
+            return None;
+        }
+        *watched += 1;
+        *slot = Some(Box::new(BusWatch::new(record, thresholds)));
+    }
+    slot.as_deref_mut()
+}
+
+/// The CAN-ID under which a frame is kept as the latest: that of a classical frame of 11 bits.
+fn latest_id(record: &Record) -> Option<u16> {
+    let frame = &record.frame;
+    let classical = !frame.is_error() && !frame.is_fd() && !frame.is_xl();
+    frame.id().as_standard().filter(|_| classical)
+}
+
+impl BusWatch {
+    fn new(first: &Record, thresholds: &Thresholds) -> Self {
+        let mut rules = Vec::new();
+        let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
+        for definition in registry::all() {
+            let Some(make) = definition.make else { continue };
+            for service in definition.services {
+                by_service[*service as usize].push(rules.len() as u8);
+            }
+            rules.push((definition, make(thresholds)));
+        }
+        Self {
+            channel: first.channel,
+            rules,
+            by_service,
+            facts: Facts::default(),
+            quality: Quality::default(),
+            statistics: Statistics::default(),
+            latest: (0..16).map(|_| None).collect(),
+            start: first.timestamp,
+            now: first.timestamp,
+            next_tick: first.timestamp + Diagnosis::TICK,
+        }
+    }
+
+    /// Time goes on to that of the next record.
+    fn advance(&mut self, record: &Record, network: &Network, bit_rate: Option<u32>, findings: &mut Findings) {
+        // What is only out of order by a little is no step of the clock.
+        const DISORDER: Duration = Duration::from_millis(1);
+        let gaps = self.quality.gaps.count;
+        self.quality.record(record);
+        let steps_back = self.now.since(record.timestamp) > DISORDER;
+        self.now = record.timestamp;
+        // A pause of a single node is its own; of several at once it is the recorder's or the bus's.
+        let silent = self.quality.gaps.count > gaps && self.facts.present > 1;
+        if steps_back || silent {
+            self.interrupted();
+            self.next_tick = self.now + Diagnosis::TICK;
+        } else if self.now >= self.next_tick {
+            self.next_tick = self.now + Diagnosis::TICK;
+            self.each(network, bit_rate, findings, |rule, scene, sink| rule.tick(scene, sink));
+        }
+    }
+
+    fn interrupted(&mut self) {
+        for (_, rule) in &mut self.rules {
+            rule.interrupted();
+        }
+    }
+
+    /// Lets all rules do something that needs no frame.
+    fn each(
+        &mut self,
+        network: &Network,
+        bit_rate: Option<u32>,
+        findings: &mut Findings,
+        act: impl Fn(&mut dyn Rule, &Scene<'_>, &mut Sink<'_>),
+    ) {
+        let Some(bus) = network.bus(self.channel) else { return };
+        let scene = Scene {
+            now: self.now,
+            start: self.start,
+            bus,
+            channel: self.channel,
+            facts: &self.facts,
+            quality: &self.quality,
+            bit_rate,
+        };
+        for (definition, rule) in &mut self.rules {
+            act(rule.as_mut(), &scene, &mut Sink::of(findings, definition.metadata, &scene));
+        }
+    }
+
+    fn frame(
+        &mut self,
+        record: &Record,
+        decoded: &Decoded,
+        network: &Network,
+        bit_rate: Option<u32>,
+        findings: &mut Findings,
+    ) {
+        let Some(bus) = network.bus(self.channel) else { return };
+        let scene = Scene {
+            now: self.now,
+            start: self.start,
+            bus,
+            channel: self.channel,
+            facts: &self.facts,
+            quality: &self.quality,
+            bit_rate,
+        };
+        let id = latest_id(record);
+        let previous = id.and_then(|id| self.latest.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F)));
+        let previous = previous.and_then(Option::as_ref);
+        let context = Context { scene, record, decoded, previous };
+        for &at in &self.by_service[decoded.service as usize] {
+            if let Some((definition, rule)) = self.rules.get_mut(usize::from(at)) {
+                rule.frame(&context, &mut Sink::of(findings, definition.metadata, &scene));
+            }
+        }
+        let seen = id.map(|_| context.seen());
+        self.statistics.frame(record, decoded, bus);
+        self.facts.note(self.now, decoded, bus);
+        if let (Some(id), Some(seen)) = (id, seen)
+            && let Some(page) = self.latest.get_mut(usize::from(id >> 7))
+        {
+            let page = page.get_or_insert_with(|| (0..128).map(|_| None).collect());
+            page[usize::from(id & 0x7F)] = Some(seen);
+        }
+    }
+
+    fn finish(&mut self, network: &Network, bit_rate: Option<u32>, findings: &mut Findings) {
+        self.each(network, bit_rate, findings, |rule, scene, sink| {
+            rule.tick(scene, sink);
+            rule.finish(scene, sink);
+        });
+    }
+}

@@ -1,0 +1,46 @@
+use super::operands::{SERVICES, each};
+use crate::dictionary::names::{ENCODER_PROFILE, bit_name};
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Severity};
+
+pub const RULE: Definition = Definition { metadata: &METADATA, services: SERVICES, make: Some(|_| Box::new(Alarm)) };
+
+static METADATA: Metadata = Metadata {
+    id: "encoder/alarm",
+    severity: Severity::Error,
+    title: "an encoder shows an alarm",
+    what: "6503h, in a PDO or read by SDO, is not 0. Findings are told apart by bit.",
+    why: "The position is not valid any more: a machine that goes on with it moves to wrong places.",
+    advice: "Bit 0 is a position error: the disk, magnet or sensor. Bits 12 to 15 are in the manual of the device. The \
+             EMCY of the same moment says more.",
+    thresholds: &[],
+};
+
+struct Alarm;
+
+/// Reports each bit that is set.
+pub fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<'_>) {
+    each(context, |operand| {
+        if operand.object.index.0 != index || operand.written {
+            return;
+        }
+        for bit in (0..16).filter(|bit| operand.raw >> bit & 1 != 0) {
+            let report = Report::at(context.now()).node(operand.node).detail(u64::from(bit));
+            sink.report(report.evidence(context.evidence()), || {
+                let described = context.scene.bus.node(operand.node).and_then(|node| node.description.as_deref());
+                let annotated = described.and_then(|description| description.annotations.get(operand.object));
+                let annotated = annotated.and_then(|annotation| annotation.bit(bit)).map(|name| name.name.to_string());
+                let standard = || bit_name(operand.object.index, bit, Some(ENCODER_PROFILE)).map(str::to_owned);
+                let name = annotated.or_else(standard).map(|name| format!(": {}", name.escape_debug()));
+                format!("{kind} bit {bit} of {}{}", operand.object, name.unwrap_or_default())
+            });
+        }
+    });
+}
+
+impl Rule for Alarm {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        tell_bits(0x6503, "alarm", context, sink);
+    }
+}

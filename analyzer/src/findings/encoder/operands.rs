@@ -1,0 +1,79 @@
+//! The values of an encoder's objects, wherever they come by: in a PDO or an SDO transfer.
+
+use crate::dictionary::names::ENCODER_PROFILE;
+use crate::findings::Context;
+use crate::message::{Message, PdoNumber, Service};
+use crate::network::sdo::{Direction, Outcome};
+use crate::network::{Event, Layout};
+use crate::{Multiplexer, NodeId};
+
+/// The services in which values come by.
+pub const SERVICES: &[Service] = &[Service::Pdo, Service::Sdo];
+
+/// A value of an object.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Operand {
+    /// The node.
+    pub node: NodeId,
+    /// The object.
+    pub object: Multiplexer,
+    /// Its bits.
+    pub raw: u64,
+    /// How many bits it has.
+    pub bits: u8,
+    /// Whether a client wrote it: else it is the device's own word.
+    pub written: bool,
+}
+
+impl Operand {
+    /// The value as a signed number.
+    pub const fn signed(self) -> i64 {
+        let unused = 64 - if self.bits > 64 { 64 } else { self.bits } as u32;
+        if unused == 64 { 0 } else { ((self.raw << unused) as i64) >> unused }
+    }
+}
+
+/// Calls `take` for each value of an object of the profile in a frame, if its node is an encoder.
+pub fn each(context: &Context<'_>, mut take: impl FnMut(Operand)) {
+    let Some(node) = context.node() else { return };
+    match context.message() {
+        Message::Pdo(PdoNumber::Transmit(_)) => {
+            if let Some(layout) = layout(context).filter(|_| is_encoder(context, node)) {
+                for signal in &layout.signals {
+                    if let Some(raw) = signal.raw(context.record.frame.data()) {
+                        take(Operand { node, object: signal.object, raw, bits: signal.bits, written: false });
+                    }
+                }
+            }
+        }
+        _ if context.decoded.event == Some(Event::TransferEnded) => {
+            if let Some(operand) = transferred(context, node).filter(|_| is_encoder(context, node)) {
+                take(operand);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The layout of the PDO in a frame.
+pub fn layout<'a>(context: &Context<'a>) -> Option<&'a Layout> {
+    let Message::Pdo(number) = context.message() else { return None };
+    context.scene.bus.node(context.decoded.node?)?.known_layout(*number)
+}
+
+fn transferred(context: &Context<'_>, node: NodeId) -> Option<Operand> {
+    let transfer = context.scene.bus.transfer(context.decoded.channel?)?;
+    let (object, data) = (transfer.multiplexer, transfer.data());
+    if transfer.outcome != Outcome::Complete || !matches!(object.index.0, 0x6000..=0x6FFF) || data.len() > 8 {
+        return None;
+    }
+    let mut bytes = [0; 8];
+    bytes.get_mut(..data.len())?.copy_from_slice(data);
+    let written = transfer.direction == Direction::Download;
+    Some(Operand { node, object, raw: u64::from_le_bytes(bytes), bits: 8 * data.len() as u8, written })
+}
+
+/// Whether the node is known to be an encoder.
+pub fn is_encoder(context: &Context<'_>, node: NodeId) -> bool {
+    context.scene.bus.node(node).and_then(|known| known.profile(node)) == Some(ENCODER_PROFILE)
+}

@@ -1,0 +1,64 @@
+use super::operands::each;
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Severity};
+use crate::message::Service;
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Pdo, Service::Sdo, Service::BootUp],
+    make: Some(|_| Box::new(PositionOutsideRange { nodes: vec![Scaling::default(); 128] })),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "encoder/position-outside-range",
+    severity: Severity::Error,
+    title: "a position is outside its measuring range",
+    what: "The capture shows the total measuring range (6002h) and that scaling is on (6000h bit 2), and a position \
+           (6004h) is not below the range.",
+    why: "A master that calculates with the range takes the position for another one, often a whole range away.",
+    advice: "Check whether the range was written with scaling off, or after the preset. If not, it is a fault of the \
+             device's firmware.",
+    thresholds: &[],
+};
+
+#[derive(Clone, Copy, Default)]
+struct Scaling {
+    range: Option<u64>,
+    on: Option<bool>,
+}
+
+struct PositionOutsideRange {
+    nodes: Vec<Scaling>,
+}
+
+/// Bit 2 of 6000h.
+const SCALING: u64 = 1 << 2;
+
+impl Rule for PositionOutsideRange {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if context.decoded.service == Service::BootUp {
+            if let Some(node) = context.node() {
+                self.nodes[usize::from(node.raw())] = Scaling::default();
+            }
+            return;
+        }
+        each(context, |operand| {
+            let scaling = &mut self.nodes[usize::from(operand.node.raw())];
+            match operand.object.index.0 {
+                0x6000 => scaling.on = Some(operand.raw & SCALING != 0),
+                0x6002 => scaling.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw }),
+                0x6004 if !operand.written => {
+                    let Some(range) = scaling.range.filter(|_| scaling.on == Some(true)) else { return };
+                    if operand.raw >= range {
+                        let report = Report::at(context.now()).node(operand.node).measure(operand.raw);
+                        sink.report(report.evidence(context.evidence()), || {
+                            format!("position {} in a range of {range}", operand.raw)
+                        });
+                    }
+                }
+                _ => {}
+            }
+        });
+    }
+}

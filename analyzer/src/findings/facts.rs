@@ -1,0 +1,137 @@
+//! What the nodes of a bus have done, as many rules want to know it.
+
+use crate::NodeId;
+use crate::message::{Message, PdoNumber, Service};
+use crate::network::sdo::{Direction, Outcome};
+use crate::network::{Bus, Decoded, Event};
+use crate::wire::lss;
+use crate::wire::nmt::Command;
+use canvass_traces::{Duration, Timestamp};
+
+/// What all nodes of a bus have done so far.
+pub struct Facts {
+    nodes: Box<[NodeFacts]>,
+    /// When the LSS or LMT master last said something that may make slaves reset themselves.
+    pub layer_setting: Option<Timestamp>,
+    /// How many nodes have sent something.
+    pub present: u8,
+    /// Whether a request of an SDO client was seen.
+    pub has_sdo_client: bool,
+}
+
+/// What a node has done so far.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NodeFacts {
+    /// When it first sent something.
+    pub first_seen: Option<Timestamp>,
+    /// When it last sent something.
+    pub last_seen: Option<Timestamp>,
+    /// The last NMT command to it, alone or among all.
+    pub command: Option<(Command, Timestamp)>,
+    /// The last reset by NMT command that no boot-up has followed yet.
+    pub pending_reset: Option<Timestamp>,
+    /// When an SDO client last wrote anything.
+    pub last_download: Option<Timestamp>,
+    /// When parameters were last stored or restored: some devices are silent for seconds after.
+    pub last_store: Option<Timestamp>,
+    /// When its program was last started or stopped (1F50h, 1F51h).
+    pub last_program_control: Option<Timestamp>,
+    /// The last boot-up.
+    pub last_boot_up: Option<Timestamp>,
+}
+
+impl Default for Facts {
+    fn default() -> Self {
+        Self { nodes: vec![NodeFacts::default(); 128].into(), layer_setting: None, present: 0, has_sdo_client: false }
+    }
+}
+
+/// Whether the node that a frame is about has sent it itself.
+pub const fn is_from_node(decoded: &Decoded) -> bool {
+    match decoded.message {
+        Message::ErrorControl(_)
+        | Message::Emcy(_)
+        | Message::Pdo(PdoNumber::Transmit(_))
+        | Message::Mpdo(PdoNumber::Transmit(_), _)
+        | Message::SdoResponse(_)
+        | Message::SdoBlockUpload(_) => true,
+        Message::Malformed(service, _) => matches!(service, Service::Heartbeat | Service::Emcy),
+        _ => false,
+    }
+}
+
+impl NodeFacts {
+    /// Whether something that happened at `then` is at most `span` ago.
+    pub fn is_recent(then: Option<Timestamp>, now: Timestamp, span: Duration) -> bool {
+        then.is_some_and(|then| now.since(then) <= span)
+    }
+}
+
+impl Facts {
+    /// What a node has done.
+    pub fn node(&self, id: NodeId) -> &NodeFacts {
+        // 128 places for the node-IDs 1 to 127.
+        &self.nodes[usize::from(id.raw())]
+    }
+
+    fn node_mut(&mut self, id: NodeId) -> &mut NodeFacts {
+        &mut self.nodes[usize::from(id.raw())]
+    }
+
+    /// Takes the next frame.
+    pub(super) fn note(&mut self, now: Timestamp, decoded: &Decoded, bus: &Bus) {
+        match decoded.message {
+            Message::Nmt(nmt) => self.commanded(now, nmt.command, nmt.node),
+            Message::LssRequest(lss::Request::SwitchGlobal { .. } | lss::Request::ActivateBitTiming { .. }) => {
+                self.layer_setting = Some(now);
+            }
+            Message::LmtRequest(_) => self.layer_setting = Some(now),
+            Message::SdoRequest(_) | Message::SdoBlockDownload(_) => self.has_sdo_client = true,
+            _ => {}
+        }
+        let Some(node) = decoded.node else { return };
+        if is_from_node(decoded) {
+            let facts = self.node_mut(node);
+            facts.last_seen = Some(now);
+            if facts.first_seen.replace(facts.first_seen.unwrap_or(now)).is_none() {
+                self.present = self.present.saturating_add(1);
+            }
+        }
+        if decoded.service == Service::BootUp {
+            let facts = self.node_mut(node);
+            (facts.last_boot_up, facts.pending_reset) = (Some(now), None);
+        }
+        if decoded.event == Some(Event::TransferEnded) {
+            self.transferred(now, node, decoded, bus);
+        }
+    }
+
+    fn commanded(&mut self, now: Timestamp, command: Command, node: u8) {
+        let resets = matches!(command, Command::RESET_NODE | Command::RESET_COMMUNICATION);
+        for (id, facts) in self.nodes.iter_mut().enumerate().skip(1) {
+            if node == 0 || usize::from(node) == id {
+                facts.command = Some((command, now));
+                facts.pending_reset = if resets { Some(now) } else { facts.pending_reset };
+            }
+        }
+    }
+
+    fn transferred(&mut self, now: Timestamp, node: NodeId, decoded: &Decoded, bus: &Bus) {
+        let Some(transfer) = decoded.channel.and_then(|channel| bus.transfer(channel)) else { return };
+        if transfer.direction != Direction::Download {
+            return;
+        }
+        let facts = self.node_mut(node);
+        // Some devices store other objects too, by the same signatures.
+        let signed = matches!(transfer.data(), b"save" | b"load");
+        match transfer.multiplexer.index.0 {
+            0x1010 | 0x1011 => facts.last_store = Some(now),
+            0x2000..=0x5FFF if signed => facts.last_store = Some(now),
+            0x1F50 | 0x1F51 => facts.last_program_control = Some(now),
+            _ => {}
+        }
+        if transfer.outcome == Outcome::Complete {
+            facts.last_download = Some(now);
+        }
+    }
+}

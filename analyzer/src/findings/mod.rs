@@ -1,0 +1,33 @@
+//! What was wrong on the buses of a capture.
+//!
+//! - [`Rule`] is one thing that can be wrong, one file each; its [`Metadata`] is what `canvass explain` and
+//!   `docs/rules.md` say of it.
+//! - [`Diagnosis`] takes a capture record by record, once, and lets every rule look at the frames of the services
+//!   that it asks for.
+//! - [`Finding`] is what a rule found. The same fault of the same node is one finding, however often it happens, so
+//!   that memory does not grow with the capture.
+
+mod bus;
+mod capture;
+mod context;
+mod diagnosis;
+mod emcy;
+mod encoder;
+mod facts;
+mod finding;
+mod lss;
+mod nodes;
+mod pdo;
+mod registry;
+mod rhythm;
+mod rule;
+mod sdo;
+mod sink;
+
+pub use context::{Context, Scene, Seen};
+pub use diagnosis::{Diagnosis, Results, SourceQuality};
+pub use facts::{Facts, NodeFacts, is_from_node};
+pub use finding::{Exhibit, Finding, Severity};
+pub use registry::{all, find};
+pub use rule::{Definition, Make, Metadata, Rule, Threshold, ThresholdError, Thresholds};
+pub use sink::{Report, Sink};

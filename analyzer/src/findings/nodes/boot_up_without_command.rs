@@ -1,0 +1,54 @@
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, NodeFacts, Seen, Severity};
+use crate::message::Service;
+use canvass_traces::{Duration, Timestamp};
+
+pub const RULE: Definition =
+    Definition { metadata: &METADATA, services: &[Service::BootUp], make: Some(|_| Box::new(BootUpWithoutCommand)) };
+
+static METADATA: Metadata = Metadata {
+    id: "nodes/boot-up-without-command",
+    severity: Severity::Warning,
+    title: "a node restarts by itself",
+    what: "A boot-up message of a node that was already running, and that no NMT reset command, LSS service or program \
+           control (1F51h) explains. The first boot-up in a capture is not reported: the node was switched on. Of two \
+           boot-ups after one reset command the second one is. Within ten seconds of a store, a boot-up is taken for \
+           the power cycle that makes stored parameters take effect.",
+    why: "The node has restarted: a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational \
+          with its stored parameters, and sends no process data until it is started again.",
+    advice: "See whether several nodes restart together (supply), what the node sent just before (EMCY), and whether \
+             it happens again. 6505h bit 2 of encoders tells of a watchdog reset.",
+    thresholds: &[],
+};
+
+struct BootUpWithoutCommand;
+
+/// Whether something that was said to the node explains its boot-up.
+pub fn is_explained(context: &Context<'_>, facts: &NodeFacts) -> bool {
+    const WHILE: Duration = Duration::from_secs(10);
+    let recent = |then: Option<Timestamp>| NodeFacts::is_recent(then, context.now(), WHILE);
+    // One reset explains one boot-up; layer settings and programs take effect by a reset of their own.
+    let after_boot_up = |then: Option<Timestamp>| recent(then) && then > facts.last_boot_up;
+    facts.pending_reset.is_some()
+        || after_boot_up(context.scene.facts.layer_setting)
+        || after_boot_up(facts.last_program_control)
+        || after_boot_up(facts.last_store)
+}
+
+impl Rule for BootUpWithoutCommand {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(node) = context.node() else { return };
+        let facts = context.scene.facts.node(node);
+        if facts.last_seen.is_none() || is_explained(context, facts) {
+            return;
+        }
+        let report = Report::at(context.now()).node(node);
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        sink.report(report, || {
+            let last = facts.last_seen.map(|seen| context.now().since(seen));
+            let last = last.map(|ago| format!(", {ago} after it last sent something")).unwrap_or_default();
+            format!("boot-up without a reset command{last}")
+        });
+    }
+}

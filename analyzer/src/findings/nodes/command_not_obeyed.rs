@@ -1,0 +1,105 @@
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, Service};
+use crate::wire::error_control::State;
+use crate::wire::nmt::Command;
+use canvass_traces::Duration;
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Nmt, Service::Heartbeat, Service::Guarding, Service::BootUp],
+    make: Some(|thresholds| {
+        Box::new(CommandNotObeyed {
+            settle: Duration::from_millis(thresholds.get(&METADATA, "settle")),
+            reset: Duration::from_millis(thresholds.get(&METADATA, "reset")),
+            nodes: (0..128).map(|_| None).collect(),
+        })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "nodes/command-not-obeyed",
+    severity: Severity::Error,
+    title: "a node does not reach the commanded NMT state",
+    what: "After an NMT command, and time to obey it, heartbeats or guarding answers of the node still show another \
+           state: two of them, so that one that was already queued does not count.",
+    why: "The master believes that the node is in another state than it is: it sends no process data, or goes on \
+          sending them.",
+    advice: "See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the \
+             command really names this node.",
+    thresholds: &[
+        Threshold { name: "settle", default: 100, unit: "ms", meaning: "time to reach a state" },
+        Threshold { name: "reset", default: 2000, unit: "ms", meaning: "time to begin a reset" },
+    ],
+};
+
+struct CommandNotObeyed {
+    settle: Duration,
+    reset: Duration,
+    nodes: Vec<Option<Pending>>,
+}
+
+struct Pending {
+    command: Seen,
+    expected: State,
+    /// How often another state was seen.
+    against: u8,
+}
+
+impl CommandNotObeyed {
+    fn commanded(&mut self, command: Command, node: u8, context: &Context<'_>) {
+        let expected = match command {
+            Command::START => State::OPERATIONAL,
+            Command::STOP => State::STOPPED,
+            Command::ENTER_PRE_OPERATIONAL => State::PRE_OPERATIONAL,
+            Command::RESET_NODE | Command::RESET_COMMUNICATION => State::BOOT_UP,
+            _ => return,
+        };
+        for (id, pending) in self.nodes.iter_mut().enumerate().skip(1) {
+            if node == 0 || usize::from(node) == id {
+                *pending = Some(Pending { command: context.seen(), expected, against: 0 });
+            }
+        }
+    }
+}
+
+impl Rule for CommandNotObeyed {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if let Message::Nmt(nmt) = context.message() {
+            return self.commanded(nmt.command, nmt.node, context);
+        }
+        let (Some(node), Message::ErrorControl(message)) = (context.node(), context.message()) else { return };
+        let slot = &mut self.nodes[usize::from(node.raw())];
+        let Some(pending) = slot else { return };
+        let is_reset = pending.expected == State::BOOT_UP;
+        // Without a boot-up message, pre-operational shows that the reset has taken place.
+        if message.state == pending.expected
+            || context.decoded.service == Service::BootUp
+            || is_reset && message.state == State::PRE_OPERATIONAL
+        {
+            *slot = None;
+            return;
+        }
+        let settle = if is_reset { self.reset } else { self.settle };
+        let waited = context.now().since(pending.command.time());
+        if waited <= settle {
+            return;
+        }
+        pending.against += 1;
+        if pending.against >= 2 {
+            let expected = pending.expected;
+            let command = pending.command.evidence();
+            let report = Report::at(pending.command.time()).node(node).detail(u64::from(expected.0));
+            sink.report(report.evidence(command).evidence(context.evidence()), || match is_reset {
+                true => format!("{} {waited} after the command to reset it", message.state),
+                false => format!("{} {waited} after the command to be {expected}", message.state),
+            });
+            *slot = None;
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.nodes.fill_with(|| None);
+    }
+}

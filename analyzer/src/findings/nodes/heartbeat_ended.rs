@@ -1,0 +1,66 @@
+use super::heartbeat::{Heartbeats, SERVICES};
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::Service;
+use canvass_traces::Duration;
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    make: Some(|thresholds| {
+        Box::new(HeartbeatEnded {
+            periods: thresholds.get(&METADATA, "periods").max(1),
+            heartbeats: Heartbeats::default(),
+            latest: (0..128).map(|_| None).collect(),
+        })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "nodes/heartbeat-ended",
+    severity: Severity::Error,
+    title: "a node's heartbeat ends and does not come back",
+    what: "The capture goes on for several periods after the last heartbeat of a node, without a reset command, and \
+           with other nodes still sending.",
+    why: "The node was switched off, has lost the bus, or hangs.",
+    advice: "Look at the last frames of the node, at error frames around that time, and at its supply.",
+    thresholds: &[Threshold { name: "periods", default: 3, unit: "", meaning: "so many must be missing at the end" }],
+};
+
+struct HeartbeatEnded {
+    periods: u64,
+    heartbeats: Heartbeats,
+    latest: Vec<Option<Seen>>,
+}
+
+impl Rule for HeartbeatEnded {
+    fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
+        self.heartbeats.frame(context);
+        if let Some(node) = context.node().filter(|_| context.decoded.service == Service::Heartbeat) {
+            self.latest[usize::from(node.raw())] = Some(context.seen());
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.heartbeats.interrupted();
+    }
+
+    fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        for (node, rhythm) in self.heartbeats.all() {
+            let seen = self.latest[usize::from(node.raw())].as_ref();
+            let (Some(seen), Some(period)) = (seen, rhythm.period()) else { continue };
+            let (last, silence) = (seen.time(), scene.now.since(seen.time()));
+            let is_late = silence > period.times(self.periods) + scene.slack() + Duration::from_millis(10);
+            if !is_late || scene.facts.node(node).pending_reset.is_some() {
+                continue;
+            }
+            let report = Report::at(last).node(node).evidence(seen.evidence());
+            sink.report(report, || {
+                let also = scene.facts.node(node).last_seen.is_some_and(|seen| scene.now.since(seen) < silence);
+                let also = if also { "; it still sends other messages" } else { "" };
+                format!("no heartbeat for the last {silence} of the capture, its period is {period}{also}")
+            });
+        }
+    }
+}

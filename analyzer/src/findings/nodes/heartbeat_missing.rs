@@ -1,0 +1,53 @@
+use super::heartbeat::{Heartbeats, SERVICES};
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold, Thresholds};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    make: Some(|thresholds| {
+        Box::new(HeartbeatMissing { percent: percent(thresholds), heartbeats: Heartbeats::default() })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "nodes/heartbeat-missing",
+    severity: Severity::Error,
+    title: "heartbeats are missing",
+    what: "The next heartbeat comes so late that at least one was left out. The period is that of 1017h where the \
+           capture shows it, else the one that the node has kept before. Pauses around NMT commands, resets and stores \
+           are not counted, nor those in which all nodes are silent.",
+    why: "Consumers declare the node lost and react, often by stopping the machine.",
+    advice: "See what else the node sent in the meantime: if nothing, it was cut off or hung; if everything else came, \
+             its heartbeat task is starved. Look for a boot-up shortly after.",
+    thresholds: &[Threshold { name: "percent", default: 180, unit: "%", meaning: "of the period; later is missing" }],
+};
+
+/// How late a heartbeat must be to count as missing.
+pub fn percent(thresholds: &Thresholds) -> u64 {
+    thresholds.get(&METADATA, "percent")
+}
+
+struct HeartbeatMissing {
+    percent: u64,
+    heartbeats: Heartbeats,
+}
+
+impl Rule for HeartbeatMissing {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(interval) = self.heartbeats.frame(context) else { return };
+        let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };
+        let begin = context.previous.map_or(context.now(), Seen::time);
+        let report = Report::at(begin).node(context.node()).measure(interval.length.nanos());
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        sink.report(report, || {
+            let missed = (interval.length.nanos() + period.nanos() / 2) / period.nanos().max(1) - 1;
+            format!("no heartbeat for {}, its period is {period}: {missed} missing", interval.length)
+        });
+    }
+
+    fn interrupted(&mut self) {
+        self.heartbeats.interrupted();
+    }
+}

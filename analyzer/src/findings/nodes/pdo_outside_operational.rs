@@ -1,0 +1,105 @@
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, PdoNumber, Service};
+use crate::network::Cause;
+use crate::wire::error_control::State;
+use canvass_traces::{Duration, Timestamp};
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Pdo, Service::Nmt, Service::Heartbeat, Service::Guarding, Service::BootUp],
+    make: Some(|thresholds| {
+        Box::new(PdoOutsideOperational {
+            grace: Duration::from_millis(thresholds.get(&METADATA, "grace")),
+            nodes: (0..128).map(|_| Watched::default()).collect(),
+        })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "nodes/pdo-outside-operational",
+    severity: Severity::Error,
+    title: "a node sends PDOs although it is not operational",
+    what: "A TPDO of a node that was commanded to stop or to pre-operational, or whose heartbeats before and after it \
+           show another state than operational. A node that may start by itself after its boot-up is given the benefit \
+           of the doubt until a heartbeat shows its state.",
+    why: "PDOs exist in operational only (CiA 301). Values sent in other states may not be valid, and consumers take \
+          them for good.",
+    advice: "If the node was stopped by an NMT command, it did not obey: see its heartbeats. Else it is a fault of its \
+             firmware, or another node sends with the same CAN-ID.",
+    thresholds: &[Threshold { name: "grace", default: 100, unit: "ms", meaning: "what may still be queued" }],
+};
+
+struct PdoOutsideOperational {
+    grace: Duration,
+    nodes: Vec<Watched>,
+}
+
+#[derive(Default)]
+struct Watched {
+    /// Since when the node should not be operational, by a command.
+    commanded: Option<Timestamp>,
+    /// A PDO after a heartbeat that showed another state: proven by the next one.
+    suspect: Option<Seen>,
+    /// How many PDOs came in spite of the command.
+    despite: u8,
+}
+
+impl PdoOutsideOperational {
+    fn pdo(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(node) = context.node() else { return };
+        let Some((state, cause)) = context.scene.bus.node(node).and_then(|node| node.state) else { return };
+        let watched = &mut self.nodes[usize::from(node.raw())];
+        if state == State::OPERATIONAL || state == State::BOOT_UP {
+            return;
+        }
+        match cause {
+            Cause::ErrorControl if watched.suspect.is_none() => watched.suspect = Some(context.seen()),
+            Cause::Command => {
+                let since = watched.commanded.filter(|since| context.now().since(*since) > self.grace);
+                if since.is_none() {
+                    return;
+                }
+                watched.despite = watched.despite.saturating_add(1);
+                if watched.despite >= 2 {
+                    let report = Report::at(context.now()).node(node).evidence(context.evidence());
+                    sink.report(report, || format!("a PDO although the node was commanded to be {state}"));
+                }
+            }
+            _ => {}
+        }
+    }
+}
+
+impl Rule for PdoOutsideOperational {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        match context.message() {
+            Message::Pdo(PdoNumber::Transmit(_)) => self.pdo(context, sink),
+            Message::Nmt(nmt) => {
+                for (id, watched) in self.nodes.iter_mut().enumerate() {
+                    if nmt.node == 0 || usize::from(nmt.node) == id {
+                        *watched = Watched { commanded: Some(context.now()), ..Watched::default() };
+                    }
+                }
+            }
+            Message::ErrorControl(message) => {
+                let Some(node) = context.node() else { return };
+                let watched = &mut self.nodes[usize::from(node.raw())];
+                let suspect = watched.suspect.take();
+                let outside = matches!(message.state, State::PRE_OPERATIONAL | State::STOPPED);
+                if let Some(pdo) = suspect.filter(|_| outside && context.decoded.service != Service::BootUp) {
+                    let report = Report::at(pdo.time()).node(node);
+                    let before = context.previous.map(Seen::evidence);
+                    let report = report.evidence(before).evidence(pdo.evidence()).evidence(context.evidence());
+                    sink.report(report, || format!("a PDO between two heartbeats that say {}", message.state));
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.nodes.iter_mut().for_each(|watched| *watched = Watched::default());
+    }
+}

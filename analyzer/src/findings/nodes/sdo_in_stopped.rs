@@ -1,0 +1,46 @@
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Severity};
+use crate::message::{Message, Service};
+use crate::wire::error_control::State;
+use crate::wire::nmt::Command;
+use canvass_traces::Duration;
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Sdo],
+    make: Some(|thresholds| {
+        Box::new(SdoInStopped { grace: Duration::from_millis(thresholds.get(&METADATA, "grace")) })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "nodes/sdo-in-stopped",
+    severity: Severity::Warning,
+    title: "a stopped node answers SDO requests",
+    what: "An SDO server answers although its node was stopped by an NMT command, more than the grace time ago.",
+    why: "A stopped node knows only NMT and error control (CiA 301). A device that answers all the same may not have \
+          stopped at all.",
+    advice: "See in its heartbeats whether it has stopped. If it has, it is a fault of the device's firmware.",
+    thresholds: &[Threshold { name: "grace", default: 50, unit: "ms", meaning: "what may still be under way" }],
+};
+
+struct SdoInStopped {
+    grace: Duration,
+}
+
+impl Rule for SdoInStopped {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let (Some(node), Message::SdoResponse(_)) = (context.node(), context.message()) else { return };
+        let stopped = context.scene.bus.node(node).and_then(|node| node.state).map(|state| state.0);
+        if stopped != Some(State::STOPPED) {
+            return;
+        }
+        let command = context.scene.facts.node(node).command;
+        let since = command.filter(|command| command.0 == Command::STOP).map(|command| command.1);
+        if since.is_some_and(|since| context.now().since(since) > self.grace) {
+            let report = Report::at(context.now()).node(node).evidence(context.evidence());
+            sink.report(report, || "an SDO answer of a stopped node".to_owned());
+        }
+    }
+}

@@ -1,0 +1,54 @@
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, Service};
+use crate::wire::error_control::State;
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Nmt, Service::Heartbeat, Service::Guarding, Service::BootUp],
+    make: Some(|_| Box::new(StateLost { nodes: vec![None; 128] })),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "nodes/state-lost",
+    severity: Severity::Error,
+    title: "a node leaves operational by itself",
+    what: "Heartbeats or guarding answers show that a node which was operational is now in another state, without an \
+           NMT command or a boot-up in between.",
+    why: "The node has reacted to an error, as 1029h says: a heartbeat or guarding event, bus-off, or an error of its \
+          own. Its process data have stopped.",
+    advice: "Look for an EMCY of the node just before, and at whose heartbeat it consumes (1016h).",
+    thresholds: &[],
+};
+
+struct StateLost {
+    nodes: Vec<Option<State>>,
+}
+
+impl Rule for StateLost {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if let Message::Nmt(nmt) = context.message() {
+            match self.nodes.get_mut(usize::from(nmt.node)) {
+                Some(state) if nmt.node != 0 => *state = None,
+                _ if nmt.node == 0 => self.nodes.fill(None),
+                _ => {}
+            }
+            return;
+        }
+        let (Some(node), Message::ErrorControl(message)) = (context.node(), context.message()) else { return };
+        let boots = context.decoded.service == Service::BootUp;
+        let known = &mut self.nodes[usize::from(node.raw())];
+        let before = std::mem::replace(known, (!boots).then_some(message.state));
+        let known_states = [State::STOPPED, State::PRE_OPERATIONAL];
+        if before == Some(State::OPERATIONAL) && !boots && known_states.contains(&message.state) {
+            let report = Report::at(context.now()).node(node).detail(u64::from(message.state.0));
+            let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+            sink.report(report, || format!("from operational to {} without a command", message.state));
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.nodes.fill(None);
+    }
+}

@@ -1,0 +1,76 @@
+use super::parameters::{AllParameters, SERVICES, TPDOS};
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, PdoNumber, Service};
+use canvass_traces::{Duration, Timestamp};
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    make: Some(|thresholds| {
+        Box::new(InhibitTime {
+            percent: thresholds.get(&METADATA, "percent").min(100),
+            tolerance: Duration::from_micros(thresholds.get(&METADATA, "tolerance")),
+            parameters: AllParameters::default(),
+            last: vec![[None; TPDOS]; 128].into(),
+        })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "pdo/inhibit-time",
+    severity: Severity::Error,
+    title: "a PDO comes again before its inhibit time is over",
+    what: "The SDO traffic of the capture shows an inhibit time (180xh:3) of a TPDO, and two of these PDOs follow each \
+           other faster.",
+    why: "The inhibit time keeps the bus free for others. A device that ignores it can fill the bus when its value \
+          moves.",
+    advice: "Check that the inhibit time was written while the PDO was switched off, as some devices take it only then. \
+             If it was, it is a fault of the device's firmware.",
+    thresholds: &[
+        Threshold { name: "percent", default: 90, unit: "%", meaning: "of the inhibit time; sooner is too soon" },
+        Threshold {
+            name: "tolerance", default: 1000, unit: "µs", meaning: "for waiting for the bus and the recorder"
+        },
+    ],
+};
+
+struct InhibitTime {
+    percent: u64,
+    tolerance: Duration,
+    parameters: AllParameters,
+    last: Box<[[Option<Timestamp>; TPDOS]]>,
+}
+
+impl Rule for InhibitTime {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if let Some(changed) = self.parameters.frame(context) {
+            self.last[usize::from(changed.raw())].fill(None);
+        }
+        if context.decoded.service == Service::Nmt {
+            return self.interrupted();
+        }
+        let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (context.node(), context.message()) else {
+            return;
+        };
+        let Some(inhibit) = self.parameters.of(node, *number).inhibit else { return };
+        let slot = self.last[usize::from(node.raw())].get_mut(usize::from(*number) - 1);
+        let last = slot.and_then(|slot| slot.replace(context.now())).filter(|_| context.scene.has_times());
+        let Some(last) = last else { return };
+        let interval = context.now().since(last);
+        // The first of two PDOs may have waited for the bus, so that they end up closer on it.
+        let tolerated = interval + self.tolerance + context.scene.slack();
+        if tolerated.nanos() >= inhibit.nanos() * self.percent / 100 {
+            return;
+        }
+        let worse = inhibit.nanos().saturating_sub(interval.nanos());
+        let report = Report::at(context.now()).node(node).detail(u64::from(*number)).measure(worse);
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        sink.report(report, || format!("TPDO {number} after {interval}, its inhibit time is {inhibit}"));
+    }
+
+    fn interrupted(&mut self) {
+        self.last.iter_mut().for_each(|row| row.fill(None));
+    }
+}

@@ -1,0 +1,24 @@
+//! Rules about PDOs, SYNC and TIME.
+
+mod inhibit_time;
+mod length;
+mod parameters;
+mod period;
+mod sync_counter;
+mod sync_jitter;
+mod sync_missing;
+mod sync_pdo_missing;
+mod time_jump;
+
+use super::rule::Definition;
+
+pub static RULES: &[Definition] = &[
+    length::RULE,
+    period::RULE,
+    inhibit_time::RULE,
+    sync_missing::RULE,
+    sync_jitter::RULE,
+    sync_counter::RULE,
+    sync_pdo_missing::RULE,
+    time_jump::RULE,
+];

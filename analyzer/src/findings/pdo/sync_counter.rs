@@ -1,0 +1,72 @@
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, Service};
+use canvass_traces::{Duration, Timestamp};
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Sync, Service::Nmt],
+    make: Some(|_| Box::new(SyncCounter { last: None, overflow: None })),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "pdo/sync-counter",
+    severity: Severity::Error,
+    title: "the SYNC counter does not count",
+    what: "The counter in SYNC is not one more than before, and not 1 behind the value at which it has gone back to 1 \
+           before (1019h); or it is outside 1 to 240, or missing in some SYNC messages. After an NMT command or a pause \
+           it may begin anew.",
+    why: "PDOs with a SYNC start value are sent in the wrong cycle. A jump means a lost SYNC or a second producer.",
+    advice: "See whether intervals around the jump are regular: if so, the producer miscounts; if one is double, a SYNC \
+             was lost; if they are short, there are two producers.",
+    thresholds: &[],
+};
+
+struct SyncCounter {
+    last: Option<(u8, Timestamp)>,
+    /// The value behind which 1 has followed.
+    overflow: Option<u8>,
+}
+
+impl Rule for SyncCounter {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Message::Sync(sync) = context.message() else {
+            self.last = None;
+            return;
+        };
+        let Some(counter) = sync.counter else {
+            if let Some((last, _)) = self.last.take() {
+                self.tell(1, context, sink, || format!("no counter behind counter {last}"));
+            }
+            return;
+        };
+        let before = self.last.replace((counter, context.now()));
+        if !(1..=240).contains(&counter) {
+            return self.tell(2, context, sink, || format!("counter {counter}, 1 to 240 are legal"));
+        }
+        let Some((last, at)) = before else { return };
+        // A producer that was stopped begins with 1 again; a pause this long is no cycle.
+        if counter == 1 && context.now().since(at) > Duration::from_secs(1) {
+            return;
+        }
+        match counter {
+            1 if last > 1 && self.overflow.is_none() => self.overflow = Some(last),
+            1 if self.overflow == Some(last) => {}
+            n if Some(n) == last.checked_add(1) && self.overflow.is_none_or(|overflow| n <= overflow) => {}
+            _ => self.tell(3, context, sink, || format!("counter {counter} behind counter {last}")),
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.last = None;
+    }
+}
+
+impl SyncCounter {
+    fn tell(&self, detail: u64, context: &Context<'_>, sink: &mut Sink<'_>, message: impl FnOnce() -> String) {
+        let report = Report::at(context.now()).detail(detail);
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        sink.report(report, message);
+    }
+}

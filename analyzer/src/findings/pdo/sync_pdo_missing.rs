@@ -1,0 +1,93 @@
+use super::parameters::{AllParameters, SERVICES, TPDOS};
+use crate::NodeId;
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Severity};
+use crate::message::{Message, PdoNumber, Service};
+use crate::wire::error_control::State;
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    make: Some(|_| {
+        Box::new(SyncPdoMissing {
+            parameters: AllParameters::default(),
+            since: vec![[None; TPDOS]; 128].into(),
+            synchronous: Vec::new(),
+        })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "pdo/sync-pdo-missing",
+    severity: Severity::Error,
+    title: "a synchronous PDO does not come with its SYNC",
+    what: "The SDO traffic of the capture shows that a TPDO is synchronous and cyclic (transmission type 1 to 240), its \
+           node is operational, it has come before, and now so many SYNC messages have passed without it.",
+    why: "The consumer works with the value of an earlier cycle, often without noticing.",
+    advice: "If it comes after the next SYNC instead, the device is too slow for this cycle, or the bus is too full. If \
+             it does not come at all, look at the node's state.",
+    thresholds: &[],
+};
+
+struct SyncPdoMissing {
+    parameters: AllParameters,
+    /// The SYNC messages since the PDO last came; `None` before it came at all.
+    since: Box<[[Option<u32>; TPDOS]]>,
+    /// The PDOs that are synchronous and cyclic: node, number from 1, SYNC messages.
+    synchronous: Vec<(NodeId, u16, u8)>,
+}
+
+impl SyncPdoMissing {
+    fn refresh(&mut self, node: NodeId) {
+        self.since[usize::from(node.raw())].fill(None);
+        self.synchronous.retain(|row| row.0 != node);
+        for number in 1..=TPDOS as u16 {
+            if let Some(cycle @ 1..=240) = self.parameters.of(node, number).transmission_type {
+                self.synchronous.push((node, number, cycle));
+            }
+        }
+    }
+
+    fn sync(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        for &(node, number, cycle) in &self.synchronous {
+            let slot = self.since[usize::from(node.raw())].get_mut(usize::from(number) - 1);
+            let Some(Some(passed)) = slot else { continue };
+            let state = context.scene.bus.node(node).and_then(|node| node.state);
+            if state.is_none_or(|state| state.0 != State::OPERATIONAL) {
+                continue;
+            }
+            *passed += 1;
+            // The PDO of this SYNC is still to come.
+            if *passed == u32::from(cycle) + 1 {
+                let report = Report::at(context.now()).node(node).detail(u64::from(number));
+                sink.report(report.evidence(context.evidence()), || {
+                    format!("TPDO {number} did not come with the SYNC before this one, it is due at every {cycle}.")
+                });
+            }
+        }
+    }
+}
+
+impl Rule for SyncPdoMissing {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if let Some(node) = self.parameters.frame(context) {
+            self.refresh(node);
+        }
+        match (context.decoded.service, context.message()) {
+            (Service::Sync, Message::Sync(_)) => self.sync(context, sink),
+            (Service::Nmt, _) => self.interrupted(),
+            (Service::Pdo, Message::Pdo(PdoNumber::Transmit(number))) => {
+                let row = context.node().map(|node| &mut self.since[usize::from(node.raw())]);
+                if let Some(slot) = row.and_then(|row| row.get_mut(usize::from(*number).saturating_sub(1))) {
+                    *slot = Some(0);
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.since.iter_mut().for_each(|row| row.fill(None));
+    }
+}

@@ -1,0 +1,53 @@
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, Service};
+use crate::wire::time::TimeOfDay;
+use canvass_traces::{Duration, Timestamp};
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Time],
+    make: Some(|thresholds| {
+        Box::new(TimeJump { most: Duration::from_millis(thresholds.get(&METADATA, "most")), last: None })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "pdo/time-jump",
+    severity: Severity::Warning,
+    title: "TIME jumps",
+    what: "Between two TIME messages the time of day has gone on by more or less than the clock of the capture.",
+    why: "Devices that log events or synchronise clocks take over the jump.",
+    advice: "The producer's clock was set, or there are two producers. A step of an hour is a producer that sends local \
+             time.",
+    thresholds: &[Threshold { name: "most", default: 1000, unit: "ms", meaning: "a smaller difference is drift" }],
+};
+
+struct TimeJump {
+    most: Duration,
+    last: Option<(u64, Timestamp)>,
+}
+
+impl Rule for TimeJump {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Message::Time(time) = context.message() else { return };
+        let said = u64::from(time.days) * u64::from(TimeOfDay::DAY) + u64::from(time.milliseconds());
+        let Some((before, at)) = self.last.replace((said, context.now())) else { return };
+        let passed = context.now().since(at);
+        let off = (i128::from(said) - i128::from(before)) * 1_000_000 - i128::from(passed.nanos());
+        let jump = Duration(u64::try_from(off.unsigned_abs()).unwrap_or(u64::MAX));
+        if jump > self.most + context.scene.slack() {
+            let report = Report::at(context.now()).measure(jump.nanos());
+            let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+            sink.report(report, || {
+                let way = if off > 0 { "ahead" } else { "back" };
+                format!("TIME jumps {way} by {jump}")
+            });
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.last = None;
+    }
+}

@@ -1,0 +1,162 @@
+//! The period of something that comes again and again: told by a parameter, or learned from what was seen.
+
+use canvass_traces::{Duration, Timestamp};
+
+/// How many intervals are remembered.
+const WINDOW: usize = 8;
+/// From so many on, the period counts as learned.
+const ENOUGH: usize = 4;
+
+/// Follows something periodic.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Rhythm {
+    last: Option<Timestamp>,
+    window: [u64; WINDOW],
+    filled: usize,
+    next: usize,
+    told: Option<Duration>,
+}
+
+/// The time between two beats.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Interval {
+    /// How long it was.
+    pub length: Duration,
+    /// How long it should have been, where that is known.
+    pub expected: Option<Duration>,
+}
+
+impl Rhythm {
+    /// Takes the period from a parameter; `None` if it is not known any more.
+    pub const fn tell(&mut self, period: Option<Duration>) {
+        self.told = period;
+    }
+
+    /// A beat; returns the interval that it ends.
+    pub fn beat(&mut self, now: Timestamp) -> Option<Interval> {
+        let last = self.last.replace(now)?;
+        let interval = Interval { length: now.since(last), expected: self.period() };
+        self.window[self.next] = interval.length.nanos();
+        self.next = (self.next + 1) % WINDOW;
+        self.filled = (self.filled + 1).min(WINDOW);
+        Some(interval)
+    }
+
+    /// The period: as told, else as learned.
+    pub fn period(&self) -> Option<Duration> {
+        self.told.or_else(|| self.learned())
+    }
+
+    /// The median of the latest intervals, if most of them are near it.
+    pub fn learned(&self) -> Option<Duration> {
+        if self.filled < ENOUGH {
+            return None;
+        }
+        let mut sorted = self.window;
+        let sorted = &mut sorted[..self.filled];
+        sorted.sort_unstable();
+        let median = sorted[(sorted.len() - 1) / 2];
+        let near = |&&length: &&u64| length.abs_diff(median) <= (median / 4).max(2_000_000);
+        (median > 0 && sorted.iter().filter(near).count() * 4 >= self.filled * 3).then_some(Duration(median))
+    }
+
+    /// The next beat ends no interval: it may have been delayed for a known reason, or frames are missing.
+    pub const fn pause(&mut self) {
+        self.last = None;
+    }
+
+    /// Forgets what was learned.
+    pub fn restart(&mut self) {
+        *self = Self { told: self.told, ..Self::default() };
+    }
+}
+
+impl Interval {
+    /// Whether it is longer than `percent` of what was expected, beyond `slack`; and the period.
+    pub fn exceeds(self, percent: u64, slack: Duration) -> Option<Duration> {
+        let expected = self.expected?;
+        let limit = Duration(expected.nanos().saturating_mul(percent) / 100) + slack;
+        (self.length > limit).then_some(expected)
+    }
+
+    /// As [`Interval::exceeds`], for beats that were left out: a coarse clock hides a tenth of the period at most, so
+    /// that twice the period is never taken for one.
+    pub fn misses(self, percent: u64, slack: Duration) -> Option<Duration> {
+        let tenth = Duration(self.expected?.nanos() / 10);
+        self.exceeds(percent, slack.min(tenth))
+    }
+}
+
+/// How often something came too early or too late.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Jitter {
+    intervals: u64,
+    off: u64,
+    /// The largest deviation.
+    pub worst: Duration,
+    /// When that was.
+    pub worst_at: Timestamp,
+}
+
+impl Jitter {
+    /// Counts an interval. One that misses its beat altogether is no jitter.
+    pub fn count(&mut self, now: Timestamp, interval: Interval, percent: u64, slack: Duration) {
+        let Some(expected) = interval.expected else { return };
+        let deviation = interval.length.nanos().abs_diff(expected.nanos());
+        if interval.length > expected.times(2) {
+            return;
+        }
+        self.intervals += 1;
+        if deviation > expected.nanos().saturating_mul(percent) / 100 + slack.nanos() {
+            self.off += 1;
+            if deviation > self.worst.nanos() {
+                (self.worst, self.worst_at) = (Duration(deviation), now);
+            }
+        }
+    }
+
+    /// How many of a hundred were off, where there are enough to say.
+    pub fn share(&self) -> Option<u64> {
+        const ENOUGH: u64 = 20;
+        (self.intervals >= ENOUGH).then(|| self.off * 100 / self.intervals)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ms(n: u64) -> Timestamp {
+        Timestamp(n * 1_000_000)
+    }
+
+    #[test]
+    fn a_period_is_learned_and_a_pause_does_not_change_it() {
+        let mut rhythm = Rhythm::default();
+        for n in 0..10 {
+            rhythm.beat(ms(n * 100));
+        }
+        let late = rhythm.beat(ms(1100)).unwrap();
+        assert_eq!((late.length, late.expected), (Duration::from_millis(200), Some(Duration::from_millis(100))));
+        assert_eq!(late.exceeds(150, Duration::ZERO), Some(Duration::from_millis(100)));
+        assert_eq!(rhythm.period(), Some(Duration::from_millis(100)));
+    }
+
+    #[test]
+    fn what_has_no_period_has_none() {
+        let mut rhythm = Rhythm::default();
+        for at in [0, 5, 100, 120, 700, 701, 900, 1500, 1510] {
+            rhythm.beat(ms(at));
+        }
+        assert_eq!(rhythm.period(), None);
+    }
+
+    #[test]
+    fn a_told_period_is_known_at_once() {
+        let mut rhythm = Rhythm::default();
+        rhythm.tell(Some(Duration::from_millis(50)));
+        rhythm.beat(ms(0));
+        assert!(rhythm.beat(ms(51)).unwrap().exceeds(150, Duration::ZERO).is_none());
+        assert!(rhythm.beat(ms(151)).unwrap().exceeds(150, Duration::ZERO).is_some());
+    }
+}

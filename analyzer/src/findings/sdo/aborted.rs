@@ -1,0 +1,47 @@
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Severity};
+use crate::message::{Message, Service};
+use crate::network::sdo::{Direction, Side};
+use crate::wire::sdo::{Abort, AbortCode, Request, Response};
+
+pub const RULE: Definition =
+    Definition { metadata: &METADATA, services: &[Service::Sdo], make: Some(|_| Box::new(Aborted)) };
+
+static METADATA: Metadata = Metadata {
+    id: "sdo/aborted",
+    severity: Severity::Warning,
+    title: "an SDO transfer was aborted",
+    what: "Client or server aborts a transfer. Findings are told apart by object, code and side. A read that the \
+           server refuses because it has no such object or sub-index is only worth knowing: clients look so for what \
+           a device has.",
+    why: "A value was not written or not read: the device runs with another configuration than the master believes.",
+    advice: "The code tells the reason. 0601 0002h and 0609 00xxh are mistakes of the configuration, 0800 002xh of the \
+             moment, 0503 0000h and 0504 xxxxh of the protocol.",
+    thresholds: &[],
+};
+
+struct Aborted;
+
+impl Rule for Aborted {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let (side, Abort { multiplexer, code }) = match context.message() {
+            Message::SdoRequest(Request::Abort(abort)) => (Side::Client, *abort),
+            Message::SdoResponse(Response::Abort(abort)) => (Side::Server, *abort),
+            _ => return,
+        };
+        let transfer = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel));
+        let transfer = transfer.filter(|transfer| transfer.multiplexer == multiplexer);
+        let direction = transfer.map(|transfer| transfer.direction);
+        let absent = matches!(code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX);
+        let looks = direction == Some(Direction::Upload) && side == Side::Server && absent;
+        let address = u64::from(multiplexer.index.0) << 8 | u64::from(multiplexer.sub.0);
+        let detail = address << 33 | u64::from(code.0) << 1 | u64::from(side == Side::Client);
+        let report = Report::at(context.now()).node(context.node()).detail(detail);
+        let report = if looks { report.severity(Severity::Info) } else { report };
+        sink.report(report.evidence(context.evidence()), || {
+            let direction = direction.map(|direction| format!("{direction} of ")).unwrap_or_default();
+            format!("{direction}{multiplexer} aborted by the {side}: {code}")
+        });
+    }
+}

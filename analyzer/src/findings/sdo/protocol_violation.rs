@@ -1,0 +1,110 @@
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, Service};
+use crate::network::sdo::Violation;
+use crate::wire::sdo::{Request, Response};
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Sdo],
+    make: Some(|_| Box::new(ProtocolViolation::default())),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "sdo/protocol-violation",
+    severity: Severity::Error,
+    title: "a rule of the SDO protocol is broken",
+    what: "A toggle bit that does not alternate, an answer about another object, more or fewer bytes than announced, a \
+           wrong CRC or sequence number in a block transfer, an unknown command, or an answer that nobody asked for. \
+           Transfers that were under way when the capture began are not judged.",
+    why: "Data may be lost, doubled or belong to another object. Some clients and servers don't notice.",
+    advice: "The frames show who broke the rule: client (600h + node-ID) or server (580h + node-ID). Answers that nobody \
+             asked for come from a second device with the same node-ID, or from a client that gave up too early.",
+    thresholds: &[],
+};
+
+#[derive(Default)]
+struct ProtocolViolation {
+    /// The channels on which the begin of a transfer was seen.
+    begun: Vec<bool>,
+}
+
+impl Rule for ProtocolViolation {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(channel) = context.decoded.channel else { return };
+        let at = usize::from(channel.0);
+        if self.begun.len() <= at {
+            self.begun.resize(at + 1, false);
+        }
+        self.begun[at] |= begins(context.message());
+        let Some(violation) = context.decoded.violation else { return };
+        if violation == Violation::Unexpected && !self.begun[at] && !is_unsolicited(context) {
+            return;
+        }
+        // The kind, and who did it: the direction tells that of the frame.
+        let client = matches!(context.message(), Message::SdoRequest(_) | Message::SdoBlockDownload(_));
+        let detail = kind(violation) << 1 | u64::from(client);
+        let report = Report::at(context.now()).node(context.node()).detail(detail);
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        sink.report(report, || {
+            let side = if client { "client" } else { "server" };
+            let object = context.decoded.object.map(|object| format!(" ({object})")).unwrap_or_default();
+            match violation {
+                Violation::Unexpected => {
+                    format!("{} {side} that does not belong here{object}", what(context.message()))
+                }
+                other => format!("{side}: {other}{object}"),
+            }
+        });
+    }
+
+    fn interrupted(&mut self) {
+        self.begun.fill(false);
+    }
+}
+
+const fn kind(violation: Violation) -> u64 {
+    match violation {
+        Violation::Toggle => 1,
+        Violation::Multiplexer(_) => 2,
+        Violation::Size { .. } => 3,
+        Violation::Crc { .. } => 4,
+        Violation::Sequence { .. } => 5,
+        Violation::Unexpected => 6,
+    }
+}
+
+const fn what(message: &Message) -> &'static str {
+    match message {
+        Message::SdoRequest(Request::Unknown { .. }) | Message::SdoResponse(Response::Unknown { .. }) => {
+            "an unknown command of the"
+        }
+        Message::SdoResponse(_) => "an answer of the",
+        _ => "a message of the",
+    }
+}
+
+/// Whether a message begins a transfer.
+const fn begins(message: &Message) -> bool {
+    matches!(
+        message,
+        Message::SdoRequest(
+            Request::InitiateDownload { .. }
+                | Request::InitiateUpload { .. }
+                | Request::InitiateBlockDownload { .. }
+                | Request::InitiateBlockUpload { .. }
+        )
+    )
+}
+
+/// Whether it is the answer to a begin that was never seen, long after the capture began, although it holds the
+/// requests of clients too.
+fn is_unsolicited(context: &Context<'_>) -> bool {
+    let begins = matches!(
+        context.message(),
+        Message::SdoResponse(Response::InitiateUpload { .. } | Response::InitiateDownload { .. })
+    );
+    let later = context.now().since(context.scene.start).nanos() > 1_000_000_000;
+    begins && later && context.scene.facts.has_sdo_client
+}

@@ -1,0 +1,116 @@
+use super::pending::{Pending, Requests, SERVICES, Step};
+use crate::NodeId;
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Scene, Seen, Severity};
+use crate::network::Cause;
+use crate::wire::error_control::State;
+use canvass_traces::Duration;
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    make: Some(|thresholds| {
+        Box::new(Unanswered {
+            wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),
+            store: Duration::from_millis(thresholds.get(&METADATA, "store")),
+            scan: thresholds.get(&METADATA, "scan"),
+            requests: Requests::default(),
+            absent: (0..128).map(|_| None).collect(),
+        })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "sdo/unanswered",
+    severity: Severity::Error,
+    title: "an SDO request gets no answer",
+    what: "An SDO request is followed by no answer of the server until the time is over, or until the client gives up \
+           and sends something else. Stopped nodes must not answer. Requests to several nodes that never send anything \
+           are a scan for nodes, and not reported.",
+    why: "The client waits for its time-out and then usually aborts; start-up of the machine is delayed or fails.",
+    advice: "See whether the node sends anything else at that time: heartbeats that go on point to a busy or hung SDO \
+             server, silence to a node that is off or has another node-ID.",
+    thresholds: &[
+        Threshold { name: "wait", default: 2000, unit: "ms", meaning: "time to answer" },
+        Threshold { name: "store", default: 10_000, unit: "ms", meaning: "time to answer 1010h, 1011h, 1F50h, 1F51h" },
+        Threshold { name: "scan", default: 4, unit: "", meaning: "so many silent nodes make it a scan" },
+    ],
+};
+
+struct Unanswered {
+    wait: Duration,
+    store: Duration,
+    scan: u64,
+    requests: Requests,
+    /// The first request to each node that has not sent anything so far.
+    absent: Vec<Option<(Seen, String)>>,
+}
+
+/// Reports a request, or keeps it where the node may not exist at all.
+fn tell(absent: &mut [Option<(Seen, String)>], pending: &Pending, why: &str, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+    let Some(node) = pending.request.decoded.node else { return };
+    // Stopped by command or shown to be stopped: then it must not answer.
+    let state = scene.bus.node(node).and_then(|node| node.state);
+    if matches!(state, Some((State::STOPPED, Cause::Command | Cause::ErrorControl))) {
+        return;
+    }
+    let message = format!("no answer to the request{}: {why}", pending.about());
+    if scene.facts.node(node).first_seen.is_none() {
+        absent[usize::from(node.raw())].get_or_insert_with(|| (pending.request.clone(), message));
+        return;
+    }
+    let report = Report::at(pending.request.time()).node(node).detail(pending.detail());
+    sink.report(report.evidence(pending.request.evidence()), || message);
+}
+
+impl Rule for Unanswered {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if let Step::GivenUp(pending) = self.requests.frame(context)
+            && !pending.told
+        {
+            let waited = context.now().since(pending.since);
+            tell(&mut self.absent, &pending, &format!("the client gave up after {waited}"), &context.scene, sink);
+        }
+    }
+
+    fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let (wait, store) = (self.wait, self.store);
+        for pending in self.requests.open().filter(|pending| !pending.told) {
+            let limit = if pending.is_store() { store } else { wait };
+            if scene.now.since(pending.since) > limit + scene.slack() {
+                pending.told = true;
+                tell(&mut self.absent, pending, &format!("nothing came within {limit}"), scene, sink);
+            }
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.requests.interrupted();
+    }
+
+    fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        // Cut off by the end of the capture: then half of the time must do.
+        let (wait, store) = (self.wait, self.store);
+        for pending in self.requests.open().filter(|pending| !pending.told) {
+            let limit = if pending.is_store() { store } else { wait };
+            let waited = scene.now.since(pending.since);
+            if waited.times(4) > limit {
+                let why = format!("nothing came in the {waited} until the capture ends");
+                tell(&mut self.absent, pending, &why, scene, sink);
+            }
+        }
+        let absent = NodeId::all().zip(self.absent.iter_mut().skip(1));
+        let absent: Vec<_> = absent.filter(|(node, _)| scene.facts.node(*node).first_seen.is_none()).collect();
+        let asked = absent.iter().filter(|(_, request)| request.is_some()).count();
+        if asked as u64 >= self.scan {
+            return;
+        }
+        for (node, request) in absent {
+            if let Some((request, message)) = request.take() {
+                let report = Report::at(request.time()).node(node).evidence(request.evidence());
+                sink.report(report, || format!("{message}; the node never sends anything"));
+            }
+        }
+    }
+}

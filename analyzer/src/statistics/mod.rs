@@ -1,0 +1,17 @@
+//! Figures of a bus and its nodes: who was there, in which state, how much they sent, how quickly they answered.
+//!
+//! Everything is collected in constant memory: what could grow with the capture is folded or bounded, and says so.
+
+mod bit_rate;
+mod bus;
+mod histogram;
+mod load;
+mod node;
+mod test_run;
+
+pub use bit_rate::BitRate;
+pub use bus::{BusStatistics, Statistics};
+pub use histogram::Histogram;
+pub use load::Load;
+pub use node::{EmcyCount, IdentityText, NodeStatistics, StateChange};
+pub use test_run::{TestCase, TestRun};

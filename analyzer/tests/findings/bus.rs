@@ -1,0 +1,92 @@
+use crate::traffic::{Traffic, diagnose, machine};
+
+#[test]
+fn a_full_bus() {
+    let mut traffic = machine();
+    // 2000 frames of 8 bytes in a second fill a bus of 500 kbit/s by half; 4400 by more than nine tenths.
+    for n in 0..10_000_u64 {
+        traffic.micros(5_000_000 + n * 227, &format!("3A{:X}#0123456789ABCDEF", n % 8));
+    }
+    let found = traffic.results().findings;
+    let load = found.iter().find(|finding| finding.rule.id == "bus/load").expect("the load");
+    assert!(load.message.contains("of 500 kbit/s"), "{}", load.message);
+    assert_eq!(diagnose(&machine().records(), |_| {}).buses[0].1.bit_rate, Some(500_000));
+}
+
+#[test]
+fn a_restricted_can_id() {
+    let mut traffic = machine();
+    traffic.sdo(600, 4, "2301180101010040", "6001180100000000");
+    traffic.finds("bus/restricted-cob-id", Some(4), 603);
+    let mut switched_off = machine();
+    switched_off.sdo(600, 4, "23011801010100C0", "6001180100000000").only(&[]);
+}
+
+#[test]
+fn two_nodes_with_one_cob_id() {
+    let mut traffic = machine();
+    traffic.sdo(600, 4, "2301180183010040", "6001180100000000");
+    // From now on the PDO is taken for one of node 4.
+    let wrong = ["bus/overlapping-cob-id", "nodes/pdo-outside-operational", "bus/before-boot-up"];
+    let finding = traffic.finds_among(&wrong, wrong[0], Some(4), 603);
+    assert!(finding.message.contains("of node 3"), "{}", finding.message);
+}
+
+#[test]
+fn a_second_sync_producer() {
+    let mut traffic = machine();
+    traffic.remove(|_, frame| frame.id().as_standard() == Some(0x080));
+    traffic.every(1_020, 30_000, 20, |_| "080#".to_owned()).every(15_007, 30_000, 20, |_| "080#".to_owned());
+    let found = traffic.results().findings;
+    assert!(found.iter().any(|finding| finding.rule.id == "bus/two-producers"), "{found:?}");
+}
+
+#[test]
+fn two_devices_with_one_node_id() {
+    let all = ["bus/duplicate-node-id", "nodes/boot-up-without-command", "nodes/heartbeat-jitter", "nodes/state-lost"];
+    // Another device that is not started: its heartbeats say something else.
+    let mut states = machine();
+    states.every(5_025, 30_000, 100, |_| "703#7F".to_owned());
+    let found = states.only(&[all[0], all[2], all[3], "nodes/heartbeat-late"]);
+    assert!(found.iter().any(|finding| finding.rule.id == all[0] && finding.node.is_some_and(|node| node.raw() == 3)));
+    // The same state, at another moment of the period.
+    let mut phases = machine();
+    phases.every(5_085, 30_000, 100, |_| "703#05".to_owned());
+    phases.finds_among(&[all[0], all[2]], all[0], Some(3), 5_560);
+    // Two answers.
+    let mut answers = machine();
+    answers.sdo(6_100, 3, "4018100400000000", "4318100439300000").at(6_104, "583#4318100400000001");
+    let found = answers.only(&[all[0], "sdo/protocol-violation"]);
+    assert!(found.iter().any(|finding| finding.rule.id == all[0]), "{found:?}");
+    // Another serial number.
+    let mut identity = machine();
+    identity.sdo(6_100, 3, "4018100400000000", "4318100400000001");
+    identity.finds(all[0], Some(3), 6_103);
+}
+
+#[test]
+fn a_heartbeat_before_the_boot_up() {
+    let mut traffic = machine();
+    traffic.at(20_080, "704#7F");
+    traffic.finds("bus/before-boot-up", Some(4), 20_080);
+}
+
+#[test]
+fn can_ids_of_nobody() {
+    let mut traffic = machine();
+    traffic.every(2_000, 3_000, 100, |_| "6E1#0102".to_owned());
+    let finding = traffic.finds("bus/unknown-ids", None, 2_000);
+    assert!(finding.message.contains("10 frames on 1 CAN-IDs: 6E1h"), "{}", finding.message);
+}
+
+#[test]
+fn a_capture_of_many_channels_is_bounded() {
+    let mut records = Vec::new();
+    for channel in 0..100 {
+        let mut record = Traffic::default().at(0, "701#05").records().remove(0);
+        record.channel = canvass_traces::ChannelId(channel);
+        records.push(record);
+    }
+    let results = diagnose(&records, |_| {});
+    assert_eq!((results.buses.len(), results.unwatched), (64, 36));
+}

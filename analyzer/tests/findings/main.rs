@@ -1,0 +1,23 @@
+//! Captures with known faults: every rule finds its own, with the right node and time, and nothing else is found; and
+//! nothing at all is found in healthy traffic.
+
+#[cfg(test)]
+mod bus;
+#[cfg(test)]
+mod capture;
+#[cfg(test)]
+mod emcy_lss;
+#[cfg(test)]
+mod encoder;
+#[cfg(test)]
+mod healthy;
+#[cfg(test)]
+mod nodes;
+#[cfg(test)]
+mod pdo;
+#[cfg(test)]
+mod sdo;
+#[cfg(test)]
+mod statistics;
+#[cfg(test)]
+mod traffic;

@@ -1,0 +1,142 @@
+use crate::traffic::{END, machine};
+
+#[test]
+fn a_node_that_restarts_by_itself() {
+    let mut traffic = machine();
+    traffic.silence(0x704, 15_000, 20_000).silence(0x184, 15_000, 20_000);
+    traffic.at(15_100, "704#00").every(15_300, 20_000, 200, |_| "704#7F".to_owned());
+    traffic.finds("nodes/boot-up-without-command", Some(4), 15_100);
+}
+
+#[test]
+fn a_second_boot_up_after_one_command() {
+    let mut traffic = machine();
+    traffic.at(20_200, "704#00");
+    traffic.finds("nodes/boot-up-without-command", Some(4), 20_200);
+}
+
+#[test]
+fn a_node_that_restarts_again_and_again() {
+    let mut traffic = machine();
+    traffic.silence(0x704, 15_000, 20_000).silence(0x184, 15_000, 20_000);
+    traffic.every(15_100, 20_000, 700, |_| "704#00".to_owned());
+    traffic.finds_among(
+        &["nodes/repeated-resets", "nodes/boot-up-without-command"],
+        "nodes/repeated-resets",
+        Some(4),
+        16_500,
+    );
+}
+
+/// Switched off and on, so that stored parameters take effect: as in the manual of an encoder.
+#[test]
+fn a_power_cycle_after_a_store() {
+    let mut traffic = machine();
+    traffic.sdo(15_000, 4, "2305210073617665", "6005210000000000");
+    traffic.silence(0x704, 15_050, 20_000).silence(0x184, 15_050, 20_000);
+    traffic.at(17_100, "704#00").every(17_300, 20_000, 200, |_| "704#7F".to_owned());
+    traffic.only(&[]);
+}
+
+#[test]
+fn heartbeats_late_missing_and_ended() {
+    let mut late = machine();
+    late.silence(0x703, 15_060, 15_061).at(15_130, "703#05");
+    late.finds("nodes/heartbeat-late", Some(3), 15_130);
+    let mut missing = machine();
+    missing.silence(0x703, 15_000, 15_250);
+    let finding = missing.finds("nodes/heartbeat-missing", Some(3), 14_960);
+    assert!(finding.message.contains("2 missing") || finding.message.contains("3 missing"), "{}", finding.message);
+    assert_eq!(finding.evidence.len(), 2);
+    let mut ended = machine();
+    ended.silence(0x703, 25_000, END);
+    ended.finds("nodes/heartbeat-ended", Some(3), 24_960);
+}
+
+/// The period is not in the capture: it is learned.
+#[test]
+fn a_heartbeat_of_unknown_period() {
+    let mut missing = machine();
+    missing.silence(0x701, 15_000, 15_550);
+    missing.finds("nodes/heartbeat-missing", Some(1), 14_910);
+}
+
+#[test]
+fn an_irregular_heartbeat() {
+    let mut traffic = machine();
+    traffic.silence(0x703, 5_000, END);
+    for n in 0..249_u64 {
+        traffic.at(5_060 + n * 100 + n * 37 % 7 * 9, "703#05");
+    }
+    let found = traffic.only(&["nodes/heartbeat-jitter", "nodes/heartbeat-late"]);
+    assert!(found.iter().any(|finding| finding.rule.id == "nodes/heartbeat-jitter"), "{found:?}");
+}
+
+#[test]
+fn a_consumer_time_that_is_too_short() {
+    let mut traffic = machine();
+    traffic.sdo(600, 3, "2316100178000100", "6016100100000000");
+    traffic.silence(0x701, 15_005, 15_015);
+    traffic.finds_among(&["nodes/consumer-time", "nodes/heartbeat-missing"], "nodes/consumer-time", Some(3), 14_910);
+}
+
+#[test]
+fn a_node_that_never_comes_back() {
+    let mut traffic = machine();
+    traffic.silence(0x704, 20_100, END).silence(0x184, 20_100, END);
+    traffic.finds("nodes/no-boot-up", Some(4), 20_000);
+}
+
+#[test]
+fn a_command_that_is_not_obeyed() {
+    let mut traffic = machine();
+    traffic.silence(0x704, 10_031, 11_045).every(10_066, 11_045, 200, |_| "704#05".to_owned());
+    traffic.finds("nodes/command-not-obeyed", Some(4), 10_031);
+}
+
+#[test]
+fn a_node_that_leaves_operational() {
+    let mut traffic = machine();
+    traffic.silence(0x704, 15_000, 20_000).silence(0x184, 15_000, 20_000);
+    traffic.every(15_066, 20_000, 200, |_| "704#7F".to_owned());
+    traffic.finds("nodes/state-lost", Some(4), 15_066);
+}
+
+#[test]
+fn guarding_without_an_answer() {
+    let mut traffic = machine();
+    // 700 + 300 n: the request at 15 100 ms. The toggle bit goes on with the next answer.
+    traffic.remove(|ms, frame| ms == 15_100 && frame.cob_id() == Some(0x706));
+    traffic.finds_among(
+        &["nodes/guarding-unanswered", "nodes/guarding-toggle"],
+        "nodes/guarding-unanswered",
+        Some(6),
+        15_100,
+    );
+}
+
+#[test]
+fn a_toggle_bit_that_stays() {
+    let mut traffic = machine();
+    traffic.remove(|ms, frame| ms == 15_100 && frame.cob_id() == Some(0x706)).micros(15_100_700, "706#85");
+    let found = traffic.only(&["nodes/guarding-toggle"]);
+    let mut other = machine();
+    other.remove(|ms, frame| ms == 15_100 && frame.cob_id() == Some(0x706)).micros(15_100_700, "706#05");
+    // One of the two repeats the toggle bit of its neighbours.
+    assert_eq!(found.len() + other.only(&["nodes/guarding-toggle"]).len(), 1);
+}
+
+#[test]
+fn pdos_of_a_stopped_node() {
+    let mut traffic = machine();
+    traffic.every(10_300, 10_800, 100, |_| "184#01".to_owned());
+    let finding = traffic.finds("nodes/pdo-outside-operational", Some(4), 10_300);
+    assert!(finding.message.contains("stopped"), "{}", finding.message);
+}
+
+#[test]
+fn an_answer_of_a_stopped_node() {
+    let mut traffic = machine();
+    traffic.sdo(10_400, 4, "4000100000000000", "4300100091010000");
+    traffic.finds("nodes/sdo-in-stopped", Some(4), 10_403);
+}

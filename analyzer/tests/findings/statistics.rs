@@ -1,0 +1,36 @@
+use crate::traffic::{Traffic, diagnose, machine, ms};
+use canvass_analyzer::Service;
+use canvass_analyzer::wire::case_marker::Verdict;
+use canvass_analyzer::wire::error_control::State;
+
+#[test]
+fn figures_of_a_bus_and_its_nodes() {
+    let results = machine().results();
+    let (_, bus) = &results.buses[0];
+    assert_eq!(bus.total(), machine().records().len() as u64);
+    assert_eq!(bus.bit_rate, Some(500_000));
+    assert!(bus.mean_load().is_some_and(|load| load > 1.0 && load < 20.0), "{:?}", bus.mean_load());
+    let nodes: Vec<u8> = bus.nodes.iter().filter(|(_, node)| node.present).map(|(id, _)| id.raw()).collect();
+    assert_eq!(nodes, [1, 3, 4, 6]);
+    let (_, encoder) = &bus.nodes[1];
+    assert_eq!(encoder.identity.device_type, Some(0x0002_0196));
+    assert_eq!(encoder.identity.numbers, [Some(0x13), None, None, Some(0x3039)]);
+    assert_eq!(encoder.boot_ups, 1);
+    assert!(encoder.responses.quantile(50).is_some_and(|median| median > ms(2) && median < ms(4)));
+    let states: Vec<State> = encoder.states.iter().map(|change| change.state).collect();
+    assert_eq!(states, [State::PRE_OPERATIONAL, State::OPERATIONAL]);
+    let (_, other) = &bus.nodes[2];
+    assert_eq!(other.identity.names[0].as_deref(), Some("ENCODER 17"));
+    assert_eq!(other.boot_ups, 2);
+    assert_eq!(encoder.frames[Service::Emcy as usize], 0);
+}
+
+#[test]
+fn a_certification_run_is_cut_into_its_cases() {
+    let mut traffic = Traffic::default();
+    traffic.at(0, "7FF#010307000000").at(10, "703#05").at(20, "703#05").at(30, "7FF#020307000100");
+    traffic.at(40, "703#05").at(50, "7FF#010308000000").at(60, "703#05").at(70, "7FF#020308000400");
+    let run = diagnose(&traffic.records(), |_| {}).buses.remove(0).1.test_run;
+    let cases: Vec<_> = run.cases.iter().map(|case| (case.group, case.case, case.verdict, case.frames)).collect();
+    assert_eq!(cases, [(3, 7, Some(Verdict::PASS), 2), (3, 8, Some(Verdict::FAIL), 1)]);
+}

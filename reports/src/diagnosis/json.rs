@@ -1,0 +1,187 @@
+//! The diagnosis as JSON: `"schema": "canvass/diagnose/1"`.
+//!
+//! Contract: numbers are numbers, times are integer nanoseconds as the capture counts them. New keys may be added; none
+//! changes its meaning within a version.
+
+use super::Diagnosed;
+use crate::{escape, quality};
+use canvass_analyzer::findings::{Exhibit, Finding, Severity};
+use canvass_analyzer::network::Cause;
+use canvass_analyzer::statistics::{BusStatistics, Histogram, NodeStatistics, TestCase};
+use canvass_analyzer::{NodeId, Service};
+use serde_json::{Map, Value, json};
+use std::io::{self, Write};
+
+/// The name and version of the contract.
+pub const SCHEMA: &str = "canvass/diagnose/1";
+
+/// Writes the document, indented, with a line end.
+///
+/// # Errors
+/// What `out` gives.
+pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let results = diagnosed.results;
+    let severities = Severity::ALL.map(|severity| (severity.name().to_owned(), json!(diagnosed.count(severity))));
+    let nodes = results.buses.iter().flat_map(|(id, bus)| {
+        let channel = diagnosed.channel(*id);
+        bus.nodes.iter().map(move |(id, figures)| node(*id, &channel, figures))
+    });
+    let omitted = results.omitted.iter().map(|(rule, count)| ((*rule).to_owned(), json!(count)));
+    let document = json!({
+        "schema": SCHEMA,
+        "frames": diagnosed.frames(),
+        "counts": counts(diagnosed.by_service()),
+        "summary": Value::Object(severities.into_iter().collect()),
+        "findings": results.findings.iter().map(|found| finding(diagnosed, found)).collect::<Vec<_>>(),
+        "findings_omitted": Value::Object(omitted.collect()),
+        "nodes": nodes.collect::<Vec<_>>(),
+        "buses": results.buses.iter().map(|(id, figures)| bus(&diagnosed.channel(*id), figures)).collect::<Vec<_>>(),
+        "frames_of_unwatched_channels": results.unwatched,
+        "quality": quality::json(diagnosed.captures, diagnosed.channels),
+    });
+    let text = serde_json::to_string_pretty(&document).map_err(io::Error::other)?;
+    out.write_all(escape::json(&text).as_bytes())?;
+    out.write_all(b"\n")
+}
+
+fn counts(by_service: impl Iterator<Item = (Service, u64)>) -> Value {
+    Value::Object(by_service.map(|(service, count)| (service.name().to_owned(), json!(count))).collect())
+}
+
+fn of(frames: &[u64; Service::ALL.len()]) -> Value {
+    let seen = Service::ALL.into_iter().zip(*frames).filter(|(_, count)| *count > 0);
+    counts(seen)
+}
+
+fn finding(diagnosed: &Diagnosed<'_>, finding: &Finding) -> Value {
+    let source = finding.source.and_then(|at| diagnosed.captures.get(at)).map(|capture| capture.name);
+    json!({
+        "rule": finding.rule.id,
+        "severity": finding.severity.name(),
+        "t": finding.first.nanos(),
+        "t_last": finding.last.nanos(),
+        "count": finding.count,
+        "node": finding.node.map(NodeId::raw),
+        "channel": finding.channel.map(|id| diagnosed.channel(id)),
+        "source": source,
+        "title": finding.rule.title,
+        "message": finding.message,
+        "advice": finding.rule.advice,
+        "evidence": finding.evidence.iter().map(|shown| exhibit(diagnosed, shown)).collect::<Vec<_>>(),
+    })
+}
+
+fn exhibit(diagnosed: &Diagnosed<'_>, exhibit: &Exhibit) -> Value {
+    let mut object = Map::new();
+    object.insert("t".into(), json!(exhibit.time.nanos()));
+    object.insert("number".into(), json!(exhibit.place.number));
+    object.insert("offset".into(), json!(exhibit.place.offset));
+    if let Some(record) = &exhibit.record {
+        let data: String = record.data().iter().map(|byte| format!("{byte:02X}")).collect();
+        object.insert("channel".into(), json!(diagnosed.channel(record.channel)));
+        object.insert("id".into(), json!(record.frame.id().raw()));
+        object.insert("data".into(), json!(data));
+        let kinds = [
+            ("extended", record.frame.id().is_extended() && !record.frame.is_error()),
+            ("remote", record.frame.is_remote()),
+            ("error", record.frame.is_error()),
+        ];
+        for (name, _) in kinds.into_iter().filter(|kind| kind.1) {
+            object.insert(name.into(), json!(true));
+        }
+        object.insert("text".into(), json!(exhibit.text));
+    }
+    Value::Object(object)
+}
+
+fn node(id: NodeId, channel: &str, node: &NodeStatistics) -> Value {
+    let identity = &node.identity;
+    let state = |change: &canvass_analyzer::statistics::StateChange| json!({ "t": change.time.nanos(), "state": change.state.to_string(), "cause": cause(change.cause) });
+    json!({
+        "node": id.raw(),
+        "channel": channel,
+        "present": node.present,
+        "frames": node.total(),
+        "counts": of(&node.frames),
+        "bits": node.bits,
+        "first_t": node.first.nanos(),
+        "last_t": node.last.nanos(),
+        "boot_ups": node.boot_ups,
+        "identity": {
+            "device_type": identity.device_type,
+            "vendor_id": identity.numbers[0],
+            "product_code": identity.numbers[1],
+            "revision_number": identity.numbers[2],
+            "serial_number": identity.numbers[3],
+            "name": identity.names[0],
+            "hardware_version": identity.names[1],
+            "software_version": identity.names[2],
+        },
+        "states": node.states.iter().map(state).collect::<Vec<_>>(),
+        "states_omitted": node.states_omitted,
+        "sdo": {
+            "completed": node.completed,
+            "aborted": node.aborted,
+            "response_ns": response_times(&node.responses),
+        },
+        "emcy": node.emcy.iter().map(|row| json!({
+            "code": row.code.0,
+            "count": row.count,
+            "first_t": row.first.nanos(),
+            "last_t": row.last.nanos(),
+        })).collect::<Vec<_>>(),
+    })
+}
+
+const fn cause(cause: Cause) -> &'static str {
+    match cause {
+        Cause::Command => "command",
+        Cause::BootUp => "boot-up",
+        Cause::ErrorControl => "error-control",
+    }
+}
+
+fn response_times(times: &Histogram) -> Value {
+    let nanos = |percent| times.quantile(percent).map(|time| time.nanos());
+    json!({
+        "count": times.count(),
+        "min": times.min().map(|time| time.nanos()),
+        "p50": nanos(50),
+        "p95": nanos(95),
+        "p99": nanos(99),
+        "max": times.max().map(|time| time.nanos()),
+    })
+}
+
+fn bus(channel: &str, bus: &BusStatistics) -> Value {
+    json!({
+        "channel": channel,
+        "frames": bus.total(),
+        "counts": of(&bus.frames),
+        "bits": bus.bits.iter().sum::<u64>(),
+        "bit_rate": bus.bit_rate,
+        "first_t": bus.first.nanos(),
+        "last_t": bus.last.nanos(),
+        "load_percent": bus.mean_load(),
+        "peak": bus.peak_load().map(|(time, percent)| json!({ "t": time.nanos(), "percent": percent })),
+        "load_over_time": {
+            "start_t": bus.load.start().map(|start| start.nanos()),
+            "width_ns": bus.load.width().nanos(),
+            "bits": bus.load.bins(),
+        },
+        "test_run": bus.test_run.cases.iter().map(case).collect::<Vec<_>>(),
+        "test_run_omitted": bus.test_run.omitted,
+    })
+}
+
+fn case(case: &TestCase) -> Value {
+    json!({
+        "group": case.group,
+        "case": case.case,
+        "verdict": case.verdict.map(|verdict| verdict.to_string()),
+        "t": case.begin.nanos(),
+        "t_last": case.end.nanos(),
+        "number": case.place.number,
+        "frames": case.frames,
+    })
+}

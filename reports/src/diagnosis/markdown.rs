@@ -1,0 +1,58 @@
+//! The diagnosis as Markdown: for a ticket or a wiki.
+
+use super::{Diagnosed, frame, terminal, times};
+use crate::escape::markdown;
+use canvass_analyzer::findings::{Finding, Severity};
+use std::io::{self, Write};
+
+/// Writes the document.
+///
+/// # Errors
+/// What `out` gives.
+pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "# Diagnosis\n")?;
+    for capture in diagnosed.captures {
+        writeln!(out, "- {} ({})", markdown(capture.name), capture.format)?;
+    }
+    writeln!(out)?;
+    for line in terminal::summary(diagnosed) {
+        writeln!(out, "- {}", markdown(&line))?;
+    }
+    if diagnosed.results.findings.is_empty() {
+        writeln!(out, "\nNothing was found.")?;
+    }
+    for severity in Severity::ALL {
+        let findings = diagnosed.results.findings.iter().filter(|finding| finding.severity == severity);
+        for finding in findings {
+            section(diagnosed, finding, out)?;
+        }
+    }
+    nodes(diagnosed, out)
+}
+
+fn section(diagnosed: &Diagnosed<'_>, finding: &Finding, out: &mut dyn Write) -> io::Result<()> {
+    let whom = diagnosed.whom(finding);
+    let whom = if whom.is_empty() { whom } else { format!(", {}", markdown(&whom)) };
+    writeln!(out, "\n## {}: {}{whom}\n", finding.severity, finding.rule.title)?;
+    let at = diagnosed.since_start(finding.first);
+    writeln!(out, "At {at} s: {}{}\n", markdown(&finding.message), times(diagnosed, finding))?;
+    if !finding.evidence.is_empty() {
+        writeln!(out, "| where | s | frame | meaning |\n|---|---:|---|---|")?;
+    }
+    for exhibit in &finding.evidence {
+        let (place, at) = (markdown(&diagnosed.place(exhibit)), diagnosed.since_start(exhibit.time));
+        writeln!(out, "| {place} | {at} | {} | {} |", markdown(&frame(exhibit)), markdown(&exhibit.text))?;
+    }
+    writeln!(out, "\n{} (rule {})", finding.rule.advice, finding.rule.id)
+}
+
+fn nodes(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let rows = terminal::nodes(diagnosed);
+    let Some((head, rows)) = rows.split_first() else { return Ok(()) };
+    writeln!(out, "\n## Nodes\n\n| {} |\n|{}", head.join(" | "), "---|".repeat(head.len()))?;
+    for row in rows {
+        let cells: Vec<String> = row.iter().map(|cell| markdown(cell)).collect();
+        writeln!(out, "| {} |", cells.join(" | "))?;
+    }
+    Ok(())
+}
