@@ -164,10 +164,19 @@ impl fmt::Debug for SubIndex {
     }
 }
 
+const HEX: &[u8; 16] = b"0123456789ABCDEF";
+
 /// `1018h:01`.
 impl fmt::Display for Multiplexer {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{}:{}", self.index, self.sub)
+        // Most lines of a trace name an object: without the machinery of `{:04X}`.
+        let mut text = *b"0000h:00";
+        for (n, digit) in text[..4].iter_mut().rev().enumerate() {
+            *digit = HEX[usize::from(self.index.0 >> (4 * n) & 15)];
+        }
+        text[6] = HEX[usize::from(self.sub.0 >> 4)];
+        text[7] = HEX[usize::from(self.sub.0 & 15)];
+        f.write_str(std::str::from_utf8(&text).unwrap_or_default())
     }
 }
 

@@ -3,7 +3,7 @@
 //! - [`bus`]: the bus that a test runs on, live or simulated;
 //! - [`device`], [`models`]: simulated devices, and which there are;
 //! - [`catalogue`]: all cases; [`case`](mod@case) says what one is, [`verdict`] how it ends;
-//! - [`bench`]: where a case runs; [`client`]: the tester's side of the protocols;
+//! - [`bench`](mod@bench): where a case runs; [`client`]: the tester's side of the protocols;
 //! - [`runner`]: runs cases and reports events.
 
 pub mod bench;

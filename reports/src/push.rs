@@ -1,23 +1,36 @@
 //! Numbers and strings appended to a buffer, without allocating.
 
 use crate::escape::acts;
+use canvass_analyzer::Meaning;
 use std::fmt::{self, Display, Write as _};
 
 pub const HEX: &[u8; 16] = b"0123456789ABCDEF";
 
 /// Appends two digits for each byte, with `separator` between them.
 pub fn push_hex(out: &mut Vec<u8>, bytes: &[u8], separator: Option<u8>) {
-    for (n, &byte) in bytes.iter().enumerate() {
+    // Eight bytes at a time: growing the buffer costs more than the digits.
+    for (n, eight) in bytes.chunks(8).enumerate() {
         if n > 0 {
             out.extend(separator);
         }
-        out.extend_from_slice(&[HEX[usize::from(byte >> 4)], HEX[usize::from(byte & 15)]]);
+        let mut digits = [separator.unwrap_or_default(); 24];
+        let width = if separator.is_some() { 3 } else { 2 };
+        for (at, &byte) in eight.iter().enumerate() {
+            digits[width * at] = HEX[usize::from(byte >> 4)];
+            digits[width * at + 1] = HEX[usize::from(byte & 15)];
+        }
+        out.extend_from_slice(&digits[..(width * eight.len()).saturating_sub(width - 2)]);
     }
 }
 
-/// Appends the lower `digits` hexadecimal digits of a number.
+/// Appends the lower `digits` (at most 8) hexadecimal digits of a number.
 pub fn push_hex_number(out: &mut Vec<u8>, number: u32, digits: usize) {
-    out.extend((0..digits).rev().map(|n| HEX[(number >> (4 * n) & 15) as usize]));
+    let mut shown = [0; 8];
+    let digits = digits.min(shown.len());
+    for (n, digit) in shown[..digits].iter_mut().rev().enumerate() {
+        *digit = HEX[(number >> (4 * n) & 15) as usize];
+    }
+    out.extend_from_slice(&shown[..digits]);
 }
 
 /// Appends a decimal number.
@@ -53,9 +66,26 @@ pub fn pad(out: &mut Vec<u8>, start: usize, width: usize) {
 
 /// Appends a text.
 pub fn push_text(out: &mut Vec<u8>, text: impl Display) {
-    use std::io::Write as _;
     // Writing to a vector can't fail.
-    let _ = write!(out, "{text}");
+    let _ = write!(Bytes(out), "{text}");
+}
+
+/// A buffer of bytes that texts are written to.
+struct Bytes<'a>(&'a mut Vec<u8>);
+
+impl fmt::Write for Bytes<'_> {
+    fn write_str(&mut self, text: &str) -> fmt::Result {
+        self.0.extend_from_slice(text.as_bytes());
+        Ok(())
+    }
+}
+
+/// Appends what a frame means.
+pub fn push_meaning(out: &mut Vec<u8>, meaning: &Meaning<'_>) {
+    match meaning.fixed() {
+        Some(text) => out.extend_from_slice(text.as_bytes()),
+        None => push_text(out, meaning),
+    }
 }
 
 /// Appends a JSON string. Characters that act instead of being shown are escaped, as all that JSON forbids.
@@ -95,6 +125,10 @@ impl JsonEscaped<'_> {
 
 /// Appends a text on one line: every character that acts instead of being shown becomes `�`.
 pub fn push_visible(out: &mut Vec<u8>, text: &str) {
+    if text.bytes().all(|byte| matches!(byte, b' '..=b'~')) {
+        out.extend_from_slice(text.as_bytes());
+        return;
+    }
     for c in text.chars() {
         let c = if acts(c) { char::REPLACEMENT_CHARACTER } else { c };
         out.extend_from_slice(c.encode_utf8(&mut [0; 4]).as_bytes());

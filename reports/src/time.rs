@@ -24,7 +24,7 @@ pub struct Clock {
     full: bool,
     first: Option<Timestamp>,
     previous: Option<Timestamp>,
-    /// A second since 1970 and its date and time of day: most frames have the same as the one before.
+    /// A second and its text: most frames have the same as the one before.
     second: (u64, Vec<u8>),
 }
 
@@ -71,12 +71,23 @@ impl Clock {
             out.push(b'-');
         }
         let nanos = now.nanos().abs_diff(from.nanos());
-        push_decimal(out, nanos / NANOS);
-        out.push(b'.');
+        self.push_seconds(nanos / NANOS, out);
         match nanos % 1000 {
             0 if !self.full => push_fraction(out, nanos % NANOS / 1000, 6),
             _ => push_fraction(out, nanos % NANOS, 9),
         }
+    }
+
+    /// Whole seconds and the point behind them.
+    fn push_seconds(&mut self, second: u64, out: &mut Vec<u8>) {
+        let (known, digits) = &mut self.second;
+        if *known != second || digits.is_empty() {
+            *known = second;
+            digits.clear();
+            push_decimal(digits, second);
+            digits.push(b'.');
+        }
+        out.extend_from_slice(digits);
     }
 
     fn push_utc(&mut self, now: Timestamp, out: &mut Vec<u8>) {

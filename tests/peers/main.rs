@@ -15,4 +15,6 @@ mod python;
 #[cfg(test)]
 mod recording;
 #[cfg(test)]
+mod services;
+#[cfg(test)]
 mod tshark;

@@ -1,4 +1,4 @@
-//! The examples of `docs/json.md` are what the program prints.
+//! The examples of `docs/json.md` and `docs/outputs.md` are what the program prints.
 
 use crate::running::run;
 use serde_json::Value;
@@ -18,6 +18,10 @@ fn examples(page: &str) -> Vec<(String, String)> {
         }
     }
     examples
+}
+
+fn page(name: &str) -> String {
+    std::fs::read_to_string(format!("{}/docs/{name}", env!("CARGO_MANIFEST_DIR"))).unwrap()
 }
 
 /// JSON documents one after the other.
@@ -43,8 +47,7 @@ fn follow(whole: &[Value], shown: &[Value]) -> bool {
 
 #[test]
 fn the_examples_of_the_contract_are_real() {
-    let page = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/docs/json.md")).unwrap();
-    let examples = examples(&page);
+    let examples = examples(&page("json.md"));
     assert!(examples.len() >= 9, "{}", examples.len());
     for (command, shown) in examples {
         let ended = run(&command.split(' ').collect::<Vec<_>>());
@@ -54,6 +57,15 @@ fn the_examples_of_the_contract_are_real() {
             assert!(whole.iter().any(|found| holds(found, value)), "{command} does not print {value}");
         }
         assert!(follow(&whole, &shown), "{command} prints in another order");
+    }
+}
+
+#[test]
+fn the_examples_of_the_rows_are_real() {
+    let examples = examples(&page("outputs.md"));
+    assert!(!examples.is_empty());
+    for (command, shown) in examples {
+        assert_eq!(run(&command.split(' ').collect::<Vec<_>>()).stdout, shown, "{command}");
     }
 }
 

@@ -13,6 +13,7 @@ use crate::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::sync::OnceLock;
 
 /// A node of a bus, as far as the trace and its description tell.
 #[derive(Default)]
@@ -30,6 +31,8 @@ pub struct Node {
     /// Those that the device will have after its next reset.
     stored: BTreeMap<Multiplexer, (u32, Shown)>,
     layouts: BTreeMap<PdoNumber, Option<Layout>>,
+    /// The number of its device profile, once it was asked for: every object that is shown asks.
+    profile: OnceLock<Option<u16>>,
     /// The PDOs that are multiplexed; worked out with their layouts.
     multiplexed: BTreeMap<PdoNumber, Addressing>,
 }
@@ -66,7 +69,8 @@ impl Node {
 
     /// The number of its device profile (the low word of 1000h), where the trace or the description tells.
     pub fn profile(&self, id: NodeId) -> Option<u16> {
-        self.parameter(id, Multiplexer::new(0x1000, 0)).map(|device_type| device_type as u16)
+        let device_type = || self.parameter(id, Multiplexer::new(0x1000, 0));
+        *self.profile.get_or_init(|| device_type().map(|device_type| device_type as u16))
     }
 
     /// Notes a communication parameter that the trace has shown.
@@ -147,6 +151,7 @@ impl Node {
     fn forget_layouts(&mut self) {
         self.layouts.clear();
         self.multiplexed.clear();
+        self.profile.take();
     }
 
     /// What the values of an object are in the unit that the configuration of the device decides, where that is

@@ -1,5 +1,7 @@
 //! What a frame means, in words: one line, made for reading down a trace.
 
+mod escaped;
+mod fixed;
 mod object;
 mod pdo;
 mod sdo;
@@ -66,6 +68,9 @@ impl<'a> Meaning<'a> {
 
 impl fmt::Display for Meaning<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(text) = self.fixed() {
+            return f.write_str(text);
+        }
         match &self.decoded.message {
             Message::Nmt(nmt) => write!(f, "{nmt}"),
             Message::ErrorControl(message) => self.error_control(*message, f),

@@ -1,5 +1,6 @@
 //! An object by its address and name, and its values in words.
 
+use super::escaped::Escaped;
 use super::value::ValueText;
 use crate::dictionary::names::{ObjectName, bit_name, object_name, unit};
 use crate::dictionary::{Annotation, DataType, Entry, Object as DescribedObject, Unit};
@@ -88,9 +89,9 @@ impl fmt::Display for Object<'_> {
         let Some(object) = self.object else {
             return self.standard.map_or(Ok(()), |name| write!(f, " {name}"));
         };
-        write!(f, " {}", object.name.escape_debug())?;
+        write!(f, " {}", Escaped(&object.name))?;
         match self.entry {
-            Some(entry) if !object.code.is_single() => write!(f, ", {}", entry.name.escape_debug()),
+            Some(entry) if !object.code.is_single() => write!(f, ", {}", Escaped(&entry.name)),
             _ => Ok(()),
         }
     }

@@ -1,5 +1,6 @@
 //! Values in words.
 
+use super::escaped::Escaped;
 use super::object::Object;
 use crate::dictionary::{DataClass, DataType, Unit, Value};
 use std::fmt;
@@ -18,7 +19,7 @@ const SHOWN: usize = 64;
 impl ValueText<'_> {
     fn number(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(name) = self.object.choice(raw) {
-            return write!(f, "{raw} ({})", name.escape_debug());
+            return write!(f, "{raw} ({})", Escaped(name));
         }
         if let Some(done) = self.physical(raw as f64, f) {
             return done;
@@ -35,7 +36,7 @@ impl ValueText<'_> {
         let bits = 8 * self.bytes.len().min(8) as u8;
         let mut first = true;
         for name in (0..bits).filter_map(|bit| self.object.bit(bit, raw >> bit & 1 != 0)) {
-            write!(f, "{}{}", if first { " (" } else { ", " }, name.escape_debug())?;
+            write!(f, "{}{}", if first { " (" } else { ", " }, Escaped(name))?;
             first = false;
         }
         if first { Ok(()) } else { f.write_str(")") }
@@ -118,7 +119,7 @@ fn both(raw: f64, unit: &Unit, scale: &Unit, f: &mut fmt::Formatter<'_>) -> fmt:
 
 fn physical(raw: f64, unit: &Unit, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     let blank = if unit.symbol == "°" { "" } else { " " };
-    write!(f, "{}{blank}{}", unit.physical(raw), unit.symbol.escape_debug())
+    write!(f, "{}{blank}{}", unit.physical(raw), Escaped(&unit.symbol))
 }
 
 /// The text of signatures such as `save` and `load`.

@@ -1,7 +1,7 @@
 //! An SDO client that does everything right and believes nothing: each response is checked against the state of the
 //! transfer.
 //!
-//! Expedited and segmented transfers; a block transfer would be one more [`State`].
+//! Expedited and segmented transfers; a block transfer would be one more `State`.
 
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{Abort, AbortCode, Payload, Request, Response, response};

@@ -1,7 +1,7 @@
 //! One aligned line per frame: time, channel, identifier, data, node, service, meaning.
 
 use super::{Line, Lines};
-use crate::push::{pad, push_decimal, push_hex, push_hex_number, push_text, push_visible};
+use crate::push::{pad, push_decimal, push_hex, push_hex_number, push_meaning, push_visible};
 use crate::time::{Clock, TimeStyle};
 use canvass_analyzer::{Message, NodeId, Service, network::sdo::Violation};
 use canvass_traces::Record;
@@ -62,7 +62,7 @@ impl Lines for TextLines {
         out.extend_from_slice(b" ");
         let style = if self.color { style(decoded.service, &decoded.message, decoded.violation) } else { "" };
         out.extend_from_slice(style.as_bytes());
-        push_text(out, meaning);
+        push_meaning(out, meaning);
         if !style.is_empty() {
             out.extend_from_slice(b"\x1b[0m");
         }
