@@ -3,9 +3,13 @@
 use std::fmt;
 use std::str::FromStr;
 
-/// Defines the faults: one row each, so that name, variant and text can't drift apart.
+/// The model on which a fault shows where its row names no other.
+const USUAL_MODEL: &str = "kuebler-sendix-58x8";
+
+/// Defines the faults: one row each, so that name, variant and text can't drift apart. `on "MODEL"` names a model on
+/// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it.
 macro_rules! faults {
-    ($($variant:ident = $id:literal: $summary:literal,)*) => {
+    ($($variant:ident = $id:literal $(on $model:literal)? $($fuzz:ident)?: $summary:literal,)*) => {
         /// One defect of a firmware. Each is a switch of its own; they can be combined.
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
         pub enum Fault {
@@ -25,8 +29,23 @@ macro_rules! faults {
             pub const fn summary(self) -> &'static str {
                 match self { $(Self::$variant => $summary,)* }
             }
+
+            /// The id of a model on which it shows.
+            pub fn model(self) -> &'static str {
+                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($model)?),)* };
+                named.unwrap_or(USUAL_MODEL)
+            }
+
+            /// Whether the fuzzer claims to find it.
+            pub const fn is_fuzzed(self) -> bool {
+                match self { $(Self::$variant => faults!(@fuzz $($fuzz)?),)* }
+            }
         }
     };
+    (@model) => { None };
+    (@model $model:literal) => { Some($model) };
+    (@fuzz) => { false };
+    (@fuzz fuzz) => { true };
 }
 
 faults! {
@@ -105,25 +124,29 @@ faults! {
     OperatingStatusStuck = "operating-status-stuck": "6500h does not follow 6000h.",
 }
 
-/// A set of faults.
+/// A set of faults, one bit for each.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Default)]
-pub struct Faults(u128);
+pub struct Faults([u64; WORDS]);
 
-// One bit for each.
-const _: () = assert!(Fault::ALL.len() <= u128::BITS as usize);
+const WORDS: usize = Fault::ALL.len().div_ceil(u64::BITS as usize);
 
 impl Faults {
     /// A firmware without any of them.
-    pub const NONE: Self = Self(0);
+    pub const NONE: Self = Self([0; WORDS]);
 
     /// The same set with one more.
-    pub const fn with(self, fault: Fault) -> Self {
-        Self(self.0 | 1 << fault as u8)
+    pub const fn with(mut self, fault: Fault) -> Self {
+        self.0[fault as usize / u64::BITS as usize] |= Self::bit(fault);
+        self
     }
 
     /// Whether the set holds it.
     pub const fn has(self, fault: Fault) -> bool {
-        self.0 >> fault as u8 & 1 != 0
+        self.0[fault as usize / u64::BITS as usize] & Self::bit(fault) != 0
+    }
+
+    const fn bit(fault: Fault) -> u64 {
+        1 << (fault as usize % u64::BITS as usize)
     }
 
     /// The faults of the set, in the order of their definition.

@@ -17,18 +17,26 @@ use std::sync::atomic::AtomicBool;
 
 const MODEL: &str = "kuebler-sendix-58x8";
 
-/// Runs one case on a new device with those faults.
-fn judge(case: &'static Case, faults: Faults) -> CaseReport {
-    let model = Model::by_id(MODEL).unwrap();
-    judge_described(case, faults, Some(model.description().clone()))
+/// Runs one case on a new device of that model with those faults.
+fn judge(case: &'static Case, model: &str, faults: Faults) -> CaseReport {
+    let model = Model::by_id(model).unwrap();
+    judge_described(case, model, faults, Some(model.description().clone()))
 }
 
-fn judge_described(case: &'static Case, faults: Faults, description: Option<DeviceDescription>) -> CaseReport {
-    let model = Model::by_id(MODEL).unwrap();
+fn judge_described(
+    case: &'static Case,
+    model: &'static Model,
+    faults: Faults,
+    description: Option<DeviceDescription>,
+) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
     bus.attach(Box::new(Device::new(model, model.default_node(), faults, 0)));
-    let target =
-        Target { node: model.default_node().unwrap(), model: MODEL.to_owned(), description, deviations: Vec::new() };
+    let target = Target {
+        node: model.default_node().unwrap(),
+        model: model.id().to_owned(),
+        description,
+        deviations: Vec::new(),
+    };
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
     let mut annotate = |_: &canvass_traces::Record| String::new();
@@ -57,7 +65,8 @@ fn describe(report: &CaseReport) -> String {
 /// No false alarm: a device without fault passes every case.
 #[test]
 fn a_good_device_passes() {
-    let reports: Vec<CaseReport> = catalogue::cases().into_iter().map(|case| judge(case, Faults::NONE)).collect();
+    let reports: Vec<CaseReport> =
+        catalogue::cases().into_iter().map(|case| judge(case, MODEL, Faults::NONE)).collect();
     let wrong: Vec<String> = reports
         .iter()
         .filter(|report| {
@@ -75,7 +84,8 @@ fn a_good_device_passes() {
 /// Without a description the device itself is asked; what can't be known is not applicable, and nothing fails.
 #[test]
 fn a_good_device_passes_without_a_description() {
-    let reports = catalogue::cases().into_iter().map(|case| judge_described(case, Faults::NONE, None));
+    let model = Model::by_id(MODEL).unwrap();
+    let reports = catalogue::cases().into_iter().map(|case| judge_described(case, model, Faults::NONE, None));
     let (good, wrong): (Vec<_>, Vec<_>) = reports
         .filter(|report| report.verdict.kind() != Kind::NotApplicable)
         .partition(|report| report.verdict.kind() == Kind::Pass);
@@ -89,7 +99,7 @@ fn every_case_catches_what_it_names() {
     let mut missed = Vec::new();
     for case in catalogue::cases() {
         for &fault in case.catches {
-            let report = judge(case, Faults::from(fault));
+            let report = judge(case, fault.model(), Faults::from(fault));
             if report.verdict.kind() != Kind::Fail {
                 missed.push(format!("{fault} by {}", describe(&report)));
             }

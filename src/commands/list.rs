@@ -88,9 +88,14 @@ fn models() -> Vec<Value> {
 }
 
 fn faults() -> Vec<Value> {
-    // One model has all of them so far, and there is no fuzzer to find them.
-    let model = Model::all().first().map(Model::id);
-    let row = |fault: &Fault| json!({ "id": fault.id(), "summary": fault.summary(), "model": model, "fuzz": false });
+    let row = |fault: &Fault| {
+        json!({
+            "id": fault.id(),
+            "summary": fault.summary(),
+            "model": fault.model(),
+            "fuzz": fault.is_fuzzed(),
+        })
+    };
     Fault::ALL.iter().map(row).collect()
 }
 
