@@ -13,6 +13,7 @@ mod cases;
 pub mod catalogue;
 pub mod client;
 pub mod device;
+pub mod fuzz;
 mod fault;
 mod machine;
 pub mod models;

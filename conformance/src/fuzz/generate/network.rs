@@ -1,0 +1,169 @@
+//! NMT, error control, SYNC and EMCY dialogues.
+
+use super::Script;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::error_control;
+use canvass_analyzer::wire::sdo::Request;
+use canvass_traces::{CanId, Frame};
+
+impl Script<'_> {
+    pub(super) fn nmt_dialogue(&mut self) {
+        match self.dice.below(12) {
+            0..=3 => self.nmt_command(),
+            4 => self.nmt_to_others(),
+            5 => self.odd_nmt(),
+            6 | 7 => self.heartbeat(),
+            8 | 9 => self.guarding(),
+            10 => {
+                self.nmt_command();
+                self.sdo(Request::upload(Multiplexer::new(0x1000, 0)));
+            }
+            _ => {
+                for _ in 0..3 {
+                    self.nmt_command();
+                }
+                self.guard();
+            }
+        }
+    }
+
+    fn nmt(&mut self, command: u8, node: u8) {
+        self.ask(Self::data(0, &[command, node]));
+    }
+
+    fn nmt_command(&mut self) {
+        let own = self.node() as u8;
+        let command = self.dice.one_of([1, 1, 2, 2, 128, 128, 129, 130]);
+        let node = if self.dice.one_in(4) { 0 } else { own };
+        self.nmt(command, node);
+        if self.dice.one_in(3) {
+            self.guard();
+        }
+    }
+
+    fn nmt_to_others(&mut self) {
+        let own = self.node() as u8;
+        let node = self.dice.one_of([own.wrapping_add(1), own ^ 2, 128, 255, own | 128]);
+        let command = self.dice.one_of([1, 2, 128, 129, 130]);
+        self.nmt(command, node);
+        self.guard();
+        self.sdo(Request::upload(Multiplexer::new(0x1000, 0)));
+    }
+
+    fn odd_nmt(&mut self) {
+        let own = self.node() as u8;
+        let frame = match self.dice.below(5) {
+            0 => Some(Self::data(0, &[self.dice.byte(), own])),
+            1 => Some(Self::data(0, &[self.dice.one_of([1, 2, 128, 129, 130])])),
+            2 => Some(Self::data(0, &[])),
+            3 => CanId::extended(0).and_then(|id| Frame::new(id, &[129, own])),
+            _ => Frame::remote(Self::standard(0), 2),
+        };
+        if let Some(frame) = frame {
+            self.ask(frame);
+        }
+        self.guard();
+        self.sdo(Request::upload(Multiplexer::new(0x1000, 0)));
+    }
+
+    fn guard(&mut self) {
+        if let Some(frame) = Frame::remote(Self::standard(error_control::CAN_ID_BASE + self.node()), 1) {
+            self.ask(frame);
+        }
+    }
+
+    fn heartbeat(&mut self) {
+        let time = self.dice.one_of([0_u16, 0, 5, 10, 50, 100]);
+        self.sdo(Request::download(Multiplexer::new(0x1017, 0), &time.to_le_bytes()));
+        if self.dice.flip() {
+            self.pause(u64::from(time) * 4 + 20);
+        }
+        if self.dice.flip() {
+            self.nmt_command();
+            self.pause(u64::from(time) * 3 + 20);
+        }
+    }
+
+    fn guarding(&mut self) {
+        for _ in 0..1 + self.dice.below(4) {
+            self.guard();
+        }
+    }
+
+    pub(super) fn sync_dialogue(&mut self) {
+        match self.dice.below(10) {
+            0..=2 => self.sync(),
+            3 => self.short_pdos(),
+            4 => self.consumer(),
+            5 => self.nmt_command(),
+            6 => self.write_number(0x1019, 0, 1),
+            7 => self.write_number(0x1005, 0, 4),
+            8 => self.error_history(),
+            _ => self.provoke(),
+        }
+    }
+
+    pub(super) fn sync(&mut self) {
+        for n in 0..1 + self.dice.below(5) {
+            let bytes = [n as u8 + 1];
+            let len = usize::from(self.dice.one_in(4));
+            self.ask(Self::data(0x80, &bytes[..len]));
+        }
+    }
+
+    fn short_pdos(&mut self) {
+        let node = self.node();
+        self.nmt(1, node as u8);
+        let base = self.dice.one_of([0x200, 0x300, 0x400, 0x500]);
+        let len = self.dice.below(9);
+        let bytes = self.dice.number().to_le_bytes();
+        for _ in 0..1 + self.dice.below(3) {
+            self.ask(Self::data(base + node, &bytes[..len]));
+        }
+    }
+
+    fn consumer(&mut self) {
+        let node = (self.node() as u8 % 126) + 1;
+        let sub = 1 + self.dice.below(3) as u8;
+        let time = self.dice.one_of([0_u32, 50, 100]);
+        let value = u32::from(node) << 16 | time;
+        self.sdo(Request::download(Multiplexer::new(0x1016, sub), &value.to_le_bytes()));
+        self.ask(Self::data(0x700 + u16::from(node), &[5]));
+        if self.dice.flip() {
+            self.pause(250);
+        }
+    }
+
+    fn write_number(&mut self, index: u16, sub: u8, size: usize) {
+        let at = Multiplexer::new(index, sub);
+        let value = match self.knowledge().entry(at).cloned() {
+            Some(known) => self.value_of(&known),
+            None => self.dice.number(),
+        };
+        self.sdo(Request::download(at, &value.to_le_bytes()[..size]));
+    }
+
+    fn error_history(&mut self) {
+        self.sdo(Request::upload(Multiplexer::new(0x1003, 0)));
+        let value = self.dice.one_of([0, 0, 1, 255]);
+        self.sdo(Request::download(Multiplexer::new(0x1003, 0), &[value]));
+        self.sdo(Request::upload(Multiplexer::new(0x1003, 1)));
+        self.sdo(Request::upload(Multiplexer::new(0x1001, 0)));
+    }
+
+    /// Limits that the present value exceeds make the device report an error.
+    fn provoke(&mut self) {
+        let Some(known) = self.object_where(|known| known.writable && matches!(known.at.index.0, 0x2120 | 0x6401 | 0x6402))
+            .cloned()
+        else {
+            return self.short_pdos();
+        };
+        let value = known.limits.1.map_or(0, |high| high as u64).to_le_bytes();
+        let low = known.limits.0.map_or(0, |low| low as u64).to_le_bytes();
+        let size = known.size.unwrap_or(1).min(4);
+        let first = self.dice.flip();
+        self.sdo(Request::download(known.at, if first { &value[..size] } else { &low[..size] }));
+        self.sdo(Request::download(known.at, if first { &low[..size] } else { &value[..size] }));
+        self.sdo(Request::upload(Multiplexer::new(0x1001, 0)));
+    }
+}

@@ -1,0 +1,167 @@
+//! PDO dialogues: configuration, then traffic.
+
+use super::Script;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::Request;
+use canvass_traces::Frame;
+
+impl Script<'_> {
+    pub(super) fn pdo_dialogue(&mut self) {
+        let Some(index) = self.parameters() else { return self.sync_dialogue() };
+        match self.dice.below(12) {
+            0 => self.identifier(index),
+            1 => self.transmission(index),
+            2 | 3 => self.timer(index),
+            4 => self.mapping_entry(index),
+            5 | 6 => self.remap(index),
+            7 => {
+                self.start();
+                self.sync();
+            }
+            8 => {
+                self.start();
+                self.pause(60);
+            }
+            9 => self.remote(index),
+            10 => self.synchronous(index),
+            _ => {
+                let own = self.node() as u8;
+                let command = self.dice.one_of([2, 128]);
+                self.ask(Self::data(0, &[command, own]));
+                self.sync();
+                self.remote(index);
+            }
+        }
+    }
+
+    /// The communication parameters of a PDO.
+    fn parameters(&mut self) -> Option<u16> {
+        let transmit = !self.dice.one_in(4);
+        let range = if transmit { 0x1800..0x1A00 } else { 0x1400..0x1600 };
+        let found = self.object_where(|known| known.at.sub.0 == 1 && range.contains(&known.at.index.0));
+        let index = found.map(|known| known.at.index.0);
+        index.or_else(|| {
+            self.object_where(|known| known.at.sub.0 == 1 && (0x1800..0x1A00).contains(&known.at.index.0))
+                .map(|known| known.at.index.0)
+        })
+    }
+
+    fn start(&mut self) {
+        let own = self.node() as u8;
+        self.ask(Self::data(0, &[1, own]));
+    }
+
+    fn own_identifier(&self, index: u16) -> u32 {
+        let known = self.knowledge().entry(Multiplexer::new(index, 1));
+        known.and_then(|known| known.power_on).map_or(0x180 + u32::from(self.node()), |raw| raw as u32)
+    }
+
+    fn parameter(&mut self, index: u16, sub: u8, value: u32) {
+        let at = Multiplexer::new(index, sub);
+        let size = self.knowledge().entry(at).and_then(|known| known.size).unwrap_or(4).min(4);
+        self.sdo(Request::download(at, &value.to_le_bytes()[..size]));
+    }
+
+    fn identifier(&mut self, index: u16) {
+        let own = self.own_identifier(index);
+        if self.dice.flip() {
+            self.parameter(index, 1, own | 1 << 31);
+        }
+        let restricted = self.dice.one_of([0, 1, 0x7F, 0x101, 0x180, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF]);
+        let other = 0x181 + self.dice.below(0x400) as u32;
+        let flags = own & 0x4000_0000;
+        let value = self.dice.one_of([own, own ^ 1 << 31, restricted | flags, restricted | flags, other | flags, other | flags]);
+        self.parameter(index, 1, value);
+        self.sdo(Request::upload(Multiplexer::new(index, 1)));
+    }
+
+    fn transmission(&mut self, index: u16) {
+        let random = self.dice.byte();
+        let value = self.dice.one_of([0, 1, 2, 3, 240, 241, 251, 252, 253, 254, 255, random]);
+        self.parameter(index, 2, value.into());
+    }
+
+    fn timer(&mut self, index: u16) {
+        if self.dice.flip() {
+            let kind = self.dice.one_of([254, 255]);
+            self.parameter(index, 2, kind);
+        }
+        let time = self.dice.one_of([0, 5, 10, 20]);
+        self.parameter(index, 5, time);
+        if self.dice.one_in(3) {
+            let inhibit = self.dice.one_of([0, 50, 100, 200]);
+            self.parameter(index, 3, inhibit);
+        }
+        self.start();
+        self.pause(u64::from(time) * 4 + 15);
+        if self.dice.one_in(4) {
+            self.remote(index);
+        }
+    }
+
+    fn synchronous(&mut self, index: u16) {
+        let own = self.own_identifier(index);
+        let kind = self.dice.one_of([1, 2, 3, 0]);
+        self.parameter(index, 2, kind);
+        self.parameter(index, 1, own & 0x7FFF_FFFF);
+        self.start();
+        self.sync();
+    }
+
+    fn remote(&mut self, index: u16) {
+        let id = self.own_identifier(index) & 0x7FF;
+        if let Some(frame) = Frame::remote(Self::standard(id as u16), 8) {
+            self.ask(frame);
+        }
+    }
+
+    /// What can stand in a mapping: an object, or what can't be mapped.
+    fn mapped(&mut self) -> u32 {
+        let entry = |at: Multiplexer, bits: u32| u32::from(at.index.0) << 16 | u32::from(at.sub.0) << 8 | bits;
+        if self.dice.one_in(4) {
+            let at = self.object();
+            let bits = self.knowledge().entry(at).and_then(|known| known.size).unwrap_or(4) as u32 * 8;
+            return entry(at, bits);
+        }
+        match self.object_where(|known| known.tpdo_mappable) {
+            Some(known) => entry(known.at, known.size.unwrap_or(4) as u32 * 8),
+            None => 0x6004_0020,
+        }
+    }
+
+    fn mapping_entry(&mut self, index: u16) {
+        let sub = 1 + self.dice.below(8) as u8;
+        let entry = self.mapped();
+        self.parameter(index + 0x200, sub, entry);
+    }
+
+    /// The procedure of CiA 301: invalid, count 0, entries, count, valid; with a step left out now and then.
+    fn remap(&mut self, index: u16) {
+        let own = self.own_identifier(index);
+        let mapping = index + 0x200;
+        let left_out = if self.dice.flip() { self.dice.below(4) } else { usize::MAX };
+        if left_out != 0 {
+            self.parameter(index, 1, own | 1 << 31);
+        }
+        if left_out != 1 {
+            self.parameter(mapping, 0, 0);
+        }
+        let count = 1 + self.dice.below(4) as u8;
+        for sub in 1..=count {
+            let entry = self.mapped();
+            self.parameter(mapping, sub, entry);
+        }
+        if left_out != 2 {
+            let more = u8::from(self.dice.one_in(6));
+            self.parameter(mapping, 0, (count + more).into());
+        }
+        if left_out != 3 {
+            self.parameter(index, 1, own & 0x7FFF_FFFF);
+        }
+        if self.dice.flip() {
+            self.start();
+            self.remote(index);
+            self.sync();
+        }
+    }
+}

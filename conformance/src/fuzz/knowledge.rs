@@ -1,0 +1,214 @@
+//! What the fuzzer knows of a device before it begins: its dictionary, its services, its values after power-on.
+
+use crate::models::Sheet;
+use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, Entry, Value};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::Duration;
+
+/// A device as the fuzzer knows it.
+#[derive(Clone, Debug)]
+pub struct Knowledge {
+    /// Its node-ID.
+    pub node: NodeId,
+    /// LSS address: 1018h:01 to 04; `None` where it could not be found out.
+    pub address: Option<[u32; 4]>,
+    /// What it can do.
+    pub services: Services,
+    /// How long to wait.
+    pub patience: Patience,
+    entries: Vec<Known>,
+}
+
+/// What a device can do; `None` where nobody has said.
+#[derive(Clone, Debug)]
+pub struct Services {
+    /// It sends a boot-up message after initialisation.
+    pub boot_up_message: bool,
+    /// It has an LSS slave.
+    pub lss: Option<bool>,
+    /// LSS does not work in operational.
+    pub lss_not_in_operational: bool,
+    /// The rows of table 0 that configure bit timing accepts.
+    pub lss_bit_rates: Option<Vec<u8>>,
+    /// It answers node guarding.
+    pub guarding: Option<bool>,
+    /// It knows SDO block transfers.
+    pub block_transfer: Option<bool>,
+    /// Objects whose writing changes node-ID, bit rate or what is stored.
+    pub bus_objects: Vec<Multiplexer>,
+    /// Values act and persist at once: writing them wears the memory out.
+    pub persist_at_once: Vec<Multiplexer>,
+}
+
+/// How long the fuzzer waits for the device.
+#[derive(Clone, Copy, Debug)]
+pub struct Patience {
+    /// For an answer that must come.
+    pub answer: Duration,
+    /// Where nothing may come.
+    pub quiet: Duration,
+    /// From a reset to the boot-up message.
+    pub boot: Duration,
+}
+
+impl Default for Patience {
+    /// As on a live bus with a slow device.
+    fn default() -> Self {
+        Self {
+            answer: Duration::from_millis(1_000),
+            quiet: Duration::from_millis(20),
+            boot: Duration::from_millis(5_000),
+        }
+    }
+}
+
+/// An object of the dictionary.
+#[derive(Clone, Debug)]
+pub struct Known {
+    /// Its address.
+    pub at: Multiplexer,
+    /// Its type.
+    pub data_type: DataType,
+    /// The length of values in bytes, where it is fixed.
+    pub size: Option<usize>,
+    /// It can be read.
+    pub readable: bool,
+    /// It can be written.
+    pub writable: bool,
+    /// It never changes.
+    pub constant: bool,
+    /// Lowest and highest value.
+    pub limits: (Option<i128>, Option<i128>),
+    /// What was written is what is read, until somebody writes it again.
+    pub stable: bool,
+    /// It can be mapped into a TPDO.
+    pub tpdo_mappable: bool,
+    /// How many bytes a value of variable length usually has.
+    pub usual_length: usize,
+    /// The value after power-on, for types of up to eight bytes.
+    pub power_on: Option<u64>,
+}
+
+impl Knowledge {
+    /// What description and sheet say.
+    pub fn new(node: NodeId, description: Option<&DeviceDescription>, sheet: Option<&Sheet>) -> Self {
+        let entries: Vec<Known> = description
+            .map(|description| {
+                description.dictionary.entries().filter_map(|(at, entry)| Known::new(at, entry, node)).collect()
+            })
+            .unwrap_or_default();
+        let mut knowledge = Self {
+            node,
+            address: None,
+            services: Services::new(description, sheet),
+            patience: Patience::default(),
+            entries,
+        };
+        if let Some(sheet) = sheet {
+            for value in &sheet.values {
+                let raw = value.value.as_integer().map(|number| number as u64);
+                if let (Some(found), Some(raw)) = (knowledge.position(value.at), raw) {
+                    knowledge.entries[found].power_on = Some(raw);
+                }
+            }
+        }
+        knowledge
+    }
+
+    /// Whether the dictionary is known at all.
+    pub fn is_described(&self) -> bool {
+        !self.entries.is_empty()
+    }
+
+    /// All objects, by rising address.
+    pub fn entries(&self) -> &[Known] {
+        &self.entries
+    }
+
+    /// The number of that object in [`Knowledge::entries`].
+    pub fn position(&self, at: Multiplexer) -> Option<usize> {
+        self.entries.binary_search_by_key(&at, |known| known.at).ok()
+    }
+
+    /// The object at that address.
+    pub fn entry(&self, at: Multiplexer) -> Option<&Known> {
+        self.position(at).and_then(|found| self.entries.get(found))
+    }
+
+    /// Whether there is an object with that index.
+    pub fn has_index(&self, at: Multiplexer) -> bool {
+        let first = self.entries.partition_point(|known| known.at.index < at.index);
+        self.entries.get(first).is_some_and(|known| known.at.index == at.index)
+    }
+
+    /// Takes over what was read from the device after power-on.
+    pub fn learn(&mut self, at: Multiplexer, raw: u64) {
+        if let Some(found) = self.position(at) {
+            self.entries[found].power_on = Some(raw);
+        }
+    }
+}
+
+impl Services {
+    fn new(description: Option<&DeviceDescription>, sheet: Option<&Sheet>) -> Self {
+        let network = sheet.map(|sheet| &sheet.network);
+        let storage = sheet.map(|sheet| &sheet.storage);
+        let mut bus_objects: Vec<Multiplexer> =
+            network.into_iter().flat_map(|network| [network.node_id_object, network.bit_rate_object]).flatten().collect();
+        bus_objects.extend(storage.into_iter().flat_map(|storage| storage.bus_save_object));
+        bus_objects.extend(storage.into_iter().flat_map(|storage| storage.bus_objects.iter().copied()));
+        Self {
+            boot_up_message: network.is_none_or(|network| network.boot_up_message),
+            lss: network.map(|network| network.lss).or(description.map(|description| description.device.lss_supported)),
+            lss_not_in_operational: network.is_some_and(|network| {
+                !network.lss_states.is_empty() && !network.lss_states.iter().any(|state| state == "operational")
+            }),
+            lss_bit_rates: sheet
+                .map(|sheet| sheet.bit_rates.iter().filter_map(|rate| rate.lss_code).collect::<Vec<u8>>())
+                .filter(|rates| !rates.is_empty()),
+            guarding: network.map(|network| network.node_guarding),
+            block_transfer: network.map(|network| network.sdo_block_transfer),
+            bus_objects,
+            persist_at_once: Vec::new(),
+        }
+    }
+}
+
+/// Objects whose reading differs from what was written, by their purpose.
+fn has_a_life_of_its_own(at: Multiplexer) -> bool {
+    matches!(at.index.0, 0x1001 | 0x1002 | 0x1003 | 0x1010 | 0x1011 | 0x1012..=0x1013 | 0x1020 | 0x1023..=0x1026 | 0x1F50..=0x1F57)
+}
+
+impl Known {
+    fn new(at: Multiplexer, entry: &Entry, node: NodeId) -> Option<Self> {
+        entry.data_type.class()?;
+        let limit = |setting: &Option<canvass_analyzer::dictionary::Setting>| {
+            setting.as_ref().map(|setting| setting.resolve(entry.data_type, node)).as_ref().and_then(Value::as_number)
+        };
+        let constant = entry.access == Access::Const;
+        Some(Self {
+            at,
+            data_type: entry.data_type,
+            size: entry.data_type.bytes(),
+            readable: entry.access.is_readable(),
+            writable: entry.access.is_writable(),
+            constant,
+            limits: (limit(&entry.low_limit), limit(&entry.high_limit)),
+            stable: entry.access.is_readable()
+                && (constant || entry.access.is_writable())
+                && !has_a_life_of_its_own(at),
+            tpdo_mappable: entry.pdo_mappable && entry.access.allows_tpdo(),
+            usual_length: match entry.start_value(node) {
+                Some(value) => value.encode(entry.data_type).map_or(0, |bytes| bytes.len()),
+                None => 0,
+            },
+            power_on: entry.start_value(node).as_ref().and_then(Value::to_raw).filter(|_| entry.data_type.bytes().is_some()),
+        })
+    }
+
+    /// Whether a number lies within the limits.
+    pub fn in_limits(&self, raw: u64) -> bool {
+        let Some(value) = Value::from_raw(self.data_type, raw).and_then(|value| value.as_number()) else { return true };
+        self.limits.0.is_none_or(|low| value >= low) && self.limits.1.is_none_or(|high| value <= high)
+    }
+}

@@ -1,0 +1,27 @@
+//! Property-based fuzzing of a device: sequences of frames, reference models that say what may come back, and
+//! reproducers small enough to mail.
+//!
+//! ```text
+//! generate -> sequence --execute--> bus <--> device
+//!                          |
+//!                     every frame --oracle--> violation --shrink--> reproducer
+//! ```
+
+pub mod campaign;
+pub mod coverage;
+mod execute;
+mod generate;
+pub mod ground;
+mod knowledge;
+mod oracle;
+mod property;
+pub mod reproducer;
+mod shrink;
+mod stimulus;
+
+pub use generate::{Dialogues, Target, UnknownTarget};
+pub use knowledge::{Knowledge, Known, Patience, Services};
+pub use oracle::Violation;
+pub use property::{Property, UnknownProperty};
+pub use shrink::SequenceTree;
+pub use stimulus::{Sequence, Start, Stimulus, Then};

@@ -1,0 +1,193 @@
+//! What the objects of the device hold, as far as its own answers tell.
+
+use crate::fuzz::Knowledge;
+use canvass_analyzer::{CobId, Multiplexer, NodeId};
+
+/// The believed values of all objects.
+#[derive(Clone, Debug)]
+pub(super) struct Belief {
+    values: Vec<Held>,
+    /// How many writes were confirmed: what was read before another write may have changed with it.
+    writes: u32,
+    /// The object that was written last, until it is taken.
+    change: Option<(Multiplexer, u64)>,
+    /// The object of the last aborted download.
+    pub aborted: Option<usize>,
+    sync: Option<u64>,
+    emcy: Option<u64>,
+    has_emcy_object: bool,
+    time: Option<u64>,
+    bus_changed: bool,
+}
+
+#[derive(Clone, Copy, Debug, Default)]
+struct Held {
+    raw: Option<u64>,
+    /// [`Belief::writes`] when it was learned.
+    since: u32,
+}
+
+/// What a reset brings back.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Extent {
+    /// 1000h to 1FFFh.
+    Communication,
+    /// Everything.
+    Node,
+}
+
+impl Belief {
+    pub fn new(knowledge: &Knowledge) -> Self {
+        let mut belief = Self {
+            values: vec![Held::default(); knowledge.entries().len()],
+            writes: 0,
+            change: None,
+            aborted: None,
+            sync: None,
+            emcy: None,
+            has_emcy_object: knowledge.entry(Multiplexer::new(0x1014, 0)).is_some(),
+            time: None,
+            bus_changed: false,
+        };
+        belief.power_on(knowledge);
+        belief
+    }
+
+    /// The device was switched on: all values are those of power-on.
+    pub fn power_on(&mut self, knowledge: &Knowledge) {
+        self.writes = 0;
+        self.change = None;
+        self.aborted = None;
+        self.bus_changed = false;
+        for (held, known) in self.values.iter_mut().zip(knowledge.entries()) {
+            *held = Held { raw: known.power_on.filter(|_| known.stable), since: 0 };
+        }
+        self.learn_identifiers(knowledge);
+    }
+
+    /// A reset brought values back.
+    pub fn reset(&mut self, knowledge: &Knowledge, extent: Extent) {
+        if self.writes == 0 {
+            return;
+        }
+        self.writes += 1;
+        self.change = None;
+        self.aborted = None;
+        for (held, known) in self.values.iter_mut().zip(knowledge.entries()) {
+            let communication = (0x1000..0x2000).contains(&known.at.index.0);
+            let raw = match extent {
+                Extent::Communication if !communication => None,
+                _ => known.power_on.filter(|_| known.stable && communication),
+            };
+            *held = Held { raw, since: self.writes };
+        }
+        self.learn_identifiers(knowledge);
+    }
+
+    fn learn_identifiers(&mut self, knowledge: &Knowledge) {
+        self.sync = self.number(knowledge, 0x1005, 0);
+        self.emcy = self.number(knowledge, 0x1014, 0);
+        self.time = self.number(knowledge, 0x1012, 0);
+    }
+
+    /// The value of an object, if it is known.
+    pub fn number(&self, knowledge: &Knowledge, index: u16, sub: u8) -> Option<u64> {
+        let found = knowledge.position(Multiplexer::new(index, sub))?;
+        self.values.get(found)?.raw
+    }
+
+    /// The value that must be read now: nothing else was written since it was learned.
+    pub fn certain(&self, entry: usize) -> Option<u64> {
+        self.values.get(entry).filter(|held| held.since == self.writes).and_then(|held| held.raw)
+    }
+
+    /// A download was confirmed.
+    pub fn written(&mut self, knowledge: &Knowledge, entry: usize, raw: Option<u64>) {
+        let Some(known) = knowledge.entries().get(entry) else { return };
+        self.writes += 1;
+        self.aborted = None;
+        if let Some(held) = self.values.get_mut(entry) {
+            *held = Held { raw: raw.filter(|_| known.stable), since: self.writes };
+        }
+        if !(0x1000..0x2000).contains(&known.at.index.0) {
+            self.forget_linked(knowledge);
+        }
+        self.bus_changed |= knowledge.services.bus_objects.contains(&known.at);
+        self.change = raw.map(|raw| (known.at, raw));
+        match (known.at.index.0, known.at.sub.0) {
+            (0x1005, 0) => self.sync = raw,
+            (0x1012, 0) => self.time = raw,
+            (0x1014, 0) => self.emcy = raw,
+            _ => {}
+        }
+    }
+
+    /// Objects of the profile and the manufacturer can be linked to event timers: 6200h is 1800h:05.
+    fn forget_linked(&mut self, knowledge: &Knowledge) {
+        let first = knowledge.entries().partition_point(|known| known.at.index.0 < 0x1800);
+        let last = knowledge.entries().partition_point(|known| known.at.index.0 < 0x1A00);
+        for (held, known) in self.values[first..last].iter_mut().zip(&knowledge.entries()[first..last]) {
+            if known.at.sub.0 == 5 {
+                held.raw = None;
+            }
+        }
+    }
+
+    /// A value was read.
+    pub fn read(&mut self, knowledge: &Knowledge, entry: usize, raw: u64) {
+        if knowledge.entries().get(entry).is_some_and(|known| known.stable)
+            && let Some(held) = self.values.get_mut(entry)
+        {
+            *held = Held { raw: Some(raw), since: self.writes };
+        }
+    }
+
+    /// Objects may have been written by a PDO.
+    pub fn forget_outputs(&mut self) {
+        self.writes += 1;
+    }
+
+    /// Something was written, but nobody knows what.
+    pub fn forget(&mut self) {
+        self.writes += 1;
+        self.values.iter_mut().for_each(|held| held.raw = None);
+        (self.sync, self.emcy, self.time) = (None, None, None);
+    }
+
+    /// What was written last, once.
+    pub fn take_change(&mut self) -> Option<(Multiplexer, u64)> {
+        self.change.take()
+    }
+
+    /// Whether node-ID, bit rate or stored values were changed: what a reset brings is then not known.
+    pub fn bus_changed(&self) -> bool {
+        self.bus_changed
+    }
+
+    /// Whether parameters were stored or restored: what is read from then on is not modelled.
+    pub fn has_stored(&self) -> bool {
+        self.change.is_some_and(|(at, _)| matches!(at.index.0, 0x1010 | 0x1011))
+    }
+
+    /// Whether that is the identifier of SYNC; 080h where 1005h is not known.
+    pub fn is_sync(&self, can_id: u16) -> bool {
+        u64::from(can_id) == self.sync.unwrap_or(0x80) & 0x7FF
+    }
+
+    /// Whether that is the identifier of the device's EMCY.
+    pub fn is_emcy(&self, can_id: u16, node: NodeId) -> bool {
+        let predefined = 0x80 + u64::from(node.raw());
+        match self.emcy {
+            Some(raw) => CobId(raw as u32).is_valid() && raw & 0x7FF == u64::from(can_id),
+            None => !self.has_emcy_object && u64::from(can_id) == predefined || u64::from(can_id) == predefined,
+        }
+    }
+
+    /// Whether the device produces SYNC or TIME on that identifier.
+    pub fn is_produced(&self, can_id: u16) -> bool {
+        let produces = |raw: Option<u64>| {
+            raw.is_some_and(|raw| raw & u64::from(CobId::NO_RTR) != 0 && raw & 0x7FF == u64::from(can_id))
+        };
+        produces(self.sync) || produces(self.time)
+    }
+}

@@ -1,0 +1,255 @@
+//! Reference models of a CANopen device: what it must, may and must not send.
+//!
+//! Written from the standard, without a line of the simulated device: an oracle that shares code with what it judges
+//! shares its mistakes. One file for each service; this one only passes each frame to the service that it belongs to.
+//! Where the standard leaves a choice, every choice is right; where the model can't know (after a frame that the
+//! standard does not describe), it says nothing until it can know again.
+
+mod belief;
+mod codes;
+mod emcy;
+mod lss;
+mod nmt;
+mod pdo;
+mod pdo_rules;
+mod sdo;
+
+use super::Knowledge;
+use super::coverage::Coverage;
+use super::property::Property;
+use super::stimulus::Start;
+use belief::Belief;
+use canvass_analyzer::wire::{error_control, lss as lss_wire, nmt as nmt_wire, sdo as sdo_wire};
+use canvass_traces::{Frame, Timestamp};
+use std::sync::Arc;
+
+/// A property that does not hold.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Violation {
+    /// Which.
+    pub property: Property,
+    /// In which state of the device, or by which rule: together with the property it tells violations apart.
+    pub rule: &'static str,
+    /// What the device had to do.
+    pub expected: String,
+    /// What it did.
+    pub actual: String,
+    /// When.
+    pub at: Timestamp,
+}
+
+/// The reference models of one device.
+#[derive(Clone, Debug)]
+pub struct Oracle {
+    knowledge: Arc<Knowledge>,
+    belief: Belief,
+    nmt: nmt::Slave,
+    sdo: sdo::Server,
+    lss: lss::Slave,
+    pdo: pdo::Pdos,
+    emcy: emcy::Watch,
+    /// Something happened that the models don't follow: nothing is judged until the next start.
+    blind: bool,
+}
+
+impl Oracle {
+    /// The models of a device that is about to start.
+    pub fn new(knowledge: Arc<Knowledge>) -> Self {
+        Self {
+            belief: Belief::new(&knowledge),
+            nmt: nmt::Slave::new(),
+            sdo: sdo::Server::new(),
+            lss: lss::Slave::new(),
+            pdo: pdo::Pdos::new(&knowledge),
+            emcy: emcy::Watch::new(),
+            blind: false,
+            knowledge,
+        }
+    }
+
+    /// The device has just started in that condition.
+    pub fn start(&mut self, now: Timestamp, start: Start) {
+        self.belief.power_on(&self.knowledge);
+        self.nmt.start(now, start);
+        self.sdo.reset();
+        self.lss.start(start);
+        self.pdo.reset();
+        self.emcy.reset();
+        self.blind = false;
+    }
+
+    /// A frame of the fuzzer was on the bus; it ended at `now`.
+    ///
+    /// # Errors
+    /// [`Violation`] if an answer that was due before has not come.
+    pub fn sent(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
+        if self.blind {
+            return Ok(());
+        }
+        self.expire(now)?;
+        let Some(can_id) = frame.id().as_standard() else {
+            coverage.sdo_frame(self.sdo.class(), super::coverage::Command::Extended, frame, &self.knowledge);
+            return Ok(());
+        };
+        if frame.is_remote() {
+            return self.sent_remote(now, can_id);
+        }
+        let node = u16::from(self.knowledge.node.raw());
+        match can_id {
+            nmt_wire::CAN_ID => self.sent_nmt(now, frame),
+            lss_wire::MASTER_CAN_ID => {
+                let effect = self.lss.asked(now, frame, &self.knowledge, self.nmt.phase(), coverage);
+                self.blind |= effect == lss::Effect::Lost;
+                if let lss::Effect::Boots = effect {
+                    self.nmt.boots(now, &self.knowledge);
+                }
+                Ok(())
+            }
+            id if id == sdo_wire::REQUEST_BASE + node => {
+                let served = self.nmt.serves_sdo();
+                self.sdo.asked(now, frame, served, &self.knowledge, &mut self.belief, coverage);
+                Ok(())
+            }
+            id if self.belief.is_sync(id) => self.pdo.synchronised(now, frame, &self.nmt, &self.belief, &self.knowledge),
+            _ => {
+                // It may be a PDO that the device receives: mapped objects may have changed.
+                self.belief.forget_outputs();
+                Ok(())
+            }
+        }
+    }
+
+    fn sent_remote(&mut self, now: Timestamp, can_id: u16) -> Result<(), Violation> {
+        if can_id == error_control::CAN_ID_BASE + u16::from(self.knowledge.node.raw()) {
+            self.nmt.guarded(now, &self.belief, &self.knowledge);
+        } else {
+            self.pdo.asked(now, can_id);
+        }
+        Ok(())
+    }
+
+    fn sent_nmt(&mut self, now: Timestamp, frame: &Frame) -> Result<(), Violation> {
+        match self.nmt.commanded(now, frame, &self.knowledge) {
+            nmt::Change::None => {}
+            nmt::Change::State => {
+                self.sdo.state_changed(now, self.nmt.serves_sdo());
+                self.pdo.state_changed(now, self.nmt.phase());
+            }
+            nmt::Change::Reset(what) => {
+                self.blind |= self.belief.bus_changed();
+                self.belief.reset(&self.knowledge, what);
+                self.sdo.reset();
+                self.lss.reset_communication();
+                self.pdo.reset();
+                self.emcy.reset();
+            }
+        }
+        Ok(())
+    }
+
+    /// A frame of the device was on the bus; it ended at `now`.
+    ///
+    /// # Errors
+    /// [`Violation`] if the device must not send it.
+    pub fn received(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
+        if self.blind {
+            return Ok(());
+        }
+        self.expire(now)?;
+        let node = u16::from(self.knowledge.node.raw());
+        let can_id = frame.id().as_standard().filter(|_| !frame.is_remote());
+        match can_id {
+            Some(id) if id == error_control::CAN_ID_BASE + node => {
+                let change = self.nmt.shown(now, frame, &self.belief, &self.knowledge)?;
+                if change == nmt::Change::State {
+                    self.pdo.state_changed(now, self.nmt.phase());
+                }
+                Ok(())
+            }
+            Some(lss_wire::SLAVE_CAN_ID) => self.lss.answered(now, frame, coverage),
+            _ => {
+                self.nmt.may_speak(now, frame, &self.knowledge)?;
+                match can_id {
+                    Some(id) if id == sdo_wire::RESPONSE_BASE + node => {
+                        let served = self.nmt.serves_sdo();
+                        let lost = self.sdo.answered(now, frame, served, &self.knowledge, &mut self.belief, coverage)?;
+                        self.blind |= lost;
+                        if let Some(change) = self.belief.take_change() {
+                            self.nmt.configured(now, change);
+                            self.pdo.configured(now, change);
+                        }
+                        Ok(())
+                    }
+                    Some(id) if self.belief.is_emcy(id, self.knowledge.node) => self.emcy.came(now, frame, &self.nmt),
+                    Some(id) if self.belief.is_produced(id) => Ok(()),
+                    _ => self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge),
+                }
+            }
+        }
+    }
+
+    /// When the earliest outstanding answer is overdue; `None` if none is outstanding.
+    pub fn due(&self) -> Option<Timestamp> {
+        if self.blind {
+            return None;
+        }
+        [self.nmt.due(), self.sdo.due(), self.lss.due(), self.pdo.due()].into_iter().flatten().min()
+    }
+
+    /// Time has passed.
+    ///
+    /// # Errors
+    /// [`Violation`] if an answer that was due has not come.
+    pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
+        if self.blind || self.due().is_none_or(|due| now < due) {
+            return Ok(());
+        }
+        self.nmt.expire(now, &self.knowledge)?;
+        self.sdo.expire(now)?;
+        self.lss.expire(now)?;
+        self.pdo.expire(now)
+    }
+
+    /// Nothing has come for a while.
+    pub const fn quiet(&mut self) {
+        self.sdo.quiet();
+    }
+
+    /// The sequence is over; what can only be judged over a time is judged.
+    ///
+    /// # Errors
+    /// [`Violation`] if something was missing.
+    pub fn finish(&mut self, now: Timestamp) -> Result<(), Violation> {
+        if self.blind {
+            return Ok(());
+        }
+        self.expire(now)?;
+        self.nmt.finish(now)?;
+        self.pdo.finish(now, &self.nmt, &self.belief, &self.knowledge)
+    }
+
+    /// Whether the SDO server has to answer now.
+    pub fn serves_sdo(&self) -> bool {
+        !self.blind && self.nmt.serves_sdo() == Served::Yes
+    }
+}
+
+/// Whether a service works in the state that the device is in.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Served {
+    Yes,
+    No,
+    /// The model does not know the state.
+    Unsure,
+}
+
+/// A violation at `at`.
+fn violation(
+    property: Property,
+    rule: &'static str,
+    expected: impl Into<String>,
+    actual: impl Into<String>,
+    at: Timestamp,
+) -> Violation {
+    Violation { property, rule, expected: expected.into(), actual: actual.into(), at }
+}

@@ -1,0 +1,368 @@
+//! The NMT slave and its error control: states by command, boot-up, heartbeat, guarding.
+
+use super::belief::{Belief, Extent};
+use super::{Served, Violation, violation};
+use crate::fuzz::Knowledge;
+use crate::fuzz::property::Property;
+use crate::fuzz::stimulus::Start;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::error_control::{ErrorControl, State};
+use canvass_analyzer::wire::nmt::{Command, Nmt};
+use canvass_traces::{Duration, Frame, Timestamp};
+
+/// Frames that were on their way when a command came may still come.
+const GRACE: Duration = Duration::from_millis(5);
+
+/// Heartbeats are never held to less than this: timers tick in milliseconds.
+const FLOOR: Duration = Duration::from_millis(2);
+
+/// Where the device is, as far as it is known.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(in crate::fuzz) enum Phase {
+    /// Without node-ID.
+    Unconfigured,
+    /// Between reset and boot-up.
+    Booting,
+    PreOperational,
+    Operational,
+    Stopped,
+    /// Pre-operational or operational: after the boot-up message some devices go on by themselves (1F80h, 6000h).
+    Running,
+    /// Any state: after a frame about which the standard says nothing.
+    Unsure,
+}
+
+/// What a frame changed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Change {
+    None,
+    State,
+    Reset(Extent),
+}
+
+/// The slave.
+#[derive(Clone, Debug)]
+pub(in crate::fuzz) struct Slave {
+    phase: Phase,
+    /// What the phase was before [`Slave::changed`].
+    before: Phase,
+    changed: Timestamp,
+    /// A boot-up message is overdue then.
+    boot_due: Timestamp,
+    /// The answer to a guarding request is overdue then.
+    guard_due: Timestamp,
+    /// Guarding requests that may be answered.
+    guard_open: u8,
+    /// The toggle bit of the next answer.
+    toggle: bool,
+    last_heartbeat: Option<Timestamp>,
+    /// The period of the heartbeat, once it was written; `None`: not known.
+    period: Option<Duration>,
+    period_since: Timestamp,
+}
+
+impl Slave {
+    pub const fn new() -> Self {
+        Self {
+            phase: Phase::Unsure,
+            before: Phase::Unsure,
+            changed: Timestamp::ZERO,
+            boot_due: Timestamp::MAX,
+            guard_due: Timestamp::MAX,
+            guard_open: 0,
+            toggle: false,
+            last_heartbeat: None,
+            period: None,
+            period_since: Timestamp::ZERO,
+        }
+    }
+
+    /// The device has booted, or waits for a node-ID.
+    pub fn start(&mut self, now: Timestamp, start: Start) {
+        *self = Self::new();
+        self.phase = match start {
+            Start::Configured => Phase::Running,
+            Start::Unconfigured => Phase::Unconfigured,
+        };
+        self.changed = now;
+    }
+
+    /// Where the device is.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// Whether the SDO server has to answer.
+    pub fn serves_sdo(&self) -> Served {
+        match self.phase {
+            Phase::PreOperational | Phase::Operational | Phase::Running => Served::Yes,
+            Phase::Unconfigured | Phase::Booting | Phase::Stopped => Served::No,
+            Phase::Unsure => Served::Unsure,
+        }
+    }
+
+    /// Whether a PDO may come now.
+    pub fn serves_pdo(&self, now: Timestamp) -> Served {
+        match self.phase {
+            Phase::Operational => Served::Yes,
+            Phase::Unsure | Phase::Running => Served::Unsure,
+            _ if matches!(self.before, Phase::Operational | Phase::Running) && now < self.changed + GRACE => Served::Unsure,
+            _ => Served::No,
+        }
+    }
+
+    /// Whether an EMCY may come now.
+    pub fn serves_emcy(&self, now: Timestamp) -> bool {
+        !matches!(self.phase, Phase::Stopped) || now < self.changed + GRACE
+    }
+
+    fn enter(&mut self, now: Timestamp, phase: Phase) -> Change {
+        if self.phase == phase {
+            return Change::None;
+        }
+        self.before = self.phase;
+        self.phase = phase;
+        self.changed = now;
+        Change::State
+    }
+
+    /// Starts anew with a node-ID.
+    pub fn boots(&mut self, now: Timestamp, knowledge: &Knowledge) {
+        self.enter(now, Phase::Booting);
+        self.changed = now;
+        self.boot_due = now + knowledge.patience.boot;
+        self.guard_due = Timestamp::MAX;
+        self.guard_open = 0;
+        self.toggle = false;
+        self.last_heartbeat = None;
+        self.period = None;
+    }
+
+    /// An NMT frame of the fuzzer.
+    pub fn commanded(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Change {
+        if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
+            return Change::None;
+        }
+        let Ok(message) = Nmt::read(frame.data()) else { return Change::None };
+        if message.node != 0 && message.node != knowledge.node.raw() {
+            return Change::None;
+        }
+        let change = match message.command {
+            Command::START => self.enter(now, Phase::Operational),
+            Command::STOP => self.enter(now, Phase::Stopped),
+            Command::ENTER_PRE_OPERATIONAL => self.enter(now, Phase::PreOperational),
+            Command::RESET_NODE => Change::Reset(Extent::Node),
+            Command::RESET_COMMUNICATION => Change::Reset(Extent::Communication),
+            _ => Change::None,
+        };
+        if frame.len() > 2 && change != Change::None {
+            // The standard has two bytes; what a device makes of more is its own affair.
+            self.enter(now, Phase::Unsure);
+            self.boot_due = Timestamp::MAX;
+            return Change::State;
+        }
+        if let Change::Reset(_) = change {
+            self.boots(now, knowledge);
+        }
+        change
+    }
+
+    /// A guarding request of the fuzzer.
+    pub fn guarded(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) {
+        if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
+            return;
+        }
+        self.guard_open = self.guard_open.saturating_add(1);
+        let heartbeat = belief.number(knowledge, 0x1017, 0).unwrap_or(0) != 0;
+        let known = self.phase != Phase::Unsure;
+        if knowledge.services.guarding == Some(true) && !heartbeat && known {
+            self.guard_due = now + knowledge.patience.answer;
+        }
+    }
+
+    /// A value was written that changes error control.
+    pub fn configured(&mut self, now: Timestamp, change: (Multiplexer, u64)) {
+        if change.0 == Multiplexer::new(0x1017, 0) {
+            self.period = Some(Duration::from_millis(change.1));
+            self.period_since = now;
+            self.last_heartbeat = None;
+        }
+    }
+
+    /// Whether the device may send anything but error control now.
+    ///
+    /// # Errors
+    /// [`Violation`] if it may not.
+    pub fn may_speak(&self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Result<(), Violation> {
+        let silent = match self.phase {
+            Phase::Unconfigured => true,
+            // Without a boot-up message nobody can tell when initialisation ends.
+            Phase::Booting => knowledge.services.boot_up_message,
+            _ => false,
+        };
+        if !silent || now < self.changed + GRACE {
+            return Ok(());
+        }
+        let expected = "nothing but the boot-up message in initialisation";
+        Err(violation(Property::Silent, "frame before the boot-up message", expected, format!("{frame}"), now))
+    }
+
+    /// A frame on the identifier of error control.
+    ///
+    /// # Errors
+    /// [`Violation`] if it shows what is not so.
+    pub fn shown(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) -> Result<Change, Violation> {
+        let &[byte] = frame.data() else {
+            let expected = "an error control message of one byte";
+            return Err(violation(Property::NmtState, "length of error control", expected, format!("{frame}"), now));
+        };
+        let message = ErrorControl { toggle: byte & 0x80 != 0, state: State(byte & 0x7F) };
+        if self.phase == Phase::Booting {
+            return self.booted(now, message);
+        }
+        if message.is_boot_up() {
+            let expected = "no boot-up message: nobody reset the device";
+            let property = Property::NoRestart;
+            return Err(violation(property, "boot-up without reset", expected, "a boot-up message", now));
+        }
+        let heartbeat = belief.number(knowledge, 0x1017, 0);
+        let guarding = self.guard_open > 0 && heartbeat.unwrap_or(0) == 0;
+        if guarding {
+            self.guard_open -= 1;
+            self.guard_due = Timestamp::MAX;
+            self.check_toggle(now, message)?;
+        } else {
+            self.check_heartbeat(now, message)?;
+        }
+        self.check_state(now, message)
+    }
+
+    fn booted(&mut self, now: Timestamp, message: ErrorControl) -> Result<Change, Violation> {
+        if !message.is_boot_up() {
+            if now < self.changed + GRACE {
+                return Ok(Change::None);
+            }
+            let expected = "the boot-up message, 00h";
+            let actual = format!("{:02X}h", message.state.0);
+            return Err(violation(Property::NmtState, "boot-up message", expected, actual, now));
+        }
+        self.boot_due = Timestamp::MAX;
+        Ok(self.enter(now, Phase::Running))
+    }
+
+    fn check_toggle(&mut self, now: Timestamp, message: ErrorControl) -> Result<(), Violation> {
+        if message.toggle != self.toggle {
+            let expected = format!("the toggle bit {}", u8::from(self.toggle));
+            let actual = format!("{}", u8::from(message.toggle));
+            return Err(violation(Property::NmtState, "toggle bit of guarding", expected, actual, now));
+        }
+        self.toggle = !self.toggle;
+        Ok(())
+    }
+
+    fn check_heartbeat(&mut self, now: Timestamp, message: ErrorControl) -> Result<(), Violation> {
+        if message.toggle {
+            let expected = "bit 7 of a heartbeat 0";
+            return Err(violation(Property::NmtState, "heartbeat with toggle bit", expected, "1", now));
+        }
+        let Some(period) = self.period else { return Ok(()) };
+        let since = self.last_heartbeat.replace(now);
+        if period == Duration(0) {
+            if now < self.period_since + FLOOR {
+                return Ok(());
+            }
+            let expected = "no heartbeat: 1017h is 0";
+            return Err(violation(Property::NmtState, "heartbeat although off", expected, "a heartbeat", now));
+        }
+        let Some(since) = since else { return Ok(()) };
+        let tolerance = tolerance(period);
+        let actual = now.since(since);
+        // A heartbeat may come early when the state has changed.
+        let late = actual.nanos() > period.nanos() + tolerance.nanos();
+        let early = actual.nanos() + tolerance.nanos() < period.nanos() && now.since(self.changed) > period;
+        if late || early {
+            let expected = format!("heartbeats every {period}");
+            return Err(violation(Property::NmtState, "period of the heartbeat", expected, format!("{actual}"), now));
+        }
+        Ok(())
+    }
+
+    fn check_state(&mut self, now: Timestamp, message: ErrorControl) -> Result<Change, Violation> {
+        let shown = match message.state {
+            State::PRE_OPERATIONAL => Phase::PreOperational,
+            State::OPERATIONAL => Phase::Operational,
+            State::STOPPED => Phase::Stopped,
+            other => {
+                let expected = "a state of 04h, 05h or 7Fh";
+                let actual = format!("{:02X}h", other.0);
+                return Err(violation(Property::NmtState, "unknown state", expected, actual, now));
+            }
+        };
+        match self.phase {
+            Phase::Unsure => Ok(self.enter(now, shown)),
+            Phase::Running if shown != Phase::Stopped => Ok(self.enter(now, shown)),
+            phase if phase == shown => Ok(Change::None),
+            _ if now < self.changed + GRACE => Ok(Change::None),
+            phase => {
+                let rule = "state in error control";
+                Err(violation(Property::NmtState, rule, format!("{phase:?}"), format!("{shown:?}"), now))
+            }
+        }
+    }
+
+    /// When something is overdue.
+    pub fn due(&self) -> Option<Timestamp> {
+        let due = self.boot_due.min(self.guard_due);
+        (due < Timestamp::MAX).then_some(due)
+    }
+
+    /// Something is overdue.
+    ///
+    /// # Errors
+    /// [`Violation`] if it had to come.
+    pub fn expire(&mut self, now: Timestamp, knowledge: &Knowledge) -> Result<(), Violation> {
+        if now >= self.boot_due {
+            self.boot_due = Timestamp::MAX;
+            self.enter(now, Phase::Running);
+            if knowledge.services.boot_up_message {
+                let expected = format!("a boot-up message within {}", knowledge.patience.boot);
+                return Err(violation(Property::NmtState, "boot-up after reset", expected, "none", now));
+            }
+        }
+        if now >= self.guard_due {
+            self.guard_due = Timestamp::MAX;
+            self.guard_open = 0;
+            let expected = "an answer to the guarding request";
+            return Err(violation(Property::NmtState, "guarding", expected, "none", now));
+        }
+        Ok(())
+    }
+
+    /// Whether heartbeats are missing.
+    ///
+    /// # Errors
+    /// [`Violation`] if they are.
+    pub fn finish(&mut self, now: Timestamp) -> Result<(), Violation> {
+        let Some(period) = self.period.filter(|period| *period > Duration(0)) else { return Ok(()) };
+        let last = self.last_heartbeat.unwrap_or(self.period_since);
+        let running = !matches!(self.phase, Phase::Unconfigured | Phase::Booting);
+        if running && now.since(last).nanos() > period.nanos() + tolerance(period).nanos() {
+            let expected = format!("heartbeats every {period}");
+            let actual = format!("none for {}", now.since(last));
+            return Err(violation(Property::NmtState, "period of the heartbeat", expected, actual, now));
+        }
+        Ok(())
+    }
+}
+
+/// By how much a heartbeat may be off.
+fn tolerance(period: Duration) -> Duration {
+    Duration((period.nanos() / 10).max(FLOOR.nanos()))
+}

@@ -1,0 +1,310 @@
+//! PDOs of the device: on which identifiers, in which state, how long, how often.
+
+use super::belief::Belief;
+use super::nmt::{Phase, Slave};
+use super::{Served, Violation, violation};
+use crate::fuzz::Knowledge;
+use crate::fuzz::property::Property;
+use canvass_analyzer::{CobId, Multiplexer};
+use canvass_traces::{Duration, Frame, Timestamp};
+
+/// Timers tick in milliseconds, and other frames can hold a PDO up.
+const FLOOR: Duration = Duration::from_millis(2);
+
+/// A TPDO as it was seen.
+#[derive(Clone, Debug)]
+struct Seen {
+    /// The index of its communication parameters.
+    index: u16,
+    last: Option<Timestamp>,
+    /// Its configuration, or the NMT state, changed last then.
+    since: Timestamp,
+    /// SYNC messages since then.
+    syncs: u64,
+    /// How many SYNC messages and remote frames may still be answered.
+    open: u8,
+    /// The answer to a SYNC is overdue then.
+    due: Timestamp,
+}
+
+/// All TPDOs.
+#[derive(Clone, Debug)]
+pub(super) struct Pdos {
+    seen: Vec<Seen>,
+}
+
+impl Pdos {
+    pub fn new(knowledge: &Knowledge) -> Self {
+        let parameters =
+            knowledge.entries().iter().filter(|known| (0x1800..0x1A00).contains(&known.at.index.0) && known.at.sub.0 == 1);
+        let seen = |index| Seen {
+            index,
+            last: None,
+            since: Timestamp::ZERO,
+            syncs: 0,
+            open: 0,
+            due: Timestamp::MAX,
+        };
+        Self { seen: parameters.map(|known| seen(known.at.index.0)).collect() }
+    }
+
+    pub fn reset(&mut self) {
+        for seen in &mut self.seen {
+            *seen = Seen { index: seen.index, last: None, since: Timestamp::ZERO, syncs: 0, open: 0, due: Timestamp::MAX };
+        }
+    }
+
+    pub fn due(&self) -> Option<Timestamp> {
+        self.seen.iter().map(|seen| seen.due).min().filter(|due| *due < Timestamp::MAX)
+    }
+
+    /// Another NMT state: timers and counters begin anew.
+    pub fn state_changed(&mut self, now: Timestamp, _: Phase) {
+        self.seen.iter_mut().for_each(|seen| seen.begin(now));
+    }
+
+    /// An object was written.
+    pub fn configured(&mut self, now: Timestamp, (at, _): (Multiplexer, u64)) {
+        let communication = (0x1000..0x1800).contains(&at.index.0) && at.index.0 != 0x1019 && at.index.0 != 0x1005;
+        for seen in &mut self.seen {
+            let own = at.index.0 == seen.index || at.index.0 == seen.index + 0x200;
+            if own || !communication && !(0x1800..0x2000).contains(&at.index.0) {
+                seen.begin(now);
+            }
+        }
+    }
+
+    /// A SYNC of the fuzzer.
+    ///
+    /// # Errors
+    /// None so far: what is due is judged when it is overdue.
+    pub fn synchronised(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        nmt: &Slave,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) -> Result<(), Violation> {
+        let counter = belief.number(knowledge, 0x1019, 0).unwrap_or(0);
+        let understood = frame.len() == usize::from(counter != 0);
+        for seen in &mut self.seen {
+            if nmt.phase() != Phase::Operational || !understood {
+                // Whether it counts is not known.
+                seen.open();
+                seen.begin(now);
+                continue;
+            }
+            let parameters = Parameters::of(seen.index, belief, knowledge);
+            seen.syncs += 1;
+            match parameters.transmission {
+                Some(kind @ 1..=240) if parameters.is_plain() => {
+                    let due = seen.syncs.is_multiple_of(u64::from(kind));
+                    if due {
+                        seen.open();
+                    }
+                    if due && seen.due == Timestamp::MAX {
+                        seen.due = now + knowledge.patience.answer;
+                    }
+                }
+                _ => seen.open(),
+            }
+        }
+        Ok(())
+    }
+
+    /// A remote frame of the fuzzer.
+    pub fn asked(&mut self, _: Timestamp, _: u16) {
+        self.seen.iter_mut().for_each(Seen::open);
+    }
+
+    /// A frame of the device that belongs to no other service.
+    ///
+    /// # Errors
+    /// [`Violation`] if it must not send it.
+    pub fn came(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        nmt: &Slave,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) -> Result<(), Violation> {
+        if !knowledge.is_described() {
+            return Ok(());
+        }
+        let id = u32::from(frame.id().as_standard().unwrap_or(u16::MAX));
+        let mut unknown = frame.id().as_standard().is_none() || frame.is_remote();
+        for seen in &mut self.seen {
+            let parameters = Parameters::of(seen.index, belief, knowledge);
+            let Some(cob_id) = parameters.cob_id else {
+                unknown = true;
+                continue;
+            };
+            if cob_id.is_valid() && cob_id.can_id() == id {
+                return seen.came(now, frame, nmt, &parameters, belief, knowledge);
+            }
+        }
+        // An identifier that changed a moment ago may still be on its way.
+        let changing = self.seen.iter().any(|seen| now.since(seen.since) < FLOOR.times(2));
+        if unknown || changing {
+            return Ok(());
+        }
+        let expected = "frames only on the identifiers of its services and valid PDOs";
+        Err(violation(Property::PdoTransmission, "identifier", expected, format!("{frame}"), now))
+    }
+
+    /// The answer to a SYNC is overdue.
+    ///
+    /// # Errors
+    /// [`Violation`] if it had to come.
+    pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
+        for seen in &mut self.seen {
+            if now >= seen.due {
+                seen.due = Timestamp::MAX;
+                let expected = format!("the TPDO of {:04X}h after the SYNC", seen.index);
+                return Err(violation(Property::PdoTransmission, "synchronous TPDO", expected, "none", now));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether cyclic PDOs are missing.
+    ///
+    /// # Errors
+    /// [`Violation`] if they are.
+    pub fn finish(
+        &mut self,
+        now: Timestamp,
+        nmt: &Slave,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) -> Result<(), Violation> {
+        if nmt.phase() != Phase::Operational {
+            return Ok(());
+        }
+        for seen in &self.seen {
+            let parameters = Parameters::of(seen.index, belief, knowledge);
+            let Some(period) = parameters.period() else { continue };
+            let last = seen.last.unwrap_or(seen.since).max(seen.since);
+            if last > Timestamp::ZERO && now.since(last) > late(period) {
+                let expected = format!("the TPDO of {:04X}h every {period}", seen.index);
+                let actual = format!("none for {}", now.since(last));
+                return Err(violation(Property::PdoTransmission, "event timer", expected, actual, now));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Seen {
+    fn begin(&mut self, now: Timestamp) {
+        self.last = None;
+        self.since = now;
+        self.syncs = 0;
+        self.due = Timestamp::MAX;
+        self.open = 1;
+    }
+
+    fn open(&mut self) {
+        self.open = self.open.saturating_add(1);
+    }
+
+    fn came(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        nmt: &Slave,
+        parameters: &Parameters,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) -> Result<(), Violation> {
+        let wrong = |rule, expected: String, actual: String| {
+            Err(violation(Property::PdoTransmission, rule, expected, actual, now))
+        };
+        if nmt.serves_pdo(now) == Served::No {
+            let expected = "no PDO outside operational".to_owned();
+            return wrong("PDO outside operational", expected, format!("{frame} in {:?}", nmt.phase()));
+        }
+        if let Some(len) = mapped_length(self.index + 0x200, belief, knowledge)
+            && frame.len() != len
+            && now.since(self.since) > FLOOR
+        {
+            return wrong("length of a PDO", format!("{len} bytes, as mapped"), format!("{} bytes", frame.len()));
+        }
+        let last = self.last.replace(now);
+        let asked = self.open > 0;
+        self.open = self.open.saturating_sub(1);
+        if self.open == 0 {
+            self.due = Timestamp::MAX;
+        }
+        if let (Some(kind @ 1..=240), true) = (parameters.transmission, parameters.is_plain())
+            && !asked
+            && nmt.phase() == Phase::Operational
+        {
+            let expected = format!("the TPDO after every {kind} SYNC");
+            return wrong("synchronous TPDO", expected, format!("one after {} SYNC", self.syncs));
+        }
+        let Some(last) = last else { return Ok(()) };
+        let interval = now.since(last);
+        if let (Some(inhibit), Some(254 | 255)) = (parameters.inhibit, parameters.transmission)
+            && !asked
+            && inhibit > FLOOR
+            && interval.nanos() + FLOOR.nanos() < inhibit.nanos()
+        {
+            return wrong("inhibit time", format!("at least {inhibit} between two"), format!("{interval}"));
+        }
+        match parameters.period() {
+            Some(period) if interval > late(period) => {
+                wrong("event timer", format!("the TPDO every {period}"), format!("after {interval}"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The latest that a cyclic PDO may come.
+fn late(period: Duration) -> Duration {
+    Duration(period.nanos() + (period.nanos() / 10).max(FLOOR.nanos()))
+}
+
+/// Communication parameters, as far as they are known.
+struct Parameters {
+    cob_id: Option<CobId>,
+    transmission: Option<u8>,
+    inhibit: Option<Duration>,
+    event_timer: Option<Duration>,
+    start_value: u64,
+}
+
+impl Parameters {
+    fn of(index: u16, belief: &Belief, knowledge: &Knowledge) -> Self {
+        let number = |sub| belief.number(knowledge, index, sub);
+        Self {
+            cob_id: number(1).map(|raw| CobId(raw as u32)),
+            transmission: number(2).map(|raw| raw as u8),
+            inhibit: number(3).map(|raw| Duration::from_micros(raw * 100)),
+            event_timer: number(5).map(Duration::from_millis),
+            start_value: number(6).unwrap_or(0),
+        }
+    }
+
+    /// Whether the PDO exists and follows every n-th SYNC from the first on.
+    fn is_plain(&self) -> bool {
+        self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
+    }
+
+    /// The time between two, for a PDO with an event timer.
+    fn period(&self) -> Option<Duration> {
+        let cyclic = matches!(self.transmission, Some(254 | 255)) && self.cob_id.is_some_and(CobId::is_valid);
+        let timer = self.event_timer.filter(|timer| cyclic && timer.nanos() > 0)?;
+        Some(timer.max(self.inhibit?))
+    }
+}
+
+/// The length of a PDO in bytes by its mapping, where that is known.
+fn mapped_length(mapping: u16, belief: &Belief, knowledge: &Knowledge) -> Option<usize> {
+    let count = belief.number(knowledge, mapping, 0).filter(|count| (1..=64).contains(count))?;
+    let bits = (1..=count as u8).map(|sub| belief.number(knowledge, mapping, sub).map(|entry| entry & 0xFF));
+    bits.sum::<Option<u64>>().map(|bits| bits.div_ceil(8) as usize)
+}

@@ -1,0 +1,144 @@
+//! What a server has to answer to a request.
+
+use super::super::codes::CodeSet;
+use super::block;
+use canvass_analyzer::Multiplexer;
+
+/// What is awaited.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) enum Awaited {
+    /// Nothing: every frame would be one too many.
+    Nothing,
+    /// Something legal, or silence.
+    Anything,
+    /// An abort with one of these codes, naming that object where the request named one.
+    Abort { codes: CodeSet, at: Option<Multiplexer>, why: &'static str },
+    /// The value of an object.
+    Read(Reading),
+    /// The value in blocks; a normal upload up to that many bytes.
+    BlockRead { reading: Reading, block_size: u8, threshold: u8, crc: bool },
+    /// The confirmation of an expedited download.
+    Write { at: Multiplexer, writing: Writing },
+    /// The confirmation that a segmented download may begin.
+    BeginDownload { at: Multiplexer, writing: Writing, announced: Option<u32> },
+    /// The same for a block download.
+    BeginBlockDownload { at: Multiplexer, writing: Writing, announced: Option<u32>, crc: bool },
+    /// The confirmation of a download segment; the last one ends the transfer.
+    ConfirmSegment { toggle: bool, last: Option<(Multiplexer, Writing)> },
+    /// An upload segment.
+    Segment { toggle: bool },
+    /// The confirmation of a block with that last good sequence number. Before the end of a block it may come where a
+    /// segment was missing.
+    ConfirmBlock { sequence: u8, required: bool, last: bool },
+    /// The confirmation of the end of a block download.
+    ConfirmEnd { at: Multiplexer, writing: Writing },
+    /// The segments of a block.
+    Block,
+    /// The end of a block upload.
+    EndOfBlocks(block::Upload),
+}
+
+/// What may be said to a request to read.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Reading {
+    pub at: Multiplexer,
+    /// The number of the object in the dictionary.
+    pub entry: Option<usize>,
+    /// An abort is due, with one of these.
+    pub must: CodeSet,
+    /// An abort is possible, with one of these.
+    pub may: CodeSet,
+}
+
+/// What may be said to a value that is written.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(super) struct Writing {
+    pub entry: Option<usize>,
+    /// The value, where it fits eight bytes.
+    pub raw: Option<u64>,
+    /// An abort is due, with one of these.
+    pub must: CodeSet,
+    /// An abort is possible, with one of these.
+    pub may: CodeSet,
+    /// Why it is due.
+    pub why: &'static str,
+    /// The rule of the PDO configuration that demands it.
+    pub pdo_rule: bool,
+}
+
+impl Awaited {
+    /// Whether silence would be wrong.
+    pub const fn is_required(&self) -> bool {
+        match self {
+            Self::Nothing | Self::Anything => false,
+            Self::ConfirmBlock { required, .. } => *required,
+            _ => true,
+        }
+    }
+
+    /// The id of what is awaited.
+    pub const fn rule(&self) -> &'static str {
+        match self {
+            Self::Nothing => "unsolicited response",
+            Self::Anything => "response to an odd request",
+            Self::Abort { why, .. } => why,
+            Self::Read(_) => "initiate upload",
+            Self::BlockRead { .. } => "initiate block upload",
+            Self::Write { .. } => "expedited download",
+            Self::BeginDownload { .. } => "initiate download",
+            Self::BeginBlockDownload { .. } => "initiate block download",
+            Self::ConfirmSegment { .. } => "download segment",
+            Self::Segment { .. } => "upload segment",
+            Self::ConfirmBlock { .. } => "download of a block",
+            Self::ConfirmEnd { .. } => "end of a block download",
+            Self::Block => "upload of a block",
+            Self::EndOfBlocks(_) => "end of a block upload",
+        }
+    }
+
+    /// What the server has to do, in words.
+    pub fn text(&self) -> String {
+        match self {
+            Self::Nothing => "no SDO response: none was asked for".to_owned(),
+            Self::Anything => "a legal response, or none".to_owned(),
+            Self::Abort { codes, at: Some(at), why } => format!("abort {} of {at}: {why}", codes.text()),
+            Self::Abort { codes, at: None, why } => format!("abort {}: {why}", codes.text()),
+            Self::Read(reading) => reading.text("the value of"),
+            Self::BlockRead { reading, .. } => reading.text("block upload of"),
+            Self::Write { at, writing } => writing.text(&format!("confirmation of the download to {at}")),
+            Self::BeginDownload { at, writing, .. } => {
+                writing.text(&format!("confirmation of the begin of a segmented download to {at}"))
+            }
+            Self::BeginBlockDownload { at, writing, .. } => {
+                writing.text(&format!("confirmation of the begin of a block download to {at}"))
+            }
+            Self::ConfirmSegment { toggle, last: None } => {
+                format!("confirmation of the segment with toggle bit {}", u8::from(*toggle))
+            }
+            Self::ConfirmSegment { toggle, last: Some((_, writing)) } => {
+                writing.text(&format!("confirmation of the last segment with toggle bit {}", u8::from(*toggle)))
+            }
+            Self::Segment { toggle } => format!("the next segment with toggle bit {}", u8::from(*toggle)),
+            Self::ConfirmBlock { sequence, .. } => format!("confirmation of the block up to sequence number {sequence}"),
+            Self::ConfirmEnd { at, writing } => writing.text(&format!("confirmation of the block download to {at}")),
+            Self::Block => "the segments of the block, numbered from 1".to_owned(),
+            Self::EndOfBlocks(_) => "the end of the block upload with its checksum".to_owned(),
+        }
+    }
+}
+
+impl Reading {
+    fn text(&self, what: &str) -> String {
+        if self.must.is_empty() {
+            format!("{what} {}", self.at)
+        } else {
+            format!("abort {} of {}", self.must.text(), self.at)
+        }
+    }
+}
+
+impl Writing {
+    fn text(&self, what: &str) -> String {
+        if self.must.is_empty() { what.to_owned() } else { format!("abort {}: {}", self.must.text(), self.why) }
+    }
+}

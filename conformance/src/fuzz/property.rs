@@ -1,0 +1,112 @@
+//! What must hold for every device, whatever is sent to it.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// Defines the properties: one row each, so that id, title and text can't drift apart.
+macro_rules! properties {
+    ($($(#[doc = $doc:literal])+ $variant:ident = $id:literal $title:literal,)*) => {
+        /// A property that the fuzzer checks after every frame.
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+        pub enum Property {
+            $($(#[doc = $doc])+ $variant,)*
+        }
+
+        impl Property {
+            /// All properties, by rising number.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+
+            /// The stable id.
+            pub const fn id(self) -> &'static str {
+                match self { $(Self::$variant => $id,)* }
+            }
+
+            /// One line.
+            pub const fn title(self) -> &'static str {
+                match self { $(Self::$variant => $title,)* }
+            }
+
+            /// What is demanded, why, and how it is judged.
+            pub const fn explanation(self) -> &'static str {
+                match self { $(Self::$variant => concat!($($doc, "\n"),+),)* }
+            }
+        }
+    };
+}
+
+properties! {
+    /// After any input on the device's CAN-IDs, reading 1000h:00 succeeds within the response time. A server that
+    /// a client can wedge stops a machine. Every sequence of the fuzzer ends with this read.
+    Responsive = "PROP-01" "the SDO server can't be wedged",
+    /// Every frame of the SDO server is one that a server may send in the state that the dialogue has reached: the
+    /// right command specifier, toggle bit, sequence number, multiplexer, length, reserved bits, abort code. An
+    /// answer that is due and does not come is as much a violation as one that is wrong.
+    LegalSdo = "PROP-02" "every SDO response is legal in its state",
+    /// The server sends one frame for each frame of the client; in a block upload at most as many segments as the
+    /// client's block size allows.
+    OneAnswer = "PROP-03" "one answer for each request",
+    /// An abort of the client, a remote frame, a frame with a 29-bit identifier, and whatever comes in the NMT state
+    /// stopped or during initialisation is not answered.
+    Silent = "PROP-04" "no answer where none is due",
+    /// A transfer that ends in an abort leaves the object as it was.
+    AbortedUnchanged = "PROP-05" "an aborted transfer changes nothing",
+    /// What was written and confirmed is what is read next, by any of the three kinds of transfer and in any
+    /// segmentation.
+    ReadBack = "PROP-06" "what was written is read back",
+    /// The same request in the same state gets the same kind of answer; an object that the description promises
+    /// exists, and constants are constant.
+    Consistent = "PROP-07" "the device agrees with its description and with itself",
+    /// The NMT state that heartbeats and guarding show is the one that the commands lead to; heartbeats come in time.
+    NmtState = "PROP-08" "the NMT state follows the commands",
+    /// PDOs, SYNC and TIME are sent only on identifiers that the device was told to use, only in operational, with
+    /// the length of their mapping, and not faster than their inhibit time and event timer allow.
+    PdoTransmission = "PROP-09" "PDOs as configured",
+    /// The LSS slave answers exactly as CiA 305 demands in its state, whatever is interleaved.
+    LegalLss = "PROP-10" "every LSS response is legal in its state",
+    /// Fastscan identifies, and switches to configuration, only after all 128 bits of the address have matched.
+    Fastscan = "PROP-11" "Fastscan compares every bit",
+    /// Whatever comes in, EMCY messages stay few, and each error is told once.
+    EmcyRate = "PROP-12" "no storm of EMCY messages",
+    /// No boot-up message without a reset: the device did not restart by itself.
+    NoRestart = "PROP-13" "no restart by itself",
+    /// The configuration of PDOs is accepted and refused as CiA 301 demands: identifiers only while invalid, no
+    /// restricted identifiers, no reserved transmission types, mappings only while disabled and of 64 bits at most.
+    PdoConfiguration = "PROP-14" "illegal PDO configurations are refused",
+    /// For every accepted scaling the position lies in the measuring range.
+    PositionInRange = "PROP-15" "the position stays in its range",
+}
+
+impl fmt::Display for Property {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id())
+    }
+}
+
+/// There is no property of that name.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("no property is called \"{0}\": there are PROP-01 to PROP-15")]
+pub struct UnknownProperty(pub String);
+
+impl FromStr for Property {
+    type Err = UnknownProperty;
+
+    fn from_str(id: &str) -> Result<Self, UnknownProperty> {
+        let found = Self::ALL.iter().copied().find(|property| property.id().eq_ignore_ascii_case(id));
+        found.ok_or_else(|| UnknownProperty(id.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ids_are_numbered_and_found() {
+        for (n, &property) in Property::ALL.iter().enumerate() {
+            assert_eq!(property.id(), format!("PROP-{:02}", n + 1));
+            assert_eq!(property.id().to_lowercase().parse(), Ok(property));
+            assert!(!property.explanation().trim().is_empty());
+        }
+        assert!("PROP-16".parse::<Property>().is_err());
+    }
+}

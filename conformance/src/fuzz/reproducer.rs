@@ -1,0 +1,148 @@
+//! What is handed over of a violation: a log that can be replayed, and a ready test.
+
+use super::stimulus::{Sequence, Start, Stimulus, Then};
+use canvass_traces::{Duration, Frame, Timestamp};
+use std::fmt::Write;
+
+/// The frames of a sequence as a candump log, for `canplayer` and `canvass fuzz --replay`. Times are those at which the
+/// frames are to be sent: 100 ms apart where the device is to be given time, at once where it is not.
+pub fn candump(sequence: &Sequence) -> String {
+    let mut now = Timestamp::ZERO;
+    sequence.stimuli.iter().fold(String::new(), |mut text, stimulus| {
+        // Writing to a string can't fail.
+        let nanos = now.nanos();
+        let _ = writeln!(
+            text,
+            "({:010}.{:06}) can0 {}",
+            nanos / 1_000_000_000,
+            nanos % 1_000_000_000 / 1_000,
+            compact(&stimulus.frame)
+        );
+        now = now + wait_after(stimulus);
+        text
+    })
+}
+
+/// What `canplayer` and a replay wait after a frame that is to settle.
+const SETTLE: Duration = Duration::from_millis(100);
+
+/// Frames closer than this follow each other at once.
+const AT_ONCE: Duration = Duration::from_micros(1);
+
+fn wait_after(stimulus: &Stimulus) -> Duration {
+    match stimulus.then {
+        Then::Settle => SETTLE,
+        Then::AtOnce => AT_ONCE,
+        // Told apart from a settled frame by its length.
+        Then::Pause(time) if time == SETTLE => Duration(time.nanos() + 1_000),
+        Then::Pause(time) => time,
+    }
+}
+
+/// The sequence of the frames of a log: what [`candump`] has written is read as it was.
+pub fn sequence(frames: &[(Timestamp, Frame)]) -> Sequence {
+    let next = frames.iter().skip(1).map(|(time, _)| Some(*time)).chain([None]);
+    let stimuli = frames.iter().zip(next).map(|(&(time, frame), next)| {
+        let then = match next.map(|next| next.since(time)) {
+            None => Then::Settle,
+            Some(SETTLE) => Then::Settle,
+            Some(wait) if wait <= AT_ONCE => Then::AtOnce,
+            Some(wait) => Then::Pause(wait),
+        };
+        Stimulus { frame, then }
+    });
+    Sequence { start: Start::Configured, stimuli: stimuli.collect() }
+}
+
+/// `601#4000100000000000`, `701#R1`, `00000000#8105`.
+fn compact(frame: &Frame) -> String {
+    let id = match frame.id().is_extended() {
+        true => format!("{:08X}", frame.id().raw()),
+        false => format!("{:03X}", frame.id().raw()),
+    };
+    if frame.is_remote() {
+        return format!("{id}#R{}", frame.len());
+    }
+    frame.data().iter().fold(format!("{id}#"), |mut text, byte| {
+        let _ = write!(text, "{byte:02X}");
+        text
+    })
+}
+
+/// A test of Rust that replays the sequence on that simulated bus and demands that nothing is wrong.
+pub fn rust_test(name: &str, address: &str, sequence: &Sequence) -> String {
+    let log = candump(sequence);
+    let lines: String = log.lines().map(|line| format!("        {line}\n")).collect();
+    format!(
+        "#[test]\nfn {name}() {{\n    let log = \"\\\n{}\";\n    \
+         let replay = canvass_conformance::fuzz::campaign::replay_log({address:?}, log).unwrap();\n    \
+         assert_eq!(replay, None);\n}}\n",
+        lines.replace('\n', "\\n\\\n")
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::CanId;
+    use proptest::prelude::*;
+
+    fn frame() -> impl Strategy<Value = Frame> {
+        let data = proptest::collection::vec(any::<u8>(), 0..=8);
+        (0_u32..0x800, data).prop_map(|(id, data)| Frame::new(CanId::standard_masked(id), &data).unwrap())
+    }
+
+    fn then() -> impl Strategy<Value = Then> {
+        prop_oneof![
+            Just(Then::Settle),
+            Just(Then::AtOnce),
+            (1_u64..500).prop_map(|time| Then::Pause(Duration::from_millis(time)))
+        ]
+    }
+
+    #[test]
+    fn frames_as_candump_writes_them() {
+        let settle = |frame| Stimulus { frame, then: Then::Settle };
+        let id = CanId::standard_masked(0x701);
+        let stimuli = vec![
+            settle(Frame::new(CanId::standard_masked(0), &[0x81, 5]).unwrap()),
+            settle(Frame::remote(id, 1).unwrap()),
+            settle(Frame::new(CanId::extended(0x701).unwrap(), &[]).unwrap()),
+        ];
+        let text = candump(&Sequence { start: Start::Configured, stimuli });
+        assert_eq!(
+            text,
+            "(0000000000.000000) can0 000#8105\n(0000000000.100000) can0 701#R1\n(0000000000.200000) can0 00000701#\n"
+        );
+    }
+
+    proptest! {
+        /// What is written is read as it was: the log stands for the sequence.
+        #[test]
+        fn logs_are_replayed_as_they_were(steps in proptest::collection::vec((frame(), then()), 1..20)) {
+            let mut stimuli: Vec<Stimulus> =
+                steps.into_iter().map(|(frame, then)| Stimulus { frame, then }).collect();
+            // After the last frame the device always gets its time.
+            if let Some(last) = stimuli.last_mut() {
+                last.then = Then::Settle;
+            }
+            let mut now = Timestamp::ZERO;
+            let frames: Vec<(Timestamp, Frame)> = stimuli.iter().map(|stimulus| {
+                let at = now;
+                now = now + wait_after(stimulus);
+                (at, stimulus.frame)
+            }).collect();
+            for ((_, frame), stimulus) in frames.iter().zip(&stimuli) {
+                prop_assert_eq!(*frame, stimulus.frame);
+            }
+            let read = sequence(&frames);
+            for (read, written) in read.stimuli.iter().zip(&stimuli) {
+                let expected = match written.then {
+                    Then::Pause(time) if time == SETTLE => Then::Pause(Duration(time.nanos() + 1_000)),
+                    then => then,
+                };
+                prop_assert_eq!(read.then, expected);
+            }
+        }
+    }
+}

@@ -1,0 +1,202 @@
+//! Makes a sequence shorter as long as it still shows the violation.
+//!
+//! First whole stretches go, from half of the sequence down to single frames, until no single frame can be left out;
+//! then each frame is made plainer: waits, and bytes that can be 0.
+
+use super::stimulus::{Sequence, Stimulus, Then};
+use canvass_traces::{Duration, Frame};
+use proptest::strategy::ValueTree;
+
+/// A sequence and its simpler variants.
+#[derive(Clone, Debug)]
+pub struct SequenceTree {
+    /// The simplest that is known to show the violation.
+    best: Sequence,
+    /// The variant that is being tried.
+    current: Sequence,
+    step: Step,
+    /// Something was simplified since the steps began anew.
+    progress: bool,
+}
+
+/// What is tried next.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Step {
+    /// Leave out that many frames from there on.
+    Remove { length: usize, from: usize },
+    /// Wait no longer than needed after that frame.
+    Settle { at: usize },
+    /// Set that byte of that frame to 0.
+    Zero { at: usize, byte: usize },
+    Done,
+}
+
+impl SequenceTree {
+    /// A sequence that may or may not show something.
+    pub fn new(sequence: Sequence) -> Self {
+        let length = sequence.stimuli.len().div_ceil(2).max(1);
+        Self { best: sequence.clone(), current: sequence, step: Step::Remove { length, from: 0 }, progress: false }
+    }
+
+    /// The simplest sequence that is known to show the violation.
+    pub fn best(&self) -> &Sequence {
+        &self.best
+    }
+
+    /// Makes the next variant; `false` if there is none.
+    fn advance(&mut self) -> bool {
+        loop {
+            if self.step == Step::Done {
+                self.current = self.best.clone();
+                return false;
+            }
+            let variant = self.variant();
+            self.step = self.next_step();
+            if let Some(variant) = variant {
+                self.current = variant;
+                return true;
+            }
+        }
+    }
+
+    /// The best sequence with the present step done, if that changes anything.
+    fn variant(&self) -> Option<Sequence> {
+        let mut variant = self.best.clone();
+        match self.step {
+            Step::Remove { length, from } => {
+                let end = (from + length).min(variant.stimuli.len());
+                if from >= end {
+                    return None;
+                }
+                variant.stimuli.drain(from..end);
+            }
+            Step::Settle { at } => {
+                let stimulus = variant.stimuli.get_mut(at)?;
+                stimulus.then = match stimulus.then {
+                    Then::Settle => return None,
+                    Then::AtOnce => Then::Settle,
+                    Then::Pause(time) if time.nanos() > 20_000_000 => Then::Pause(Duration(time.nanos() / 2)),
+                    Then::Pause(_) => Then::Settle,
+                };
+            }
+            Step::Zero { at, byte } => {
+                let stimulus = variant.stimuli.get_mut(at)?;
+                let data = stimulus.frame.data();
+                if data.get(byte).is_none_or(|&value| value == 0) || stimulus.frame.is_remote() {
+                    return None;
+                }
+                let mut bytes = stimulus.frame.bytes();
+                bytes[byte] = 0;
+                let frame = Frame::new(stimulus.frame.id(), &bytes[..data.len().min(8)])?;
+                *stimulus = Stimulus { frame, then: stimulus.then };
+            }
+            Step::Done => return None,
+        }
+        Some(variant)
+    }
+
+    fn next_step(&mut self) -> Step {
+        let len = self.best.stimuli.len();
+        match self.step {
+            Step::Remove { length, from } if from + length < len => Step::Remove { length, from: from + length },
+            Step::Remove { length, .. } if length > 1 => Step::Remove { length: length.div_ceil(2), from: 0 },
+            Step::Remove { .. } if self.progress => self.restart(),
+            Step::Remove { .. } => Step::Settle { at: 0 },
+            Step::Settle { at } if at + 1 < len => Step::Settle { at: at + 1 },
+            Step::Settle { .. } => Step::Zero { at: 0, byte: 4 },
+            Step::Zero { at, byte } if byte < 7 => Step::Zero { at, byte: byte + 1 },
+            Step::Zero { at, .. } if at + 1 < len => Step::Zero { at: at + 1, byte: 4 },
+            Step::Zero { .. } | Step::Done => Step::Done,
+        }
+    }
+
+    /// Single frames once more: what could not be left out before may be superfluous now.
+    fn restart(&mut self) -> Step {
+        self.progress = false;
+        Step::Remove { length: 1, from: 0 }
+    }
+
+    /// The step that comes after a variant that showed the violation: what was left out shifts the rest.
+    fn accepted(&mut self) {
+        self.progress = true;
+        if let Step::Remove { length, from } = self.step
+            && from >= length
+        {
+            self.step = Step::Remove { length, from: from - length };
+        }
+    }
+}
+
+impl ValueTree for SequenceTree {
+    type Value = Sequence;
+
+    fn current(&self) -> Sequence {
+        self.current.clone()
+    }
+
+    /// The present variant shows the violation.
+    fn simplify(&mut self) -> bool {
+        if self.current != self.best {
+            self.best = self.current.clone();
+            self.accepted();
+        }
+        self.advance()
+    }
+
+    /// The present variant does not show it.
+    fn complicate(&mut self) -> bool {
+        self.advance()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::CanId;
+
+    fn sequence(ids: &[u32]) -> Sequence {
+        let stimulus = |&id: &u32| Stimulus {
+            frame: Frame::new(CanId::standard_masked(id), &[1, 2, 3, 4, 5, 6, 7, 8]).unwrap(),
+            then: Then::Pause(Duration::from_millis(80)),
+        };
+        Sequence { stimuli: ids.iter().map(stimulus).collect(), ..Sequence::default() }
+    }
+
+    fn shrink(start: Sequence, shows: impl Fn(&[u32]) -> bool) -> Sequence {
+        let mut tree = SequenceTree::new(start);
+        let mut tries = 0;
+        let mut more = true;
+        while more {
+            let ids: Vec<u32> = tree.current().stimuli.iter().map(|stimulus| stimulus.frame.id().raw()).collect();
+            more = if shows(&ids) { tree.simplify() } else { tree.complicate() };
+            tries += 1;
+            assert!(tries < 5_000, "no end");
+        }
+        tree.best().clone()
+    }
+
+    /// Whatever is needed is kept, in its order, and nothing else.
+    #[test]
+    fn what_is_not_needed_goes() {
+        let all: Vec<u32> = (0..40).collect();
+        for needed in [vec![7], vec![0, 39], vec![3, 4, 5], vec![12, 31, 38]] {
+            let minimal = shrink(sequence(&all), |ids| {
+                let kept: Vec<u32> = ids.iter().copied().filter(|id| needed.contains(id)).collect();
+                kept == needed
+            });
+            let ids: Vec<u32> = minimal.stimuli.iter().map(|stimulus| stimulus.frame.id().raw()).collect();
+            assert_eq!(ids, needed);
+            for stimulus in &minimal.stimuli {
+                assert_eq!(stimulus.frame.data(), [1, 2, 3, 4, 0, 0, 0, 0]);
+                assert_eq!(stimulus.then, Then::Settle);
+            }
+        }
+    }
+
+    #[test]
+    fn pairs_that_need_each_other_stay() {
+        // One alone can't go: 5 and 6 are a request and its follow-up.
+        let minimal = shrink(sequence(&[1, 5, 6, 9, 5, 6]), |ids| ids.windows(2).any(|pair| pair == [5, 6]));
+        assert_eq!(minimal.stimuli.len(), 2);
+    }
+}
