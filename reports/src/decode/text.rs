@@ -1,7 +1,7 @@
 //! One aligned line per frame: time, channel, identifier, data, node, service, meaning.
 
 use super::{Line, Lines};
-use crate::push::{pad, push_decimal, push_hex, push_hex_number, push_meaning, push_visible};
+use crate::push::{hex_pair, pad, push_decimal, push_front, push_hex, push_hex_number, push_meaning, push_visible};
 use crate::time::{Clock, TimeStyle};
 use canvass_analyzer::{Message, NodeId, Service, network::sdo::Violation};
 use canvass_traces::Record;
@@ -11,6 +11,8 @@ pub struct TextLines {
     clock: Clock,
     color: bool,
     channel_width: usize,
+    /// The channels' names as they are shown, by their ids; empty where none was shown yet.
+    channels: Vec<Vec<u8>>,
     id_width: usize,
 }
 
@@ -21,40 +23,52 @@ pub(super) const SERVICE_WIDTH: usize = 11;
 impl TextLines {
     /// With that style of time, and with colours or without.
     pub const fn new(time: TimeStyle, color: bool) -> Self {
-        Self { clock: Clock::new(time), color, channel_width: 4, id_width: 3 }
+        Self { clock: Clock::new(time), color, channel_width: 4, channels: Vec::new(), id_width: 3 }
     }
 
     fn push_id(&mut self, record: &Record, out: &mut Vec<u8>) {
         let id = record.frame.id();
         let digits = if id.is_extended() { 8 } else { 3 };
         self.id_width = self.id_width.max(digits);
-        out.resize(out.len() + self.id_width - digits, b' ');
+        pad(out, out.len(), self.id_width - digits);
         push_hex_number(out, id.raw(), digits);
     }
 
-    fn push_channel(&mut self, name: &str, out: &mut Vec<u8>) {
+    fn push_channel(&mut self, line: &Line<'_>, out: &mut Vec<u8>) {
+        let (start, id) = (out.len(), usize::from(line.record.channel.0));
+        match self.channels.get(id).filter(|shown| !shown.is_empty()) {
+            Some(shown) => out.extend_from_slice(shown),
+            None => self.push_new_channel(id, line.channels.name(line.record.channel), out),
+        }
+        pad(out, start, self.channel_width);
+    }
+
+    #[cold]
+    fn push_new_channel(&mut self, id: usize, name: &str, out: &mut Vec<u8>) {
         let start = out.len();
         // A channel's name comes out of the file: it may be anything.
         push_visible(out, name);
-        self.channel_width = self.channel_width.max(out.len() - start);
-        pad(out, start, self.channel_width);
+        let shown = &out[start..];
+        self.channel_width = self.channel_width.max(shown.len());
+        if self.channels.len() <= id {
+            self.channels.resize(id + 1, Vec::new());
+        }
+        self.channels[id] = shown.to_vec();
     }
 }
 
 impl Lines for TextLines {
     fn line(&mut self, line: &Line<'_>, out: &mut Vec<u8>) {
-        let Line { record, channels, decoded, meaning } = line;
+        let Line { record, decoded, meaning, .. } = line;
         self.clock.push(record.timestamp, out);
         out.extend_from_slice(b"  ");
-        self.push_channel(channels.name(record.channel), out);
+        self.push_channel(line, out);
         out.extend_from_slice(b"  ");
         self.push_id(record, out);
         out.extend_from_slice(b"  ");
         push_data(record, out);
-        let start = out.len();
         out.push(b' ');
         push_node(decoded.node, out);
-        pad(out, start, 4);
         out.extend_from_slice(b"  ");
         let start = out.len();
         out.extend_from_slice(decoded.service.name().as_bytes());
@@ -72,13 +86,17 @@ impl Lines for TextLines {
 
 /// Three columns.
 pub fn push_node(node: Option<NodeId>, out: &mut Vec<u8>) {
-    match node {
-        Some(node) => {
-            out.resize(out.len() + usize::from(node.raw() < 100) + usize::from(node.raw() < 10), b' ');
-            push_decimal(out, u64::from(node.raw()));
+    let mut columns = *b"   ";
+    if let Some(node) = node.map(NodeId::raw) {
+        columns[2] = b'0' + node % 10;
+        if node >= 10 {
+            columns[1] = b'0' + node / 10 % 10;
         }
-        None => out.extend_from_slice(b"   "),
+        if node >= 100 {
+            columns[0] = b'1';
+        }
     }
+    out.extend_from_slice(&columns);
 }
 
 pub(super) fn push_data(record: &Record, out: &mut Vec<u8>) {
@@ -87,10 +105,17 @@ pub(super) fn push_data(record: &Record, out: &mut Vec<u8>) {
         out.extend_from_slice(b"remote, ");
         push_decimal(out, record.frame.len() as u64);
         out.extend_from_slice(b" bytes");
-    } else {
-        push_hex(out, record.data(), Some(b' '));
+        return pad(out, start, DATA_WIDTH);
     }
-    pad(out, start, DATA_WIDTH);
+    let data = record.data();
+    if data.len() > 8 {
+        return push_hex(out, data, Some(b' '));
+    }
+    let mut columns = [b' '; DATA_WIDTH + 1];
+    for (place, &byte) in columns.chunks_exact_mut(3).zip(data) {
+        place[..2].copy_from_slice(&hex_pair(byte));
+    }
+    push_front(out, &columns, DATA_WIDTH);
 }
 
 /// The escape sequence that sets off what a reader looks for: errors red, states yellow, commands cyan.
