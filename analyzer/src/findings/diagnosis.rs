@@ -9,9 +9,10 @@ use super::sink::{Findings, Sink};
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::Service;
-use crate::network::{Decoded, Network};
+use crate::network::{Candidate, Decoded, Network};
 use crate::statistics::{BusStatistics, Statistics};
 use canvass_traces::{ChannelId, Duration, Quality, Record, Timestamp};
+use std::sync::Arc;
 
 /// Finds what is wrong in a capture. Memory does not grow with the capture.
 pub struct Diagnosis {
@@ -88,6 +89,11 @@ impl Diagnosis {
     /// Says which device a node is, on all buses.
     pub fn describe(&mut self, node: NodeId, description: DeviceDescription) {
         self.network.describe(node, description);
+    }
+
+    /// Says which models nodes that nobody described can be recognised as.
+    pub fn offer(&mut self, candidates: Arc<[Candidate]>) {
+        self.network.offer(candidates);
     }
 
     /// Says the bit rate of all buses, in bit/s. Without it, it is inferred.

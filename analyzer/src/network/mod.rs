@@ -6,11 +6,13 @@
 
 mod bus;
 mod cob_ids;
+mod configured;
 mod event;
 mod layer_setting;
 mod layout;
 mod learning;
 mod node;
+mod recognition;
 mod scaling;
 pub mod sdo;
 mod srdo_pairs;
@@ -20,6 +22,7 @@ pub use cob_ids::{Source, Use};
 pub use event::{Change, Emergency, Event, Exchange, Move};
 pub use layout::{Layout, Signal};
 pub use node::{Cause, Node};
+pub use recognition::{Candidate, Fact, Recognition};
 
 use crate::dictionary::DeviceDescription;
 use crate::message::{Message, Service};
@@ -33,6 +36,7 @@ use std::sync::Arc;
 pub struct Network {
     buses: Vec<Bus>,
     descriptions: Vec<(NodeId, Arc<DeviceDescription>)>,
+    candidates: Arc<[Candidate]>,
 }
 
 /// A frame, understood in its context.
@@ -71,6 +75,12 @@ impl Network {
         self.descriptions.push((node, description));
     }
 
+    /// Says which models nodes that nobody described can be recognised as. Of models that show the same, the first one is
+    /// taken. To be said before the first record.
+    pub fn offer(&mut self, candidates: Arc<[Candidate]>) {
+        self.candidates = candidates;
+    }
+
     /// Takes the next record and says what it means.
     pub fn handle(&mut self, record: &Record) -> Decoded {
         self.bus_mut(record.channel).handle(record)
@@ -85,6 +95,7 @@ impl Network {
         let index = usize::from(channel.0);
         while self.buses.len() <= index {
             let mut bus = Bus::new();
+            bus.candidates = Arc::clone(&self.candidates);
             for (node, description) in &self.descriptions {
                 bus.describe(*node, description);
             }

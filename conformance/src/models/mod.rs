@@ -2,6 +2,7 @@
 //! cannot say.
 
 mod annotations;
+mod recognition;
 mod sheet;
 
 pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
@@ -9,6 +10,7 @@ pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::network::Candidate;
 use std::sync::{Arc, LazyLock};
 
 /// The files of each model: EDS, sheet.
@@ -62,7 +64,20 @@ impl Model {
         let mut description = eds::read(eds.as_bytes())?;
         let tables: AnnotationTables = toml::from_str(text)?;
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
+        description.settings = sheet.settings();
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+    }
+
+    /// What tells that a node is of this model.
+    pub fn candidate(&self) -> Candidate {
+        let mut candidate = Candidate::of(self.id(), Arc::clone(&self.description));
+        self.sheet.recognition.refine(&mut candidate);
+        candidate
+    }
+
+    /// What tells of which built-in model a node is, in the order of the models.
+    pub fn candidates() -> Arc<[Candidate]> {
+        Self::all().iter().map(Self::candidate).collect()
     }
 
     /// The name on the command line.

@@ -1,6 +1,8 @@
 //! The sheet of a device model, as its TOML file lays it out.
 
+use super::recognition::Recognition;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::Settings;
 use canvass_traces::Duration;
 use serde::{Deserialize, Deserializer, de};
 
@@ -14,6 +16,9 @@ pub struct Sheet {
     pub summary: String,
     /// Node-ID, bit rate, services.
     pub network: Network,
+    /// What tells the model, where the defaults of the EDS do not.
+    #[serde(default)]
+    pub recognition: Recognition,
     /// Bit rates by their codes.
     #[serde(default, rename = "bit_rate")]
     pub bit_rates: Vec<BitRate>,
@@ -30,6 +35,19 @@ pub struct Sheet {
     pub values: Vec<Value>,
 }
 
+impl Sheet {
+    /// How node-ID and bit rate are set.
+    pub(super) fn settings(&self) -> Settings {
+        let rate = |rate: &BitRate| Some((u32::from(rate.object_code?), rate.kbit.saturating_mul(1_000)));
+        Settings {
+            node_id: self.network.node_id_object,
+            bit_rate: self.network.bit_rate_object,
+            bit_rates: self.bit_rates.iter().filter_map(rate).collect(),
+            layer_management: self.network.lmt,
+        }
+    }
+}
+
 /// How the device is reached and which services it has.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Network {
@@ -43,6 +61,9 @@ pub struct Network {
     /// The object that holds the code of the bit rate to use.
     #[serde(default, deserialize_with = "address_option")]
     pub bit_rate_object: Option<Multiplexer>,
+    /// Whether there is an LMT slave, the forerunner of LSS.
+    #[serde(default)]
+    pub lmt: bool,
     /// Whether there is an LSS slave.
     #[serde(default)]
     pub lss: bool,
@@ -188,7 +209,7 @@ fn all_transmission_types() -> Vec<(u8, u8)> {
     vec![(0, 240), (252, 255)]
 }
 
-fn parse_address<E: de::Error>(text: &str) -> Result<Multiplexer, E> {
+pub(super) fn parse_address<E: de::Error>(text: &str) -> Result<Multiplexer, E> {
     let parsed = text.split_once(':').and_then(|(index, sub)| {
         Some(Multiplexer::new(u16::from_str_radix(index, 16).ok()?, u8::from_str_radix(sub, 16).ok()?))
     });
