@@ -196,7 +196,7 @@ fn local_times_become_times_of_no_zone() {
 /// Captures of all formats whose times can count from their start become 1970 aloud where a format counts from there.
 #[test]
 fn times_of_no_date_become_1970_aloud() {
-    let trc = "   1)         0.4  Rx         0701  1  05\n";
+    let trc = ";####\r\n;\r\n     1)     17535  00000701  1  05 \r\n";
     let folder = Folder::new()
         .with("z.log", "(000.000000) can0 701#05\n")
         .with("z.txt", " (000.000000)  can0  701   [1]  05\n")

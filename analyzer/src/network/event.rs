@@ -3,10 +3,10 @@
 use super::cob_ids::{Source, Use};
 use super::node::Cause;
 use super::sdo::ChannelIndex;
-use crate::{Multiplexer, NodeId};
 use crate::message::PdoNumber;
 use crate::wire::emcy::Emcy;
 use crate::wire::error_control::State;
+use crate::{Multiplexer, NodeId};
 use canvass_traces::{Duration, Timestamp};
 
 /// Something that happened on a bus.

@@ -187,7 +187,8 @@ fn a_node_id_and_a_bit_rate_that_were_written_take_effect_at_the_start() {
     ] {
         trace.say(frame);
     }
-    let changed = Event::NodeIdChanged { from: Some(node(63)), to: node(42), object: Some(Multiplexer::new(0x2101, 0)) };
+    let changed =
+        Event::NodeIdChanged { from: Some(node(63)), to: node(42), object: Some(Multiplexer::new(0x2101, 0)) };
     let rate = Event::BitRateChanged { node: Some(node(42)), bit_rate: Some(500_000), delay: Duration::ZERO };
     let started = events(&mut trace, "72A#00");
     assert!(started.contains(&changed) && started.contains(&rate), "{started:?}");
@@ -274,10 +275,7 @@ fn an_srdo_is_known_by_its_parameters() {
     }
     let said = trace.say("141#BA 4C 00 00");
     assert_eq!(said.decoded.node, Some(node(5)));
-    assert_eq!(
-        (said.service(), said.text.as_str()),
-        ("srdo", "SRDO 1 data: 6004h:00 Position value = 19642 steps")
-    );
+    assert_eq!((said.service(), said.text.as_str()), ("srdo", "SRDO 1 data: 6004h:00 Position value = 19642 steps"));
     assert_eq!(trace.say("142#45 B3 FF FF").text, "SRDO 1 inverted data");
     assert_eq!(trace.say("142#45 B3 FF FF").text, "SRDO 1 inverted data, without the data before it");
     // Switched off, there is none.

@@ -15,9 +15,6 @@ pub struct Recognition {
     /// Objects of which a node of this model has a text that begins so.
     #[serde(default, rename = "text")]
     pub texts: Vec<Text>,
-    /// Models that show the very same and can't be told apart by it.
-    #[serde(default)]
-    pub same_as: Vec<String>,
 }
 
 /// The values of an object.

@@ -6,8 +6,8 @@ use crate::push::{pad, push_text, push_visible};
 use crate::time::Clock;
 use canvass_analyzer::network::sdo::{Direction, Outcome, Transfer};
 use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange, Move, Source};
-use canvass_traces::Duration;
 use canvass_analyzer::{Multiplexer, NodeId, PdoNumber, TransferText};
+use canvass_traces::Duration;
 
 /// The text rendering of `decode --events`.
 pub struct TextEvents {

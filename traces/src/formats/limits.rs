@@ -13,7 +13,7 @@ impl Format {
             Self::Pcap => &[Loss::ChannelName, Loss::Direction, Loss::Date, Loss::UnknownDate, Loss::TimeZone],
             Self::Mcap => {
                 &[Loss::Frame, Loss::Direction, Loss::UnknownDate, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc]
-            },
+            }
             Self::Asc | Self::Trc => &[
                 Loss::Frame,
                 Loss::ChannelName,
