@@ -104,6 +104,13 @@ pub fn push_fraction(out: &mut Vec<u8>, mut n: u64, width: usize) {
     out.extend_from_slice(&digits[digits.len() - width.min(digits.len())..]);
 }
 
+/// Appends the last six decimal digits of a number, as most times have them.
+#[inline]
+pub fn push_six_digits(out: &mut Vec<u8>, n: u32) {
+    let [a, b, c] = [n / 10_000, n / 100, n].map(|pair| DECIMAL_PAIRS[(pair % 100) as usize]);
+    out.extend_from_slice(&[a[0], a[1], b[0], b[1], c[0], c[1]]);
+}
+
 /// Fills up with blanks to `width` columns from `start`.
 pub fn pad(out: &mut Vec<u8>, start: usize, width: usize) {
     let mut missing = (start + width).saturating_sub(out.len());
@@ -201,6 +208,7 @@ mod tests {
         assert_eq!(pushed(|out| push_decimal(out, u64::MAX)), u64::MAX.to_string());
         assert_eq!(pushed(|out| push_fraction(out, 42, 6)), "000042");
         assert_eq!(pushed(|out| push_fraction(out, 123_456_789, 9)), "123456789");
+        assert_eq!(pushed(|out| push_six_digits(out, 12_345)), "012345");
         assert_eq!(pushed(|out| push_fraction(out, 1_234, 3)), "234");
         assert_eq!(pushed(|out| push_hex(out, &[0x0A, 0xFF], Some(b' '))), "0A FF");
         assert_eq!(pushed(|out| push_hex_number(out, 0x1234, 3)), "234");

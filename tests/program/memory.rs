@@ -6,7 +6,7 @@ use std::io::Write;
 use std::process::{Child, Command, Stdio};
 
 /// Cycles of [`CYCLE`] before the first look.
-const WARM_UP: usize = 3_000;
+const WARM_UP: usize = 1_500;
 const FACTOR: usize = 10;
 /// In KiB. Buffers may still grow to their size.
 const MOST_GROWTH: u64 = 2 * 1024;

@@ -9,10 +9,9 @@ use super::sink::{Findings, Sink};
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::Service;
-use crate::network::{Candidate, Decoded, Network};
+use crate::network::{Candidates, Decoded, Network};
 use crate::statistics::{BusStatistics, Statistics};
 use canvass_traces::{ChannelId, Duration, Quality, Record, Timestamp};
-use std::sync::Arc;
 
 /// Finds what is wrong in a capture. Memory does not grow with the capture.
 pub struct Diagnosis {
@@ -92,7 +91,7 @@ impl Diagnosis {
     }
 
     /// Says which models nodes that nobody described can be recognised as.
-    pub fn offer(&mut self, candidates: Arc<[Candidate]>) {
+    pub fn offer(&mut self, candidates: Candidates) {
         self.network.offer(candidates);
     }
 

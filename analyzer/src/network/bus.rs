@@ -6,7 +6,7 @@ use super::layer_setting::LayerSetting;
 use super::node::{Cause, Node};
 use super::sdo::{Channel, ChannelIndex, Step, Transfer};
 use super::srdo_pairs::SrdoPairs;
-use super::{Candidate, Decoded, configured, learning};
+use super::{Candidates, Decoded, configured, learning};
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::{Message, PdoNumber, Service};
@@ -31,7 +31,7 @@ pub struct Bus {
     pub(super) further_channels: Vec<(NodeId, u16, ChannelIndex)>,
     nodes: Box<[Option<Box<Node>>]>,
     /// The models that nodes can be recognised as.
-    pub(super) candidates: Arc<[Candidate]>,
+    pub(super) candidates: Candidates,
     /// The protocol of 7E5h and 7E4h, as the last message showed that only one of the two knows.
     dialect: Option<Dialect>,
     srdo_pairs: SrdoPairs,
@@ -50,7 +50,7 @@ impl Bus {
             channels: NodeId::all().map(Channel::new).collect(),
             further_channels: Vec::new(),
             nodes: (0..=127).map(|_| None).collect(),
-            candidates: Arc::default(),
+            candidates: Candidates::default(),
             dialect: None,
             srdo_pairs: SrdoPairs::default(),
             layer_setting: LayerSetting::default(),

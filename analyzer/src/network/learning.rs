@@ -52,7 +52,7 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         _ => {}
     }
     let value = number(transfer.data());
-    if shown == Shown::Read && !bus.candidates.is_empty() {
+    if shown == Shown::Read && bus.candidates.want(object) {
         let data = transfer.data().to_vec();
         recognition::shown(bus, server, object, &data);
     }

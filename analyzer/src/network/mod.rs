@@ -22,7 +22,7 @@ pub use cob_ids::{Source, Use};
 pub use event::{Change, Emergency, Event, Exchange, Move};
 pub use layout::{Layout, Signal};
 pub use node::{Cause, Node};
-pub use recognition::{Candidate, Fact, Recognition};
+pub use recognition::{Candidate, Candidates, Fact, Recognition};
 
 use crate::dictionary::DeviceDescription;
 use crate::message::{Message, Service};
@@ -36,7 +36,7 @@ use std::sync::Arc;
 pub struct Network {
     buses: Vec<Bus>,
     descriptions: Vec<(NodeId, Arc<DeviceDescription>)>,
-    candidates: Arc<[Candidate]>,
+    candidates: Candidates,
 }
 
 /// A frame, understood in its context.
@@ -76,8 +76,8 @@ impl Network {
     }
 
     /// Says which models nodes that nobody described can be recognised as. Of models that show the same, the first one is
-    /// taken. To be said before the first record.
-    pub fn offer(&mut self, candidates: Arc<[Candidate]>) {
+    /// taken. To be said before the first record; they are not asked for before a node shows something of itself.
+    pub fn offer(&mut self, candidates: Candidates) {
         self.candidates = candidates;
     }
 
@@ -95,7 +95,7 @@ impl Network {
         let index = usize::from(channel.0);
         while self.buses.len() <= index {
             let mut bus = Bus::new();
-            bus.candidates = Arc::clone(&self.candidates);
+            bus.candidates = self.candidates.clone();
             for (node, description) in &self.descriptions {
                 bus.describe(*node, description);
             }

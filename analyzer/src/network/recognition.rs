@@ -10,7 +10,7 @@ use super::learning;
 use crate::dictionary::{DeviceDescription, Value};
 use crate::{Multiplexer, NodeId};
 use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 /// A model that nodes can be recognised as.
 #[derive(Clone, Debug)]
@@ -23,7 +23,30 @@ pub struct Candidate {
     pub description: Arc<DeviceDescription>,
 }
 
-/// What a node of a model shows when an object is read.
+/// The models that nodes can be recognised as: worked out when they are first needed, as that may cost more than a short
+/// capture does.
+#[derive(Clone, Default)]
+pub struct Candidates(Option<Arc<LazyLock<Arc<[Candidate]>, Find>>>);
+
+type Find = Box<dyn FnOnce() -> Arc<[Candidate]> + Send>;
+
+impl Candidates {
+    /// What `find` gives when it is asked.
+    pub fn new(find: impl FnOnce() -> Arc<[Candidate]> + Send + 'static) -> Self {
+        Self(Some(Arc::new(LazyLock::new(Box::new(find)))))
+    }
+
+    /// Whether the value of an object may tell what a node is.
+    pub(super) fn want(&self, object: Multiplexer) -> bool {
+        self.0.is_some() && matches!(object.index.0, 0x1000 | 0x1008..=0x100A | 0x1018 | 0x6507)
+    }
+
+    fn get(&self) -> Arc<[Candidate]> {
+        self.0.as_ref().map(|found| Arc::clone(LazyLock::force(found))).unwrap_or_default()
+    }
+}
+
+/// What a node of a model shows when an object is read: of 1000h, 1008h to 100Ah, 1018h or 6507h.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Fact {
     /// One of these numbers.
@@ -88,6 +111,7 @@ impl Candidate {
                 seen.push(*object);
             }
         }
+        seen.sort_unstable();
         let both = |a, b| seen.contains(&a) && seen.contains(&b);
         (both(VENDOR, PRODUCT) || both(DEVICE_TYPE, NAME)).then_some(seen)
     }
@@ -131,7 +155,7 @@ pub(super) fn recognise(candidates: &[Candidate], shown: &Shown) -> Option<(usiz
 
 /// A node has shown the value of an object.
 pub(super) fn shown(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
-    let candidates = Arc::clone(&bus.candidates);
+    let candidates = bus.candidates.get();
     if !candidates.iter().any(|candidate| candidate.facts.iter().any(|fact| fact.0 == object)) {
         return;
     }

@@ -2,7 +2,7 @@
 
 use crate::trace::Trace;
 use canvass_analyzer::dictionary::{DeviceDescription, Settings};
-use canvass_analyzer::network::{Candidate, Event, Fact};
+use canvass_analyzer::network::{Candidate, Candidates, Event, Fact};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Duration};
 use std::sync::Arc;
@@ -85,7 +85,7 @@ fn description() -> DeviceDescription {
 
 fn offering() -> Trace {
     let mut trace = Trace::new();
-    trace.network.offer([Candidate::of("model", Arc::new(description()))].into());
+    trace.network.offer(Candidates::new(|| [Candidate::of("model", Arc::new(description()))].into()));
     trace
 }
 
@@ -160,7 +160,7 @@ fn a_model_is_recognised_by_its_name() {
     let mut candidate = Candidate::of("named", Arc::new(description()));
     candidate.set(Multiplexer::new(0x1008, 0), Fact::Begins("Sendix".to_owned()));
     let mut trace = Trace::new();
-    trace.network.offer([candidate].into());
+    trace.network.offer(Candidates::new(move || [candidate].into()));
     for frame in [
         "605#40 00 10 00 00 00 00 00",
         "585#43 00 10 00 96 01 02 00",

@@ -10,7 +10,7 @@ pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
-use canvass_analyzer::network::Candidate;
+use canvass_analyzer::network::{Candidate, Candidates};
 use std::sync::{Arc, LazyLock};
 
 /// The files of each model: EDS, sheet.
@@ -76,8 +76,8 @@ impl Model {
     }
 
     /// What tells of which built-in model a node is, in the order of the models.
-    pub fn candidates() -> Arc<[Candidate]> {
-        Self::all().iter().map(Self::candidate).collect()
+    pub fn candidates() -> Candidates {
+        Candidates::new(|| Self::all().iter().map(Self::candidate).collect())
     }
 
     /// The name on the command line.

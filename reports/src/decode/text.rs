@@ -1,7 +1,7 @@
 //! One aligned line per frame: time, channel, identifier, data, node, service, meaning.
 
 use super::{Line, Lines};
-use crate::push::{hex_pair, pad, push_decimal, push_front, push_hex, push_hex_number, push_meaning, push_visible};
+use crate::push::{hex_pair, pad, push_decimal, push_hex, push_hex_number, push_meaning, push_visible};
 use crate::time::{Clock, TimeStyle};
 use canvass_analyzer::{Message, NodeId, Service, network::sdo::Violation};
 use canvass_traces::Record;
@@ -19,6 +19,8 @@ pub struct TextLines {
 /// Columns of eight data bytes.
 pub(super) const DATA_WIDTH: usize = 23;
 pub(super) const SERVICE_WIDTH: usize = 11;
+/// Identifier of 3 digits, data, node, and the blanks around them.
+const USUAL_WIDTH: usize = 2 + 3 + 2 + DATA_WIDTH + 1 + 3 + 2;
 
 impl TextLines {
     /// With that style of time, and with colours or without.
@@ -32,6 +34,33 @@ impl TextLines {
         self.id_width = self.id_width.max(digits);
         pad(out, out.len(), self.id_width - digits);
         push_hex_number(out, id.raw(), digits);
+    }
+
+    /// Identifier, data and node with their blanks, of any frame.
+    fn push_columns(&mut self, record: &Record, node: Option<NodeId>, out: &mut Vec<u8>) {
+        out.extend_from_slice(b"  ");
+        self.push_id(record, out);
+        out.extend_from_slice(b"  ");
+        push_data(record, out);
+        out.push(b' ');
+        push_node(node, out);
+        out.extend_from_slice(b"  ");
+    }
+
+    /// The same of a classical data frame of 11 bits, where no wider identifier was shown: nearly all frames of a bus.
+    fn usual_columns(&self, record: &Record, node: Option<NodeId>) -> Option<[u8; USUAL_WIDTH]> {
+        let (frame, data) = (&record.frame, record.data());
+        if self.id_width != 3 || frame.id().is_extended() || frame.is_remote() || data.len() > 8 {
+            return None;
+        }
+        let mut columns = [b' '; USUAL_WIDTH];
+        let [high, low] = (frame.id().raw() as u16).to_be_bytes().map(hex_pair);
+        columns[2..5].copy_from_slice(&[high[1], low[0], low[1]]);
+        for (place, &byte) in columns[7..].chunks_exact_mut(3).zip(data) {
+            place[..2].copy_from_slice(&hex_pair(byte));
+        }
+        columns[8 + DATA_WIDTH..][..3].copy_from_slice(&node_columns(node));
+        Some(columns)
     }
 
     fn push_channel(&mut self, line: &Line<'_>, out: &mut Vec<u8>) {
@@ -63,17 +92,14 @@ impl Lines for TextLines {
         self.clock.push(record.timestamp, out);
         out.extend_from_slice(b"  ");
         self.push_channel(line, out);
-        out.extend_from_slice(b"  ");
-        self.push_id(record, out);
-        out.extend_from_slice(b"  ");
-        push_data(record, out);
-        out.push(b' ');
-        push_node(decoded.node, out);
-        out.extend_from_slice(b"  ");
+        match self.usual_columns(record, decoded.node) {
+            Some(columns) => out.extend_from_slice(&columns),
+            None => self.push_columns(record, decoded.node, out),
+        }
         let start = out.len();
         out.extend_from_slice(decoded.service.name().as_bytes());
         pad(out, start, SERVICE_WIDTH);
-        out.extend_from_slice(b" ");
+        out.push(b' ');
         let style = if self.color { style(decoded.service, &decoded.message, decoded.violation) } else { "" };
         out.extend_from_slice(style.as_bytes());
         push_meaning(out, meaning);
@@ -86,6 +112,10 @@ impl Lines for TextLines {
 
 /// Three columns.
 pub fn push_node(node: Option<NodeId>, out: &mut Vec<u8>) {
+    out.extend_from_slice(&node_columns(node));
+}
+
+fn node_columns(node: Option<NodeId>) -> [u8; 3] {
     let mut columns = *b"   ";
     if let Some(node) = node.map(NodeId::raw) {
         columns[2] = b'0' + node % 10;
@@ -96,7 +126,7 @@ pub fn push_node(node: Option<NodeId>, out: &mut Vec<u8>) {
             columns[0] = b'1';
         }
     }
-    out.extend_from_slice(&columns);
+    columns
 }
 
 pub(super) fn push_data(record: &Record, out: &mut Vec<u8>) {
@@ -108,14 +138,8 @@ pub(super) fn push_data(record: &Record, out: &mut Vec<u8>) {
         return pad(out, start, DATA_WIDTH);
     }
     let data = record.data();
-    if data.len() > 8 {
-        return push_hex(out, data, Some(b' '));
-    }
-    let mut columns = [b' '; DATA_WIDTH + 1];
-    for (place, &byte) in columns.chunks_exact_mut(3).zip(data) {
-        place[..2].copy_from_slice(&hex_pair(byte));
-    }
-    push_front(out, &columns, DATA_WIDTH);
+    push_hex(out, data, Some(b' '));
+    pad(out, start, DATA_WIDTH);
 }
 
 /// The escape sequence that sets off what a reader looks for: errors red, states yellow, commands cyan.
