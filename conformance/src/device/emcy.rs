@@ -52,7 +52,11 @@ impl Condition {
     fn register(self, quirks: &Quirks) -> u8 {
         let profile = if self.alarm() == 0 { 0 } else { ErrorRegister::PROFILE.0 };
         let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | profile;
-        bits & quirks.error_register_bits.unwrap_or(u8::MAX)
+        match quirks.error_register_bits {
+            None => bits,
+            Some(own) if bits & own == 0 => own,
+            Some(own) => bits & own,
+        }
     }
 
     /// Bytes 3 to 7.

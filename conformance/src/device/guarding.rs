@@ -25,7 +25,7 @@ impl NodeGuarding {
 
     /// A reset: as new.
     pub const fn reset(&mut self, faults: Faults) {
-        let toggle = self.toggle && faults.has(Fault::GuardingToggleKept);
+        let toggle = self.toggle && faults.has(Fault::GuardingToggleNotReset);
         *self = Self { toggle, ..Self::new() };
     }
 
@@ -37,7 +37,7 @@ impl NodeGuarding {
             return;
         }
         self.life_time = life_time;
-        let watched = self.due < Timestamp::MAX || faults.has(Fault::LifeGuardingWithoutRequest);
+        let watched = self.due < Timestamp::MAX || faults.has(Fault::LifeGuardingStartsAtOnce);
         let watched = watched && life_time > Duration::ZERO;
         self.due = if watched { now + life_time } else { Timestamp::MAX };
     }

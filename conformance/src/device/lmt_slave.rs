@@ -123,7 +123,7 @@ impl LmtSlave {
             Part::ManufacturerName | Part::ProductName => faults.has(Fault::LmtNamesNotCompared),
         };
         let position = part as usize;
-        let fits = (position == 0 || position == self.selected) && (unchecked || own(part, address) == value);
+        let fits = (position == 0 || position == self.selected) && (unchecked || own(part, address, faults) == value);
         self.selected = if fits { position + 1 } else { 0 };
         if self.selected < Part::ALL.len() {
             return None;
@@ -135,12 +135,12 @@ impl LmtSlave {
 
     /// The names have to be equal, the serial number within the bounds.
     fn on_identify(&mut self, bound: Bound, value: Seven, address: &LmtAddress, faults: Faults) -> Option<Response> {
-        let serial = address.serial_number.0;
+        let serial = own(Part::SerialNumber, address, faults).0;
         let any_serial = faults.has(Fault::LmtIdentifyRangeIgnored);
         // The digits of a serial number in their order, so that bytes compare as the number does.
         let fits = match bound {
-            Bound::ManufacturerName => value == address.manufacturer_name,
-            Bound::ProductName => value == address.product_name,
+            Bound::ManufacturerName => value == own(Part::ManufacturerName, address, faults),
+            Bound::ProductName => value == own(Part::ProductName, address, faults),
             Bound::SerialLow => any_serial || value.0 <= serial,
             Bound::SerialHigh => any_serial || value.0 >= serial,
         };
@@ -178,13 +178,7 @@ impl LmtSlave {
                 let done = Response::Configured { command: ConfigureCommand::Store, error: 0, specific: 0 };
                 ((!faults.has(Fault::LmtStoreSilent)).then_some(done), Some(Effect::Store))
             }
-            Request::Inquire { part } => {
-                let mut value = own(part, address);
-                if part == Part::SerialNumber && faults.has(Fault::LmtSerialNotBcd) {
-                    value = binary(value);
-                }
-                (Some(Response::Part { part, value }), None)
-            }
+            Request::Inquire { part } => (Some(Response::Part { part, value: own(part, address, faults) }), None),
             _ => (None, None),
         }
     }
@@ -202,10 +196,16 @@ impl LmtSlave {
 /// What LSS answers to the last part of its address.
 const SWITCHED: Response = Response::Unknown { command: 0x44, tail: [0; 7] };
 
-const fn own(part: Part, address: &LmtAddress) -> Seven {
+/// A part of the address, as the firmware holds it.
+fn own(part: Part, address: &LmtAddress, faults: Faults) -> Seven {
+    let name = |name: Seven| match faults.has(Fault::LmtNameUnpadded) {
+        true => Seven(name.0.map(|byte| if byte == 0 { 0xFF } else { byte })),
+        false => name,
+    };
     match part {
-        Part::ManufacturerName => address.manufacturer_name,
-        Part::ProductName => address.product_name,
+        Part::ManufacturerName => name(address.manufacturer_name),
+        Part::ProductName => name(address.product_name),
+        Part::SerialNumber if faults.has(Fault::LmtSerialNotBcd) => binary(address.serial_number),
         Part::SerialNumber => address.serial_number,
     }
 }

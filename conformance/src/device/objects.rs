@@ -352,6 +352,10 @@ fn plant(parameters: &mut Parameters, faults: Faults) {
             parameters.redefine(at, Content::Number(parameters.number_or_zero(at.index.0, at.sub.0) + 1));
         }
     }
+    if faults.has(Fault::ErrorControlMissing) {
+        parameters.remove(0x100C, None);
+        parameters.remove(0x100D, None);
+    }
     if faults.has(Fault::ErrorRegisterMissing) {
         parameters.remove(0x1001, None);
     }

@@ -16,7 +16,7 @@ pub struct Quirks {
     pub error_register_read_clears: bool,
     /// An empty entry of 1003h is read as 0 instead of being refused.
     pub empty_error_history_reads_zero: bool,
-    /// The bits that 1001h has; `None`: all.
+    /// The bits that 1001h has; an error that would set none of them sets all. `None`: all eight, each by its error.
     pub error_register_bits: Option<u8>,
     /// The EMCY code of life guarding; `None`: 8130h.
     pub life_guarding_error: Option<u16>,
