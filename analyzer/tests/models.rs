@@ -54,7 +54,8 @@ fn contradictions_to_the_standards() {
     };
     assert_eq!(found("lika-ax58"), ro(&["100C", "100D"]));
     // PDOs can't be configured.
-    let fixed = ["100E", "1800sub1", "1800sub2", "1802sub1", "1802sub2", "1A00sub0", "1A00sub1", "1A02sub0", "1A02sub1"];
+    let fixed =
+        ["100E", "1800sub1", "1800sub2", "1802sub1", "1802sub2", "1A00sub0", "1A00sub1", "1A02sub0", "1A02sub1"];
     assert_eq!(found("tr-c65"), ro(&fixed));
     let mut linear = vec!["[1018sub0] DataType: UNSIGNED32 instead of UNSIGNED8".to_owned()];
     linear.extend(ro(&fixed));

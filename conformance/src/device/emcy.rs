@@ -51,7 +51,9 @@ impl Condition {
     /// The bits of the error register. Bit 0 is always among them, as far as the device has it.
     fn register(self, quirks: &Quirks) -> u8 {
         let profile = if self.alarm() == 0 { 0 } else { ErrorRegister::PROFILE.0 };
-        let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | profile;
+        // Whatever its code is, a lost master is an error of communication.
+        let communication = if matches!(self, Self::Guarding) { ErrorRegister::COMMUNICATION.0 } else { 0 };
+        let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | communication | profile;
         match quirks.error_register_bits {
             None => bits,
             Some(own) if bits & own == 0 => own,

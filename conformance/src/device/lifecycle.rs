@@ -4,6 +4,7 @@ use super::dispatch::service_of;
 use super::encoder::Encoder;
 use super::lss_slave::LssSlave;
 use super::nmt::{self, Order, Phase, Service};
+use super::parameters::Content;
 use super::store::Groups;
 use super::tpdo::Tpdo;
 use super::{Device, PLACEHOLDER, heartbeat};
@@ -37,6 +38,7 @@ impl Device {
         self.tpdos.iter_mut().for_each(Tpdo::stop);
         let node = self.node.unwrap_or(PLACEHOLDER);
         self.store.load(groups, &mut self.objects.parameters, self.objects.encoder.as_mut(), node);
+        self.show_node_id();
         self.phase = match self.node {
             Some(_) => Phase::Initialising { until: now + self.objects.model.sheet().timing.boot() },
             None => Phase::Unconfigured,
@@ -111,6 +113,15 @@ impl Device {
         self.initialise(now, Groups::ALL);
         if quirks.reset_node_restores_profile {
             self.objects.parameters.restore_profile(self.node.unwrap_or(PLACEHOLDER));
+        }
+    }
+
+    /// An object that can't be written shows the node-ID in use, not the one that is stored.
+    fn show_node_id(&mut self) {
+        let Some(at) = self.objects.model.sheet().network.node_id_object else { return };
+        let is_shown = self.objects.parameters.entry(at).is_ok_and(|entry| !entry.writable);
+        if let (true, Some(node)) = (is_shown, self.node) {
+            self.objects.parameters.set(at, Content::Number(u64::from(node.raw())));
         }
     }
 

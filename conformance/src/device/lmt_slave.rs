@@ -223,9 +223,8 @@ fn bit_rate(table: u8, index: u8, faults: Faults) -> Option<u32> {
 
 /// The number that BCD digits stand for, little-endian.
 fn binary(digits: Seven) -> Seven {
-    let number = digits.0.iter().fold(0_u64, |number, byte| {
-        number * 100 + u64::from(byte >> 4) * 10 + u64::from(byte & 0xF)
-    });
+    let number =
+        digits.0.iter().fold(0_u64, |number, byte| number * 100 + u64::from(byte >> 4) * 10 + u64::from(byte & 0xF));
     let [a, b, c, d, e, f, g, _] = number.to_le_bytes();
     Seven([a, b, c, d, e, f, g])
 }

@@ -156,7 +156,5 @@ fn first_request(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_COMMUNICATION)?;
     let life_time = life_time(bench, 100, 2)?;
     let lost = next_error(bench, life_time.whole().times(2))?;
-    demand(lost.is_none(), || {
-        Reason::new("a master that has not guarded yet is not missed", "no EMCY", "an EMCY")
-    })
+    demand(lost.is_none(), || Reason::new("a master that has not guarded yet is not missed", "no EMCY", "an EMCY"))
 }

@@ -56,5 +56,7 @@ fn node_id(bench: &mut Bench<'_>) -> Judged {
 fn guarding_cob_id(bench: &mut Bench<'_>) -> Judged {
     let found = number(bench, Multiplexer::new(0x100E, 0))? & 0x7FF;
     let used = u32::from(error_control::CAN_ID_BASE) + u32::from(bench.node().raw());
-    demand(found == used, || Reason::new("100Eh is the guarding COB-ID", format!("{used:03X}h"), format!("{found:03X}h")))
+    demand(found == used, || {
+        Reason::new("100Eh is the guarding COB-ID", format!("{used:03X}h"), format!("{found:03X}h"))
+    })
 }

@@ -23,7 +23,8 @@ fn needs_limit_switches(bench: &Bench<'_>) -> Result<(), Verdict> {
     if described(LIMIT_MIN) && described(LIMIT_MAX) {
         return Ok(());
     }
-    let reason = Reason::new("the device has limit switches", "2104h and 2105h described as such", "other objects or none");
+    let reason =
+        Reason::new("the device has limit switches", "2104h and 2105h described as such", "other objects or none");
     Err(Verdict::NotApplicable(reason))
 }
 

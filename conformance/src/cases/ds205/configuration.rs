@@ -87,7 +87,8 @@ fn index_of(rate: u32) -> Option<u8> {
        needs = [Alone, Lmt, Description], touches = [BitRate], catches = [LmtBitTimingUnshifted])]
 fn table(bench: &mut Bench<'_>) -> Judged {
     let described = bench.target().description.as_ref().map(|description| description.device.bit_rates.clone());
-    let rates: Vec<u8> = described.unwrap_or_default().iter().filter_map(|&kbit| index_of(u32::from(kbit) * 1000)).collect();
+    let rates: Vec<u8> =
+        described.unwrap_or_default().iter().filter_map(|&kbit| index_of(u32::from(kbit) * 1000)).collect();
     in_configuration(bench, |bench| {
         let mut wrong = None;
         for index in rates {
@@ -133,7 +134,8 @@ fn invalid_bit_timing(bench: &mut Bench<'_>) -> Judged {
 fn activate(bench: &mut Bench<'_>) -> Judged {
     const DELAY_MS: u16 = 500;
     let Some(index) = bench.bit_rate().and_then(index_of) else {
-        let reason = Reason::new("the bit rate of the bus is known", "one of table 0", format!("{:?}", bench.bit_rate()));
+        let reason =
+            Reason::new("the bit rate of the bus is known", "one of table 0", format!("{:?}", bench.bit_rate()));
         return Err(Verdict::NotApplicable(reason));
     };
     in_configuration(bench, |bench| {
@@ -169,7 +171,11 @@ fn store(bench: &mut Bench<'_>) -> Judged {
         let response = exchange(bench, Request::StoreConfiguration)?;
         bench.note("17h stored the node-ID that the device has: one more write of its non-volatile memory");
         demand(matches!(error_of(response, ConfigureCommand::Store), Some(0 | 1)), || {
-            Reason::new("store configuration is answered", "error code 0, or 1 where nothing can be stored", shown(response))
+            Reason::new(
+                "store configuration is answered",
+                "error code 0, or 1 where nothing can be stored",
+                shown(response),
+            )
         })
     })
 }

@@ -14,9 +14,7 @@ fn serial_number(bench: &mut Bench<'_>) -> Judged {
     in_configuration(bench, |bench| {
         let Seven(bytes) = inquire(bench, Part::SerialNumber)?;
         let is_decimal = bytes.iter().all(|byte| byte >> 4 <= 9 && byte & 0x0F <= 9);
-        demand(is_decimal, || {
-            Reason::new("the serial number is BCD", "nibbles of 0 to 9", Bytes(&bytes).to_string())
-        })
+        demand(is_decimal, || Reason::new("the serial number is BCD", "nibbles of 0 to 9", Bytes(&bytes).to_string()))
     })
 }
 

@@ -29,7 +29,9 @@ fn shown(response: Option<Response>) -> String {
 /// Demands that a message is not answered.
 fn expect_silence(bench: &mut Bench<'_>, request: Request, when: &str) -> Judged {
     let response = exchange(bench, request)?;
-    demand(response.is_none(), || Reason::new(format!("\"{request}\" is not answered {when}"), "silence", shown(response)))
+    demand(response.is_none(), || {
+        Reason::new(format!("\"{request}\" is not answered {when}"), "silence", shown(response))
+    })
 }
 
 /// Whether the slave is in configuration: only then it answers inquiries.
