@@ -62,8 +62,7 @@ impl Bench {
     /// Resets the node, and what it sends until it has started.
     pub fn reset(&mut self, command: &str) -> Vec<String> {
         self.ask(&format!("000#{command}01"));
-        let sent = self.run(300);
-        sent
+        self.run(300)
     }
 
     /// Off and on again.
