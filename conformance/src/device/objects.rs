@@ -353,7 +353,6 @@ fn plant(parameters: &mut Parameters, faults: Faults) {
         }
     }
     if faults.has(Fault::ErrorControlMissing) {
-        parameters.remove(0x100C, None);
         parameters.remove(0x100D, None);
     }
     if faults.has(Fault::ErrorRegisterMissing) {
