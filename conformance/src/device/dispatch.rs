@@ -20,6 +20,9 @@ impl Device {
     }
 
     fn on_sync(&mut self, now: Timestamp) {
+        if !self.objects.consumes_sync() {
+            return;
+        }
         for tpdo in &mut self.tpdos {
             if let Some(frame) = tpdo.on_sync(now, &self.objects) {
                 push(&mut self.outbox, frame);

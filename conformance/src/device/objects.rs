@@ -7,7 +7,7 @@ use super::heartbeat_consumer;
 use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
-use super::parameters::{Content, Parameters, Reading};
+use super::parameters::{Content, Parameter, Parameters, Reading};
 use super::store::StoreCommand;
 use super::tpdo;
 use crate::models::Model;
@@ -275,13 +275,22 @@ impl Objects {
 
     /// SYNC, TIME and EMCY: 11 bits, not restricted; the device only consumes SYNC and TIME (bit 30).
     fn check_cob_id(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
-        // DS-301 V3.0: bit 31 of 1005h says that SYNC is consumed.
-        let consumes = self.parameters.entry(at).map_or(0, |entry| entry.default_bits()) & u64::from(CobId::INVALID);
-        let new = CobId((value & !consumes) as u32);
+        let new = CobId((value & !self.consumer_bit(at)) as u32);
         let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
         let produces = at.index.0 != 0x1014 && new.0 & CobId::NO_RTR != 0;
         let restricted = new.is_restricted() && !self.faults.has(Fault::RestrictedCanIdAccepted);
         if reserved || produces || restricted { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    }
+
+    /// Bit 31 of a COB-ID that has it as delivered: 1005h of DS-301 V3.0, where it says that SYNC is consumed.
+    fn consumer_bit(&self, at: Multiplexer) -> u64 {
+        self.parameters.entry(at).map_or(0, Parameter::default_bits) & u64::from(CobId::INVALID)
+    }
+
+    /// Whether SYNC is listened to.
+    pub fn consumes_sync(&self) -> bool {
+        let needed = self.consumer_bit(Multiplexer::new(0x1005, 0));
+        self.parameters.number_or_zero(0x1005, 0) & needed == needed
     }
 
     /// Whether a write to the object does something instead of leaving a value.
