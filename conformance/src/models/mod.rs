@@ -2,10 +2,12 @@
 //! cannot say.
 
 mod annotations;
+mod quirks;
 mod recognition;
 mod sheet;
 
-pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
+pub use quirks::Quirks;
+pub use sheet::{BitRate, Encoder, LmtAddress, Network, Sheet, Storage, Timing, Trigger, Value};
 
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
@@ -14,8 +16,12 @@ use canvass_analyzer::network::{Candidate, Candidates};
 use std::sync::{Arc, LazyLock};
 
 /// The files of each model: EDS, sheet.
-const FILES: &[(&str, &str)] =
-    &[(include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml"))];
+const FILES: &[(&str, &str)] = &[
+    (include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml")),
+    (include_str!("../../models/lika-ax58.eds"), include_str!("../../models/lika-ax58.toml")),
+    (include_str!("../../models/tr-c65.eds"), include_str!("../../models/tr-c65.toml")),
+    (include_str!("../../models/tr-lmp30.eds"), include_str!("../../models/tr-lmp30.toml")),
+];
 
 static MODELS: LazyLock<Vec<Model>> =
     LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
