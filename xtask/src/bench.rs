@@ -32,6 +32,7 @@ pub fn bench() -> Result<()> {
     println!("machine: {}", machine());
     println!("{FRAMES} frames, best of {RUNS} runs, processor time");
     decoding()?;
+    crate::diagnosing::diagnosing()?;
     reading()
 }
 
@@ -41,7 +42,7 @@ pub fn build() -> Result<()> {
     run("cargo", &["build", "--release", "--locked", "--package", "canvass-traces", "--examples"])
 }
 
-fn capture(format: &str) -> String {
+pub fn capture(format: &str) -> String {
     format!("target/bench/traffic.{format}")
 }
 
@@ -140,7 +141,7 @@ fn reported(command: &mut Command) -> Result<f64> {
 }
 
 /// The cheapest of several runs.
-fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
+pub fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
     let mut best: Option<Cost> = None;
     for _ in 0..RUNS {
         let input = input.map(File::open).transpose()?.map_or_else(Stdio::null, Stdio::from);

@@ -11,6 +11,7 @@ mod layer_setting;
 mod layout;
 mod learning;
 mod node;
+mod open_errors;
 mod scaling;
 pub mod sdo;
 mod srdo_pairs;
@@ -20,6 +21,7 @@ pub use cob_ids::{Source, Use};
 pub use event::{Change, Emergency, Event, Exchange, Move};
 pub use layout::{Layout, Signal};
 pub use node::{Cause, Node};
+pub use open_errors::OpenErrors;
 
 use crate::dictionary::DeviceDescription;
 use crate::message::{Message, Service};
