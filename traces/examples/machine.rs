@@ -47,7 +47,7 @@ struct Bus {
 impl Bus {
     /// A frame that wants to be sent at that time: it waits until the bus is free.
     fn send(&mut self, at: u64, id: u32, data: &[u8]) -> Result<(), WriteError> {
-        let Ok(frame) = Frame::new(CanId::standard_masked(id), data) else { return Ok(()) };
+        let Some(frame) = Frame::new(CanId::standard_masked(id), data) else { return Ok(()) };
         let end = self.free.max(at) + u64::from(bit_length(&frame).unwrap_or(0)) * BIT;
         self.free = end + u64::from(INTERMISSION) * BIT;
         self.left = self.left.saturating_sub(1);
