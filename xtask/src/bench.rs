@@ -34,6 +34,7 @@ pub fn bench() -> Result<()> {
     println!("machine: {}", machine());
     println!("{FRAMES} frames, best of {RUNS} runs, processor time");
     decoding()?;
+    crate::diagnosing::diagnosing()?;
     reading()
 }
 
@@ -98,7 +99,7 @@ pub fn build() -> Result<()> {
     run("cargo", &["build", "--release", "--locked", "--package", "canvass-traces", "--examples"])
 }
 
-fn capture(format: &str) -> String {
+pub fn capture(format: &str) -> String {
     format!("target/bench/traffic.{format}")
 }
 
@@ -204,7 +205,7 @@ fn reported(command: &mut Command) -> Result<f64> {
 }
 
 /// The cheapest of several runs.
-fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
+pub fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
     best_of(RUNS, command, input)
 }
 

@@ -4,6 +4,7 @@
 
 mod bench;
 mod ci;
+mod diagnosing;
 mod fuzz;
 mod measure;
 mod memory;

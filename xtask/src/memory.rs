@@ -36,8 +36,9 @@ const DECODERS: [&[&str]; 6] = [
 ];
 
 /// To a file, MCAP has chunks, an index and compression; to a pipe, it is written live.
-const COMMANDS: [&[&str]; 4] = [
+const COMMANDS: [&[&str]; 5] = [
     &["decode", "-"],
+    &["diagnose", "--fail-on", "never", "-"],
     &["convert", "--to", "mcap", "-", "/dev/null"],
     &["convert", "--to", "mcap", "-", "-"],
     &["convert", "--to", "candump", "-", "/dev/null"],

@@ -217,9 +217,9 @@ fn mappings(bus: &mut Bus, id: NodeId) -> Vec<(PdoNumber, Option<Vec<MappingEntr
     pdos.into_iter().map(|pdo| (pdo, node.mapping(id, pdo))).collect()
 }
 
-/// Communication parameters, and what decides the unit of others.
+/// Communication parameters, the cyclic timer and the revolutions of encoders, and what decides the unit of others.
 fn is_learned(object: Multiplexer) -> bool {
-    matches!(object.index.0, 0x1000..=0x1FFF) || is_scaling_parameter(object)
+    matches!(object.index.0, 0x1000..=0x1FFF | 0x6200 | 0x6502) || is_scaling_parameter(object)
 }
 
 /// A value of 1 to 4 bytes.

@@ -12,6 +12,7 @@ mod layer_setting;
 mod layout;
 mod learning;
 mod node;
+mod open_errors;
 mod recognition;
 mod scaling;
 pub mod sdo;
@@ -22,6 +23,7 @@ pub use cob_ids::{Source, Use};
 pub use event::{Change, Emergency, Event, Exchange, Move};
 pub use layout::{Layout, Signal};
 pub use node::{Cause, Node};
+pub use open_errors::OpenErrors;
 pub use recognition::{Candidate, Candidates, Fact, Recognition};
 
 use crate::dictionary::DeviceDescription;

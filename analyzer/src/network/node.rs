@@ -1,7 +1,7 @@
 //! What is known of one node.
 
-use crate::dictionary::DeviceDescription;
 use crate::dictionary::Unit;
+use crate::dictionary::{Access, DeviceDescription};
 use crate::message::PdoNumber;
 use crate::network::configured::Pending;
 use crate::network::layout::Layout;
@@ -75,6 +75,17 @@ impl Node {
             u32::try_from(entry.start_value(id)?.to_raw()?).ok()
         };
         self.parameters.get(&object).map(|shown| shown.0).or_else(described)
+    }
+
+    /// The value of a parameter as far as it is certain: the trace has shown it, or the description has it for an object
+    /// that no one can write. Other defaults may have been changed before the trace began.
+    pub fn certain(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
+        let fixed = || {
+            let entry = self.description.as_ref()?.dictionary.entry(object).ok()?;
+            let value = u32::try_from(entry.start_value(id)?.to_raw()?).ok()?;
+            matches!(entry.access, Access::Const | Access::Ro).then_some(value)
+        };
+        self.parameters.get(&object).map(|shown| shown.0).or_else(fixed)
     }
 
     /// The number of its device profile (the low word of 1000h), where the trace or the description tells.
