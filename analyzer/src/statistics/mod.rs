@@ -12,6 +12,6 @@ mod test_run;
 pub use bit_rate::BitRate;
 pub use bus::{BusStatistics, Statistics};
 pub use histogram::Histogram;
-pub use load::Load;
+pub use load::{Extremes, Load};
 pub use node::{EmcyCount, IdentityText, NodeStatistics, StateChange};
 pub use test_run::{TestCase, TestRun};

@@ -133,7 +133,8 @@ fn node(id: NodeId, channel: &str, node: &NodeStatistics) -> Value {
     })
 }
 
-const fn cause(cause: Cause) -> &'static str {
+/// How a state is known.
+pub(super) const fn cause(cause: Cause) -> &'static str {
     match cause {
         Cause::Command => "command",
         Cause::BootUp => "boot-up",
