@@ -14,12 +14,18 @@ const canvass = (() => {
     return made;
   };
 
-  // A colour of the style sheet as the theme makes it.
+  // A colour of the style sheet as the theme makes it. To ask the browser takes long: once for each.
   const probe = document.body.appendChild(element('span', { hidden: true }));
+  const colors = new Map();
   const color = (name, alpha = 1) => {
-    probe.style.color = `color-mix(in srgb, var(${name}) ${alpha * 100}%, transparent)`;
-    return getComputedStyle(probe).color;
+    const key = `color-mix(in srgb, var(${name}) ${alpha * 100}%, transparent)`;
+    if (!colors.has(key)) {
+      probe.style.color = key;
+      colors.set(key, getComputedStyle(probe).color);
+    }
+    return colors.get(key);
   };
+  addEventListener('themechange', () => colors.clear());
 
   // A time in microseconds as seconds; over `span`, only the digits that differ are of interest.
   const time = (micros, span = 0) => {

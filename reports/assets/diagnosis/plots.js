@@ -7,7 +7,7 @@
   const font = '11px system-ui, sans-serif';
   const narrow = matchMedia('(max-width: 40rem)');
   // As wide as the names of the timeline, so that times stand below each other.
-  canvass.gutter = () => (narrow.matches ? 58 : 92);
+  canvass.gutter = () => (narrow.matches ? 64 : 92);
   canvass.margin = 14;
 
   const axis = (more) => ({

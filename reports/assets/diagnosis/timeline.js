@@ -175,7 +175,14 @@
   view.control(area);
   area.setAttribute('role', 'group');
   area.setAttribute('aria-label', 'Timeline of NMT states');
-  view.watch(draw);
+  // Once for each picture of the screen, however often something moves.
+  let waiting = false;
+  const later = () => {
+    if (waiting) return;
+    waiting = true;
+    requestAnimationFrame(() => { waiting = false; draw(); });
+  };
+  view.watch(later);
   addEventListener('themechange', draw);
-  new ResizeObserver(() => requestAnimationFrame(draw)).observe(area);
+  new ResizeObserver(later).observe(area);
 })();

@@ -86,7 +86,7 @@ fn figure(id: NodeId, on: &str, times: &Histogram, (first, end): (usize, usize))
                 @for decade in 0..=8 {
                     @let x = (f64::from(decade) * 10_f64.log2() * PER_OCTAVE - first as f64) * width;
                     @if (0.0..WIDTH - 20.0).contains(&x) {
-                        line.grid x1=(px(x)) x2=(px(x)) y1="0" y2=(HEIGHT);
+                        line.grid x1=(px(x)) x2=(px(x)) y1="0" y2=(HEIGHT) {}
                         text x=(px(x + 3.0)) y=(HEIGHT + 14.0) { (Duration::from_micros(10_u64.pow(decade))) }
                     }
                 }
@@ -97,7 +97,7 @@ fn figure(id: NodeId, on: &str, times: &Histogram, (first, end): (usize, usize))
                         title { (count) " up to " (rounded(upper(at))) }
                     }
                 }
-                line.axis x1="0" x2=(WIDTH) y1=(HEIGHT) y2=(HEIGHT);
+                line.axis x1="0" x2=(WIDTH) y1=(HEIGHT) y2=(HEIGHT) {}
             }
         }
     }

@@ -114,7 +114,7 @@ fn services(node: &NodeStatistics) -> Markup {
                     th scope="row" { (service) }
                     td.number { (count) }
                     td { svg.share viewBox="0 0 100 8" aria-hidden="true" preserveAspectRatio="none" {
-                        rect.bar width=(format!("{:.1}", count as f64 * 100.0 / most as f64)) height="8" rx="2";
+                        rect.bar width=(format!("{:.1}", count as f64 * 100.0 / most as f64)) height="8" rx="2" {}
                     } }
                 }
             }
