@@ -51,7 +51,6 @@ fn a_million_frames_are_no_burden() {
         (begin.elapsed(), browser.number("return performance.getEntriesByType('navigation')[0].loadEventEnd"));
     assert!(loaded > 0.0 && loaded < 3_000.0, "{loaded} ms to load");
     assert!(opened < Duration::from_secs(20), "with the start of the browser {opened:?}");
-    eprintln!("{frames} frames: {size} bytes, {loaded:.0} ms to load");
     assert!(browser.number("return canvass.data.findings.length") > 20.0);
     assert!(browser.number("return canvass.data.frames.length") > 1_000.0);
     // Moving about stays quick.

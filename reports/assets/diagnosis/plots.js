@@ -99,8 +99,11 @@
     signals.filter((other) => other.entry).forEach((other) => place.append(other.entry.figure));
   };
   const choice = document.getElementById('signal-choice');
-  signals.forEach((signal, at) => {
-    const box = element('input', { type: 'checkbox', checked: at < 4 });
+  // At first one of each node, as far as there are not too many.
+  const isFirst = (signal) => signals.find((other) => other.node === signal.node && other.channel === signal.channel) === signal;
+  const foremost = new Set([...new Set([...signals.filter(isFirst), ...signals])].slice(0, 4));
+  signals.forEach((signal) => {
+    const box = element('input', { type: 'checkbox', checked: foremost.has(signal) });
     box.addEventListener('change', () => {
       if (box.checked) draw(signal);
       else { signal.entry.drop(); signal.entry = null; }

@@ -252,3 +252,76 @@ fn merge(frames: &mut Vec<Shown>, mut others: Vec<Shown>) {
 pub fn places(frames: &[Shown]) -> HashMap<FrameKey, usize> {
     frames.iter().enumerate().map(|(at, shown)| (shown.key(), at)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_analyzer::findings::{Diagnosis, Results, Thresholds};
+    use canvass_traces::parse_frame;
+
+    /// The frames that are shown of a bus with a heartbeat every millisecond, and what was found on it.
+    fn shown(frames: u64, also: &dyn Fn(u64) -> Option<&'static str>) -> (Vec<Shown>, Results) {
+        let (mut diagnosis, mut excerpt) = (Diagnosis::new(Thresholds::default()), Excerpt::default());
+        for n in 1..=frames {
+            let frame = parse_frame(also(n).unwrap_or("705#05")).unwrap().frame;
+            let record = Record::new(Timestamp(n * 1_000_123), ChannelId(0), frame).at(n, n * 30);
+            let observed = diagnosis.record(&record).unwrap();
+            excerpt.frame(&record, &observed);
+        }
+        let results = diagnosis.finish(&[]);
+        let frames = excerpt.finish(results.findings.iter().flat_map(|finding| &finding.evidence));
+        (frames, results)
+    }
+
+    fn has(frames: &[Shown], numbers: std::ops::RangeInclusive<u64>) -> bool {
+        numbers.into_iter().all(|number| frames.iter().any(|shown| shown.number == number))
+    }
+
+    #[test]
+    fn a_small_capture_is_shown_whole() {
+        let (frames, _) = shown(WHOLE as u64, &|_| None);
+        assert_eq!(frames.len(), WHOLE);
+        assert_eq!(frames[7].text, "heartbeat: operational");
+    }
+
+    #[test]
+    fn of_a_large_one_the_frames_around_findings() {
+        let at = |n| match n {
+            50_000 => Some("085#1081110000000000"),
+            50_500 => Some("085#0000000000000000"),
+            _ => None,
+        };
+        let (frames, results) = shown(100_000, &at);
+        assert!(results.findings.iter().any(|finding| finding.rule.id == "emcy/raised"), "{results:?}");
+        assert!(frames.len() < 600, "{}", frames.len());
+        assert!(has(&frames, 1..=OPENING as u64) && has(&frames, 99_980..=100_000));
+        assert!(has(&frames, 50_000 - BEFORE..=50_000 + BEHIND), "first");
+        assert!(frames.is_sorted_by_key(|shown| shown.time));
+        let places = places(&frames);
+        for exhibit in results.findings.iter().flat_map(|finding| &finding.evidence) {
+            assert!(key_of(exhibit).is_none_or(|key| places.contains_key(&key)), "{exhibit:?} leads nowhere");
+        }
+    }
+
+    /// A bus on which everything is wrong all the time.
+    #[test]
+    fn what_is_kept_is_bounded() {
+        let mut state = 1_u64;
+        let (mut diagnosis, mut excerpt) = (Diagnosis::new(Thresholds::default()), Excerpt::default());
+        for n in 1..=60_000_u64 {
+            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            let (id, data) = (state >> 53, (state << 11).to_be_bytes());
+            let id = canvass_traces::CanId::standard_masked(id as u32);
+            let record = Record::new(Timestamp(n * 500_000 + state % 400_000), ChannelId(0), Frame::full(id, data));
+            let record = record.at(n, n);
+            let observed = diagnosis.record(&record).unwrap();
+            excerpt.frame(&record, &observed);
+            assert!(excerpt.kept.len() <= MOST && excerpt.ring.len() as u64 <= BEFORE + BEHIND + 1);
+            assert!(excerpt.due.len() < 100 * BEHIND as usize);
+        }
+        let results = diagnosis.finish(&[]);
+        assert!(results.findings.len() > 500, "{}", results.findings.len());
+        let frames = excerpt.finish(results.findings.iter().flat_map(|finding| &finding.evidence));
+        assert!(frames.len() < MOST + results.findings.len() * 8 + 200);
+    }
+}

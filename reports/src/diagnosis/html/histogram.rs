@@ -85,7 +85,7 @@ fn figure(id: NodeId, on: &str, times: &Histogram, (first, end): (usize, usize))
             svg viewBox={ "0 0 " (WIDTH) " " (HEIGHT + 18.0) } role="img" aria-label=(words) {
                 @for decade in 0..=8 {
                     @let x = (f64::from(decade) * 10_f64.log2() * PER_OCTAVE - first as f64) * width;
-                    @if (0.0..WIDTH - 20.0).contains(&x) {
+                    @if (0.0..WIDTH - 45.0).contains(&x) {
                         line.grid x1=(px(x)) x2=(px(x)) y1="0" y2=(HEIGHT) {}
                         text x=(px(x + 3.0)) y=(HEIGHT + 14.0) { (Duration::from_micros(10_u64.pow(decade))) }
                     }
