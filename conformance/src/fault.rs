@@ -9,7 +9,7 @@ const USUAL_MODEL: &str = "kuebler-sendix-58x8";
 /// Defines the faults: one row each, so that name, variant and text can't drift apart. `on "MODEL"` names a model on
 /// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it.
 macro_rules! faults {
-    ($($variant:ident = $id:literal $(on $model:literal)? $($fuzz:ident)?: $summary:literal,)*) => {
+    ($($variant:ident = $id:literal $($key:ident $($argument:literal)?)*: $summary:literal,)*) => {
         /// One defect of a firmware. Each is a switch of its own; they can be combined.
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
         pub enum Fault {
@@ -32,20 +32,20 @@ macro_rules! faults {
 
             /// The id of a model on which it shows.
             pub fn model(self) -> &'static str {
-                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($model)?),)* };
+                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($key $($argument)?)*),)* };
                 named.unwrap_or(USUAL_MODEL)
             }
 
             /// Whether the fuzzer claims to find it.
             pub const fn is_fuzzed(self) -> bool {
-                match self { $(Self::$variant => faults!(@fuzz $($fuzz)?),)* }
+                match self { $(Self::$variant => faults!(@fuzz $($key $($argument)?)*),)* }
             }
         }
     };
-    (@model) => { None };
-    (@model $model:literal) => { Some($model) };
-    (@fuzz) => { false };
-    (@fuzz fuzz) => { true };
+    (@model $(fuzz)?) => { None };
+    (@model on $model:literal $(fuzz)?) => { Some($model) };
+    (@fuzz $(on $model:literal)?) => { false };
+    (@fuzz $(on $model:literal)? fuzz) => { true };
 }
 
 faults! {
@@ -122,6 +122,94 @@ faults! {
     CodeSequenceIgnored = "code-sequence-ignored": "6000h bit 0 does not turn the direction of counting.",
     ScalingIgnored = "scaling-ignored": "6001h and 6002h do not scale the position.",
     OperatingStatusStuck = "operating-status-stuck": "6500h does not follow 6000h.",
+    NmtResetCommunicationRestoresAll = "nmt-reset-communication-restores-all": "Reset communication loads application parameters anew too.",
+    NmtCommandLost = "nmt-command-lost": "Of NMT commands within one millisecond only the first one is obeyed.",
+    ExtendedFrameObeyed = "extended-frame-obeyed": "Frames with 29-bit identifiers are taken for those with the same lower 11 bits.",
+    BootUpSometimesMissing = "boot-up-sometimes-missing": "Every eighth reset ends without a boot-up message.",
+    EmcyBeforeBootUp = "emcy-before-boot-up": "An EMCY message is sent before the boot-up message.",
+    SdoAnsweredBeforeBootUp = "sdo-answered-before-boot-up": "The SDO server answers before the boot-up message.",
+    StartUpIgnored = "start-up-ignored" on "reference-301": "The device waits in pre-operational, whatever 1F80h says.",
+    HeartbeatTimerRounded = "heartbeat-timer-rounded": "Heartbeat times are rounded up to multiples of 64 ms.",
+    HeartbeatBurst = "heartbeat-burst": "A new heartbeat time while heartbeats are sent causes a burst of them.",
+    HeartbeatLateAfterBootUp = "heartbeat-late-after-boot-up": "The first heartbeat after a reset comes three periods after the boot-up message.",
+    HeartbeatStateLate = "heartbeat-state-late": "A heartbeat shows the state at the heartbeat before.",
+    GuardingToggleNotReset = "guarding-toggle-not-reset": "Reset communication does not reset the toggle bit of node guarding.",
+    GuardingBesideHeartbeat = "guarding-beside-heartbeat": "Node guarding is answered while heartbeats are sent.",
+    LifeGuardingStartsAtOnce = "life-guarding-starts-at-once": "Life guarding begins without a first remote frame of the master.",
+    LifeTimeFactorIgnored = "life-time-factor-ignored": "The master is missed after the guard time, whatever the life time factor is.",
+    HeartbeatConsumerStartsAtOnce = "heartbeat-consumer-starts-at-once" on "reference-301": "A node is missed that was never heard.",
+    HeartbeatConsumerNotRearmed = "heartbeat-consumer-not-rearmed" on "reference-301": "A node that was missed once is not noticed when it is back.",
+    HeartbeatConsumerFirstOnly = "heartbeat-consumer-first-only" on "reference-301": "Only the first entry of 1016h is watched.",
+    ErrorBehaviourIgnored = "error-behaviour-ignored": "1029h has no effect: the NMT state never changes by an error.",
+    ErrorBehaviourUnchecked = "error-behaviour-unchecked": "1029h takes reserved values.",
+    ErrorBehaviourLeavesStopped = "error-behaviour-leaves-stopped": "With 1029h:01 = 0 an error in stopped leads to pre-operational.",
+    RpdoInPreOperational = "rpdo-in-pre-operational" on "reference-301": "RPDOs act in pre-operational.",
+    RpdoLengthUnchecked = "rpdo-length-unchecked" on "reference-301": "RPDOs that are too short act, with zeros for what is missing.",
+    LongRpdoIgnored = "long-rpdo-ignored" on "reference-301": "RPDOs that are longer than their mapping don't act.",
+    SynchronousRpdoActsAtOnce = "synchronous-rpdo-acts-at-once" on "reference-301": "Synchronous RPDOs don't wait for SYNC.",
+    RpdoDeadlineIgnored = "rpdo-deadline-ignored" on "reference-301": "An RPDO that is late is not missed.",
+    RpdoReceivedWhenInvalid = "rpdo-received-when-invalid" on "reference-301": "RPDOs act although bit 31 of their COB-ID is set.",
+    RpdoRangeUnchecked = "rpdo-range-unchecked" on "reference-301": "An RPDO sets values that an SDO can't.",
+    RemoteFrameTakenAsRpdo = "remote-frame-taken-as-rpdo" on "reference-301": "A remote frame with the CAN-ID of an RPDO sets its objects to zero.",
+    EventTimerOffByOne = "event-timer-off-by-one": "TPDOs come one millisecond later than their event timer says.",
+    InhibitTimeInMilliseconds = "inhibit-time-in-milliseconds": "The inhibit time counts in milliseconds instead of 100 microseconds.",
+    AcyclicTpdoWithoutEvent = "acyclic-tpdo-without-event": "TPDOs of transmission type 0 are sent at every SYNC.",
+    SyncStartValueIgnored = "sync-start-value-ignored" on "reference-301": "The SYNC start value of TPDOs has no effect.",
+    SyncCountNotReset = "sync-count-not-reset": "TPDOs of transmission type n go on counting SYNCs where they stopped.",
+    TpdoNotSentAtStart = "tpdo-not-sent-at-start": "Event-driven TPDOs are not sent when the device becomes operational.",
+    RemoteFrameAnsweredWhenNotAllowed = "remote-frame-answered-when-not-allowed": "Remote frames are answered although bit 30 of the COB-ID is set.",
+    RtrTypeSampledAtOnce = "rtr-type-sampled-at-once": "A TPDO of transmission type 252 holds the values of the remote frame, not of the SYNC.",
+    RtrTypeWithoutRtrAccepted = "rtr-type-without-rtr-accepted": "Transmission types 252 and 253 are accepted for a PDO without remote frames.",
+    RtrBitClearable = "rtr-bit-clearable" on "reference-406": "Bit 30 of a COB-ID can be cleared although remote frames are not supported.",
+    InhibitTimeChangeWhileValid = "inhibit-time-change-while-valid": "The inhibit time can be changed while the PDO is valid.",
+    SyncStartValueChangeWhileValid = "sync-start-value-change-while-valid" on "reference-301": "The SYNC start value can be changed while the PDO is valid.",
+    EmptyPdoValidated = "empty-pdo-validated": "A PDO without mapping can be made valid.",
+    MappingCountUnchecked = "mapping-count-unchecked": "Sub-index 0 of a mapping takes any number of entries.",
+    MissingObjectMapped = "missing-object-mapped": "Objects that do not exist can be mapped.",
+    DummyMappedIntoTpdo = "dummy-mapped-into-tpdo": "Dummy entries can be mapped into TPDOs.",
+    SyncPeriodDoubled = "sync-period-doubled" on "reference-301": "SYNC is produced at twice the time of 1006h.",
+    SyncWhenStopped = "sync-when-stopped" on "reference-301": "SYNC is produced in stopped.",
+    SyncCounterNotReset = "sync-counter-not-reset" on "reference-301": "The SYNC counter goes on where it stopped.",
+    SyncCounterFromZero = "sync-counter-from-zero" on "reference-301": "The SYNC counter begins with 0.",
+    SyncOverflowUnchecked = "sync-overflow-unchecked" on "reference-301": "1019h takes 1 and values above 240.",
+    SyncOverflowChangeWhileProducing = "sync-overflow-change-while-producing" on "reference-301": "1019h can be changed while 1006h is not 0.",
+    SyncIdChangeWhileProducing = "sync-id-change-while-producing" on "reference-301": "The CAN-ID of SYNC can be changed while SYNC is produced.",
+    SyncLengthUnchecked = "sync-length-unchecked" on "reference-301": "SYNC messages of a wrong length are obeyed.",
+    TimeIgnored = "time-ignored" on "reference-301": "TIME does not set the clock.",
+    TimeIdChangeWhileValid = "time-id-change-while-valid" on "reference-301": "The CAN-ID of TIME can be changed while TIME is in use.",
+    TimeReservedBitsSet = "time-reserved-bits-set" on "reference-301": "TIME is produced with reserved bits set.",
+    SdoChannelIdChangeWhileValid = "sdo-channel-id-change-while-valid" on "reference-301": "The COB-IDs of 1201h can be changed while the channel is valid.",
+    EmcyInhibitTimeIgnored = "emcy-inhibit-time-ignored": "1015h has no effect.",
+    EmcyLostWhenInhibited = "emcy-lost-when-inhibited": "Errors within the inhibit time of EMCY are never reported.",
+    EmcyLostWhenStopped = "emcy-lost-when-stopped": "Errors that come in stopped are never reported.",
+    EmcyIdChangeWhileValid = "emcy-id-change-while-valid" on "reference-301": "The CAN-ID of EMCY can be changed while EMCY is valid.",
+    EmcySentWhenInvalid = "emcy-sent-when-invalid" on "reference-301": "EMCY messages are sent although bit 31 of 1014h is set.",
+    EmcyRegisterZero = "emcy-register-zero": "EMCY messages hold 0 instead of the error register.",
+    ErrorHistoryReversed = "error-history-reversed": "1003h shows the oldest error first.",
+    ErrorHistoryOverflows = "error-history-overflows": "1003h:00 counts beyond the entries that there are.",
+    ErrorHistoryNonZeroAccepted = "error-history-non-zero-accepted": "1003h:00 takes values other than 0.",
+    ErrorHistoryEmptyReadsZero = "error-history-empty-reads-zero": "Entries of 1003h that hold no error read as 0.",
+    RestoreSignatureUnchecked = "restore-signature-unchecked": "1011h takes any value as its signature.",
+    RestoreWithoutEffect = "restore-without-effect": "1011h confirms, but the stored values stay.",
+    StoreLosesGroup = "store-loses-group": "1010h does not store application parameters.",
+    StoreGroupIgnored = "store-group-ignored": "Every sub-index of 1010h stores all parameters.",
+    StoreTornByReset = "store-torn-by-reset": "A reset while parameters are being stored leaves some of them new and some old.",
+    LssSelectiveThreeParts = "lss-selective-three-parts": "Switch selective does not compare the serial number.",
+    LssSelectiveAnyOrder = "lss-selective-any-order": "Switch selective takes the parts of the address in any order.",
+    LssIdentifyRangeExclusive = "lss-identify-range-exclusive": "Identify remote slave excludes the upper bounds.",
+    LssNonConfiguredAnswered = "lss-non-configured-answered": "A device with a node-ID answers identify non-configured remote slave.",
+    LssReservedModeWaits = "lss-reserved-mode-waits": "Reserved modes of switch global lead to waiting.",
+    LssBitTimingUnchecked = "lss-bit-timing-unchecked": "LSS confirms bit rates that don't exist.",
+    LssBitTimingWrongCode = "lss-bit-timing-wrong-code": "LSS refuses bit rates with the manufacturer's error code.",
+    LssStoreNotPersistent = "lss-store-not-persistent": "LSS confirms storing, but nothing is stored.",
+    LssNodeIdAtOnce = "lss-node-id-at-once" on "reference-301": "A node-ID configured by LSS acts before the reset.",
+    LssActivatesAtOnce = "lss-activates-at-once" on "reference-301": "Activate bit timing does not wait for its delay.",
+    FastscanEarlyMatch = "fastscan-early-match": "Fastscan ends at any part of the address after which the master goes back.",
+    FastscanHangs = "fastscan-hangs": "A Fastscan for a part above 3 stops the firmware.",
+    FastscanAnsweredWhenConfigured = "fastscan-answered-when-configured": "A device with a node-ID takes part in Fastscan.",
+    UnconfiguredNodeBoots = "unconfigured-node-boots": "A device without node-ID starts as node 127.",
+    WatchdogResetUnderLoad = "watchdog-reset-under-load": "Many frames in a short time make the watchdog reset the device.",
+    SdoMemoryLeak = "sdo-memory-leak": "The SDO server is out of memory after 500 requests, and silent from then on.",
 }
 
 /// A set of faults, one bit for each.

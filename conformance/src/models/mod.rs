@@ -2,8 +2,11 @@
 //! cannot say.
 
 mod annotations;
+mod generic;
+mod rules;
 mod sheet;
 
+pub use rules::{Check, Link, LinkKind, Rule};
 pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
 
 use annotations::AnnotationTables;
@@ -11,9 +14,19 @@ use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
 use std::sync::{Arc, LazyLock};
 
-/// The files of each model: EDS, sheet.
-const FILES: &[(&str, &str)] =
-    &[(include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml"))];
+/// The files of each model, EDS and sheet, by the model's id.
+macro_rules! files {
+    ($($id:literal,)*) => {
+        &[$((include_str!(concat!("../../models/", $id, ".eds")), include_str!(concat!("../../models/", $id, ".toml")))),*]
+    };
+}
+
+/// All built-in models.
+const FILES: &[(&str, &str)] = files! {
+    "kuebler-sendix-58x8",
+    "reference-301",
+    "reference-406",
+};
 
 static MODELS: LazyLock<Vec<Model>> =
     LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
@@ -62,6 +75,17 @@ impl Model {
         let mut description = eds::read(eds.as_bytes())?;
         let tables: AnnotationTables = toml::from_str(text)?;
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+    }
+
+    /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
+    /// dictionary has the parameters of. `name` becomes the model's id.
+    ///
+    /// # Errors
+    /// [`ModelError::Description`] if the bytes are no device description.
+    pub fn generic(name: &str, bytes: &[u8]) -> Result<Self, ModelError> {
+        let description = DeviceDescription::read(bytes)?;
+        let sheet = generic::sheet(name, &description)?;
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
     }
 
