@@ -4,6 +4,7 @@ use crate::measure::{Cost, TIME, cost, machine, release};
 use crate::packages::install;
 use crate::peers::{PYTHON, install_all};
 use crate::run::run;
+use crate::simulation::simulation;
 use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
 use std::process::{Command, Stdio};
@@ -32,7 +33,8 @@ pub fn bench() -> Result<()> {
     println!("machine: {}", machine());
     println!("{FRAMES} frames, best of {RUNS} runs, processor time");
     decoding()?;
-    reading()
+    reading()?;
+    simulation()
 }
 
 /// Builds what is measured, and what makes the traffic.

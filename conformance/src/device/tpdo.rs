@@ -74,13 +74,16 @@ impl Tpdo {
         let faults = objects.faults;
         self.cob_id = CobId(number(1) as u32);
         self.transmission = TransmissionType(number(2) as u8);
-        self.on_change = objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
+        // Where 6200h is the only event, there is no event timer of its own, and changes of value don't send it.
+        let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
+        self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
         // In multiples of 100 us.
         let unit = if faults.has(Fault::InhibitTimeInMilliseconds) { 1_000 } else { 100 };
         self.inhibit = Duration::from_micros(unit * number(3));
-        let late = faults.has(Fault::EventTimerOffByOne) && number(5) > 0;
+        let event_timer = if is_cyclic { objects.parameters.number_or_zero(0x6200, 0) } else { number(5) };
+        let late = faults.has(Fault::EventTimerOffByOne) && event_timer > 0;
         let factor = if faults.has(Fault::EventTimerDoubled) { 2 } else { 1 };
-        self.event_timer = Duration::from_millis(number(5) * factor + u64::from(late));
+        self.event_timer = Duration::from_millis(event_timer * factor + u64::from(late));
         let ignored = faults.has(Fault::SyncStartValueIgnored) || objects.parameters.number_or_zero(0x1019, 0) == 0;
         let sync_start = if ignored { 0 } else { number(6) as u8 };
         self.awaits_start = sync_start != 0 && (self.awaits_start || sync_start != self.sync_start);
@@ -217,7 +220,7 @@ impl Tpdo {
     /// A remote frame asks for the PDO.
     pub fn on_remote(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let allowed = self.cob_id.allows_rtr() || objects.faults.has(Fault::RemoteFrameAnsweredWhenNotAllowed);
-        if !self.is_active() || !allowed {
+        if !self.is_active() || !allowed || objects.faults.has(Fault::TpdoRemoteUnanswered) {
             return None;
         }
         match self.transmission {

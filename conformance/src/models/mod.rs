@@ -3,11 +3,13 @@
 
 mod annotations;
 mod generic;
+mod quirks;
 mod rules;
 mod sheet;
 
+pub use quirks::Quirks;
 pub use rules::{Check, Link, LinkKind, Rule};
-pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
+pub use sheet::{BitRate, Encoder, LmtAddress, Network, Sheet, StartUp, Storage, Timing, Trigger, Value};
 
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
@@ -24,6 +26,9 @@ macro_rules! files {
 /// All built-in models.
 const FILES: &[(&str, &str)] = files! {
     "kuebler-sendix-58x8",
+    "lika-ax58",
+    "tr-c65",
+    "tr-lmp30",
     "reference-301",
     "reference-406",
 };

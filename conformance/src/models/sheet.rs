@@ -1,7 +1,9 @@
 //! The sheet of a device model, as its TOML file lays it out.
 
+use super::quirks::Quirks;
 use super::rules::{Check, Link, Rule};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::lmt::Seven;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Duration;
 use serde::{Deserialize, Deserializer, de};
@@ -36,6 +38,11 @@ pub struct Sheet {
     /// Values that are refused.
     #[serde(default, rename = "check")]
     pub checks: Vec<Check>,
+    /// The LMT address, where there is an LMT slave.
+    pub lmt: Option<LmtAddress>,
+    /// What it does otherwise than the standards.
+    #[serde(default)]
+    pub quirks: Quirks,
 }
 
 impl Sheet {
@@ -63,6 +70,9 @@ pub struct Network {
     /// The object that holds the code of the bit rate to use.
     #[serde(default, deserialize_with = "address_option")]
     pub bit_rate_object: Option<Multiplexer>,
+    /// What takes a new node-ID over.
+    #[serde(default = "power_on_and_reset_node")]
+    pub takes_effect: Vec<Trigger>,
     /// Whether there is an LSS slave.
     #[serde(default)]
     pub lss: bool,
@@ -138,6 +148,32 @@ impl Default for StartUp {
     }
 }
 
+/// What makes a device take over what is configured.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trigger {
+    /// Off and on again.
+    PowerOn,
+    /// NMT reset node.
+    ResetNode,
+    /// NMT reset communication.
+    ResetCommunication,
+}
+
+/// The three parts of an LMT address (CiA DS-205).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+pub struct LmtAddress {
+    /// Up to seven characters.
+    #[serde(deserialize_with = "lmt_name")]
+    pub manufacturer_name: Seven,
+    /// Up to seven characters.
+    #[serde(deserialize_with = "lmt_name")]
+    pub product_name: Seven,
+    /// Fourteen decimal digits.
+    #[serde(deserialize_with = "lmt_serial_number")]
+    pub serial_number: Seven,
+}
+
 /// A bit rate with its codes.
 #[derive(Clone, Copy, Debug, Deserialize)]
 pub struct BitRate {
@@ -206,9 +242,12 @@ pub struct Storage {
     /// The object that stores `bus_objects` when the save signature is written.
     #[serde(deserialize_with = "address_option")]
     pub bus_save_object: Option<Multiplexer>,
-    /// Objects that 1010h does not store.
+    /// Node-ID, bit rate and what belongs to them. 1010h stores them only where there is no `bus_save_object`.
     #[serde(deserialize_with = "addresses")]
     pub bus_objects: Vec<Multiplexer>,
+    /// Objects that are stored as soon as they are written.
+    #[serde(deserialize_with = "addresses")]
+    pub persist_at_once: Vec<Multiplexer>,
 }
 
 impl Default for Storage {
@@ -219,6 +258,7 @@ impl Default for Storage {
             wrong_signature_abort: 0x0800_0020,
             bus_save_object: None,
             bus_objects: Vec::new(),
+            persist_at_once: Vec::new(),
         }
     }
 }
@@ -268,6 +308,27 @@ fn all_rpdo_transmission_types() -> Vec<(u8, u8)> {
 
 const fn shortest_sync_period() -> u32 {
     1_000
+}
+
+fn power_on_and_reset_node() -> Vec<Trigger> {
+    vec![Trigger::PowerOn, Trigger::ResetNode]
+}
+
+fn lmt_name<'de, D: Deserializer<'de>>(from: D) -> Result<Seven, D::Error> {
+    let name = String::deserialize(from)?;
+    Seven::name(&name).ok_or_else(|| de::Error::custom(format!("expected up to 7 characters, found \"{name}\"")))
+}
+
+fn lmt_serial_number<'de, D: Deserializer<'de>>(from: D) -> Result<Seven, D::Error> {
+    let text = String::deserialize(from)?;
+    let digit = |at: usize| text.as_bytes().get(at).filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0');
+    let pair = |n: usize| Some(digit(2 * n)? << 4 | digit(2 * n + 1)?);
+    let bytes: Option<Vec<u8>> = (0..7).map(pair).collect();
+    bytes
+        .filter(|_| text.len() == 14)
+        .and_then(|bytes| bytes.try_into().ok())
+        .map(Seven)
+        .ok_or_else(|| de::Error::custom(format!("expected 14 decimal digits, found \"{text}\"")))
 }
 
 fn parse_address<E: de::Error>(text: &str) -> Result<Multiplexer, E> {
