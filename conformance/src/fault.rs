@@ -105,7 +105,7 @@ faults! {
     LifeGuardingNotStopped = "life-guarding-not-stopped": "Setting the life time to 0 does not end life guarding.",
     LifeGuardingUnreported = "life-guarding-unreported": "A lost master is not reported by an EMCY message.",
     ErrorBehaviourIgnored = "error-behaviour-ignored": "The device stays operational when its master or a watched node is lost.",
-    ErrorControlMissing = "error-control-missing" on "tr-c65": "100Ch and 100Dh do not exist, although there is no 1017h.",
+    ErrorControlMissing = "error-control-missing" on "tr-c65": "100Dh does not exist, although there is no 1017h either.",
     GuardingCobIdWrong = "guarding-cob-id-wrong" on "tr-c65": "100Eh holds another COB-ID than the one that node guarding uses.",
     NodeIdObjectWrong = "node-id-object-wrong" on "tr-c65": "100Bh holds another node-ID than the one in use.",
     PdoCountWrong = "pdo-count-wrong" on "tr-c65": "1004h counts more PDOs than there are.",

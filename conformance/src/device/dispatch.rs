@@ -68,7 +68,7 @@ impl Device {
 
     /// SYNC with the length that 1019h asks for: synchronous PDOs are received and sent.
     fn on_sync(&mut self, now: Timestamp, data: &[u8]) {
-        if !self.phase.is_running() {
+        if !self.phase.is_running() || !self.objects.consumes_sync() {
             return;
         }
         let fits = self.sync.has_length(data.len());

@@ -245,6 +245,7 @@ impl Device {
         match effect {
             Some(Effect::Store) => self.store_lmt(),
             Some(Effect::Activate(delay)) => self.activate_lmt_bit_rate(delay, now),
+            Some(Effect::TakeNodeId(node)) if self.node == Some(node) => {}
             Some(Effect::TakeNodeId(node)) => {
                 self.node = Some(node);
                 let outbox = std::mem::take(&mut self.outbox);

@@ -7,12 +7,12 @@ use super::encoder::Encoder;
 use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
-use super::parameters::{Content, Parameters, Reading};
+use super::parameters::{Content, Parameter, Parameters, Reading};
 use super::store::StoreCommand;
 use crate::models::Model;
 use crate::{Fault, Faults};
 use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::Timestamp;
 
 /// The values, and what stands behind them.
@@ -249,6 +249,17 @@ impl Objects {
             Err(AbortCode::LENGTH_TOO_LOW) if self.faults.has(Fault::SdoShortLengthUnchecked) => Ok(()),
             checked => checked,
         }
+    }
+
+    /// Bit 31 of a COB-ID that has it as delivered: 1005h of DS-301 V3.0, where it says that SYNC is consumed.
+    fn consumer_bit(&self, at: Multiplexer) -> u64 {
+        self.parameters.entry(at).map_or(0, Parameter::default_bits) & u64::from(CobId::INVALID)
+    }
+
+    /// Whether SYNC is listened to.
+    pub fn consumes_sync(&self) -> bool {
+        let needed = self.consumer_bit(Multiplexer::new(0x1005, 0));
+        self.parameters.number_or_zero(0x1005, 0) & needed == needed
     }
 
     /// Whether a write to the object does something instead of leaving a value.

@@ -225,6 +225,15 @@ impl Parameter {
         }
     }
 
+    /// The bits of the number as delivered, whatever the node-ID; 0 for a string.
+    pub const fn default_bits(&self) -> u64 {
+        match &self.default {
+            Default::Fixed(Content::Number(number)) => *number,
+            Default::NodeIdPlus(offset) => *offset as u64,
+            Default::Fixed(Content::Bytes(_)) => 0,
+        }
+    }
+
     /// Cuts a number to the length of the type.
     fn fitted(&self, content: Content) -> Content {
         match (content, self.data_type.bits()) {

@@ -4,6 +4,7 @@
 mod annotations;
 mod generic;
 mod quirks;
+mod recognition;
 mod rules;
 mod sheet;
 
@@ -14,6 +15,7 @@ pub use sheet::{BitRate, Encoder, LmtAddress, Network, Sheet, StartUp, Storage, 
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::network::{Candidate, Candidates};
 use std::sync::{Arc, LazyLock};
 
 /// The files of each model, EDS and sheet, by the model's id.
@@ -80,6 +82,7 @@ impl Model {
         let mut description = eds::read(eds.as_bytes())?;
         let tables: AnnotationTables = toml::from_str(text)?;
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
+        description.settings = sheet.settings();
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
     }
 
@@ -92,6 +95,18 @@ impl Model {
         let description = DeviceDescription::read(bytes)?;
         let sheet = generic::sheet(name, &description)?;
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+    }
+
+    /// What tells that a node is of this model.
+    pub fn candidate(&self) -> Candidate {
+        let mut candidate = Candidate::of(self.id(), Arc::clone(&self.description));
+        self.sheet.recognition.refine(&mut candidate);
+        candidate
+    }
+
+    /// What tells of which built-in model a node is, in the order of the models.
+    pub fn candidates() -> Candidates {
+        Candidates::new(|| Self::all().iter().map(Self::candidate).collect())
     }
 
     /// The name on the command line.

@@ -1,8 +1,10 @@
 //! The sheet of a device model, as its TOML file lays it out.
 
 use super::quirks::Quirks;
+use super::recognition::Recognition;
 use super::rules::{Check, Link, Rule};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::Settings;
 use canvass_analyzer::wire::lmt::Seven;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Duration;
@@ -18,6 +20,9 @@ pub struct Sheet {
     pub summary: String,
     /// Node-ID, bit rate, services.
     pub network: Network,
+    /// What tells the model, where the defaults of the EDS do not.
+    #[serde(default)]
+    pub recognition: Recognition,
     /// Bit rates by their codes.
     #[serde(default, rename = "bit_rate")]
     pub bit_rates: Vec<BitRate>,
@@ -55,6 +60,17 @@ impl Sheet {
     pub fn check(&self, rule: Rule, at: Multiplexer) -> Option<&Check> {
         self.checks.iter().find(|check| check.rule == rule && check.at.contains(at))
     }
+
+    /// How node-ID and bit rate are set.
+    pub(super) fn settings(&self) -> Settings {
+        let rate = |rate: &BitRate| Some((u32::from(rate.object_code?), rate.kbit.saturating_mul(1_000)));
+        Settings {
+            node_id: self.network.node_id_object,
+            bit_rate: self.network.bit_rate_object,
+            bit_rates: self.bit_rates.iter().filter_map(rate).collect(),
+            layer_management: self.network.lmt,
+        }
+    }
 }
 
 /// How the device is reached and which services it has.
@@ -70,6 +86,9 @@ pub struct Network {
     /// The object that holds the code of the bit rate to use.
     #[serde(default, deserialize_with = "address_option")]
     pub bit_rate_object: Option<Multiplexer>,
+    /// Whether there is an LMT slave, the forerunner of LSS.
+    #[serde(default)]
+    pub lmt: bool,
     /// What takes a new node-ID over.
     #[serde(default = "power_on_and_reset_node")]
     pub takes_effect: Vec<Trigger>,
@@ -331,7 +350,7 @@ fn lmt_serial_number<'de, D: Deserializer<'de>>(from: D) -> Result<Seven, D::Err
         .ok_or_else(|| de::Error::custom(format!("expected 14 decimal digits, found \"{text}\"")))
 }
 
-fn parse_address<E: de::Error>(text: &str) -> Result<Multiplexer, E> {
+pub(super) fn parse_address<E: de::Error>(text: &str) -> Result<Multiplexer, E> {
     let parsed = text.split_once(':').and_then(|(index, sub)| {
         Some(Multiplexer::new(u16::from_str_radix(index, 16).ok()?, u8::from_str_radix(sub, 16).ok()?))
     });

@@ -23,6 +23,9 @@ fn life_guarding_is_always_on() {
     assert_eq!((bench.read(0x1001, 0), bench.read(0x1003, 0), bench.read(0x1003, 1)), (Ok(0x11), Ok(1), Ok(0x1000)));
     assert_eq!(bench.ask("701#R"), ["701#FF"], "the master is back, and the error stays");
     assert_eq!((bench.read(0x1001, 0), bench.read(0x1003, 0)), (Ok(0x11), Ok(1)), "reading changes nothing");
+    assert_eq!(bench.write(0x1003, 0, 1, 1), Err(0x0609_0030));
+    bench.write(0x1003, 0, 0, 1).unwrap();
+    assert_eq!((bench.read(0x1001, 0), bench.read(0x1003, 0)), (Ok(0x11), Ok(0)), "only the history");
     assert_eq!(bench.reset("81"), ["701#00"]);
     assert_eq!(bench.read(0x1001, 0), Ok(0));
 }

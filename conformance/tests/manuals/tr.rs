@@ -117,6 +117,18 @@ fn remote_frames() {
     }
 }
 
+/// 8.6: bit 31 of 1005h says that SYNC is consumed.
+#[test]
+fn cob_id_of_sync() {
+    let mut bench = rotary();
+    bench.ask("000#0101");
+    bench.write(0x1005, 0, 0x8000_0085, 4).unwrap();
+    assert_eq!((bench.ask("080#"), bench.ask("085#")), (vec![], vec!["281#BA4C0000".to_owned()]));
+    bench.write(0x1005, 0, 0x0000_0085, 4).unwrap();
+    assert_eq!(bench.ask("085#"), NONE);
+    assert_eq!(bench.write(0x1005, 0, 0xC000_0080, 4), Err(0x0800_0000), "it can't produce SYNC");
+}
+
 /// 7.1: 6200h is the only event of TPDO 1.
 #[test]
 fn the_first_tpdo_is_cyclic() {

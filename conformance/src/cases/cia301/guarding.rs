@@ -40,8 +40,9 @@ fn shown(answer: Option<Frame>) -> String {
 
 /// The answers to guarding requests alternate in bit 7, which is 0 in the first answer after a reset.
 #[case(id = "301/guarding/toggle", clause = "CiA 301 7.2.8.3.2.1", confidence = Attested, level = Must,
-       needs = [Guarding], catches = [GuardingToggleStuck], cct = "7.3")]
+       needs = [Guarding], catches = [GuardingToggleStuck, GuardingSilentWhenOff], cct = "7.3")]
 fn toggle(bench: &mut Bench<'_>) -> Judged {
+    bench.prefer_guarding()?;
     let mut toggles = String::new();
     for _ in 0..5 {
         toggles.push(toggle_of(answer(bench)?));
@@ -53,10 +54,12 @@ fn toggle(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/guarding/toggle-reset", clause = "CiA 301 7.2.8.3.2.1", confidence = Attested, level = Must,
        needs = [Guarding], catches = [GuardingToggleNotReset])]
 fn toggle_reset(bench: &mut Bench<'_>) -> Judged {
+    bench.prefer_guarding()?;
     let before = toggle_of(answer(bench)?);
     demand(before == '0', || Reason::new("guarding is answered", "toggle bit 0", before.to_string()))
         .map_err(Verdict::as_inconclusive)?;
     bench.reset(Command::RESET_COMMUNICATION)?;
+    bench.prefer_guarding()?;
     let after = toggle_of(answer(bench)?);
     demand(after == '0', || {
         Reason::new("the toggle bit of the first answer after reset communication is 0", "0", after.to_string())
@@ -66,10 +69,14 @@ fn toggle_reset(bench: &mut Bench<'_>) -> Judged {
 /// The answer to a guarding request is one byte with the NMT state in bits 0 to 6: 7Fh pre-operational, 05h operational,
 /// 04h stopped.
 #[case(id = "301/guarding/state", clause = "CiA 301 7.2.8.3.2.1", confidence = Attested, level = Must,
-       needs = [Guarding], catches = [GuardingWrongState], cct = "7.2")]
+       needs = [Guarding], catches = [GuardingWrongState, NmtStopWhenOperationalIgnored, NmtStartWhenStoppedIgnored],
+       cct = "7.2")]
 fn state(bench: &mut Bench<'_>) -> Judged {
-    for state in [State::PRE_OPERATIONAL, State::OPERATIONAL, State::STOPPED, State::OPERATIONAL] {
-        if let Some(command) = command_to(state) {
+    bench.prefer_guarding()?;
+    let states = [State::PRE_OPERATIONAL, State::OPERATIONAL, State::STOPPED, State::OPERATIONAL];
+    for (n, state) in states.into_iter().enumerate() {
+        // It is pre-operational already: a command for that is a stimulus of its own.
+        if let Some(command) = command_to(state).filter(|_| n > 0) {
             bench.command(command)?;
         }
         bench.listen(bench.timing().reaction)?;

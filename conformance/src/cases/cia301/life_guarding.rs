@@ -34,6 +34,7 @@ impl LifeTime {
 /// Sets the life time, where the device lets it be set, and says what it is.
 fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTime, Verdict> {
     bench.expect_emergencies();
+    bench.prefer_guarding()?;
     if bench.can_write(GUARD_TIME)? && bench.can_write(LIFE_TIME_FACTOR)? {
         bench.write(GUARD_TIME, &guard_ms.to_le_bytes())?;
         bench.write(LIFE_TIME_FACTOR, &[factor])?;
@@ -111,7 +112,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     bench.guard()?;
     // The EMCY may come before the answer to the remote frame: what is judged is the register, and that it was said.
-    let register = bench.upload(ERROR_REGISTER)?.value()?;
+    let register = bench.read(ERROR_REGISTER)?;
     demand(register == [0], || {
         Reason::new("the error register is 0 when the error is gone", "00", Bytes(&register).to_string())
     })?;
