@@ -13,6 +13,7 @@ mod memory;
 mod packages;
 mod peers;
 mod run;
+mod simulation;
 
 use anyhow::{Result, bail};
 

@@ -2,12 +2,15 @@
 //! cannot say.
 
 mod annotations;
+mod generic;
 mod quirks;
 mod recognition;
+mod rules;
 mod sheet;
 
 pub use quirks::Quirks;
-pub use sheet::{BitRate, Encoder, LmtAddress, Network, Sheet, Storage, Timing, Trigger, Value};
+pub use rules::{Check, Link, LinkKind, Rule};
+pub use sheet::{BitRate, Encoder, LmtAddress, Network, Sheet, StartUp, Storage, Timing, Trigger, Value};
 
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
@@ -15,13 +18,22 @@ use canvass_analyzer::dictionary::{DeviceDescription, eds};
 use canvass_analyzer::network::{Candidate, Candidates};
 use std::sync::{Arc, LazyLock};
 
-/// The files of each model: EDS, sheet.
-const FILES: &[(&str, &str)] = &[
-    (include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml")),
-    (include_str!("../../models/lika-ax58.eds"), include_str!("../../models/lika-ax58.toml")),
-    (include_str!("../../models/tr-c65.eds"), include_str!("../../models/tr-c65.toml")),
-    (include_str!("../../models/tr-lmp30.eds"), include_str!("../../models/tr-lmp30.toml")),
-];
+/// The files of each model, EDS and sheet, by the model's id.
+macro_rules! files {
+    ($($id:literal,)*) => {
+        &[$((include_str!(concat!("../../models/", $id, ".eds")), include_str!(concat!("../../models/", $id, ".toml")))),*]
+    };
+}
+
+/// All built-in models.
+const FILES: &[(&str, &str)] = files! {
+    "kuebler-sendix-58x8",
+    "lika-ax58",
+    "tr-c65",
+    "tr-lmp30",
+    "reference-301",
+    "reference-406",
+};
 
 static MODELS: LazyLock<Vec<Model>> =
     LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
@@ -71,6 +83,17 @@ impl Model {
         let tables: AnnotationTables = toml::from_str(text)?;
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
         description.settings = sheet.settings();
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+    }
+
+    /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
+    /// dictionary has the parameters of. `name` becomes the model's id.
+    ///
+    /// # Errors
+    /// [`ModelError::Description`] if the bytes are no device description.
+    pub fn generic(name: &str, bytes: &[u8]) -> Result<Self, ModelError> {
+        let description = DeviceDescription::read(bytes)?;
+        let sheet = generic::sheet(name, &description)?;
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
     }
 
