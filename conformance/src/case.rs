@@ -32,6 +32,11 @@ pub struct Case {
 inventory::collect!(Case);
 
 impl Case {
+    /// Standard and service: the first two words of the id, such as `301/sdo`.
+    pub fn family(&self) -> &'static str {
+        self.id.match_indices('/').nth(1).map_or(self.id, |(at, _)| self.id.get(..at).unwrap_or(self.id))
+    }
+
     /// The first sentence of the requirement: a line for lists.
     pub fn summary(&self) -> &'static str {
         let paragraph = self.requirement.split("\n\n").next().unwrap_or(self.requirement);

@@ -9,8 +9,10 @@
 //! - `restore`: as it was found.
 
 mod decoder;
+mod dictionary;
 mod evidence;
 pub mod features;
+mod measurement;
 pub mod nmt;
 pub mod objects;
 mod restore;
@@ -21,6 +23,7 @@ mod traffic;
 mod watch;
 
 pub use decoder::Decoder;
+pub use measurement::{Measurement, Unit, percentile};
 pub use evidence::{Annotate, Evidence, Exhibit};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
@@ -29,7 +32,7 @@ use crate::bus::Bus;
 use crate::case::Need;
 use crate::verdict::{Reason, Verdict};
 use canvass_analyzer::NodeId;
-use canvass_traces::Timestamp;
+use canvass_traces::{Duration, Timestamp};
 use restore::Change;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -46,6 +49,7 @@ pub struct Bench<'a> {
     watch: Watch,
     changes: Vec<Change>,
     notes: Vec<String>,
+    measurements: Vec<Measurement>,
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
     features: BTreeMap<Need, Result<(), String>>,
@@ -61,6 +65,8 @@ pub struct Remains {
     pub notes: Vec<String>,
     /// The device restarted without being told to.
     pub restarted: Option<Timestamp>,
+    /// What was measured.
+    pub measurements: Vec<Measurement>,
 }
 
 impl<'a> Bench<'a> {
@@ -82,6 +88,7 @@ impl<'a> Bench<'a> {
             watch: Watch::new(target.node),
             changes: Vec::new(),
             notes: Vec::new(),
+            measurements: Vec::new(),
             restoring: false,
             features: BTreeMap::new(),
             starts_by_itself: None,
@@ -123,6 +130,21 @@ impl<'a> Bench<'a> {
         self.notes.push(text.into());
     }
 
+    /// Adds a measurement to the case's report. Does not change the verdict.
+    pub fn measure(&mut self, name: impl Into<String>, value: Duration) {
+        self.measurements.push(Measurement { name: name.into(), value: value.nanos(), unit: Unit::Nanoseconds });
+    }
+
+    /// Adds a count to the case's report. Does not change the verdict.
+    pub fn count(&mut self, name: impl Into<String>, value: u64) {
+        self.measurements.push(Measurement { name: name.into(), value, unit: Unit::Count });
+    }
+
+    /// How often the device was told to write its non-volatile memory since the start of the run.
+    pub fn stores(&self) -> u32 {
+        self.watch.stores()
+    }
+
     /// Says that the case provokes errors: EMCYs are not noted as unasked.
     pub fn expect_emergencies(&mut self) {
         self.watch.expect_emergencies();
@@ -132,6 +154,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();
         self.notes.clear();
+        self.measurements.clear();
         self.watch.forget();
     }
 
@@ -140,7 +163,9 @@ impl<'a> Bench<'a> {
         self.restore();
         let notes = self.watch.emergencies().map(|(at, emcy)| format!("EMCY at {at} s: {emcy}"));
         let notes: Vec<String> = notes.collect::<Vec<_>>().into_iter().chain(self.notes.drain(..)).collect();
-        Remains { evidence: std::mem::take(&mut self.evidence), notes, restarted: self.watch.restarted() }
+        let measurements = std::mem::take(&mut self.measurements);
+        let evidence = std::mem::take(&mut self.evidence);
+        Remains { evidence, notes, restarted: self.watch.restarted(), measurements }
     }
 
     fn check_cancelled(&self) -> Result<(), Verdict> {

@@ -2,13 +2,16 @@
 //! cannot say.
 
 mod annotations;
+mod deviations;
 mod sheet;
 
 pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
 
+use crate::bench::Deviation;
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
 
 /// The files of each model: EDS, sheet.
@@ -23,6 +26,7 @@ static MODELS: LazyLock<Vec<Model>> =
 pub struct Model {
     description: Arc<DeviceDescription>,
     sheet: Arc<Sheet>,
+    deviations: Arc<[Deviation]>,
 }
 
 /// Why a model's files could not be read.
@@ -62,7 +66,9 @@ impl Model {
         let mut description = eds::read(eds.as_bytes())?;
         let tables: AnnotationTables = toml::from_str(text)?;
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
-        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+        let deviations: DeviationTables = toml::from_str(text)?;
+        let deviations = deviations.deviations().into();
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations })
     }
 
     /// The name on the command line.
@@ -90,6 +96,11 @@ impl Model {
         &self.description
     }
 
+    /// Where the manual says that the device differs from the standard, as far as cases judge it.
+    pub fn deviations(&self) -> &[Deviation] {
+        &self.deviations
+    }
+
     /// What the EDS does not say.
     pub fn sheet(&self) -> &Sheet {
         &self.sheet
@@ -106,6 +117,10 @@ mod tests {
             let model = Model::read(eds, sheet).unwrap();
             assert!(Model::by_id(model.id()).is_some());
             assert!(!model.summary().is_empty());
+            for deviation in model.deviations() {
+                let explained = crate::catalogue::cases().iter().any(|c| crate::catalogue::matches(&deviation.case, c.id));
+                assert!(explained, "{}: no case is called {}", model.id(), deviation.case);
+            }
         }
         assert_eq!(Model::all().len(), FILES.len());
     }
