@@ -9,7 +9,7 @@ const USUAL_MODEL: &str = "kuebler-sendix-58x8";
 /// Defines the faults: one row each, so that name, variant and text can't drift apart. `on "MODEL"` names a model on
 /// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it.
 macro_rules! faults {
-    ($($variant:ident = $id:literal $(on $model:literal)? $($fuzz:ident)?: $summary:literal,)*) => {
+    ($($variant:ident = $id:literal $($flag:ident $($model:literal)?)*: $summary:literal,)*) => {
         /// One defect of a firmware. Each is a switch of its own; they can be combined.
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
         pub enum Fault {
@@ -32,20 +32,22 @@ macro_rules! faults {
 
             /// The id of a model on which it shows.
             pub fn model(self) -> &'static str {
-                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($model)?),)* };
+                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($flag $($model)?)*),)* };
                 named.unwrap_or(USUAL_MODEL)
             }
 
             /// Whether the fuzzer claims to find it.
             pub const fn is_fuzzed(self) -> bool {
-                match self { $(Self::$variant => faults!(@fuzz $($fuzz)?),)* }
+                match self { $(Self::$variant => faults!(@fuzz $($flag $($model)?)*),)* }
             }
         }
     };
     (@model) => { None };
-    (@model $model:literal) => { Some($model) };
+    (@model on $model:literal $($rest:tt)*) => { Some($model) };
+    (@model fuzz $($rest:tt)*) => { faults!(@model $($rest)*) };
     (@fuzz) => { false };
-    (@fuzz fuzz) => { true };
+    (@fuzz on $model:literal $($rest:tt)*) => { faults!(@fuzz $($rest)*) };
+    (@fuzz fuzz $($rest:tt)*) => { true };
 }
 
 faults! {
@@ -72,17 +74,72 @@ faults! {
     HeartbeatPeriodDoubled = "heartbeat-period-doubled": "Heartbeats come at twice the time of 1017h.",
     HeartbeatNotStopped = "heartbeat-not-stopped": "Writing 0 to 1017h does not end the heartbeat.",
     SdoStaleMultiplexer = "sdo-stale-multiplexer": "Aborts name the object of the transfer before.",
-    SdoWrongCodeForNoObject = "sdo-wrong-code-for-no-object": "An object that does not exist is refused with abort 0609 0011h.",
-    SdoWrongCodeForNoSubIndex = "sdo-wrong-code-for-no-sub-index": "A sub-index that does not exist is refused with abort 0602 0000h.",
-    SdoReadOnlyWritable = "sdo-read-only-writable": "Downloads to read-only objects are confirmed.",
-    SdoReadOnlyWrongCode = "sdo-read-only-wrong-code": "A download to a read-only object is refused with abort 0800 0022h.",
+    SdoWrongCodeForNoObject = "sdo-wrong-code-for-no-object" on "reference-301": "An object that does not exist is refused with abort 0609 0011h.",
+    SdoWrongCodeForNoSubIndex = "sdo-wrong-code-for-no-sub-index" on "reference-301": "A sub-index that does not exist is refused with abort 0602 0000h.",
+    SdoReadOnlyWritable = "sdo-read-only-writable" on "reference-301": "Downloads to read-only objects are confirmed.",
+    SdoReadOnlyWrongCode = "sdo-read-only-wrong-code" on "reference-301": "A download to a read-only object is refused with abort 0800 0022h.",
     SdoLengthUnchecked = "sdo-length-unchecked": "Downloads that are too long are confirmed.",
     SdoShortLengthUnchecked = "sdo-short-length-unchecked": "Downloads that are too short are confirmed.",
     SdoUnknownCommandSilent = "sdo-unknown-command-silent": "An unknown SDO command specifier is not answered.",
     SdoFirstUnknownCommandSilent = "sdo-first-unknown-command-silent": "An unknown SDO command specifier as the first request after boot-up is not answered.",
-    SdoAbortAnswered = "sdo-abort-answered": "The server answers an abort of the client with an abort.",
+    SdoAbortAnswered = "sdo-abort-answered" on "reference-301": "The server answers an abort of the client with an abort.",
     SdoToggleUnchecked = "sdo-toggle-unchecked": "Segments whose toggle bit does not alternate are accepted.",
-    SdoSegmentLengthWrong = "sdo-segment-length-wrong": "The last segment of an upload announces one byte too few.",
+    SdoDownloadToggleSilent = "sdo-download-toggle-silent": "A download segment whose toggle bit does not alternate is not answered.",
+    SdoToggleWrongCode = "sdo-toggle-wrong-code": "A wrong toggle bit is refused with abort 0504 0001h.",
+    SdoUploadToggleStuck = "sdo-upload-toggle-stuck": "The toggle bit of upload segments is always 0.",
+    SdoConfirmationToggleStuck = "sdo-confirmation-toggle-stuck": "The toggle bit of confirmed download segments is always 0.",
+    SdoUploadEndMissing = "sdo-upload-end-missing" on "reference-301": "The last segment of an upload is not marked as the last.",
+    SdoAnnouncedSizeWrong = "sdo-announced-size-wrong" on "reference-301": "A segmented upload announces one byte more than it has.",
+    SdoSegmentAfterEndAnswered = "sdo-segment-after-end-answered": "After the last segment of an upload more can be asked for.",
+    SdoSegmentsWrittenAtOnce = "sdo-segments-written-at-once": "Each segment of a download goes into the object at once, before the transfer is complete.",
+    SdoSegmentedShortRefused = "sdo-segmented-short-refused": "Objects of up to four bytes can't be written in segments.",
+    SdoSegmentedSizeRequired = "sdo-segmented-size-required": "A segmented download that does not announce its size is refused.",
+    SdoEmptySegmentSilent = "sdo-empty-segment-silent": "A download segment without data is not answered.",
+    SdoReadOnlySegmentedAccepted = "sdo-read-only-segmented-accepted": "Read-only objects are protected against expedited downloads only.",
+    SdoAbortIgnored = "sdo-abort-ignored": "An abort of the client does not end the transfer.",
+    SdoWrongCommandIgnored = "sdo-wrong-command-ignored": "A command that has no place in the transfer under way is not answered.",
+    SdoStrayBlockSilent = "sdo-stray-block-silent": "Commands of a block transfer without one are not answered.",
+    SdoBusyAfterAbandonedDownload = "sdo-busy-after-abandoned-download": "A new request during a segmented download is refused with abort 0504 0001h.",
+    SdoBackToBackMixed = "sdo-back-to-back-mixed": "A request that comes before the answer to the last one changes the object that this answer names.",
+    SdoResponseLost = "sdo-response-lost": "Every hundredth request is not answered.",
+    SdoShortRequestWedges = "sdo-short-request-wedges": "After a request of less than eight bytes the SDO server is dead.",
+    SdoRemoteAnswered = "sdo-remote-answered": "A remote frame with the CAN-ID of SDO requests is answered.",
+    SdoExtendedAnswered = "sdo-extended-answered": "A 29-bit frame whose identifier ends like that of SDO requests is answered.",
+    SdoOtherNodeAnswered = "sdo-other-node-answered": "SDO requests to the next node-ID are answered too.",
+    SdoTimeoutWedges = "sdo-timeout-wedges" on "reference-301": "After a transfer that the client did not go on with the SDO server is dead.",
+    SdoNoObjectSilent = "sdo-no-object-silent": "Requests to objects that do not exist are not answered.",
+    SdoAbortMultiplexerZero = "sdo-abort-multiplexer-zero": "Aborts name object 0000h:00.",
+    SdoLengthWrongCode = "sdo-length-wrong-code" on "reference-301": "A wrong length is refused with abort 0609 0030h.",
+    SdoRangeWrongCode = "sdo-range-wrong-code": "A value outside its limits is refused with abort 0601 0002h.",
+    SdoCommandWrongCode = "sdo-command-wrong-code": "Wrong command specifiers are refused with abort 0800 0000h.",
+    SdoUnknownAbortCode = "sdo-unknown-abort-code": "A sub-index that does not exist is refused with abort 0A00 0001h, which nobody defines.",
+    SdoWriteOnlyWrongCode = "sdo-write-only-wrong-code" on "reference-301": "Reading a write-only object is refused with abort 0602 0000h.",
+    SdoEmptyValueSilent = "sdo-empty-value-silent" on "reference-301": "The upload of an empty string is not answered.",
+    SdoBusyAfterAbandonedBlock = "sdo-busy-after-abandoned-block" on "reference-301": "A new request during a block transfer is refused with abort 0504 0001h.",
+    SdoBlockSizeUnchecked = "sdo-block-size-unchecked" on "reference-301": "Block sizes of 0 and above 127 are accepted.",
+    SdoBlockSizeWrongCode = "sdo-block-size-wrong-code" on "reference-301": "Wrong block sizes are refused with abort 0609 0030h.",
+    SdoBlockConfirmationIgnored = "sdo-block-confirmation-ignored" on "reference-301": "A block upload goes on with the next block, whatever the client confirms.",
+    SdoBlockConfirmationUnchecked = "sdo-block-confirmation-unchecked" on "reference-301": "The confirmation of segments that were not sent is accepted.",
+    SdoBlockRepeatsAll = "sdo-block-repeats-all" on "reference-301": "After a lost segment the whole block is sent again, not what was not confirmed.",
+    SdoBlockNewSizeIgnored = "sdo-block-new-size-ignored" on "reference-301": "All blocks of an upload have the size of the first.",
+    SdoBlockAnnouncedSizeWrong = "sdo-block-announced-size-wrong" on "reference-301": "A block upload announces one byte more than it has.",
+    SdoBlockLastLengthWrong = "sdo-block-last-length-wrong" on "reference-301": "The end of a block upload counts one unused byte too many.",
+    SdoBlockCrcStartWrong = "sdo-block-crc-start-wrong" on "reference-301": "The CRC of block uploads starts with FFFFh.",
+    SdoBlockCrcSwapped = "sdo-block-crc-swapped" on "reference-301": "The CRC of block uploads has its bytes in the wrong order.",
+    SdoBlockEndUnmarked = "sdo-block-end-unmarked" on "reference-301": "The last segment of a block upload is not marked as the last.",
+    SdoBlockNumbersContinue = "sdo-block-numbers-continue" on "reference-301": "The sequence numbers of a block upload do not begin with 1 in every block.",
+    SdoBlockSizeZeroOffered = "sdo-block-size-zero-offered" on "reference-301": "The server asks for blocks of no segments.",
+    SdoBlockReadOnlyLate = "sdo-block-read-only-late" on "reference-301": "A block download to a read-only object is refused only at its end.",
+    SdoBlockSequenceZeroIgnored = "sdo-block-sequence-zero-ignored" on "reference-301": "A segment with sequence number 0 is taken for none.",
+    SdoBlockRepeatedAppended = "sdo-block-repeated-appended" on "reference-301": "A segment that comes twice is taken twice.",
+    SdoBlockGapAccepted = "sdo-block-gap-accepted" on "reference-301": "A block download goes on over a lost segment.",
+    SdoBlockPaddingKept = "sdo-block-padding-kept" on "reference-301": "The unused bytes of the last segment of a block download are taken as data.",
+    SdoBlockCrcIgnored = "sdo-block-crc-ignored" on "reference-301": "The CRC of block downloads is not checked.",
+    SdoBlockCrcWrongCode = "sdo-block-crc-wrong-code" on "reference-301": "A wrong CRC is refused with abort 0800 0000h.",
+    SdoBlockWrittenBeforeCheck = "sdo-block-written-before-check" on "reference-301": "The value of a block download is written before its CRC is checked.",
+    SdoBlockSizeMismatchAccepted = "sdo-block-size-mismatch-accepted" on "reference-301": "A block download of another size than announced is accepted.",
+    SdoBlockEndSilent = "sdo-block-end-silent" on "reference-301": "The end of a block download is not confirmed.",
+    SdoSegmentLengthWrong = "sdo-segment-length-wrong" on "reference-301": "The last segment of an upload announces one byte too few.",
     SdoUnusedBytesNotZero = "sdo-unused-bytes-not-zero": "Reserved bytes of SDO responses hold old data.",
     SdoShortResponse = "sdo-short-response": "SDO responses have only as many bytes as they need.",
     VendorIdZero = "vendor-id-zero": "1018h:01 is 0.",

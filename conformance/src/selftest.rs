@@ -2,9 +2,9 @@
 //!
 //! A fault is put into the firmware of the model that its row names, and every case runs against a device of its own.
 //! A fault is detected if a case that names it fails. A case that fails without naming the fault must at least belong
-//! to a family of one that does: else it judges something that it is not about.
+//! to the chapter of one that does: else it judges something that it is not about.
 
-use crate::bench::{Bench, Options, Target};
+use crate::bench::{Bench, Knowledge, Options, Target};
 use crate::bus::SimulatedBus;
 use crate::case::{Case, Touch};
 use crate::device::Device;
@@ -111,17 +111,16 @@ pub fn named_by(cases: &[&'static Case]) -> Vec<Fault> {
 /// `None` if the fault's model does not exist.
 fn fault_row(fault: Fault, cases: &[&'static Case]) -> Option<FaultRow> {
     let model = Model::by_id(fault.model())?;
-    let relatives: BTreeSet<&str> = catalogue::cases()
-        .into_iter()
-        .filter(|case| case.catches.contains(&fault))
-        .map(Case::family)
-        .collect();
+    let named = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
+    let relatives: BTreeSet<&str> = named.map(chapter).collect();
     let mut row = FaultRow { fault, model: model.id(), failed: Vec::new(), missed: Vec::new(), unrelated: Vec::new() };
+    let target = Target::of(model, model.default_node().unwrap_or(UNCONFIGURED));
+    let mut knowledge = Knowledge::default();
     for &case in cases {
-        let kind = judge(case, model, fault.into()).verdict.kind();
+        let kind = judge_knowing(case, model, fault.into(), &target, &mut knowledge).verdict.kind();
         if matches!(kind, Kind::Fail | Kind::Deviation) {
             row.failed.push(case);
-            if !relatives.contains(case.family()) {
+            if !relatives.contains(chapter(case)) {
                 row.unrelated.push(case);
             }
         } else if case.catches.contains(&fault) {
@@ -133,8 +132,10 @@ fn fault_row(fault: Fault, cases: &[&'static Case]) -> Option<FaultRow> {
 
 fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
     let mut row = ModelRow { model: model.id(), executed: 0, alarms: Vec::new() };
+    let target = Target::of(model, model.default_node().unwrap_or(UNCONFIGURED));
+    let mut knowledge = Knowledge::default();
     for &case in cases {
-        let verdict = judge(case, model, Faults::NONE).verdict;
+        let verdict = judge_knowing(case, model, Faults::NONE, &target, &mut knowledge).verdict;
         let kind = verdict.kind();
         row.executed += usize::from(kind.is_executed());
         if matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) {
@@ -156,12 +157,41 @@ const UNCONFIGURED: NodeId = NodeId::MAX;
 
 /// As [`judge`], with what the tester is to know of the device.
 pub fn judge_target(case: &'static Case, model: &'static Model, faults: Faults, target: &Target) -> CaseReport {
+    judge_knowing(case, model, faults, target, &mut Knowledge::default())
+}
+
+/// As [`judge_target`], with what the cases before found out about the device; what this one finds out is added.
+fn judge_knowing(
+    case: &'static Case,
+    model: &'static Model,
+    faults: Faults,
+    target: &Target,
+    knowledge: &mut Knowledge,
+) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
     bus.attach(Box::new(Device::new(model, model.default_node(), faults, 0)));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
     let mut annotate = |_: &Record| String::new();
-    run_case(&mut Bench::new(&mut bus, target, &options, &mut annotate, &cancel), case)
+    let mut bench = Bench::new(&mut bus, target, &options, &mut annotate, &cancel);
+    bench.learn(std::mem::take(knowledge));
+    let report = run_case(&mut bench, case);
+    *knowledge = bench.into_knowledge();
+    report
+}
+
+/// What a case is about, by the services that can't be told apart from outside: a device shows its NMT state by its
+/// heartbeats, and its objects by its SDO server. A fault of one of them shows in the cases of all.
+fn chapter(case: &'static Case) -> &'static str {
+    match case.family() {
+        "301/nmt" | "301/boot-up" | "301/state" | "301/heartbeat" | "301/heartbeat-consumer" | "301/guarding"
+        | "301/error-behaviour" => "network management",
+        "301/sdo" | "301/dictionary" | "301/identity" | "301/description" => "object dictionary",
+        "301/pdo" | "301/tpdo" | "301/rpdo" | "301/sync" => "process data",
+        "301/emcy" | "301/error-history" | "301/error-register" => "emergencies",
+        "301/store" | "301/restore" => "non-volatile memory",
+        family => family.split('/').next().filter(|standard| *standard != "301").unwrap_or(family),
+    }
 }
 
 /// The results in the order of the items, whatever thread works on which.

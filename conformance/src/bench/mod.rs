@@ -3,11 +3,13 @@
 //! - `traffic`: frames out and in;
 //! - [`nmt`]: commands, resets, boot-up;
 //! - [`state`]: NMT states, seen and reached;
-//! - [`sdo`]: transfers and single messages;
+//! - [`sdo`], [`block`]: transfers and single messages;
+//! - [`pdo`]: PDO parameters and mapping;
 //! - [`objects`]: which objects of this device serve a case;
 //! - [`features`]: what this device has;
 //! - `restore`: as it was found.
 
+pub mod block;
 mod decoder;
 mod dictionary;
 mod evidence;
@@ -15,6 +17,7 @@ pub mod features;
 mod measurement;
 pub mod nmt;
 pub mod objects;
+pub mod pdo;
 mod restore;
 pub mod sdo;
 pub mod state;
@@ -52,6 +55,12 @@ pub struct Bench<'a> {
     measurements: Vec<Measurement>,
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
+    knowledge: Knowledge,
+}
+
+/// What was found out about the device, and need not be found out again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Knowledge {
     features: BTreeMap<Need, Result<(), String>>,
     starts_by_itself: Option<bool>,
 }
@@ -90,9 +99,18 @@ impl<'a> Bench<'a> {
             notes: Vec::new(),
             measurements: Vec::new(),
             restoring: false,
-            features: BTreeMap::new(),
-            starts_by_itself: None,
+            knowledge: Knowledge::default(),
         }
+    }
+
+    /// Takes over what another bench found out about the same device.
+    pub(crate) fn learn(&mut self, knowledge: Knowledge) {
+        self.knowledge = knowledge;
+    }
+
+    /// What was found out about the device.
+    pub(crate) fn into_knowledge(self) -> Knowledge {
+        self.knowledge
     }
 
     /// The node-ID of the device under test.
@@ -113,6 +131,11 @@ impl<'a> Bench<'a> {
     /// How long to wait for what.
     pub fn timing(&self) -> Timing {
         self.options.timing
+    }
+
+    /// The bit rate in bit/s, where it is known.
+    pub fn bit_rate(&self) -> Option<u32> {
+        self.bus.bit_rate()
     }
 
     /// The time on the bus.

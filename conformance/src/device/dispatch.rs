@@ -4,13 +4,19 @@ use super::heartbeat_consumer::Guarded;
 use super::nmt::{Phase, Service};
 use super::tpdo::Tpdo;
 use super::{Device, push};
-use crate::Machine;
+use crate::{Fault, Machine};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::{error_control, lss, nmt as nmt_wire, sdo};
-use canvass_traces::{Frame, Timestamp};
+use canvass_traces::{CanId, Frame, Timestamp};
 
 impl Device {
     fn on_remote(&mut self, now: Timestamp, can_id: u16, node: NodeId) {
+        if self.faults.has(Fault::SdoRemoteAnswered) && can_id == sdo::REQUEST_BASE + u16::from(node.raw()) {
+            // Its data is what was in the buffer: zeros, a segment of no transfer.
+            self.on_sdo(now, &Frame::full(CanId::standard_masked(u32::from(can_id)), [0; 8]));
+            self.hand_out(now);
+            return;
+        }
         if can_id == error_control::CAN_ID_BASE + u16::from(node.raw()) {
             // Heartbeat and guarding exclude each other, and heartbeat wins (CiA 301, 7.2.8.2.2).
             let guarded = self.objects.model.sheet().network.node_guarding && !self.heartbeat.is_active();
@@ -23,6 +29,15 @@ impl Device {
             && let Some(frame) = tpdo.on_remote(now, &self.objects)
         {
             push(&mut self.outbox, frame);
+        }
+    }
+
+    /// No service uses 29-bit identifiers here.
+    fn on_extended(&mut self, now: Timestamp, frame: &Frame) {
+        let request = self.node.map(|node| u32::from(sdo::REQUEST_BASE) + u32::from(node.raw()));
+        if self.faults.has(Fault::SdoExtendedAnswered) && Some(frame.id().raw()) == request && !frame.is_remote() {
+            self.on_sdo(now, frame);
+            self.hand_out(now);
         }
     }
 
@@ -61,7 +76,10 @@ pub(super) fn service_of(frame: &Frame, node: Option<NodeId>, tpdos: &[Tpdo]) ->
 
 impl Machine for Device {
     fn handle(&mut self, now: Timestamp, frame: &Frame) {
-        let Some(can_id) = frame.id().as_standard() else { return };
+        let Some(can_id) = frame.id().as_standard() else {
+            self.on_extended(now, frame);
+            return;
+        };
         if frame.is_remote() {
             if let Some(node) = self.node {
                 self.on_remote(now, can_id, node);
@@ -74,6 +92,11 @@ impl Machine for Device {
         let node = self.node.map(|node| u16::from(node.raw()));
         match can_id {
             _ if node.is_some_and(|node| can_id == sdo::REQUEST_BASE + node) => self.on_sdo(now, frame),
+            _ if self.faults.has(Fault::SdoOtherNodeAnswered)
+                && node.is_some_and(|node| can_id == sdo::REQUEST_BASE + node + 1) =>
+            {
+                self.on_sdo(now, frame);
+            }
             nmt_wire::CAN_ID => self.on_nmt(now, frame),
             lss::MASTER_CAN_ID => self.on_lss(now, frame),
             0x701..=0x77F => {

@@ -25,6 +25,18 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
     let bytes = reading.bytes();
     let response = Response::upload(object, bytes);
     match response {
+        Response::InitiateUpload { payload: Payload::Segmented(0), .. }
+            if objects.faults.has(Fault::SdoEmptyValueSilent) =>
+        {
+            Next::silence(Transfer::Idle)
+        }
+        Response::InitiateUpload { multiplexer, payload: Payload::Segmented(size) }
+            if objects.faults.has(Fault::SdoAnnouncedSizeWrong) =>
+        {
+            let upload = SegmentedUpload { object, value: bytes.to_vec(), sent: 0, toggle: false };
+            let payload = Payload::Segmented(size.saturating_add(1));
+            Next::answer(Transfer::Upload(upload), Response::InitiateUpload { multiplexer, payload })
+        }
         Response::InitiateUpload { payload: Payload::Segmented(_), .. } => {
             let upload = SegmentedUpload { object, value: bytes.to_vec(), sent: 0, toggle: false };
             Next::answer(Transfer::Upload(upload), response)
@@ -45,10 +57,17 @@ impl SegmentedUpload {
         if last && objects.faults.has(Fault::SdoSegmentLengthWrong) {
             data = data.get(..data.len().saturating_sub(1)).unwrap_or(data);
         }
-        let Some(segment) = Segment::new(toggle, data, last) else {
+        let shown = toggle && !objects.faults.has(Fault::SdoUploadToggleStuck);
+        let marked = last && !objects.faults.has(Fault::SdoUploadEndMissing);
+        let Some(segment) = Segment::new(shown, data, marked) else {
             return Next::abort(self.object, AbortCode::GENERAL);
         };
         let response = Response::UploadSegment(segment);
+        if last && objects.faults.has(Fault::SdoSegmentAfterEndAnswered) {
+            self.sent = self.value.len();
+            self.toggle = !toggle;
+            return Next::answer(Transfer::Upload(self), response);
+        }
         if last {
             return Next::end(response);
         }
