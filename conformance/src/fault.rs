@@ -9,7 +9,7 @@ const USUAL_MODEL: &str = "kuebler-sendix-58x8";
 /// Defines the faults: one row each, so that name, variant and text can't drift apart. `on "MODEL"` names a model on
 /// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it.
 macro_rules! faults {
-    ($($variant:ident = $id:literal $($flag:ident $($model:literal)?)*: $summary:literal,)*) => {
+    ($($variant:ident = $id:literal $($key:ident $($argument:literal)?)*: $summary:literal,)*) => {
         /// One defect of a firmware. Each is a switch of its own; they can be combined.
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
         pub enum Fault {
@@ -32,22 +32,20 @@ macro_rules! faults {
 
             /// The id of a model on which it shows.
             pub fn model(self) -> &'static str {
-                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($flag $($model)?)*),)* };
+                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($key $($argument)?)*),)* };
                 named.unwrap_or(USUAL_MODEL)
             }
 
             /// Whether the fuzzer claims to find it.
             pub const fn is_fuzzed(self) -> bool {
-                match self { $(Self::$variant => faults!(@fuzz $($flag $($model)?)*),)* }
+                match self { $(Self::$variant => faults!(@fuzz $($key $($argument)?)*),)* }
             }
         }
     };
-    (@model) => { None };
-    (@model on $model:literal $($rest:tt)*) => { Some($model) };
-    (@model fuzz $($rest:tt)*) => { faults!(@model $($rest)*) };
-    (@fuzz) => { false };
-    (@fuzz on $model:literal $($rest:tt)*) => { faults!(@fuzz $($rest)*) };
-    (@fuzz fuzz $($rest:tt)*) => { true };
+    (@model $(fuzz)?) => { None };
+    (@model on $model:literal $(fuzz)?) => { Some($model) };
+    (@fuzz $(on $model:literal)?) => { false };
+    (@fuzz $(on $model:literal)? fuzz) => { true };
 }
 
 faults! {
@@ -179,6 +177,143 @@ faults! {
     CodeSequenceIgnored = "code-sequence-ignored": "6000h bit 0 does not turn the direction of counting.",
     ScalingIgnored = "scaling-ignored": "6001h and 6002h do not scale the position.",
     OperatingStatusStuck = "operating-status-stuck": "6500h does not follow 6000h.",
+    NmtResetCommunicationRestoresAll = "nmt-reset-communication-restores-all": "Reset communication loads application parameters anew too.",
+    NmtCommandLost = "nmt-command-lost": "Of NMT commands within one millisecond only the first one is obeyed.",
+    ExtendedFrameObeyed = "extended-frame-obeyed": "Frames with 29-bit identifiers are taken for those with the same lower 11 bits.",
+    BootUpSometimesMissing = "boot-up-sometimes-missing": "Every eighth reset ends without a boot-up message.",
+    EmcyBeforeBootUp = "emcy-before-boot-up": "An EMCY message is sent before the boot-up message.",
+    SdoAnsweredBeforeBootUp = "sdo-answered-before-boot-up": "The SDO server answers before the boot-up message.",
+    StartUpIgnored = "start-up-ignored" on "reference-301": "The device waits in pre-operational, whatever 1F80h says.",
+    HeartbeatTimerRounded = "heartbeat-timer-rounded": "Heartbeat times are rounded up to multiples of 64 ms.",
+    HeartbeatBurst = "heartbeat-burst": "A new heartbeat time while heartbeats are sent causes a burst of them.",
+    HeartbeatLateAfterBootUp = "heartbeat-late-after-boot-up": "The first heartbeat after a reset comes three periods after the boot-up message.",
+    HeartbeatStateLate = "heartbeat-state-late": "A heartbeat shows the state at the heartbeat before.",
+    GuardingToggleNotReset = "guarding-toggle-not-reset": "Reset communication does not reset the toggle bit of node guarding.",
+    GuardingBesideHeartbeat = "guarding-beside-heartbeat": "Node guarding is answered while heartbeats are sent.",
+    LifeGuardingStartsAtOnce = "life-guarding-starts-at-once": "Life guarding begins without a first remote frame of the master.",
+    LifeTimeFactorIgnored = "life-time-factor-ignored": "The master is missed after the guard time, whatever the life time factor is.",
+    HeartbeatConsumerStartsAtOnce = "heartbeat-consumer-starts-at-once" on "reference-301": "A node is missed that was never heard.",
+    HeartbeatConsumerNotRearmed = "heartbeat-consumer-not-rearmed" on "reference-301": "A node that was missed once is not noticed when it is back.",
+    HeartbeatConsumerFirstOnly = "heartbeat-consumer-first-only" on "reference-301": "Only the first entry of 1016h is watched.",
+    ErrorBehaviourIgnored = "error-behaviour-ignored": "1029h has no effect: the NMT state never changes by an error.",
+    ErrorBehaviourUnchecked = "error-behaviour-unchecked": "1029h takes reserved values.",
+    ErrorBehaviourLeavesStopped = "error-behaviour-leaves-stopped": "With 1029h:01 = 0 an error in stopped leads to pre-operational.",
+    RpdoInPreOperational = "rpdo-in-pre-operational" on "reference-301": "RPDOs act in pre-operational.",
+    RpdoLengthUnchecked = "rpdo-length-unchecked" on "reference-301": "RPDOs that are too short act, with zeros for what is missing.",
+    LongRpdoIgnored = "long-rpdo-ignored" on "reference-301": "RPDOs that are longer than their mapping don't act.",
+    SynchronousRpdoActsAtOnce = "synchronous-rpdo-acts-at-once" on "reference-301": "Synchronous RPDOs don't wait for SYNC.",
+    RpdoDeadlineIgnored = "rpdo-deadline-ignored" on "reference-301": "An RPDO that is late is not missed.",
+    RpdoReceivedWhenInvalid = "rpdo-received-when-invalid" on "reference-301": "RPDOs act although bit 31 of their COB-ID is set.",
+    RpdoRangeUnchecked = "rpdo-range-unchecked" on "reference-301": "An RPDO sets values that an SDO can't.",
+    RemoteFrameTakenAsRpdo = "remote-frame-taken-as-rpdo" on "reference-301": "A remote frame with the CAN-ID of an RPDO sets its objects to zero.",
+    EventTimerOffByOne = "event-timer-off-by-one": "TPDOs come one millisecond later than their event timer says.",
+    InhibitTimeInMilliseconds = "inhibit-time-in-milliseconds": "The inhibit time counts in milliseconds instead of 100 microseconds.",
+    AcyclicTpdoWithoutEvent = "acyclic-tpdo-without-event": "TPDOs of transmission type 0 are sent at every SYNC.",
+    SyncStartValueIgnored = "sync-start-value-ignored" on "reference-301": "The SYNC start value of TPDOs has no effect.",
+    SyncCountNotReset = "sync-count-not-reset": "TPDOs of transmission type n go on counting SYNCs where they stopped.",
+    TpdoNotSentAtStart = "tpdo-not-sent-at-start": "Event-driven TPDOs are not sent when the device becomes operational.",
+    RemoteFrameAnsweredWhenNotAllowed = "remote-frame-answered-when-not-allowed": "Remote frames are answered although bit 30 of the COB-ID is set.",
+    RtrTypeSampledAtOnce = "rtr-type-sampled-at-once": "A TPDO of transmission type 252 holds the values of the remote frame, not of the SYNC.",
+    RtrTypeWithoutRtrAccepted = "rtr-type-without-rtr-accepted": "Transmission types 252 and 253 are accepted for a PDO without remote frames.",
+    RtrBitClearable = "rtr-bit-clearable" on "reference-406": "Bit 30 of a COB-ID can be cleared although remote frames are not supported.",
+    InhibitTimeChangeWhileValid = "inhibit-time-change-while-valid": "The inhibit time can be changed while the PDO is valid.",
+    SyncStartValueChangeWhileValid = "sync-start-value-change-while-valid" on "reference-301": "The SYNC start value can be changed while the PDO is valid.",
+    EmptyPdoValidated = "empty-pdo-validated": "A PDO without mapping can be made valid.",
+    MappingCountUnchecked = "mapping-count-unchecked": "Sub-index 0 of a mapping takes any number of entries.",
+    MissingObjectMapped = "missing-object-mapped": "Objects that do not exist can be mapped.",
+    DummyMappedIntoTpdo = "dummy-mapped-into-tpdo": "Dummy entries can be mapped into TPDOs.",
+    SyncPeriodDoubled = "sync-period-doubled" on "reference-301": "SYNC is produced at twice the time of 1006h.",
+    SyncWhenStopped = "sync-when-stopped" on "reference-301": "SYNC is produced in stopped.",
+    SyncCounterNotReset = "sync-counter-not-reset" on "reference-301": "The SYNC counter goes on where it stopped.",
+    SyncCounterFromZero = "sync-counter-from-zero" on "reference-301": "The SYNC counter begins with 0.",
+    SyncOverflowUnchecked = "sync-overflow-unchecked" on "reference-301": "1019h takes 1 and values above 240.",
+    SyncOverflowChangeWhileProducing = "sync-overflow-change-while-producing" on "reference-301": "1019h can be changed while 1006h is not 0.",
+    SyncIdChangeWhileProducing = "sync-id-change-while-producing" on "reference-301": "The CAN-ID of SYNC can be changed while SYNC is produced.",
+    SyncLengthUnchecked = "sync-length-unchecked" on "reference-301": "SYNC messages of a wrong length are obeyed.",
+    TimeIgnored = "time-ignored" on "reference-301": "TIME does not set the clock.",
+    TimeIdChangeWhileValid = "time-id-change-while-valid" on "reference-301": "The CAN-ID of TIME can be changed while TIME is in use.",
+    TimeReservedBitsSet = "time-reserved-bits-set" on "reference-301": "TIME is produced with reserved bits set.",
+    SdoChannelIdChangeWhileValid = "sdo-channel-id-change-while-valid" on "reference-301": "The COB-IDs of 1201h can be changed while the channel is valid.",
+    EmcyInhibitTimeIgnored = "emcy-inhibit-time-ignored": "1015h has no effect.",
+    EmcyLostWhenInhibited = "emcy-lost-when-inhibited": "Errors within the inhibit time of EMCY are never reported.",
+    EmcyLostWhenStopped = "emcy-lost-when-stopped": "Errors that come in stopped are never reported.",
+    EmcyIdChangeWhileValid = "emcy-id-change-while-valid" on "reference-301": "The CAN-ID of EMCY can be changed while EMCY is valid.",
+    EmcySentWhenInvalid = "emcy-sent-when-invalid" on "reference-301": "EMCY messages are sent although bit 31 of 1014h is set.",
+    EmcyRegisterZero = "emcy-register-zero": "EMCY messages hold 0 instead of the error register.",
+    ErrorHistoryReversed = "error-history-reversed": "1003h shows the oldest error first.",
+    ErrorHistoryOverflows = "error-history-overflows": "1003h:00 counts beyond the entries that there are.",
+    ErrorHistoryNonZeroAccepted = "error-history-non-zero-accepted": "1003h:00 takes values other than 0.",
+    ErrorHistoryEmptyReadsZero = "error-history-empty-reads-zero": "Entries of 1003h that hold no error read as 0.",
+    RestoreSignatureUnchecked = "restore-signature-unchecked": "1011h takes any value as its signature.",
+    RestoreWithoutEffect = "restore-without-effect": "1011h confirms, but the stored values stay.",
+    StoreLosesGroup = "store-loses-group": "1010h does not store application parameters.",
+    StoreGroupIgnored = "store-group-ignored": "Every sub-index of 1010h stores all parameters.",
+    StoreTornByReset = "store-torn-by-reset": "A reset while parameters are being stored leaves some of them new and some old.",
+    LssSelectiveThreeParts = "lss-selective-three-parts": "Switch selective does not compare the serial number.",
+    LssSelectiveAnyOrder = "lss-selective-any-order": "Switch selective takes the parts of the address in any order.",
+    LssIdentifyRangeExclusive = "lss-identify-range-exclusive": "Identify remote slave excludes the upper bounds.",
+    LssNonConfiguredAnswered = "lss-non-configured-answered": "A device with a node-ID answers identify non-configured remote slave.",
+    LssReservedModeWaits = "lss-reserved-mode-waits": "Reserved modes of switch global lead to waiting.",
+    LssBitTimingUnchecked = "lss-bit-timing-unchecked": "LSS confirms bit rates that don't exist.",
+    LssBitTimingWrongCode = "lss-bit-timing-wrong-code": "LSS refuses bit rates with the manufacturer's error code.",
+    LssStoreNotPersistent = "lss-store-not-persistent": "LSS confirms storing, but nothing is stored.",
+    LssNodeIdAtOnce = "lss-node-id-at-once" on "reference-301": "A node-ID configured by LSS acts before the reset.",
+    LssActivatesAtOnce = "lss-activates-at-once" on "reference-301": "Activate bit timing does not wait for its delay.",
+    FastscanEarlyMatch = "fastscan-early-match": "Fastscan ends at any part of the address after which the master goes back.",
+    FastscanHangs = "fastscan-hangs": "A Fastscan for a part above 3 stops the firmware.",
+    FastscanAnsweredWhenConfigured = "fastscan-answered-when-configured": "A device with a node-ID takes part in Fastscan.",
+    UnconfiguredNodeBoots = "unconfigured-node-boots": "A device without node-ID starts as node 127.",
+    WatchdogResetUnderLoad = "watchdog-reset-under-load": "Many frames in a short time make the watchdog reset the device.",
+    SdoMemoryLeak = "sdo-memory-leak": "The SDO server is out of memory after 500 requests, and silent from then on.",
+    CanIdTooHighAccepted = "can-id-too-high-accepted" on "reference-301": "11-bit CAN-IDs above 7FFh are accepted for PDOs.",
+    DefaultMappingWrong = "default-mapping-wrong" on "reference-301": "The mapping of TPDO 1 as delivered has a wrong length.",
+    DummyRefused = "dummy-refused" on "reference-301": "Dummy entries can't be mapped into RPDOs.",
+    EmcyIdWrong = "emcy-id-wrong" on "reference-301": "1014h names another CAN-ID than the one that EMCY has.",
+    ErrorBehaviourAlwaysLeaves = "error-behaviour-always-leaves" on "reference-301": "With 1029h:01 = 1 an error leads to pre-operational all the same.",
+    ErrorHistoryNotKept = "error-history-not-kept" on "reference-301": "1003h:00 stays 0, whatever happens.",
+    ExtendedBitAccepted = "extended-bit-accepted" on "reference-301": "Bit 29 of a COB-ID is accepted and has no effect.",
+    FastscanIgnoresBits = "fastscan-ignores-bits" on "reference-301": "Every Fastscan matches, whatever it compares.",
+    FastscanUnanswered = "fastscan-unanswered" on "reference-301": "Fastscan is not answered.",
+    HeartbeatConsumerLate = "heartbeat-consumer-late" on "reference-301": "A watched node is missed after twice its time.",
+    HeartbeatConsumerNotRestarted = "heartbeat-consumer-not-restarted" on "reference-301": "Only the first heartbeat of a watched node counts.",
+    HeartbeatConsumerNotStopped = "heartbeat-consumer-not-stopped" on "reference-301": "An entry of 1016h whose time is set to 0 goes on watching.",
+    HeartbeatConsumerSilent = "heartbeat-consumer-silent" on "reference-301": "The loss of a watched node is not reported by EMCY.",
+    LssIdentifyUnanswered = "lss-identify-unanswered" on "reference-301": "Identify remote slave and identify non-configured remote slave are not answered.",
+    LssIdentifyUnchecked = "lss-identify-unchecked" on "reference-301": "Identify remote slave is answered whatever its bounds are.",
+    LssInquirySwapped = "lss-inquiry-swapped" on "reference-301": "LSS gives the parts of its address with the bytes in the wrong order.",
+    LssNodeIdInquiredWrong = "lss-node-id-inquired-wrong" on "reference-301": "LSS gives the node-ID plus one.",
+    LssNodeIdRefused = "lss-node-id-refused" on "reference-301": "LSS refuses every node-ID.",
+    LssNodeIdWithoutEffect = "lss-node-id-without-effect" on "reference-301": "LSS confirms a node-ID and forgets it.",
+    LssSelectiveInConfiguration = "lss-selective-in-configuration" on "reference-301": "Switch selective is answered in configuration.",
+    LssSelectiveSerialOnly = "lss-selective-serial-only" on "reference-301": "Switch selective compares the serial number only.",
+    LssSelectiveUnanswered = "lss-selective-unanswered" on "reference-301": "Switch selective is obeyed but not answered.",
+    LssShortResponse = "lss-short-response" on "reference-301": "LSS responses have five bytes.",
+    LssStoreUnanswered = "lss-store-unanswered" on "reference-301": "Store configuration is not answered.",
+    LssSwitchGlobalIgnored = "lss-switch-global-ignored" on "reference-301": "Switch global is ignored.",
+    LssUnknownAnswered = "lss-unknown-answered" on "reference-301": "Reserved LSS commands are answered.",
+    MappingDirectionUnchecked = "mapping-direction-unchecked" on "reference-301": "Objects can be mapped whatever direction they are for.",
+    MappingProcedureRefused = "mapping-procedure-refused" on "reference-301": "A mapping that was opened can't be switched on again.",
+    PdoIdNotPredefined = "pdo-id-not-predefined" on "reference-301": "1800h:01 names another CAN-ID than the predefined one.",
+    RpdoBytesReversed = "rpdo-bytes-reversed" on "reference-301": "The bytes of RPDOs are taken in the wrong order.",
+    RpdoIgnored = "rpdo-ignored" on "reference-301": "RPDO 1 has no effect.",
+    RpdoKeepsCanId = "rpdo-keeps-can-id" on "reference-301": "An RPDO that gets another CAN-ID is not received with it.",
+    RpdoWhenStopped = "rpdo-when-stopped" on "reference-301": "RPDOs act in stopped.",
+    SameCobIdRefused = "same-cob-id-refused" on "reference-301": "Writing the COB-ID that a PDO has already is refused.",
+    SdoChannelsShareTransfer = "sdo-channels-share-transfer" on "reference-301": "A request on the second SDO channel ends the transfer on the first.",
+    SdoServerIdWrong = "sdo-server-id-wrong" on "reference-301": "1200h names another CAN-ID than the one that the server has.",
+    StoreCapabilityWrong = "store-capability-wrong" on "reference-301": "1010h:01 reads as the signature instead of the capability.",
+    SyncAlwaysCounts = "sync-always-counts" on "reference-301": "SYNC carries a counter although 1019h is 0.",
+    SyncIdWrong = "sync-id-wrong" on "reference-301": "1005h names another CAN-ID than the predefined one.",
+    SyncNotStopped = "sync-not-stopped" on "reference-301": "Writing 0 to 1006h does not end SYNC.",
+    SyncOverlooked = "sync-overlooked" on "reference-301": "Every seventh SYNC is overlooked.",
+    SyncProducerBitAccepted = "sync-producer-bit-accepted": "A device that can't produce SYNC accepts bit 30 of 1005h.",
+    TimeIdWrong = "time-id-wrong" on "reference-301": "1012h names another CAN-ID than the predefined one.",
+    TpdoBytesReversed = "tpdo-bytes-reversed" on "reference-301": "The bytes of TPDOs are sent in the wrong order.",
+    TpdoKeepsCanId = "tpdo-keeps-can-id" on "reference-301": "A TPDO that gets another CAN-ID is sent with the old one.",
+    TpdoLostAfterSdo = "tpdo-lost-after-sdo" on "reference-301": "A TPDO that is due while the SDO server writes is lost.",
+    TpdoRemoteIgnored = "tpdo-remote-ignored" on "reference-301": "Remote frames for TPDO 1 are not answered.",
+    TpdoTooLong = "tpdo-too-long" on "reference-301": "TPDO 1 always has eight bytes.",
+    UnconfiguredNodeIdWaits = "unconfigured-node-id-waits" on "reference-301": "A device that got its first node-ID by LSS waits for a reset.",
 }
 
 /// A set of faults, one bit for each.

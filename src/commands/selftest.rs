@@ -5,7 +5,8 @@ use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_conformance::catalogue::{Selector, select};
 use canvass_conformance::models::Model;
-use canvass_conformance::{Fault, selftest};
+use canvass_conformance::selftest::{self, Extent};
+use canvass_conformance::Fault;
 use canvass_reports::selftest::{json, text};
 
 /// Test the tester: run the cases against firmware with known faults
@@ -44,7 +45,7 @@ impl Args {
             (true, false) => selftest::named_by(&cases),
         };
         let models: Vec<&'static Model> = Model::all().iter().collect();
-        let matrix = selftest::run(&cases, &faults, &models);
+        let matrix = selftest::run(&cases, &faults, &models, Extent::Whole);
         match self.format {
             MatrixFormat::Table => print(&text(&matrix))?,
             MatrixFormat::Json => json(&matrix, &mut std::io::stdout().lock())?,

@@ -21,12 +21,19 @@ impl NodeGuarding {
         Self { toggle: false, life_time: Duration::ZERO, due: Timestamp::MAX }
     }
 
+    /// Reset communication: as [`NodeGuarding::new`].
+    pub fn reset(&mut self, faults: Faults) {
+        let toggle = self.toggle && faults.has(Fault::GuardingToggleNotReset);
+        *self = Self { toggle, ..Self::new() };
+    }
+
     /// 100Ch in milliseconds and 100Dh were set.
-    pub fn configure(&mut self, now: Timestamp, guard_millis: u64, factor: u64) {
+    pub fn configure(&mut self, now: Timestamp, guard_millis: u64, factor: u64, faults: Faults) {
+        let factor = if faults.has(Fault::LifeTimeFactorIgnored) { factor.min(1) } else { factor };
         self.life_time = Duration::from_millis(guard_millis).times(factor);
         if self.life_time == Duration::ZERO {
             self.due = Timestamp::MAX;
-        } else if self.due < Timestamp::MAX {
+        } else if self.due < Timestamp::MAX || faults.has(Fault::LifeGuardingStartsAtOnce) {
             self.due = now + self.life_time;
         }
     }

@@ -3,8 +3,11 @@
 
 mod annotations;
 mod deviations;
+mod generic;
+mod rules;
 mod sheet;
 
+pub use rules::{Check, Link, LinkKind, Rule};
 pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
 
 use crate::bench::Deviation;
@@ -14,9 +17,19 @@ use canvass_analyzer::dictionary::{DeviceDescription, eds};
 use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
 
-/// The files of each model: EDS, sheet.
-const FILES: &[(&str, &str)] =
-    &[(include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml"))];
+/// The files of each model, EDS and sheet, by the model's id.
+macro_rules! files {
+    ($($id:literal,)*) => {
+        &[$((include_str!(concat!("../../models/", $id, ".eds")), include_str!(concat!("../../models/", $id, ".toml")))),*]
+    };
+}
+
+/// All built-in models.
+const FILES: &[(&str, &str)] = files! {
+    "kuebler-sendix-58x8",
+    "reference-301",
+    "reference-406",
+};
 
 static MODELS: LazyLock<Vec<Model>> =
     LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
@@ -69,6 +82,17 @@ impl Model {
         let deviations: DeviationTables = toml::from_str(text)?;
         let deviations = deviations.deviations().into();
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations })
+    }
+
+    /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
+    /// dictionary has the parameters of. `name` becomes the model's id.
+    ///
+    /// # Errors
+    /// [`ModelError::Description`] if the bytes are no device description.
+    pub fn generic(name: &str, bytes: &[u8]) -> Result<Self, ModelError> {
+        let description = DeviceDescription::read(bytes)?;
+        let sheet = generic::sheet(name, &description)?;
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
     }
 
     /// The name on the command line.

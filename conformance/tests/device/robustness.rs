@@ -63,7 +63,7 @@ proptest! {
     ) {
         let node = configured.then(|| NodeId::new(63).unwrap());
         let mut bus = SimulatedBus::new(1_000_000);
-        bus.attach(Box::new(Device::with_motion(model(), node, faults, 3, Motion { start: 0, milli_rpm })));
+        bus.attach(Box::new(Device::with_motion(model(), node, faults, 3, Motion::constant(0, milli_rpm))));
         let mut received = 0_u32;
         for (frame, pause) in &frames {
             bus.send(frame).unwrap();

@@ -105,7 +105,7 @@ fn counter(bench: &mut Bench<'_>) -> Judged {
     let heard = syncs(bench, 13)?;
     let bytes: Vec<&[u8]> = heard.iter().map(Record::data).collect();
     let is_right = |pair: &[&[u8]]| match pair {
-        [&[before], &[now]] => (1..=5).contains(&before) && now == before % 5 + 1,
+        [[before], [now]] => (1..=5).contains(before) && *now == before % 5 + 1,
         _ => false,
     };
     demand(bytes.len() > 6 && bytes.windows(2).all(is_right), || {

@@ -294,3 +294,39 @@ fn inquired_pending(bench: &mut Bench<'_>) -> Judged {
         Reason::new("the node-ID in use is given while another one is pending", own.to_string(), actual)
     })
 }
+
+/// Activate bit timing makes the slave silent for its delay, twice: before and after the change.
+#[case(id = "305/bit-timing/activate", clause = "CiA 305 6.4.4", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [BitRate], catches = [LssActivatesAtOnce])]
+fn activate(bench: &mut Bench<'_>) -> Judged {
+    const DELAY: Duration = Duration::from_millis(300);
+    let current = bench.bit_rate();
+    let index = BIT_RATES.iter().position(|rate| rate.is_some() && *rate == current);
+    let Some(index) = index.and_then(|index| u8::try_from(index).ok()) else {
+        let reason = Reason::new("the bit rate of the bus is in table 0", "one of CiA 305", format!("{current:?}"));
+        return Err(Verdict::NotApplicable(reason));
+    };
+    // The rate that is in use: nobody has to follow.
+    bench.write(crate::bench::state::HEARTBEAT_TIME, &20_u16.to_le_bytes())?;
+    configure(bench)?;
+    let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
+    if !answer.is_some_and(|answer| is_done(answer, ConfigureCommand::BitTiming)) {
+        wait(bench)?;
+        return Err(Verdict::NotApplicable(Reason::new("the bit rate can be set", "success", shown(answer))));
+    }
+    bench.watch_restart();
+    bench.drain()?;
+    let request = Request::ActivateBitTiming { delay: 300 };
+    bench.send(&request.to_frame(canvass_analyzer::wire::lss::MASTER_CAN_ID))?;
+    // What was on its way may still come.
+    bench.listen(Duration::from_millis(20))?;
+    let silence = bench.listen(Duration::from_millis(560))?;
+    bench.listen(DELAY.times(2))?;
+    wait(bench)?;
+    let answers = bench.answers()?;
+    demand(silence.is_empty(), || {
+        let actual = silence.first().map(|record| record.frame.to_string()).unwrap_or_default();
+        Reason::new("after activate bit timing the slave is silent for twice the delay", "600 ms of silence", actual)
+    })?;
+    demand(answers, || Reason::new("after activate bit timing the device works on", "an SDO response", "none"))
+}

@@ -75,7 +75,7 @@ fn identify(bench: &mut Bench<'_>) -> Judged {
 
 /// A device that gets a node-ID by LSS boots with it when configuration ends.
 #[case(id = "305/unconfigured/boots", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
-       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect])]
+       needs = [Lss, Alone], touches = [NodeId], catches = [UnconfiguredNodeIdWaits])]
 fn boots(bench: &mut Bench<'_>) -> Judged {
     unconfigured(bench, |bench, _| {
         let own = bench.node().raw();
@@ -93,7 +93,7 @@ fn boots(bench: &mut Bench<'_>) -> Judged {
 
 /// The inquiry of the node-ID of a device without one gives 255.
 #[case(id = "305/unconfigured/inquiry", clause = "CiA 305 6.5.3", confidence = Attested, level = Should,
-       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect])]
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdInquiredWrong])]
 fn inquiry(bench: &mut Bench<'_>) -> Judged {
     unconfigured(bench, |bench, _| {
         configure(bench)?;

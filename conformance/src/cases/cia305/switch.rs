@@ -172,7 +172,7 @@ fn inquiry(bench: &mut Bench<'_>) -> Judged {
 
 /// In configuration the inquiry of the node-ID gives the one in use.
 #[case(id = "305/inquiry/node-id", clause = "CiA 305 6.5.3", confidence = Attested, level = Must,
-       needs = [Lss, Alone], catches = [LssInquirySwapped])]
+       needs = [Lss, Alone], catches = [LssNodeIdInquiredWrong])]
 fn inquiry_node_id(bench: &mut Bench<'_>) -> Judged {
     configure(bench)?;
     let answer = exchange(bench, Request::InquireNodeId)?;
