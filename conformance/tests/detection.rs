@@ -52,11 +52,12 @@ fn good_devices_pass() {
 #[test]
 fn a_good_device_passes_without_a_description() {
     let model = Model::by_id("kuebler-sendix-58x8").unwrap();
-    let target = Target::unknown(model.default_node().unwrap());
+    // What its manual announces holds without an EDS too.
+    let target = Target { description: None, ..Target::of(model, model.default_node().unwrap()) };
     let reports = catalogue::cases().into_iter().map(|case| judge_target(case, model, Faults::NONE, &target));
     let (good, wrong): (Vec<_>, Vec<_>) = reports
         .filter(|report| report.verdict.kind() != Kind::NotApplicable)
-        .partition(|report| report.verdict.kind() == Kind::Pass);
+        .partition(|report| matches!(report.verdict.kind(), Kind::Pass | Kind::Deviation));
     let wrong: Vec<String> = wrong.iter().map(describe).collect();
     assert!(wrong.is_empty() && good.len() > 80, "{} passed, {}", good.len(), wrong.join("\n"));
 }

@@ -178,6 +178,8 @@ impl Bench<'_> {
         let request = Request::InitiateBlockUpload { multiplexer, crc: true, block_size: 1, threshold: 0 };
         let reply = self.exchange(&request, format!("block upload of {multiplexer}"))?;
         self.send_request(&Request::abort(multiplexer, AbortCode::GENERAL))?;
+        // A firmware that answers aborts does it now, not in the middle of the case.
+        self.listen(self.timing().reaction)?;
         Ok(match reply.response {
             Some(Response::InitiateBlockUpload { .. }) => Ok(()),
             _ => Err(format!("a block upload of {multiplexer} is answered by {}", reply.actual())),
@@ -193,6 +195,8 @@ impl Bench<'_> {
         let request = Request::InitiateBlockDownload { multiplexer, crc: true, size };
         let reply = self.exchange(&request, format!("block download to {multiplexer}"))?;
         self.send_request(&Request::abort(multiplexer, AbortCode::GENERAL))?;
+        // A firmware that answers aborts does it now, not in the middle of the case.
+        self.listen(self.timing().reaction)?;
         Ok(match reply.response {
             Some(Response::InitiateBlockDownload { crc, .. }) => Ok(crc),
             _ => Err(format!("a block download to {multiplexer} is answered by {}", reply.actual())),
@@ -253,7 +257,16 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::upload`].
     pub fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Verdict> {
-        Ok(self.is_described_as_writable(multiplexer) && self.has(multiplexer)?)
+        if !self.is_described_as_writable(multiplexer) || !self.has(multiplexer)? {
+            return Ok(false);
+        }
+        if self.target.description.is_some() {
+            return Ok(true);
+        }
+        // Nobody says so: the value that it has is written again.
+        let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome else { return Ok(false) };
+        let refusal = self.download(multiplexer, &value)?.abort();
+        Ok(!matches!(refusal, Some(AbortCode::READ_ONLY | AbortCode::UNSUPPORTED_ACCESS)))
     }
 
     fn dynamic_mapping(&mut self) -> Result<Result<(), String>, Verdict> {

@@ -150,10 +150,10 @@ impl Bench<'_> {
     /// As [`Bench::upload`].
     pub fn application_scratch(&mut self) -> Result<Option<Scratch>, Verdict> {
         const KNOWN: [Candidate; 4] = [
-            candidate(0x2140, 1, DataType::UNSIGNED32, [1, 2]),
             candidate(0x6402, 0, DataType::INTEGER32, [1_000, 2_000]),
             candidate(0x6402, 1, DataType::UNSIGNED32, [1_000, 2_000]),
             candidate(0x6401, 0, DataType::INTEGER32, [16, 32]),
+            candidate(0x2140, 1, DataType::UNSIGNED32, [1, 2]),
         ];
         for candidate in &KNOWN {
             if let Some(scratch) = self.scratch_of(candidate)? {
@@ -161,7 +161,9 @@ impl Bench<'_> {
             }
         }
         // A value that RPDOs carry is made to be written.
-        for mapped in self.rpdo_objects() {
+        let (profile, own): (Vec<_>, Vec<_>) =
+            self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= 0x6000);
+        for mapped in profile.into_iter().chain(own) {
             if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
                 let value = self.read(mapped.at)?;
                 let other = value.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
@@ -201,7 +203,7 @@ impl Bench<'_> {
     /// As [`Bench::upload`].
     pub fn empty_object(&mut self) -> Result<Option<Multiplexer>, Verdict> {
         let Some(description) = &self.target.description else { return Ok(None) };
-        let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING];
+        let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
         let node = self.node();
         let mut entries = description.dictionary.entries().filter(|(_, entry)| {
             let is_text = strings.contains(&entry.data_type) && entry.access.is_readable();

@@ -142,7 +142,9 @@ impl Bench<'_> {
 
     fn mappable(&self, allowed: impl Fn(&canvass_analyzer::dictionary::Entry) -> bool) -> Vec<Mapped> {
         let Some(description) = &self.target.description else { return Vec::new() };
-        let entries = description.dictionary.entries().filter(|(_, entry)| entry.pdo_mappable && allowed(entry));
+        // Communication objects for PDOs, such as 1001h and 1013h, change by themselves.
+        let entries = description.dictionary.entries();
+        let entries = entries.filter(|(at, entry)| at.index.0 >= 0x2000 && entry.pdo_mappable && allowed(entry));
         let mapped = entries.filter_map(|(at, entry)| {
             // Whole bytes only: a BOOLEAN takes one bit of a PDO, but a byte of an SDO.
             let bits = entry.data_type.bits().filter(|bits| (8..=64).contains(bits) && bits % 8 == 0)?;

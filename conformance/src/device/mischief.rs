@@ -59,6 +59,7 @@ const MINE: &[Fault] = &[
     Fault::HeartbeatConsumerNotRestarted,
     Fault::HeartbeatConsumerNotStopped,
     Fault::HeartbeatConsumerSilent,
+    Fault::LssBitTimingRefused,
     Fault::LssIdentifyUnanswered,
     Fault::LssIdentifyUnchecked,
     Fault::LssInquirySwapped,
@@ -66,6 +67,7 @@ const MINE: &[Fault] = &[
     Fault::LssNodeIdRefused,
     Fault::LssNodeIdWithoutEffect,
     Fault::LssSelectiveInConfiguration,
+    Fault::LssSelectiveMismatchIgnored,
     Fault::LssSelectiveSerialOnly,
     Fault::LssSelectiveUnanswered,
     Fault::LssShortResponse,
@@ -242,6 +244,12 @@ impl Mischief {
                 return answer([0x11, 0, 0, 0, 0, 0, 0, 0]);
             }
             0x51 if self.has(Fault::FastscanUnanswered) => return Incoming::Lost,
+            0x40..=0x43
+                if self.has(Fault::LssSelectiveMismatchIgnored)
+                    && bytes[1..5] != address[usize::from(command - 0x40)].to_le_bytes() =>
+            {
+                return Incoming::Lost;
+            }
             0x40..=0x42 if self.has(Fault::LssSelectiveSerialOnly) => {
                 put(&mut bytes, address[usize::from(command - 0x40)]);
             }
@@ -301,6 +309,7 @@ impl Mischief {
             0x17 if self.has(Fault::LssStoreUnanswered) => return None,
             0x4F | 0x50 if searched && self.has(Fault::LssIdentifyUnanswered) => return None,
             0x11 if self.has(Fault::LssNodeIdRefused) => bytes[1] = 1,
+            0x13 if self.has(Fault::LssBitTimingRefused) => bytes[1] = 1,
             0x5A..=0x5D if self.has(Fault::LssInquirySwapped) => bytes[1..5].reverse(),
             0x5E if self.has(Fault::LssNodeIdInquiredWrong) => bytes[1] = bytes[1].wrapping_add(1),
             _ => {}

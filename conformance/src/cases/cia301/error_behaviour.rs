@@ -63,7 +63,7 @@ fn only_operational(bench: &mut Bench<'_>) -> Judged {
     lost(bench, 0, State::STOPPED, State::STOPPED)
 }
 
-/// 1029h takes 0, 1 and 2; reserved values are refused with abort 0609 0030h.
+/// 1029h takes 0, 1 and 2; reserved values are refused with abort 0609 0030h or 0609 0031h.
 #[case(id = "301/error-behaviour/reserved", clause = "CiA 301 7.5.2.32", confidence = Derived, level = Must,
        needs = [ErrorBehaviour], catches = [ErrorBehaviourUnchecked])]
 fn reserved(bench: &mut Bench<'_>) -> Judged {
@@ -71,8 +71,8 @@ fn reserved(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read(BEHAVIOUR)?;
     for value in [3_u8, 127, 255] {
         let attempt = bench.download(BEHAVIOUR, &[value])?;
-        let tolerated = [AbortCode::VALUE_TOO_HIGH, AbortCode::GENERAL];
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &tolerated)?);
+        let strict = [AbortCode::INVALID_VALUE, AbortCode::VALUE_TOO_HIGH];
+        verdict = verdict.and(attempt.expect_abort(&strict, &[AbortCode::GENERAL])?);
     }
     bench.expect_unchanged(BEHAVIOUR, &before)?;
     for value in [0_u8, 1, 2] {

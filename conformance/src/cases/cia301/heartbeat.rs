@@ -6,6 +6,7 @@ use crate::case;
 use crate::client::sdo::Bytes;
 use crate::verdict::{Judged, Reason, Verdict, demand};
 use canvass_analyzer::wire::error_control::State;
+use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::{Duration, Record};
 
 fn set_time(bench: &mut Bench<'_>, milliseconds: u16) -> Result<(), Verdict> {
@@ -104,7 +105,8 @@ fn state(bench: &mut Bench<'_>) -> Judged {
 fn new_time(bench: &mut Bench<'_>) -> Judged {
     set_time(bench, 400)?;
     heartbeats(bench, Duration::from_millis(500))?;
-    set_time(bench, 100)?;
+    // Without waiting for the confirmation: a burst would be over by then.
+    bench.send_request(&Request::download(HEARTBEAT_TIME, &100_u16.to_le_bytes()))?;
     let heard = heartbeats(bench, Duration::from_millis(450))?;
     demand((3..=6).contains(&heard.len()), || {
         let duty = "after 1017h was changed from 400 to 100 ms heartbeats come every 100 ms";

@@ -137,7 +137,7 @@ fn cob_id_extended(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/pdo/cob-id/remote", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
        needs = [EventTimer, DynamicMapping], catches = [RtrBitClearable])]
 fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
-    bench.write(TPDO.parameter(2), &[255])?;
+    bench.set_pdo(TPDO, &[(2, &[255]), (5, &0_u16.to_le_bytes())])?;
     let own = bench.pdo_off(TPDO)?;
     let with_remote = own.0 & !(CobId::NO_RTR | CobId::INVALID);
     let attempt = bench.download(TPDO.parameter(1), &with_remote.to_le_bytes())?;

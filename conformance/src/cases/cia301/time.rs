@@ -1,16 +1,16 @@
-//! TIME: 1012h and 1013h (CiA 301, 7.2.6).
+//! TIME: 1012h (CiA 301, 7.2.6).
 
 use crate::bench::Bench;
 use crate::case;
 use crate::client::sdo::Bytes;
 use crate::verdict::{Judged, Reason, Verdict, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::{DataType, Entry};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::time;
 use canvass_traces::Duration;
 
 const COB_ID: Multiplexer = Multiplexer::new(0x1012, 0);
-const HIGH_RESOLUTION: Multiplexer = Multiplexer::new(0x1013, 0);
 /// Bit 31 of 1012h: the device consumes TIME.
 const CONSUMES: u32 = 1 << 31;
 /// Bit 30 of 1012h: the device produces TIME.
@@ -66,29 +66,29 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
     Ok(verdict)
 }
 
-/// A consumer of TIME takes the time over: 1013h follows it.
+/// A consumer of TIME takes the time over: an object of type TIME_OF_DAY that the description names shows it.
 #[case(id = "301/time/consumer", clause = "CiA 301 7.2.6", confidence = Known, level = Must,
-       needs = [Time], catches = [TimeIgnored])]
+       needs = [Time, Description], catches = [TimeIgnored])]
 fn consumer(bench: &mut Bench<'_>) -> Judged {
     switch_on(bench, CONSUMES, "consumes")?;
-    if !bench.has(HIGH_RESOLUTION)? {
-        let reason = Reason::new("the device shows its time", "1013h", "the device has no 1013h");
+    let clock = bench.target().description.as_ref().and_then(|description| {
+        let is_clock = |entry: &Entry| entry.data_type == DataType::TIME_OF_DAY && entry.access.is_readable();
+        description.dictionary.entries().find(|(_, entry)| is_clock(entry)).map(|(at, _)| at)
+    });
+    let Some(clock) = clock else {
+        let reason = Reason::new("the device shows its time", "an object of type TIME_OF_DAY", "none is described");
         return Err(Verdict::NotApplicable(reason));
-    }
+    };
     // 06:00 on 1 January 2020: 28 bits of milliseconds since midnight, days since 1 January 1984.
     let (milliseconds, days) = (6 * 3_600_000_u32, 13_149_u16);
     let [a, b, c, d] = milliseconds.to_le_bytes();
     let [low, high] = days.to_le_bytes();
-    let before = bench.read_number(HIGH_RESOLUTION)?;
     bench.send_bytes(time::CAN_ID, &[a, b, c, d, low, high])?;
     bench.listen(bench.timing().reaction)?;
-    let after = bench.read_number(HIGH_RESOLUTION)?;
-    // Microseconds since the time stamp; without it they would have gone on from before.
-    let went_on = Duration::from_micros(u64::from(after.wrapping_sub(before)));
-    let is_set = after != before && (went_on > Duration::from_secs(1) || after < 2_000_000);
-    demand(is_set, || {
-        let actual = format!("{before} µs before, {after} µs after it");
-        Reason::new("1013h follows a TIME message", "another time than before", actual)
+    let value = bench.upload(clock)?.value()?;
+    demand(value.get(4..6) == Some(&[low, high]), || {
+        let expected = format!("six bytes that end in {}", Bytes(&[low, high]));
+        Reason::new(format!("{clock} follows a TIME message"), expected, Bytes(&value).to_string())
     })
 }
 

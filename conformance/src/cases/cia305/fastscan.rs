@@ -6,7 +6,8 @@ use super::dialogue::{address, configure, exchange, expect, expect_silence, node
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Reason, Verdict, demand};
-use canvass_analyzer::wire::lss::{Request, Response};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::lss::{self, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_traces::Duration;
 
@@ -30,6 +31,12 @@ fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'_>, [u32; 4
             "it keeps its node-ID",
         ))),
     };
+    // What happened in the case counts, not that the device can't be configured after it.
+    let configured = give_back(bench);
+    judged.and_then(|verdict| configured.map(|()| verdict))
+}
+
+fn give_back(bench: &mut Bench<'_>) -> Result<(), Verdict> {
     let own = bench.node().raw();
     configure(bench)?;
     exchange(bench, Request::ConfigureNodeId { node_id: own })?;
@@ -37,8 +44,7 @@ fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'_>, [u32; 4
     bench.listen(Duration::from_millis(500))?;
     // A device that had a node-ID waits for the reset.
     bench.command_all(Command::RESET_COMMUNICATION)?;
-    bench.listen(Duration::from_millis(1_000))?;
-    judged
+    bench.listen(Duration::from_millis(1_000)).map(|_| ())
 }
 
 fn scan(bench: &mut Bench<'_>, id: u32, bit_check: u8, sub: u8, next: u8) -> Result<Option<Response>, Verdict> {
@@ -82,7 +88,8 @@ fn boots(bench: &mut Bench<'_>) -> Judged {
         configure(bench)?;
         exchange(bench, Request::ConfigureNodeId { node_id: own })?;
         bench.watch_restart();
-        exchange(bench, Request::SwitchGlobal { mode: 0 })?;
+        bench.drain()?;
+        bench.send(&Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
         let boot_up = bench.wait_for_boot_up()?;
         demand(boot_up.is_some(), || {
             let duty = "a device that had no node-ID boots with the one that it got";

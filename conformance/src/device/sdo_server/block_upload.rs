@@ -51,6 +51,9 @@ pub(super) fn initiate(
     let bytes = reading.bytes();
     // Up to the threshold a normal upload is shorter.
     if bytes.len() <= usize::from(threshold) {
+        if objects.faults.has(Fault::SdoBlockSwitchTruncates) {
+            return upload::begin(object, bytes.get(1..).unwrap_or_default());
+        }
         return upload::initiate(now, object, objects);
     }
     let more = u32::from(objects.faults.has(Fault::SdoBlockAnnouncedSizeWrong));

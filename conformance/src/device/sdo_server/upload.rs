@@ -45,6 +45,13 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
     }
 }
 
+/// The start of an upload of that value, in segments whatever its length.
+pub(super) fn begin(object: Multiplexer, value: &[u8]) -> Next {
+    let upload = SegmentedUpload { object, value: value.to_vec(), sent: 0, toggle: false };
+    let payload = Payload::Segmented(value.len() as u32);
+    Next::answer(Transfer::Upload(upload), Response::InitiateUpload { multiplexer: object, payload })
+}
+
 impl SegmentedUpload {
     /// The request for the next segment.
     pub fn on_request(mut self, toggle: bool, objects: &Objects) -> Next {

@@ -58,11 +58,11 @@ fn crc(bench: &mut Bench<'_>) -> Judged {
     same_value(bench, UploadManner::default())
 }
 
-/// Blocks have as many segments as the client asks for: two, one, then as many as it likes; each begins with number 1.
+/// Blocks have as many segments as the client asks for: one, two, then as many as it likes; each begins with number 1.
 #[case(id = "301/sdo/block-upload/block-size", clause = "CiA 301 7.2.4.3.14", confidence = Known, level = Must,
        needs = [BlockUpload], catches = [SdoBlockNewSizeIgnored, SdoBlockNumbersContinue])]
 fn block_size(bench: &mut Bench<'_>) -> Judged {
-    same_value(bench, UploadManner { block_sizes: vec![2, 1, 127], ..UploadManner::default() })
+    same_value(bench, UploadManner { block_sizes: vec![1, 2, 127], ..UploadManner::default() })
 }
 
 /// Block sizes of 0 and above 127 are refused with abort 0504 0002h.
@@ -122,7 +122,7 @@ fn too_much_confirmed(bench: &mut Bench<'_>) -> Judged {
 
 /// A value that is shorter than the protocol switch threshold comes by a block upload or by a normal one, and is the same.
 #[case(id = "301/sdo/block-upload/switch", clause = "CiA 301 7.2.4.3.13", confidence = Known, level = Must,
-       needs = [BlockUpload], catches = [SdoAnnouncedSizeWrong])]
+       needs = [BlockUpload], catches = [SdoBlockSwitchTruncates])]
 fn switch(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, right) = subject(bench)?;
     let manner = UploadManner { threshold: 255, ..UploadManner::default() };
