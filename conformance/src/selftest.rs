@@ -139,7 +139,7 @@ fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<Fa
             continue;
         }
         let kind = judge_knowing(case, model, fault.into(), &target, &mut knowledge).verdict.kind();
-        if matches!(kind, Kind::Fail | Kind::Deviation) {
+        if kind == Kind::Fail {
             row.failed.push(case);
             if !relatives.contains(chapter(case)) {
                 row.unrelated.push(case);

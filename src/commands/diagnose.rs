@@ -6,6 +6,7 @@ use crate::output::{Color, Output};
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use canvass_analyzer::findings::{Diagnosis, Results, Severity, SourceQuality, Thresholds};
+use canvass_conformance::models::Model;
 use canvass_reports::diagnosis::{self, Diagnosed, Style};
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::Channels;
@@ -123,6 +124,7 @@ impl Args {
             thresholds.set(threshold)?;
         }
         let mut diagnosis = Diagnosis::new(thresholds);
+        diagnosis.offer(Model::candidates());
         for device in &self.device {
             diagnosis.describe(device.node, device.describe()?);
         }

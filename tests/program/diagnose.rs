@@ -139,8 +139,12 @@ impl Operation {
     fn start(&mut self, model: &Model) {
         self.wait(1500);
         self.sdo("4000100000000000");
-        self.sdo("4018100100000000");
-        if model.description().dictionary.object(Index(0x1017)).is_some() {
+        // DS-301 V3.0 had neither of the two.
+        let has = |index| model.description().dictionary.object(Index(index)).is_some();
+        if has(0x1018) {
+            self.sdo("4018100100000000");
+        }
+        if has(0x1017) {
             self.sdo("2B17100064000000");
         }
         self.send(&format!("000#01{:02X}", self.node));

@@ -133,14 +133,19 @@ impl<'a> Bench<'a> {
         self.options.timing
     }
 
-    /// The bit rate in bit/s, where it is known.
+    /// The time on the bus.
+    pub fn now(&self) -> Timestamp {
+        self.bus.now()
+    }
+
+    /// The bit rate of the bus in bit/s, where it is known.
     pub fn bit_rate(&self) -> Option<u32> {
         self.bus.bit_rate()
     }
 
-    /// The time on the bus.
-    pub fn now(&self) -> Timestamp {
-        self.bus.now()
+    /// What was on the bus since the case began.
+    pub fn evidence(&self) -> &Evidence {
+        &self.evidence
     }
 
     /// Whether the user has cancelled the run.

@@ -214,7 +214,10 @@ pub(super) fn assign(devices: &[(&SimulatedDevice, &'static Model)]) -> Vec<Opti
 }
 
 /// Models of files live as long as the program, as the built-in ones do: each file's content is kept once.
-static DESCRIBED: LazyLock<Mutex<BTreeMap<(String, Vec<u8>), &'static Model>>> = LazyLock::new(Mutex::default);
+static DESCRIBED: LazyLock<Mutex<Described>> = LazyLock::new(Mutex::default);
+
+/// By path and content.
+type Described = BTreeMap<(String, Vec<u8>), &'static Model>;
 
 fn described(path: &str) -> Result<&'static Model, String> {
     let bytes = std::fs::read(path).map_err(|error| error.to_string())?;

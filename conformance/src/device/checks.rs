@@ -11,6 +11,9 @@ use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 use std::cmp::Ordering;
 
+/// Bit 2 of 6000h.
+const SCALING: u64 = 1 << 2;
+
 impl Objects {
     /// Whether the object takes that number now.
     ///
@@ -25,7 +28,7 @@ impl Objects {
             return pdo::check_mapping(at, value, self);
         }
         let reserved = at.index.0 == 0x1029 && self.faults.has(Fault::ErrorBehaviourUnchecked);
-        if !self.faults.has(Fault::SdoRangeUnchecked) && !reserved {
+        if !self.faults.has(Fault::SdoRangeUnchecked) && !reserved && !self.is_checked_later(at) {
             self.parameters.entry(at)?.check_range(value)?;
         }
         self.check_communication(at, value)?;
@@ -71,18 +74,36 @@ impl Objects {
         let sheet = self.model.sheet();
         self.compare(at, value)?;
         let Some(encoder) = &self.encoder else { return Ok(()) };
+        let quirks = &sheet.quirks;
         match at.index.0 {
-            0x6003 => match sheet.check(Rule::InsideActiveRange, at) {
-                Some(check) => encoder.check_preset(value, &self.parameters).map_err(|_| check.abort),
-                None => Ok(()),
-            },
-            0x6001 | 0x6002 => match sheet.check(Rule::UnitsAtMostRange, at) {
-                Some(check) => Encoder::check(at, value, &self.parameters).map_err(|_| check.abort),
-                None => Ok(()),
-            },
+            0x6003 => {
+                let code = sheet.abort(Rule::InsideActiveRange, at);
+                encoder.check_preset(value, &self.parameters).map_err(|_| code)
+            }
+            0x6000.. if self.is_checked_later(at) => self.check_scaling_bit(),
+            0x6000 if quirks.operating_bits.is_some_and(|bits| value & !u64::from(bits) != 0) => {
+                Err(AbortCode::INVALID_VALUE)
+            }
+            0x6001 | 0x6002 if quirks.scaling_bit_guards => self.check_scaling_bit(),
+            0x6001 | 0x6002 => {
+                let code = sheet.abort(Rule::UnitsAtMostRange, at);
+                Encoder::check(at, value, &self.parameters).map_err(|_| code)
+            }
             0x6000.. => Encoder::check(at, value, &self.parameters),
             _ => Ok(()),
         }
+    }
+
+    /// Whether the limits of the object are checked when it is stored.
+    fn is_checked_later(&self, at: Multiplexer) -> bool {
+        let quirks = &self.model.sheet().quirks;
+        quirks.limits_checked_at_store && quirks.acts_when_stored.contains(&at)
+    }
+
+    fn check_scaling_bit(&self) -> Result<(), AbortCode> {
+        let guarded = self.model.sheet().quirks.scaling_bit_guards;
+        let is_on = self.parameters.number_or_zero(0x6000, 0) & SCALING != 0;
+        if is_on || !guarded { Ok(()) } else { Err(AbortCode::UNSUPPORTED_ACCESS) }
     }
 
     /// Objects that are limits of each other.

@@ -7,12 +7,15 @@ use super::routes::Route;
 use super::rpdo::{Payload, Received};
 use super::{Device, push};
 use crate::{Fault, Machine};
-use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::Request;
 use canvass_analyzer::wire::sync::Sync as SyncMessage;
 use canvass_analyzer::wire::time::TimeOfDay;
 use canvass_analyzer::wire::{error_control, lss, sdo};
+use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{Frame, Timestamp};
+
+const READ_ERROR_REGISTER: Request = Request::upload(Multiplexer::new(0x1001, 0));
 
 impl Device {
     fn on_data(&mut self, now: Timestamp, route: Route, can_id: u16, frame: &Frame) {
@@ -24,6 +27,7 @@ impl Device {
             Route::Rpdo(position) => self.on_rpdo(now, position, frame.data()),
             Route::Sync => self.on_sync(now, frame.data()),
             Route::Time => self.on_time(now, frame),
+            Route::Lss if self.objects.model.sheet().lmt.is_some() => self.on_lmt(now, frame),
             Route::Lss => self.on_lss(now, frame),
             Route::PeerEmcy => self.on_peer_emcy(frame),
             Route::PeerErrorControl => self.on_peer(now, (can_id & 0x7F) as u8),
@@ -33,6 +37,9 @@ impl Device {
     fn on_sdo(&mut self, now: Timestamp, frame: &Frame) {
         if self.phase.serves(Service::Sdo, self.faults) && self.overload.on_request(self.faults) {
             self.sdo.handle(now, frame, &mut self.objects);
+            if frame.len() == 8 && Request::read(frame.data()) == Ok(READ_ERROR_REGISTER) {
+                self.objects.errors.register_was_read();
+            }
             self.act_on_writes(now);
         }
     }
@@ -48,14 +55,7 @@ impl Device {
 
     fn on_remote(&mut self, now: Timestamp, can_id: u16, node: NodeId) {
         if can_id == error_control::CAN_ID_BASE + u16::from(node.raw()) {
-            // Heartbeat and guarding exclude each other, and heartbeat wins (CiA 301, 7.2.8.2.2).
-            let silent = self.heartbeat.is_active() && !self.faults.has(Fault::GuardingBesideHeartbeat);
-            let guarded = self.objects.model.sheet().network.node_guarding && !silent;
-            if guarded && self.phase.is_running() {
-                let answer = self.guarding.answer(now, self.phase, self.faults);
-                self.send_error_control(answer);
-                self.report(now, Condition::Guarding, false);
-            }
+            self.on_guarding_request(now);
         } else if let Some(tpdo) = self.tpdos.iter_mut().find(|tpdo| tpdo.uses(can_id)) {
             if let Some(frame) = tpdo.on_remote(now, &self.objects) {
                 push(&mut self.outbox, frame);
@@ -69,7 +69,7 @@ impl Device {
 
     /// SYNC with the length that 1019h asks for: synchronous PDOs are received and sent.
     fn on_sync(&mut self, now: Timestamp, data: &[u8]) {
-        if !self.phase.is_running() {
+        if !self.phase.is_running() || !self.objects.consumes_sync() {
             return;
         }
         let fits = self.sync.has_length(data.len());
@@ -172,6 +172,7 @@ impl Device {
         let boot = match self.phase {
             Phase::Initialising { until } => until,
             Phase::Unconfigured => return activation,
+            _ if self.silent_until > Timestamp::ZERO => return self.silent_until,
             _ => Timestamp::MAX,
         };
         let services = [
@@ -217,7 +218,7 @@ impl Device {
             self.report(now, Condition::Heartbeat { node }, true);
         }
         if self.guarding.is_lost(now) {
-            self.report(now, Condition::Guarding, true);
+            self.on_master_lost(now);
         }
         for position in 0..self.rpdos.len() {
             if let Some(rpdo) = self.rpdos.get_mut(position)
@@ -265,7 +266,7 @@ impl Device {
         let Some(can_id) = standard.or_else(|| self.confuses_formats().then(|| frame.id().raw() as u16 & 0x7FF)) else {
             return;
         };
-        if self.hangs {
+        if self.hangs || now < self.silent_until {
             return;
         }
         if frame.is_remote() {
@@ -328,7 +329,11 @@ impl Machine for Device {
         match self.phase {
             Phase::Initialising { until } if now >= until => self.boot_up(now),
             Phase::Initialising { .. } | Phase::Unconfigured => {}
+            _ if now < self.silent_until => {}
             _ => {
+                if self.silent_until > Timestamp::ZERO {
+                    self.end_silence(now);
+                }
                 if let Some(node) = self.node {
                     self.store.finish(now, &self.objects.parameters, self.objects.encoder.as_ref(), node);
                 }

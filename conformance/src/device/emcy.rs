@@ -1,6 +1,7 @@
 //! Errors: the error register (1001h), the history (1003h) and the EMCY messages (1014h, 1015h).
 
 use super::parameters::Parameters;
+use crate::models::Quirks;
 use crate::{Fault, Faults};
 use canvass_analyzer::CobId;
 use canvass_analyzer::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
@@ -27,6 +28,8 @@ pub(super) enum Condition {
     RpdoLate { rpdo: u16 },
     /// SYNC does not have the length that 1019h asks for.
     SyncLength,
+    /// A parameter that was to be stored is out of its limits (6503h bit 13).
+    Parameter,
 }
 
 impl Condition {
@@ -41,13 +44,16 @@ impl Condition {
             Self::RpdoTooLong { rpdo } => (5, rpdo),
             Self::RpdoLate { rpdo } => (6, rpdo),
             Self::SyncLength => (7, 0),
+            Self::Parameter => (8, 0),
         }
     }
 
-    const fn code(self) -> EmcyCode {
+    fn code(self, quirks: &Quirks) -> EmcyCode {
         match self {
             Self::Temperature { .. } | Self::Overspeed => EmcyCode(0x4200),
-            Self::Guarding | Self::Heartbeat { .. } => EmcyCode::HEARTBEAT,
+            Self::Guarding => quirks.life_guarding_code(),
+            Self::Heartbeat { .. } => EmcyCode::HEARTBEAT,
+            Self::Parameter => EmcyCode(0x1000),
             Self::RpdoTooShort { .. } => EmcyCode::PDO_LENGTH,
             Self::RpdoTooLong { .. } => EmcyCode::PDO_LENGTH_EXCEEDED,
             Self::RpdoLate { .. } => EmcyCode::RPDO_TIMEOUT,
@@ -55,9 +61,25 @@ impl Condition {
         }
     }
 
-    /// The bits of the error register. Bit 0 is always among them.
-    const fn register(self) -> u8 {
-        ErrorRegister::GENERIC.0 | self.code().register_bits()
+    /// The bit of 6503h.
+    const fn alarm(self) -> u64 {
+        match self {
+            Self::Parameter => 1 << 13,
+            _ => 0,
+        }
+    }
+
+    /// The bits of the error register. Bit 0 is always among them, as far as the device has it.
+    fn register(self, quirks: &Quirks) -> u8 {
+        let profile = if self.alarm() == 0 { 0 } else { ErrorRegister::PROFILE.0 };
+        // Whatever its code is, a lost master is an error of communication.
+        let communication = if matches!(self, Self::Guarding) { ErrorRegister::COMMUNICATION.0 } else { 0 };
+        let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | communication | profile;
+        match quirks.error_register_bits {
+            None => bits,
+            Some(own) if bits & own == 0 => own,
+            Some(own) => bits & own,
+        }
     }
 
     /// The sub-index of 1029h that says what the device does about it.
@@ -78,7 +100,7 @@ impl Condition {
                 let [low, high] = rpdo.to_le_bytes();
                 [low, high, 0, 0, 0]
             }
-            Self::Overspeed | Self::Guarding | Self::Heartbeat { .. } | Self::SyncLength => [0; 5],
+            Self::Overspeed | Self::Guarding | Self::Heartbeat { .. } | Self::SyncLength | Self::Parameter => [0; 5],
         }
     }
 }
@@ -95,16 +117,26 @@ pub(super) struct Errors {
     queue: VecDeque<Emcy>,
     /// 1015h: no EMCY before then.
     inhibited_until: Timestamp,
+    /// Bits that a firmware forgets to clear.
+    stuck: u8,
+    quirks: Quirks,
     faults: Faults,
 }
 
 /// More EMCY messages than that don't wait; the oldest stay.
 const LONGEST_QUEUE: usize = 16;
 
+/// As many errors are counted where 1003h shows fewer.
+const MOST_COUNTED: usize = 16;
+
 impl Errors {
     /// No error; the history holds `capacity` entries.
-    pub fn new(capacity: usize, faults: Faults) -> Self {
+    pub fn new(capacity: usize, quirks: &Quirks, faults: Faults) -> Self {
+        // Errors that can only be cleared one by one are counted beyond those that are shown.
+        let capacity = if quirks.error_register_read_clears { MOST_COUNTED } else { capacity };
         Self {
+            quirks: quirks.clone(),
+            stuck: 0,
             faults,
             present: Vec::new(),
             history: VecDeque::with_capacity(capacity),
@@ -116,7 +148,8 @@ impl Errors {
 
     /// 1001h.
     pub fn register(&self) -> u8 {
-        let register = self.present.iter().fold(0, |register, condition| register | condition.register());
+        let register =
+            self.present.iter().fold(self.stuck, |register, condition| register | condition.register(&self.quirks));
         match self.faults.has(Fault::ErrorRegisterGenericMissing) {
             true => register & !ErrorRegister::GENERIC.0,
             false => register,
@@ -135,6 +168,7 @@ impl Errors {
         };
         match position.and_then(|position| self.history.get(position)) {
             Some(&entry) => Ok(u64::from(entry)),
+            None if self.quirks.empty_error_history_reads_zero => Ok(0),
             None if self.faults.has(Fault::ErrorHistoryEmptyReadsZero) => Ok(0),
             None => Err(AbortCode::NO_DATA),
         }
@@ -142,14 +176,32 @@ impl Errors {
 
     /// 0 was written to 1003h:00.
     pub fn clear_history(&mut self) {
-        if !self.faults.has(Fault::ErrorHistoryNotCleared) {
-            self.history.clear();
+        if self.faults.has(Fault::ErrorHistoryNotCleared) {
+            return;
+        }
+        let was_empty = self.history.is_empty();
+        self.history.clear();
+        if self.quirks.error_register_read_clears && !was_empty {
+            self.acknowledge();
         }
     }
 
-    /// Power-off: the history is lost.
-    pub fn forget(&mut self) {
-        self.history.clear();
+    /// 1001h was read by SDO.
+    pub fn register_was_read(&mut self) {
+        if self.quirks.error_register_read_clears && self.history.pop_front().is_some() && self.history.is_empty() {
+            self.acknowledge();
+        }
+    }
+
+    /// The last error of the history is gone: so is what the register shows.
+    fn acknowledge(&mut self) {
+        self.present.clear();
+        self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]));
+    }
+
+    /// 6503h.
+    pub fn alarms(&self) -> u64 {
+        self.present.iter().fold(0, |alarms, condition| alarms | condition.alarm())
     }
 
     /// A condition is there or gone. Reports it only when that changes, and says whether it does.
@@ -162,10 +214,13 @@ impl Errors {
             }
             _ => return false,
         }
+        if !present && self.faults.has(Fault::ErrorRegisterStuck) {
+            self.stuck |= condition.register(&self.quirks);
+        }
         let register = ErrorRegister(if self.faults.has(Fault::EmcyRegisterZero) { 0 } else { self.register() });
         if present {
             self.remember(condition);
-            let emcy = Emcy::new(condition.code(), register, condition.manufacturer());
+            let emcy = Emcy::new(condition.code(&self.quirks), register, condition.manufacturer());
             self.push(emcy);
             if self.faults.has(Fault::EmcyRepeated) {
                 self.push(emcy);
@@ -181,7 +236,7 @@ impl Errors {
         self.history.truncate(kept.saturating_sub(1));
         let [low, high, ..] = condition.manufacturer();
         let information = u32::from(u16::from_le_bytes([low, high]));
-        self.history.push_front(information << 16 | u32::from(condition.code().0));
+        self.history.push_front(information << 16 | u32::from(condition.code(&self.quirks).0));
     }
 
     fn push(&mut self, emcy: Emcy) {
@@ -219,14 +274,25 @@ impl Errors {
     pub fn on_stopped(&mut self) {
         if self.faults.has(Fault::EmcyLostWhenStopped) {
             self.queue.clear();
+            self.clear_history();
         }
     }
 
-    /// A reset: conditions are found anew, what was not sent is lost, the history stays until power-off.
+    /// A reset: conditions are found anew, what was not sent is lost, the history stays until power-off, unless a reset
+    /// clears it too.
     pub fn reset(&mut self) {
         self.present.clear();
         self.queue.clear();
         self.inhibited_until = Timestamp::ZERO;
+        if self.quirks.error_register_read_clears {
+            self.clear_history();
+        }
+    }
+
+    /// Off and on again: nothing is remembered, and nothing said.
+    pub fn power_on(&mut self) {
+        self.history.clear();
+        self.reset();
     }
 }
 

@@ -5,12 +5,14 @@ use super::encoder::Encoder;
 use super::lss_slave::LssSlave;
 use super::nmt::{self, Order, Phase, Service};
 use super::overload::Overload;
+use super::parameters::Content;
 use super::rpdo::Rpdo;
 use super::second_sdo::SecondSdo;
 use super::store::Groups;
 use super::tpdo::Tpdo;
 use super::{Device, PLACEHOLDER, heartbeat, push};
 use crate::Fault;
+use crate::models::Trigger;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::{Wire, nmt as nmt_wire};
@@ -22,14 +24,18 @@ const ONE_COMMAND: Duration = Duration::from_millis(1);
 impl Device {
     /// Off and on again: what was not stored is lost.
     pub fn power_cycle(&mut self, now: Timestamp) {
-        self.objects.errors.forget();
+        self.objects.errors.power_on();
+        self.lmt.power_on();
+        self.store.power_on();
         self.objects.clock = Clock::new(now, self.faults);
         self.objects.received_emcy = 0;
         self.lss = LssSlave::new();
         self.overload = Overload::new();
         self.hangs = false;
         self.resets = 0;
-        self.reset(now, Order::ResetNode);
+        self.take_stored_node_id();
+        self.take_stored_bit_rate();
+        self.initialise(now, Groups::ALL);
         self.settle(now);
     }
 
@@ -57,6 +63,8 @@ impl Device {
         self.second_sdos.iter_mut().for_each(SecondSdo::reset);
         self.objects.errors.reset();
         self.objects.written.clear();
+        self.objects.drop_waiting();
+        self.silent_until = Timestamp::ZERO;
         self.tpdos.iter_mut().for_each(Tpdo::stop);
         self.rpdos.iter_mut().for_each(Rpdo::stop);
         let node = self.node.unwrap_or(PLACEHOLDER);
@@ -65,6 +73,7 @@ impl Device {
         }
         self.store.load(groups, &mut self.objects.parameters, self.objects.encoder.as_mut(), node);
         self.objects.settle_links(groups);
+        self.show_node_id();
         self.phase = match self.node {
             Some(_) => Phase::Initialising { until: now + self.objects.model.sheet().timing.boot() },
             None => Phase::Unconfigured,
@@ -154,18 +163,52 @@ impl Device {
                     now,
                     match () {
                         () if keeps => Groups::NONE,
+                        () if self.objects.model.sheet().quirks.reset_communication_loads_all => {
+                            Groups::ALL.without(Groups::BUS)
+                        }
                         () if self.faults.has(Fault::NmtResetCommunicationRestoresAll) => Groups::ALL,
                         () => Groups::COMMUNICATION,
                     },
                 );
             }
             _ if self.faults.has(Fault::NmtResetNodeKeepsParameters) => self.initialise(now, Groups::NONE),
-            _ => {
-                self.lss.pending = Default::default();
-                self.take_stored_node_id();
-                self.take_stored_bit_rate();
-                self.initialise(now, Groups::ALL);
-            }
+            _ => self.reset_node(now),
+        }
+    }
+
+    fn reset_node(&mut self, now: Timestamp) {
+        self.lss.pending = Default::default();
+        let model = self.objects.model.clone();
+        let (network, quirks) = (&model.sheet().network, &model.sheet().quirks);
+        if quirks.bus_objects_survive_reset {
+            self.take_written_node_id();
+            return self.initialise(now, Groups::ALL.without(Groups::BUS));
+        }
+        if network.takes_effect.contains(&Trigger::ResetNode) {
+            self.take_stored_node_id();
+            self.take_stored_bit_rate();
+        }
+        self.initialise(now, Groups::ALL);
+        if quirks.reset_node_restores_profile {
+            self.objects.parameters.restore_profile(self.node.unwrap_or(PLACEHOLDER));
+        }
+    }
+
+    /// An object that can't be written shows the node-ID in use, not the one that is stored.
+    fn show_node_id(&mut self) {
+        let Some(at) = self.objects.model.sheet().network.node_id_object else { return };
+        let is_shown = self.objects.parameters.entry(at).is_ok_and(|entry| !entry.writable);
+        if let (true, Some(node)) = (is_shown, self.node) {
+            self.objects.parameters.set(at, Content::Number(u64::from(node.raw())));
+        }
+    }
+
+    /// A node-ID that was written acts without being stored.
+    fn take_written_node_id(&mut self) {
+        let at = self.objects.model.sheet().network.node_id_object;
+        let written = at.and_then(|at| self.objects.parameters.number(at.index.0, at.sub.0));
+        if let Some(node) = written.and_then(|written| u8::try_from(written).ok()).and_then(NodeId::new) {
+            self.node = Some(node);
         }
     }
 

@@ -80,6 +80,7 @@ const MINE: &[Fault] = &[
     Fault::RpdoBytesReversed,
     Fault::RpdoIgnored,
     Fault::RpdoKeepsCanId,
+    Fault::RtrBitClearable,
     Fault::SameCobIdRefused,
     Fault::SdoChannelsShareTransfer,
     Fault::SdoExtendedAnswered,
@@ -172,7 +173,8 @@ impl Mischief {
             // Its data is what was in the buffer: zeros, a segment of no transfer.
             return pass(Frame::full(frame.id(), [0; 8]));
         }
-        if id == 0x180 + own && self.has(Fault::TpdoRemoteIgnored) { Incoming::Lost } else { pass(*frame) }
+        let deaf = self.has(Fault::TpdoRemoteIgnored) || self.has(Fault::RtrBitClearable);
+        if id == 0x180 + own && deaf { Incoming::Lost } else { pass(*frame) }
     }
 
     fn on_nmt(&mut self, frame: &Frame) -> Incoming {

@@ -13,7 +13,9 @@ mod guarding;
 mod heartbeat;
 mod heartbeat_consumer;
 mod lifecycle;
+mod limit_switches;
 mod links;
+mod lmt_slave;
 mod lss_slave;
 mod memory;
 mod mischief;
@@ -45,6 +47,7 @@ use canvass_traces::{Frame, Timestamp};
 use guarding::NodeGuarding;
 use heartbeat::HeartbeatProducer;
 use heartbeat_consumer::HeartbeatConsumer;
+use lmt_slave::LmtSlave;
 use lss_slave::LssSlave;
 use mischief::Mischief;
 use nmt::Phase;
@@ -83,6 +86,9 @@ pub struct Device {
     tpdos: Vec<Tpdo>,
     rpdos: Vec<Rpdo>,
     lss: LssSlave,
+    lmt: LmtSlave,
+    /// Until then the device neither hears nor sends anything; [`Timestamp::ZERO`]: it works.
+    silent_until: Timestamp,
     routes: Routes,
     overload: Overload,
     mischief: Mischief,
@@ -137,6 +143,8 @@ impl Device {
             tpdos: Tpdo::all(&objects.parameters),
             rpdos: Rpdo::all(&objects.parameters, faults),
             lss: LssSlave::new(),
+            lmt: LmtSlave::new(sheet.network.default_bit_rate_kbit),
+            silent_until: Timestamp::ZERO,
             routes: Routes::new(),
             mischief: Mischief::new(faults),
             overload: Overload::new(),
@@ -155,6 +163,11 @@ impl Device {
     /// The node-ID in use.
     pub fn node(&self) -> Option<NodeId> {
         self.node
+    }
+
+    /// The bit rate that the device would use, in kbit/s: LMT sets it. The simulated bus has one of its own.
+    pub const fn bit_rate_kbit(&self) -> u32 {
+        self.lmt.bit_rate_kbit()
     }
 
     /// Lets the shaft move so from now on; the position at time 0 is part of the motion.

@@ -75,6 +75,8 @@ pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects
     let fits = match (at.sub.0, direction) {
         (1, _) => return check_cob_id(at, cob_id, CobId(value as u32), direction, number, objects),
         (2, _) => is_transmission_type(direction, value, cob_id, objects),
+        // Where the PDO can't be switched off, its inhibit time changes while it is valid.
+        (3, Direction::Transmit) if is_fixed(at.index.0, parameters) => true,
         (3, Direction::Transmit) => !is_valid_and_changes || faults.has(Fault::InhibitTimeChangeWhileValid),
         (6, Direction::Transmit) => {
             value <= 240 && (!is_valid_and_changes || faults.has(Fault::SyncStartValueChangeWhileValid))
@@ -82,6 +84,11 @@ pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects
         _ => true,
     };
     if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
+}
+
+/// Whether the COB-ID can't be written.
+fn is_fixed(index: u16, parameters: &Parameters) -> bool {
+    parameters.entry(Multiplexer::new(index, 1)).is_ok_and(|entry| !entry.writable)
 }
 
 fn is_transmission_type(direction: Direction, value: u64, cob_id: CobId, objects: &Objects) -> bool {

@@ -14,6 +14,11 @@ use canvass_traces::{Duration, Frame, Timestamp};
 /// The temperature of the sensor as 2120h counts it: degrees Celsius plus 64.
 const TEMPERATURE: u8 = 0x56;
 
+const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
+
+/// Bit 2 of 6000h.
+const SCALING: u64 = 1 << 2;
+
 impl Device {
     /// Acts on everything that was written since.
     pub(super) fn act_on_writes(&mut self, now: Timestamp) {
@@ -34,8 +39,9 @@ impl Device {
             if matches!(command, StoreCommand::Restore(_)) && self.faults.has(Fault::RestoreAtOnce) {
                 self.objects.parameters.restore(self.node.unwrap_or(PLACEHOLDER));
             }
-            self.store.begin(now + self.objects.model.sheet().timing.store(), command, self.faults);
+            self.begin_store(now, command);
         }
+        self.persist_at_once(now, at, value);
         self.forget_verification(at);
         match at.index.0 {
             0x1003 => self.objects.errors.clear_history(),
@@ -55,6 +61,45 @@ impl Device {
         if let 0x1005 | 0x1012 | 0x1014 | 0x1028 | 0x1200..0x1280 | 0x1400..0x1C00 = at.index.0 {
             self.find_routes();
         }
+    }
+
+    fn begin_store(&mut self, now: Timestamp, command: StoreCommand) {
+        let sheet = self.objects.model.sheet();
+        let done = now + sheet.timing.store();
+        if command.is_save() {
+            if sheet.quirks.silent_while_storing {
+                self.silent_until = done;
+            }
+            self.objects.take_waiting();
+        }
+        self.store.begin(done, command, self.faults);
+    }
+
+    /// Some objects are stored as soon as they are written.
+    fn persist_at_once(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
+        let model = self.objects.model.clone();
+        let sheet = model.sheet();
+        if at == OPERATING_PARAMETERS && sheet.quirks.scaling_bit_guards && value & SCALING == 0 {
+            self.objects.reset_scaling(self.node.unwrap_or(PLACEHOLDER));
+            for index in [0x6001, 0x6002] {
+                self.store.forget_number(Multiplexer::new(index, 0), &self.objects.parameters);
+            }
+            self.configure_tpdos(now);
+        }
+        if sheet.storage.persist_at_once.contains(&at) {
+            self.store.save_number(at, value, &self.objects.parameters);
+            if let Some(encoder) = &self.objects.encoder {
+                self.store.save_offset(encoder.offset());
+            }
+        }
+    }
+
+    /// The end of a silence: what had become due meanwhile is not made up for.
+    pub(super) fn end_silence(&mut self, now: Timestamp) {
+        self.silent_until = Timestamp::ZERO;
+        self.start_heartbeat(now);
+        self.configure_guarding(now);
+        self.configure_tpdos(now);
     }
 
     /// 1020h: date and time of the configuration are gone as soon as it is changed.
@@ -106,7 +151,7 @@ impl Device {
 
     /// 1029h: the NMT state that follows an error. Without its first entry operational is left when the master or a
     /// watched node is missing.
-    fn react(&mut self, now: Timestamp, condition: Condition) {
+    pub(super) fn react(&mut self, now: Timestamp, condition: Condition) {
         let Some(sub) = condition.behaviour().filter(|_| !self.faults.has(Fault::ErrorBehaviourIgnored)) else {
             return;
         };

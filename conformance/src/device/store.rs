@@ -30,6 +30,15 @@ impl Groups {
     /// What 1010h:01 and 1011h:01 mean.
     const PARAMETERS: Self = Self(7);
 
+    const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// These groups but for the others.
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     /// Whether an object is in one of the groups.
     pub fn has(self, at: Multiplexer, storage: &Storage) -> bool {
         self.contains(Self::of(at, storage))
@@ -73,10 +82,17 @@ impl StoreCommand {
     pub fn of(at: Multiplexer, storage: &Storage) -> Option<Self> {
         match (at.index.0, at.sub.0) {
             _ if Some(at) == storage.bus_save_object => Some(Self::Save(Groups::BUS)),
+            // Where nothing else stores the bus parameters, "all" are all.
+            (0x1010, 1) if storage.bus_save_object.is_none() => Some(Self::Save(Groups::ALL)),
             (0x1010, sub @ 1..) => Some(Self::Save(Groups::of_sub_index(sub))),
             (0x1011, sub @ 1..) => Some(Self::Restore(Groups::of_sub_index(sub))),
             _ => None,
         }
+    }
+
+    /// Whether it stores.
+    pub const fn is_save(self) -> bool {
+        matches!(self, Self::Save(_))
     }
 
     /// Whether the signature is right.
@@ -110,6 +126,10 @@ pub(super) struct Store {
     offset: Option<i64>,
     /// What LSS stored and no object holds.
     network: StoredNetwork,
+    /// Groups whose defaults are loaded until power-off, whatever is stored.
+    restored: Groups,
+    /// Restored defaults are lost at power-off unless they are stored.
+    restore_needs_store: bool,
     /// Being written; if a reset comes before it is done, the memory keeps what it had.
     pending: Option<(Timestamp, StoreCommand)>,
 }
@@ -123,6 +143,8 @@ impl Store {
             image: vec![None; parameters.entries().len()],
             offset: None,
             network: StoredNetwork::default(),
+            restored: Groups::NONE,
+            restore_needs_store: model.sheet().quirks.restore_needs_store,
             pending: None,
         }
     }
@@ -166,6 +188,7 @@ impl Store {
             self.pending = None;
             match command {
                 StoreCommand::Save(groups) => self.save(groups, parameters, encoder, node),
+                StoreCommand::Restore(groups) if self.restore_needs_store => self.restored = self.restored.with(groups),
                 StoreCommand::Restore(groups) => self.forget(groups, parameters),
             }
         }
@@ -181,6 +204,7 @@ impl Store {
         if groups.contains(Groups::APPLICATION) {
             self.offset = encoder.map(Encoder::offset);
         }
+        self.restored = self.restored.without(groups);
     }
 
     fn forget(&mut self, groups: Groups, parameters: &Parameters) {
@@ -191,6 +215,24 @@ impl Store {
         }
         if groups.contains(Groups::APPLICATION) {
             self.offset = None;
+        }
+    }
+
+    /// Stores the offset at once.
+    pub fn save_offset(&mut self, offset: i64) {
+        self.offset = Some(offset);
+    }
+
+    /// Off and on again: what is stored counts.
+    pub const fn power_on(&mut self) {
+        self.restored = Groups::NONE;
+    }
+
+    /// Forgets one object at once.
+    pub fn forget_number(&mut self, at: Multiplexer, parameters: &Parameters) {
+        let position = parameters.entries().iter().position(|entry| entry.at == at);
+        if let Some(slot) = position.and_then(|position| self.image.get_mut(position)) {
+            *slot = None;
         }
     }
 
@@ -248,7 +290,9 @@ impl Store {
     pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, encoder: Option<&mut Encoder>, node: NodeId) {
         self.pending = None;
         for (slot, entry) in self.image.iter().zip(parameters.entries_mut()) {
-            if groups.has(entry.at, &self.storage) {
+            let group = Groups::of(entry.at, &self.storage);
+            if groups.contains(group) {
+                let slot = if self.restored.contains(group) { &None } else { slot };
                 entry.content = slot.clone().unwrap_or_else(|| entry.default_content(node));
             }
         }

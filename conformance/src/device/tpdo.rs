@@ -25,6 +25,8 @@ pub(super) struct Tpdo {
     /// The SYNC counter with which counting begins; 0: with any.
     sync_start: u8,
     mapping: Vec<MappingEntry>,
+    /// A faulty firmware sends a PDO that carries nothing.
+    sends_empty: bool,
     running: bool,
     event_due: Timestamp,
     sample_due: Timestamp,
@@ -56,6 +58,7 @@ impl Tpdo {
             event_timer: Duration::ZERO,
             sync_start: 0,
             mapping: Vec::with_capacity(8),
+            sends_empty: false,
             running: false,
             event_due: Timestamp::MAX,
             sample_due: Timestamp::MAX,
@@ -72,15 +75,19 @@ impl Tpdo {
     pub fn configure(&mut self, now: Timestamp, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(0x1800 + self.number, sub);
         let faults = objects.faults;
+        self.sends_empty = faults.has(Fault::EmptyPdoValidated);
         self.cob_id = CobId(number(1) as u32);
         self.transmission = TransmissionType(number(2) as u8);
-        self.on_change = objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
+        // Where 6200h is the only event, there is no event timer of its own, and changes of value don't send it.
+        let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
+        self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
         // In multiples of 100 us.
         let unit = if faults.has(Fault::InhibitTimeInMilliseconds) { 1_000 } else { 100 };
         self.inhibit = Duration::from_micros(unit * number(3));
-        let late = faults.has(Fault::EventTimerOffByOne) && number(5) > 0;
+        let event_timer = if is_cyclic { objects.parameters.number_or_zero(0x6200, 0) } else { number(5) };
+        let late = faults.has(Fault::EventTimerOffByOne) && event_timer > 0;
         let factor = if faults.has(Fault::EventTimerDoubled) { 2 } else { 1 };
-        self.event_timer = Duration::from_millis(number(5) * factor + u64::from(late));
+        self.event_timer = Duration::from_millis(event_timer * factor + u64::from(late));
         let ignored = faults.has(Fault::SyncStartValueIgnored) || objects.parameters.number_or_zero(0x1019, 0) == 0;
         let sync_start = if ignored { 0 } else { number(6) as u8 };
         self.awaits_start = sync_start != 0 && (self.awaits_start || sync_start != self.sync_start);
@@ -141,7 +148,7 @@ impl Tpdo {
     }
 
     fn is_active(&self) -> bool {
-        self.running && self.cob_id.is_valid() && !self.mapping.is_empty()
+        self.running && self.cob_id.is_valid() && (self.sends_empty || !self.mapping.is_empty())
     }
 
     fn is_event_driven(&self) -> bool {
@@ -217,7 +224,7 @@ impl Tpdo {
     /// A remote frame asks for the PDO.
     pub fn on_remote(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let allowed = self.cob_id.allows_rtr() || objects.faults.has(Fault::RemoteFrameAnsweredWhenNotAllowed);
-        if !self.is_active() || !allowed {
+        if !self.is_active() || !allowed || objects.faults.has(Fault::TpdoRemoteUnanswered) {
             return None;
         }
         match self.transmission {

@@ -4,16 +4,20 @@
 mod annotations;
 mod deviations;
 mod generic;
+mod quirks;
+mod recognition;
 mod rules;
 mod sheet;
 
+pub use quirks::Quirks;
 pub use rules::{Check, Link, LinkKind, Rule};
-pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
+pub use sheet::{BitRate, Encoder, LmtAddress, Network, Sheet, StartUp, Storage, Timing, Trigger, Value};
 
 use crate::bench::Deviation;
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::network::{Candidate, Candidates};
 use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
 
@@ -27,6 +31,9 @@ macro_rules! files {
 /// All built-in models.
 const FILES: &[(&str, &str)] = files! {
     "kuebler-sendix-58x8",
+    "lika-ax58",
+    "tr-c65",
+    "tr-lmp30",
     "reference-301",
     "reference-406",
 };
@@ -81,6 +88,7 @@ impl Model {
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
         let deviations: DeviationTables = toml::from_str(text)?;
         let deviations = deviations.deviations().into();
+        description.settings = sheet.settings();
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations })
     }
 
@@ -93,6 +101,18 @@ impl Model {
         let description = DeviceDescription::read(bytes)?;
         let sheet = generic::sheet(name, &description)?;
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
+    }
+
+    /// What tells that a node is of this model.
+    pub fn candidate(&self) -> Candidate {
+        let mut candidate = Candidate::of(self.id(), Arc::clone(&self.description));
+        self.sheet.recognition.refine(&mut candidate);
+        candidate
+    }
+
+    /// What tells of which built-in model a node is, in the order of the models.
+    pub fn candidates() -> Candidates {
+        Candidates::new(|| Self::all().iter().map(Self::candidate).collect())
     }
 
     /// The name on the command line.

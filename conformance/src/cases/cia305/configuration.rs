@@ -110,7 +110,7 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
 
 /// A stored node-ID is used after reset node; the old one is stored again afterwards.
 #[case(id = "305/store/persists", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
-       needs = [Lss, Alone], touches = [NodeId, Nvm], catches = [LssStoreNotPersistent])]
+       needs = [Lss, Alone], touches = [NodeId, Nvm], catches = [LssStoreNotPersistent, NmtResetNodeKeepsParameters])]
 fn store_persists(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
         return Err(Verdict::NotApplicable(Reason::new("a node-ID is free", "one", "none")));

@@ -81,7 +81,7 @@ fn identify(bench: &mut Bench<'_>) -> Judged {
 
 /// A device that gets a node-ID by LSS boots with it when configuration ends.
 #[case(id = "305/unconfigured/boots", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
-       needs = [Lss, Alone], touches = [NodeId], catches = [UnconfiguredNodeIdWaits])]
+       needs = [Lss, Alone], touches = [NodeId], catches = [UnconfiguredNodeIdWaits, BootUpMissing, BootUpWrongData])]
 fn boots(bench: &mut Bench<'_>) -> Judged {
     unconfigured(bench, |bench, _| {
         let own = bench.node().raw();
