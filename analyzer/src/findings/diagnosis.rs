@@ -5,11 +5,11 @@ use super::facts::Facts;
 use super::finding::Finding;
 use super::registry;
 use super::rule::{Definition, Rule, Thresholds};
-use super::sink::{Findings, Sink};
+use super::sink::{Findings, Reported, Sink};
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::Service;
-use crate::network::{Candidates, Decoded, Network};
+use crate::network::{Bus, Candidates, Decoded, Network};
 use crate::statistics::{BusStatistics, Statistics};
 use canvass_traces::{ChannelId, Direction, Duration, INTERMISSION, Place, Quality, Record, Timestamp, bit_length};
 
@@ -45,6 +45,16 @@ pub struct Results {
     pub unwatched: u64,
     /// What was on each bus, by channel.
     pub buses: Vec<(ChannelId, BusStatistics)>,
+}
+
+/// A frame as it was looked at.
+pub struct Observed<'a> {
+    /// What it means.
+    pub decoded: Decoded,
+    /// Its bus, after the frame.
+    pub bus: &'a Bus,
+    /// The findings that are new with it, or were never worse.
+    pub reported: &'a [Reported],
 }
 
 /// The last frames of 128 CAN-IDs.
@@ -107,20 +117,25 @@ impl Diagnosis {
         self.bit_rate = Some(bit_rate);
     }
 
-    /// Takes the next record.
-    pub fn record(&mut self, record: &Record) {
+    /// Takes the next record, and says what it means and what it has shown; `None` where its channel is not watched.
+    pub fn record(&mut self, record: &Record) -> Option<Observed<'_>> {
+        self.findings.reported.clear();
         let Some(watch) = watch(&mut self.buses, &mut self.watched, record, &self.thresholds, self.bit_rate) else {
             self.unwatched += 1;
-            return;
+            return None;
         };
         watch.advance(record, &self.network, &mut self.findings);
         let bits = bit_length(&record.frame);
         if let Some(of) = watch.original(record, bits) {
-            return watch.statistics.copy(&of);
+            watch.statistics.copy(&of);
+            let bus = self.network.bus(record.channel)?;
+            return Some(Observed { decoded: of, bus, reported: &self.findings.reported });
         }
         let bits = bits.map_or(0, |bits| bits + INTERMISSION);
         let decoded = self.network.handle(record);
         watch.frame(record, bits, &decoded, &self.network, &mut self.findings);
+        let bus = self.network.bus(record.channel)?;
+        Some(Observed { decoded, bus, reported: &self.findings.reported })
     }
 
     /// Frames may be missing here: the recorder lost some, or something could not be read.

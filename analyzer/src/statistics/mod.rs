@@ -13,7 +13,7 @@ mod test_run;
 pub use bit_rate::BitRate;
 pub use bus::{BusStatistics, Statistics};
 pub use histogram::Histogram;
-pub use load::Load;
+pub use load::{Extremes, Load};
 pub use node::{EmcyCount, ErrorEnd, ErrorEpisode, IdentityText, NodeStatistics, StateChange};
 pub use peak::Peak;
 pub use test_run::{TestCase, TestRun};

@@ -176,7 +176,8 @@ fn loads(bus: &BusStatistics) -> Value {
     Value::Object(services.map(load).collect())
 }
 
-const fn cause(cause: Cause) -> &'static str {
+/// How a state is known.
+pub(super) const fn cause(cause: Cause) -> &'static str {
     match cause {
         Cause::Command => "command",
         Cause::BootUp => "boot-up",

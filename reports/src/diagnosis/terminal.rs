@@ -79,7 +79,7 @@ fn of_bus(bus: &BusStatistics) -> String {
 }
 
 /// A time that nobody wants to the last digit.
-fn rounded(time: Duration) -> Duration {
+pub(super) fn rounded(time: Duration) -> Duration {
     let unit = match time.nanos() {
         0..1_000_000 => 1_000,
         1_000_000..1_000_000_000 => 10_000,
@@ -181,7 +181,7 @@ fn of_node(id: NodeId, node: &NodeStatistics, bus: &BusStatistics) -> Vec<String
 }
 
 /// Who a node is, as far as it was read from it.
-fn who(node: &NodeStatistics) -> String {
+pub(super) fn who(node: &NodeStatistics) -> String {
     let identity = &node.identity;
     let [vendor, product, _, serial] = identity.numbers;
     let mut parts: Vec<String> = identity.names[0].iter().cloned().collect();
