@@ -1,5 +1,6 @@
 //! Every rendering of decoded traffic and test results.
 //!
+//! - [`catalogue_page`]: all cases, as a page;
 //! - [`comparison`]: what changed between two results of a conformance run;
 //! - [`conformance`]: the reports of a conformance run;
 //! - [`decode`]: frames, one line or one JSON object each;
@@ -10,6 +11,7 @@
 //! - [`selftest`]: which faults the cases detect;
 //! - [`signals`]: the values of PDOs as columns over time.
 
+pub mod catalogue_page;
 pub mod comparison;
 pub mod conformance;
 pub mod decode;

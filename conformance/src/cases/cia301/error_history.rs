@@ -25,6 +25,11 @@ fn clear(bench: &mut Bench<'_>) -> Result<(), Verdict> {
 #[case(id = "301/error-history/empty", clause = "CiA 301 7.5.2.4", confidence = Derived, level = Should,
        needs = [ErrorHistory], catches = [ErrorHistoryEmptyReadsZero], cct = "5.3")]
 fn empty(bench: &mut Bench<'_>) -> Judged {
+    // The code for "no data" came with V4.0 of CiA 301; 1004h went with it.
+    if bench.has(Multiplexer::new(0x1004, 0))? {
+        let reason = Reason::new("the device knows abort 0800 0024h", "CiA 301 V4.0", "a device of DS-301 V3.0 (1004h)");
+        return Err(Verdict::NotApplicable(reason));
+    }
     clear(bench)?;
     let attempt = bench.upload(NEWEST)?;
     attempt.expect_abort(&[AbortCode::NO_DATA, AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])
@@ -84,6 +89,10 @@ fn full(bench: &mut Bench<'_>) -> Judged {
     let entries = bench.target().description.as_ref().map_or(0, |description| {
         description.dictionary.entries().filter(|(at, _)| at.index.0 == 0x1003 && at.sub.0 > 0).count()
     });
+    if entries < 2 {
+        let reason = Reason::new("the description names the entries of 1003h", "two or more", entries.to_string());
+        return Err(Verdict::NotApplicable(reason));
+    }
     clear(bench)?;
     let monitored = begin_monitoring(bench)?;
     for _ in 0..=entries.min(16) {

@@ -85,7 +85,7 @@ fn kept_alive(bench: &mut Bench<'_>) -> Judged {
 
 /// A watched node that falls silent is missed after the consumer heartbeat time: EMCY 8130h once, and bit 4 of 1001h.
 #[case(id = "301/heartbeat-consumer/lost", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = Must,
-       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, HeartbeatConsumerSilent], cct = "7.106")]
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, HeartbeatConsumerSilent, EmcyRepeated], cct = "7.106")]
 fn lost(bench: &mut Bench<'_>) -> Judged {
     let node = watch(bench)?;
     beat(bench, node)?;

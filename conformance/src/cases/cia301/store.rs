@@ -60,6 +60,7 @@ fn at_reset(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/restore/wrong-signature", clause = "CiA 301 7.5.2.14", confidence = Derived, level = Must,
        needs = [Store], touches = [Nvm, FactoryDefaults], catches = [RestoreSignatureUnchecked], cct = "8.3")]
 fn restore_wrong_signature(bench: &mut Bench<'_>) -> Judged {
+    restores(bench)?;
     let mut verdict = Verdict::Pass;
     for signature in [b"daol", b"LOAD", b"wron", b"save"] {
         let attempt = bench.download(RESTORE, signature)?;
@@ -213,6 +214,7 @@ fn reset_at_once(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/restore/defaults", clause = "CiA 301 7.5.2.14", confidence = Derived, level = Must,
        needs = [Store, ScratchObject], touches = [Nvm, FactoryDefaults], catches = [RestoreWithoutEffect], cct = "8.8")]
 fn defaults(bench: &mut Bench<'_>) -> Judged {
+    restores(bench)?;
     let scratch = bench.scratch(&[2, 1, 4])?;
     bench.write(scratch.multiplexer, &scratch.other)?;
     bench.write(STORE, b"save")?;
@@ -227,4 +229,12 @@ fn defaults(bench: &mut Bench<'_>) -> Judged {
         let duty = format!("{} has its default after \"load\" and reset node", scratch.multiplexer);
         Reason::new(duty, "another value than was stored", Bytes(&now).to_string())
     })
+}
+
+/// Not applicable where defaults can't be restored.
+fn restores(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+    if bench.has(RESTORE)? {
+        return Ok(());
+    }
+    Err(Verdict::NotApplicable(Reason::new("defaults can be restored", "1011h:01", "the device has no 1011h:01")))
 }

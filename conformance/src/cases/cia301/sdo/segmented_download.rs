@@ -193,7 +193,7 @@ fn empty_segment(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/download/segmented-read-only", clause = "CiA 301 7.2.4.3.17", confidence = Attested,
        level = Must, catches = [SdoReadOnlySegmentedAccepted, SdoReadOnlyWrongCode])]
 fn segmented_read_only(bench: &mut Bench<'_>) -> Judged {
-    let multiplexer = Multiplexer::new(0x1018, 1);
+    let multiplexer = Multiplexer::new(0x1000, 0);
     let before = bench.read(multiplexer)?;
     let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(4) };
     let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;

@@ -10,7 +10,7 @@ use canvass_analyzer::wire::sdo::{self, AbortCode, Payload, Request, Response, S
 use canvass_traces::{Duration, Timestamp};
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
-const VENDOR_ID: Multiplexer = Multiplexer::new(0x1018, 1);
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
 
 /// Starts a segmented upload of an object of at least two segments.
 fn begin_upload(bench: &mut Bench<'_>) -> Result<Multiplexer, Verdict> {
@@ -68,7 +68,7 @@ fn abandoned_download(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/transfer/back-to-back", clause = "CiA 301 7.2.4", confidence = Attested, level = Must,
        catches = [SdoBackToBackMixed])]
 fn back_to_back(bench: &mut Bench<'_>) -> Judged {
-    let right = [(DEVICE_TYPE, bench.read(DEVICE_TYPE)?), (VENDOR_ID, bench.read(VENDOR_ID)?)];
+    let right = [(DEVICE_TYPE, bench.read(DEVICE_TYPE)?), (ERROR_REGISTER, bench.read(ERROR_REGISTER)?)];
     bench.drain()?;
     for (multiplexer, _) in &right {
         bench.send_request(&Request::upload(*multiplexer))?;
