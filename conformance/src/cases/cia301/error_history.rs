@@ -27,7 +27,8 @@ fn clear(bench: &mut Bench<'_>) -> Result<(), Verdict> {
 fn empty(bench: &mut Bench<'_>) -> Judged {
     // The code for "no data" came with V4.0 of CiA 301; 1004h went with it.
     if bench.has(Multiplexer::new(0x1004, 0))? {
-        let reason = Reason::new("the device knows abort 0800 0024h", "CiA 301 V4.0", "a device of DS-301 V3.0 (1004h)");
+        let reason =
+            Reason::new("the device knows abort 0800 0024h", "CiA 301 V4.0", "a device of DS-301 V3.0 (1004h)");
         return Err(Verdict::NotApplicable(reason));
     }
     clear(bench)?;

@@ -62,9 +62,7 @@ fn beat(bench: &mut Bench<'_>, node: u8) -> Result<(), Verdict> {
 fn first_heartbeat(bench: &mut Bench<'_>) -> Judged {
     watch(bench)?;
     let heard = emergencies(bench, CONSUMER_TIME.times(5))?;
-    demand(heard.is_empty(), || {
-        Reason::new("a node that was never heard is not missed", "no EMCY", shown(&heard))
-    })
+    demand(heard.is_empty(), || Reason::new("a node that was never heard is not missed", "no EMCY", shown(&heard)))
 }
 
 /// A watched node whose heartbeats come in time is not missed.
@@ -160,9 +158,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     beat(bench, node)?;
     bench.write(WATCHED, &entry(node, 0))?;
     let heard = emergencies(bench, CONSUMER_TIME.times(4))?;
-    demand(heard.is_empty(), || {
-        Reason::new("a node that is no longer watched is not missed", "no EMCY", shown(&heard))
-    })
+    demand(heard.is_empty(), || Reason::new("a node that is no longer watched is not missed", "no EMCY", shown(&heard)))
 }
 
 /// The number of entries, 1016h:00, can't be written: abort 0601 0002h.

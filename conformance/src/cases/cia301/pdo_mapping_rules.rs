@@ -45,7 +45,11 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
     let mapping = bench.mapping(pdo)?;
     let bits: u32 = mapping.iter().map(|mapped| u32::from(mapped.bits)).sum();
     demand(bits <= 64, || {
-        Reason::new(format!("{:04X}h maps what a frame can hold", pdo.mapping), "64 bits at most", format!("{bits} bits"))
+        Reason::new(
+            format!("{:04X}h maps what a frame can hold", pdo.mapping),
+            "64 bits at most",
+            format!("{bits} bits"),
+        )
     })?;
     for mapped in mapping.into_iter().filter(|mapped| mapped.at.index.0 >= 0x20) {
         let described = bench.target().description.as_ref();
@@ -72,12 +76,17 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
 fn procedure(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let own = bench.pdo_cob_id(TPDO)?;
-    let steps: Vec<(Multiplexer, Vec<u8>)> = std::iter::once((TPDO.parameter(1), (own.0 | 1 << 31).to_le_bytes().to_vec()))
-        .chain([(TPDO.entry(0), vec![0])])
-        .chain((1..=u8::MAX).zip(&before).map(|(sub, mapped)| (TPDO.entry(sub), mapped.entry().to_le_bytes().to_vec())))
-        .chain([(TPDO.entry(0), vec![u8::try_from(before.len()).unwrap_or(u8::MAX)])])
-        .chain([(TPDO.parameter(1), own.0.to_le_bytes().to_vec())])
-        .collect();
+    let steps: Vec<(Multiplexer, Vec<u8>)> =
+        std::iter::once((TPDO.parameter(1), (own.0 | 1 << 31).to_le_bytes().to_vec()))
+            .chain([(TPDO.entry(0), vec![0])])
+            .chain(
+                (1..=u8::MAX)
+                    .zip(&before)
+                    .map(|(sub, mapped)| (TPDO.entry(sub), mapped.entry().to_le_bytes().to_vec())),
+            )
+            .chain([(TPDO.entry(0), vec![u8::try_from(before.len()).unwrap_or(u8::MAX)])])
+            .chain([(TPDO.parameter(1), own.0.to_le_bytes().to_vec())])
+            .collect();
     for (multiplexer, value) in steps {
         bench.download(multiplexer, &value)?.expect_confirmation()?;
     }
@@ -92,9 +101,10 @@ fn procedure(bench: &mut Bench<'_>) -> Judged {
        needs = [Changeable], catches = [TpdoBytesReversed])]
 fn layout(bench: &mut Bench<'_>) -> Judged {
     let (changeable, other) = bench.changeable()?;
-    let second = bench.tpdo_objects().into_iter().find(|mapped| {
-        mapped.at != changeable.at && u32::from(mapped.bits) + u32::from(changeable.bits) <= 64
-    });
+    let second = bench
+        .tpdo_objects()
+        .into_iter()
+        .find(|mapped| mapped.at != changeable.at && u32::from(mapped.bits) + u32::from(changeable.bits) <= 64);
     let Some(second) = second else {
         let reason = Reason::new("a TPDO can carry two objects", "two in the description", "one");
         return Err(Verdict::NotApplicable(reason));

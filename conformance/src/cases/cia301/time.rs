@@ -23,7 +23,8 @@ fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Verdict>
     match attempt.abort() {
         None => Ok(()),
         Some(code) => {
-            let reason = Reason::new(format!("the device {what} TIME"), "a bit of 1012h that can be set", code.to_string());
+            let reason =
+                Reason::new(format!("the device {what} TIME"), "a bit of 1012h that can be set", code.to_string());
             Err(Verdict::NotApplicable(reason))
         }
     }

@@ -232,9 +232,7 @@ fn remote_subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subjec
     let own = bench.pdo_off(TPDO)?;
     let with_remote = CobId(own.0 & !(CobId::NO_RTR | CobId::INVALID));
     let off = (with_remote.0 | CobId::INVALID).to_le_bytes();
-    for (multiplexer, value) in
-        [(TPDO.parameter(1), off.to_vec()), (TPDO.parameter(2), vec![transmission_type])]
-    {
+    for (multiplexer, value) in [(TPDO.parameter(1), off.to_vec()), (TPDO.parameter(2), vec![transmission_type])] {
         if let Some(code) = bench.download(multiplexer, &value)?.abort() {
             let duty = format!("TPDO 1 can have type {transmission_type}");
             return Err(Verdict::NotApplicable(Reason::new(duty, "remote frames", format!("abort {code}"))));
@@ -254,7 +252,11 @@ fn remote_forbidden(bench: &mut Bench<'_>) -> Judged {
     operational(bench)?;
     let heard = remote(bench, &subject)?;
     demand(heard.is_empty(), || {
-        Reason::new("a remote frame is not answered where bit 30 forbids it", "silence", format!("{} TPDO", heard.len()))
+        Reason::new(
+            "a remote frame is not answered where bit 30 forbids it",
+            "silence",
+            format!("{} TPDO", heard.len()),
+        )
     })
 }
 

@@ -32,9 +32,7 @@ fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Verdict> {
 /// A message of that node, whatever its content, within the time that the device has to boot.
 fn boots_as(bench: &mut Bench<'_>, node: u8) -> Result<bool, Verdict> {
     let id = error_control::CAN_ID_BASE + u16::from(node);
-    let seen = bench.wait_for(bench.timing().boot_up, |record| {
-        (record.frame.cob_id() == Some(id)).then_some(())
-    })?;
+    let seen = bench.wait_for(bench.timing().boot_up, |record| (record.frame.cob_id() == Some(id)).then_some(()))?;
     Ok(seen.is_some())
 }
 
@@ -179,7 +177,11 @@ fn table(bench: &mut Bench<'_>) -> Judged {
         let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
         let right = match answer {
             Some(Response::Configured { command: ConfigureCommand::BitTiming, error, .. }) => {
-                if has { error == 0 } else { error == 1 }
+                if has {
+                    error == 0
+                } else {
+                    error == 1
+                }
             }
             _ => false,
         };

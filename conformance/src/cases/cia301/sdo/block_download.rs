@@ -236,10 +236,9 @@ fn read_only(bench: &mut Bench<'_>) -> Judged {
        needs = [BlockDownload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
-    for (multiplexer, code) in [
-        (Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT),
-        (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX),
-    ] {
+    for (multiplexer, code) in
+        [(Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT), (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX)]
+    {
         let request = Request::InitiateBlockDownload { multiplexer, crc: true, size: Some(4) };
         let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
         verdict = verdict.and(reply.expect_abort(&[code], &[AbortCode::GENERAL])?);
