@@ -22,8 +22,7 @@ fn deviations(model: &Model) -> Vec<Deviation> {
     let of_row = |row: &toml::Value| -> Vec<Deviation> {
         let documented = row["device"].as_str().unwrap().to_owned();
         let cases = row.get("cases").and_then(toml::Value::as_array).cloned().unwrap_or_default();
-        let case =
-            |case: &toml::Value| Deviation { case: case.as_str().unwrap().to_owned(), documented: documented.clone() };
+        let case = |case: &toml::Value| Deviation::of_manual(case.as_str().unwrap(), documented.clone());
         cases.iter().map(case).collect()
     };
     rows.iter().flat_map(of_row).collect()

@@ -26,8 +26,8 @@ mod traffic;
 mod watch;
 
 pub use decoder::Decoder;
-pub use measurement::{Measurement, Unit, percentile};
 pub use evidence::{Annotate, Evidence, Exhibit};
+pub use measurement::{Measurement, Unit, percentile};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
 
