@@ -4,7 +4,7 @@ use crate::output::print;
 use crate::status::{Failure, Status};
 use canvass_analyzer::NodeId;
 use canvass_conformance::bench::{Bench, Options, Target};
-use canvass_conformance::bus::{self, SimulatedBus};
+use canvass_conformance::bus::{BusAddress, SimulatedBus};
 use canvass_conformance::case::Case;
 use canvass_conformance::device::Device;
 use canvass_conformance::models::Model;
@@ -49,8 +49,10 @@ pub fn dry_run(
 
 /// The built-in model that the device is, or the one that most faults show on.
 fn model_of(address: &str, device: Option<&str>) -> &'static Model {
-    // Opening a simulated bus touches nothing.
-    let simulated = address.starts_with("sim:").then(|| bus::open(address).ok()).flatten().and_then(|bus| bus.model);
+    let simulated = match address.parse() {
+        Ok(BusAddress::Simulated(devices)) => devices.first().and_then(|device| device.model().ok()),
+        _ => None,
+    };
     let named = device.map(|device| device.split_once('=').map_or(device, |(_, device)| device)).and_then(Model::by_id);
     let usual = Fault::ALL.first().and_then(|fault| Model::by_id(fault.model()));
     named.or(simulated).or(usual).unwrap_or(&Model::all()[0])
