@@ -144,7 +144,7 @@ impl Args {
 
     fn target(&self, opened: &Opened, waived: Vec<Deviation>) -> Result<Target, Failure> {
         let model = opened.model;
-        let node = self.node.or_else(|| model.and_then(|model| model.default_node()));
+        let node = self.node.or_else(|| opened.node());
         let node = node.ok_or_else(|| anyhow!("which node? Say --node N"))?;
         let named = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
         let (model, description) = match (named, model) {

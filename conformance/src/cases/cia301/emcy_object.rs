@@ -73,7 +73,7 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
 
 /// An error that persists is reported once, not again and again.
 #[case(id = "301/emcy/not-repeated", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
-       needs = [Monitoring], catches = [EmcyRepeated])]
+       needs = [Monitoring], catches = [EmcyRepeated, HeartbeatConsumerSilent])]
 fn not_repeated(bench: &mut Bench<'_>) -> Judged {
     begin_monitoring(bench)?;
     let heard = emergencies(bench, Duration::from_secs(10))?;

@@ -121,7 +121,7 @@ fn read_only(bench: &mut Bench<'_>) -> Judged {
 
 /// An error that comes in stopped, when no EMCY may be sent, is in the history afterwards.
 #[case(id = "301/state/stopped/error-history", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
-       needs = [ErrorHistory, Monitoring], catches = [EmcyLostWhenStopped])]
+       needs = [ErrorHistory, Monitoring], catches = [EmcyLostWhenStopped, ErrorHistoryNotKept, LifeGuardingUnreported])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     clear(bench)?;
     begin_monitoring(bench)?;

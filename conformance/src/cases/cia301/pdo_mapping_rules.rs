@@ -165,14 +165,14 @@ fn count(bench: &mut Bench<'_>) -> Judged {
 
 /// An object that does not exist can't be mapped: abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped])]
+       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
     refused(bench, TPDO, 0xFFFF_0020, &[AbortCode::NO_OBJECT, AbortCode::NOT_MAPPABLE], &[AbortCode::GENERAL])
 }
 
 /// A sub-index that an object does not have can't be mapped: abort 0609 0011h, 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing-sub-index", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped])]
+       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
 fn missing_sub_index(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let Some(first) = before.first() else {

@@ -107,7 +107,7 @@ fn sync_latency(bench: &mut Bench<'_>) -> Judged {
 
 /// The count of SYNCs of a TPDO of type n begins anew when the device becomes operational.
 #[case(id = "301/tpdo/sync-count-restarts", clause = "CiA 301 7.2.2.2", confidence = Known, level = Should,
-       needs = [Changeable, Sync], catches = [SyncCountNotReset])]
+       needs = [Changeable, Sync], catches = [SyncCountNotReset, NmtEnterPreOperationalIgnored])]
 fn sync_count_restarts(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 3)?;
     operational(bench)?;
@@ -127,7 +127,7 @@ fn sync_count_restarts(bench: &mut Bench<'_>) -> Judged {
 
 /// A change of its value sends an event-driven TPDO at once.
 #[case(id = "301/tpdo/change", clause = "CiA 301 7.2.2.3", confidence = Known, level = Should,
-       needs = [Changeable], catches = [TpdoLostAfterSdo], cct = "3.4")]
+       needs = [Changeable], catches = [TpdoLostAfterSdo, SdoSilentWhenOperational], cct = "3.4")]
 fn change(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 254)?;
     operational(bench)?;

@@ -59,7 +59,7 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
 
 /// A new node-ID is used from the next reset communication on: the device boots with it.
 #[case(id = "305/node-id/takes-effect", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
-       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect])]
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect, NmtBroadcastIgnored])]
 fn takes_effect(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
         return Err(Verdict::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
@@ -108,7 +108,7 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
 
 /// A stored node-ID is used after reset node; the old one is stored again afterwards.
 #[case(id = "305/store/persists", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
-       needs = [Lss, Alone], touches = [NodeId, Nvm], catches = [LssStoreNotPersistent, NmtResetNodeKeepsParameters])]
+       needs = [Lss, Alone], touches = [NodeId, Nvm], catches = [LssStoreNotPersistent, NmtResetNodeKeepsParameters, NmtBroadcastIgnored])]
 fn store_persists(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
         return Err(Verdict::NotApplicable(Reason::new("a node-ID is free", "one", "none")));

@@ -248,7 +248,7 @@ fn missing(bench: &mut Bench<'_>) -> Judged {
 
 /// Strings whose length is around that of whole blocks are written and read back to the byte.
 #[case(id = "301/sdo/block-download/block-ends", clause = "CiA 301 7.2.4.3.9", confidence = Known, level = Must,
-       needs = [BlockDownload, LongScratch], catches = [SdoBlockPaddingKept])]
+       needs = [BlockDownload, LongScratch], catches = [SdoBlockPaddingKept, WatchdogResetUnderLoad])]
 fn block_ends(bench: &mut Bench<'_>) -> Judged {
     // 127 segments of 7 bytes are the longest block.
     for length in [13, 14, 15, 888, 889, 890] {
