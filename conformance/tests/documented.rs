@@ -3,7 +3,7 @@
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]
 
-use canvass_conformance::bench::{Bench, Options, Target};
+use canvass_conformance::bench::{Bench, Deviation, Options, Target};
 use canvass_conformance::bus::SimulatedBus;
 use canvass_conformance::case::Touch;
 use canvass_conformance::device::Device;
