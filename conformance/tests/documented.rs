@@ -29,7 +29,8 @@ fn check(id: &str, executed_at_least: usize) {
         let kind = report.verdict.kind();
         executed += usize::from(kind.is_executed());
         if kind == Kind::Deviation {
-            let explains = |deviation: &&Deviation| catalogue::matches(&deviation.case, case.id);
+            let explains =
+                |deviation: &&canvass_conformance::bench::Deviation| catalogue::matches(&deviation.case, case.id);
             used.extend(deviations.iter().filter(explains).map(|deviation| deviation.case.clone()));
         }
         let not_restored = report.notes.iter().any(|note| note.contains("restored") || note.contains("set back"));
