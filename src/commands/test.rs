@@ -3,15 +3,17 @@
 mod reports;
 
 use crate::devices::{describe, parse_node};
+use crate::live::open_bus;
 use crate::output::Color;
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
 use canvass_analyzer::NodeId;
 use canvass_conformance::bench::{Bench, Decoder, Options, Target};
-use canvass_conformance::bus::{self, BusError, Opened};
+use canvass_conformance::bus::Opened;
 use canvass_conformance::case::{Case, Touch};
 use canvass_conformance::catalogue::{Selector, select};
 use canvass_conformance::runner::{Plan, RunEvent, run};
+use canvass_conformance::models::Model;
 use reports::{ReportArg, ReportFormat, Reports};
 use std::io;
 use std::sync::Arc;
@@ -23,9 +25,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// memory or changes its node-ID or bit rate unless --allow names it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// The device's node-ID; on a simulated bus the model's own is taken
+    /// The device's node-ID; without it the one that the model or DCF has as delivered
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
     /// What the device is: a built-in model or an EDS or DCF file
@@ -89,9 +91,9 @@ impl Args {
 
     fn target(&self, opened: &Opened) -> Result<Target, Failure> {
         let model = opened.model;
-        let node = self.node.or_else(|| model.and_then(|model| model.default_node()));
-        let node = node.ok_or_else(|| anyhow!("which node? Say --node N"))?;
         let named = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let node = self.node.or_else(|| model.or_else(|| Model::by_id(named?)).and_then(Model::default_node));
+        let node = node.ok_or_else(|| anyhow!("which node? Say --node N (canvass scan {} finds it)", self.bus))?;
         let (model, description) = match (named, model) {
             (Some(device), _) => (device.to_owned(), Some(describe(device)?)),
             (None, Some(model)) => (model.id().to_owned(), Some(model.description().clone())),
@@ -99,14 +101,6 @@ impl Args {
         };
         Ok(Target { model, description, ..Target::unknown(node) })
     }
-}
-
-/// Opens a bus; an address that names none is a mistake of the user, anything else is the bus's.
-pub fn open_bus(address: &str, seed: u64) -> Result<Opened, Failure> {
-    bus::open_seeded(address, seed).map_err(|error| match error {
-        BusError::Address { .. } => Failure::from(error),
-        _ => Failure::unreachable(error),
-    })
 }
 
 /// Is set by the first Ctrl-C, so that the device can be put back; the second one ends the program at once.

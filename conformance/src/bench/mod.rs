@@ -10,6 +10,8 @@
 
 mod decoder;
 mod evidence;
+mod foreign;
+mod presence;
 pub mod features;
 pub mod nmt;
 pub mod objects;
@@ -23,9 +25,10 @@ mod watch;
 pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
 pub use target::{Deviation, Options, Target, Timing};
+pub(crate) use foreign::Foreign;
 pub use traffic::Sent;
 
-use crate::bus::Bus;
+use crate::bus::{Bus, Health};
 use crate::case::Need;
 use crate::verdict::{Reason, Verdict};
 use canvass_analyzer::NodeId;
@@ -48,6 +51,9 @@ pub struct Bench<'a> {
     notes: Vec<String>,
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
+    foreign: Foreign,
+    /// The device left the bus and did not come back.
+    gone: bool,
     features: BTreeMap<Need, Result<(), String>>,
     starts_by_itself: Option<bool>,
 }
@@ -83,6 +89,8 @@ impl<'a> Bench<'a> {
             changes: Vec::new(),
             notes: Vec::new(),
             restoring: false,
+            foreign: Foreign::default(),
+            gone: false,
             features: BTreeMap::new(),
             starts_by_itself: None,
         }
@@ -113,6 +121,21 @@ impl<'a> Bench<'a> {
         self.bus.now()
     }
 
+    /// How well the bus and the tester's own machine work.
+    pub fn health(&self) -> Health {
+        self.bus.health()
+    }
+
+    /// Whether the bus is a live one.
+    pub fn is_live(&self) -> bool {
+        self.bus.is_live()
+    }
+
+    /// How much of the bus others than the tester and the device have taken since [`Bench::begin`].
+    pub(crate) fn foreign(&self) -> &Foreign {
+        &self.foreign
+    }
+
     /// Whether the user has cancelled the run.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
@@ -132,6 +155,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();
         self.notes.clear();
+        self.foreign = Foreign::default();
         self.watch.forget();
     }
 

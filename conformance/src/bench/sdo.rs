@@ -161,7 +161,7 @@ impl Bench<'_> {
         }
     }
 
-    fn send_request(&mut self, request: &Request) -> Result<(), Verdict> {
+    pub(super) fn send_request(&mut self, request: &Request) -> Result<(), Verdict> {
         let cob_id = sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send(&request.to_frame(cob_id)).map(|_| ())
     }

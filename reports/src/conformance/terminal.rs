@@ -87,6 +87,9 @@ impl<O: Write, P: Write> Terminal<O, P> {
         }
         writeln!(self.out, "\n{}", self.table(summary))?;
         writeln!(self.out, "{}, in {} on the bus.", outcome(summary), summary.duration)?;
+        if let Some(host) = &summary.host {
+            writeln!(self.out, "{}", super::host::sentence(host))?;
+        }
         self.out.flush()
     }
 
