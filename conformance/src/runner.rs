@@ -92,7 +92,7 @@ pub struct Summary {
 /// How well the tester's own machine kept up. Each bound is at most twice the longest span that it holds for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct HostTiming {
-    /// From a frame's time on the bus to the tester's seeing it: 99 of 100 within this.
+    /// From a frame's time on the bus to the tester's seeing it, while it waited: 99 of 100 within this.
     pub receive_usually: Duration,
     /// All within this.
     pub receive_always: Duration,
@@ -288,8 +288,8 @@ fn run_case_on(bench: &mut Bench<'_>, case: &'static Case, bit_rate: Option<u32>
     CaseReport { case, verdict, evidence, notes, duration: bench.now().since(started) }
 }
 
-/// A failure that comes while the tester takes longer than this to see a frame may be the tester's own: it is as long as
-/// the shortest wait that a case judges by.
+/// A failure that comes while a frame takes longer than this to or from the tester may be the tester's own: it is as long
+/// as the shortest wait that a case judges by.
 const HOST_LATE: Duration = Duration::from_millis(50);
 
 /// From that share of the bus on, in percent, others may be why a device does not get through.
@@ -321,12 +321,12 @@ fn blameless(verdict: Verdict, health: &Health, overload: Option<String>, has_le
     if !matches!(verdict, Verdict::Fail(_)) {
         return verdict;
     }
-    let late = health.receive.longest().filter(|&longest| longest > HOST_LATE);
+    let late = health.receive.longest().max(health.transmit.longest()).filter(|&longest| longest > HOST_LATE);
     let (duty, expected, actual) = match (has_left, overload, late) {
         (true, ..) => ("the device stays on the bus", "an answer, or a start after a reset", "neither".to_owned()),
         (_, Some(overload), _) => ("the bus has room for the device", "a load below half", overload),
         (_, _, Some(late)) => {
-            let actual = format!("up to {late} from a frame on the bus to the tester");
+            let actual = format!("up to {late} between the tester and the bus");
             ("the tester's machine keeps up", "a few milliseconds", actual)
         }
         _ => return verdict,

@@ -81,6 +81,12 @@ impl Args {
 }
 
 impl View {
+    /// A network that knows the devices named.
+    #[cfg(feature = "screen")]
+    pub fn network(&self) -> Result<Network, Failure> {
+        self.selection.network()
+    }
+
     /// Shows all that comes.
     pub fn show(self, mut inputs: Inputs<'_>, color: Color, output: &Output) -> Result<Status, Failure> {
         let mut network = self.selection.network()?;

@@ -2,6 +2,7 @@
 
 use crate::fuzz::fuzz;
 use crate::peers;
+use crate::vcan;
 use crate::run::{is_there, run};
 use anyhow::Result;
 use std::process::Command;
@@ -21,6 +22,7 @@ pub fn ci() -> Result<()> {
     run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
     fuzz()?;
     peers::install_all()?;
+    vcan::test(false)?;
     let all = [&["--workspace", "--locked", "--no-fail-fast"], &PEERS[..]].concat();
     if is_there("cargo", &["nextest", "--version"]) {
         run("cargo", &[&["nextest", "run"], &all[..]].concat())

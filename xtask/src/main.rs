@@ -10,6 +10,7 @@ mod memory;
 mod packages;
 mod peers;
 mod run;
+mod vcan;
 
 use anyhow::{Result, bail};
 
@@ -22,6 +23,8 @@ fn main() -> Result<()> {
         Some("bench") => bench::bench(),
         Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
-        _ => bail!("usage: cargo xtask ci | fuzz | peers | bench | memory"),
+        Some("vcan") => vcan::test(false),
+        Some("vcan-load") => vcan::test(true),
+        _ => bail!("usage: cargo xtask ci | fuzz | peers | vcan | bench | memory | vcan-load"),
     }
 }

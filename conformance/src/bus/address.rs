@@ -4,6 +4,8 @@
 //! can0                              a SocketCAN interface
 //! socketcan:can0                    the same
 //! slcan:/dev/ttyACM0[@BITRATE]      a serial CAN adapter
+//! slcan:tcp://HOST:PORT[@BITRATE]   one behind TCP
+//! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
 //! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with one simulated device
 //! ```
 //!
@@ -69,15 +71,18 @@ pub fn open(address: &str) -> Result<Opened, BusError> {
 /// # Errors
 /// As [`open`].
 pub fn open_seeded(address: &str, seed: u64) -> Result<Opened, BusError> {
-    let unavailable = |interface| BusError::Unavailable { address: address.to_owned(), interface };
     match address.parse()? {
         #[cfg(target_os = "linux")]
         BusAddress::SocketCan { interface } => {
             Ok(Opened { bus: Box::new(super::socketcan::SocketCan::open(&interface)?), model: None })
         }
         #[cfg(not(target_os = "linux"))]
-        BusAddress::SocketCan { .. } => Err(unavailable("SocketCAN")),
-        BusAddress::SlCan { .. } => Err(unavailable("SLCAN")),
+        BusAddress::SocketCan { .. } => {
+            Err(BusError::Unavailable { address: address.to_owned(), interface: "SocketCAN" })
+        }
+        BusAddress::SlCan { port, bit_rate } => {
+            Ok(Opened { bus: Box::new(super::slcan::SlCan::open(&port, bit_rate)?), model: None })
+        }
         BusAddress::Simulated { model, bit_rate, faults } => {
             let mut bus = SimulatedBus::new(bit_rate.unwrap_or_else(|| model.default_bit_rate()));
             bus.attach(Box::new(Device::new(model, model.default_node(), faults, seed)));
@@ -187,8 +192,9 @@ mod tests {
     }
 
     #[test]
-    fn live_buses_are_refused_by_name() {
-        assert!(open("slcan:/dev/null").unwrap_err().to_string().contains("SLCAN is not available"));
+    fn buses_that_are_not_there() {
+        assert!(open("no-such-can0").is_err());
+        assert!(open("slcan:/dev/no-such-port").unwrap_err().to_string().contains("/dev/no-such-port"));
         assert!(open("sim:kuebler-sendix-58x8").unwrap().model.is_some());
     }
 }

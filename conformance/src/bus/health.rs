@@ -17,7 +17,7 @@ pub struct Health {
     pub error_frames: u64,
     /// How often a full transmit queue was waited for.
     pub waits: u64,
-    /// From a frame's time on the bus to the tester's seeing it.
+    /// From a frame's time on the bus to the tester's seeing it, while it waited for one.
     pub receive: Latencies,
     /// From the tester's handing over a frame to its time on the bus.
     pub transmit: Latencies,

@@ -78,12 +78,14 @@ impl Inbox {
     /// The next record, or `None` if there was none until `deadline`. `pending` says whether the system holds something
     /// that the receiving thread has not fetched yet: what came in time is not too late because that thread is.
     pub fn take(&self, clock: &SteadyClock, deadline: Timestamp, pending: impl Fn() -> bool) -> Option<Record> {
+        // What came while nobody waited for it has not waited for this machine.
+        let asked = clock.now();
         let mut state = self.state();
         let mut stalled = None;
         loop {
             if let Some(record) = state.records.pop_front() {
                 if record.direction != Direction::Tx {
-                    state.health.receive.add(clock.now().since(record.timestamp));
+                    state.health.receive.add(clock.now().since(record.timestamp.max(asked)));
                 }
                 return Some(record);
             }

@@ -2,10 +2,12 @@
 
 mod address;
 mod clock;
+mod hardware_clock;
 mod health;
 mod inbox;
 mod participant;
 mod simulated;
+pub mod slcan;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
 
@@ -93,6 +95,9 @@ pub enum BusError {
     #[cfg(target_os = "linux")]
     #[error(transparent)]
     SocketCan(#[from] socketcan::SocketCanError),
+    /// The SLCAN adapter does not work.
+    #[error(transparent)]
+    SlCan(#[from] slcan::SlCanError),
     /// The operating system reports an error.
     #[error("the bus failed: {0}")]
     Io(#[from] std::io::Error),

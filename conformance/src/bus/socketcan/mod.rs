@@ -4,7 +4,6 @@
 //! times are those of the controller where it has a clock, else those of the kernel.
 
 mod error;
-mod hardware_clock;
 mod link;
 mod receiver;
 mod sys;

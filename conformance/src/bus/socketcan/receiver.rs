@@ -1,10 +1,10 @@
 //! The thread that fetches frames from the kernel, and survives what happens to the interface.
 
 use super::Shared;
-use super::hardware_clock::HardwareClock;
 use super::link::Link;
 use super::sys::{Batch, Received};
 use crate::bus::clock::Correction;
+use crate::bus::hardware_clock::HardwareClock;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp, from_socket};
 use std::io;
 use std::sync::{Arc, PoisonError};

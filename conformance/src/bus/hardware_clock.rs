@@ -59,7 +59,8 @@ mod tests {
             })
             .collect();
         let periods: Vec<u64> = times[200..].windows(2).map(|pair| pair[1] - pair[0]).collect();
-        assert!(periods.iter().all(|period| period.abs_diff(1_000_000) < 1_000), "{periods:?}");
+        let worst = periods.iter().map(|period| period.abs_diff(1_000_000)).max();
+        assert!(worst.is_some_and(|worst| worst < 10_000), "{worst:?} ns");
     }
 
     #[test]
