@@ -53,6 +53,9 @@ pub struct Args {
     dry_run: bool,
 }
 
+/// A third of a second of a full bus at 1 Mbit/s. Waits that are that late say nothing of the device any more.
+const BACKLOG: usize = 8_192;
+
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let cases = self.cases()?;
@@ -62,6 +65,7 @@ impl Args {
             return Ok(Status::Good);
         }
         let mut opened = open_bus(&self.bus, self.seed)?;
+        opened.bus.limit_backlog(BACKLOG);
         let target = self.target(&opened)?;
         let mut decoder = Decoder::new(&target);
         let options = Options { allow: self.allow.iter().copied().collect(), ..Options::default() };

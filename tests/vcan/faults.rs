@@ -106,8 +106,8 @@ fn a_babbling_node_is_not_the_devices_fault() {
     let bus = Interface::new("vbabble");
     let _device = simulate(MODEL, bus.name(), &[]);
     let mut cangen = Command::new("cangen");
-    // As fast as it can: more than any real bus carries.
-    cangen.args(["-g", "0", "-I", "001", "-L", "8", "-i", bus.name()]).stdin(Stdio::null());
+    // A bus of 1 Mbit/s carries about 8 000 of these in a second.
+    cangen.args(["-g", "0.1", "-I", "001", "-L", "8", "-i", bus.name()]).stdin(Stdio::null());
     let _babbler = Running::start(cangen);
     let ended = start_test(&bus, "301/sdo/upload", &[]).finish();
     let report = parsed(&ended.stdout);

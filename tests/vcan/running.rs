@@ -52,10 +52,6 @@ impl Running {
         assert!(status.success());
     }
 
-    pub fn is_running(&mut self) -> bool {
-        self.child.try_wait().unwrap().is_none()
-    }
-
     /// Waits for the end; what it printed is returned.
     pub fn finish(mut self) -> Ended {
         let mut stdout = Vec::new();

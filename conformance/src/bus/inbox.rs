@@ -17,9 +17,9 @@ pub(super) struct Inbox {
     closed: AtomicBool,
 }
 
-#[derive(Default)]
 struct State {
     records: VecDeque<Record>,
+    capacity: usize,
     health: Health,
 }
 
@@ -31,7 +31,8 @@ const STALL: Duration = Duration::from_millis(500);
 
 impl Inbox {
     pub fn new() -> Self {
-        let state = Mutex::new(State::default());
+        let state = State { records: VecDeque::new(), capacity: CAPACITY, health: Health::default() };
+        let state = Mutex::new(state);
         let (delivering, closed) = (AtomicBool::new(false), AtomicBool::new(false));
         Self { state, arrived: Condvar::new(), delivering, closed }
     }
@@ -40,15 +41,21 @@ impl Inbox {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Puts in what has arrived; what does not fit is lost and counted.
+    /// Puts in what has arrived. When there are too many, the oldest are lost and counted: whoever is behind shall not
+    /// stay behind.
     pub fn deliver(&self, records: &mut Vec<Record>) {
         let mut state = self.state();
-        let room = CAPACITY - state.records.len().min(CAPACITY);
-        state.health.lost += records.len().saturating_sub(room) as u64;
-        records.truncate(room);
         state.records.extend(records.drain(..));
+        let excess = state.records.len().saturating_sub(state.capacity);
+        state.records.drain(..excess);
+        state.health.lost += excess as u64;
         drop(state);
         self.arrived.notify_all();
+    }
+
+    /// Keeps no more frames than that.
+    pub fn limit(&self, frames: usize) {
+        self.state().capacity = frames.clamp(1, CAPACITY);
     }
 
     /// Says whether the receiving thread has taken something from the system that is not delivered yet.
@@ -130,6 +137,9 @@ mod tests {
             taken += 1;
         }
         assert_eq!((taken, inbox.health().receive.count()), (CAPACITY, CAPACITY as u64));
+        inbox.limit(10);
+        inbox.deliver(&mut vec![record(&clock); 25]);
+        assert_eq!(inbox.health().lost, 7 + 15);
     }
 
     #[test]

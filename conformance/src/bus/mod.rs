@@ -52,6 +52,11 @@ pub trait Bus {
         Health::default()
     }
 
+    /// Says that whoever is that many frames behind shall lose the oldest rather than fall behind further.
+    fn limit_backlog(&mut self, frames: usize) {
+        let _ = frames;
+    }
+
     /// Says that only frames of 11 bits are wanted whose identifier equals one of these where its mask has ones, so
     /// that the others need not be fetched. More may come all the same.
     ///

@@ -153,6 +153,10 @@ impl Bus for SlCan {
     fn health(&self) -> Health {
         self.shared.inbox.health()
     }
+
+    fn limit_backlog(&mut self, frames: usize) {
+        self.shared.inbox.limit(frames);
+    }
 }
 
 impl Drop for SlCan {

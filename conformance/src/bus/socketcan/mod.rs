@@ -38,6 +38,8 @@ struct Shared {
     inbox: Inbox,
     /// When the frames were handed over that have not come back yet as sent.
     sent: Mutex<VecDeque<Timestamp>>,
+    /// What the kernel lets pass. It forgets it when the interface is removed.
+    filters: Mutex<Vec<Filter>>,
 }
 
 /// The receive queue in the kernel: at about 1 KiB for each frame, a third of a second of a full bus at 1 Mbit/s.
@@ -67,6 +69,7 @@ impl SocketCan {
             clock: SteadyClock::start(),
             inbox: Inbox::new(),
             sent: Mutex::default(),
+            filters: Mutex::new(vec![Filter { id: 0, mask: 0 }]),
         });
         let receiver = Receiver::new(Arc::clone(&shared));
         let thread = std::thread::Builder::new().name(format!("receive {interface}"));
@@ -133,10 +136,8 @@ impl Bus for SocketCan {
         loop {
             let Err(error) = self.shared.socket.send(&packet) else { return Ok(()) };
             let waits = matches!(error.raw_os_error(), Some(libc::ENOBUFS | libc::EAGAIN | libc::EINTR));
-            if waits && self.now().since(started) < PATIENCE {
-                if self.wait_for_room(&error).is_ok() {
-                    continue;
-                }
+            if waits && self.now().since(started) < PATIENCE && self.wait_for_room(&error).is_ok() {
+                continue;
             }
             self.forget_last_sent();
             return Err(match waits {
@@ -164,12 +165,17 @@ impl Bus for SocketCan {
         self.shared.inbox.health()
     }
 
+    fn limit_backlog(&mut self, frames: usize) {
+        self.shared.inbox.limit(frames);
+    }
+
     fn only(&mut self, cob_ids: &[(u16, u16)]) -> Result<(), BusError> {
         /// Identifier and mask of the kernel's filters: extended and remote frames are told by these bits.
         const FORMAT: u32 = 0xC000_0000;
         let filter = |&(id, mask): &(u16, u16)| Filter { id: u32::from(id), mask: u32::from(mask) | FORMAT };
         let filters: Vec<Filter> = cob_ids.iter().map(filter).collect();
         let set = self.shared.socket.set_filters(&filters);
+        *self.shared.filters.lock().unwrap_or_else(PoisonError::into_inner) = filters;
         set.map_err(|error| SocketCanError::of(&self.shared.interface, "filter frames of", error).into())
     }
 }

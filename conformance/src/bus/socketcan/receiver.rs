@@ -147,7 +147,9 @@ impl Receiver {
     fn find_again(&mut self) {
         let link = Link::find(&self.shared.interface).ok().flatten();
         if let Some(link) = link.filter(|link| link.is_can && link.is_up) {
-            self.is_lost = self.shared.socket.bind(link.index).is_err();
+            let filters = self.shared.filters.lock().unwrap_or_else(PoisonError::into_inner);
+            let bound = self.shared.socket.set_filters(&filters).and_then(|()| self.shared.socket.bind(link.index));
+            self.is_lost = bound.is_err();
         }
     }
 }
