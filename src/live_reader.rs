@@ -23,7 +23,13 @@ pub struct LiveReader {
 const LOOK: Duration = Duration::from_millis(50);
 
 impl LiveReader {
-    pub fn new(address: &str, bus: Box<dyn Bus>, span: Option<Duration>, output: &Output, interrupt: &Interrupt) -> Self {
+    pub fn new(
+        address: &str,
+        bus: Box<dyn Bus>,
+        span: Option<Duration>,
+        output: &Output,
+        interrupt: &Interrupt,
+    ) -> Self {
         let end = span.map_or(Timestamp::MAX, |span| bus.now() + span);
         let mut channels = Channels::new();
         channels.intern(channel_name(address));

@@ -9,7 +9,7 @@ const USUAL_MODEL: &str = "kuebler-sendix-58x8";
 /// Defines the faults: one row each, so that name, variant and text can't drift apart. `on "MODEL"` names a model on
 /// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it.
 macro_rules! faults {
-    ($($variant:ident = $id:literal $(on $model:literal)? $($fuzz:ident)?: $summary:literal,)*) => {
+    ($($variant:ident = $id:literal $($key:ident $($argument:literal)?)*: $summary:literal,)*) => {
         /// One defect of a firmware. Each is a switch of its own; they can be combined.
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
         pub enum Fault {
@@ -32,20 +32,20 @@ macro_rules! faults {
 
             /// The id of a model on which it shows.
             pub fn model(self) -> &'static str {
-                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($model)?),)* };
+                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($key $($argument)?)*),)* };
                 named.unwrap_or(USUAL_MODEL)
             }
 
             /// Whether the fuzzer claims to find it.
             pub const fn is_fuzzed(self) -> bool {
-                match self { $(Self::$variant => faults!(@fuzz $($fuzz)?),)* }
+                match self { $(Self::$variant => faults!(@fuzz $($key $($argument)?)*),)* }
             }
         }
     };
-    (@model) => { None };
-    (@model $model:literal) => { Some($model) };
-    (@fuzz) => { false };
-    (@fuzz fuzz) => { true };
+    (@model $(fuzz)?) => { None };
+    (@model on $model:literal $(fuzz)?) => { Some($model) };
+    (@fuzz $(on $model:literal)?) => { false };
+    (@fuzz $(on $model:literal)? fuzz) => { true };
 }
 
 faults! {
@@ -96,8 +96,22 @@ faults! {
     HeartbeatLostOnStateChange = "heartbeat-lost-on-state-change": "The heartbeat ends when the NMT state changes.",
     HeartbeatConsumerDoubleAccepted = "heartbeat-consumer-double-accepted": "1016h takes two entries for one node.",
     GuardingToggleStuck = "guarding-toggle-stuck": "The toggle bit of node guarding answers does not alternate.",
+    GuardingToggleNotReset = "guarding-toggle-not-reset": "Reset communication does not set the toggle bit of node guarding back to 0.",
+    GuardingWrongState = "guarding-wrong-state": "Node guarding answers say pre-operational in every state.",
+    GuardingSilentWhenOff = "guarding-silent-when-off": "Node guarding is not answered while the life time is 0.",
+    GuardingBesideHeartbeat = "guarding-beside-heartbeat": "Node guarding is answered while the heartbeat is on.",
+    LifeTimeFactorOffByOne = "life-time-factor-off-by-one": "The master is missed one guard time too late.",
+    LifeGuardingStartsAtOnce = "life-guarding-starts-at-once": "Life guarding begins before the first remote frame of the master.",
+    LifeGuardingNotStopped = "life-guarding-not-stopped": "Setting the life time to 0 does not end life guarding.",
+    LifeGuardingUnreported = "life-guarding-unreported": "A lost master is not reported by an EMCY message.",
+    ErrorBehaviourIgnored = "error-behaviour-ignored": "The device stays operational when its master or a watched node is lost.",
+    ErrorControlMissing = "error-control-missing" on "tr-c65": "100Dh does not exist, although there is no 1017h either.",
+    GuardingCobIdWrong = "guarding-cob-id-wrong" on "tr-c65": "100Eh holds another COB-ID than the one that node guarding uses.",
+    NodeIdObjectWrong = "node-id-object-wrong" on "tr-c65": "100Bh holds another node-ID than the one in use.",
+    PdoCountWrong = "pdo-count-wrong" on "tr-c65": "1004h counts more PDOs than there are.",
     SdoRangeUnchecked = "sdo-range-unchecked": "Values outside the limits of the device description are confirmed.",
     TpdoWhenStopped = "tpdo-when-stopped": "TPDOs are sent in stopped.",
+    TpdoRemoteUnanswered = "tpdo-remote-unanswered" on "tr-c65": "Remote frames for a TPDO that allows them are not answered.",
     SyncCycleIgnored = "sync-cycle-ignored": "TPDOs of transmission type n are sent at every SYNC.",
     InhibitTimeIgnored = "inhibit-time-ignored": "The inhibit time of TPDOs is not observed.",
     CobIdChangeWhileValid = "cob-id-change-while-valid": "The CAN-ID of a PDO can be changed while the PDO is valid.",
@@ -114,9 +128,28 @@ faults! {
     EmcyResetMissing = "emcy-reset-missing": "No EMCY 0000h when an error is gone.",
     EmcyRepeated = "emcy-repeated": "An EMCY message is sent twice.",
     ErrorRegisterGenericMissing = "error-register-generic-missing": "1001h does not have its generic bit set together with others.",
+    ErrorRegisterStuck = "error-register-stuck": "1001h keeps the bits of an error that is gone.",
     ErrorHistoryNotCleared = "error-history-not-cleared": "Writing 0 to 1003h:00 does not clear the history.",
     LssNodeIdUnchecked = "lss-node-id-unchecked": "LSS confirms node-IDs that don't exist.",
     LssAnsweredWhileWaiting = "lss-answered-while-waiting": "LSS inquiries are answered in the waiting state.",
+    LmtSwitchSelectiveAnswered = "lmt-switch-selective-answered" on "tr-lmp30": "Switch mode selective of LMT is answered with 44h, as LSS does.",
+    LmtSerialNotCompared = "lmt-serial-not-compared" on "tr-lmp30": "Switch mode selective of LMT takes any serial number.",
+    LmtNamesNotCompared = "lmt-names-not-compared" on "tr-lmp30": "Switch mode selective of LMT takes any manufacturer and product name.",
+    LmtReservedModeObeyed = "lmt-reserved-mode-obeyed" on "tr-lmp30": "Reserved modes of switch mode global of LMT lead into configuration.",
+    LmtAnsweredInOperation = "lmt-answered-in-operation" on "tr-lmp30": "LMT inquiries and configurations are answered in operation.",
+    LmtBitTimingUnshifted = "lmt-bit-timing-unshifted" on "tr-lmp30": "LMT bit timing uses the table of LSS, whose fifth row is reserved.",
+    LmtBitTimingUnchecked = "lmt-bit-timing-unchecked" on "tr-lmp30": "LMT confirms bit timings that don't exist.",
+    LmtNodeIdUnchecked = "lmt-node-id-unchecked" on "tr-lmp30": "LMT confirms node-IDs that don't exist.",
+    LmtNodeIdAtOnce = "lmt-node-id-at-once" on "tr-lmp30": "A node-ID that LMT configures acts at once.",
+    LmtStoreSilent = "lmt-store-silent" on "tr-lmp30": "Store configuration of LMT is not answered.",
+    LmtActivationNotSilent = "lmt-activation-not-silent" on "tr-lmp30": "The device goes on sending while LMT activates a bit timing.",
+    LmtNameUnpadded = "lmt-name-unpadded" on "tr-lmp30": "LMT fills names up with FFh instead of 00h.",
+    LmtIdentifySilent = "lmt-identify-silent" on "tr-lmp30": "Identify remote slave of LMT is not answered.",
+    LmtIdentifyRangeIgnored = "lmt-identify-range-ignored" on "tr-lmp30": "Identify remote slave of LMT is answered outside the range of serial numbers.",
+    LmtSerialNotBcd = "lmt-serial-not-bcd" on "tr-lmp30": "LMT inquiries give the serial number in binary.",
+    LimitSwitchesSwapped = "limit-switches-swapped" on "lika-ax58": "Bits 12 and 13 of 6500h are swapped.",
+    LimitSwitchInclusive = "limit-switch-inclusive" on "lika-ax58": "A limit switch acts on its limit already, not only beyond.",
+    ScalingAlwaysOn = "scaling-always-on": "6001h and 6002h scale the position although bit 2 of 6000h is 0.",
     PresetIgnored = "preset-ignored": "6003h is confirmed, but the position does not change.",
     PresetOutOfRangeAccepted = "preset-out-of-range-accepted": "6003h takes values outside the measuring range.",
     CodeSequenceIgnored = "code-sequence-ignored": "6000h bit 0 does not turn the direction of counting.",

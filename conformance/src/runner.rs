@@ -210,7 +210,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
             break;
         }
         report(&RunEvent::CaseStarted { case, number: at + 1, of: plan.cases.len() });
-        let finished = run_case_on(bench, case, plan.bit_rate);
+        let finished = run_case(bench, case);
         summary.add(finished.verdict.kind());
         report(&RunEvent::CaseFinished(&finished));
     }
@@ -256,17 +256,13 @@ fn identify(bench: &mut Bench<'_>) -> DeviceIdentity {
 
 /// Runs one case: precondition, stimulus, restoration, and what must be true after every case.
 pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
-    run_case_on(bench, case, None)
-}
-
-fn run_case_on(bench: &mut Bench<'_>, case: &'static Case, bit_rate: Option<u32>) -> CaseReport {
     let started = bench.now();
     let health = bench.health();
     bench.begin();
     let judged = catch_unwind(AssertUnwindSafe(|| judge(bench, case)));
     let verdict = judged.unwrap_or_else(|panic| Verdict::Error(panicked(&*panic)));
     let took = bench.now().since(started);
-    let overload = matches!(verdict, Verdict::Fail(_)).then(|| overload(bench, took, bit_rate)).flatten();
+    let overload = matches!(verdict, Verdict::Fail(_)).then(|| overload(bench, took)).flatten();
     // A device that has gone is looked for while its frames are still evidence.
     let has_left = matches!(verdict, Verdict::Fail(_)) && bench.is_live() && bench.has_left();
     // Also what puts the device back could panic; the run goes on.
@@ -296,8 +292,8 @@ const HOST_LATE: Duration = Duration::from_millis(50);
 const OVERLOAD: u64 = 50;
 
 /// Who takes so much of the bus that the device may not get through.
-fn overload(bench: &Bench<'_>, span: Duration, bit_rate: Option<u32>) -> Option<String> {
-    let load = bench.foreign().load(span, bit_rate);
+fn overload(bench: &Bench<'_>, span: Duration) -> Option<String> {
+    let load = bench.foreign().load(span, bench.bit_rate());
     let (id, count) = bench.foreign().loudest()?;
     (load >= OVERLOAD)
         .then(|| format!("others took {load} % of the bus, most of them {count} frames with identifier {id}"))

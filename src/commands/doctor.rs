@@ -84,7 +84,11 @@ fn socketcan() -> Vec<Finding> {
         let good = link.as_ref().is_some_and(|link| link.is_up);
         let remedy = link.as_ref().filter(|link| !link.is_up).map(|link| format!(": {}", link.up_command(&name)));
         let text = link.map_or_else(|| "unreadable".to_owned(), |link| link.to_string());
-        findings.push(Finding { what: "interface", good, text: format!("{name}: {text}{}", remedy.unwrap_or_default()) });
+        findings.push(Finding {
+            what: "interface",
+            good,
+            text: format!("{name}: {text}{}", remedy.unwrap_or_default()),
+        });
     }
     if good && let Some(bytes) = read("/proc/sys/net/core/rmem_max").and_then(|text| text.parse::<u64>().ok()) {
         // A frame takes about 1 KiB of the kernel's queue; root may go beyond the limit.
@@ -134,7 +138,9 @@ fn serial_ports() -> Finding {
     let (good, text) = match (&*ports, &*denied) {
         ([], _) => (true, "none (slcan:tcp://HOST:PORT works all the same)".to_owned()),
         (_, []) => (true, ports.join(", ")),
-        (_, [first, ..]) => (false, format!("{first} can't be opened: join its group, usually `usermod -aG dialout $USER`")),
+        (_, [first, ..]) => {
+            (false, format!("{first} can't be opened: join its group, usually `usermod -aG dialout $USER`"))
+        }
     };
     Finding { what: "serial ports", good, text }
 }
@@ -152,7 +158,11 @@ fn wake_up() -> Finding {
     delays.sort_unstable();
     let at = |share: usize| delays.get(delays.len() * share / 100).copied().unwrap_or_default();
     let worst = delays.last().copied().unwrap_or_default();
-    let text = format!("half of all waits end within {:.0?} of their time, 99 % within {:.0?}, all within {worst:.0?}", at(50), at(99));
+    let text = format!(
+        "half of all waits end within {:.0?} of their time, 99 % within {:.0?}, all within {worst:.0?}",
+        at(50),
+        at(99)
+    );
     Finding { what: "wake-up", good: at(99) < Duration::from_millis(10), text }
 }
 

@@ -137,9 +137,7 @@ impl Args {
                 let wish = Wish { node_id, bit_rate, store, activate };
                 bus.run(PATIENCE, |master| master.configure(&which, wish))
             }
-            Action::Fastscan { bus, assign, store } => {
-                bus.run(SCAN_PATIENCE, |master| master.fastscan(assign, store))
-            }
+            Action::Fastscan { bus, assign, store } => bus.run(SCAN_PATIENCE, |master| master.fastscan(assign, store)),
         }
     }
 }
@@ -153,7 +151,11 @@ struct Wish {
 }
 
 impl OnBus {
-    fn run(&self, patience: Duration, act: impl FnOnce(&mut Master<'_>) -> Result<(), Failure>) -> Result<Status, Failure> {
+    fn run(
+        &self,
+        patience: Duration,
+        act: impl FnOnce(&mut Master<'_>) -> Result<(), Failure>,
+    ) -> Result<Status, Failure> {
         let mut live = Live::open(&self.bus, &[])?;
         let wanted = [(MASTER_CAN_ID, 0x7FF), (SLAVE_CAN_ID, 0x7FF)];
         live.bus.only(&wanted).map_err(Failure::unreachable)?;

@@ -8,9 +8,9 @@ use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::{Wire, lss, sdo};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_conformance::bus::BusError;
+use canvass_conformance::client::Exchange;
 use canvass_conformance::client::lss::{LssAddress, ScanStep};
 use canvass_conformance::client::sdo::{Outcome, Transfer};
-use canvass_conformance::client::Exchange;
 use canvass_conformance::models::Model;
 use canvass_reports::escape;
 use canvass_traces::{Duration, Record};
@@ -203,7 +203,8 @@ fn text(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> St
             let profile = found.profile().map(|profile| format!(", device profile {profile}")).unwrap_or_default();
             let _ = writeln!(text, "  device type {device_type:08X}h{profile}");
         }
-        let parts = PARTS.iter().zip(found.identity).filter_map(|(name, value)| Some(format!("{name} {:08X}h", value?)));
+        let parts =
+            PARTS.iter().zip(found.identity).filter_map(|(name, value)| Some(format!("{name} {:08X}h", value?)));
         let parts: Vec<String> = parts.collect();
         if !parts.is_empty() {
             let _ = writeln!(text, "  {}", parts.join(", "));

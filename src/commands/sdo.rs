@@ -12,8 +12,8 @@ use anyhow::anyhow;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::network::{Event, Network};
 use canvass_analyzer::{Multiplexer, NodeId, TransferText};
-use canvass_conformance::client::sdo::{Mode, Outcome, Transfer};
 use canvass_conformance::client::Exchange;
+use canvass_conformance::client::sdo::{Mode, Outcome, Transfer};
 use canvass_reports::escape;
 use canvass_traces::{Duration, Record};
 use serde_json::json;
@@ -194,11 +194,8 @@ fn see(network: &mut Network, record: &Record, shown: &mut Shown) {
     let transfer = decoded.channel.and_then(|channel| Some((bus.server(channel)?, bus.transfer(channel)?)));
     if let (true, Some((server, transfer))) = (bus.events().contains(&Event::TransferEnded), transfer) {
         let text = TransferText::new(bus, server, transfer);
-        *shown = Shown {
-            object: text.object().to_string(),
-            value: text.value().to_string(),
-            duration: transfer.duration(),
-        };
+        *shown =
+            Shown { object: text.object().to_string(), value: text.value().to_string(), duration: transfer.duration() };
     }
 }
 

@@ -55,7 +55,9 @@ fn objects_are_read_and_written_by_address_and_name() {
     assert!(refused.stderr.contains("abort 0602 0000h"), "{}", refused.stderr);
     let silent = run(&["sdo", "read", ENCODER, "5", "1000"]);
     assert_eq!((silent.status, silent.stderr.contains("node 5 does not answer")), (3, true));
-    for (object, value, says) in [("1017", "70000", "does not fit"), ("9999", "1", "--type"), ("nonsense", "1", "named")] {
+    for (object, value, says) in
+        [("1017", "70000", "does not fit"), ("9999", "1", "--type"), ("nonsense", "1", "named")]
+    {
         let wrong = run(&["sdo", "write", ENCODER, "63", object, value]);
         assert_eq!((wrong.status, wrong.stderr.contains(says)), (2, true), "{}", wrong.stderr);
     }
@@ -77,7 +79,12 @@ fn lss_asks_and_configures() {
     let number = |key: &str| address[key].as_u64().unwrap();
     let selected = format!("19:{}:{}:{}", number("product_code"), number("revision_number"), number("serial_number"));
     let configured = run(&["lss", "configure", ENCODER, "--address", &selected, "--node-id", "5"]);
-    assert_eq!((configured.status, &*configured.stdout), (0, "configure node-ID: successful\n"), "{}", configured.stderr);
+    assert_eq!(
+        (configured.status, &*configured.stdout),
+        (0, "configure node-ID: successful\n"),
+        "{}",
+        configured.stderr
+    );
     let other = run(&["lss", "configure", ENCODER, "--address", "1:2:3:4", "--node-id", "5"]);
     assert_eq!((other.status, other.stderr.contains("no device answers")), (3, true), "{}", other.stderr);
     assert_eq!(run(&["lss", "fastscan", ENCODER]).status, 3, "it has a node-ID");
@@ -122,7 +129,8 @@ fn a_device_behind_slcan() {
     assert!(read.stdout.contains("Kuebler Sendix Encoder"), "{}{}", read.stdout, read.stderr);
     let scan = json(&run(&["scan", &device.bus, "--format", "json", "--no-lss"]));
     assert_eq!(scan["nodes"][0]["node"], 63, "{scan}");
-    let args = ["test", &device.bus, "--device", "kuebler-sendix-58x8", "--select", "301/sdo/upload", "--format", "json"];
+    let args =
+        ["test", &device.bus, "--device", "kuebler-sendix-58x8", "--select", "301/sdo/upload", "--format", "json"];
     let tested = run(&args);
     let report = json(&tested);
     assert_eq!(report["summary"]["fail"], 0, "{report:#}");

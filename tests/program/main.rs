@@ -15,6 +15,8 @@ mod hostile;
 #[cfg(test)]
 mod live;
 #[cfg(test)]
+mod memory;
+#[cfg(test)]
 mod rows;
 #[cfg(test)]
 mod running;

@@ -5,9 +5,8 @@ use crate::running::{Running, canvass, run, text};
 use std::process::{Command, Stdio};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-const FORMATS: [&str; 10] = [
-    "a.log", "a.pcapng", "a.pcap", "a.mcap", "a.asc", "a.trc", "a.csv", "a.log.gz", "a.log.zst", "a.pcapng.gz",
-];
+const FORMATS: [&str; 10] =
+    ["a.log", "a.pcapng", "a.pcap", "a.mcap", "a.asc", "a.trc", "a.csv", "a.log.gz", "a.log.zst", "a.pcapng.gz"];
 
 #[test]
 fn a_killed_recorder_leaves_readable_files() {

@@ -35,9 +35,12 @@ fn load(interface: &'static str, span: Duration) {
     let sent = sent(bus.name());
     std::thread::sleep(Duration::from_secs(2));
     let ended = record.interrupt();
-    let (recorded, lost) =
-        (number_before(&ended.stderr, " frames recorded"), number_before(&ended.stderr, " lost"));
-    println!("load: {sent} frames in {took:?}, {:.0} frames/s; {}", sent as f64 / took.as_secs_f64(), ended.stderr.trim());
+    let (recorded, lost) = (number_before(&ended.stderr, " frames recorded"), number_before(&ended.stderr, " lost"));
+    println!(
+        "load: {sent} frames in {took:?}, {:.0} frames/s; {}",
+        sent as f64 / took.as_secs_f64(),
+        ended.stderr.trim()
+    );
     assert_eq!(recorded + lost, sent, "every frame is recorded or counted as lost: {}", ended.stderr);
     for output in &outputs {
         let quality = run(&["decode", output, "--node", "127", "--quality", "json", "--quality-out", "-"]);

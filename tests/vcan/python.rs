@@ -45,8 +45,10 @@ fn as_device_under_our_suite() {
     let output = run(&["test", bus.name(), "--node", "5", "--select", "301/sdo,301/nmt", "--format", "json"]);
     let report: Value = serde_json::from_slice(&output.stdout).unwrap();
     let cases = report["cases"].as_array().unwrap().iter();
-    let failed: Vec<String> =
-        cases.filter(|case| case["verdict"] == "fail").map(|case| format!("{}: {}", case["id"], case["reason"])).collect();
+    let failed: Vec<String> = cases
+        .filter(|case| case["verdict"] == "fail")
+        .map(|case| format!("{}: {}", case["id"], case["reason"]))
+        .collect();
     println!("python canopen: {} {failed:#?}", report["summary"]);
     let unknown: Vec<&String> =
         failed.iter().filter(|line| !DEFECTS.lines().any(|known| line.contains(&format!("\"{known}\"")))).collect();

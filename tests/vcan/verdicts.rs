@@ -78,7 +78,6 @@ fn every_model_gets_the_same_verdicts() {
 fn a_faulty_device_fails_on_vcan_too() {
     let bus = Interface::new("vfaulty");
     let _device = simulate("kuebler-sendix-58x8", bus.name(), &["--fault", "sdo-toggle-unchecked"]);
-    let found =
-        report(&[bus.name(), "--device", "kuebler-sendix-58x8", "--select", "301/sdo/download/segment-toggle"]);
+    let found = report(&[bus.name(), "--device", "kuebler-sendix-58x8", "--select", "301/sdo/download/segment-toggle"]);
     assert_eq!(verdicts(&found)["301/sdo/download/segment-toggle"], "fail", "{found}");
 }

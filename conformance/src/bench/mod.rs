@@ -10,11 +10,11 @@
 
 mod decoder;
 mod evidence;
-mod foreign;
-mod presence;
 pub mod features;
+mod foreign;
 pub mod nmt;
 pub mod objects;
+mod presence;
 mod restore;
 pub mod sdo;
 pub mod state;
@@ -24,8 +24,8 @@ mod watch;
 
 pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
-pub use target::{Deviation, Options, Target, Timing};
 pub(crate) use foreign::Foreign;
+pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
 
 use crate::bus::{Bus, Health};
@@ -134,6 +134,16 @@ impl<'a> Bench<'a> {
     /// How much of the bus others than the tester and the device have taken since [`Bench::begin`].
     pub(crate) fn foreign(&self) -> &Foreign {
         &self.foreign
+    }
+
+    /// The bit rate of the bus in bit/s, where it is known.
+    pub fn bit_rate(&self) -> Option<u32> {
+        self.bus.bit_rate()
+    }
+
+    /// What was on the bus since the case began.
+    pub fn evidence(&self) -> &Evidence {
+        &self.evidence
     }
 
     /// Whether the user has cancelled the run.

@@ -41,7 +41,6 @@ impl HardwareClock {
     }
 }
 
-
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -1,6 +1,5 @@
 //! Which frame goes to which service, and what goes out when.
 
-use super::heartbeat_consumer::Guarded;
 use super::nmt::{Phase, Service};
 use super::tpdo::Tpdo;
 use super::{Device, push};
@@ -12,13 +11,7 @@ use canvass_traces::{Frame, Timestamp};
 impl Device {
     fn on_remote(&mut self, now: Timestamp, can_id: u16, node: NodeId) {
         if can_id == error_control::CAN_ID_BASE + u16::from(node.raw()) {
-            // Heartbeat and guarding exclude each other, and heartbeat wins (CiA 301, 7.2.8.2.2).
-            let guarded = self.objects.model.sheet().network.node_guarding && !self.heartbeat.is_active();
-            if guarded && self.phase.is_running() {
-                let answer = self.guarding.answer(now, self.phase, self.faults);
-                self.send_error_control(answer);
-                self.on_guarded(now, Guarded::Back);
-            }
+            self.on_guarding_request(now);
         } else if let Some(tpdo) = self.tpdos.iter_mut().find(|tpdo| tpdo.uses(can_id))
             && let Some(frame) = tpdo.on_remote(now, &self.objects)
         {
@@ -27,6 +20,9 @@ impl Device {
     }
 
     fn on_sync(&mut self, now: Timestamp) {
+        if !self.objects.consumes_sync() {
+            return;
+        }
         for tpdo in &mut self.tpdos {
             if let Some(frame) = tpdo.on_sync(now, &self.objects) {
                 push(&mut self.outbox, frame);
@@ -61,6 +57,9 @@ pub(super) fn service_of(frame: &Frame, node: Option<NodeId>, tpdos: &[Tpdo]) ->
 
 impl Machine for Device {
     fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        if now < self.silent_until {
+            return;
+        }
         let Some(can_id) = frame.id().as_standard() else { return };
         if frame.is_remote() {
             if let Some(node) = self.node {
@@ -75,6 +74,7 @@ impl Machine for Device {
         match can_id {
             _ if node.is_some_and(|node| can_id == sdo::REQUEST_BASE + node) => self.on_sdo(now, frame),
             nmt_wire::CAN_ID => self.on_nmt(now, frame),
+            lss::MASTER_CAN_ID if self.objects.model.sheet().lmt.is_some() => self.on_lmt(now, frame),
             lss::MASTER_CAN_ID => self.on_lss(now, frame),
             0x701..=0x77F => {
                 if let Some(change) = self.consumer.on_heartbeat(now, (can_id & 0x7F) as u8) {
@@ -95,6 +95,7 @@ impl Machine for Device {
         let boot = match self.phase {
             Phase::Initialising { until } => until,
             Phase::Unconfigured => return None,
+            _ if self.silent_until > Timestamp::ZERO => return Some(self.silent_until),
             _ => Timestamp::MAX,
         };
         let services = [
@@ -118,6 +119,12 @@ impl Machine for Device {
             }
             return;
         }
+        if now < self.silent_until {
+            return;
+        }
+        if self.silent_until > Timestamp::ZERO {
+            self.end_silence(now);
+        }
         if let Some(heartbeat) = self.heartbeat.poll(now, self.phase, self.faults) {
             self.send_error_control(heartbeat);
         }
@@ -134,7 +141,7 @@ impl Machine for Device {
             self.on_guarded(now, change);
         }
         if self.guarding.is_lost(now) {
-            self.on_guarded(now, Guarded::Lost);
+            self.on_master_lost(now);
         }
         self.hand_out(now);
     }

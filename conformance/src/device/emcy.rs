@@ -1,5 +1,6 @@
 //! Errors: the error register (1001h), the history (1003h) and the EMCY messages (1014h, 1015h).
 
+use crate::models::Quirks;
 use crate::{Fault, Faults};
 use canvass_analyzer::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -15,29 +16,49 @@ pub(super) enum Condition {
     Overspeed,
     /// The master's guarding or a heartbeat is missing.
     Guarding,
+    /// A parameter that was to be stored is out of its limits (6503h bit 13).
+    Parameter,
 }
 
 impl Condition {
-    const COUNT: usize = 3;
+    const COUNT: usize = 4;
 
     const fn number(self) -> usize {
         match self {
             Self::Temperature { .. } => 0,
             Self::Overspeed => 1,
             Self::Guarding => 2,
+            Self::Parameter => 3,
         }
     }
 
-    const fn code(self) -> EmcyCode {
+    fn code(self, quirks: &Quirks) -> EmcyCode {
         match self {
             Self::Temperature { .. } | Self::Overspeed => EmcyCode(0x4200),
-            Self::Guarding => EmcyCode::HEARTBEAT,
+            Self::Guarding => quirks.life_guarding_code(),
+            Self::Parameter => EmcyCode(0x1000),
         }
     }
 
-    /// The bits of the error register. Bit 0 is always among them.
-    const fn register(self) -> u8 {
-        ErrorRegister::GENERIC.0 | self.code().register_bits()
+    /// The bit of 6503h.
+    const fn alarm(self) -> u64 {
+        match self {
+            Self::Parameter => 1 << 13,
+            _ => 0,
+        }
+    }
+
+    /// The bits of the error register. Bit 0 is always among them, as far as the device has it.
+    fn register(self, quirks: &Quirks) -> u8 {
+        let profile = if self.alarm() == 0 { 0 } else { ErrorRegister::PROFILE.0 };
+        // Whatever its code is, a lost master is an error of communication.
+        let communication = if matches!(self, Self::Guarding) { ErrorRegister::COMMUNICATION.0 } else { 0 };
+        let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | communication | profile;
+        match quirks.error_register_bits {
+            None => bits,
+            Some(own) if bits & own == 0 => own,
+            Some(own) => bits & own,
+        }
     }
 
     /// Bytes 3 to 7.
@@ -45,7 +66,7 @@ impl Condition {
         match self {
             // Sensor error register, temperature, low and high threshold, sensor version.
             Self::Temperature { now, low, high } => [0x80, now, low, high, 0x2E],
-            Self::Overspeed | Self::Guarding => [0; 5],
+            Self::Overspeed | Self::Guarding | Self::Parameter => [0; 5],
         }
     }
 }
@@ -62,16 +83,26 @@ pub(super) struct Errors {
     queue: VecDeque<Emcy>,
     /// 1015h: no EMCY before then.
     inhibited_until: Timestamp,
+    /// Bits that a firmware forgets to clear.
+    stuck: u8,
+    quirks: Quirks,
     faults: Faults,
 }
 
 /// More EMCY messages than that don't wait; the oldest stay.
 const LONGEST_QUEUE: usize = 16;
 
+/// As many errors are counted where 1003h shows fewer.
+const MOST_COUNTED: usize = 16;
+
 impl Errors {
     /// No error; the history holds `capacity` entries.
-    pub fn new(capacity: usize, faults: Faults) -> Self {
+    pub fn new(capacity: usize, quirks: &Quirks, faults: Faults) -> Self {
+        // Errors that can only be cleared one by one are counted beyond those that are shown.
+        let capacity = if quirks.error_register_read_clears { MOST_COUNTED } else { capacity };
         Self {
+            quirks: quirks.clone(),
+            stuck: 0,
             faults,
             present: [None; Condition::COUNT],
             history: VecDeque::with_capacity(capacity),
@@ -83,7 +114,8 @@ impl Errors {
 
     /// 1001h.
     pub fn register(&self) -> u8 {
-        let register = self.present.iter().flatten().fold(0, |register, condition| register | condition.register());
+        let present = self.present.iter().flatten();
+        let register = present.fold(self.stuck, |register, condition| register | condition.register(&self.quirks));
         match self.faults.has(Fault::ErrorRegisterGenericMissing) {
             true => register & !ErrorRegister::GENERIC.0,
             false => register,
@@ -97,15 +129,41 @@ impl Errors {
     pub fn history(&self, sub: u8) -> Result<u64, AbortCode> {
         match usize::from(sub).checked_sub(1) {
             None => Ok(self.history.len() as u64),
-            Some(n) => self.history.get(n).map(|&entry| u64::from(entry)).ok_or(AbortCode::NO_DATA),
+            Some(n) => match self.history.get(n) {
+                None if self.quirks.empty_error_history_reads_zero => Ok(0),
+                entry => entry.map(|&entry| u64::from(entry)).ok_or(AbortCode::NO_DATA),
+            },
         }
     }
 
     /// 0 was written to 1003h:00.
     pub fn clear_history(&mut self) {
-        if !self.faults.has(Fault::ErrorHistoryNotCleared) {
-            self.history.clear();
+        if self.faults.has(Fault::ErrorHistoryNotCleared) {
+            return;
         }
+        let was_empty = self.history.is_empty();
+        self.history.clear();
+        if self.quirks.error_register_read_clears && !was_empty {
+            self.acknowledge();
+        }
+    }
+
+    /// 1001h was read by SDO.
+    pub fn register_was_read(&mut self) {
+        if self.quirks.error_register_read_clears && self.history.pop_front().is_some() && self.history.is_empty() {
+            self.acknowledge();
+        }
+    }
+
+    /// The last error of the history is gone: so is what the register shows.
+    fn acknowledge(&mut self) {
+        self.present = [None; Condition::COUNT];
+        self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]));
+    }
+
+    /// 6503h.
+    pub fn alarms(&self) -> u64 {
+        self.present.iter().flatten().fold(0, |alarms, condition| alarms | condition.alarm())
     }
 
     /// A condition is there or gone. Reports it only when that changes.
@@ -115,10 +173,13 @@ impl Errors {
             return;
         }
         *slot = present.then_some(condition);
+        if !present && self.faults.has(Fault::ErrorRegisterStuck) {
+            self.stuck |= condition.register(&self.quirks);
+        }
         let register = ErrorRegister(self.register());
         if present {
             self.remember(condition);
-            let emcy = Emcy::new(condition.code(), register, condition.manufacturer());
+            let emcy = Emcy::new(condition.code(&self.quirks), register, condition.manufacturer());
             self.push(emcy);
             if self.faults.has(Fault::EmcyRepeated) {
                 self.push(emcy);
@@ -132,7 +193,7 @@ impl Errors {
         self.history.truncate(self.capacity.saturating_sub(1));
         let [low, high, ..] = condition.manufacturer();
         let information = u32::from(u16::from_le_bytes([low, high]));
-        self.history.push_front(information << 16 | u32::from(condition.code().0));
+        self.history.push_front(information << 16 | u32::from(condition.code(&self.quirks).0));
     }
 
     fn push(&mut self, emcy: Emcy) {
@@ -156,10 +217,20 @@ impl Errors {
         if self.queue.is_empty() { Timestamp::MAX } else { self.inhibited_until }
     }
 
-    /// A reset: conditions are found anew, what was not sent is lost, the history stays until power-off.
+    /// A reset: conditions are found anew, what was not sent is lost, the history stays until power-off, unless a reset
+    /// clears it too.
     pub fn reset(&mut self) {
         self.present = [None; Condition::COUNT];
         self.queue.clear();
         self.inhibited_until = Timestamp::ZERO;
+        if self.quirks.error_register_read_clears {
+            self.clear_history();
+        }
+    }
+
+    /// Off and on again: nothing is remembered, and nothing said.
+    pub fn power_on(&mut self) {
+        self.history.clear();
+        self.reset();
     }
 }

@@ -34,6 +34,8 @@ pub(super) struct Encoder {
     motion: Motion,
     /// 6509h: what the preset adds to the position.
     offset: i64,
+    /// The bits of 6000h that the measurement knows.
+    operating_bits: u64,
     faults: Faults,
 }
 
@@ -41,7 +43,10 @@ impl Encoder {
     /// The encoder of that model, if it is one.
     pub fn new(model: &Model, motion: Motion, faults: Faults) -> Option<Self> {
         let sheet = model.sheet().encoder?;
-        Some(Self { sheet, motion, offset: 0, faults })
+        // Of a model that names its own bits, those of the manufacturer are not part of the measurement.
+        let own_bits = model.sheet().quirks.operating_bits.is_some();
+        let operating_bits = if own_bits { operating::CODE_SEQUENCE | operating::SCALING } else { OPERATING_BITS };
+        Some(Self { sheet, motion, offset: 0, operating_bits, faults })
     }
 
     /// How the shaft moves from now on.
@@ -151,12 +156,15 @@ impl Encoder {
 
     /// 6000h, as the measurement uses it.
     fn operating(&self, parameters: &Parameters) -> u64 {
-        let mut bits = parameters.number_or_zero(0x6000, 0);
+        let mut bits = parameters.number_or_zero(0x6000, 0) & self.operating_bits;
         if self.faults.has(Fault::CodeSequenceIgnored) {
             bits &= !operating::CODE_SEQUENCE;
         }
         if self.faults.has(Fault::ScalingIgnored) {
             bits &= !operating::SCALING;
+        }
+        if self.faults.has(Fault::ScalingAlwaysOn) {
+            bits |= operating::SCALING;
         }
         bits
     }

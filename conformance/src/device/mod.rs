@@ -10,6 +10,8 @@ mod guarding;
 mod heartbeat;
 mod heartbeat_consumer;
 mod lifecycle;
+mod limit_switches;
+mod lmt_slave;
 mod lss_slave;
 mod motion;
 mod nmt;
@@ -23,6 +25,7 @@ pub use motion::Motion;
 
 use crate::models::Model;
 use crate::{Fault, Faults};
+use canvass_analyzer::wire::sdo::Request;
 use canvass_analyzer::wire::{Wire, emcy as emcy_wire, error_control};
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -30,6 +33,7 @@ use emcy::Condition;
 use guarding::NodeGuarding;
 use heartbeat::HeartbeatProducer;
 use heartbeat_consumer::{Guarded, HeartbeatConsumer};
+use lmt_slave::LmtSlave;
 use lss_slave::LssSlave;
 use nmt::{Phase, Service};
 use objects::Objects;
@@ -54,6 +58,9 @@ pub struct Device {
     guarding: NodeGuarding,
     tpdos: Vec<Tpdo>,
     lss: LssSlave,
+    lmt: LmtSlave,
+    /// Until then the device neither hears nor sends anything; [`Timestamp::ZERO`]: it works.
+    silent_until: Timestamp,
     /// What is ready to be sent.
     outbox: VecDeque<Frame>,
 }
@@ -87,6 +94,8 @@ impl Device {
             guarding: NodeGuarding::new(),
             tpdos: Tpdo::all(&objects.parameters),
             lss: LssSlave::new(),
+            lmt: LmtSlave::new(sheet.network.default_bit_rate_kbit),
+            silent_until: Timestamp::ZERO,
             outbox: VecDeque::with_capacity(LONGEST_OUTBOX),
             objects,
         };
@@ -97,6 +106,11 @@ impl Device {
     /// The node-ID in use.
     pub fn node(&self) -> Option<NodeId> {
         self.node
+    }
+
+    /// The bit rate that the device would use, in kbit/s: LMT sets it. The simulated bus has one of its own.
+    pub const fn bit_rate_kbit(&self) -> u32 {
+        self.lmt.bit_rate_kbit()
     }
 
     /// Lets the shaft move so from now on; the position at time 0 is part of the motion.
@@ -114,6 +128,9 @@ impl Device {
             return;
         }
         self.sdo.handle(now, frame, &mut self.objects);
+        if frame.len() == 8 && Request::read(frame.data()) == Ok(READ_ERROR_REGISTER) {
+            self.objects.errors.register_was_read();
+        }
         while let Some((at, value)) = self.objects.written.pop() {
             self.act_on(now, at, value);
         }
@@ -128,9 +145,10 @@ impl Device {
                 self.objects.parameters.restore(self.node.unwrap_or(PLACEHOLDER));
             }
             if !ignored {
-                self.store.begin(now + self.objects.model.sheet().timing.store(), command);
+                self.begin_store(now, command);
             }
         }
+        self.persist_at_once(now, at, value);
         match at.index.0 {
             0x1003 => self.objects.errors.clear_history(),
             0x100C | 0x100D => self.configure_guarding(now),
@@ -140,6 +158,45 @@ impl Device {
             _ => {}
         }
         self.after_change(now);
+    }
+
+    fn begin_store(&mut self, now: Timestamp, command: StoreCommand) {
+        let sheet = self.objects.model.sheet();
+        let done = now + sheet.timing.store();
+        if command.is_save() {
+            if sheet.quirks.silent_while_storing {
+                self.silent_until = done;
+            }
+            self.objects.take_waiting();
+        }
+        self.store.begin(done, command);
+    }
+
+    /// Some objects are stored as soon as they are written.
+    fn persist_at_once(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
+        let model = self.objects.model.clone();
+        let sheet = model.sheet();
+        if at == OPERATING_PARAMETERS && sheet.quirks.scaling_bit_guards && value & SCALING == 0 {
+            self.objects.reset_scaling(self.node.unwrap_or(PLACEHOLDER));
+            for index in [0x6001, 0x6002] {
+                self.store.forget_number(Multiplexer::new(index, 0), &self.objects.parameters);
+            }
+            self.configure_tpdos(now);
+        }
+        if sheet.storage.persist_at_once.contains(&at) {
+            self.store.save_number(at, value, &self.objects.parameters);
+            if let Some(encoder) = &self.objects.encoder {
+                self.store.save_offset(encoder.offset());
+            }
+        }
+    }
+
+    /// The end of a silence: what had become due meanwhile is not made up for.
+    fn end_silence(&mut self, now: Timestamp) {
+        self.silent_until = Timestamp::ZERO;
+        self.start_heartbeat(now);
+        self.configure_guarding(now);
+        self.configure_tpdos(now);
     }
 
     fn heartbeat_consumer_acts(&self, at: Multiplexer) -> bool {
@@ -176,7 +233,7 @@ impl Device {
 
     fn configure_guarding(&mut self, now: Timestamp) {
         let number = |index| self.objects.parameters.number_or_zero(index, 0);
-        self.guarding.configure(now, number(0x100C), number(0x100D));
+        self.guarding.configure(now, number(0x100C), number(0x100D), self.faults);
     }
 
     fn configure_tpdos(&mut self, now: Timestamp) {
@@ -194,14 +251,24 @@ impl Device {
     /// The master or a watched node is missing, or back.
     fn on_guarded(&mut self, now: Timestamp, change: Guarded) {
         let lost = change == Guarded::Lost;
+        if !lost && self.objects.model.sheet().quirks.life_guarding_until_reset {
+            return;
+        }
         self.objects.errors.set(Condition::Guarding, lost);
         if lost && self.phase.is_running() {
-            // 1029h:01; without it, or with 0, operational is left.
-            match self.objects.parameters.number_or_zero(0x1029, 1) {
-                0 if self.phase == Phase::Operational => self.enter(now, Phase::PreOperational),
-                2 => self.enter(now, Phase::Stopped),
-                _ => {}
-            }
+            self.leave_operational(now);
+        }
+    }
+
+    /// An error of communication: 1029h:01 says what becomes of the state; without it, or with 0, operational is left.
+    fn leave_operational(&mut self, now: Timestamp) {
+        if self.faults.has(Fault::ErrorBehaviourIgnored) {
+            return;
+        }
+        match self.objects.parameters.number_or_zero(0x1029, 1) {
+            0 if self.phase == Phase::Operational => self.enter(now, Phase::PreOperational),
+            2 => self.enter(now, Phase::Stopped),
+            _ => {}
         }
     }
 
@@ -231,6 +298,13 @@ impl Device {
         }
     }
 }
+
+const READ_ERROR_REGISTER: Request = Request::upload(Multiplexer::new(0x1001, 0));
+
+const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
+
+/// Bit 2 of 6000h.
+const SCALING: u64 = 1 << 2;
 
 /// The position of a shaft that nobody turns, in physical steps.
 const REST_POSITION: i64 = 0x4CBA;

@@ -1,12 +1,13 @@
 //! The object dictionary as an SDO client meets it: access rights, lengths, limits, and the objects with behaviour.
 
 use super::PLACEHOLDER;
-use super::emcy::Errors;
+use super::emcy::{Condition, Errors};
 use super::encoder::Encoder;
 use super::heartbeat_consumer;
+use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
-use super::parameters::{Content, Parameters, Reading};
+use super::parameters::{Content, Parameter, Parameters, Reading};
 use super::store::StoreCommand;
 use super::tpdo;
 use crate::models::Model;
@@ -25,6 +26,8 @@ pub(super) struct Objects {
     pub faults: Faults,
     /// What was written by SDO and not yet acted on.
     pub written: Vec<(Multiplexer, u64)>,
+    /// What was written to objects that act only when they are stored.
+    waiting: Vec<(Multiplexer, u64)>,
 }
 
 impl Objects {
@@ -40,10 +43,11 @@ impl Objects {
         Self {
             model: model.clone(),
             parameters,
-            errors: Errors::new(history.saturating_sub(1), faults),
+            errors: Errors::new(history.saturating_sub(1), &model.sheet().quirks, faults),
             encoder: Encoder::new(model, motion, faults),
             faults,
             written: Vec::with_capacity(4),
+            waiting: Vec::new(),
         }
     }
 
@@ -65,8 +69,39 @@ impl Objects {
         match at.index.0 {
             0x1001 => Ok(Some(u64::from(self.errors.register()))),
             0x1003 => self.errors.history(at.sub.0).map(Some),
-            0x6000.. => Ok(self.encoder.as_ref().and_then(|encoder| encoder.value(now, at, &self.parameters))),
+            0x6000.. => Ok(self.measured(now, at)),
             _ => Ok(None),
+        }
+    }
+
+    /// The live value of an object of the profile, as this model shows it.
+    fn measured(&self, now: Timestamp, at: Multiplexer) -> Option<u64> {
+        let quirks = &self.model.sheet().quirks;
+        if let Some((_, waiting)) = self.waiting.iter().find(|(object, _)| *object == at) {
+            return Some(*waiting);
+        }
+        let encoder = self.encoder.as_ref()?;
+        match (at.index.0, at.sub.0) {
+            (0x6500, 0) if quirks.limit_switches => {
+                let position = encoder.value(now, POSITION, &self.parameters)?;
+                Some(limit_switches::operating_status(position, &self.parameters, self.faults))
+            }
+            (0x6501 | 0x6502, 0) if quirks.resolution_follows_scaling => self.scaled_resolution(at),
+            (0x6503, 0) if quirks.limits_checked_at_store => Some(self.errors.alarms()),
+            (0x6508, 0) if self.parameters.number(0x6508, 0) == Some(NOT_USED) => None,
+            _ => encoder.value(now, at, &self.parameters),
+        }
+    }
+
+    /// 6501h and 6502h while scaling is on: units per revolution, and the revolutions that the range spans.
+    fn scaled_resolution(&self, at: Multiplexer) -> Option<u64> {
+        let number = |index| self.parameters.number_or_zero(index, 0);
+        if number(0x6000) & SCALING == 0 {
+            return None;
+        }
+        match at.index.0 {
+            0x6501 => Some(number(0x6001)),
+            _ => number(0x6002).checked_div(number(0x6001)),
         }
     }
 
@@ -77,9 +112,14 @@ impl Objects {
     pub fn upload(&self, now: Timestamp, at: Multiplexer) -> Result<Reading<'_>, AbortCode> {
         let entry = self.parameters.entry(at).map_err(|code| self.missing(code))?;
         if !entry.readable {
-            return Err(AbortCode::WRITE_ONLY);
+            return Err(self.own(AbortCode::WRITE_ONLY));
         }
         Ok(entry.reading(self.live(now, at)?))
+    }
+
+    /// The abort code that this model has for the reason of a standard one.
+    fn own(&self, code: AbortCode) -> AbortCode {
+        self.model.sheet().quirks.abort_code(code)
     }
 
     /// Whether an SDO download to that object may begin, of so many bytes where their number is known. The largest
@@ -93,7 +133,7 @@ impl Objects {
             return if self.faults.has(Fault::SdoReadOnlyWritable) {
                 Ok(entry.longest())
             } else {
-                Err(self.read_only())
+                Err(self.own(self.read_only()))
             };
         }
         if let Some(len) = len {
@@ -122,8 +162,14 @@ impl Objects {
             self.parameters.set(at, content);
             return Ok(());
         };
-        self.check(at, value)?;
-        if !self.is_command(at) {
+        self.check(at, value).map_err(|code| self.own(code))?;
+        if StoreCommand::of(at, &self.model.sheet().storage).is_some_and(StoreCommand::is_save) {
+            self.check_waiting()?;
+        }
+        if self.model.sheet().quirks.acts_when_stored.contains(&at) {
+            self.waiting.retain(|(object, _)| *object != at);
+            self.waiting.push((at, value));
+        } else if !self.is_command(at) {
             self.parameters.set(at, content);
             self.follow_links(at, value);
         }
@@ -134,6 +180,31 @@ impl Objects {
         }
         self.written.push((at, value));
         Ok(())
+    }
+
+    /// What waits to be stored acts from now on.
+    pub fn take_waiting(&mut self) {
+        for (at, value) in std::mem::take(&mut self.waiting) {
+            self.parameters.set(at, Content::Number(value));
+        }
+    }
+
+    /// A reset: what waits to be stored is lost.
+    pub fn drop_waiting(&mut self) {
+        self.waiting.clear();
+    }
+
+    /// Whether all that waits to be stored is within its limits; that it is not is an alarm.
+    fn check_waiting(&mut self) -> Result<(), AbortCode> {
+        if !self.model.sheet().quirks.limits_checked_at_store {
+            return Ok(());
+        }
+        let fits = |&(at, value): &(Multiplexer, u64)| {
+            self.parameters.entry(at).and_then(|entry| entry.check_range(value)).is_ok()
+        };
+        let fits = self.waiting.iter().all(fits);
+        self.errors.set(Condition::Parameter, !fits);
+        if fits { Ok(()) } else { Err(self.own(AbortCode::HARDWARE)) }
     }
 
     fn check_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
@@ -159,7 +230,8 @@ impl Objects {
         if let 0x1A00..0x1C00 = at.index.0 {
             return tpdo::check_mapping(at, value, parameters, faults);
         }
-        if !faults.has(Fault::SdoRangeUnchecked) {
+        let later = sheet.quirks.limits_checked_at_store && sheet.quirks.acts_when_stored.contains(&at);
+        if !faults.has(Fault::SdoRangeUnchecked) && !later {
             parameters.entry(at)?.check_range(value)?;
         }
         match at.index.0 {
@@ -168,18 +240,57 @@ impl Objects {
             0x1016 if at.sub.0 > 0 => heartbeat_consumer::check(at, value, parameters, faults),
             0x1800..0x1A00 => tpdo::check_communication(at, value, parameters, &sheet.network, faults),
             0x6003 => self.encoder.as_ref().map_or(Ok(()), |encoder| encoder.check_preset(value, parameters)),
-            0x6000.. => Encoder::check(at, value, parameters),
+            0x6000.. if later => self.check_scaling_bit(),
+            0x6000.. => self.check_scaling(at, value),
             _ => Ok(()),
+        }
+    }
+
+    fn check_scaling(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
+        let quirks = &self.model.sheet().quirks;
+        match at.index.0 {
+            0x6000 if quirks.operating_bits.is_some_and(|bits| value & !u64::from(bits) != 0) => {
+                Err(AbortCode::INVALID_VALUE)
+            }
+            0x6001 | 0x6002 if quirks.scaling_bit_guards => self.check_scaling_bit(),
+            _ => Encoder::check(at, value, &self.parameters),
+        }
+    }
+
+    fn check_scaling_bit(&self) -> Result<(), AbortCode> {
+        let guarded = self.model.sheet().quirks.scaling_bit_guards;
+        let is_on = self.parameters.number_or_zero(0x6000, 0) & SCALING != 0;
+        if is_on || !guarded { Ok(()) } else { Err(AbortCode::UNSUPPORTED_ACCESS) }
+    }
+
+    /// What switching scaling off does beside that.
+    pub fn reset_scaling(&mut self, node: NodeId) {
+        self.waiting.retain(|(at, _)| !matches!(at.index.0, 0x6001 | 0x6002));
+        for entry in self.parameters.entries_mut() {
+            if matches!(entry.at.index.0, 0x6001 | 0x6002) {
+                entry.content = entry.default_content(node);
+            }
         }
     }
 
     /// SYNC, TIME and EMCY: 11 bits, not restricted; the device only consumes SYNC and TIME (bit 30).
     fn check_cob_id(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
-        let new = CobId(value as u32);
+        let new = CobId((value & !self.consumer_bit(at)) as u32);
         let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
         let produces = at.index.0 != 0x1014 && new.0 & CobId::NO_RTR != 0;
         let restricted = new.is_restricted() && !self.faults.has(Fault::RestrictedCanIdAccepted);
         if reserved || produces || restricted { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    }
+
+    /// Bit 31 of a COB-ID that has it as delivered: 1005h of DS-301 V3.0, where it says that SYNC is consumed.
+    fn consumer_bit(&self, at: Multiplexer) -> u64 {
+        self.parameters.entry(at).map_or(0, Parameter::default_bits) & u64::from(CobId::INVALID)
+    }
+
+    /// Whether SYNC is listened to.
+    pub fn consumes_sync(&self) -> bool {
+        let needed = self.consumer_bit(Multiplexer::new(0x1005, 0));
+        self.parameters.number_or_zero(0x1005, 0) & needed == needed
     }
 
     /// Whether a write to the object does something instead of leaving a value.
@@ -219,6 +330,14 @@ impl Objects {
     }
 }
 
+const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+
+/// Bit 2 of 6000h.
+const SCALING: u64 = 1 << 2;
+
+/// 6508h of a device that does not count its operating time (CiA 406).
+const NOT_USED: u64 = 0xFFFF_FFFF;
+
 /// Faults in what the dictionary holds, not in what the firmware does.
 fn plant(parameters: &mut Parameters, faults: Faults) {
     let vendor_id = Multiplexer::new(0x1018, 1);
@@ -232,6 +351,18 @@ fn plant(parameters: &mut Parameters, faults: Faults) {
     }
     if faults.has(Fault::IdentityRevisionMissing) {
         parameters.remove(0x1018, Some(3));
+    }
+    for (fault, at) in [
+        (Fault::PdoCountWrong, Multiplexer::new(0x1004, 0)),
+        (Fault::NodeIdObjectWrong, Multiplexer::new(0x100B, 0)),
+        (Fault::GuardingCobIdWrong, Multiplexer::new(0x100E, 0)),
+    ] {
+        if faults.has(fault) {
+            parameters.redefine(at, Content::Number(parameters.number_or_zero(at.index.0, at.sub.0) + 1));
+        }
+    }
+    if faults.has(Fault::ErrorControlMissing) {
+        parameters.remove(0x100D, None);
     }
     if faults.has(Fault::ErrorRegisterMissing) {
         parameters.remove(0x1001, None);

@@ -90,6 +90,13 @@ impl Parameters {
         self.entries.iter_mut().for_each(|entry| entry.content = entry.default_content(node));
     }
 
+    /// The parameters of the profile area (6000h to 9FFFh) as delivered.
+    pub fn restore_profile(&mut self, node: NodeId) {
+        for entry in self.entries.iter_mut().filter(|entry| matches!(entry.at.index.0, 0x6000..0xA000)) {
+            entry.content = entry.default_content(node);
+        }
+    }
+
     /// Removes an entry, or a whole object where `sub` is `None`, as if the firmware had none.
     pub fn remove(&mut self, index: u16, sub: Option<u8>) {
         self.entries.retain(|entry| entry.at.index.0 != index || sub.is_some_and(|sub| entry.at.sub.0 != sub));
@@ -204,6 +211,15 @@ impl Parameter {
         match &self.default {
             Default::Fixed(content) => self.fitted(content.clone()),
             Default::NodeIdPlus(offset) => Content::Number(u64::from(offset.wrapping_add(u32::from(node.raw())))),
+        }
+    }
+
+    /// The bits of the number as delivered, whatever the node-ID; 0 for a string.
+    pub const fn default_bits(&self) -> u64 {
+        match &self.default {
+            Default::Fixed(Content::Number(number)) => *number,
+            Default::NodeIdPlus(offset) => *offset as u64,
+            Default::Fixed(Content::Bytes(_)) => 0,
         }
     }
 

@@ -28,6 +28,15 @@ impl Groups {
     /// What 1010h:01 and 1011h:01 mean.
     const PARAMETERS: Self = Self(7);
 
+    const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// These groups but for the others.
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
     const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
     }
@@ -66,10 +75,17 @@ impl StoreCommand {
     pub fn of(at: Multiplexer, storage: &Storage) -> Option<Self> {
         match (at.index.0, at.sub.0) {
             _ if Some(at) == storage.bus_save_object => Some(Self::Save(Groups::BUS)),
+            // Where nothing else stores the bus parameters, "all" are all.
+            (0x1010, 1) if storage.bus_save_object.is_none() => Some(Self::Save(Groups::ALL)),
             (0x1010, sub @ 1..) => Some(Self::Save(Groups::of_sub_index(sub))),
             (0x1011, sub @ 1..) => Some(Self::Restore(Groups::of_sub_index(sub))),
             _ => None,
         }
+    }
+
+    /// Whether it stores.
+    pub const fn is_save(self) -> bool {
+        matches!(self, Self::Save(_))
     }
 
     /// Whether the signature is right.
@@ -92,6 +108,10 @@ pub(super) struct Store {
     /// What differs from the default, by the position of the parameter.
     image: Vec<Option<Content>>,
     offset: Option<i64>,
+    /// Groups whose defaults are loaded until power-off, whatever is stored.
+    restored: Groups,
+    /// Restored defaults are lost at power-off unless they are stored.
+    restore_needs_store: bool,
     /// Being written; if a reset comes before it is done, the memory keeps what it had.
     pending: Option<(Timestamp, StoreCommand)>,
 }
@@ -100,7 +120,14 @@ impl Store {
     /// An empty memory: everything as delivered.
     pub fn new(model: &Model, parameters: &Parameters) -> Self {
         let storage = Arc::new(model.sheet().storage.clone());
-        Self { storage, image: vec![None; parameters.entries().len()], offset: None, pending: None }
+        Self {
+            storage,
+            image: vec![None; parameters.entries().len()],
+            offset: None,
+            restored: Groups::NONE,
+            restore_needs_store: model.sheet().quirks.restore_needs_store,
+            pending: None,
+        }
     }
 
     /// Begins to write; it is done at `done`.
@@ -121,6 +148,7 @@ impl Store {
             self.pending = None;
             match command {
                 StoreCommand::Save(groups) => self.save(groups, parameters, encoder, node),
+                StoreCommand::Restore(groups) if self.restore_needs_store => self.restored = self.restored.with(groups),
                 StoreCommand::Restore(groups) => self.forget(groups, parameters),
             }
         }
@@ -136,6 +164,7 @@ impl Store {
         if groups.contains(Groups::APPLICATION) {
             self.offset = encoder.map(Encoder::offset);
         }
+        self.restored = self.restored.without(groups);
     }
 
     fn forget(&mut self, groups: Groups, parameters: &Parameters) {
@@ -146,6 +175,24 @@ impl Store {
         }
         if groups.contains(Groups::APPLICATION) {
             self.offset = None;
+        }
+    }
+
+    /// Stores the offset at once.
+    pub fn save_offset(&mut self, offset: i64) {
+        self.offset = Some(offset);
+    }
+
+    /// Off and on again: what is stored counts.
+    pub const fn power_on(&mut self) {
+        self.restored = Groups::NONE;
+    }
+
+    /// Forgets one object at once.
+    pub fn forget_number(&mut self, at: Multiplexer, parameters: &Parameters) {
+        let position = parameters.entries().iter().position(|entry| entry.at == at);
+        if let Some(slot) = position.and_then(|position| self.image.get_mut(position)) {
+            *slot = None;
         }
     }
 
@@ -170,14 +217,17 @@ impl Store {
     pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, encoder: Option<&mut Encoder>, node: NodeId) {
         self.pending = None;
         for (slot, entry) in self.image.iter().zip(parameters.entries_mut()) {
-            if groups.contains(Groups::of(entry.at, &self.storage)) {
+            let group = Groups::of(entry.at, &self.storage);
+            if groups.contains(group) {
+                let slot = if self.restored.contains(group) { &None } else { slot };
                 entry.content = slot.clone().unwrap_or_else(|| entry.default_content(node));
             }
         }
         if let Some(encoder) = encoder
             && groups.contains(Groups::APPLICATION)
         {
-            encoder.set_offset(self.offset.unwrap_or(0));
+            let restored = self.restored.contains(Groups::APPLICATION);
+            encoder.set_offset(if restored { 0 } else { self.offset.unwrap_or(0) });
         }
     }
 }

@@ -35,6 +35,8 @@ pub(super) struct Tpdo {
     last: Option<Frame>,
     /// What type 252 took at the last SYNC.
     sampled: Option<Frame>,
+    /// 6200h is its only event: it has no event timer of its own, and changes of value don't send it.
+    is_cyclic: bool,
 }
 
 impl Tpdo {
@@ -65,6 +67,7 @@ impl Tpdo {
             syncs: 0,
             last: None,
             sampled: None,
+            is_cyclic: false,
         }
     }
 
@@ -75,7 +78,9 @@ impl Tpdo {
         self.transmission = TransmissionType(number(2) as u8);
         self.inhibit = Duration::from_micros(100 * number(3));
         let factor = if objects.faults.has(Fault::EventTimerDoubled) { 2 } else { 1 };
-        self.event_timer = Duration::from_millis(number(5)).times(factor);
+        self.is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
+        let event_timer = if self.is_cyclic { objects.parameters.number_or_zero(0x6200, 0) } else { number(5) };
+        self.event_timer = Duration::from_millis(event_timer).times(factor);
         self.mapping.clear();
         self.mapping.extend(mapping(&objects.parameters, self.number));
         if self.running {
@@ -126,7 +131,7 @@ impl Tpdo {
 
     /// The encoder's own event is a change of value; of type 255 it is the timer alone.
     fn is_sent_on_change(&self) -> bool {
-        self.transmission == TransmissionType::EVENT_MANUFACTURER
+        self.transmission == TransmissionType::EVENT_MANUFACTURER && !self.is_cyclic
     }
 
     /// When [`Tpdo::poll`] wants to be called.
@@ -190,7 +195,7 @@ impl Tpdo {
 
     /// A remote frame asks for the PDO.
     pub fn on_remote(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
-        if !self.is_active() || !self.cob_id.allows_rtr() {
+        if !self.is_active() || !self.cob_id.allows_rtr() || objects.faults.has(Fault::TpdoRemoteUnanswered) {
             return None;
         }
         match self.transmission {
@@ -262,6 +267,8 @@ pub(super) fn check_communication(
                 network.transmission_types.iter().any(|&(low, high)| (low.into()..=high.into()).contains(&value));
             (known || faults.has(Fault::ReservedTransmissionTypeAccepted)) && (cob_id.allows_rtr() || !by_rtr)
         }
+        // Where the PDO can't be switched off, its inhibit time changes while it is valid.
+        3 if parameters.entry(Multiplexer::new(at.index.0, 1)).is_ok_and(|entry| !entry.writable) => true,
         3 => !cob_id.is_valid() || value == parameters.number_or_zero(at.index.0, 3),
         _ => true,
     };

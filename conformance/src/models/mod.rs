@@ -2,18 +2,26 @@
 //! cannot say.
 
 mod annotations;
+mod quirks;
+mod recognition;
 mod sheet;
 
-pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
+pub use quirks::Quirks;
+pub use sheet::{BitRate, Encoder, LmtAddress, Network, Sheet, Storage, Timing, Trigger, Value};
 
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::network::{Candidate, Candidates};
 use std::sync::{Arc, LazyLock};
 
 /// The files of each model: EDS, sheet.
-const FILES: &[(&str, &str)] =
-    &[(include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml"))];
+const FILES: &[(&str, &str)] = &[
+    (include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml")),
+    (include_str!("../../models/lika-ax58.eds"), include_str!("../../models/lika-ax58.toml")),
+    (include_str!("../../models/tr-c65.eds"), include_str!("../../models/tr-c65.toml")),
+    (include_str!("../../models/tr-lmp30.eds"), include_str!("../../models/tr-lmp30.toml")),
+];
 
 static MODELS: LazyLock<Vec<Model>> =
     LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
@@ -62,6 +70,7 @@ impl Model {
         let mut description = eds::read(eds.as_bytes())?;
         let tables: AnnotationTables = toml::from_str(text)?;
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
+        description.settings = sheet.settings();
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
     }
 
@@ -87,6 +96,18 @@ impl Model {
         );
         let sheet = toml::from_str(&text)?;
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+    }
+
+    /// What tells that a node is of this model.
+    pub fn candidate(&self) -> Candidate {
+        let mut candidate = Candidate::of(self.id(), Arc::clone(&self.description));
+        self.sheet.recognition.refine(&mut candidate);
+        candidate
+    }
+
+    /// What tells of which built-in model a node is, in the order of the models.
+    pub fn candidates() -> Candidates {
+        Candidates::new(|| Self::all().iter().map(Self::candidate).collect())
     }
 
     /// The name on the command line.

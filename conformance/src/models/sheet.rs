@@ -1,6 +1,10 @@
 //! The sheet of a device model, as its TOML file lays it out.
 
+use super::quirks::Quirks;
+use super::recognition::Recognition;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::Settings;
+use canvass_analyzer::wire::lmt::Seven;
 use canvass_traces::Duration;
 use serde::{Deserialize, Deserializer, de};
 
@@ -14,6 +18,9 @@ pub struct Sheet {
     pub summary: String,
     /// Node-ID, bit rate, services.
     pub network: Network,
+    /// What tells the model, where the defaults of the EDS do not.
+    #[serde(default)]
+    pub recognition: Recognition,
     /// Bit rates by their codes.
     #[serde(default, rename = "bit_rate")]
     pub bit_rates: Vec<BitRate>,
@@ -28,6 +35,24 @@ pub struct Sheet {
     /// Values that the EDS leaves open.
     #[serde(default, rename = "value")]
     pub values: Vec<Value>,
+    /// The LMT address, where there is an LMT slave.
+    pub lmt: Option<LmtAddress>,
+    /// What it does otherwise than the standards.
+    #[serde(default)]
+    pub quirks: Quirks,
+}
+
+impl Sheet {
+    /// How node-ID and bit rate are set.
+    pub(super) fn settings(&self) -> Settings {
+        let rate = |rate: &BitRate| Some((u32::from(rate.object_code?), rate.kbit.saturating_mul(1_000)));
+        Settings {
+            node_id: self.network.node_id_object,
+            bit_rate: self.network.bit_rate_object,
+            bit_rates: self.bit_rates.iter().filter_map(rate).collect(),
+            layer_management: self.network.lmt,
+        }
+    }
 }
 
 /// How the device is reached and which services it has.
@@ -43,6 +68,12 @@ pub struct Network {
     /// The object that holds the code of the bit rate to use.
     #[serde(default, deserialize_with = "address_option")]
     pub bit_rate_object: Option<Multiplexer>,
+    /// Whether there is an LMT slave, the forerunner of LSS.
+    #[serde(default)]
+    pub lmt: bool,
+    /// What takes a new node-ID over.
+    #[serde(default = "power_on_and_reset_node")]
+    pub takes_effect: Vec<Trigger>,
     /// Whether there is an LSS slave.
     #[serde(default)]
     pub lss: bool,
@@ -67,6 +98,32 @@ pub struct Network {
     /// Whether the SDO server knows block transfers.
     #[serde(default)]
     pub sdo_block_transfer: bool,
+}
+
+/// What makes a device take over what is configured.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Trigger {
+    /// Off and on again.
+    PowerOn,
+    /// NMT reset node.
+    ResetNode,
+    /// NMT reset communication.
+    ResetCommunication,
+}
+
+/// The three parts of an LMT address (CiA DS-205).
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+pub struct LmtAddress {
+    /// Up to seven characters.
+    #[serde(deserialize_with = "lmt_name")]
+    pub manufacturer_name: Seven,
+    /// Up to seven characters.
+    #[serde(deserialize_with = "lmt_name")]
+    pub product_name: Seven,
+    /// Fourteen decimal digits.
+    #[serde(deserialize_with = "lmt_serial_number")]
+    pub serial_number: Seven,
 }
 
 /// A bit rate with its codes.
@@ -137,9 +194,12 @@ pub struct Storage {
     /// The object that stores `bus_objects` when the save signature is written.
     #[serde(deserialize_with = "address_option")]
     pub bus_save_object: Option<Multiplexer>,
-    /// Objects that 1010h does not store.
+    /// Node-ID, bit rate and what belongs to them. 1010h stores them only where there is no `bus_save_object`.
     #[serde(deserialize_with = "addresses")]
     pub bus_objects: Vec<Multiplexer>,
+    /// Objects that are stored as soon as they are written.
+    #[serde(deserialize_with = "addresses")]
+    pub persist_at_once: Vec<Multiplexer>,
 }
 
 impl Default for Storage {
@@ -150,6 +210,7 @@ impl Default for Storage {
             wrong_signature_abort: 0x0800_0020,
             bus_save_object: None,
             bus_objects: Vec::new(),
+            persist_at_once: Vec::new(),
         }
     }
 }
@@ -188,7 +249,28 @@ fn all_transmission_types() -> Vec<(u8, u8)> {
     vec![(0, 240), (252, 255)]
 }
 
-fn parse_address<E: de::Error>(text: &str) -> Result<Multiplexer, E> {
+fn power_on_and_reset_node() -> Vec<Trigger> {
+    vec![Trigger::PowerOn, Trigger::ResetNode]
+}
+
+fn lmt_name<'de, D: Deserializer<'de>>(from: D) -> Result<Seven, D::Error> {
+    let name = String::deserialize(from)?;
+    Seven::name(&name).ok_or_else(|| de::Error::custom(format!("expected up to 7 characters, found \"{name}\"")))
+}
+
+fn lmt_serial_number<'de, D: Deserializer<'de>>(from: D) -> Result<Seven, D::Error> {
+    let text = String::deserialize(from)?;
+    let digit = |at: usize| text.as_bytes().get(at).filter(|byte| byte.is_ascii_digit()).map(|byte| byte - b'0');
+    let pair = |n: usize| Some(digit(2 * n)? << 4 | digit(2 * n + 1)?);
+    let bytes: Option<Vec<u8>> = (0..7).map(pair).collect();
+    bytes
+        .filter(|_| text.len() == 14)
+        .and_then(|bytes| bytes.try_into().ok())
+        .map(Seven)
+        .ok_or_else(|| de::Error::custom(format!("expected 14 decimal digits, found \"{text}\"")))
+}
+
+pub(super) fn parse_address<E: de::Error>(text: &str) -> Result<Multiplexer, E> {
     let parsed = text.split_once(':').and_then(|(index, sub)| {
         Some(Multiplexer::new(u16::from_str_radix(index, 16).ok()?, u8::from_str_radix(sub, 16).ok()?))
     });
@@ -203,6 +285,6 @@ fn address_option<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Multiplex
     address(from).map(Some)
 }
 
-fn addresses<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Multiplexer>, D::Error> {
+pub(super) fn addresses<'de, D: Deserializer<'de>>(from: D) -> Result<Vec<Multiplexer>, D::Error> {
     Vec::<String>::deserialize(from)?.iter().map(|text| parse_address(text)).collect()
 }

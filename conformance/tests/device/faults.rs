@@ -1,7 +1,8 @@
 //! Every fault shows on the bus: with it, one of these sessions differs from that of a device without faults.
 
-use crate::rig::{Rig, model};
+use crate::rig::Rig;
 use canvass_conformance::device::Motion;
+use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, Faults};
 
 /// One session: frames of the tester, or `+MILLISECONDS`.
@@ -78,9 +79,56 @@ const SESSIONS: &[&[&str]] = &[
         "63F#4003100000000000",
     ],
     &["63F#2B0C100064000000", "63F#2F0D100001000000", "73F#R1", "000#023F", "+300"],
+    // Guarding.
+    &[
+        "63F#2B0C100064000000",
+        "63F#2F0D100002000000",
+        "+500",
+        "000#013F",
+        "73F#R1",
+        "73F#R1",
+        "73F#R1",
+        "+230",
+        "73F#R1",
+        "63F#2B0C100000000000",
+        "73F#R1",
+        "+500",
+        "000#823F",
+        "+300",
+        "73F#R1",
+    ],
+    &["63F#2B171000E8030000", "73F#R1"],
+    &["63F#4004100000000000", "63F#400B100000000000", "63F#400C100000000000", "63F#400E100000000000"],
+    &["000#013F", "1BF#R8", "2BF#R8"],
+    // LMT.
+    &["7E5#2400000000000000", "7E5#0402000000000000", "7E5#2400000000000000"],
+    &[
+        "7E5#0154522D454C4543",
+        "7E5#024C4D5033300000",
+        "7E5#0332200044002100",
+        "7E5#2500000000000000",
+        "7E5#2600000000000000",
+        "7E5#1180000000000000",
+        "7E5#1300050000000000",
+        "7E5#1300C80000000000",
+        "7E5#1105000000000000",
+        "63F#4000100000000000",
+        "7E5#1700000000000000",
+        "7E5#15C8000000000000",
+        "63F#4000100000000000",
+        "605#4000100000000000",
+    ],
+    &["7E5#0154522D454C4543", "7E5#024C4D5033300000", "7E5#0332200044002200", "7E5#2400000000000000"],
+    &["7E5#0154522D454C4544", "7E5#024C4D5033300000", "7E5#0332200044002100", "7E5#2400000000000000"],
+    &["7E5#0554522D454C4543", "7E5#064C4D5033300000", "7E5#0732200044002100", "7E5#0832200044002100"],
+    &["7E5#0554522D454C4543", "7E5#064C4D5033300000", "7E5#0700000000000000", "7E5#0800000000000000"],
+    // Limit switches.
+    &["63F#2B00600000300000", "63F#23042100BA4C0000", "63F#23052100BA4C0000", "63F#4000650000000000"],
+    &["63F#2B00600000300000", "63F#2304210000500000", "63F#4000650000000000"],
     // LSS.
     &["7E5#5E00000000000000", "7E5#0401000000000000", "7E5#1180000000000000"],
     // Encoder.
+    &["63F#2B00600000000000", "63F#2301600000100000", "63F#4004600000000000"],
     &[
         "63F#2303600005000000",
         "63F#4004600000000000",
@@ -93,8 +141,8 @@ const SESSIONS: &[&[&str]] = &[
     ],
 ];
 
-fn traffic(session: &[&str], faults: Faults) -> Vec<String> {
-    let mut rig = Rig::powered(model(), Some(63), faults, Motion::still(0x4CBA));
+fn traffic(session: &[&str], model: &Model, faults: Faults) -> Vec<String> {
+    let mut rig = Rig::powered(model, Some(63), faults, Motion::still(0x4CBA));
     let mut frames = rig.run(300);
     for step in session {
         match step.strip_prefix('+') {
@@ -110,11 +158,15 @@ fn traffic(session: &[&str], faults: Faults) -> Vec<String> {
 
 #[test]
 fn every_fault_changes_what_the_device_sends() {
-    let good: Vec<Vec<String>> = SESSIONS.iter().map(|session| traffic(session, Faults::NONE)).collect();
-    let hidden: Vec<Fault> = Fault::ALL
-        .iter()
-        .copied()
-        .filter(|&fault| SESSIONS.iter().zip(&good).all(|(session, good)| traffic(session, fault.into()) == *good))
-        .collect();
+    let mut hidden = Vec::new();
+    for model in Model::all() {
+        let good: Vec<Vec<String>> = SESSIONS.iter().map(|session| traffic(session, model, Faults::NONE)).collect();
+        let faults = Fault::ALL.iter().copied().filter(|fault| fault.model() == model.id());
+        let is_hidden = |fault: &Fault| {
+            let mut sessions = SESSIONS.iter().zip(&good);
+            sessions.all(|(session, good)| traffic(session, model, (*fault).into()) == *good)
+        };
+        hidden.extend(faults.filter(is_hidden));
+    }
     assert_eq!(hidden, []);
 }

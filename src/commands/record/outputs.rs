@@ -78,13 +78,7 @@ struct Series {
 }
 
 impl Series {
-    fn open(
-        path: &Path,
-        format: Option<Format>,
-        force: bool,
-        rotation: Rotation,
-        time_base: TimeBase,
-    ) -> Result<Self> {
+    fn open(path: &Path, format: Option<Format>, force: bool, rotation: Rotation, time_base: TimeBase) -> Result<Self> {
         if rotation.is_on() && path.as_os_str() == "-" {
             bail!("standard output can't be begun anew: --rotate-size and --rotate-time need a file");
         }
@@ -157,8 +151,7 @@ fn create(
     let destination = Destination::new(path, format, force)?;
     written.set(0);
     let live = destination.is_stdout();
-    let file: Box<dyn Write> =
-        if live { Box::new(io::stdout()) } else { destination.open(&[], &Output::default())? };
+    let file: Box<dyn Write> = if live { Box::new(io::stdout()) } else { destination.open(&[], &Output::default())? };
     let sink = Box::new(Counted { file, written: Rc::clone(written) });
     // A live file of MCAP has no chunks; one that is flushed four times a second can afford them.
     let options = WriteOptions { time_base, live, ..WriteOptions::default() };

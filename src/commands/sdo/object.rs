@@ -32,7 +32,8 @@ fn names(description: &DeviceDescription) -> Vec<(String, Multiplexer)> {
     let objects = description.dictionary.objects().iter();
     let entries = objects.flat_map(|object| object.entries().iter().map(move |entry| (object, entry)));
     let named = entries.map(|(object, entry)| {
-        let name = if object.code.is_single() { object.name.clone() } else { format!("{}, {}", object.name, entry.name) };
+        let name =
+            if object.code.is_single() { object.name.clone() } else { format!("{}, {}", object.name, entry.name) };
         (name.to_lowercase(), Multiplexer::new(object.index.0, entry.sub.0))
     });
     named.collect()

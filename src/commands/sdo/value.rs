@@ -40,7 +40,8 @@ pub fn known_type(address: Multiplexer, description: Option<&DeviceDescription>)
 
 /// The bytes of a value as typed.
 pub fn encode(text: &str, address: Multiplexer, data_type: Option<DataType>) -> Result<Vec<u8>> {
-    let data_type = data_type.with_context(|| format!("the type of {address} is not known: say --type, or --device"))?;
+    let data_type =
+        data_type.with_context(|| format!("the type of {address} is not known: say --type, or --device"))?;
     let not_a = || anyhow!("expected {} for {address}, found \"{text}\"", data_type.name().unwrap_or("another type"));
     let value = match data_type.class().ok_or_else(not_a)? {
         DataClass::Boolean => Value::Boolean(match &*text.to_lowercase() {

@@ -139,7 +139,12 @@ impl fmt::Display for Link {
                 _ => f.write_str(", not restarted by itself")?,
             }
         }
-        write!(f, ", {}, transmit queue of {} frames", if self.mtu >= 72 { "CAN FD" } else { "classical" }, self.transmit_queue)
+        write!(
+            f,
+            ", {}, transmit queue of {} frames",
+            if self.mtu >= 72 { "CAN FD" } else { "classical" },
+            self.transmit_queue
+        )
     }
 }
 
@@ -162,7 +167,8 @@ fn request(interface: &str) -> Vec<u8> {
 
 /// The first link of an answer.
 fn read(answer: &[u8]) -> io::Result<Option<Link>> {
-    let malformed = || io::Error::new(io::ErrorKind::InvalidData, "an unreadable answer of the kernel's routing socket");
+    let malformed =
+        || io::Error::new(io::ErrorKind::InvalidData, "an unreadable answer of the kernel's routing socket");
     let kind = u16_at(answer, 4).ok_or_else(malformed)?;
     if kind == NLMSG_ERROR {
         let code = u32_at(answer, HEADER).ok_or_else(malformed)? as i32;

@@ -59,7 +59,9 @@ impl Receiver {
             match shared.socket.receive(batch) {
                 Ok(0) => break,
                 Ok(frames) => {
-                    (0..frames).filter_map(|at| batch.get(at)).for_each(|(packet, received)| self.take(packet, received));
+                    (0..frames)
+                        .filter_map(|at| batch.get(at))
+                        .for_each(|(packet, received)| self.take(packet, received));
                     shared.inbox.deliver(&mut self.records);
                 }
                 Err(error) => {

@@ -2,5 +2,7 @@
 //!
 //! The shaft must be at rest: cases that depend on it see that first.
 
+mod limit_switch;
 mod position;
+mod scaling_off;
 mod timer;
