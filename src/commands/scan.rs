@@ -197,6 +197,7 @@ fn text(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> St
     let mut text = String::new();
     for (node, found) in nodes {
         let state = found.state.map_or_else(|| "no heartbeat".to_owned(), |state| state.to_string());
+        let state = if found.state == Some(State(0)) { "has just started".to_owned() } else { state };
         let answers = if found.answers { "" } else { ", does not answer SDOs" };
         let _ = writeln!(text, "node {node}: {state}{answers}");
         if let Some(device_type) = found.device_type {

@@ -26,7 +26,11 @@ impl Device {
         let mut line = String::new();
         BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
         assert!(line.contains("as node 63"), "{line}");
-        Self { child, bus: format!("slcan:tcp://{address}") }
+        let device = Self { child, bus: format!("slcan:tcp://{address}") };
+        // It answers once it has booted.
+        let answers = || run(&["sdo", "read", &device.bus, "63", "1000", "--timeout", "300"]).status == 0;
+        assert!((0..20).any(|_| answers()), "the simulated device boots");
+        device
     }
 }
 
