@@ -13,7 +13,7 @@ use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::network::{Event, Network};
 use canvass_analyzer::{Multiplexer, NodeId, TransferText};
 use canvass_conformance::client::Exchange;
-use canvass_conformance::client::sdo::{Mode, Outcome, Transfer};
+use canvass_conformance::client::sdo::{Bytes, Mode, Outcome, Transfer};
 use canvass_reports::escape;
 use canvass_traces::{Duration, Record};
 use serde_json::json;
@@ -168,8 +168,12 @@ impl Target {
         shown: &Shown,
     ) -> std::io::Result<()> {
         if matches!(self.format, Format::Text) {
-            let written = if read.is_none() { " written" } else { "" };
-            return print(&format!("{object} = {}{written}\n", shown.value));
+            return print(&match read {
+                None => format!("{object} = {} written\n", shown.value),
+                // Where frames were lost on the way here, the bytes speak for themselves.
+                Some((bytes, _)) if shown.value.is_empty() => format!("{object} = {}\n", Bytes(bytes)),
+                Some(_) => format!("{object} = {}\n", shown.value),
+            });
         }
         let bytes = read.map(|(bytes, _)| bytes.iter().map(|byte| format!("{byte:02X}")).collect::<String>());
         let document = json!({

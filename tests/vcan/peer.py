@@ -64,7 +64,8 @@ def device(interface):
     def variable(index, sub, name, data_type, access, value, parent=None):
         entry = od.ODVariable(name, index, sub)
         entry.data_type, entry.access_type, entry.default, entry.value = data_type, access, value, value
-        (parent or dictionary).add_member(entry) if parent else dictionary.add_object(entry)
+        # A record without entries counts as false.
+        dictionary.add_object(entry) if parent is None else parent.add_member(entry)
 
     variable(0x1000, 0, "Device type", od.UNSIGNED32, "ro", 0)
     variable(0x1001, 0, "Error register", od.UNSIGNED8, "ro", 0)
@@ -76,15 +77,18 @@ def device(interface):
         variable(0x1018, sub, name, od.UNSIGNED8 if sub == 0 else od.UNSIGNED32, "ro", value, identity)
     dictionary.add_object(identity)
     network = canopen.Network()
-    network.connect(channel=interface, interface="socketcan")
+    network.connect(channel=interface, interface="slcan" if "/" in interface else "socketcan")
     node = canopen.LocalNode(5, dictionary)
     network.add_node(node)
 
-    def restart(command):
-        # A device that is reset boots again.
-        if command in (129, 130):
-            node.sdo["Producer heartbeat time"].raw = 0
-    node.nmt.add_write_callback = restart
+    def restart(_, data, __):
+        # Without this it does not boot after a reset: see docs/peers.md.
+        if data[0] in (129, 130) and data[1] in (0, 5):
+            node.sdo[0x1017].raw = 0
+            node.nmt.state = "INITIALISING"
+            node.nmt.state = "PRE-OPERATIONAL"
+
+    network.subscribe(0, restart)
     node.nmt.state = "INITIALISING"
     node.nmt.state = "PRE-OPERATIONAL"
     print("ready", file=sys.stderr, flush=True)

@@ -53,6 +53,14 @@ impl Inbox {
         self.arrived.notify_all();
     }
 
+    /// Takes back an own frame that could not be sent after all, unless it was taken already.
+    pub fn retract(&self, record: &Record) {
+        let mut state = self.state();
+        if let Some(at) = state.records.iter().rposition(|delivered| delivered == record) {
+            state.records.remove(at);
+        }
+    }
+
     /// Keeps no more frames than that.
     pub fn limit(&self, frames: usize) {
         self.state().capacity = frames.clamp(1, CAPACITY);

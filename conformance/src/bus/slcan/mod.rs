@@ -123,18 +123,21 @@ impl Bus for SlCan {
     }
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
-        let mut record = Record::new(self.now(), ChannelId(0), *frame).with_direction(Direction::Tx);
+        // The protocol does not tell when a frame was on the bus: this is the earliest time.
+        let record = Record::new(self.now(), ChannelId(0), *frame).with_direction(Direction::Tx);
         let mut line = Vec::with_capacity(32);
         if frame.is_head() || write_frame(&record, &mut line).is_none() {
             let reason = "expected a classical data or remote frame, or a CAN FD frame of up to 16 bytes";
             return Err(BusError::Unsendable { frame: *frame, reason });
         }
-        let handed_over = self.now();
-        self.shared.write(&line)?;
-        // The protocol does not tell when a frame was on the bus: this is the earliest time.
-        record.timestamp = self.now();
-        self.shared.inbox.note(|health| health.transmit.add(record.timestamp.since(handed_over)));
-        self.shared.inbox.deliver(&mut vec![record]);
+        // Before it is written: the answer may be here before this thread goes on.
+        self.shared.inbox.deliver(&mut vec![record.clone()]);
+        if let Err(error) = self.shared.write(&line) {
+            self.shared.inbox.retract(&record);
+            return Err(error.into());
+        }
+        let took = self.now().since(record.timestamp);
+        self.shared.inbox.note(|health| health.transmit.add(took));
         Ok(())
     }
 
