@@ -38,8 +38,10 @@ pub fn time_base(bus: &dyn Bus) -> TimeBase {
 pub struct Live {
     /// The bus.
     pub bus: Box<dyn Bus>,
-    /// The model of a simulated device.
+    /// The model of the first simulated device.
     pub model: Option<&'static Model>,
+    /// Its node-ID.
+    simulated: Option<NodeId>,
     /// What the traffic means.
     pub network: Network,
     /// The bus's name.
@@ -53,10 +55,14 @@ impl Live {
         let opened = open_bus(address, 0)?;
         let mut channels = Channels::new();
         channels.intern(channel_name(address));
-        let mut live = Self { bus: opened.bus, model: opened.model, network: Network::new(), channels };
-        let simulated = live.model.and_then(|model| Some((model, model.default_node()?)));
-        if let Some((model, node)) = simulated {
-            live.network.describe(node, model.description().clone());
+        let (model, simulated) = (opened.model, opened.node());
+        let mut live = Self { bus: opened.bus, model, simulated, network: Network::new(), channels };
+        for attached in &opened.devices {
+            if let Some(node) = attached.node {
+                live.network.describe(node, attached.model.description().clone());
+            }
+        }
+        if let Some(node) = simulated {
             live.boot(node).map_err(Failure::unreachable)?;
         }
         for device in devices {
@@ -78,7 +84,7 @@ impl Live {
 
     /// The node-ID of the simulated device, where there is one.
     pub fn simulated_node(&self) -> Option<NodeId> {
-        self.model.and_then(Model::default_node)
+        self.simulated
     }
 
     /// Says what went wrong on the way from and to the bus.

@@ -1,5 +1,6 @@
 //! One file per subcommand: what was typed becomes objects, the objects do the work.
 
+pub mod compare;
 pub mod completions;
 pub mod convert;
 pub mod decode;
@@ -15,6 +16,7 @@ pub mod nmt;
 pub mod record;
 pub mod scan;
 pub mod sdo;
+pub mod selftest;
 pub mod send;
 pub mod signals;
 pub mod simulate;

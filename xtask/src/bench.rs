@@ -4,6 +4,7 @@ use crate::measure::{Cost, TIME, cost, machine, release};
 use crate::packages::{Package, install};
 use crate::peers::{PYTHON, install_all};
 use crate::run::run;
+use crate::simulation::simulation;
 use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
 use std::process::{Command, Stdio};
@@ -35,7 +36,8 @@ pub fn bench() -> Result<()> {
     println!("{FRAMES} frames, best of {RUNS} runs, processor time");
     decoding()?;
     crate::diagnosing::diagnosing()?;
-    reading()
+    reading()?;
+    simulation()
 }
 
 /// Counts the instructions that a frame takes to be decoded, by callgrind: they are the same on every machine of an

@@ -13,6 +13,7 @@ mod memory;
 mod packages;
 mod peers;
 mod run;
+mod simulation;
 mod vcan;
 
 use anyhow::{Result, bail};

@@ -14,7 +14,7 @@ pub struct Change {
 }
 
 /// Writing these makes something happen (clears the error history, stores, restores); there is no value to put back.
-const fn is_trigger(multiplexer: Multiplexer) -> bool {
+pub(super) const fn is_trigger(multiplexer: Multiplexer) -> bool {
     matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011)
 }
 

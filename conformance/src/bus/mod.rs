@@ -7,6 +7,7 @@ mod health;
 mod inbox;
 mod participant;
 mod simulated;
+mod simulated_address;
 pub mod slcan;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
@@ -15,6 +16,7 @@ pub use address::{BusAddress, Opened, open, open_seeded};
 pub use health::{Health, Latencies};
 pub use participant::{Participation, participate};
 pub use simulated::SimulatedBus;
+pub use simulated_address::{Attached, DeviceName, GivenNode, SimulatedDevice};
 
 use canvass_traces::{Frame, Record, Timestamp};
 
@@ -66,6 +68,14 @@ pub trait Bus {
         let _ = cob_ids;
         Ok(())
     }
+
+    /// Goes on at another bit rate in bit/s.
+    ///
+    /// # Errors
+    /// [`BusError::FixedBitRate`] where this end of the bus can't change it.
+    fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        Err(BusError::FixedBitRate { bit_rate })
+    }
 }
 
 /// Why a bus does not work. Never the fault of the device under test.
@@ -87,6 +97,12 @@ pub enum BusError {
         frame: Frame,
         /// What the bus can carry.
         reason: &'static str,
+    },
+    /// The bit rate can't be changed from here.
+    #[error("the bit rate of this bus is set outside of the program: change it to {bit_rate} bit/s there")]
+    FixedBitRate {
+        /// What was asked for, in bit/s.
+        bit_rate: u32,
     },
     /// This build of the program has no such interface.
     #[error("{address}: {interface} is not available in this build")]

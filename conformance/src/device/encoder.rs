@@ -55,8 +55,8 @@ impl Encoder {
     }
 
     /// How the shaft moves.
-    pub fn motion(&self) -> Motion {
-        self.motion
+    pub fn motion(&self) -> &Motion {
+        &self.motion
     }
 
     /// What is to be stored beside the parameters.
@@ -73,12 +73,12 @@ impl Encoder {
     pub fn value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         Some(match (at.index.0, at.sub.0) {
             (0x6004, 0) => self.position(now, parameters),
-            (0x6030, 1) => self.speed(parameters) as u64,
+            (0x6030, 1) => self.speed(now, parameters) as u64,
             (0x6040 | 0x6050, 1) => 0,
             (0x6400, sub @ 1..) => self.work_area(now, sub, parameters)?,
             (0x6500, 0) if self.faults.has(Fault::OperatingStatusStuck) => return None,
             (0x6500, 0) => parameters.number_or_zero(0x6000, 0),
-            (0x6505, 0) => self.warnings(),
+            (0x6505, 0) => self.warnings(now),
             (0x6509, 0) => self.offset as u64,
             // In tenths of an hour (CiA 406).
             (0x6508, 0) => now.nanos() / 360_000_000_000,
@@ -178,11 +178,11 @@ impl Encoder {
     }
 
     /// 6030h, with the sign of the direction in which the position counts.
-    fn speed(&self, parameters: &Parameters) -> i64 {
+    fn speed(&self, now: Timestamp, parameters: &Parameters) -> i64 {
         let operating = self.operating(parameters);
         let milli_rpm = match operating & operating::CODE_SEQUENCE {
-            0 => self.motion.milli_rpm,
-            _ => -self.motion.milli_rpm,
+            0 => self.motion.milli_rpm(now),
+            _ => -self.motion.milli_rpm(now),
         };
         let speed = if operating & operating::SPEED_FORMAT == 0 {
             i128::from(milli_rpm) / 1_000
@@ -206,9 +206,9 @@ impl Encoder {
     }
 
     /// 6505h.
-    pub fn warnings(&self) -> u64 {
+    pub fn warnings(&self, now: Timestamp) -> u64 {
         let limit = self.sheet.speed_warning_rpm.map(|rpm| u64::from(rpm) * 1_000);
-        if limit.is_some_and(|limit| self.motion.milli_rpm.unsigned_abs() > limit) { OVERSPEED } else { 0 }
+        if limit.is_some_and(|limit| self.motion.milli_rpm(now).unsigned_abs() > limit) { OVERSPEED } else { 0 }
     }
 }
 

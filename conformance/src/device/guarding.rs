@@ -1,7 +1,7 @@
 //! Node guarding and life guarding (100Ch, 100Dh).
 
 use super::Device;
-use super::heartbeat_consumer::Guarded;
+use super::emcy::Condition;
 use super::nmt::Phase;
 use crate::{Fault, Faults};
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
@@ -31,6 +31,7 @@ impl NodeGuarding {
 
     /// 100Ch in milliseconds and 100Dh were set.
     pub fn configure(&mut self, now: Timestamp, guard_millis: u64, factor: u64, faults: Faults) {
+        let factor = if faults.has(Fault::LifeTimeFactorIgnored) { factor.min(1) } else { factor };
         let factor = factor + u64::from(faults.has(Fault::LifeTimeFactorOffByOne) && factor > 0);
         let life_time = Duration::from_millis(guard_millis).times(factor);
         if life_time == Duration::ZERO && faults.has(Fault::LifeGuardingNotStopped) {
@@ -83,16 +84,18 @@ impl Device {
             if let Some(answer) = self.guarding.answer(now, self.phase, self.faults) {
                 self.send_error_control(answer);
             }
-            self.on_guarded(now, Guarded::Back);
+            if !self.objects.model.sheet().quirks.life_guarding_until_reset {
+                self.report(now, Condition::Guarding, false);
+            }
         }
     }
 
     /// The master does not ask any more.
     pub(super) fn on_master_lost(&mut self, now: Timestamp) {
         if self.faults.has(Fault::LifeGuardingUnreported) {
-            self.leave_operational(now);
+            self.react(now, Condition::Guarding);
         } else {
-            self.on_guarded(now, Guarded::Lost);
+            self.report(now, Condition::Guarding, true);
         }
     }
 }

@@ -244,7 +244,7 @@ impl Device {
         }
         match effect {
             Some(Effect::Store) => self.store_lmt(),
-            Some(Effect::Activate(delay)) => self.activate_bit_rate(now, delay),
+            Some(Effect::Activate(delay)) => self.activate_lmt_bit_rate(delay, now),
             Some(Effect::TakeNodeId(node)) if self.node == Some(node) => {}
             Some(Effect::TakeNodeId(node)) => {
                 self.node = Some(node);
@@ -265,7 +265,7 @@ impl Device {
     }
 
     /// Silent for one delay before the change and one after it.
-    fn activate_bit_rate(&mut self, now: Timestamp, delay: Duration) {
+    fn activate_lmt_bit_rate(&mut self, delay: Duration, now: Timestamp) {
         self.lmt.in_use_kbit = self.lmt.pending.kbit.unwrap_or(self.lmt.in_use_kbit);
         if !self.faults.has(Fault::LmtActivationNotSilent) && delay > Duration::ZERO {
             self.silent_until = now + delay.times(2);

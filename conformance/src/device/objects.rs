@@ -1,15 +1,14 @@
 //! The object dictionary as an SDO client meets it: access rights, lengths, limits, and the objects with behaviour.
 
 use super::PLACEHOLDER;
+use super::clock::Clock;
 use super::emcy::{Condition, Errors};
 use super::encoder::Encoder;
-use super::heartbeat_consumer;
 use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
 use super::parameters::{Content, Parameter, Parameters, Reading};
 use super::store::StoreCommand;
-use super::tpdo;
 use crate::models::Model;
 use crate::{Fault, Faults};
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -23,6 +22,9 @@ pub(super) struct Objects {
     pub parameters: Parameters,
     pub errors: Errors,
     pub encoder: Option<Encoder>,
+    pub clock: Clock,
+    /// The bytes of the last EMCY of a node of 1028h.
+    pub received_emcy: u64,
     pub faults: Faults,
     /// What was written by SDO and not yet acted on.
     pub written: Vec<(Multiplexer, u64)>,
@@ -45,6 +47,8 @@ impl Objects {
             parameters,
             errors: Errors::new(history.saturating_sub(1), &model.sheet().quirks, faults),
             encoder: Encoder::new(model, motion, faults),
+            clock: Clock::new(Timestamp::ZERO, faults),
+            received_emcy: 0,
             faults,
             written: Vec::with_capacity(4),
             waiting: Vec::new(),
@@ -66,12 +70,22 @@ impl Objects {
 
     /// The value of an object that is not simply what was written last.
     fn live(&self, now: Timestamp, at: Multiplexer) -> Result<Option<u64>, AbortCode> {
-        match at.index.0 {
-            0x1001 => Ok(Some(u64::from(self.errors.register()))),
-            0x1003 => self.errors.history(at.sub.0).map(Some),
-            0x6000.. => Ok(self.measured(now, at)),
-            _ => Ok(None),
-        }
+        let network = &self.model.sheet().network;
+        Ok(match at.index.0 {
+            0x1001 => Some(u64::from(self.errors.register())),
+            0x1003 => Some(self.errors.history(at.sub.0)?),
+            0x1013 if network.time_consumer => Some(u64::from(self.clock.micros(now))),
+            ..0x2000 => None,
+            _ if network.clock_object == Some(at) => {
+                let time = self.clock.time(now);
+                Some(u64::from(time.days) << 32 | u64::from(time.raw_milliseconds))
+            }
+            _ if network.received_emcy_object == Some(at) => Some(self.received_emcy),
+            _ => self.measured(now, at).or_else(|| {
+                let source = self.followed(at)?;
+                self.measured(now, source).or_else(|| self.parameters.number(source.index.0, source.sub.0))
+            }),
+        })
     }
 
     /// The live value of an object of the profile, as this model shows it.
@@ -166,12 +180,25 @@ impl Objects {
         if StoreCommand::of(at, &self.model.sheet().storage).is_some_and(StoreCommand::is_save) {
             self.check_waiting()?;
         }
+        self.put(now, at, value);
+        Ok(())
+    }
+
+    /// An RPDO carries a value for an object. What the object does not take is left out; nobody is told.
+    pub fn receive(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
+        if self.faults.has(Fault::RpdoRangeUnchecked) || self.check(at, value).is_ok() {
+            self.put(now, at, value);
+        }
+    }
+
+    /// Writes a number that was checked.
+    fn put(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
         if self.model.sheet().quirks.acts_when_stored.contains(&at) {
             self.waiting.retain(|(object, _)| *object != at);
             self.waiting.push((at, value));
         } else if !self.is_command(at) {
-            self.parameters.set(at, content);
-            self.follow_links(at, value);
+            self.parameters.set(at, Content::Number(value));
+            self.write_through(at, value);
         }
         if at == Multiplexer::new(0x6003, 0)
             && let Some(encoder) = &mut self.encoder
@@ -179,7 +206,6 @@ impl Objects {
             encoder.preset(now, value, &self.parameters);
         }
         self.written.push((at, value));
-        Ok(())
     }
 
     /// What waits to be stored acts from now on.
@@ -207,62 +233,6 @@ impl Objects {
         if fits { Ok(()) } else { Err(self.own(AbortCode::HARDWARE)) }
     }
 
-    fn check_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
-        match self.parameters.entry(at)?.check_length(len) {
-            Err(AbortCode::LENGTH_TOO_HIGH) if self.faults.has(Fault::SdoLengthUnchecked) => Ok(()),
-            Err(AbortCode::LENGTH_TOO_LOW) if self.faults.has(Fault::SdoShortLengthUnchecked) => Ok(()),
-            checked => checked,
-        }
-    }
-
-    /// Whether the object takes that number now: limits, and the conditions of its service.
-    fn check(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
-        let (parameters, faults) = (&self.parameters, self.faults);
-        let sheet = self.model.sheet();
-        if let Some(command) = StoreCommand::of(at, &sheet.storage) {
-            return if faults.has(Fault::StoreSignatureUnchecked) {
-                Ok(())
-            } else {
-                command.check(value, &sheet.storage)
-            };
-        }
-        // The number of mapped objects has abort codes of its own.
-        if let 0x1A00..0x1C00 = at.index.0 {
-            return tpdo::check_mapping(at, value, parameters, faults);
-        }
-        let later = sheet.quirks.limits_checked_at_store && sheet.quirks.acts_when_stored.contains(&at);
-        if !faults.has(Fault::SdoRangeUnchecked) && !later {
-            parameters.entry(at)?.check_range(value)?;
-        }
-        match at.index.0 {
-            0x1003 if value != 0 => Err(AbortCode::INVALID_VALUE),
-            0x1005 | 0x1012 | 0x1014 => self.check_cob_id(at, value),
-            0x1016 if at.sub.0 > 0 => heartbeat_consumer::check(at, value, parameters, faults),
-            0x1800..0x1A00 => tpdo::check_communication(at, value, parameters, &sheet.network, faults),
-            0x6003 => self.encoder.as_ref().map_or(Ok(()), |encoder| encoder.check_preset(value, parameters)),
-            0x6000.. if later => self.check_scaling_bit(),
-            0x6000.. => self.check_scaling(at, value),
-            _ => Ok(()),
-        }
-    }
-
-    fn check_scaling(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
-        let quirks = &self.model.sheet().quirks;
-        match at.index.0 {
-            0x6000 if quirks.operating_bits.is_some_and(|bits| value & !u64::from(bits) != 0) => {
-                Err(AbortCode::INVALID_VALUE)
-            }
-            0x6001 | 0x6002 if quirks.scaling_bit_guards => self.check_scaling_bit(),
-            _ => Encoder::check(at, value, &self.parameters),
-        }
-    }
-
-    fn check_scaling_bit(&self) -> Result<(), AbortCode> {
-        let guarded = self.model.sheet().quirks.scaling_bit_guards;
-        let is_on = self.parameters.number_or_zero(0x6000, 0) & SCALING != 0;
-        if is_on || !guarded { Ok(()) } else { Err(AbortCode::UNSUPPORTED_ACCESS) }
-    }
-
     /// What switching scaling off does beside that.
     pub fn reset_scaling(&mut self, node: NodeId) {
         self.waiting.retain(|(at, _)| !matches!(at.index.0, 0x6001 | 0x6002));
@@ -273,13 +243,12 @@ impl Objects {
         }
     }
 
-    /// SYNC, TIME and EMCY: 11 bits, not restricted; the device only consumes SYNC and TIME (bit 30).
-    fn check_cob_id(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
-        let new = CobId((value & !self.consumer_bit(at)) as u32);
-        let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
-        let produces = at.index.0 != 0x1014 && new.0 & CobId::NO_RTR != 0;
-        let restricted = new.is_restricted() && !self.faults.has(Fault::RestrictedCanIdAccepted);
-        if reserved || produces || restricted { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    fn check_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
+        match self.parameters.entry(at)?.check_length(len) {
+            Err(AbortCode::LENGTH_TOO_HIGH) if self.faults.has(Fault::SdoLengthUnchecked) => Ok(()),
+            Err(AbortCode::LENGTH_TOO_LOW) if self.faults.has(Fault::SdoShortLengthUnchecked) => Ok(()),
+            checked => checked,
+        }
     }
 
     /// Bit 31 of a COB-ID that has it as delivered: 1005h of DS-301 V3.0, where it says that SYNC is consumed.
@@ -301,17 +270,6 @@ impl Objects {
     /// Whether writing the object takes as long as writing the non-volatile memory.
     pub fn takes_long(&self, at: Multiplexer) -> bool {
         StoreCommand::of(at, &self.model.sheet().storage).is_some()
-    }
-
-    /// 6200h is the event timer of the first TPDO (CiA 406).
-    fn follow_links(&mut self, at: Multiplexer, value: u64) {
-        match (at.index.0, at.sub.0) {
-            (0x6200, 0) if !self.faults.has(Fault::CyclicTimerNotLinked) => {
-                self.parameters.set_number(0x1800, 5, value);
-            }
-            (0x1800, 5) => self.parameters.set_number(0x6200, 0, value),
-            _ => {}
-        }
     }
 
     fn missing(&self, code: AbortCode) -> AbortCode {

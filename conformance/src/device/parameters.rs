@@ -23,6 +23,8 @@ pub(super) struct Parameter {
     pub writable: bool,
     /// Whether a TPDO may carry it.
     pub tpdo_mappable: bool,
+    /// Whether an RPDO may carry it.
+    pub rpdo_mappable: bool,
     low: Option<i128>,
     high: Option<i128>,
     default: Default,
@@ -199,11 +201,20 @@ impl Parameter {
             readable: entry.access.is_readable(),
             writable: entry.access.is_writable(),
             tpdo_mappable: entry.pdo_mappable && entry.access.allows_tpdo(),
+            rpdo_mappable: entry.pdo_mappable && entry.access.allows_rpdo(),
             low: limit(&entry.low_limit),
             high: limit(&entry.high_limit),
             default,
             content: Content::Number(0),
         })
+    }
+
+    /// Whether the value is not as delivered; a COB-ID that follows the node-ID always is.
+    pub fn is_changed(&self) -> bool {
+        match &self.default {
+            Default::Fixed(content) => self.fitted(content.clone()) != self.content,
+            Default::NodeIdPlus(_) => false,
+        }
     }
 
     /// The value as delivered.
@@ -268,6 +279,12 @@ impl Parameter {
             return Err(AbortCode::VALUE_TOO_LOW);
         }
         Ok(())
+    }
+
+    /// How two values of this type compare; `None` for a type without order.
+    pub fn compare(&self, one: u64, other: u64) -> Option<std::cmp::Ordering> {
+        let number = |raw| Value::from_raw(self.data_type, raw).and_then(|value| value.as_number());
+        Some(number(one)?.cmp(&number(other)?))
     }
 
     /// The content that those bytes, little-endian, encode.

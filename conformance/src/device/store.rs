@@ -3,9 +3,11 @@
 use super::encoder::Encoder;
 use super::parameters::{Content, Parameters};
 use crate::models::{Model, Storage};
+use crate::{Fault, Faults};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A set of groups of parameters.
@@ -35,6 +37,11 @@ impl Groups {
     /// These groups but for the others.
     pub const fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
+    }
+
+    /// Whether an object is in one of the groups.
+    pub fn has(self, at: Multiplexer, storage: &Storage) -> bool {
+        self.contains(Self::of(at, storage))
     }
 
     const fn contains(self, other: Self) -> bool {
@@ -101,6 +108,15 @@ impl StoreCommand {
     }
 }
 
+/// Node-ID and bit rate of a device that has no objects for them.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct StoredNetwork {
+    /// 1 to 127, or 255 for none.
+    pub node_id: Option<u8>,
+    /// The index in table 0 of CiA 305.
+    pub bit_timing: Option<u8>,
+}
+
 /// The non-volatile memory.
 #[derive(Clone, Debug)]
 pub(super) struct Store {
@@ -108,6 +124,8 @@ pub(super) struct Store {
     /// What differs from the default, by the position of the parameter.
     image: Vec<Option<Content>>,
     offset: Option<i64>,
+    /// What LSS stored and no object holds.
+    network: StoredNetwork,
     /// Groups whose defaults are loaded until power-off, whatever is stored.
     restored: Groups,
     /// Restored defaults are lost at power-off unless they are stored.
@@ -124,6 +142,7 @@ impl Store {
             storage,
             image: vec![None; parameters.entries().len()],
             offset: None,
+            network: StoredNetwork::default(),
             restored: Groups::NONE,
             restore_needs_store: model.sheet().quirks.restore_needs_store,
             pending: None,
@@ -131,8 +150,29 @@ impl Store {
     }
 
     /// Begins to write; it is done at `done`.
-    pub const fn begin(&mut self, done: Timestamp, command: StoreCommand) {
+    pub fn begin(&mut self, done: Timestamp, command: StoreCommand, faults: Faults) {
+        let command = match command {
+            StoreCommand::Save(_) if faults.has(Fault::StoreWithoutEffect) => return,
+            StoreCommand::Restore(_) if faults.has(Fault::RestoreWithoutEffect) => return,
+            StoreCommand::Save(Groups::BUS) => command,
+            StoreCommand::Save(_) if faults.has(Fault::StoreGroupIgnored) => StoreCommand::Save(Groups::PARAMETERS),
+            StoreCommand::Save(groups) if faults.has(Fault::StoreLosesGroup) => {
+                StoreCommand::Save(Groups(groups.0 & !Groups::APPLICATION.0))
+            }
+            command => command,
+        };
         self.pending = Some((done, command));
+    }
+
+    /// A reset while a faulty firmware writes: the first half of the memory is new, the other one old.
+    pub fn tear(&mut self, parameters: &Parameters, node: NodeId) {
+        if let Some((_, StoreCommand::Save(groups))) = self.pending {
+            let half = self.image.len() / 2;
+            let old: Vec<_> = self.image.iter().skip(half).cloned().collect();
+            self.save(groups, parameters, None, node);
+            self.image.truncate(half);
+            self.image.extend(old);
+        }
     }
 
     /// When writing is done.
@@ -156,7 +196,7 @@ impl Store {
 
     fn save(&mut self, groups: Groups, parameters: &Parameters, encoder: Option<&Encoder>, node: NodeId) {
         for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
-            if entry.writable && groups.contains(Groups::of(entry.at, &self.storage)) {
+            if entry.writable && groups.has(entry.at, &self.storage) {
                 // COB-IDs that are as delivered go on following the node-ID.
                 *slot = (entry.content != entry.default_content(node)).then(|| entry.content.clone());
             }
@@ -169,7 +209,7 @@ impl Store {
 
     fn forget(&mut self, groups: Groups, parameters: &Parameters) {
         for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
-            if groups.contains(Groups::of(entry.at, &self.storage)) {
+            if groups.has(entry.at, &self.storage) {
                 *slot = None;
             }
         }
@@ -196,6 +236,16 @@ impl Store {
         }
     }
 
+    /// What LSS stored and no object holds.
+    pub const fn network(&self) -> StoredNetwork {
+        self.network
+    }
+
+    /// LSS stores what no object holds.
+    pub const fn save_network(&mut self, network: StoredNetwork) {
+        self.network = network;
+    }
+
     /// Stores one number at once, past all groups: LSS stores node-ID and bit rate so.
     pub fn save_number(&mut self, at: Multiplexer, number: u64, parameters: &Parameters) {
         let position = parameters.entries().iter().position(|entry| entry.at == at);
@@ -213,6 +263,29 @@ impl Store {
         }
     }
 
+    /// What is stored, by address, and what a preset added.
+    pub(super) fn contents<'a>(
+        &'a self,
+        parameters: &'a Parameters,
+    ) -> (impl Iterator<Item = (Multiplexer, &'a Content)>, Option<i64>) {
+        let stored = self.image.iter().zip(parameters.entries());
+        (stored.filter_map(|(slot, entry)| Some((entry.at, slot.as_ref()?))), self.offset)
+    }
+
+    /// Replaces everything: contents by address. Those of addresses that are not there are left out.
+    pub(super) fn replace(
+        &mut self,
+        contents: &BTreeMap<Multiplexer, Content>,
+        offset: Option<i64>,
+        network: StoredNetwork,
+        parameters: &Parameters,
+    ) {
+        for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
+            *slot = contents.get(&entry.at).cloned();
+        }
+        (self.offset, self.network, self.pending) = (offset, network, None);
+    }
+
     /// A reset: what is stored, or the default, becomes the value.
     pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, encoder: Option<&mut Encoder>, node: NodeId) {
         self.pending = None;
@@ -226,8 +299,7 @@ impl Store {
         if let Some(encoder) = encoder
             && groups.contains(Groups::APPLICATION)
         {
-            let restored = self.restored.contains(Groups::APPLICATION);
-            encoder.set_offset(if restored { 0 } else { self.offset.unwrap_or(0) });
+            encoder.set_offset(self.offset.unwrap_or(0));
         }
     }
 }

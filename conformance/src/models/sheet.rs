@@ -2,9 +2,11 @@
 
 use super::quirks::Quirks;
 use super::recognition::Recognition;
+use super::rules::{Check, Link, Rule};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::Settings;
 use canvass_analyzer::wire::lmt::Seven;
+use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Duration;
 use serde::{Deserialize, Deserializer, de};
 
@@ -35,6 +37,12 @@ pub struct Sheet {
     /// Values that the EDS leaves open.
     #[serde(default, rename = "value")]
     pub values: Vec<Value>,
+    /// Objects that hang together.
+    #[serde(default, rename = "link")]
+    pub links: Vec<Link>,
+    /// Values that are refused.
+    #[serde(default, rename = "check")]
+    pub checks: Vec<Check>,
     /// The LMT address, where there is an LMT slave.
     pub lmt: Option<LmtAddress>,
     /// What it does otherwise than the standards.
@@ -43,6 +51,16 @@ pub struct Sheet {
 }
 
 impl Sheet {
+    /// The abort code of this device for a breach of a rule at that object.
+    pub fn abort(&self, rule: Rule, at: Multiplexer) -> AbortCode {
+        self.check(rule, at).map_or(rule.standard_abort(), |check| check.abort)
+    }
+
+    /// The row that gives that object that rule.
+    pub fn check(&self, rule: Rule, at: Multiplexer) -> Option<&Check> {
+        self.checks.iter().find(|check| check.rule == rule && check.at.contains(at))
+    }
+
     /// How node-ID and bit rate are set.
     pub(super) fn settings(&self) -> Settings {
         let rate = |rate: &BitRate| Some((u32::from(rate.object_code?), rate.kbit.saturating_mul(1_000)));
@@ -95,9 +113,58 @@ pub struct Network {
     /// The transmission types of TPDOs, as ranges.
     #[serde(default = "all_transmission_types")]
     pub transmission_types: Vec<(u8, u8)>,
+    /// The transmission types with which a TPDO is sent when a mapped value changes.
+    #[serde(default = "event_of_manufacturer")]
+    pub sent_on_change: Vec<u8>,
+    /// The transmission types of RPDOs, as ranges.
+    #[serde(default = "all_rpdo_transmission_types")]
+    pub rpdo_transmission_types: Vec<(u8, u8)>,
     /// Whether the SDO server knows block transfers.
     #[serde(default)]
     pub sdo_block_transfer: bool,
+    /// Whether SYNC can be produced (1005h bit 30).
+    #[serde(default)]
+    pub sync_producer: bool,
+    /// The shortest time of 1006h, in microseconds.
+    #[serde(default = "shortest_sync_period")]
+    pub sync_period_least_us: u32,
+    /// Whether TIME can be consumed (1012h bit 31): 1013h follows it.
+    #[serde(default)]
+    pub time_consumer: bool,
+    /// How often TIME is sent where 1012h bit 30 is set; `None`: it can't be produced.
+    pub time_period_ms: Option<u64>,
+    /// The object, a TIME_OF_DAY, that shows the device's clock.
+    #[serde(default, deserialize_with = "address_option")]
+    pub clock_object: Option<Multiplexer>,
+    /// The object, of 64 bits, that shows the last EMCY received from a node of 1028h.
+    #[serde(default, deserialize_with = "address_option")]
+    pub received_emcy_object: Option<Multiplexer>,
+    /// When 1F80h makes the device operational by itself.
+    #[serde(default)]
+    pub start_up: StartUp,
+    /// What LSS "store configuration" answers: 0 success, 1 not supported, 2 no access to the storage medium.
+    #[serde(default)]
+    pub lss_store_error: u8,
+    /// Whether a new node-ID makes the device restart as soon as LSS is back in waiting; else it waits for reset
+    /// communication (CiA 305).
+    #[serde(default = "yes")]
+    pub lss_restarts: bool,
+}
+
+/// Which bits of 1F80h start the device.
+#[derive(Clone, Copy, Debug, Deserialize)]
+pub struct StartUp {
+    /// The bits that count.
+    pub mask: u32,
+    /// Their values where the device starts by itself.
+    pub value: u32,
+}
+
+impl Default for StartUp {
+    /// CiA 302-2: bit 2 is 0.
+    fn default() -> Self {
+        Self { mask: 4, value: 0 }
+    }
 }
 
 /// What makes a device take over what is configured.
@@ -249,6 +316,19 @@ fn all_transmission_types() -> Vec<(u8, u8)> {
     vec![(0, 240), (252, 255)]
 }
 
+fn event_of_manufacturer() -> Vec<u8> {
+    vec![254]
+}
+
+/// CiA 301: 241 to 253 are reserved for RPDOs.
+fn all_rpdo_transmission_types() -> Vec<(u8, u8)> {
+    vec![(0, 240), (254, 255)]
+}
+
+const fn shortest_sync_period() -> u32 {
+    1_000
+}
+
 fn power_on_and_reset_node() -> Vec<Trigger> {
     vec![Trigger::PowerOn, Trigger::ResetNode]
 }
@@ -281,7 +361,7 @@ pub(super) fn address<'de, D: Deserializer<'de>>(from: D) -> Result<Multiplexer,
     parse_address(&String::deserialize(from)?)
 }
 
-fn address_option<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Multiplexer>, D::Error> {
+pub(super) fn address_option<'de, D: Deserializer<'de>>(from: D) -> Result<Option<Multiplexer>, D::Error> {
     address(from).map(Some)
 }
 

@@ -9,6 +9,8 @@ mod faults;
 mod manual;
 mod nmt;
 mod pdo;
+mod reference;
+mod repeatable;
 mod rig;
 mod robustness;
 mod sdo;

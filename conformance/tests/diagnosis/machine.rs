@@ -33,7 +33,7 @@ impl Machine {
     pub fn new(model: &'static Model, faults: impl Into<Faults>) -> Self {
         let node = model.default_node().unwrap_or_else(|| NodeId::new(GIVEN).unwrap());
         let mut bus = SimulatedBus::new(model.default_bit_rate());
-        let motion = Motion { milli_rpm: 60_000, ..Motion::still(1_000) };
+        let motion = Motion::constant(1_000, 60_000);
         bus.attach(Box::new(Device::with_motion(model, Some(node), faults.into(), 7, motion)));
         let zero = Timestamp::ZERO;
         let mut machine = Self {

@@ -114,10 +114,10 @@ fn restored_defaults_need_a_store() {
 #[test]
 fn tpdos() {
     let mut bench = ax58();
-    bench.device.set_motion(bench.now, Motion { start: 0x4CBA, milli_rpm: 0 });
+    bench.device.set_motion(bench.now, Motion::still(0x4CBA));
     assert_eq!(bench.ask("000#0101"), ["181#BA4C0000"]);
     assert_eq!(bench.run(960).len(), 10, "every 100 ms");
-    bench.device.set_motion(bench.now, Motion { start: 0, milli_rpm: 60_000 });
+    bench.device.set_motion(bench.now, Motion::constant(0, 60_000));
     let moving = bench.run(1_000);
     assert!((9..=11).contains(&moving.len()), "not on every change of a moving shaft: {}", moving.len());
     bench.write(0x6200, 0, 0xFFFF, 2).unwrap();

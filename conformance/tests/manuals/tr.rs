@@ -134,7 +134,7 @@ fn cob_id_of_sync() {
 fn the_first_tpdo_is_cyclic() {
     let mut bench = rotary();
     bench.write(0x6200, 0, 100, 2).unwrap();
-    bench.device.set_motion(bench.now, Motion { start: 0, milli_rpm: 60_000 });
+    bench.device.set_motion(bench.now, Motion::constant(0, 60_000));
     assert_eq!(bench.ask("000#0101").len(), 1);
     assert_eq!(bench.run(1_000).len(), 10, "not on every change of a moving shaft");
     bench.write(0x6200, 0, 0, 2).unwrap();
