@@ -205,7 +205,12 @@ fn judge_knowing(
 /// heartbeats, and its objects by its SDO server. A fault of one of them shows in the cases of all.
 fn chapter(case: &'static Case) -> &'static str {
     match case.family() {
-        "301/nmt" | "301/boot-up" | "301/state" | "301/heartbeat" | "301/heartbeat-consumer" | "301/guarding"
+        "301/nmt"
+        | "301/boot-up"
+        | "301/state"
+        | "301/heartbeat"
+        | "301/heartbeat-consumer"
+        | "301/guarding"
         | "301/error-behaviour" => "network management",
         "301/sdo" | "301/dictionary" | "301/identity" | "301/description" => "object dictionary",
         "301/pdo" | "301/tpdo" | "301/rpdo" | "301/sync" => "process data",

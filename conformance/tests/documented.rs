@@ -3,7 +3,7 @@
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]
 
-use canvass_conformance::bench::{Bench, Deviation, Options, Target};
+use canvass_conformance::bench::{Bench, Options, Target};
 use canvass_conformance::bus::SimulatedBus;
 use canvass_conformance::case::Touch;
 use canvass_conformance::device::Device;
@@ -14,30 +14,10 @@ use canvass_conformance::{Faults, catalogue};
 use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
-/// The rows `[[deviation]]` of a sheet, one for each of its case patterns.
-fn deviations(model: &Model) -> Vec<Deviation> {
-    let path = format!("{}/models/{}.toml", env!("CARGO_MANIFEST_DIR"), model.id());
-    let sheet: toml::Table = std::fs::read_to_string(path).unwrap().parse().unwrap();
-    let rows = sheet["deviation"].as_array().unwrap();
-    let of_row = |row: &toml::Value| -> Vec<Deviation> {
-        let documented = row["device"].as_str().unwrap().to_owned();
-        let cases = row.get("cases").and_then(toml::Value::as_array).cloned().unwrap_or_default();
-        let case =
-            |case: &toml::Value| Deviation { case: case.as_str().unwrap().to_owned(), documented: documented.clone() };
-        cases.iter().map(case).collect()
-    };
-    rows.iter().flat_map(of_row).collect()
-}
-
 fn check(id: &str, executed_at_least: usize) {
     let model = Model::by_id(id).unwrap();
-    let deviations = deviations(model);
-    let target = Target {
-        node: model.default_node().unwrap(),
-        model: id.to_owned(),
-        description: Some(model.description().clone()),
-        deviations: deviations.clone(),
-    };
+    let deviations = model.deviations();
+    let target = Target::of(model, model.default_node().unwrap());
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
     let (mut wrong, mut executed, mut used) = (Vec::new(), 0, BTreeSet::new());
@@ -49,7 +29,8 @@ fn check(id: &str, executed_at_least: usize) {
         let kind = report.verdict.kind();
         executed += usize::from(kind.is_executed());
         if kind == Kind::Deviation {
-            let explains = |deviation: &&Deviation| catalogue::matches(&deviation.case, case.id);
+            let explains =
+                |deviation: &&canvass_conformance::bench::Deviation| catalogue::matches(&deviation.case, case.id);
             used.extend(deviations.iter().filter(explains).map(|deviation| deviation.case.clone()));
         }
         let not_restored = report.notes.iter().any(|note| note.contains("restored") || note.contains("set back"));

@@ -161,9 +161,17 @@ fn verdicts(old: &TestResult, new: &TestResult) -> Vec<Change> {
             _ => Direction::Other,
         };
         let reason = new.and_then(|case| case.reason.as_ref());
-        let reason = reason.map(|Reason { duty, expected, actual }| format!("{duty}: expected {expected}, found {actual}"));
+        let reason =
+            reason.map(|Reason { duty, expected, actual }| format!("{duty}: expected {expected}, found {actual}"));
         let verdict = |case: Option<&Case>| case.map(|case| case.verdict.clone());
-        Some(Change { kind: "verdict", subject: id.to_owned(), old: verdict(old), new: verdict(new), direction, reason })
+        Some(Change {
+            kind: "verdict",
+            subject: id.to_owned(),
+            old: verdict(old),
+            new: verdict(new),
+            direction,
+            reason,
+        })
     })
 }
 

@@ -51,9 +51,10 @@ fn fault(row: &FaultRow) -> Value {
 }
 
 fn model(row: &ModelRow) -> Value {
-    let alarms = row.alarms.iter().map(|(case, kind, reason)| {
-        json!({ "case": case.id, "verdict": kind.name(), "reason": reason.to_string() })
-    });
+    let alarms = row
+        .alarms
+        .iter()
+        .map(|(case, kind, reason)| json!({ "case": case.id, "verdict": kind.name(), "reason": reason.to_string() }));
     json!({ "model": row.model, "executed": row.executed, "false_alarms": alarms.collect::<Vec<_>>() })
 }
 

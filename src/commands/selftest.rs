@@ -3,10 +3,10 @@
 use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
+use canvass_conformance::Fault;
 use canvass_conformance::catalogue::{Selector, select};
 use canvass_conformance::models::Model;
 use canvass_conformance::selftest::{self, Extent};
-use canvass_conformance::Fault;
 use canvass_reports::selftest::{json, text};
 
 /// Test the tester: run the cases against firmware with known faults

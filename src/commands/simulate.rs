@@ -68,7 +68,7 @@ impl Args {
             return Err(anyhow!("on a simulated bus time is virtual: say --for how long").into());
         }
         let mut device = match self.motion {
-            Some(milli_rpm) => Device::with_motion(&model, node, faults, self.seed, Motion { start: 0, milli_rpm }),
+            Some(milli_rpm) => Device::with_motion(&model, node, faults, self.seed, Motion::constant(0, milli_rpm)),
             None => Device::new(&model, node, faults, self.seed),
         };
         let name = node.map_or_else(|| "without node-ID".to_owned(), |node| format!("as node {node}"));

@@ -150,7 +150,8 @@ impl Args {
     fn target(&self, opened: &Opened, waived: Vec<Deviation>) -> Result<Target, Failure> {
         let model = opened.model;
         let named = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
-        let node = self.node.or_else(|| model.or_else(|| Model::by_id(named?)).and_then(Model::default_node));
+        let named_node = || Model::by_id(named?).and_then(Model::default_node);
+        let node = self.node.or_else(|| opened.node()).or_else(named_node);
         let node = node.ok_or_else(|| anyhow!("which node? Say --node N (canvass scan {} finds it)", self.bus))?;
         let (model, description) = match (named, model) {
             (Some(device), _) => (device.to_owned(), Some(describe(device)?)),

@@ -224,7 +224,8 @@ fn a_case_can_be_repeated_and_forecast() {
 /// What is waited for can be set: a device that answers after 300 µs is too slow for nobody but an impossible tester.
 #[test]
 fn waiting_times_can_be_set() {
-    let slow = run(&["test", ENCODER, "--select", "301/identity", "--timeout", "sdo=1,boot-up=6000", "--tolerance", "1"]);
+    let slow =
+        run(&["test", ENCODER, "--select", "301/identity", "--timeout", "sdo=1,boot-up=6000", "--tolerance", "1"]);
     assert!([0, 1, 3].contains(&slow.status));
     for wrong in ["sdo", "sdo=0", "dinner=5"] {
         assert_eq!(run(&["test", ENCODER, "--timeout", wrong]).status, 2, "{wrong}");

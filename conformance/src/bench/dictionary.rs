@@ -82,7 +82,8 @@ impl Bench<'_> {
             }
         }
         let lines = wrong.iter().map(|(multiplexer, value)| {
-            let now = self.value_of(*multiplexer).map_or_else(|| "unreadable".to_owned(), |now| Bytes(&now).to_string());
+            let now =
+                self.value_of(*multiplexer).map_or_else(|| "unreadable".to_owned(), |now| Bytes(&now).to_string());
             format!("{multiplexer} was {} before the run and is {now} after it", Bytes(value))
         });
         let lines = lines.collect();

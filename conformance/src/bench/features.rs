@@ -115,7 +115,9 @@ impl Bench<'_> {
             Need::ErrorBehaviour => self.all_writable(&[Multiplexer::new(0x1029, 1)])?,
             Need::ApplicationParameter => match self.application_scratch()? {
                 Some(_) => Ok(()),
-                None => Err("no application object that the tester knows can be written without consequence".to_owned()),
+                None => {
+                    Err("no application object that the tester knows can be written without consequence".to_owned())
+                }
             },
             Need::ServerParameter => self.all_there(&[Multiplexer::new(0x1200, 1)])?,
             Need::SecondServer => self.all_writable(&[Multiplexer::new(0x1201, 1), Multiplexer::new(0x1201, 2)])?,

@@ -28,9 +28,9 @@ mod traffic;
 mod watch;
 
 pub use decoder::Decoder;
-pub use measurement::{Measurement, Unit, percentile};
 pub use evidence::{Annotate, Evidence, Exhibit};
 pub(crate) use foreign::Foreign;
+pub use measurement::{Measurement, Unit, percentile};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
 

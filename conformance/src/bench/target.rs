@@ -1,9 +1,9 @@
 //! What is tested, and under which conditions.
 
 use crate::case::{Case, Touch};
+use crate::catalogue;
 use crate::models::Model;
 use crate::verdict::{Authority, Reason};
-use crate::catalogue;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_traces::Duration;

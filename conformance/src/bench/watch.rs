@@ -129,10 +129,7 @@ fn is_store(cob_id: u16, data: &[u8], node: NodeId) -> bool {
     }
     let Ok(Request::InitiateDownload { multiplexer, payload }) = Request::read(data) else { return false };
     cob_id == sdo::REQUEST_BASE + u16::from(node.raw())
-        && matches!(
-            (multiplexer.index.0, payload.value()),
-            (0x1010, Some(b"save")) | (0x1011, Some(b"load"))
-        )
+        && matches!((multiplexer.index.0, payload.value()), (0x1010, Some(b"save")) | (0x1011, Some(b"load")))
 }
 
 #[cfg(test)]

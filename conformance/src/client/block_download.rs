@@ -245,7 +245,8 @@ mod tests {
         assert_eq!(step, violated(Violation::Confirmation { sent: 2, confirmed: 3 }));
         let mut client = BlockDownload::new(OBJECT, &value, DownloadManner::right(&value));
         client.begin();
-        let step = client.handle(server(Response::InitiateBlockDownload { multiplexer: OBJECT, crc: true, block_size: 0 }));
+        let step =
+            client.handle(server(Response::InitiateBlockDownload { multiplexer: OBJECT, crc: true, block_size: 0 }));
         assert_eq!(step, violated(Violation::BlockSize(0)));
     }
 }

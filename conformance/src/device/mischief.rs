@@ -206,9 +206,7 @@ impl Mischief {
         }
         let other = match index {
             0x1029 if value == 1 && self.has(Fault::ErrorBehaviourAlwaysLeaves) => 0,
-            0x1016 if sub > 0 && self.has(Fault::HeartbeatConsumerLate) => {
-                value & 0xFFFF_0000 | (value << 1) & 0xFFFF
-            }
+            0x1016 if sub > 0 && self.has(Fault::HeartbeatConsumerLate) => value & 0xFFFF_0000 | (value << 1) & 0xFFFF,
             _ => return pass(*frame),
         };
         let bytes = other.to_le_bytes();
@@ -231,7 +229,8 @@ impl Mischief {
     fn on_lss(&mut self, frame: &Frame, node: Option<NodeId>, address: [u32; 4]) -> Incoming {
         let mut bytes = frame.bytes();
         self.request = bytes;
-        let answer = |data: [u8; 8]| Incoming::Answered(Frame::full(CanId::standard_masked(u32::from(lss::SLAVE_CAN_ID)), data));
+        let answer =
+            |data: [u8; 8]| Incoming::Answered(Frame::full(CanId::standard_masked(u32::from(lss::SLAVE_CAN_ID)), data));
         let command = bytes[0];
         match command {
             0x04 if self.has(Fault::LssSwitchGlobalIgnored) => return Incoming::Lost,

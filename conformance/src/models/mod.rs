@@ -186,7 +186,8 @@ mod tests {
             assert!(Model::by_id(model.id()).is_some());
             assert!(!model.summary().is_empty());
             for deviation in model.deviations() {
-                let explained = crate::catalogue::cases().iter().any(|c| crate::catalogue::matches(&deviation.case, c.id));
+                let explained =
+                    crate::catalogue::cases().iter().any(|c| crate::catalogue::matches(&deviation.case, c.id));
                 assert!(explained, "{}: no case is called {}", model.id(), deviation.case);
             }
         }

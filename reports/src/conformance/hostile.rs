@@ -59,7 +59,9 @@ fn verdict(kind: Kind) -> Verdict {
     match kind {
         Kind::Pass => Verdict::Pass,
         Kind::Tolerated => Verdict::Tolerated(reason),
-        Kind::Deviation => Verdict::Deviation { reason, documented: HOSTILE.to_owned(), by: Authority::Waiver { line: 3 } },
+        Kind::Deviation => {
+            Verdict::Deviation { reason, documented: HOSTILE.to_owned(), by: Authority::Waiver { line: 3 } }
+        }
         Kind::Fail => Verdict::Fail(reason),
         Kind::Inconclusive => Verdict::Inconclusive(reason),
         Kind::NotApplicable => Verdict::NotApplicable(reason),

@@ -1,6 +1,6 @@
 //! The result as Markdown: for a merge request or a wiki.
 
-use super::{Run, authority, cct_forecast, repetitions, hex, milliseconds_since, outcome, symbol};
+use super::{Run, authority, cct_forecast, hex, milliseconds_since, outcome, repetitions, symbol};
 use crate::escape::markdown;
 use canvass_conformance::runner::CaseReport;
 use canvass_conformance::verdict::Kind;
@@ -31,9 +31,8 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     for kind in Kind::ALL {
         writeln!(out, "| {} {kind} | {} |", symbol(kind), run.summary.count(kind))?;
     }
-    let told = |report: &&CaseReport| {
-        report.is_flaky() || !matches!(report.verdict.kind(), Kind::Pass | Kind::NotApplicable)
-    };
+    let told =
+        |report: &&CaseReport| report.is_flaky() || !matches!(report.verdict.kind(), Kind::Pass | Kind::NotApplicable);
     for report in run.cases.iter().filter(told) {
         section(report, out)?;
     }

@@ -50,7 +50,7 @@ pub fn dry_run(
 /// The built-in model that the device is, or the one that most faults show on.
 fn model_of(address: &str, device: Option<&str>) -> &'static Model {
     let simulated = match address.parse() {
-        Ok(BusAddress::Simulated { model, .. }) => Some(model),
+        Ok(BusAddress::Simulated(devices)) => devices.first().and_then(|device| device.model().ok()),
         _ => None,
     };
     let named = device.map(|device| device.split_once('=').map_or(device, |(_, device)| device)).and_then(Model::by_id);

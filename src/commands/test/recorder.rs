@@ -51,8 +51,7 @@ impl Recorder {
     pub fn create(path: &Path) -> Result<Self> {
         let destination = Destination::new(path, None, true)?;
         let sink = destination.open(&[], &Output::default())?;
-        let recording =
-            Recording::create(sink, destination.format, destination.compression, &WriteOptions::default())?;
+        let recording = Recording::create(sink, destination.format, destination.compression, &WriteOptions::default())?;
         let mut channels = Channels::default();
         channels.intern("can0");
         Ok(Self(RefCell::new(State { recording, channels, last: None, failed: None })))

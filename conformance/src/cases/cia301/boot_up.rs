@@ -126,7 +126,7 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
 /// With 1F80h stored so that the device starts by itself (bit 2 is 0) it is operational after its boot-up message. The
 /// old value is stored again afterwards.
 #[case(id = "301/boot-up/self-start", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
-       needs = [StartUp, Store, VisibleState], touches = [Nvm], catches = [StartUpIgnored])]
+       needs = [StartUp, Store, VisibleState], touches = [Nvm], catches = [StartUpIgnored, StoreWithoutEffect])]
 fn self_start(bench: &mut Bench<'_>) -> Judged {
     const START_UP: Multiplexer = Multiplexer::new(0x1F80, 0);
     const STORE: Multiplexer = Multiplexer::new(0x1010, 1);

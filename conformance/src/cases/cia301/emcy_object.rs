@@ -4,8 +4,8 @@ use super::emcy::{begin_monitoring, code_of, emergencies, shown, sign_of_life};
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Reason, Verdict, demand};
-use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode};
 use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::Duration;
@@ -68,14 +68,12 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     bench.write(COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
     begin_monitoring(bench)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
-    demand(heard.is_empty(), || {
-        Reason::new("an EMCY that is switched off is not sent", "silence", shown(&heard))
-    })
+    demand(heard.is_empty(), || Reason::new("an EMCY that is switched off is not sent", "silence", shown(&heard)))
 }
 
 /// An error that persists is reported once, not again and again.
 #[case(id = "301/emcy/not-repeated", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
-       needs = [Monitoring], catches = [EmcyRepeated])]
+       needs = [Monitoring], catches = [EmcyRepeated, HeartbeatConsumerSilent])]
 fn not_repeated(bench: &mut Bench<'_>) -> Judged {
     begin_monitoring(bench)?;
     let heard = emergencies(bench, Duration::from_secs(10))?;
@@ -95,9 +93,8 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     bench.write(INHIBIT_TIME, &value)?;
     let monitored = begin_monitoring(bench)?;
     let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
-    let lost = bench.wait_for(UNTIL_LOST, |record| {
-        (record.frame.cob_id() == Some(emcy_id)).then_some(record.timestamp)
-    })?;
+    let lost =
+        bench.wait_for(UNTIL_LOST, |record| (record.frame.cob_id() == Some(emcy_id)).then_some(record.timestamp))?;
     let Some(lost) = lost else {
         let reason = Reason::new("the loss is reported", "an EMCY", "none");
         return Err(Verdict::Inconclusive(reason));

@@ -27,7 +27,8 @@ fn clear(bench: &mut Bench<'_>) -> Result<(), Verdict> {
 fn empty(bench: &mut Bench<'_>) -> Judged {
     // The code for "no data" came with V4.0 of CiA 301; 1004h went with it.
     if bench.has(Multiplexer::new(0x1004, 0))? {
-        let reason = Reason::new("the device knows abort 0800 0024h", "CiA 301 V4.0", "a device of DS-301 V3.0 (1004h)");
+        let reason =
+            Reason::new("the device knows abort 0800 0024h", "CiA 301 V4.0", "a device of DS-301 V3.0 (1004h)");
         return Err(Verdict::NotApplicable(reason));
     }
     clear(bench)?;
@@ -120,7 +121,7 @@ fn read_only(bench: &mut Bench<'_>) -> Judged {
 
 /// An error that comes in stopped, when no EMCY may be sent, is in the history afterwards.
 #[case(id = "301/state/stopped/error-history", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
-       needs = [ErrorHistory, Monitoring], catches = [EmcyLostWhenStopped])]
+       needs = [ErrorHistory, Monitoring], catches = [EmcyLostWhenStopped, ErrorHistoryNotKept, LifeGuardingUnreported])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     clear(bench)?;
     begin_monitoring(bench)?;

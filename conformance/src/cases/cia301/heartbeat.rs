@@ -185,7 +185,7 @@ fn new_state(bench: &mut Bench<'_>) -> Judged {
 /// After a reset the boot-up message counts as the first heartbeat: the next comes after the stored heartbeat time. The
 /// old time is stored again afterwards.
 #[case(id = "301/heartbeat/after-boot-up", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = Should,
-       needs = [Heartbeat, Store], touches = [Nvm], catches = [HeartbeatLateAfterBootUp])]
+       needs = [Heartbeat, Store], touches = [Nvm], catches = [HeartbeatLateAfterBootUp, StoreWithoutEffect])]
 fn after_boot_up(bench: &mut Bench<'_>) -> Judged {
     use canvass_analyzer::Multiplexer;
     use canvass_analyzer::wire::nmt::Command;

@@ -62,9 +62,7 @@ fn beat(bench: &mut Bench<'_>, node: u8) -> Result<(), Verdict> {
 fn first_heartbeat(bench: &mut Bench<'_>) -> Judged {
     watch(bench)?;
     let heard = emergencies(bench, CONSUMER_TIME.times(5))?;
-    demand(heard.is_empty(), || {
-        Reason::new("a node that was never heard is not missed", "no EMCY", shown(&heard))
-    })
+    demand(heard.is_empty(), || Reason::new("a node that was never heard is not missed", "no EMCY", shown(&heard)))
 }
 
 /// A watched node whose heartbeats come in time is not missed.
@@ -85,7 +83,7 @@ fn kept_alive(bench: &mut Bench<'_>) -> Judged {
 
 /// A watched node that falls silent is missed after the consumer heartbeat time: EMCY 8130h once, and bit 4 of 1001h.
 #[case(id = "301/heartbeat-consumer/lost", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = Must,
-       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, HeartbeatConsumerSilent, EmcyRepeated], cct = "7.106")]
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, HeartbeatConsumerSilent, EmcyRepeated, ErrorRegisterMissing], cct = "7.106")]
 fn lost(bench: &mut Bench<'_>) -> Judged {
     let node = watch(bench)?;
     beat(bench, node)?;
@@ -110,7 +108,7 @@ fn lost(bench: &mut Bench<'_>) -> Judged {
 
 /// A node that is back ends the error: EMCY 0000h, bit 4 of 1001h is cleared, and the node is watched again.
 #[case(id = "301/heartbeat-consumer/back", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = Must,
-       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotRearmed])]
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotRearmed, EmcyResetMissing])]
 fn back(bench: &mut Bench<'_>) -> Judged {
     let node = watch(bench)?;
     for round in ["first", "second"] {
@@ -160,9 +158,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     beat(bench, node)?;
     bench.write(WATCHED, &entry(node, 0))?;
     let heard = emergencies(bench, CONSUMER_TIME.times(4))?;
-    demand(heard.is_empty(), || {
-        Reason::new("a node that is no longer watched is not missed", "no EMCY", shown(&heard))
-    })
+    demand(heard.is_empty(), || Reason::new("a node that is no longer watched is not missed", "no EMCY", shown(&heard)))
 }
 
 /// The number of entries, 1016h:00, can't be written: abort 0601 0002h.

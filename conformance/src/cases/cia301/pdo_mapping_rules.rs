@@ -45,7 +45,11 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
     let mapping = bench.mapping(pdo)?;
     let bits: u32 = mapping.iter().map(|mapped| u32::from(mapped.bits)).sum();
     demand(bits <= 64, || {
-        Reason::new(format!("{:04X}h maps what a frame can hold", pdo.mapping), "64 bits at most", format!("{bits} bits"))
+        Reason::new(
+            format!("{:04X}h maps what a frame can hold", pdo.mapping),
+            "64 bits at most",
+            format!("{bits} bits"),
+        )
     })?;
     for mapped in mapping.into_iter().filter(|mapped| mapped.at.index.0 >= 0x20) {
         let described = bench.target().description.as_ref();
@@ -72,12 +76,17 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
 fn procedure(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let own = bench.pdo_cob_id(TPDO)?;
-    let steps: Vec<(Multiplexer, Vec<u8>)> = std::iter::once((TPDO.parameter(1), (own.0 | 1 << 31).to_le_bytes().to_vec()))
-        .chain([(TPDO.entry(0), vec![0])])
-        .chain((1..=u8::MAX).zip(&before).map(|(sub, mapped)| (TPDO.entry(sub), mapped.entry().to_le_bytes().to_vec())))
-        .chain([(TPDO.entry(0), vec![u8::try_from(before.len()).unwrap_or(u8::MAX)])])
-        .chain([(TPDO.parameter(1), own.0.to_le_bytes().to_vec())])
-        .collect();
+    let steps: Vec<(Multiplexer, Vec<u8>)> =
+        std::iter::once((TPDO.parameter(1), (own.0 | 1 << 31).to_le_bytes().to_vec()))
+            .chain([(TPDO.entry(0), vec![0])])
+            .chain(
+                (1..=u8::MAX)
+                    .zip(&before)
+                    .map(|(sub, mapped)| (TPDO.entry(sub), mapped.entry().to_le_bytes().to_vec())),
+            )
+            .chain([(TPDO.entry(0), vec![u8::try_from(before.len()).unwrap_or(u8::MAX)])])
+            .chain([(TPDO.parameter(1), own.0.to_le_bytes().to_vec())])
+            .collect();
     for (multiplexer, value) in steps {
         bench.download(multiplexer, &value)?.expect_confirmation()?;
     }
@@ -92,9 +101,10 @@ fn procedure(bench: &mut Bench<'_>) -> Judged {
        needs = [Changeable], catches = [TpdoBytesReversed])]
 fn layout(bench: &mut Bench<'_>) -> Judged {
     let (changeable, other) = bench.changeable()?;
-    let second = bench.tpdo_objects().into_iter().find(|mapped| {
-        mapped.at != changeable.at && u32::from(mapped.bits) + u32::from(changeable.bits) <= 64
-    });
+    let second = bench
+        .tpdo_objects()
+        .into_iter()
+        .find(|mapped| mapped.at != changeable.at && u32::from(mapped.bits) + u32::from(changeable.bits) <= 64);
     let Some(second) = second else {
         let reason = Reason::new("a TPDO can carry two objects", "two in the description", "one");
         return Err(Verdict::NotApplicable(reason));
@@ -155,14 +165,14 @@ fn count(bench: &mut Bench<'_>) -> Judged {
 
 /// An object that does not exist can't be mapped: abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped])]
+       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
     refused(bench, TPDO, 0xFFFF_0020, &[AbortCode::NO_OBJECT, AbortCode::NOT_MAPPABLE], &[AbortCode::GENERAL])
 }
 
 /// A sub-index that an object does not have can't be mapped: abort 0609 0011h, 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing-sub-index", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped])]
+       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
 fn missing_sub_index(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let Some(first) = before.first() else {

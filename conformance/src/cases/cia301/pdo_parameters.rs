@@ -147,9 +147,7 @@ fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
     bench.command(canvass_analyzer::wire::nmt::Command::START)?;
     bench.listen(Duration::from_millis(200))?;
     let can_id = own.can_id() & 0x7FF;
-    if let Some(request) =
-        canvass_traces::Frame::remote(canvass_traces::CanId::standard_masked(can_id), 8)
-    {
+    if let Some(request) = canvass_traces::Frame::remote(canvass_traces::CanId::standard_masked(can_id), 8) {
         bench.send(&request)?;
     }
     let answers = bench.frames_of((can_id & 0x7FF) as u16, bench.timing().silence)?;

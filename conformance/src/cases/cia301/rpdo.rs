@@ -166,7 +166,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
 
 /// A remote frame or a 29-bit frame with the CAN-ID of an RPDO does nothing.
 #[case(id = "301/rpdo/other-frames", clause = "CiA 301 7.2.2", confidence = Known, level = Must,
-       needs = [RpdoMapping], catches = [RemoteFrameTakenAsRpdo])]
+       needs = [RpdoMapping], catches = [RemoteFrameTakenAsRpdo, ExtendedFrameObeyed])]
 fn other_frames(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 255)?;
     operational(bench)?;

@@ -112,9 +112,9 @@ fn after_store(bench: &mut Bench<'_>, two: &Two, sub: u8) -> Result<[Vec<u8>; 2]
         bench.write(scratch.multiplexer, &scratch.other)?;
     }
     bench.write(Multiplexer::new(0x1010, sub), b"save")?;
-    let after = bench.reset(Command::RESET_NODE).and_then(|()| {
-        Ok([bench.read(objects[0].multiplexer)?, bench.read(objects[1].multiplexer)?])
-    });
+    let after = bench
+        .reset(Command::RESET_NODE)
+        .and_then(|()| Ok([bench.read(objects[0].multiplexer)?, bench.read(objects[1].multiplexer)?]));
     for scratch in objects {
         bench.write(scratch.multiplexer, &scratch.value)?;
     }
@@ -205,7 +205,8 @@ fn reset_at_once(bench: &mut Bench<'_>) -> Judged {
     let is_new = [now[0] == two.communication.other, now[1] == two.application.other];
     demand(is_new[0] == is_new[1], || {
         let shown = |new: bool| if new { "new" } else { "old" };
-        let actual = format!("{} {}, {} {}", objects[0].multiplexer, shown(is_new[0]), objects[1].multiplexer, shown(is_new[1]));
+        let actual =
+            format!("{} {}, {} {}", objects[0].multiplexer, shown(is_new[0]), objects[1].multiplexer, shown(is_new[1]));
         Reason::new("a reset while parameters are stored leaves a whole image", "all old or all new", actual)
     })
 }

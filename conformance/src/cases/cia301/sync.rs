@@ -115,7 +115,7 @@ fn counter(bench: &mut Bench<'_>) -> Judged {
 
 /// The counter begins with 1 when the device leaves stopped.
 #[case(id = "301/sync/counter-restarts", clause = "CiA 301 7.2.5", confidence = Known, level = Should,
-       needs = [SyncProducer, SyncCounter], catches = [SyncCounterNotReset])]
+       needs = [SyncProducer, SyncCounter], catches = [SyncCounterNotReset, NmtStartWhenStoppedIgnored, SyncWhenStopped])]
 fn counter_restarts(bench: &mut Bench<'_>) -> Judged {
     produce(bench, 240)?;
     syncs(bench, 5)?;

@@ -23,7 +23,8 @@ fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Verdict>
     match attempt.abort() {
         None => Ok(()),
         Some(code) => {
-            let reason = Reason::new(format!("the device {what} TIME"), "a bit of 1012h that can be set", code.to_string());
+            let reason =
+                Reason::new(format!("the device {what} TIME"), "a bit of 1012h that can be set", code.to_string());
             Err(Verdict::NotApplicable(reason))
         }
     }
@@ -68,7 +69,7 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
 
 /// A consumer of TIME takes the time over: an object of type TIME_OF_DAY that the description names shows it.
 #[case(id = "301/time/consumer", clause = "CiA 301 7.2.6", confidence = Known, level = Must,
-       needs = [Time, Description], catches = [TimeIgnored])]
+       needs = [Time, Description], catches = [TimeIgnored, SdoUploadEndMissing, SdoAnnouncedSizeWrong, SdoSegmentLengthWrong])]
 fn consumer(bench: &mut Bench<'_>) -> Judged {
     switch_on(bench, CONSUMES, "consumes")?;
     let clock = bench.target().description.as_ref().and_then(|description| {

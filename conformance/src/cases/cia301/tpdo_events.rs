@@ -107,7 +107,7 @@ fn sync_latency(bench: &mut Bench<'_>) -> Judged {
 
 /// The count of SYNCs of a TPDO of type n begins anew when the device becomes operational.
 #[case(id = "301/tpdo/sync-count-restarts", clause = "CiA 301 7.2.2.2", confidence = Known, level = Should,
-       needs = [Changeable, Sync], catches = [SyncCountNotReset])]
+       needs = [Changeable, Sync], catches = [SyncCountNotReset, NmtEnterPreOperationalIgnored])]
 fn sync_count_restarts(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 3)?;
     operational(bench)?;
@@ -127,7 +127,7 @@ fn sync_count_restarts(bench: &mut Bench<'_>) -> Judged {
 
 /// A change of its value sends an event-driven TPDO at once.
 #[case(id = "301/tpdo/change", clause = "CiA 301 7.2.2.3", confidence = Known, level = Should,
-       needs = [Changeable], catches = [TpdoLostAfterSdo], cct = "3.4")]
+       needs = [Changeable], catches = [TpdoLostAfterSdo, SdoSilentWhenOperational], cct = "3.4")]
 fn change(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 254)?;
     operational(bench)?;
@@ -232,9 +232,7 @@ fn remote_subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subjec
     let own = bench.pdo_off(TPDO)?;
     let with_remote = CobId(own.0 & !(CobId::NO_RTR | CobId::INVALID));
     let off = (with_remote.0 | CobId::INVALID).to_le_bytes();
-    for (multiplexer, value) in
-        [(TPDO.parameter(1), off.to_vec()), (TPDO.parameter(2), vec![transmission_type])]
-    {
+    for (multiplexer, value) in [(TPDO.parameter(1), off.to_vec()), (TPDO.parameter(2), vec![transmission_type])] {
         if let Some(code) = bench.download(multiplexer, &value)?.abort() {
             let duty = format!("TPDO 1 can have type {transmission_type}");
             return Err(Verdict::NotApplicable(Reason::new(duty, "remote frames", format!("abort {code}"))));
@@ -254,7 +252,11 @@ fn remote_forbidden(bench: &mut Bench<'_>) -> Judged {
     operational(bench)?;
     let heard = remote(bench, &subject)?;
     demand(heard.is_empty(), || {
-        Reason::new("a remote frame is not answered where bit 30 forbids it", "silence", format!("{} TPDO", heard.len()))
+        Reason::new(
+            "a remote frame is not answered where bit 30 forbids it",
+            "silence",
+            format!("{} TPDO", heard.len()),
+        )
     })
 }
 

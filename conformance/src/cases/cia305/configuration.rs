@@ -32,9 +32,7 @@ fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Verdict> {
 /// A message of that node, whatever its content, within the time that the device has to boot.
 fn boots_as(bench: &mut Bench<'_>, node: u8) -> Result<bool, Verdict> {
     let id = error_control::CAN_ID_BASE + u16::from(node);
-    let seen = bench.wait_for(bench.timing().boot_up, |record| {
-        (record.frame.cob_id() == Some(id)).then_some(())
-    })?;
+    let seen = bench.wait_for(bench.timing().boot_up, |record| (record.frame.cob_id() == Some(id)).then_some(()))?;
     Ok(seen.is_some())
 }
 
@@ -61,7 +59,7 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
 
 /// A new node-ID is used from the next reset communication on: the device boots with it.
 #[case(id = "305/node-id/takes-effect", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
-       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect])]
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect, NmtBroadcastIgnored])]
 fn takes_effect(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
         return Err(Verdict::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
@@ -110,7 +108,7 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
 
 /// A stored node-ID is used after reset node; the old one is stored again afterwards.
 #[case(id = "305/store/persists", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
-       needs = [Lss, Alone], touches = [NodeId, Nvm], catches = [LssStoreNotPersistent, NmtResetNodeKeepsParameters])]
+       needs = [Lss, Alone], touches = [NodeId, Nvm], catches = [LssStoreNotPersistent, NmtResetNodeKeepsParameters, NmtBroadcastIgnored])]
 fn store_persists(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
         return Err(Verdict::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
@@ -179,7 +177,11 @@ fn table(bench: &mut Bench<'_>) -> Judged {
         let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
         let right = match answer {
             Some(Response::Configured { command: ConfigureCommand::BitTiming, error, .. }) => {
-                if has { error == 0 } else { error == 1 }
+                if has {
+                    error == 0
+                } else {
+                    error == 1
+                }
             }
             _ => false,
         };

@@ -67,9 +67,7 @@ pub fn expect_configuration(bench: &mut Bench<'_>, after: &str) -> Judged {
 /// As [`expect_configuration`].
 pub fn expect_waiting(bench: &mut Bench<'_>, after: &str) -> Judged {
     let node = node_id(bench)?;
-    demand(node.is_none(), || {
-        Reason::new(format!("the slave is in waiting after {after}"), "no answer", "its node-ID")
-    })
+    demand(node.is_none(), || Reason::new(format!("the slave is in waiting after {after}"), "no answer", "its node-ID"))
 }
 
 /// The LSS address by SDO: 1018h:01 to 04.

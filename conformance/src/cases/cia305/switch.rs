@@ -1,6 +1,8 @@
 //! Switch state: global and selective (CiA 305, 6.3).
 
-use super::dialogue::{address, configure, exchange, expect, expect_configuration, expect_silence, expect_waiting, parts, select, wait};
+use super::dialogue::{
+    address, configure, exchange, expect, expect_configuration, expect_silence, expect_waiting, parts, select, wait,
+};
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Reason, Verdict, demand};

@@ -1,8 +1,8 @@
 //! Downloads in blocks (CiA 301, 7.2.4.3.8 to 7.2.4.3.11).
 
 use super::{Next, Transfer};
-use crate::{Fault, Faults};
 use crate::device::objects::Objects;
+use crate::{Fault, Faults};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Response, crc16};
 use canvass_traces::Timestamp;

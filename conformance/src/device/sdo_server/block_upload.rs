@@ -1,8 +1,8 @@
 //! Uploads in blocks (CiA 301, 7.2.4.3.12 to 7.2.4.3.16).
 
 use super::{Answer, Next, Transfer, upload};
-use crate::{Fault, Faults};
 use crate::device::objects::Objects;
+use crate::{Fault, Faults};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Request, Response, crc16};
 use canvass_traces::Timestamp;

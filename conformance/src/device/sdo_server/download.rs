@@ -45,9 +45,7 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, ob
             Next::abort(object, AbortCode::UNSUPPORTED_ACCESS)
         }
         Ok(longest) => begin(longest, false),
-        Err(AbortCode::READ_ONLY) if faults.has(Fault::SdoReadOnlySegmentedAccepted) => {
-            begin(size.unwrap_or(8), true)
-        }
+        Err(AbortCode::READ_ONLY) if faults.has(Fault::SdoReadOnlySegmentedAccepted) => begin(size.unwrap_or(8), true),
         Err(code) => Next::abort(object, code),
     }
 }

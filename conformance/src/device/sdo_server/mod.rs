@@ -9,8 +9,8 @@ mod download;
 mod upload;
 
 use super::objects::Objects;
-use crate::{Fault, Faults};
 use crate::models::Timing;
+use crate::{Fault, Faults};
 use block_download::{BlockDownload, BlockDownloadEnd};
 use block_upload::BlockUpload;
 use canvass_analyzer::wire::Wire;

@@ -236,10 +236,9 @@ fn read_only(bench: &mut Bench<'_>) -> Judged {
        needs = [BlockDownload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
-    for (multiplexer, code) in [
-        (Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT),
-        (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX),
-    ] {
+    for (multiplexer, code) in
+        [(Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT), (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX)]
+    {
         let request = Request::InitiateBlockDownload { multiplexer, crc: true, size: Some(4) };
         let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
         verdict = verdict.and(reply.expect_abort(&[code], &[AbortCode::GENERAL])?);
@@ -249,7 +248,7 @@ fn missing(bench: &mut Bench<'_>) -> Judged {
 
 /// Strings whose length is around that of whole blocks are written and read back to the byte.
 #[case(id = "301/sdo/block-download/block-ends", clause = "CiA 301 7.2.4.3.9", confidence = Known, level = Must,
-       needs = [BlockDownload, LongScratch], catches = [SdoBlockPaddingKept])]
+       needs = [BlockDownload, LongScratch], catches = [SdoBlockPaddingKept, WatchdogResetUnderLoad])]
 fn block_ends(bench: &mut Bench<'_>) -> Judged {
     // 127 segments of 7 bytes are the longest block.
     for length in [13, 14, 15, 888, 889, 890] {

@@ -188,10 +188,9 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
        needs = [BlockUpload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
-    for (multiplexer, code) in [
-        (Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT),
-        (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX),
-    ] {
+    for (multiplexer, code) in
+        [(Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT), (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX)]
+    {
         let reply = bench.exchange(&initiate(multiplexer, 127), format!("block upload of {multiplexer}"))?;
         verdict = verdict.and(reply.expect_abort(&[code], &[AbortCode::GENERAL])?);
     }

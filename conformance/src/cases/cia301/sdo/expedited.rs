@@ -45,7 +45,7 @@ fn upload(bench: &mut Bench<'_>) -> Judged {
 /// A download with the exact length is confirmed by 60h with the same index and sub-index, and the value can be read
 /// back.
 #[case(id = "301/sdo/download/expedited", clause = "CiA 301 7.2.4.3.3", confidence = Known, level = Must,
-       needs = [ScratchObject], catches = [SdoUnusedBytesNotZero, SdoShortResponse], cct = "2.2")]
+       needs = [ScratchObject], catches = [SdoUnusedBytesNotZero, SdoShortResponse, ErrorBehaviourAlwaysLeaves], cct = "2.2")]
 fn download(bench: &mut Bench<'_>) -> Judged {
     for scratch in bench.scratch_objects()? {
         let attempt = bench.download(scratch.multiplexer, &scratch.other)?;

@@ -48,7 +48,7 @@ fn remote(bench: &mut Bench<'_>) -> Judged {
 
 /// A 29-bit frame whose identifier ends like the CAN-ID of SDO requests is no request: it is not answered.
 #[case(id = "301/sdo/frame/extended", clause = "CiA 301 7.2.4.3", confidence = Known, level = Must,
-       catches = [SdoExtendedAnswered])]
+       catches = [SdoExtendedAnswered, ExtendedFrameObeyed])]
 fn extended(bench: &mut Bench<'_>) -> Judged {
     let request = Request::upload(DEVICE_TYPE).to_frame(0);
     let frame = Frame::new(CanId::extended_masked(request_id(bench)), request.data());

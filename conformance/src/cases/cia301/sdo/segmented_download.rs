@@ -208,10 +208,9 @@ fn segmented_read_only(bench: &mut Bench<'_>) -> Judged {
        level = Must, catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex, SdoNoObjectSilent])]
 fn segmented_missing(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
-    for (multiplexer, code) in [
-        (Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT),
-        (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX),
-    ] {
+    for (multiplexer, code) in
+        [(Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT), (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX)]
+    {
         let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(8) };
         let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;
         verdict = verdict.and(reply.expect_abort(&[code], &[AbortCode::GENERAL])?);

@@ -138,7 +138,10 @@ fn wrong_in_download(bench: &mut Bench<'_>) -> Judged {
 fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
     let strays = [
         (Request::StartBlockUpload, "start of a block upload without one"),
-        (Request::ConfirmBlockUpload { sequence: 1, block_size: 127 }, "confirmation of a block without a block upload"),
+        (
+            Request::ConfirmBlockUpload { sequence: 1, block_size: 127 },
+            "confirmation of a block without a block upload",
+        ),
         (Request::EndBlockUpload, "end of a block upload without one"),
     ];
     for (request, what) in strays {

@@ -78,7 +78,7 @@ fn ask_second(bench: &mut Bench<'_>, request: &Request) -> Result<Option<Respons
 
 /// A second SDO channel works beside the first, also in the middle of a segmented transfer there.
 #[case(id = "301/sdo/second-server/parallel", clause = "CiA 301 7.5.2.33", confidence = Derived, level = Must,
-       needs = [SecondServer, SegmentedUpload], catches = [SdoChannelsShareTransfer], cct = "2.28")]
+       needs = [SecondServer, SegmentedUpload], catches = [SdoChannelsShareTransfer, RpdoKeepsCanId], cct = "2.28")]
 fn parallel(bench: &mut Bench<'_>) -> Judged {
     open(bench)?;
     let Some(name) = bench.long_object(8)? else {
