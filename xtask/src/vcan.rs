@@ -52,10 +52,10 @@ fn build() -> Result<PathBuf> {
     let output = Command::new("cargo").args(args).env(optimised.0, optimised.1).stderr(Stdio::inherit()).output()?;
     ensure!(output.status.success(), "the tests could not be built: {}", output.status);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();
-    let executables = text.lines().filter_map(|line| line.split_once("\"executable\":\"")?.1.split('"').next());
+    let mut executables = text.lines().filter_map(|line| line.split_once("\"executable\":\"")?.1.split('"').next());
     let is_test =
         |path: &&str| Path::new(path).file_name().is_some_and(|name| name.to_string_lossy().starts_with("vcan-"));
-    executables.filter(is_test).next_back().map(PathBuf::from).context("cargo names no test to run")
+    executables.rfind(is_test).map(PathBuf::from).context("cargo names no test to run")
 }
 
 /// Whether a virtual CAN interface can be made here.
