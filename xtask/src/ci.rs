@@ -4,7 +4,6 @@ use crate::browser;
 use crate::fuzz::fuzz;
 use crate::peers;
 use crate::run::{is_there, run};
-use crate::vcan;
 use anyhow::Result;
 use std::process::Command;
 
@@ -24,7 +23,6 @@ pub fn ci() -> Result<()> {
     fuzz()?;
     peers::install_all()?;
     browser::install_all()?;
-    vcan::test(false)?;
     let all = [&["--workspace", "--locked", "--no-fail-fast"], &FEATURES[..]].concat();
     if is_there("cargo", &["nextest", "--version"]) {
         run("cargo", &[&["nextest", "run"], &all[..]].concat())
