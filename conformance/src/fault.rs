@@ -9,7 +9,7 @@ const USUAL_MODEL: &str = "kuebler-sendix-58x8";
 /// Defines the faults: one row each, so that name, variant and text can't drift apart. `on "MODEL"` names a model on
 /// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it.
 macro_rules! faults {
-    ($($variant:ident = $id:literal $(on $model:literal)? $($fuzz:ident)?: $summary:literal,)*) => {
+    ($($variant:ident = $id:literal $($key:ident $($argument:literal)?)*: $summary:literal,)*) => {
         /// One defect of a firmware. Each is a switch of its own; they can be combined.
         #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
         pub enum Fault {
@@ -32,20 +32,20 @@ macro_rules! faults {
 
             /// The id of a model on which it shows.
             pub fn model(self) -> &'static str {
-                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($model)?),)* };
+                let named: Option<&'static str> = match self { $(Self::$variant => faults!(@model $($key $($argument)?)*),)* };
                 named.unwrap_or(USUAL_MODEL)
             }
 
             /// Whether the fuzzer claims to find it.
             pub const fn is_fuzzed(self) -> bool {
-                match self { $(Self::$variant => faults!(@fuzz $($fuzz)?),)* }
+                match self { $(Self::$variant => faults!(@fuzz $($key $($argument)?)*),)* }
             }
         }
     };
-    (@model) => { None };
-    (@model $model:literal) => { Some($model) };
-    (@fuzz) => { false };
-    (@fuzz fuzz) => { true };
+    (@model $(fuzz)?) => { None };
+    (@model on $model:literal $(fuzz)?) => { Some($model) };
+    (@fuzz $(on $model:literal)?) => { false };
+    (@fuzz $(on $model:literal)? fuzz) => { true };
 }
 
 faults! {
@@ -122,6 +122,61 @@ faults! {
     CodeSequenceIgnored = "code-sequence-ignored": "6000h bit 0 does not turn the direction of counting.",
     ScalingIgnored = "scaling-ignored": "6001h and 6002h do not scale the position.",
     OperatingStatusStuck = "operating-status-stuck": "6500h does not follow 6000h.",
+    DeviceTypeTurnsWrong = "device-type-turns-wrong": "1000h says single-turn of a multi-turn encoder.",
+    OperatingStatusMissing = "operating-status-missing": "6500h does not exist.",
+    AlarmsMissing = "alarms-missing": "6503h does not exist.",
+    PositionSixteenBit = "position-sixteen-bit": "6004h has 16 bits instead of 32.",
+    OperatingParametersThirtyTwoBit = "operating-parameters-thirty-two-bit": "6000h has 32 bits instead of 16.",
+    PositionWritable = "position-writable": "6004h can be written.",
+    ReservedOperatingBitsAccepted = "reserved-operating-bits-accepted": "6000h takes its reserved bits, and shows them.",
+    UnitsAboveRangeAccepted = "units-above-range-accepted": "6001h and 6002h take a range of less than one revolution.",
+    UnitsZeroWedges = "units-zero-wedges": "6001h = 0 makes the firmware divide by zero: nothing is answered until a reset.",
+    RangeZeroStops = "range-zero-stops" on "kuebler-sendix-f58": "6002h = 0, which stands for 2^32, makes 6004h stay 0.",
+    ScalingOverflow = "scaling-overflow": "The product of position and 6001h is calculated with 32 bits.",
+    WrapAtPowerOfTwo = "wrap-at-power-of-two": "The position wraps at the next power of two instead of at 6002h.",
+    OffsetSignWrong = "offset-sign-wrong": "6509h has the wrong sign.",
+    OffsetNotReported = "offset-not-reported": "6509h stays 0 after a preset.",
+    PresetGlitch = "preset-glitch": "After a preset 6004h shows the old position for some milliseconds.",
+    PresetPersists = "preset-persists": "A preset outlives a reset without having been stored.",
+    PresetLostAfterSave = "preset-lost-after-save": "1010h does not store the preset.",
+    TpdoPositionWithoutPreset = "tpdo-position-without-preset": "TPDOs carry the position without the preset.",
+    TpdoPositionLate = "tpdo-position-late": "TPDOs carry what was measured for the TPDO before.",
+    TpdoNotSentOnStart = "tpdo-not-sent-on-start": "Event-driven TPDOs are not sent when the device becomes operational.",
+    CyclicTimerNotStopped = "cyclic-timer-not-stopped": "6200h = 0 does not end the cyclic transmission.",
+    EventTimerNotInCyclicTimer = "event-timer-not-in-cyclic-timer": "6200h does not follow the event timer of TPDO 1.",
+    SpeedNotZeroAtRest = "speed-not-zero-at-rest": "6030h is not 0 while the shaft is at rest.",
+    SpeedSignIgnoresCodeSequence = "speed-sign-ignores-code-sequence": "The sign of 6030h does not follow the code sequence.",
+    SpeedFormatIgnored = "speed-format-ignored": "6000h does not change the unit of the speed.",
+    SpeedTenfold = "speed-tenfold": "6030h is ten times too high.",
+    SpeedDivisorIgnored = "speed-divisor-ignored" on "kuebler-sendix-f58": "6031h:04 does not divide the speed.",
+    AccelerationShowsSpeed = "acceleration-shows-speed": "6040h shows the speed instead of how it changes.",
+    WorkAreaBitsSwapped = "work-area-bits-swapped": "6400h has overflow and underflow the other way round.",
+    WorkAreaStuck = "work-area-stuck": "6400h stays 0.",
+    WorkAreaInverted = "work-area-inverted": "6400h says out of range while the position is in the work area.",
+    WorkAreaLimitsSwappedAccepted = "work-area-limits-swapped-accepted": "6401h takes a low limit above the high limit.",
+    UnsupportedAlarmSet = "unsupported-alarm-set": "6503h has a bit that 6504h does not support.",
+    ReservedAlarmBitSet = "reserved-alarm-bit-set": "6503h and 6504h have a reserved bit set.",
+    UnsupportedWarningSet = "unsupported-warning-set": "6505h has a bit that 6506h does not support.",
+    AlarmWithoutEmcy = "alarm-without-emcy": "A position error is shown by 6503h, but neither by an EMCY nor by 1001h.",
+    EmcyWithoutAlarm = "emcy-without-alarm": "A position error is reported by an EMCY, but not by 6503h.",
+    WarningWithoutEmcy = "warning-without-emcy": "A temperature beyond its limits is shown by 6505h, but not reported by an EMCY.",
+    WarningNotSet = "warning-not-set": "A temperature beyond its limits is reported by an EMCY, but not shown by 6505h.",
+    WarningNotCleared = "warning-not-cleared": "6505h keeps a warning whose cause is gone.",
+    OperatingTimeBackwards = "operating-time-backwards": "6508h counts down.",
+    OperatingTimeInSeconds = "operating-time-in-seconds": "6508h counts seconds instead of tenths of an hour.",
+    SerialNumberDiffers = "serial-number-differs": "650Bh is another number than 1018h:04.",
+    SingleTurnResolutionFollowsScaling = "single-turn-resolution-follows-scaling": "6501h shows 6001h instead of the physical resolution.",
+    RevolutionsZero = "revolutions-zero": "6502h is 0.",
+    ProfileVersionUnset = "profile-version-unset": "6507h is FFFF FFFFh.",
+    RawInverseWrong = "raw-inverse-wrong" on "kuebler-sendix-f58": "2161h is the raw position itself instead of its inverse.",
+    RawCrcStartWrong = "raw-crc-start-wrong" on "kuebler-sendix-f58": "The checksum 2162h begins with FFFFh instead of 1021h.",
+    RawPositionFollowsPreset = "raw-position-follows-preset" on "kuebler-sendix-f58m": "A preset changes the raw position 600Ch.",
+    RedundantChannelDrift = "redundant-channel-drift" on "kuebler-c100": "The second channel of the position drifts.",
+    RedundantChannelNotNegated = "redundant-channel-not-negated" on "kuebler-d125": "The second channel counts up as the first one does.",
+    AngleDirectionIgnored = "angle-direction-ignored" on "kuebler-c100": "3003h does not turn the direction of the angle.",
+    AngleRangeIgnored = "angle-range-ignored" on "kuebler-c100": "3004h does not change the range of the angle.",
+    RedundantAngleSame = "redundant-angle-same" on "kuebler-c100": "The second angle does not run opposite to the first one.",
+    ZeroPointIgnored = "zero-point-ignored" on "kuebler-c100": "3010h does not make the angle zero.",
 }
 
 /// A set of faults, one bit for each.

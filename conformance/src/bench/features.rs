@@ -20,6 +20,10 @@ impl Bench<'_> {
         if need == Need::Alone {
             return Ok(self.alone());
         }
+        // A shaft that rests now may turn in the next case.
+        if need == Need::TurningShaft {
+            return self.turning_shaft();
+        }
         if let Some(known) = self.features.get(&need) {
             return Ok(known.clone());
         }
@@ -80,6 +84,18 @@ impl Bench<'_> {
             }
             Need::DynamicMapping => self.dynamic_mapping()?,
             Need::Encoder => self.encoder()?,
+            Need::VolatilePreset
+            | Need::WorkArea
+            | Need::Alarms
+            | Need::TemperatureLimit
+            | Need::RawPosition
+            | Need::RawData
+            | Need::Speed
+            | Need::SpeedParameters
+            | Need::Acceleration
+            | Need::TurningShaft
+            | Need::RedundantChannels
+            | Need::Inclinometer => self.of_encoder(need)?,
             Need::Store => {
                 if self.has(Multiplexer::new(0x1010, 1))? {
                     Ok(())

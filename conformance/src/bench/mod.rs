@@ -9,6 +9,7 @@
 //! - `restore`: as it was found.
 
 mod decoder;
+mod encoder_features;
 mod evidence;
 pub mod features;
 pub mod nmt;

@@ -47,6 +47,9 @@ impl Device {
     }
 }
 
+/// The CAN-ID of SYNC as delivered.
+const SYNC: u64 = canvass_analyzer::wire::sync::CAN_ID as u64;
+
 /// Which service a frame of the device itself belongs to.
 pub(super) fn service_of(frame: &Frame, node: Option<NodeId>, tpdos: &[Tpdo]) -> Option<Service> {
     let (can_id, node) = (frame.id().as_standard()?, u16::from(node?.raw()));
@@ -81,7 +84,10 @@ impl Machine for Device {
                     self.on_guarded(now, change);
                 }
             }
-            id if u64::from(id) == self.objects.parameters.number_or_zero(0x1005, 0) & 0x7FF => self.on_sync(now),
+            // Without 1005h it is the predefined CAN-ID.
+            id if u64::from(id) == self.objects.parameters.number(0x1005, 0).unwrap_or(SYNC) & 0x7FF => {
+                self.on_sync(now)
+            }
             _ => {}
         }
         self.hand_out(now);
@@ -104,6 +110,7 @@ impl Machine for Device {
             self.store.timeout(),
             self.sdo.timeout(),
             self.emcy_timeout(),
+            self.shaft_due,
         ];
         let services = services.into_iter().chain(self.tpdos.iter().map(Tpdo::timeout));
         let next = services.fold(boot, Timestamp::min);
@@ -125,6 +132,10 @@ impl Machine for Device {
             self.store.finish(now, &self.objects.parameters, self.objects.encoder.as_ref(), node);
         }
         self.sdo.expire(now, &self.objects);
+        if now >= self.shaft_due {
+            self.find_errors(now);
+            self.watch_shaft(now);
+        }
         for tpdo in &mut self.tpdos {
             if let Some(frame) = tpdo.poll(now, &self.objects) {
                 push(&mut self.outbox, frame);

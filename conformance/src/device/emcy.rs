@@ -15,16 +15,19 @@ pub(super) enum Condition {
     Overspeed,
     /// The master's guarding or a heartbeat is missing.
     Guarding,
+    /// The position is wrong (6503h bit 0).
+    Position,
 }
 
 impl Condition {
-    const COUNT: usize = 3;
+    const COUNT: usize = 4;
 
     const fn number(self) -> usize {
         match self {
             Self::Temperature { .. } => 0,
             Self::Overspeed => 1,
             Self::Guarding => 2,
+            Self::Position => 3,
         }
     }
 
@@ -32,12 +35,14 @@ impl Condition {
         match self {
             Self::Temperature { .. } | Self::Overspeed => EmcyCode(0x4200),
             Self::Guarding => EmcyCode::HEARTBEAT,
+            Self::Position => EmcyCode::GENERIC,
         }
     }
 
     /// The bits of the error register. Bit 0 is always among them.
     const fn register(self) -> u8 {
-        ErrorRegister::GENERIC.0 | self.code().register_bits()
+        let profile = if matches!(self, Self::Position) { ErrorRegister::PROFILE.0 } else { 0 };
+        ErrorRegister::GENERIC.0 | self.code().register_bits() | profile
     }
 
     /// Bytes 3 to 7.
@@ -45,7 +50,7 @@ impl Condition {
         match self {
             // Sensor error register, temperature, low and high threshold, sensor version.
             Self::Temperature { now, low, high } => [0x80, now, low, high, 0x2E],
-            Self::Overspeed | Self::Guarding => [0; 5],
+            Self::Overspeed | Self::Guarding | Self::Position => [0; 5],
         }
     }
 }

@@ -29,6 +29,8 @@ impl Device {
         self.sdo.boot();
         self.objects.errors.reset();
         self.objects.written.clear();
+        self.objects.wedged = false;
+        self.shaft_due = Timestamp::MAX;
         self.tpdos.iter_mut().for_each(Tpdo::stop);
         let node = self.node.unwrap_or(PLACEHOLDER);
         self.store.load(groups, &mut self.objects.parameters, self.objects.encoder.as_mut(), node);
@@ -51,6 +53,7 @@ impl Device {
         self.configure_guarding(now);
         self.configure_tpdos(now);
         self.after_change(now);
+        self.watch_shaft(now);
         if self.faults.has(Fault::TpdoInPreOperational) {
             self.start_tpdos(now);
         }

@@ -54,6 +54,8 @@ pub struct Device {
     guarding: NodeGuarding,
     tpdos: Vec<Tpdo>,
     lss: LssSlave,
+    /// When it is seen next whether the shaft is too fast.
+    shaft_due: Timestamp,
     /// What is ready to be sent.
     outbox: VecDeque<Frame>,
 }
@@ -87,6 +89,7 @@ impl Device {
             guarding: NodeGuarding::new(),
             tpdos: Tpdo::all(&objects.parameters),
             lss: LssSlave::new(),
+            shaft_due: Timestamp::MAX,
             outbox: VecDeque::with_capacity(LONGEST_OUTBOX),
             objects,
         };
@@ -104,16 +107,20 @@ impl Device {
         if let Some(encoder) = &mut self.objects.encoder {
             encoder.set_motion(motion);
         }
+        self.watch_shaft(now);
         self.configure_tpdos(now);
         self.after_change(now);
         self.hand_out(now);
     }
 
     fn on_sdo(&mut self, now: Timestamp, frame: &Frame) {
-        if !self.phase.serves(Service::Sdo, self.faults) {
+        if !self.phase.serves(Service::Sdo, self.faults) || self.objects.wedged {
             return;
         }
         self.sdo.handle(now, frame, &mut self.objects);
+        if self.objects.wedged {
+            return self.sdo.reset();
+        }
         while let Some((at, value)) = self.objects.written.pop() {
             self.act_on(now, at, value);
         }
@@ -149,7 +156,7 @@ impl Device {
 
     /// Values have changed: errors may have come or gone, PDOs may have to be sent.
     fn after_change(&mut self, now: Timestamp) {
-        self.find_errors();
+        self.find_errors(now);
         for tpdo in &mut self.tpdos {
             if let Some(frame) = tpdo.on_change(now, &self.objects) {
                 push(&mut self.outbox, frame);
@@ -157,16 +164,24 @@ impl Device {
         }
     }
 
-    fn find_errors(&mut self) {
+    pub(super) fn find_errors(&mut self, now: Timestamp) {
         let Objects { parameters, errors, encoder, .. } = &mut self.objects;
         if let (Some(low), Some(high)) = (parameters.number(0x2120, 2), parameters.number(0x2120, 3)) {
             let (low, high) = (low as u8, high as u8);
-            let outside = !(low..=high).contains(&TEMPERATURE);
+            let outside = !(low..=high).contains(&TEMPERATURE) && !self.faults.has(Fault::WarningWithoutEmcy);
             errors.set(Condition::Temperature { now: TEMPERATURE, low, high }, outside);
         }
         if let Some(encoder) = encoder {
-            errors.set(Condition::Overspeed, encoder.warnings() != 0);
+            errors.set(Condition::Overspeed, encoder.is_overspeed(now, parameters));
+            errors.set(Condition::Position, encoder.has_position_error());
         }
+    }
+
+    /// A shaft that turns can become too fast, or be so no longer, without anything being written.
+    fn watch_shaft(&mut self, now: Timestamp) {
+        let warns = self.objects.model.sheet().encoder.is_some_and(|encoder| encoder.speed_warning_rpm.is_some());
+        let watched = warns && self.objects.is_moving() && self.phase.is_running();
+        self.shaft_due = if watched { now + SHAFT_WATCH } else { Timestamp::MAX };
     }
 
     fn start_heartbeat(&mut self, now: Timestamp) {
@@ -234,6 +249,9 @@ impl Device {
 
 /// The position of a shaft that nobody turns, in physical steps.
 const REST_POSITION: i64 = 0x4CBA;
+
+/// How often the speed of a shaft that turns is compared with its limit.
+const SHAFT_WATCH: Duration = Duration::from_millis(100);
 
 /// The temperature of the sensor as 2120h counts it: degrees Celsius plus 64.
 const TEMPERATURE: u8 = 0x56;

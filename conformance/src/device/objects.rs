@@ -2,7 +2,7 @@
 
 use super::PLACEHOLDER;
 use super::emcy::Errors;
-use super::encoder::Encoder;
+use super::encoder::{self, Encoder};
 use super::heartbeat_consumer;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
@@ -25,6 +25,8 @@ pub(super) struct Objects {
     pub faults: Faults,
     /// What was written by SDO and not yet acted on.
     pub written: Vec<(Multiplexer, u64)>,
+    /// The firmware hangs: nothing is answered until a reset.
+    pub wedged: bool,
 }
 
 impl Objects {
@@ -44,6 +46,7 @@ impl Objects {
             encoder: Encoder::new(model, motion, faults),
             faults,
             written: Vec::with_capacity(4),
+            wedged: false,
         }
     }
 
@@ -52,12 +55,14 @@ impl Objects {
         self.encoder.as_ref().is_some_and(|encoder| !encoder.motion().is_still())
     }
 
-    /// The number that an object has now, as a PDO carries it; `None` for a string or no object.
-    pub fn number(&self, now: Timestamp, at: Multiplexer) -> Option<u64> {
-        match self.live(now, at) {
-            Ok(Some(number)) => Some(number),
-            _ => self.parameters.number(at.index.0, at.sub.0),
-        }
+    /// The number that an object has now, as a PDO carries it; `again` where the PDO had the object before: of an encoder
+    /// with redundant channels that is the other channel. `None` for a string or no object.
+    pub fn number(&self, now: Timestamp, at: Multiplexer, again: bool) -> Option<u64> {
+        let measured = match at.index.0 {
+            0x2000.. => self.encoder.as_ref().and_then(|it| it.process_value(now, at, again, &self.parameters)),
+            _ => self.live(now, at).ok().flatten(),
+        };
+        measured.or_else(|| self.parameters.number(at.index.0, at.sub.0))
     }
 
     /// The value of an object that is not simply what was written last.
@@ -65,7 +70,7 @@ impl Objects {
         match at.index.0 {
             0x1001 => Ok(Some(u64::from(self.errors.register()))),
             0x1003 => self.errors.history(at.sub.0).map(Some),
-            0x6000.. => Ok(self.encoder.as_ref().and_then(|encoder| encoder.value(now, at, &self.parameters))),
+            0x2000.. => Ok(self.encoder.as_ref().and_then(|encoder| encoder.value(now, at, &self.parameters))),
             _ => Ok(None),
         }
     }
@@ -127,10 +132,9 @@ impl Objects {
             self.parameters.set(at, content);
             self.follow_links(at, value);
         }
-        if at == Multiplexer::new(0x6003, 0)
-            && let Some(encoder) = &mut self.encoder
-        {
-            encoder.preset(now, value, &self.parameters);
+        if let Some(encoder) = &mut self.encoder {
+            self.wedged = encoder.wedges(at, value);
+            encoder.on_written(now, at, value, &self.parameters);
         }
         self.written.push((at, value));
         Ok(())
@@ -140,7 +144,8 @@ impl Objects {
         match self.parameters.entry(at)?.check_length(len) {
             Err(AbortCode::LENGTH_TOO_HIGH) if self.faults.has(Fault::SdoLengthUnchecked) => Ok(()),
             Err(AbortCode::LENGTH_TOO_LOW) if self.faults.has(Fault::SdoShortLengthUnchecked) => Ok(()),
-            checked => checked,
+            Err(code) => Err(self.model.sheet().network.sdo_length_abort.map_or(code, AbortCode)),
+            Ok(()) => Ok(()),
         }
     }
 
@@ -159,6 +164,10 @@ impl Objects {
         if let 0x1A00..0x1C00 = at.index.0 {
             return tpdo::check_mapping(at, value, parameters, faults);
         }
+        if self.encoder.as_ref().is_some_and(|encoder| encoder.wedges(at, value)) {
+            return Ok(());
+        }
+        self.check_bus_object(at, value)?;
         if !faults.has(Fault::SdoRangeUnchecked) {
             parameters.entry(at)?.check_range(value)?;
         }
@@ -167,9 +176,26 @@ impl Objects {
             0x1005 | 0x1012 | 0x1014 => self.check_cob_id(at, value),
             0x1016 if at.sub.0 > 0 => heartbeat_consumer::check(at, value, parameters, faults),
             0x1800..0x1A00 => tpdo::check_communication(at, value, parameters, &sheet.network, faults),
-            0x6003 => self.encoder.as_ref().map_or(Ok(()), |encoder| encoder.check_preset(value, parameters)),
-            0x6000.. => Encoder::check(at, value, parameters),
+            0x6000.. => self.encoder.as_ref().map_or(Ok(()), |encoder| encoder.check(at, value, parameters)),
             _ => Ok(()),
+        }
+    }
+
+    /// Node-ID and bit rate: one that exists, or "not configured" where the device is delivered so.
+    fn check_bus_object(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
+        let sheet = self.model.sheet();
+        let of_device = sheet.network.default_node_id.is_none() && value == u64::from(UNCONFIGURED);
+        let exists = match Some(at) {
+            object if object == sheet.network.node_id_object => !(128..=255).contains(&value),
+            object if object == sheet.network.bit_rate_object => {
+                value > 8 || sheet.bit_rates.iter().any(|rate| rate.object_code.map(u64::from) == Some(value))
+            }
+            _ => true,
+        };
+        if exists || of_device || self.faults.has(Fault::SdoRangeUnchecked) {
+            Ok(())
+        } else {
+            Err(AbortCode::INVALID_VALUE)
         }
     }
 
@@ -195,9 +221,10 @@ impl Objects {
     /// 6200h is the event timer of the first TPDO (CiA 406).
     fn follow_links(&mut self, at: Multiplexer, value: u64) {
         match (at.index.0, at.sub.0) {
-            (0x6200, 0) if !self.faults.has(Fault::CyclicTimerNotLinked) => {
-                self.parameters.set_number(0x1800, 5, value);
-            }
+            (0x6200, 0) if self.faults.has(Fault::CyclicTimerNotLinked) => {}
+            (0x6200, 0) if value == 0 && self.faults.has(Fault::CyclicTimerNotStopped) => {}
+            (0x6200, 0) => self.parameters.set_number(0x1800, 5, value),
+            (0x1800, 5) if self.faults.has(Fault::EventTimerNotInCyclicTimer) => {}
             (0x1800, 5) => self.parameters.set_number(0x6200, 0, value),
             _ => {}
         }
@@ -221,6 +248,7 @@ impl Objects {
 
 /// Faults in what the dictionary holds, not in what the firmware does.
 fn plant(parameters: &mut Parameters, faults: Faults) {
+    encoder::plant(parameters, faults);
     let vendor_id = Multiplexer::new(0x1018, 1);
     let device_type = Multiplexer::new(0x1000, 0);
     if faults.has(Fault::VendorIdZero) {

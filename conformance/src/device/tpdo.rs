@@ -35,6 +35,10 @@ pub(super) struct Tpdo {
     last: Option<Frame>,
     /// What type 252 took at the last SYNC.
     sampled: Option<Frame>,
+    /// What a faulty firmware sends the next time.
+    late: Option<Frame>,
+    /// Whether the frame is filled up to 8 bytes.
+    padded: bool,
 }
 
 impl Tpdo {
@@ -65,6 +69,8 @@ impl Tpdo {
             syncs: 0,
             last: None,
             sampled: None,
+            late: None,
+            padded: false,
         }
     }
 
@@ -76,6 +82,8 @@ impl Tpdo {
         self.inhibit = Duration::from_micros(100 * number(3));
         let factor = if objects.faults.has(Fault::EventTimerDoubled) { 2 } else { 1 };
         self.event_timer = Duration::from_millis(number(5)).times(factor);
+        let padded = &objects.model.sheet().network.padded_tpdos;
+        self.padded = padded.iter().any(|&number| u16::from(number) == self.number + 1);
         self.mapping.clear();
         self.mapping.extend(mapping(&objects.parameters, self.number));
         if self.running {
@@ -94,10 +102,12 @@ impl Tpdo {
         self.syncs = 0;
         self.last = None;
         self.sampled = None;
+        self.late = None;
         self.waiting = false;
         self.inhibited_until = Timestamp::ZERO;
         self.arm(now, objects);
-        if self.is_event_driven() { self.transmit(now, objects) } else { None }
+        let sent_at_once = self.is_event_driven() && !objects.faults.has(Fault::TpdoNotSentOnStart);
+        if sent_at_once { self.transmit(now, objects) } else { None }
     }
 
     /// The device is not operational any more.
@@ -217,6 +227,9 @@ impl Tpdo {
         }
         let frame = self.frame(now, objects);
         self.last = Some(frame);
+        if objects.faults.has(Fault::TpdoPositionLate) {
+            return self.late.replace(frame).or(Some(frame));
+        }
         Some(frame)
     }
 
@@ -224,14 +237,15 @@ impl Tpdo {
     fn frame(&self, now: Timestamp, objects: &Objects) -> Frame {
         let mut payload = [0; 8];
         let mut offset = 0;
-        for entry in &self.mapping {
-            let value = objects.number(now, entry.object()).unwrap_or(0);
+        for (n, entry) in self.mapping.iter().enumerate() {
+            let again = self.mapping.iter().take(n).any(|before| before.object() == entry.object());
+            let value = objects.number(now, entry.object(), again).unwrap_or(0);
             // The mapping was checked: everything fits.
             insert(&mut payload, offset, entry.bits(), value);
             offset += usize::from(entry.bits());
         }
         let id = CanId::standard_masked(self.cob_id.can_id());
-        let len = offset.div_ceil(8).min(8);
+        let len = if self.padded { 8 } else { offset.div_ceil(8).min(8) };
         Frame::new(id, payload.get(..len).unwrap_or(&[])).unwrap_or(Frame::full(id, payload))
     }
 }
@@ -316,6 +330,11 @@ fn check_entry(entry: MappingEntry, parameters: &Parameters, faults: Faults) -> 
         return Err(AbortCode::NOT_MAPPABLE);
     }
     let object = parameters.entry(entry.object()).map_err(|_| AbortCode::NO_OBJECT)?;
+    // What is mapped as delivered can be mapped again, a part of an object too.
+    let mappings = parameters.entries().iter().filter(|it| matches!(it.at.index.0, 0x1A00..0x1C00) && it.at.sub.0 > 0);
+    if mappings.into_iter().any(|it| it.is_delivered_as(entry.0.into())) {
+        return Ok(());
+    }
     let mappable = object.tpdo_mappable || faults.has(Fault::UnmappableObjectMapped);
     let bits = object.data_type.bits().unwrap_or(0);
     if mappable && bits == u32::from(entry.bits()) { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }

@@ -4,16 +4,29 @@
 mod annotations;
 mod sheet;
 
-pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
+pub use sheet::{BitRate, Encoder, EncoderKind, Network, Sheet, Storage, Timing, UniversalScaling, Value};
 
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
 use std::sync::{Arc, LazyLock};
 
-/// The files of each model: EDS, sheet.
-const FILES: &[(&str, &str)] =
-    &[(include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml"))];
+/// The files of each model, EDS and sheet, by the model's id.
+macro_rules! files {
+    ($($id:literal,)*) => {
+        &[$((include_str!(concat!("../../models/", $id, ".eds")), include_str!(concat!("../../models/", $id, ".toml")))),*]
+    };
+}
+
+/// All built-in models.
+const FILES: &[(&str, &str)] = files![
+    "kuebler-sendix-58x8",
+    "kuebler-sendix-f58",
+    "kuebler-sendix-m58",
+    "kuebler-sendix-f58m",
+    "kuebler-c100",
+    "kuebler-d125",
+];
 
 static MODELS: LazyLock<Vec<Model>> =
     LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());

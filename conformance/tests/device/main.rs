@@ -6,11 +6,13 @@
 mod encoder;
 mod errors;
 mod faults;
-mod manual;
 mod nmt;
 mod pdo;
+mod quirks;
+mod replay;
 mod rig;
 mod robustness;
 mod sdo;
 mod services;
+mod tables;
 mod timing;

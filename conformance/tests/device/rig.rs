@@ -61,6 +61,11 @@ impl Rig {
         self.run(50)
     }
 
+    /// All that the device sends in the next 50 ms.
+    pub fn ask_nothing(&mut self) -> Vec<String> {
+        self.run(50)
+    }
+
     /// Sends SDO requests, each of which has the one response that follows it.
     pub fn dialogue(&mut self, pairs: &[(&str, &str)]) {
         for (request, response) in pairs {
