@@ -136,6 +136,8 @@ pub enum Need {
     Name,
     /// Layer setting services: the description says that they are supported.
     Lss,
+    /// Layer management: the slave answers an inquiry.
+    Lmt,
     /// The heartbeat consumer, 1016h:01, and a node-ID beside the device's own that the tester can act as.
     HeartbeatConsumer,
     /// Life guarding that can be set, 100Ch and 100Dh, or the heartbeat consumer, 1016h:01.
@@ -191,6 +193,7 @@ impl Need {
             Self::EventTimer => "a TPDO with an event timer (1800h:05)",
             Self::Name => "a device name or version (1008h, 1009h or 100Ah)",
             Self::Lss => "layer setting services (LSS)",
+            Self::Lmt => "layer management (LMT)",
             Self::HeartbeatConsumer => "the heartbeat consumer (1016h:01)",
             Self::Monitoring => "life guarding (100Ch, 100Dh) or a heartbeat consumer (1016h:01)",
             Self::Guarding => "node guarding (100Ch)",

@@ -13,6 +13,7 @@ pub mod decode;
 pub mod diagnosis;
 pub mod escape;
 pub mod events;
+mod page;
 mod push;
 pub mod quality;
 pub mod signals;

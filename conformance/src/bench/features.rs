@@ -63,6 +63,7 @@ impl Bench<'_> {
                 }
             }
             Need::Lss => self.lss(),
+            Need::Lmt => self.lmt()?,
             Need::HeartbeatConsumer => self.heartbeat_consumer()?,
             Need::Monitoring => {
                 let guarded = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
@@ -184,6 +185,17 @@ impl Bench<'_> {
             Some(_) => Err("the description says that LSS is not supported".to_owned()),
             None => Err("without a description it is not known whether the device supports LSS".to_owned()),
         }
+    }
+
+    fn lmt(&mut self) -> Result<Result<(), String>, Verdict> {
+        let described = self.target.description.as_ref();
+        if described.is_some_and(|description| description.device.lss_supported) {
+            return Ok(Err("the description says that the device has LSS".to_owned()));
+        }
+        Ok(match crate::cases::ds205::has_slave(self)? {
+            true => Ok(()),
+            false => Err("no LMT slave answers an inquiry".to_owned()),
+        })
     }
 
     fn alone(&self) -> Result<(), String> {

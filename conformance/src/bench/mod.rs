@@ -114,6 +114,16 @@ impl<'a> Bench<'a> {
         self.bus.now()
     }
 
+    /// The bit rate of the bus in bit/s, where it is known.
+    pub fn bit_rate(&self) -> Option<u32> {
+        self.bus.bit_rate()
+    }
+
+    /// What was on the bus since the case began.
+    pub fn evidence(&self) -> &Evidence {
+        &self.evidence
+    }
+
     /// Whether the user has cancelled the run.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)

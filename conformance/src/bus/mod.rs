@@ -2,9 +2,11 @@
 
 mod address;
 mod simulated;
+mod simulated_address;
 
 pub use address::{BusAddress, Opened, open, open_seeded};
 pub use simulated::SimulatedBus;
+pub use simulated_address::{Attached, DeviceName, GivenNode, SimulatedDevice};
 
 use canvass_traces::{Frame, Record, Timestamp};
 
@@ -31,6 +33,14 @@ pub trait Bus {
 
     /// The bit rate in bit/s, where it is known.
     fn bit_rate(&self) -> Option<u32>;
+
+    /// Goes on at another bit rate in bit/s.
+    ///
+    /// # Errors
+    /// [`BusError::FixedBitRate`] where this end of the bus can't change it.
+    fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        Err(BusError::FixedBitRate { bit_rate })
+    }
 }
 
 /// Why a bus does not work. Never the fault of the device under test.
@@ -52,6 +62,12 @@ pub enum BusError {
         frame: Frame,
         /// What the bus can carry.
         reason: &'static str,
+    },
+    /// The bit rate can't be changed from here.
+    #[error("the bit rate of this bus is set outside of the program: change it to {bit_rate} bit/s there")]
+    FixedBitRate {
+        /// What was asked for, in bit/s.
+        bit_rate: u32,
     },
     /// This build of the program has no such interface.
     #[error("{address}: {interface} is not available in this build")]

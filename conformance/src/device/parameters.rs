@@ -23,6 +23,8 @@ pub(super) struct Parameter {
     pub writable: bool,
     /// Whether a TPDO may carry it.
     pub tpdo_mappable: bool,
+    /// Whether an RPDO may carry it.
+    pub rpdo_mappable: bool,
     low: Option<i128>,
     high: Option<i128>,
     default: Default,
@@ -88,6 +90,13 @@ impl Parameters {
     /// All values as delivered.
     pub fn restore(&mut self, node: NodeId) {
         self.entries.iter_mut().for_each(|entry| entry.content = entry.default_content(node));
+    }
+
+    /// The parameters of the profile area (6000h to 9FFFh) as delivered.
+    pub fn restore_profile(&mut self, node: NodeId) {
+        for entry in self.entries.iter_mut().filter(|entry| matches!(entry.at.index.0, 0x6000..0xA000)) {
+            entry.content = entry.default_content(node);
+        }
     }
 
     /// Removes an entry, or a whole object where `sub` is `None`, as if the firmware had none.
@@ -206,6 +215,7 @@ impl Parameter {
             readable: entry.access.is_readable(),
             writable: entry.access.is_writable(),
             tpdo_mappable: entry.pdo_mappable && entry.access.allows_tpdo(),
+            rpdo_mappable: entry.pdo_mappable && entry.access.allows_rpdo(),
             low: limit(&entry.low_limit),
             high: limit(&entry.high_limit),
             default,
@@ -213,9 +223,12 @@ impl Parameter {
         })
     }
 
-    /// Whether it has that number as delivered, whatever the node-ID.
-    pub fn is_delivered_as(&self, number: u64) -> bool {
-        matches!(&self.default, Default::Fixed(Content::Number(default)) if *default == number)
+    /// Whether the value is not as delivered; a COB-ID that follows the node-ID always is.
+    pub fn is_changed(&self) -> bool {
+        match &self.default {
+            Default::Fixed(content) => self.fitted(content.clone()) != self.content,
+            Default::NodeIdPlus(_) => false,
+        }
     }
 
     /// The value as delivered.
@@ -223,6 +236,15 @@ impl Parameter {
         match &self.default {
             Default::Fixed(content) => self.fitted(content.clone()),
             Default::NodeIdPlus(offset) => Content::Number(u64::from(offset.wrapping_add(u32::from(node.raw())))),
+        }
+    }
+
+    /// The bits of the number as delivered, whatever the node-ID; 0 for a string.
+    pub const fn default_bits(&self) -> u64 {
+        match &self.default {
+            Default::Fixed(Content::Number(number)) => *number,
+            Default::NodeIdPlus(offset) => *offset as u64,
+            Default::Fixed(Content::Bytes(_)) => 0,
         }
     }
 
@@ -271,6 +293,12 @@ impl Parameter {
             return Err(AbortCode::VALUE_TOO_LOW);
         }
         Ok(())
+    }
+
+    /// How two values of this type compare; `None` for a type without order.
+    pub fn compare(&self, one: u64, other: u64) -> Option<std::cmp::Ordering> {
+        let number = |raw| Value::from_raw(self.data_type, raw).and_then(|value| value.as_number());
+        Some(number(one)?.cmp(&number(other)?))
     }
 
     /// The content that those bytes, little-endian, encode.

@@ -2,13 +2,23 @@
 //! cannot say.
 
 mod annotations;
+mod generic;
+mod quirks;
+mod recognition;
+mod rules;
 mod sheet;
 
-pub use sheet::{BitRate, Encoder, EncoderKind, Network, Sheet, Storage, Timing, UniversalScaling, Value};
+pub use quirks::Quirks;
+pub use rules::{Check, Link, LinkKind, Rule};
+pub use sheet::{
+    BitRate, Encoder, EncoderKind, LmtAddress, Network, Sheet, StartUp, Storage, Timing, Trigger, UniversalScaling,
+    Value,
+};
 
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::network::{Candidate, Candidates};
 use std::sync::{Arc, LazyLock};
 
 /// The files of each model, EDS and sheet, by the model's id.
@@ -19,14 +29,19 @@ macro_rules! files {
 }
 
 /// All built-in models.
-const FILES: &[(&str, &str)] = files![
+const FILES: &[(&str, &str)] = files! {
     "kuebler-sendix-58x8",
     "kuebler-sendix-f58",
     "kuebler-sendix-m58",
     "kuebler-sendix-f58m",
     "kuebler-c100",
     "kuebler-d125",
-];
+    "lika-ax58",
+    "tr-c65",
+    "tr-lmp30",
+    "reference-301",
+    "reference-406",
+};
 
 static MODELS: LazyLock<Vec<Model>> =
     LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
@@ -75,7 +90,31 @@ impl Model {
         let mut description = eds::read(eds.as_bytes())?;
         let tables: AnnotationTables = toml::from_str(text)?;
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
+        description.settings = sheet.settings();
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+    }
+
+    /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
+    /// dictionary has the parameters of. `name` becomes the model's id.
+    ///
+    /// # Errors
+    /// [`ModelError::Description`] if the bytes are no device description.
+    pub fn generic(name: &str, bytes: &[u8]) -> Result<Self, ModelError> {
+        let description = DeviceDescription::read(bytes)?;
+        let sheet = generic::sheet(name, &description)?;
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+    }
+
+    /// What tells that a node is of this model.
+    pub fn candidate(&self) -> Candidate {
+        let mut candidate = Candidate::of(self.id(), Arc::clone(&self.description));
+        self.sheet.recognition.refine(&mut candidate);
+        candidate
+    }
+
+    /// What tells of which built-in model a node is, in the order of the models.
+    pub fn candidates() -> Candidates {
+        Candidates::new(|| Self::all().iter().map(Self::candidate).collect())
     }
 
     /// The name on the command line.

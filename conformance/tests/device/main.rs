@@ -9,6 +9,8 @@ mod faults;
 mod nmt;
 mod pdo;
 mod quirks;
+mod reference;
+mod repeatable;
 mod replay;
 mod rig;
 mod robustness;

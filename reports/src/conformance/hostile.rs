@@ -82,7 +82,10 @@ fn the_terminal_is_not_taken_over() {
 fn the_page_runs_no_foreign_script() {
     let page = rendered(html::render);
     assert!(!acts(&page) && !page.contains("<script>alert") && page.contains("&lt;script&gt;alert"));
-    assert_eq!(page.matches("<script").count(), 1);
+    // Those of all pages and of this one; the policy lets no other run.
+    assert_eq!(page.matches("<script").count(), 2);
+    let policy = page.split_once("script-src ").unwrap().1.split(';').next().unwrap();
+    assert!(policy.matches("sha256-").count() == 2 && !policy.contains("unsafe"), "{policy}");
     assert!(!page.contains("http://") && !page.contains("https://"), "nothing external");
 }
 

@@ -112,6 +112,10 @@ impl Asc {
         self.now = if self.relative { self.now.saturating_add(time) } else { time };
         match asc_row::row(rest, self.radix).map_err(damage)?.1 {
             Row::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "CAN or CAN FD, which are what is read")),
+            // With a channel it may have been going to be a frame.
+            Row::Event if !line.ended && skip_blanks(rest).first().is_some_and(u8::is_ascii_digit) => {
+                Err(line.cut("the end of this row"))
+            }
             Row::Event | Row::Request => Ok(None),
             Row::Frame { in_doubt: true, .. } if !line.ended => {
                 Err(line.cut("the end of this line, as the frame may go on,"))

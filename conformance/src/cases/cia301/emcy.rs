@@ -84,7 +84,7 @@ fn code_of(record: &Record) -> Option<EmcyCode> {
 /// A master or watched node that falls silent is reported by exactly one EMCY 8130h of eight bytes, with the error
 /// register as it is then.
 #[case(id = "301/emcy/monitoring-lost", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
-       needs = [Monitoring], catches = [EmcyRepeated], cct = "7.106")]
+       needs = [Monitoring], catches = [EmcyRepeated, LifeGuardingUnreported], cct = "7.106")]
 fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
     begin_monitoring(bench)?;
     let heard = emergencies(bench, UNTIL_LOST)?;

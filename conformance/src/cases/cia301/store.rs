@@ -47,6 +47,9 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/restore/at-reset", clause = "CiA 301 7.5.2.14", confidence = Derived, level = Must,
        needs = [Store, ScratchObject], touches = [Nvm, FactoryDefaults], catches = [RestoreAtOnce], cct = "8.4")]
 fn at_reset(bench: &mut Bench<'_>) -> Judged {
+    if !bench.has(RESTORE)? {
+        return Err(Verdict::NotApplicable(Reason::new("the device restores its defaults", "1011h:01", "none")));
+    }
     let scratch = bench.scratch(&[2, 1, 4])?;
     bench.write(scratch.multiplexer, &scratch.other)?;
     bench.download(RESTORE, b"load")?.expect_confirmation()?;

@@ -5,6 +5,7 @@
 mod alarms;
 mod draw_wire;
 mod identification;
+mod limit_switch;
 mod operating;
 mod pdo;
 mod position;
@@ -12,6 +13,7 @@ mod preset;
 mod profile;
 mod raw;
 mod scaling;
+mod scaling_off;
 mod speed;
 mod timer;
 mod work_area;

@@ -3,8 +3,8 @@
 
 use super::Encoder;
 use crate::Fault;
-use crate::device::TEMPERATURE;
 use crate::device::parameters::Parameters;
+use crate::device::reactions::TEMPERATURE;
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Timestamp;
 

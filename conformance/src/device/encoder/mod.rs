@@ -82,15 +82,13 @@ impl Encoder {
         }
     }
 
-    /// As [`Encoder::value`], as a PDO carries it: `again` where the PDO had the object before.
+    /// What a PDO carries instead of [`Encoder::value`], if anything: `again` where the PDO had the object before.
     pub fn process_value(&self, now: Timestamp, at: Multiplexer, again: bool, parameters: &Parameters) -> Option<u64> {
         if again && self.sheet.kind == EncoderKind::DrawWire {
             return self.redundant_value(now, at, parameters);
         }
-        if at.index.0 == 0x6004 && self.faults.has(Fault::TpdoPositionWithoutPreset) {
-            return Some(self.position_without_preset(now, parameters));
-        }
-        self.value(now, at, parameters)
+        let without_preset = at.index.0 == 0x6004 && self.faults.has(Fault::TpdoPositionWithoutPreset);
+        without_preset.then(|| self.position_without_preset(now, parameters))
     }
 
     /// The conditions of a write beyond the limits of the device description.
@@ -101,7 +99,6 @@ impl Encoder {
         match at.index.0 {
             0x6000..=0x6002 => self.check_operating(at, value, parameters),
             0x6003 => self.check_preset(value, parameters),
-            0x6401 | 0x6402 => self.check_work_area(at, value, parameters),
             _ => Ok(()),
         }
     }

@@ -16,9 +16,6 @@ const UNIVERSAL_SCALING: u64 = 1 << 12;
 /// The device goes to operational by itself.
 const START_IN_OPERATIONAL: u64 = 1 << 14;
 
-/// Neither 6001h nor 6002h is smaller, but for the 0 of 6002h, which stands for 2^32.
-const LEAST_UNITS: u64 = 4;
-
 impl Encoder {
     /// Whether the device goes to operational by itself.
     pub fn starts_in_operational(parameters: &Parameters) -> bool {
@@ -42,7 +39,8 @@ impl Encoder {
             0x6001 => value <= units_of(parameters.number_or_zero(0x6002, 0)) || !refuses,
             _ => {
                 let range = units_of(value);
-                range >= LEAST_UNITS && (range >= parameters.number_or_zero(0x6001, 0) || !refuses)
+                range >= self.sheet.units_per_revolution_least.into()
+                    && (range >= parameters.number_or_zero(0x6001, 0) || !refuses)
             }
         };
         if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
@@ -50,12 +48,15 @@ impl Encoder {
 
     /// 6000h, as the measurement uses it.
     pub(super) fn operating(&self, parameters: &Parameters) -> u64 {
-        let mut bits = parameters.number_or_zero(0x6000, 0);
+        let mut bits = parameters.number_or_zero(0x6000, 0) & u64::from(self.sheet.operating_bits);
         if self.faults.has(Fault::CodeSequenceIgnored) {
             bits &= !CODE_SEQUENCE;
         }
         if self.faults.has(Fault::ScalingIgnored) {
             bits &= !SCALING;
+        }
+        if self.faults.has(Fault::ScalingAlwaysOn) {
+            bits |= SCALING;
         }
         bits
     }

@@ -3,8 +3,6 @@
 use super::Encoder;
 use crate::Fault;
 use crate::device::parameters::Parameters;
-use canvass_analyzer::Multiplexer;
-use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Timestamp;
 
 const OUT_OF_RANGE: u64 = 1 << 0;
@@ -31,22 +29,6 @@ impl Encoder {
             () if self.faults.has(Fault::WorkAreaInverted) => bit(!outside, OUT_OF_RANGE),
             () => bit(outside, OUT_OF_RANGE) | bit(over, OVERFLOW) | bit(under, UNDERFLOW),
         })
-    }
-
-    /// The low limit is not above the high one.
-    pub(super) fn check_work_area(
-        &self,
-        at: Multiplexer,
-        value: u64,
-        parameters: &Parameters,
-    ) -> Result<(), AbortCode> {
-        let other = |index| parameters.number(index, at.sub.0).filter(|_| at.sub.0 > 0);
-        let fits = match at.index.0 {
-            0x6401 => other(0x6402).is_none_or(|high| value <= high),
-            _ => other(0x6401).is_none_or(|low| low <= value),
-        };
-        let accepted = fits || self.faults.has(Fault::WorkAreaLimitsSwappedAccepted);
-        if accepted { Ok(()) } else { Err(AbortCode::MAXIMUM_BELOW_MINIMUM) }
     }
 }
 

@@ -3,6 +3,7 @@
 use super::{Next, Transfer};
 use crate::Fault;
 use crate::device::objects::Objects;
+use crate::device::parameters::Reading;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response, Segment};
 use canvass_traces::Timestamp;
@@ -23,7 +24,10 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
         Err(code) => return Next::abort(object, code),
     };
     let bytes = reading.bytes();
-    let response = Response::upload(object, bytes);
+    let mut response = Response::upload(object, bytes);
+    if matches!(reading, Reading::Bytes(_)) && objects.model.sheet().quirks.strings_in_segments {
+        response = Response::InitiateUpload { multiplexer: object, payload: Payload::Segmented(bytes.len() as u32) };
+    }
     match response {
         Response::InitiateUpload { payload: Payload::Segmented(_), .. } => {
             let upload = SegmentedUpload { object, value: bytes.to_vec(), sent: 0, toggle: false };

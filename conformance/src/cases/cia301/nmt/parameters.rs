@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::case;
 use crate::client::sdo::Bytes;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::{Judged, Reason, Verdict, demand};
 use canvass_analyzer::wire::nmt::Command;
 
 /// Reset communication brings communication parameters that were changed but not stored back to their power-on values.
@@ -21,7 +21,11 @@ fn reset_node(bench: &mut Bench<'_>) -> Judged {
 }
 
 fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
-    let scratch = bench.scratch(&[2, 1, 4])?;
+    let found = bench.scratch_objects()?.into_iter().find(|scratch| scratch.multiplexer.index.0 < 0x2000);
+    let Some(scratch) = found else {
+        let reason = Reason::new("a communication parameter can be written without consequence", "one", "none");
+        return Err(Verdict::NotApplicable(reason));
+    };
     // Prepared by a reset, the device holds its power-on values now.
     bench.write(scratch.multiplexer, &scratch.other)?;
     bench.reset(command)?;

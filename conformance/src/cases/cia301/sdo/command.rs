@@ -78,7 +78,7 @@ fn multiplexer(bench: &mut Bench<'_>) -> Judged {
     let no_object = Multiplexer::new(0xFFFF, 2);
     let no_sub_index = Multiplexer::new(0x1000, 1);
     // What a server may wrongly remember.
-    bench.read(Multiplexer::new(0x1018, 1))?;
+    bench.read(Multiplexer::new(0x1001, 0))?;
     let value = |multiplexer| Request::InitiateDownload { multiplexer, payload: Payload::of(&[0; 4]) };
     let requests = [Request::upload(no_object), Request::upload(no_sub_index), value(no_object), value(DEVICE_TYPE)];
     for request in requests {

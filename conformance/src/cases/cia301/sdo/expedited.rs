@@ -14,6 +14,10 @@ use canvass_analyzer::wire::sdo::{Payload, Request};
        catches = [SdoUnusedBytesNotZero, SdoShortResponse], cct = "2.1")]
 fn upload(bench: &mut Bench<'_>) -> Judged {
     for (index, sub, length) in [(0x1000, 0, 4), (0x1001, 0, 1), (0x1018, 0, 1), (0x1018, 1, 4)] {
+        // DS-301 V3.0 had no 1018h: that it is missing is the matter of the cases on identity.
+        if bench.described(Multiplexer::new(index, sub)) == Some(false) {
+            continue;
+        }
         let attempt = bench.upload(Multiplexer::new(index, sub))?;
         let value = attempt.clone().value()?;
         demand(value.len() == length && attempt.responses.len() == 1, || {

@@ -1,0 +1,80 @@
+//! Every case on the devices of Lika and TR-Electronic: none fails but for what their manuals document.
+
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
+use canvass_conformance::bench::{Bench, Deviation, Options, Target};
+use canvass_conformance::bus::SimulatedBus;
+use canvass_conformance::case::Touch;
+use canvass_conformance::device::Device;
+use canvass_conformance::models::Model;
+use canvass_conformance::runner::run_case;
+use canvass_conformance::verdict::Kind;
+use canvass_conformance::{Faults, catalogue};
+use std::collections::BTreeSet;
+use std::sync::atomic::AtomicBool;
+
+/// The rows `[[deviation]]` of a sheet, one for each of its case patterns.
+fn deviations(model: &Model) -> Vec<Deviation> {
+    let path = format!("{}/models/{}.toml", env!("CARGO_MANIFEST_DIR"), model.id());
+    let sheet: toml::Table = std::fs::read_to_string(path).unwrap().parse().unwrap();
+    let rows = sheet["deviation"].as_array().unwrap();
+    let of_row = |row: &toml::Value| -> Vec<Deviation> {
+        let documented = row["device"].as_str().unwrap().to_owned();
+        let cases = row.get("cases").and_then(toml::Value::as_array).cloned().unwrap_or_default();
+        let case =
+            |case: &toml::Value| Deviation { case: case.as_str().unwrap().to_owned(), documented: documented.clone() };
+        cases.iter().map(case).collect()
+    };
+    rows.iter().flat_map(of_row).collect()
+}
+
+fn check(id: &str, executed_at_least: usize) {
+    let model = Model::by_id(id).unwrap();
+    let deviations = deviations(model);
+    let target = Target {
+        node: model.default_node().unwrap(),
+        model: id.to_owned(),
+        description: Some(model.description().clone()),
+        deviations: deviations.clone(),
+    };
+    let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
+    let cancel = AtomicBool::new(false);
+    let (mut wrong, mut executed, mut used) = (Vec::new(), 0, BTreeSet::new());
+    for case in catalogue::cases() {
+        let mut bus = SimulatedBus::new(model.default_bit_rate());
+        bus.attach(Box::new(Device::new(model, model.default_node(), Faults::NONE, 0)));
+        let mut annotate = |_: &canvass_traces::Record| String::new();
+        let report = run_case(&mut Bench::new(&mut bus, &target, &options, &mut annotate, &cancel), case);
+        let kind = report.verdict.kind();
+        executed += usize::from(kind.is_executed());
+        if kind == Kind::Deviation {
+            let explains = |deviation: &&Deviation| catalogue::matches(&deviation.case, case.id);
+            used.extend(deviations.iter().filter(explains).map(|deviation| deviation.case.clone()));
+        }
+        let not_restored = report.notes.iter().any(|note| note.contains("restored") || note.contains("set back"));
+        if matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) || not_restored {
+            wrong.push(format!("{}: {kind}: {:?} {:?}", case.id, report.verdict.reason(), report.notes));
+        }
+    }
+    assert!(wrong.is_empty(), "{id}: {}:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(executed >= executed_at_least, "{id}: {executed} cases were executed");
+    let idle: Vec<&String> =
+        deviations.iter().map(|deviation| &deviation.case).filter(|case| !used.contains(*case)).collect();
+    assert!(idle.is_empty(), "{id}: explained, but not found: {idle:?}");
+}
+
+#[test]
+fn lika_ax58() {
+    check("lika-ax58", 50);
+}
+
+#[test]
+fn tr_c65() {
+    check("tr-c65", 50);
+}
+
+#[test]
+fn tr_lmp30() {
+    check("tr-lmp30", 50);
+}
