@@ -8,7 +8,7 @@ use canvass_conformance::models::Model;
 fn powered(model: &str, milli_rpm: i64) -> Rig {
     let model = Model::by_id(model).unwrap();
     let node = model.default_node().map_or(63, |node| node.raw());
-    let mut rig = Rig::powered(model, Some(node), Faults::NONE, Motion { start: 0x4CBA, milli_rpm });
+    let mut rig = Rig::powered(model, Some(node), Faults::NONE, Motion::constant(0x4CBA, milli_rpm));
     rig.run(300);
     rig
 }
