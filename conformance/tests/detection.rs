@@ -87,8 +87,9 @@ fn a_good_device_passes() {
 fn most_cases_apply_to_the_usual_model() {
     let applies = |case: &&'static Case| judge(case, MODEL, Faults::NONE).verdict.kind() == Kind::Pass;
     let (applied, left_out): (Vec<_>, Vec<_>) = catalogue::cases().into_iter().partition(applies);
-    let left_out: Vec<&str> = left_out.iter().map(|case| case.id).collect();
-    assert!(applied.len() > 100 && left_out.len() < 16, "{} apply, not {left_out:?}", applied.len());
+    // Layer management is what older devices have instead of LSS.
+    let left_out: Vec<&str> = left_out.iter().map(|case| case.id).filter(|id| !id.starts_with("205/")).collect();
+    assert!(applied.len() > 140 && left_out.len() < 16, "{} apply, not {left_out:?}", applied.len());
 }
 
 /// Without a description the device itself is asked; what can't be known is not applicable, and nothing fails.

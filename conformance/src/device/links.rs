@@ -31,7 +31,9 @@ impl Objects {
     /// than its default decides, else the first one that was loaded.
     pub(super) fn settle_links(&mut self, groups: Groups) {
         let sheet = self.model.sheet();
-        for link in sheet.links.iter().filter(|link| link.kind == LinkKind::Same) {
+        let is_torn = |at: &Multiplexer| at.index.0 == 0x650B && self.faults.has(Fault::SerialNumberDiffers);
+        let links = sheet.links.iter().filter(|link| link.kind == LinkKind::Same && !link.objects.iter().any(is_torn));
+        for link in links {
             let loaded = || link.objects.iter().filter(|&&at| groups.has(at, &sheet.storage));
             let changed = loaded().find(|&&at| self.parameters.entry(at).is_ok_and(|entry| entry.is_changed()));
             let Some(&source) = changed.or_else(|| loaded().next()) else { continue };

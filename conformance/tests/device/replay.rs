@@ -20,12 +20,18 @@ struct Example {
     node: u8,
     #[serde(default = "rest")]
     rest: i64,
+    #[serde(default = "sendix_bit_rate")]
+    bit_rate: u32,
     erratum: Option<String>,
     frames: Vec<String>,
 }
 
 fn sendix() -> u8 {
     63
+}
+
+fn sendix_bit_rate() -> u32 {
+    250_000
 }
 
 fn rest() -> i64 {
@@ -36,7 +42,7 @@ fn rest() -> i64 {
 fn complaint(example: &Example, model: &str) -> Option<String> {
     let model = Model::by_id(model).unwrap();
     let node = (example.node > 0).then_some(example.node);
-    let mut rig = Rig::powered(model, node, Faults::NONE, Motion::still(example.rest));
+    let mut rig = Rig::powered_at(example.bit_rate, model, node, Faults::NONE, Motion::still(example.rest));
     rig.run(300);
     let mut steps = example.frames.iter().peekable();
     while let Some(step) = steps.next() {

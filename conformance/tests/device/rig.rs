@@ -28,7 +28,12 @@ impl Rig {
     }
 
     pub fn powered(model: &Model, node: Option<u8>, faults: Faults, motion: Motion) -> Self {
-        let mut bus = SimulatedBus::new(250_000);
+        Self::powered_at(250_000, model, node, faults, motion)
+    }
+
+    /// On a bus of that bit rate, which a device without a bit rate of its own takes over.
+    pub fn powered_at(bit_rate: u32, model: &Model, node: Option<u8>, faults: Faults, motion: Motion) -> Self {
+        let mut bus = SimulatedBus::new(bit_rate);
         let node = node.map(|node| NodeId::new(node).unwrap());
         bus.attach(Box::new(Device::with_motion(model, node, faults, 1, motion)));
         Self { bus }
