@@ -3,6 +3,7 @@
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]
 
+use canvass_analyzer::NodeId;
 use canvass_conformance::bench::{Bench, Deviation, Options, Target};
 use canvass_conformance::bus::SimulatedBus;
 use canvass_conformance::case::{Need, Touch};
@@ -32,8 +33,10 @@ fn deviations(model: &Model) -> Vec<Deviation> {
 fn check(id: &str, executed_at_least: usize) {
     let model = Model::by_id(id).unwrap();
     let deviations = deviations(model);
+    // One that has no node-ID as delivered gets one.
+    let node = model.default_node().or_else(|| NodeId::new(63));
     let target = Target {
-        node: model.default_node().unwrap(),
+        node: node.unwrap(),
         model: id.to_owned(),
         description: Some(model.description().clone()),
         deviations: deviations.clone(),
@@ -46,7 +49,7 @@ fn check(id: &str, executed_at_least: usize) {
         // 30 revolutions per minute where the case needs a shaft that turns.
         let turns = case.needs.contains(&Need::TurningShaft);
         let motion = Motion::constant(0x4CBA, if turns { 30_000 } else { 0 });
-        bus.attach(Box::new(Device::with_motion(model, model.default_node(), Faults::NONE, 0, motion)));
+        bus.attach(Box::new(Device::with_motion(model, node, Faults::NONE, 0, motion)));
         let mut annotate = |_: &canvass_traces::Record| String::new();
         let report = run_case(&mut Bench::new(&mut bus, &target, &options, &mut annotate, &cancel), case);
         let kind = report.verdict.kind();
