@@ -1,8 +1,7 @@
 //! Runs cases one after the other and says what happens: every report is made from its events.
 
-use crate::bench::{Bench, Deviation, Evidence, Remains, objects};
+use crate::bench::{Bench, Deviation, Evidence, Measurement, Remains, objects};
 use crate::case::{Case, Touch};
-use crate::catalogue;
 use crate::verdict::{Kind, Reason, Verdict};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -11,7 +10,7 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What happens in a run, in this order: one [`RunEvent::RunStarted`], for each case a [`RunEvent::CaseStarted`] and a
-/// [`RunEvent::CaseFinished`], one [`RunEvent::RunFinished`].
+/// [`RunEvent::CaseFinished`], any number of [`RunEvent::Noticed`], one [`RunEvent::RunFinished`].
 #[derive(Debug)]
 pub enum RunEvent<'a> {
     /// The device was reached; cases follow.
@@ -27,6 +26,8 @@ pub enum RunEvent<'a> {
     },
     /// A case has ended.
     CaseFinished(&'a CaseReport),
+    /// Something about the run as a whole that a person should know.
+    Noticed(&'a str),
     /// All cases have ended, or the user has cancelled.
     RunFinished(&'a Summary),
 }
@@ -48,6 +49,8 @@ pub struct RunInfo {
     pub seed: u64,
     /// How many cases were selected.
     pub cases: usize,
+    /// The object dictionary before the first case, as far as it could be read: see [`Bench::dump`].
+    pub dictionary: Vec<(Multiplexer, Vec<u8>)>,
 }
 
 /// What a device says about itself. The texts come from the device: they may hold anything.
@@ -72,8 +75,19 @@ pub struct CaseReport {
     pub evidence: Evidence,
     /// What else was noticed.
     pub notes: Vec<String>,
+    /// What was measured, whatever the verdict.
+    pub measurements: Vec<Measurement>,
+    /// How each repetition ended; one where the case ran once.
+    pub outcomes: Vec<Kind>,
     /// How long it took on the clock of the bus, with the way to the precondition and back.
     pub duration: Duration,
+}
+
+impl CaseReport {
+    /// Whether repetitions ended differently.
+    pub fn is_flaky(&self) -> bool {
+        self.outcomes.windows(2).any(|pair| pair.first() != pair.last())
+    }
 }
 
 /// The outcome of a run.
@@ -84,6 +98,10 @@ pub struct Summary {
     pub duration: Duration,
     /// The user ended the run before all cases had run.
     pub cancelled: bool,
+    /// How often the device was told to write its non-volatile memory: it wears out.
+    pub stores: u32,
+    /// How many cases ended differently when they were repeated.
+    pub flaky: usize,
 }
 
 impl Summary {
@@ -168,6 +186,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         device: identify(bench),
         seed: plan.seed,
         cases: plan.cases.len(),
+        dictionary: bench.dump(),
     };
     report(&RunEvent::RunStarted(&info));
     let mut summary = Summary::default();
@@ -176,12 +195,17 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
             break;
         }
         report(&RunEvent::CaseStarted { case, number: at + 1, of: plan.cases.len() });
-        let finished = run_case(bench, case);
+        let finished = repeat_case(bench, case);
         summary.add(finished.verdict.kind());
+        summary.flaky += usize::from(finished.is_flaky());
         report(&RunEvent::CaseFinished(&finished));
     }
     summary.cancelled = bench.is_cancelled();
     bench.leave(was_operational);
+    for notice in bench.put_back_dictionary(&info.dictionary) {
+        report(&RunEvent::Noticed(&notice));
+    }
+    summary.stores = bench.stores();
     summary.duration = bench.now().since(started);
     report(&RunEvent::RunFinished(&summary));
     if summary.executed() == 0 {
@@ -219,6 +243,27 @@ fn identify(bench: &mut Bench<'_>) -> DeviceIdentity {
     DeviceIdentity { device_type, identity, names }
 }
 
+/// Runs a case as often as the options say. The report is that of the worst outcome, the first of them.
+fn repeat_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
+    let started = bench.now();
+    let mut worst = run_case(bench, case);
+    for _ in 1..bench.options().repeat.max(1) {
+        if bench.is_cancelled() {
+            break;
+        }
+        let next = run_case(bench, case);
+        let kind = next.verdict.kind();
+        let outcomes = std::mem::take(&mut worst.outcomes);
+        if kind.badness() > worst.verdict.kind().badness() {
+            worst = next;
+        }
+        worst.outcomes = outcomes;
+        worst.outcomes.push(kind);
+    }
+    worst.duration = bench.now().since(started);
+    worst
+}
+
 /// Runs one case: precondition, stimulus, restoration, and what must be true after every case.
 pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let started = bench.now();
@@ -227,10 +272,12 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let verdict = judged.unwrap_or_else(|panic| Verdict::Error(panicked(&*panic)));
     // Also what puts the device back could panic; the run goes on.
     let remains = catch_unwind(AssertUnwindSafe(|| bench.finish())).ok();
-    let (evidence, notes, restarted) = match remains {
-        Some(Remains { evidence, notes, restarted }) => (evidence, notes, restarted),
-        None => (Evidence::default(), vec!["the tester failed while it restored the device".to_owned()], None),
-    };
+    let Remains { evidence, notes, restarted, measurements } = remains.unwrap_or_else(|| Remains {
+        evidence: Evidence::default(),
+        notes: vec!["the tester failed while it restored the device".to_owned()],
+        restarted: None,
+        measurements: Vec::new(),
+    });
     let verdict = match (verdict, restarted) {
         (Verdict::Pass | Verdict::Tolerated(_), Some(at)) => Verdict::Fail(Reason::new(
             "the device does not restart by itself",
@@ -240,7 +287,8 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
         (verdict, _) => verdict,
     };
     let verdict = documented(verdict, case, &bench.target().deviations);
-    CaseReport { case, verdict, evidence, notes, duration: bench.now().since(started) }
+    let outcomes = vec![verdict.kind()];
+    CaseReport { case, verdict, evidence, notes, measurements, outcomes, duration: bench.now().since(started) }
 }
 
 fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Verdict {
@@ -271,11 +319,13 @@ fn panicked(panic: &(dyn Any + Send)) -> Reason {
     Reason::new("the tester works", "a verdict", text.unwrap_or_else(|| "a panic".to_owned()))
 }
 
-/// A failure that the device's documentation announces is a deviation.
+/// A failure that the device's documentation or its user announces is a deviation.
 fn documented(verdict: Verdict, case: &Case, deviations: &[Deviation]) -> Verdict {
     let Verdict::Fail(reason) = verdict else { return verdict };
-    match deviations.iter().find(|deviation| catalogue::matches(&deviation.case, case.id)) {
-        Some(deviation) => Verdict::Deviation { reason, documented: deviation.documented.clone() },
+    match deviations.iter().find(|deviation| deviation.explains(case, &reason)) {
+        Some(Deviation { documented, by, .. }) => {
+            Verdict::Deviation { reason, documented: documented.clone(), by: *by }
+        }
         None => Verdict::Fail(reason),
     }
 }
@@ -355,7 +405,7 @@ mod tests {
 
     #[test]
     fn a_documented_failure_is_a_deviation() {
-        let deviations = [Deviation { case: "test/*".to_owned(), documented: "manual, 5.1".to_owned() }];
+        let deviations = [Deviation::of_manual("test/*", "manual, 5.1")];
         let verdict = documented(Verdict::Fail(Reason::default()), &PASSES, &deviations);
         assert_eq!(verdict.documented(), Some("manual, 5.1"));
         assert_eq!(documented(Verdict::Pass, &PASSES, &deviations), Verdict::Pass);

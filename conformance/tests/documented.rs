@@ -4,7 +4,7 @@
 #![cfg(test)]
 
 use canvass_analyzer::NodeId;
-use canvass_conformance::bench::{Bench, Deviation, Options, Target};
+use canvass_conformance::bench::{Bench, Options, Target};
 use canvass_conformance::bus::SimulatedBus;
 use canvass_conformance::case::{Need, Touch};
 use canvass_conformance::device::{Device, Motion};
@@ -15,32 +15,12 @@ use canvass_conformance::{Faults, catalogue};
 use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
-/// The rows `[[deviation]]` of a sheet, one for each of its case patterns.
-fn deviations(model: &Model) -> Vec<Deviation> {
-    let path = format!("{}/models/{}.toml", env!("CARGO_MANIFEST_DIR"), model.id());
-    let sheet: toml::Table = std::fs::read_to_string(path).unwrap().parse().unwrap();
-    let rows = sheet.get("deviation").and_then(toml::Value::as_array).cloned().unwrap_or_default();
-    let of_row = |row: &toml::Value| -> Vec<Deviation> {
-        let documented = row["device"].as_str().unwrap().to_owned();
-        let cases = row.get("cases").and_then(toml::Value::as_array).cloned().unwrap_or_default();
-        let case =
-            |case: &toml::Value| Deviation { case: case.as_str().unwrap().to_owned(), documented: documented.clone() };
-        cases.iter().map(case).collect()
-    };
-    rows.iter().flat_map(of_row).collect()
-}
-
 fn check(id: &str, executed_at_least: usize) {
     let model = Model::by_id(id).unwrap();
-    let deviations = deviations(model);
+    let deviations = model.deviations();
     // One that has no node-ID as delivered gets one.
     let node = model.default_node().or_else(|| NodeId::new(63));
-    let target = Target {
-        node: node.unwrap(),
-        model: id.to_owned(),
-        description: Some(model.description().clone()),
-        deviations: deviations.clone(),
-    };
+    let target = Target::of(model, node.unwrap());
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
     let (mut wrong, mut executed, mut used) = (Vec::new(), 0, BTreeSet::new());
@@ -55,7 +35,8 @@ fn check(id: &str, executed_at_least: usize) {
         let kind = report.verdict.kind();
         executed += usize::from(kind.is_executed());
         if kind == Kind::Deviation {
-            let explains = |deviation: &&Deviation| catalogue::matches(&deviation.case, case.id);
+            let explains =
+                |deviation: &&canvass_conformance::bench::Deviation| catalogue::matches(&deviation.case, case.id);
             used.extend(deviations.iter().filter(explains).map(|deviation| deviation.case.clone()));
         }
         let not_restored = report.notes.iter().any(|note| note.contains("restored") || note.contains("set back"));

@@ -24,10 +24,7 @@ fn run_with(faults: Faults, reporters: &mut [&mut dyn Reporter]) -> Summary {
         node: model.default_node().unwrap(),
         model: MODEL.to_owned(),
         description: Some(model.description().clone()),
-        deviations: vec![Deviation {
-            case: "301/identity/names".to_owned(),
-            documented: "the manual says so".to_owned(),
-        }],
+        deviations: vec![Deviation::of_manual("301/identity/names", "the manual says so")],
     };
     let (options, cancel) = (Options::default(), AtomicBool::new(false));
     let mut decoder = Decoder::new(&target);

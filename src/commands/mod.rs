@@ -1,5 +1,6 @@
 //! One file per subcommand: what was typed becomes objects, the objects do the work.
 
+pub mod compare;
 pub mod completions;
 pub mod convert;
 pub mod decode;
@@ -8,6 +9,7 @@ pub mod diagnose;
 pub mod explain;
 pub mod list;
 pub mod man;
+pub mod selftest;
 pub mod send;
 pub mod signals;
 pub mod test;

@@ -1,21 +1,29 @@
 //! `canvass test`: the conformance cases against one device.
 
+mod forecast;
+mod recorder;
 mod reports;
+mod timing;
 
 use crate::devices::{describe, parse_node};
 use crate::output::Color;
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
 use canvass_analyzer::NodeId;
-use canvass_conformance::bench::{Bench, Decoder, Options, Target};
+use canvass_conformance::bench::{Bench, Decoder, Deviation, Evidence, Options, Target, Timing};
 use canvass_conformance::bus::{self, BusError, Opened};
 use canvass_conformance::case::{Case, Touch};
 use canvass_conformance::catalogue::{Selector, select};
-use canvass_conformance::runner::{Plan, RunEvent, run};
+use canvass_conformance::models::Model;
+use canvass_conformance::runner::{CaseReport, Plan, RunEvent, run};
+use canvass_conformance::waiver::Waivers;
+use recorder::{Recorded, Recorder};
 use reports::{ReportArg, ReportFormat, Reports};
 use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use timing::Timeout;
 
 /// Test a device against CiA 301
 ///
@@ -43,10 +51,25 @@ pub struct Args {
     /// Write a report into a file too; can be given several times
     #[arg(long, value_name = "FORMAT=FILE")]
     report: Vec<ReportArg>,
+    /// A file of failures that are put up with, each with its reason (TOML, see `docs/cases.md`)
+    #[arg(long, value_name = "FILE")]
+    waivers: Option<PathBuf>,
+    /// Run each case so often; a case that does not always end the same way is flaky
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeat: u32,
+    /// Write the whole traffic into a capture, in which the cases are marked; its extension tells the format
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// How long to wait, in milliseconds: sdo, boot-up, reaction, silence
+    #[arg(long, value_name = "WHAT=MS", value_delimiter = ',')]
+    timeout: Vec<Timeout>,
+    /// How far the mean of a period may be off, in percent
+    #[arg(long, default_value_t = 5, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
+    tolerance: u32,
     /// The seed of everything that is left to chance
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Only say which cases would run
+    /// Only say which cases would run, and how long that would take
     #[arg(long)]
     dry_run: bool,
 }
@@ -54,27 +77,45 @@ pub struct Args {
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let cases = self.cases()?;
+        let options = self.options();
         if self.dry_run {
-            let lines: String = cases.iter().map(|case| format!("{}\n", case.id)).collect();
-            crate::output::print(&lines)?;
-            return Ok(Status::Good);
+            return forecast::dry_run(&self.bus, self.device.as_deref(), &cases, &options);
         }
+        let (waivers, today) = (self.waivers()?, today());
         let mut opened = open_bus(&self.bus, self.seed)?;
-        let target = self.target(&opened)?;
-        let mut decoder = Decoder::new(&target);
-        let options = Options { allow: self.allow.iter().copied().collect(), ..Options::default() };
+        let target = self.target(&opened, waivers.deviations(&today))?;
+        let recorder = self.record.as_deref().map(Recorder::create).transpose()?;
+        let mut annotate = Recorded { decoder: Decoder::new(&target), recorder: recorder.as_ref() };
         let mut reports = Reports::open(self.format, &self.report, color)?;
         let cancel = cancelled_by_ctrl_c()?;
         let plan = Plan { cases: &cases, bus: &self.bus, bit_rate: opened.bus.bit_rate(), seed: self.seed };
-        let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut decoder, &cancel);
+        let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut annotate, &cancel);
         let mut written: io::Result<()> = Ok(());
+        let mut finished: Vec<CaseReport> = Vec::new();
         let summary = run(&mut bench, &plan, &mut |event: &RunEvent<'_>| {
+            if let Some(recorder) = &recorder {
+                recorder.event(event);
+            }
+            match event {
+                RunEvent::CaseFinished(report) if self.waivers.is_some() => {
+                    // Whether a waiver was needed is all that is asked.
+                    finished.push(CaseReport { evidence: Evidence::default(), ..(*report).clone() });
+                }
+                RunEvent::RunFinished(_) if written.is_ok() => {
+                    let idle = waivers.idle(&today, &finished.iter().collect::<Vec<_>>());
+                    written = idle.iter().try_for_each(|notice| reports.event(&RunEvent::Noticed(notice)));
+                }
+                _ => {}
+            }
             // The device is put back in any case; a report that can't be written is told of afterwards.
             if written.is_ok() {
                 written = reports.event(event);
             }
         });
         written.context("can't write the report")?;
+        if let Some(recorder) = recorder {
+            recorder.finish()?;
+        }
         let summary = summary.map_err(Failure::unreachable)?;
         Ok(if summary.is_good() && !summary.cancelled { Status::Good } else { Status::Findings })
     }
@@ -87,9 +128,23 @@ impl Args {
         })
     }
 
-    fn target(&self, opened: &Opened) -> Result<Target, Failure> {
+    fn options(&self) -> Options {
+        let mut timing = Timing { period_tolerance: self.tolerance, ..Timing::default() };
+        for timeout in &self.timeout {
+            timeout.set(&mut timing);
+        }
+        Options { allow: self.allow.iter().copied().collect(), timing, repeat: self.repeat }
+    }
+
+    fn waivers(&self) -> Result<Waivers, Failure> {
+        let Some(path) = &self.waivers else { return Ok(Waivers::default()) };
+        let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+        Ok(Waivers::read(&text).with_context(|| format!("{}", path.display()))?)
+    }
+
+    fn target(&self, opened: &Opened, waived: Vec<Deviation>) -> Result<Target, Failure> {
         let model = opened.model;
-        let node = self.node.or_else(|| model.and_then(|model| model.default_node()));
+        let node = self.node.or_else(|| opened.node());
         let node = node.ok_or_else(|| anyhow!("which node? Say --node N"))?;
         let named = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
         let (model, description) = match (named, model) {
@@ -97,8 +152,16 @@ impl Args {
             (None, Some(model)) => (model.id().to_owned(), Some(model.description().clone())),
             (None, None) => (String::new(), None),
         };
-        Ok(Target { model, description, ..Target::unknown(node) })
+        let manual = Model::by_id(&model).map(|model| model.deviations().to_vec()).unwrap_or_default();
+        // What the user says goes before what the manual says: it is the more specific of the two.
+        let deviations = waived.into_iter().chain(manual).collect();
+        Ok(Target { node, model, description, deviations })
     }
+}
+
+/// The day, as waivers are dated.
+fn today() -> String {
+    jiff::Zoned::now().date().to_string()
 }
 
 /// Opens a bus; an address that names none is a mistake of the user, anything else is the bus's.

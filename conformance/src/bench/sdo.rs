@@ -163,12 +163,16 @@ impl Bench<'_> {
         }
     }
 
-    fn send_request(&mut self, request: &Request) -> Result<(), Verdict> {
+    /// Sends one SDO message and does not wait.
+    ///
+    /// # Errors
+    /// As [`Bench::send`].
+    pub fn send_request(&mut self, request: &Request) -> Result<(), Verdict> {
         let cob_id = sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send(&request.to_frame(cob_id)).map(|_| ())
     }
 
-    fn wait_for_response(&mut self, span: Duration) -> Result<Option<Frame>, Verdict> {
+    pub(super) fn wait_for_response(&mut self, span: Duration) -> Result<Option<Frame>, Verdict> {
         let cob_id = sdo::RESPONSE_BASE + u16::from(self.node().raw());
         self.wait_for(span, |record| (record.frame.cob_id() == Some(cob_id)).then_some(record.frame))
     }

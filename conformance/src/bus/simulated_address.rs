@@ -169,7 +169,7 @@ impl SimulatedDevice {
     ///
     /// # Errors
     /// [`BusError::Address`] if the file can't be read.
-    pub(super) fn model(&self) -> Result<&'static Model, BusError> {
+    pub fn model(&self) -> Result<&'static Model, BusError> {
         match &self.device {
             DeviceName::Model(model) => Ok(model),
             DeviceName::File(path) => described(path).map_err(|reason| unreadable(path, &reason)),

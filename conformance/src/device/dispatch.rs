@@ -1,6 +1,7 @@
 //! Which frame goes to which service, and what goes out when.
 
 use super::emcy::Condition;
+use super::mischief::Incoming;
 use super::nmt::{Phase, Service};
 use super::routes::Route;
 use super::rpdo::{Payload, Received};
@@ -269,10 +270,9 @@ impl Device {
         self.sync.is_closed()
             && can_id.is_some_and(|id| self.tpdos.iter().any(|tpdo| tpdo.is_synchronous() && tpdo.uses(id)))
     }
-}
 
-impl Machine for Device {
-    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+    /// A frame as the services get it.
+    fn receive(&mut self, now: Timestamp, frame: &Frame) {
         let standard = frame.id().as_standard();
         let Some(can_id) = standard.or_else(|| self.confuses_formats().then(|| frame.id().raw() as u16 & 0x7FF)) else {
             return;
@@ -298,12 +298,37 @@ impl Machine for Device {
         }
         self.settle(now);
     }
+}
+
+impl Machine for Device {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        if !self.mischief.is_active() {
+            self.receive(now, frame);
+            return;
+        }
+        match self.mischief.on_receive(frame, self.node, self.lss_address()) {
+            Incoming::Frames(first, second) => {
+                self.receive(now, &first);
+                second.iter().for_each(|second| self.receive(now, second));
+            }
+            Incoming::Lost => {}
+            Incoming::Answered(answer) => push(&mut self.outbox, answer),
+        }
+    }
 
     fn poll_transmit(&mut self, _: Timestamp) -> Option<Frame> {
         if self.activation.is_some() {
             return None;
         }
-        self.outbox.pop_front()
+        if !self.mischief.is_active() {
+            return self.outbox.pop_front();
+        }
+        loop {
+            let frame = self.outbox.pop_front()?;
+            if let Some(frame) = self.mischief.on_send(frame, self.node) {
+                return Some(frame);
+            }
+        }
     }
 
     fn poll_timeout(&self) -> Option<Timestamp> {

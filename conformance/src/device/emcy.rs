@@ -283,6 +283,7 @@ impl Errors {
     pub fn on_stopped(&mut self) {
         if self.faults.has(Fault::EmcyLostWhenStopped) {
             self.queue.clear();
+            self.clear_history();
         }
     }
 

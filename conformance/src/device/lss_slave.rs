@@ -229,6 +229,11 @@ impl LssSlave {
 }
 
 impl Device {
+    /// 1018h:01 to 04.
+    pub(super) fn lss_address(&self) -> Address {
+        [1, 2, 3, 4].map(|sub| self.objects.parameters.number_or_zero(0x1018, sub) as u32)
+    }
+
     /// A frame of the LSS master came.
     pub(super) fn on_lss(&mut self, now: Timestamp, frame: &Frame) {
         let network = &self.objects.model.sheet().network;
@@ -241,7 +246,7 @@ impl Device {
         if !network.lss || !works || booting || frame.len() != 8 {
             return;
         }
-        let address = [1, 2, 3, 4].map(|sub| self.objects.parameters.number_or_zero(0x1018, sub) as u32);
+        let address = self.lss_address();
         let node = self.node.map_or(UNCONFIGURED, NodeId::raw);
         let model = self.objects.model.clone();
         let (response, effect) = self.lss.handle(request, address, node, &model, self.faults);

@@ -18,6 +18,7 @@ mod links;
 mod lmt_slave;
 mod lss_slave;
 mod memory;
+mod mischief;
 mod motion;
 mod motion_syntax;
 mod nmt;
@@ -48,6 +49,7 @@ use heartbeat::HeartbeatProducer;
 use heartbeat_consumer::HeartbeatConsumer;
 use lmt_slave::LmtSlave;
 use lss_slave::LssSlave;
+use mischief::Mischief;
 use nmt::Phase;
 use objects::Objects;
 use overload::Overload;
@@ -91,6 +93,7 @@ pub struct Device {
     silent_until: Timestamp,
     routes: Routes,
     overload: Overload,
+    mischief: Mischief,
     /// When the last NMT command came.
     last_command: Option<Timestamp>,
     /// Resets since power-on.
@@ -146,6 +149,7 @@ impl Device {
             lmt: LmtSlave::new(sheet.network.default_bit_rate_kbit),
             silent_until: Timestamp::ZERO,
             routes: Routes::new(),
+            mischief: Mischief::new(faults),
             overload: Overload::new(),
             last_command: None,
             resets: 0,

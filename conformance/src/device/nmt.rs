@@ -56,6 +56,7 @@ impl Phase {
         match self {
             Self::Operational => true,
             Self::PreOperational => faults.has(Fault::RpdoInPreOperational),
+            Self::Stopped => faults.has(Fault::RpdoWhenStopped),
             _ => false,
         }
     }

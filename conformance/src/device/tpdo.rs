@@ -25,6 +25,8 @@ pub(super) struct Tpdo {
     /// The SYNC counter with which counting begins; 0: with any.
     sync_start: u8,
     mapping: Vec<MappingEntry>,
+    /// A faulty firmware sends a PDO that carries nothing.
+    sends_empty: bool,
     running: bool,
     event_due: Timestamp,
     sample_due: Timestamp,
@@ -60,6 +62,7 @@ impl Tpdo {
             event_timer: Duration::ZERO,
             sync_start: 0,
             mapping: Vec::with_capacity(8),
+            sends_empty: false,
             running: false,
             event_due: Timestamp::MAX,
             sample_due: Timestamp::MAX,
@@ -78,6 +81,7 @@ impl Tpdo {
     pub fn configure(&mut self, now: Timestamp, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(0x1800 + self.number, sub);
         let faults = objects.faults;
+        self.sends_empty = faults.has(Fault::EmptyPdoValidated);
         self.cob_id = CobId(number(1) as u32);
         self.transmission = TransmissionType(number(2) as u8);
         let padded = &objects.model.sheet().network.padded_tpdos;
@@ -153,7 +157,7 @@ impl Tpdo {
     }
 
     fn is_active(&self) -> bool {
-        self.running && self.cob_id.is_valid() && !self.mapping.is_empty()
+        self.running && self.cob_id.is_valid() && (self.sends_empty || !self.mapping.is_empty())
     }
 
     fn is_event_driven(&self) -> bool {

@@ -2,6 +2,7 @@
 //! cannot say.
 
 mod annotations;
+mod deviations;
 mod generic;
 mod quirks;
 mod recognition;
@@ -15,10 +16,12 @@ pub use sheet::{
     Value,
 };
 
+use crate::bench::Deviation;
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
 use canvass_analyzer::network::{Candidate, Candidates};
+use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
 
 /// The files of each model, EDS and sheet, by the model's id.
@@ -51,6 +54,7 @@ static MODELS: LazyLock<Vec<Model>> =
 pub struct Model {
     description: Arc<DeviceDescription>,
     sheet: Arc<Sheet>,
+    deviations: Arc<[Deviation]>,
 }
 
 /// Why a model's files could not be read.
@@ -90,8 +94,10 @@ impl Model {
         let mut description = eds::read(eds.as_bytes())?;
         let tables: AnnotationTables = toml::from_str(text)?;
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
+        let deviations: DeviationTables = toml::from_str(text)?;
+        let deviations = deviations.deviations().into();
         description.settings = sheet.settings();
-        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations })
     }
 
     /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
@@ -102,7 +108,7 @@ impl Model {
     pub fn generic(name: &str, bytes: &[u8]) -> Result<Self, ModelError> {
         let description = DeviceDescription::read(bytes)?;
         let sheet = generic::sheet(name, &description)?;
-        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
     }
 
     /// What tells that a node is of this model.
@@ -142,6 +148,11 @@ impl Model {
         &self.description
     }
 
+    /// Where the manual says that the device differs from the standard, as far as cases judge it.
+    pub fn deviations(&self) -> &[Deviation] {
+        &self.deviations
+    }
+
     /// What the EDS does not say.
     pub fn sheet(&self) -> &Sheet {
         &self.sheet
@@ -158,6 +169,11 @@ mod tests {
             let model = Model::read(eds, sheet).unwrap();
             assert!(Model::by_id(model.id()).is_some());
             assert!(!model.summary().is_empty());
+            for deviation in model.deviations() {
+                let explained =
+                    crate::catalogue::cases().iter().any(|c| crate::catalogue::matches(&deviation.case, c.id));
+                assert!(explained, "{}: no case is called {}", model.id(), deviation.case);
+            }
         }
         assert_eq!(Model::all().len(), FILES.len());
     }

@@ -16,14 +16,17 @@ const CONTRADICTS_ITSELF: &str = "kuebler-5.7.7.txt";
 
 #[test]
 fn a_cut_capture_gives_its_first_frames_and_says_what_is_lost() {
+    let mut silent = Vec::new();
     for sample in samples(|sample| sample.name != CONTRADICTS_ITSELF) {
         for end in 0..sample.bytes.len() {
             let name = &sample.name;
             // Of no known format any more: that is said when it is opened.
             let Some((frames, damages)) = read(&sample.bytes[..end]) else { continue };
             assert!(sample.frames.starts_with(&frames), "{name} cut at {end}: {frames:#?}");
-            let silent = damages.is_empty() && loses(&sample, end, frames.len());
-            assert!(!silent, "{name} cut at {end}: {} frames, and nothing is said", frames.len());
+            if damages.is_empty() && loses(&sample, end, frames.len()) {
+                silent.push(format!("{name} cut at {end}: {} frames", frames.len()));
+            }
         }
     }
+    assert!(silent.is_empty(), "nothing is said of {} cuts:\n{}", silent.len(), silent.join("\n"));
 }

@@ -106,7 +106,7 @@ impl Rule for ConsumerTime {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if let Message::Nmt(nmt) = context.message() {
             return if context.begins_anew() {
-                self.forget(nmt.node)
+                self.forget(nmt.node);
             };
         }
         let Some(node) = context.node() else { return };

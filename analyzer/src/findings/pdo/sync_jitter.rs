@@ -46,7 +46,7 @@ impl Rule for SyncJitter {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         if !matches!(context.message(), Message::Sync(_)) {
             return if context.begins_anew() {
-                self.rhythm.pause()
+                self.rhythm.pause();
             };
         }
         if let Some(interval) = self.rhythm.beat(context.now()) {

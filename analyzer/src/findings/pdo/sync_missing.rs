@@ -33,7 +33,7 @@ impl Rule for SyncMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if !matches!(context.message(), Message::Sync(_)) {
             return if context.begins_anew() {
-                self.rhythm.pause()
+                self.rhythm.pause();
             };
         }
         let Some(interval) = self.rhythm.beat(context.now()) else { return };

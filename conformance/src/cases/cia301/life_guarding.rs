@@ -68,7 +68,7 @@ fn guard(bench: &mut Bench<'_>) -> Result<Timestamp, Verdict> {
 
 /// A master that has guarded once and then falls silent is reported by an EMCY after guard time times life time factor.
 #[case(id = "301/life-guarding/time", clause = "CiA 301 7.2.8.2.2.2", confidence = Attested, level = Must,
-       needs = [Guarding], catches = [LifeTimeFactorOffByOne, LifeGuardingUnreported], cct = "7.6")]
+       needs = [Guarding], catches = [LifeTimeFactorOffByOne, LifeTimeFactorIgnored, LifeGuardingUnreported, HeartbeatConsumerSilent], cct = "7.6")]
 fn time(bench: &mut Bench<'_>) -> Judged {
     let life_time = life_time(bench, 500, 3)?;
     let from = guard(bench)?;

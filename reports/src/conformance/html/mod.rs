@@ -4,7 +4,7 @@
 
 mod case;
 
-use super::{Run, family, name_in_family, outcome, symbol};
+use super::{Run, name_in_family, outcome, symbol};
 use crate::escape::printable;
 use crate::page::{self, Page};
 use canvass_conformance::verdict::Kind;
@@ -65,6 +65,7 @@ fn head(run: &Run, name: &str) -> Markup {
         p.outcome.(if good { "good" } else { "bad" }) {
             (outcome(&run.summary))
         }
+        @for notice in &run.notices { p.note { (printable(notice)) } }
         dl.facts {
             (fact("Node", &info.node.to_string()))
             (fact("Bus", &format!("{}{rate}", info.bus)))
@@ -98,8 +99,8 @@ fn tile(run: &Run, kind: Kind) -> Markup {
 fn matrix(run: &Run) -> Markup {
     html! {
         div.matrix {
-            @for group in run.cases.chunk_by(|a, b| family(a.case.id) == family(b.case.id)) {
-                @let name = group.first().map_or("", |report| family(report.case.id));
+            @for group in run.cases.chunk_by(|a, b| a.case.family() == b.case.family()) {
+                @let name = group.first().map_or("", |report| report.case.family());
                 div.family { (name) }
                 div.cells {
                     @for report in group {

@@ -35,3 +35,31 @@ fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
         Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&now).to_string())
     })
 }
+
+/// Reset communication leaves the parameters of the application, 2000h and above, as they are.
+#[case(id = "301/nmt/reset-communication/application", clause = "CiA 301 7.3.2.1", confidence = Attested,
+       level = Must, needs = [ApplicationParameter], catches = [NmtResetCommunicationRestoresAll])]
+fn application(bench: &mut Bench<'_>) -> Judged {
+    let Some(scratch) = bench.application_scratch()? else { return Ok(crate::verdict::Verdict::Pass) };
+    bench.write(scratch.multiplexer, &scratch.other)?;
+    bench.reset(Command::RESET_COMMUNICATION)?;
+    let now = bench.read(scratch.multiplexer)?;
+    demand(now == scratch.other, || {
+        let duty = format!("{} keeps its value over reset communication", scratch.multiplexer);
+        Reason::new(duty, Bytes(&scratch.other).to_string(), Bytes(&now).to_string())
+    })
+}
+
+/// Reset node brings parameters of the application that were changed but not stored back to their power-on values.
+#[case(id = "301/nmt/reset-node/application", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+       needs = [ApplicationParameter], catches = [NmtResetNodeKeepsParameters])]
+fn application_power_on(bench: &mut Bench<'_>) -> Judged {
+    let Some(scratch) = bench.application_scratch()? else { return Ok(crate::verdict::Verdict::Pass) };
+    bench.write(scratch.multiplexer, &scratch.other)?;
+    bench.reset(Command::RESET_NODE)?;
+    let now = bench.read(scratch.multiplexer)?;
+    demand(now == scratch.value, || {
+        let duty = format!("{} has its power-on value after reset node", scratch.multiplexer);
+        Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&now).to_string())
+    })
+}
