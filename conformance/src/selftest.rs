@@ -132,7 +132,7 @@ fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<Fa
     let named = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
     let relatives: BTreeSet<&str> = named.map(chapter).collect();
     let mut row = FaultRow { fault, model: model.id(), failed: Vec::new(), missed: Vec::new(), unrelated: Vec::new() };
-    let target = Target::of(model, model.default_node().unwrap_or(UNCONFIGURED));
+    let target = Target::of(model, node_of(model));
     let mut knowledge = Knowledge::default();
     for (n, &case) in cases.iter().enumerate() {
         if !extent.contains(fault, n, case) {
@@ -153,7 +153,7 @@ fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<Fa
 
 fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
     let mut row = ModelRow { model: model.id(), executed: 0, alarms: Vec::new() };
-    let target = Target::of(model, model.default_node().unwrap_or(UNCONFIGURED));
+    let target = Target::of(model, node_of(model));
     let mut knowledge = Knowledge::default();
     for &case in cases {
         let verdict = judge_knowing(case, model, Faults::NONE, &target, &mut knowledge).verdict;
@@ -168,13 +168,17 @@ fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
 
 /// Runs one case, with everything allowed, on a new device of that model with those faults.
 pub fn judge(case: &'static Case, model: &'static Model, faults: Faults) -> CaseReport {
-    let node = model.default_node().unwrap_or(UNCONFIGURED);
+    let node = node_of(model);
     let target = Target::of(model, node);
     judge_target(case, model, faults, &target)
 }
 
-/// The node-ID that a device without one is addressed by: nobody answers there.
-const UNCONFIGURED: NodeId = NodeId::MAX;
+/// That of delivery. A device without one as delivered has been given one.
+fn node_of(model: &Model) -> NodeId {
+    model.default_node().unwrap_or(GIVEN_NODE)
+}
+
+const GIVEN_NODE: NodeId = NodeId::MAX;
 
 /// Where the shaft stands, in steps of the physical resolution.
 const REST: i64 = 0x4CBA;
@@ -197,7 +201,7 @@ fn judge_knowing(
 ) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
     let motion = Motion::constant(REST, if case.needs.contains(&Need::TurningShaft) { TURNING } else { 0 });
-    bus.attach(Box::new(Device::with_motion(model, model.default_node(), faults, 0, motion)));
+    bus.attach(Box::new(Device::with_motion(model, Some(target.node), faults, 0, motion)));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
     let mut annotate = |_: &Record| String::new();
