@@ -211,7 +211,7 @@ faults! {
     AcyclicTpdoWithoutEvent = "acyclic-tpdo-without-event" on "reference-301": "TPDOs of transmission type 0 are sent at every SYNC.",
     SyncStartValueIgnored = "sync-start-value-ignored" on "reference-301": "The SYNC start value of TPDOs has no effect.",
     SyncCountNotReset = "sync-count-not-reset" on "reference-301": "TPDOs of transmission type n go on counting SYNCs where they stopped.",
-    TpdoNotSentAtStart = "tpdo-not-sent-at-start" on "reference-301": "Event-driven TPDOs are not sent when the device becomes operational.",
+    TpdoNotSentAtStart = "tpdo-not-sent-at-start" on "reference-406": "Event-driven TPDOs are not sent when the device becomes operational.",
     RemoteFrameAnsweredWhenNotAllowed = "remote-frame-answered-when-not-allowed" on "reference-301": "Remote frames are answered although bit 30 of the COB-ID is set.",
     RtrTypeSampledAtOnce = "rtr-type-sampled-at-once" on "reference-301": "A TPDO of transmission type 252 holds the values of the remote frame, not of the SYNC.",
     RtrTypeWithoutRtrAccepted = "rtr-type-without-rtr-accepted" on "reference-301": "Transmission types 252 and 253 are accepted for a PDO without remote frames.",

@@ -5,7 +5,6 @@
 
 mod encoder;
 mod errors;
-mod faults;
 mod nmt;
 mod pdo;
 mod quirks;

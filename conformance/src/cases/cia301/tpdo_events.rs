@@ -196,7 +196,7 @@ fn inhibit_unit(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// A TPDO of transmission type 253 is sent when a remote frame asks for it.
-#[case(id = "301/tpdo/remote", clause = "CiA 301 7.2.2.3", confidence = Known, level = Should,
+#[case(id = "301/tpdo/remote-triggered", clause = "CiA 301 7.2.2.3", confidence = Known, level = Should,
        needs = [Changeable], catches = [TpdoRemoteIgnored], cct = "3.3")]
 fn on_remote(bench: &mut Bench<'_>) -> Judged {
     let subject = remote_subject(bench, 253)?;
