@@ -25,22 +25,30 @@ fn sendix_58x8() {
     assert!(description.dictionary.entry(Multiplexer::new(0x1800, 4)).is_err());
 }
 
-/// Kübler's other models have tests of their own.
+/// Model, sub-indexes, and whether it knows LSS.
 #[test]
-fn lika_and_tr() {
-    for (model, sub_indexes, profile, has_lss) in
-        [("lika-ax58", 59, 406, false), ("tr-c65", 49, 406, false), ("tr-lmp30", 54, 406, false)]
-    {
+fn the_other_encoders() {
+    for (model, sub_indexes, has_lss) in [
+        ("kuebler-sendix-f58", 159, true),
+        ("kuebler-sendix-m58", 138, true),
+        ("kuebler-sendix-f58m", 150, true),
+        ("kuebler-c100", 51, true),
+        ("kuebler-d125", 51, true),
+        ("lika-ax58", 59, false),
+        ("tr-c65", 49, false),
+        ("tr-lmp30", 54, false),
+        ("reference-406", 161, true),
+    ] {
         let path = format!("{}/../conformance/models/{model}.eds", env!("CARGO_MANIFEST_DIR"));
         let description = eds::read(&std::fs::read(path).unwrap()).unwrap();
         assert!(description.problems.is_empty(), "{model}: {:#?}", description.problems);
-        assert_eq!(description.device_profile(), Some(profile), "{model}");
+        assert_eq!(description.device_profile(), Some(406), "{model}");
         assert_eq!(description.device.lss_supported, has_lss, "{model}");
         assert_eq!(description.dictionary.entries().count(), sub_indexes, "{model}");
     }
 }
 
-/// What the manuals of Lika and TR-Electronic have otherwise than the standards.
+/// What the manuals have otherwise than the standards.
 #[test]
 fn contradictions_to_the_standards() {
     let found = |model: &str| -> Vec<String> {
@@ -60,4 +68,7 @@ fn contradictions_to_the_standards() {
     let mut linear = vec!["[1018sub0] DataType: UNSIGNED32 instead of UNSIGNED8".to_owned()];
     linear.extend(ro(&fixed));
     assert_eq!(found("tr-lmp30"), linear);
+    for model in ["kuebler-sendix-f58", "kuebler-sendix-m58", "kuebler-sendix-f58m", "kuebler-c100", "kuebler-d125"] {
+        eprintln!("KUEBLER {model} {:?}", found(model));
+    }
 }

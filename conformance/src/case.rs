@@ -187,6 +187,30 @@ pub enum Need {
     Unconfigured,
     /// The device is an encoder (CiA 406).
     Encoder,
+    /// A preset (6003h) that a reset takes back, unless `--allow nvm` was given.
+    VolatilePreset,
+    /// A work area: 6400h, 6401h and 6402h.
+    WorkArea,
+    /// Alarms and warnings: 6503h to 6506h.
+    Alarms,
+    /// The temperature limits of Kübler's Sendix encoders, 2120h.
+    TemperatureLimit,
+    /// The raw position 600Ch.
+    RawPosition,
+    /// The raw position of Kübler's Sendix encoders with its inverse and checksum, 2160h to 2162h.
+    RawData,
+    /// The speed 6030h.
+    Speed,
+    /// The speed 6030h with its parameters 6031h.
+    SpeedParameters,
+    /// The acceleration 6040h.
+    Acceleration,
+    /// The shaft turns, or the wire moves, while the case runs.
+    TurningShaft,
+    /// Two redundant channels of the position in TPDO 1: 6020h twice in 1A00h.
+    RedundantChannels,
+    /// The inclinometer of Kübler's draw-wire encoders: 3003h to 3010h, 5000h.
+    Inclinometer,
     /// Store parameters, 1010h:01.
     Store,
     /// The SDO server knows block uploads.
@@ -239,6 +263,18 @@ impl Need {
             Self::StartUp => "NMT start-up (1F80h)",
             Self::Unconfigured => "no node-ID as delivered",
             Self::Encoder => "an encoder of CiA 406 with a position (6004h)",
+            Self::VolatilePreset => "a preset that is not stored at once (or --allow nvm)",
+            Self::WorkArea => "a work area (6400h to 6402h)",
+            Self::Alarms => "alarms and warnings (6503h to 6506h)",
+            Self::TemperatureLimit => "temperature limits of Kübler's Sendix encoders (2120h)",
+            Self::RawPosition => "a raw position (600Ch)",
+            Self::RawData => "the raw position of Kübler's Sendix encoders with its checksum (2160h to 2162h)",
+            Self::Speed => "a speed (6030h)",
+            Self::SpeedParameters => "a speed with parameters (6030h, 6031h)",
+            Self::Acceleration => "an acceleration (6040h)",
+            Self::TurningShaft => "a shaft that turns while the case runs",
+            Self::RedundantChannels => "two redundant channels of the position (6020h twice in 1A00h)",
+            Self::Inclinometer => "the inclinometer of Kübler's draw-wire encoders (3003h to 3010h, 5000h)",
             Self::Store => "store parameters (1010h:01)",
             Self::BlockUpload => "SDO block uploads",
             Self::BlockDownload => "SDO block downloads",

@@ -6,8 +6,8 @@
 
 use crate::bench::{Bench, Knowledge, Options, Target};
 use crate::bus::SimulatedBus;
-use crate::case::{Case, Touch};
-use crate::device::Device;
+use crate::case::{Case, Need, Touch};
+use crate::device::{Device, Motion};
 use crate::models::Model;
 use crate::runner::{CaseReport, run_case};
 use crate::verdict::{Kind, Reason};
@@ -132,7 +132,7 @@ fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<Fa
     let named = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
     let relatives: BTreeSet<&str> = named.map(chapter).collect();
     let mut row = FaultRow { fault, model: model.id(), failed: Vec::new(), missed: Vec::new(), unrelated: Vec::new() };
-    let target = Target::of(model, model.default_node().unwrap_or(UNCONFIGURED));
+    let target = Target::of(model, node_of(model));
     let mut knowledge = Knowledge::default();
     for (n, &case) in cases.iter().enumerate() {
         if !extent.contains(fault, n, case) {
@@ -153,7 +153,7 @@ fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<Fa
 
 fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
     let mut row = ModelRow { model: model.id(), executed: 0, alarms: Vec::new() };
-    let target = Target::of(model, model.default_node().unwrap_or(UNCONFIGURED));
+    let target = Target::of(model, node_of(model));
     let mut knowledge = Knowledge::default();
     for &case in cases {
         let verdict = judge_knowing(case, model, Faults::NONE, &target, &mut knowledge).verdict;
@@ -168,13 +168,23 @@ fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
 
 /// Runs one case, with everything allowed, on a new device of that model with those faults.
 pub fn judge(case: &'static Case, model: &'static Model, faults: Faults) -> CaseReport {
-    let node = model.default_node().unwrap_or(UNCONFIGURED);
+    let node = node_of(model);
     let target = Target::of(model, node);
     judge_target(case, model, faults, &target)
 }
 
-/// The node-ID that a device without one is addressed by: nobody answers there.
-const UNCONFIGURED: NodeId = NodeId::MAX;
+/// That of delivery. A device without one as delivered has been given one.
+fn node_of(model: &Model) -> NodeId {
+    model.default_node().unwrap_or(GIVEN_NODE)
+}
+
+const GIVEN_NODE: NodeId = NodeId::MAX;
+
+/// Where the shaft stands, in steps of the physical resolution.
+const REST: i64 = 0x4CBA;
+
+/// How fast it turns where a case needs that, in thousandths of a revolution per minute.
+const TURNING: i64 = 30_000;
 
 /// As [`judge`], with what the tester is to know of the device.
 pub fn judge_target(case: &'static Case, model: &'static Model, faults: Faults, target: &Target) -> CaseReport {
@@ -190,7 +200,8 @@ fn judge_knowing(
     knowledge: &mut Knowledge,
 ) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
-    bus.attach(Box::new(Device::new(model, model.default_node(), faults, 0)));
+    let motion = Motion::constant(REST, if case.needs.contains(&Need::TurningShaft) { TURNING } else { 0 });
+    bus.attach(Box::new(Device::with_motion(model, Some(target.node), faults, 0, motion)));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
     let mut annotate = |_: &Record| String::new();

@@ -7,6 +7,7 @@ use super::sdo::number;
 use super::state::{GUARD_TIME, HEARTBEAT_TIME};
 use crate::case::{Need, Touch};
 use crate::client::Outcome;
+use crate::models::Model;
 use crate::verdict::Verdict;
 use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
 use canvass_analyzer::{CobId, Multiplexer};
@@ -33,6 +34,10 @@ impl Bench<'_> {
         // Other nodes can turn up at any time.
         if need == Need::Alone {
             return Ok(self.alone());
+        }
+        // A shaft that rests now may turn in the next case.
+        if need == Need::TurningShaft {
+            return self.turning_shaft();
         }
         if let Some(known) = self.knowledge.features.get(&need) {
             return Ok(known.clone());
@@ -77,7 +82,13 @@ impl Bench<'_> {
             Need::HeartbeatConsumer => self.heartbeat_consumer()?,
             Need::Monitoring => {
                 let guarded = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
-                if guarded { Ok(()) } else { self.heartbeat_consumer()? }
+                match guarded {
+                    true => Ok(()),
+                    false if self.watches_once_stored() => {
+                        Err("the device watches other nodes only once that is stored, as its manual says".to_owned())
+                    }
+                    false => self.heartbeat_consumer()?,
+                }
             }
             Need::Guarding => {
                 if self.has(GUARD_TIME)? {
@@ -124,6 +135,18 @@ impl Bench<'_> {
             Need::StartUp => self.all_writable(&[Multiplexer::new(0x1F80, 0)])?,
             Need::Unconfigured => Err("the device has a node-ID".to_owned()),
             Need::Encoder => self.encoder()?,
+            Need::VolatilePreset
+            | Need::WorkArea
+            | Need::Alarms
+            | Need::TemperatureLimit
+            | Need::RawPosition
+            | Need::RawData
+            | Need::Speed
+            | Need::SpeedParameters
+            | Need::Acceleration
+            | Need::TurningShaft
+            | Need::RedundantChannels
+            | Need::Inclinometer => self.of_encoder(need)?,
             Need::Store => {
                 if self.has(Multiplexer::new(0x1010, 1))? {
                     Ok(())
@@ -245,6 +268,12 @@ impl Bench<'_> {
             return Ok(Err(format!("TPDO 1 is switched off ({TPDO_COB_ID} is {})", CobId(number(&cob_id)))));
         }
         Ok(if self.has(EVENT_TIMER)? { Ok(()) } else { Err(format!("the device has no {EVENT_TIMER}")) })
+    }
+
+    /// Whether the manual says that entries of 1016h act only once they are stored.
+    fn watches_once_stored(&self) -> bool {
+        let model = Model::by_id(&self.target.model);
+        model.is_some_and(|model| model.sheet().network.heartbeat_consumer_needs_store)
     }
 
     fn heartbeat_consumer(&mut self) -> Result<Result<(), String>, Verdict> {

@@ -12,6 +12,7 @@
 pub mod block;
 mod decoder;
 mod dictionary;
+mod encoder_features;
 mod evidence;
 pub mod features;
 mod foreign;

@@ -1,7 +1,7 @@
 //! Which numbers an object takes: limits, the rules of its service, and those of the model's sheet.
 
 use super::emcy::{check_cob_id, check_peer_cob_id};
-use super::encoder::Encoder;
+use super::lss_slave::UNCONFIGURED;
 use super::objects::Objects;
 use super::store::StoreCommand;
 use super::{clock, heartbeat_consumer, pdo, sync};
@@ -27,6 +27,10 @@ impl Objects {
         if let 0x1600..0x1800 | 0x1A00..0x1C00 = at.index.0 {
             return pdo::check_mapping(at, value, self);
         }
+        if self.encoder.as_ref().is_some_and(|encoder| encoder.wedges(at, value)) {
+            return Ok(());
+        }
+        self.check_bus_object(at, value)?;
         let reserved = at.index.0 == 0x1029 && self.faults.has(Fault::ErrorBehaviourUnchecked);
         if !self.faults.has(Fault::SdoRangeUnchecked) && !reserved && !self.is_checked_later(at) {
             self.parameters.entry(at)?.check_range(value)?;
@@ -42,6 +46,24 @@ impl Objects {
         };
         let both = self.faults.has(Fault::StoreSignatureUnchecked);
         if both || self.faults.has(unchecked) { Ok(()) } else { command.check(value, &self.model.sheet().storage) }
+    }
+
+    /// Node-ID and bit rate: one that exists, or "not configured" where the device is delivered so.
+    fn check_bus_object(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
+        let sheet = self.model.sheet();
+        let of_device = sheet.network.default_node_id.is_none() && value == u64::from(UNCONFIGURED);
+        let exists = match Some(at) {
+            object if object == sheet.network.node_id_object => !(128..=255).contains(&value),
+            object if object == sheet.network.bit_rate_object => {
+                value > 8 || sheet.bit_rates.iter().any(|rate| rate.object_code.map(u64::from) == Some(value))
+            }
+            _ => true,
+        };
+        if exists || of_device || self.faults.has(Fault::SdoRangeUnchecked) {
+            Ok(())
+        } else {
+            Err(AbortCode::INVALID_VALUE)
+        }
     }
 
     /// 1000h to 1FFFh.
@@ -78,18 +100,15 @@ impl Objects {
         match at.index.0 {
             0x6003 => {
                 let code = sheet.abort(Rule::InsideActiveRange, at);
-                encoder.check_preset(value, &self.parameters).map_err(|_| code)
+                encoder.check(at, value, &self.parameters).map_err(|_| code)
             }
             0x6000.. if self.is_checked_later(at) => self.check_scaling_bit(),
-            0x6000 if quirks.operating_bits.is_some_and(|bits| value & !u64::from(bits) != 0) => {
-                Err(AbortCode::INVALID_VALUE)
-            }
             0x6001 | 0x6002 if quirks.scaling_bit_guards => self.check_scaling_bit(),
             0x6001 | 0x6002 => {
                 let code = sheet.abort(Rule::UnitsAtMostRange, at);
-                Encoder::check(at, value, &self.parameters).map_err(|_| code)
+                encoder.check(at, value, &self.parameters).map_err(|_| code)
             }
-            0x6000.. => Encoder::check(at, value, &self.parameters),
+            0x6000.. => encoder.check(at, value, &self.parameters),
             _ => Ok(()),
         }
     }
@@ -106,6 +125,11 @@ impl Objects {
         if is_on || !guarded { Ok(()) } else { Err(AbortCode::UNSUPPORTED_ACCESS) }
     }
 
+    /// A faulty firmware takes a work area whose low limit is above its high limit.
+    fn is_swap_accepted(&self, at: Multiplexer) -> bool {
+        matches!(at.index.0, 0x6401 | 0x6402) && self.faults.has(Fault::WorkAreaLimitsSwappedAccepted)
+    }
+
     /// Objects that are limits of each other.
     fn compare(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         let entry = self.parameters.entry(at)?;
@@ -113,7 +137,9 @@ impl Objects {
             let other = check.of.and_then(|of| self.parameters.number(of.index.0, of.sub.0));
             let ordering = other.and_then(|other| entry.compare(value, other));
             match (check.rule, ordering) {
-                (Rule::AtMost, Some(Ordering::Greater)) | (Rule::AtLeast, Some(Ordering::Less)) => {
+                (Rule::AtMost, Some(Ordering::Greater)) | (Rule::AtLeast, Some(Ordering::Less))
+                    if !self.is_swap_accepted(at) =>
+                {
                     return Err(check.abort);
                 }
                 _ => {}

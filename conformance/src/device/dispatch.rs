@@ -35,8 +35,14 @@ impl Device {
     }
 
     fn on_sdo(&mut self, now: Timestamp, frame: &Frame) {
+        if self.objects.wedged {
+            return;
+        }
         if self.phase.serves(Service::Sdo, self.faults) && self.overload.on_request(self.faults) {
             self.sdo.handle(now, frame, &mut self.objects);
+            if self.objects.wedged {
+                return self.sdo.reset();
+            }
             if frame.len() == 8 && Request::read(frame.data()) == Ok(READ_ERROR_REGISTER) {
                 self.objects.errors.register_was_read();
             }
@@ -183,6 +189,7 @@ impl Device {
             self.store.timeout(),
             self.sdo.timeout(),
             self.emcy_timeout(),
+            self.shaft_due,
             self.sync.timeout(),
             self.objects.clock.timeout(),
         ];
@@ -204,6 +211,10 @@ impl Device {
             push(&mut self.outbox, sync.to_frame(self.sync.own_can_id()));
             let SyncMessage { counter } = sync;
             self.beat(now, counter);
+        }
+        if now >= self.shaft_due {
+            self.find_errors(now);
+            self.watch_shaft(now);
         }
         for tpdo in &mut self.tpdos {
             if let Some(frame) = tpdo.poll(now, &self.objects) {

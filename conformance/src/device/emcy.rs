@@ -18,6 +18,8 @@ pub(super) enum Condition {
     Overspeed,
     /// The master's guarding is missing.
     Guarding,
+    /// The position is wrong (6503h bit 0).
+    Position,
     /// The heartbeat of that node is missing.
     Heartbeat { node: u8 },
     /// RPDO of that number, from 1: shorter than its mapping.
@@ -45,6 +47,7 @@ impl Condition {
             Self::RpdoLate { rpdo } => (6, rpdo),
             Self::SyncLength => (7, 0),
             Self::Parameter => (8, 0),
+            Self::Position => (9, 0),
         }
     }
 
@@ -53,7 +56,7 @@ impl Condition {
             Self::Temperature { .. } | Self::Overspeed => EmcyCode(0x4200),
             Self::Guarding => quirks.life_guarding_code(),
             Self::Heartbeat { .. } => EmcyCode::HEARTBEAT,
-            Self::Parameter => EmcyCode(0x1000),
+            Self::Parameter | Self::Position => EmcyCode::GENERIC,
             Self::RpdoTooShort { .. } => EmcyCode::PDO_LENGTH,
             Self::RpdoTooLong { .. } => EmcyCode::PDO_LENGTH_EXCEEDED,
             Self::RpdoLate { .. } => EmcyCode::RPDO_TIMEOUT,
@@ -71,7 +74,8 @@ impl Condition {
 
     /// The bits of the error register. Bit 0 is always among them, as far as the device has it.
     fn register(self, quirks: &Quirks) -> u8 {
-        let profile = if self.alarm() == 0 { 0 } else { ErrorRegister::PROFILE.0 };
+        let is_alarm = matches!(self, Self::Parameter | Self::Position);
+        let profile = if is_alarm { ErrorRegister::PROFILE.0 } else { 0 };
         // Whatever its code is, a lost master is an error of communication.
         let communication = if matches!(self, Self::Guarding) { ErrorRegister::COMMUNICATION.0 } else { 0 };
         let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | communication | profile;
@@ -100,7 +104,12 @@ impl Condition {
                 let [low, high] = rpdo.to_le_bytes();
                 [low, high, 0, 0, 0]
             }
-            Self::Overspeed | Self::Guarding | Self::Heartbeat { .. } | Self::SyncLength | Self::Parameter => [0; 5],
+            Self::Overspeed
+            | Self::Guarding
+            | Self::Heartbeat { .. }
+            | Self::SyncLength
+            | Self::Parameter
+            | Self::Position => [0; 5],
         }
     }
 }

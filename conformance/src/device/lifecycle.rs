@@ -63,6 +63,8 @@ impl Device {
         self.second_sdos.iter_mut().for_each(SecondSdo::reset);
         self.objects.errors.reset();
         self.objects.written.clear();
+        self.objects.wedged = false;
+        self.shaft_due = Timestamp::MAX;
         self.objects.drop_waiting();
         self.silent_until = Timestamp::ZERO;
         self.tpdos.iter_mut().for_each(Tpdo::stop);
@@ -105,6 +107,7 @@ impl Device {
         self.configure_clock(now);
         self.find_routes();
         self.after_change(now);
+        self.watch_shaft(now);
         if self.faults.has(Fault::TpdoInPreOperational) {
             self.start_tpdos(now);
         }

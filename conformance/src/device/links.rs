@@ -9,7 +9,13 @@ use canvass_analyzer::Multiplexer;
 impl Objects {
     /// A number was written: what always holds the same value gets it too, and is acted on as if it had been written.
     pub(super) fn write_through(&mut self, at: Multiplexer, value: u64) {
-        if at.index.0 == 0x6200 && self.faults.has(Fault::CyclicTimerNotLinked) {
+        let unlinked = match at.index.0 {
+            0x6200 if value == 0 && self.faults.has(Fault::CyclicTimerNotStopped) => true,
+            0x6200 => self.faults.has(Fault::CyclicTimerNotLinked),
+            0x1800 => self.faults.has(Fault::EventTimerNotInCyclicTimer),
+            _ => false,
+        };
+        if unlinked {
             return;
         }
         let links = self.model.sheet().links.iter().filter(|link| link.kind == LinkKind::Same);
@@ -25,7 +31,9 @@ impl Objects {
     /// than its default decides, else the first one that was loaded.
     pub(super) fn settle_links(&mut self, groups: Groups) {
         let sheet = self.model.sheet();
-        for link in sheet.links.iter().filter(|link| link.kind == LinkKind::Same) {
+        let is_torn = |at: &Multiplexer| at.index.0 == 0x650B && self.faults.has(Fault::SerialNumberDiffers);
+        let links = sheet.links.iter().filter(|link| link.kind == LinkKind::Same && !link.objects.iter().any(is_torn));
+        for link in links {
             let loaded = || link.objects.iter().filter(|&&at| groups.has(at, &sheet.storage));
             let changed = loaded().find(|&&at| self.parameters.entry(at).is_ok_and(|entry| entry.is_changed()));
             let Some(&source) = changed.or_else(|| loaded().next()) else { continue };

@@ -86,6 +86,8 @@ pub struct Device {
     tpdos: Vec<Tpdo>,
     rpdos: Vec<Rpdo>,
     lss: LssSlave,
+    /// When it is seen next whether the shaft is too fast.
+    shaft_due: Timestamp,
     lmt: LmtSlave,
     /// Until then the device neither hears nor sends anything; [`Timestamp::ZERO`]: it works.
     silent_until: Timestamp,
@@ -143,6 +145,7 @@ impl Device {
             tpdos: Tpdo::all(&objects.parameters),
             rpdos: Rpdo::all(&objects.parameters, faults),
             lss: LssSlave::new(),
+            shaft_due: Timestamp::MAX,
             lmt: LmtSlave::new(sheet.network.default_bit_rate_kbit),
             silent_until: Timestamp::ZERO,
             routes: Routes::new(),
@@ -175,6 +178,7 @@ impl Device {
         if let Some(encoder) = &mut self.objects.encoder {
             encoder.set_motion(motion);
         }
+        self.watch_shaft(now);
         self.configure_tpdos(now);
         self.after_change(now);
         self.settle(now);

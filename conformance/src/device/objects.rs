@@ -3,7 +3,7 @@
 use super::PLACEHOLDER;
 use super::clock::Clock;
 use super::emcy::{Condition, Errors};
-use super::encoder::Encoder;
+use super::encoder::{self, Encoder};
 use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
@@ -28,6 +28,8 @@ pub(super) struct Objects {
     pub faults: Faults,
     /// What was written by SDO and not yet acted on.
     pub written: Vec<(Multiplexer, u64)>,
+    /// The firmware hangs: nothing is answered until a reset.
+    pub wedged: bool,
     /// What was written to objects that act only when they are stored.
     waiting: Vec<(Multiplexer, u64)>,
 }
@@ -51,6 +53,7 @@ impl Objects {
             received_emcy: 0,
             faults,
             written: Vec::with_capacity(4),
+            wedged: false,
             waiting: Vec::new(),
         }
     }
@@ -60,12 +63,14 @@ impl Objects {
         self.encoder.as_ref().is_some_and(|encoder| !encoder.motion().is_still())
     }
 
-    /// The number that an object has now, as a PDO carries it; `None` for a string or no object.
-    pub fn number(&self, now: Timestamp, at: Multiplexer) -> Option<u64> {
-        match self.live(now, at) {
-            Ok(Some(number)) => Some(number),
-            _ => self.parameters.number(at.index.0, at.sub.0),
-        }
+    /// The number that an object has now, as a PDO carries it; `again` where the PDO had the object before: of an encoder
+    /// with redundant channels that is the other channel. `None` for a string or no object.
+    pub fn number(&self, now: Timestamp, at: Multiplexer, again: bool) -> Option<u64> {
+        let encoder = self.encoder.as_ref().filter(|_| at.index.0 >= 0x2000);
+        encoder
+            .and_then(|encoder| encoder.process_value(now, at, again, &self.parameters))
+            .or_else(|| self.live(now, at).ok().flatten())
+            .or_else(|| self.parameters.number(at.index.0, at.sub.0))
     }
 
     /// The value of an object that is not simply what was written last.
@@ -200,10 +205,9 @@ impl Objects {
             self.parameters.set(at, Content::Number(value));
             self.write_through(at, value);
         }
-        if at == Multiplexer::new(0x6003, 0)
-            && let Some(encoder) = &mut self.encoder
-        {
-            encoder.preset(now, value, &self.parameters);
+        if let Some(encoder) = &mut self.encoder {
+            self.wedged = encoder.wedges(at, value);
+            encoder.on_written(now, at, value, &self.parameters);
         }
         self.written.push((at, value));
     }
@@ -247,7 +251,8 @@ impl Objects {
         match self.parameters.entry(at)?.check_length(len) {
             Err(AbortCode::LENGTH_TOO_HIGH) if self.faults.has(Fault::SdoLengthUnchecked) => Ok(()),
             Err(AbortCode::LENGTH_TOO_LOW) if self.faults.has(Fault::SdoShortLengthUnchecked) => Ok(()),
-            checked => checked,
+            Err(code) => Err(self.model.sheet().network.sdo_length_abort.map_or(code, AbortCode)),
+            Ok(()) => Ok(()),
         }
     }
 
@@ -298,6 +303,7 @@ const NOT_USED: u64 = 0xFFFF_FFFF;
 
 /// Faults in what the dictionary holds, not in what the firmware does.
 fn plant(parameters: &mut Parameters, faults: Faults) {
+    encoder::plant(parameters, faults);
     let vendor_id = Multiplexer::new(0x1018, 1);
     let device_type = Multiplexer::new(0x1000, 0);
     if faults.has(Fault::VendorIdZero) {

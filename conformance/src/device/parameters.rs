@@ -105,6 +105,20 @@ impl Parameters {
         self.keys = self.entries.iter().map(|entry| key(entry.at)).collect();
     }
 
+    /// Gives an entry another data type, as if the firmware had it so.
+    pub fn retype(&mut self, at: Multiplexer, data_type: DataType) {
+        if let Ok(entry) = self.entry_mut(at) {
+            entry.data_type = data_type;
+        }
+    }
+
+    /// Makes an entry writable, as if the firmware had it so.
+    pub fn open(&mut self, at: Multiplexer) {
+        if let Ok(entry) = self.entry_mut(at) {
+            entry.writable = true;
+        }
+    }
+
     /// Gives an entry another value as delivered.
     pub fn redefine(&mut self, at: Multiplexer, content: Content) {
         if let Ok(entry) = self.entry_mut(at) {

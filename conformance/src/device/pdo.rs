@@ -177,6 +177,9 @@ fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
         Err(_) if faults.has(Fault::MissingObjectMapped) && entry.0 != 0 => return Ok(()),
         Err(_) => return Err(AbortCode::NO_OBJECT),
     };
+    if is_delivered(entry, direction, objects) {
+        return Ok(());
+    }
     let mappable = match direction {
         Direction::Receive => object.rpdo_mappable,
         Direction::Transmit => object.tpdo_mappable,
@@ -184,6 +187,14 @@ fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
     let bits = object.data_type.bits().unwrap_or(0);
     let fits = bits == u32::from(entry.bits()) && bits > 0;
     if fits && (mappable || faults.has(Fault::UnmappableObjectMapped)) { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
+}
+
+/// What is mapped as delivered can be mapped again, a part of an object too.
+fn is_delivered(entry: MappingEntry, direction: Direction, objects: &Objects) -> bool {
+    let indexes = direction.mapping()..direction.mapping() + PDOS;
+    let mut mapped =
+        objects.parameters.entries().iter().filter(|it| indexes.contains(&it.at.index.0) && it.at.sub.0 > 0);
+    mapped.any(|it| it.default_bits() == u64::from(entry.0))
 }
 
 /// Dummies are for RPDOs, of the types that `DummyUsage` of the description allows, in their full length.

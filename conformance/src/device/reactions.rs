@@ -12,7 +12,10 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Frame, Timestamp};
 
 /// The temperature of the sensor as 2120h counts it: degrees Celsius plus 64.
-const TEMPERATURE: u8 = 0x56;
+pub(super) const TEMPERATURE: u8 = 0x56;
+
+/// How often the speed of a shaft that turns is compared with its limit.
+const SHAFT_WATCH: Duration = Duration::from_millis(100);
 
 const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
 
@@ -126,17 +129,25 @@ impl Device {
         }
     }
 
-    fn find_errors(&mut self, now: Timestamp) {
+    pub(super) fn find_errors(&mut self, now: Timestamp) {
         let Objects { parameters, encoder, .. } = &self.objects;
         let limits = parameters.number(0x2120, 2).zip(parameters.number(0x2120, 3));
-        let too_fast = encoder.as_ref().map(|encoder| encoder.warnings(now) != 0);
+        let shaft = encoder.as_ref().map(|it| (it.is_overspeed(now, parameters), it.has_position_error()));
         if let Some((low, high)) = limits.map(|(low, high)| (low as u8, high as u8)) {
-            let outside = !(low..=high).contains(&TEMPERATURE);
+            let outside = !(low..=high).contains(&TEMPERATURE) && !self.faults.has(Fault::WarningWithoutEmcy);
             self.report(now, Condition::Temperature { now: TEMPERATURE, low, high }, outside);
         }
-        if let Some(too_fast) = too_fast {
+        if let Some((too_fast, wrong_position)) = shaft {
             self.report(now, Condition::Overspeed, too_fast);
+            self.report(now, Condition::Position, wrong_position);
         }
+    }
+
+    /// A shaft that turns can become too fast, or be so no longer, without anything being written.
+    pub(super) fn watch_shaft(&mut self, now: Timestamp) {
+        let warns = self.objects.model.sheet().encoder.is_some_and(|encoder| encoder.speed_warning_rpm.is_some());
+        let watched = warns && self.objects.is_moving() && self.phase.is_running();
+        self.shaft_due = if watched { now + SHAFT_WATCH } else { Timestamp::MAX };
     }
 
     /// A condition is there or gone.

@@ -5,7 +5,7 @@ use crate::models::Network;
 use crate::{Fault, Faults};
 use canvass_analyzer::CobId;
 use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_analyzer::wire::sync::Sync as SyncMessage;
+use canvass_analyzer::wire::sync::{CAN_ID, Sync as SyncMessage};
 use canvass_traces::{Duration, Timestamp};
 
 /// The SYNC object.
@@ -53,7 +53,8 @@ impl SyncObject {
     pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, network: &Network, may_send: bool) {
         let number = |index| parameters.number_or_zero(index, 0);
         let before = (self.produces, self.period, self.overflow);
-        self.cob_id = CobId(number(0x1005) as u32);
+        // Without 1005h it is the predefined one.
+        self.cob_id = CobId(parameters.number(0x1005, 0).unwrap_or(CAN_ID.into()) as u32);
         let factor = if self.faults.has(Fault::SyncPeriodDoubled) { 2 } else { 1 };
         self.period = Duration::from_micros(number(0x1006)).times(factor);
         self.produces = network.sync_producer && is_producing(number(0x1005)) && self.period > Duration::ZERO;

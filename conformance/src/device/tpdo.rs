@@ -40,6 +40,10 @@ pub(super) struct Tpdo {
     last: Option<Frame>,
     /// What type 252 took at the last SYNC.
     sampled: Option<Frame>,
+    /// What a faulty firmware sends the next time.
+    late: Option<Frame>,
+    /// Whether the frame is filled up to 8 bytes.
+    padded: bool,
 }
 
 impl Tpdo {
@@ -68,6 +72,8 @@ impl Tpdo {
             syncs: 0,
             last: None,
             sampled: None,
+            late: None,
+            padded: false,
         }
     }
 
@@ -78,6 +84,8 @@ impl Tpdo {
         self.sends_empty = faults.has(Fault::EmptyPdoValidated);
         self.cob_id = CobId(number(1) as u32);
         self.transmission = TransmissionType(number(2) as u8);
+        let padded = &objects.model.sheet().network.padded_tpdos;
+        self.padded = padded.iter().any(|&number| u16::from(number) == self.number + 1);
         // Where 6200h is the only event, there is no event timer of its own, and changes of value don't send it.
         let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
         self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
@@ -118,6 +126,7 @@ impl Tpdo {
         self.awaits_start = self.sync_start != 0;
         self.last = None;
         self.sampled = None;
+        self.late = None;
         self.waiting = false;
         self.inhibited_until = Timestamp::ZERO;
         self.arm(now, objects);
@@ -251,6 +260,9 @@ impl Tpdo {
         }
         let frame = self.frame(now, objects);
         self.last = Some(frame);
+        if objects.faults.has(Fault::TpdoPositionLate) {
+            return self.late.replace(frame).or(Some(frame));
+        }
         Some(frame)
     }
 
@@ -258,14 +270,15 @@ impl Tpdo {
     fn frame(&self, now: Timestamp, objects: &Objects) -> Frame {
         let mut payload = [0; 8];
         let mut offset = 0;
-        for entry in &self.mapping {
-            let value = objects.number(now, entry.object()).unwrap_or(0);
+        for (n, entry) in self.mapping.iter().enumerate() {
+            let again = self.mapping.iter().take(n).any(|before| before.object() == entry.object());
+            let value = objects.number(now, entry.object(), again).unwrap_or(0);
             // The mapping was checked: everything fits.
             insert(&mut payload, offset, entry.bits(), value);
             offset += usize::from(entry.bits());
         }
         let id = CanId::standard_masked(self.cob_id.can_id());
-        let len = offset.div_ceil(8).min(8);
+        let len = if self.padded { 8 } else { offset.div_ceil(8).min(8) };
         Frame::new(id, payload.get(..len).unwrap_or(&[])).unwrap_or(Frame::full(id, payload))
     }
 }

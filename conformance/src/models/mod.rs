@@ -11,7 +11,10 @@ mod sheet;
 
 pub use quirks::Quirks;
 pub use rules::{Check, Link, LinkKind, Rule};
-pub use sheet::{BitRate, Encoder, LmtAddress, Network, Sheet, StartUp, Storage, Timing, Trigger, Value};
+pub use sheet::{
+    BitRate, Encoder, EncoderKind, LmtAddress, Network, Sheet, StartUp, Storage, Timing, Trigger, UniversalScaling,
+    Value,
+};
 
 use crate::bench::Deviation;
 use annotations::AnnotationTables;
@@ -31,6 +34,11 @@ macro_rules! files {
 /// All built-in models.
 const FILES: &[(&str, &str)] = files! {
     "kuebler-sendix-58x8",
+    "kuebler-sendix-f58",
+    "kuebler-sendix-m58",
+    "kuebler-sendix-f58m",
+    "kuebler-c100",
+    "kuebler-d125",
     "lika-ax58",
     "tr-c65",
     "tr-lmp30",

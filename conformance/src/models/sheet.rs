@@ -122,6 +122,11 @@ pub struct Network {
     /// Whether the SDO server knows block transfers.
     #[serde(default)]
     pub sdo_block_transfer: bool,
+    /// The abort code for a value of another length than its object's; `None`: one for too long, one for too short.
+    pub sdo_length_abort: Option<u32>,
+    /// The TPDOs, from 1, whose frames are filled up with zeros to 8 bytes.
+    #[serde(default)]
+    pub padded_tpdos: Vec<u8>,
     /// Whether SYNC can be produced (1005h bit 30).
     #[serde(default)]
     pub sync_producer: bool,
@@ -282,16 +287,76 @@ impl Default for Storage {
     }
 }
 
-/// The measurement of a rotary encoder.
+/// The measurement.
 #[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(default)]
 pub struct Encoder {
+    /// What is measured.
+    pub kind: EncoderKind,
     /// The resolution of one revolution, in bits.
     pub single_turn_bits: u8,
     /// The revolutions that can be told apart.
-    #[serde(default = "one")]
     pub revolutions: u32,
+    /// Neither 6001h nor 6002h is smaller, but for the 0 of 6002h, which stands for 2^32.
+    pub units_per_revolution_least: u32,
     /// Above it, 6505h bit 0 warns.
     pub speed_warning_rpm: Option<u32>,
+    /// Whether the position goes on over the end of the physical range.
+    pub universal_scaling: UniversalScaling,
+    /// The bit of 6000h that makes the speed units per second instead of revolutions per minute.
+    pub speed_format_bit: u8,
+    /// The bits of 6000h that have a meaning in CiA 406 or in the manual; a write of others is refused.
+    pub operating_bits: u16,
+    /// Of a draw-wire encoder: the sum of its two channels, in 0.1 mm.
+    pub full_scale_tenth_mm: u32,
+    /// Of a draw-wire encoder: how far one turn of its drum moves the wire, in 0.1 mm.
+    pub tenth_mm_per_revolution: u32,
+    /// Of an inclinometer: how the housing hangs, in hundredths of a degree, clockwise.
+    pub tilt_hundredths: i32,
+}
+
+impl Default for Encoder {
+    /// As CiA 406 V3.2 has it.
+    fn default() -> Self {
+        Self {
+            kind: EncoderKind::Rotary,
+            single_turn_bits: 0,
+            revolutions: 1,
+            units_per_revolution_least: 1,
+            speed_warning_rpm: None,
+            universal_scaling: UniversalScaling::ByBit12,
+            speed_format_bit: 13,
+            operating_bits: 0xF00F,
+            full_scale_tenth_mm: 0,
+            tenth_mm_per_revolution: 1,
+            tilt_hundredths: 0,
+        }
+    }
+}
+
+/// What an encoder measures.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum EncoderKind {
+    /// The angle of a shaft, and its revolutions.
+    Rotary,
+    /// A place on a straight scale; its period counts as a revolution.
+    Linear,
+    /// The length of a wire, by two redundant channels, and the tilt of the housing.
+    DrawWire,
+}
+
+/// When the universal scaling function works: any scaling, without a jump where the physical range ends.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum UniversalScaling {
+    /// As bit 12 of 6000h says.
+    #[serde(rename = "by-bit-12")]
+    ByBit12,
+    /// Wherever scaling is on.
+    Always,
+    /// Not at all.
+    Never,
 }
 
 /// The value of an object where the EDS has no default.
@@ -306,10 +371,6 @@ pub struct Value {
 
 const fn yes() -> bool {
     true
-}
-
-const fn one() -> u32 {
-    1
 }
 
 fn all_transmission_types() -> Vec<(u8, u8)> {

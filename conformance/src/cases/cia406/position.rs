@@ -8,16 +8,16 @@ use canvass_traces::Duration;
 
 pub(super) const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
 pub(super) const UNITS_PER_REVOLUTION: Multiplexer = Multiplexer::new(0x6001, 0);
-const RANGE: Multiplexer = Multiplexer::new(0x6002, 0);
-const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
+pub(super) const RANGE: Multiplexer = Multiplexer::new(0x6002, 0);
+pub(super) const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
 pub(super) const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
 pub(super) const OFFSET: Multiplexer = Multiplexer::new(0x6509, 0);
 pub(super) const OPERATING_STATUS: Multiplexer = Multiplexer::new(0x6500, 0);
-const CODE_SEQUENCE: u32 = 1;
+pub(super) const CODE_SEQUENCE: u32 = 1;
 pub(super) const SCALING: u32 = 4;
 
 /// By how many units a position at rest may differ: the last bit of the sensor trembles.
-const TREMBLE: u32 = 2;
+pub(super) const TREMBLE: u32 = 2;
 
 /// The position of a shaft at rest.
 pub(super) fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
@@ -40,7 +40,7 @@ pub(super) fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<
 }
 
 /// A range that every encoder can show: one revolution of 256 units, 16 revolutions.
-fn small_range(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+pub(super) fn small_range(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
     const RANGE_UNITS: u32 = 4_096;
     needs_revolutions(bench)?;
     operate(bench, SCALING, CODE_SEQUENCE)?;
