@@ -31,7 +31,7 @@ impl Extent {
     fn contains(self, fault: Fault, number: usize, case: &Case) -> bool {
         match self {
             Self::Whole => true,
-            Self::OneIn(n) => case.catches.contains(&fault) || (number + fault as usize) % n.max(1) == 0,
+            Self::OneIn(n) => case.catches.contains(&fault) || (number + fault as usize).is_multiple_of(n.max(1)),
         }
     }
 }

@@ -147,7 +147,11 @@ impl Mischief {
             lss::MASTER_CAN_ID => self.on_lss(frame, node, address),
             sync::CAN_ID => {
                 self.syncs = self.syncs.wrapping_add(1);
-                if self.syncs % 7 == 0 && self.has(Fault::SyncOverlooked) { Incoming::Lost } else { pass(*frame) }
+                if self.syncs.is_multiple_of(7) && self.has(Fault::SyncOverlooked) {
+                    Incoming::Lost
+                } else {
+                    pass(*frame)
+                }
             }
             _ if id & 0x780 == error_control::CAN_ID_BASE => {
                 self.beats = self.beats.saturating_add(1);

@@ -108,7 +108,7 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
         let seen = bench.wait_for(Duration::from_millis(5), |record| {
             let id = record.frame.cob_id();
             let is_boot_up = id == Some(0x700 + response_id % 0x80);
-            (is_boot_up || id == Some(response_id)).then(|| (is_boot_up, record.frame))
+            (is_boot_up || id == Some(response_id)).then_some((is_boot_up, record.frame))
         })?;
         match seen {
             Some((true, _)) => booted = true,

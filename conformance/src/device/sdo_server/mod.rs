@@ -143,7 +143,7 @@ impl SdoServer {
             return;
         }
         self.requests = self.requests.wrapping_add(1);
-        let lost = self.requests % LOST_EVERY == 0 && objects.faults.has(Fault::SdoResponseLost);
+        let lost = self.requests.is_multiple_of(LOST_EVERY) && objects.faults.has(Fault::SdoResponseLost);
         if lost || self.wedged {
             return;
         }
