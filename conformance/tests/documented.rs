@@ -4,7 +4,7 @@
 #![cfg(test)]
 
 use canvass_analyzer::NodeId;
-use canvass_conformance::bench::{Bench, Deviation, Options, Target};
+use canvass_conformance::bench::{Bench, Options, Target};
 use canvass_conformance::bus::SimulatedBus;
 use canvass_conformance::case::{Need, Touch};
 use canvass_conformance::device::{Device, Motion};
