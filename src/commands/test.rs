@@ -6,12 +6,13 @@ mod reports;
 mod timing;
 
 use crate::devices::{describe, parse_node};
+use crate::live::open_bus;
 use crate::output::Color;
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
 use canvass_analyzer::NodeId;
 use canvass_conformance::bench::{Bench, Decoder, Deviation, Evidence, Options, Target, Timing};
-use canvass_conformance::bus::{self, BusError, Opened};
+use canvass_conformance::bus::Opened;
 use canvass_conformance::case::{Case, Touch};
 use canvass_conformance::catalogue::{Selector, select};
 use canvass_conformance::models::Model;
@@ -31,9 +32,9 @@ use timing::Timeout;
 /// memory or changes its node-ID or bit rate unless --allow names it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// The device's node-ID; on a simulated bus the model's own is taken
+    /// The device's node-ID; without it the one that the model or DCF has as delivered
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
     /// What the device is: a built-in model or an EDS or DCF file
@@ -74,6 +75,9 @@ pub struct Args {
     dry_run: bool,
 }
 
+/// A third of a second of a full bus at 1 Mbit/s. Waits that are that late say nothing of the device any more.
+const BACKLOG: usize = 8_192;
+
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let cases = self.cases()?;
@@ -83,6 +87,7 @@ impl Args {
         }
         let (waivers, today) = (self.waivers()?, today());
         let mut opened = open_bus(&self.bus, self.seed)?;
+        opened.bus.limit_backlog(BACKLOG);
         let target = self.target(&opened, waivers.deviations(&today))?;
         let recorder = self.record.as_deref().map(Recorder::create).transpose()?;
         let mut annotate = Recorded { decoder: Decoder::new(&target), recorder: recorder.as_ref() };
@@ -144,9 +149,10 @@ impl Args {
 
     fn target(&self, opened: &Opened, waived: Vec<Deviation>) -> Result<Target, Failure> {
         let model = opened.model;
-        let node = self.node.or_else(|| opened.node());
-        let node = node.ok_or_else(|| anyhow!("which node? Say --node N"))?;
         let named = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let named_node = || Model::by_id(named?).and_then(Model::default_node);
+        let node = self.node.or_else(|| opened.node()).or_else(named_node);
+        let node = node.ok_or_else(|| anyhow!("which node? Say --node N (canvass scan {} finds it)", self.bus))?;
         let (model, description) = match (named, model) {
             (Some(device), _) => (device.to_owned(), Some(describe(device)?)),
             (None, Some(model)) => (model.id().to_owned(), Some(model.description().clone())),
@@ -162,14 +168,6 @@ impl Args {
 /// The day, as waivers are dated.
 fn today() -> String {
     jiff::Zoned::now().date().to_string()
-}
-
-/// Opens a bus; an address that names none is a mistake of the user, anything else is the bus's.
-pub fn open_bus(address: &str, seed: u64) -> Result<Opened, Failure> {
-    bus::open_seeded(address, seed).map_err(|error| match error {
-        BusError::Address { .. } => Failure::from(error),
-        _ => Failure::unreachable(error),
-    })
 }
 
 /// Is set by the first Ctrl-C, so that the device can be put back; the second one ends the program at once.

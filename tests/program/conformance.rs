@@ -260,7 +260,9 @@ fn an_interrupted_run_leaves_the_dictionary_as_it_was() {
         }
         let report = json(&ended.stdout);
         assert_eq!(report["notices"], Value::Array(Vec::new()), "round {round}: {}", report["notices"]);
-        assert!(report["dictionary"].as_array().unwrap().len() > 100);
+        // Interrupted while the dictionary was read, no case has run.
+        let ran = !report["cases"].as_array().unwrap().is_empty();
+        assert!(!ran || report["dictionary"].as_array().unwrap().len() > 100);
     }
 }
 

@@ -175,12 +175,14 @@ impl Operation {
         self.send(&format!("000#01{:02X}", self.node));
     }
 
-    /// Half a minute with SYNC and an SDO client that reads the position.
-    fn run(&mut self) {
+    /// Half a minute with SYNC and an SDO client that reads the position, or what else the device has.
+    fn run(&mut self, model: &Model) {
+        let encoder = model.description().dictionary.object(Index(0x6004)).is_some();
+        let request = if encoder { "4004600000000000" } else { "4000100000000000" };
         for _ in 0..300 {
             self.send("080#");
             self.wait(40);
-            self.sdo("4004600000000000");
+            self.sdo(request);
             self.wait(10);
         }
     }
@@ -207,7 +209,7 @@ fn simulated_devices_in_normal_operation_have_no_findings() {
     for model in Model::all().iter().filter(|model| model.default_node().is_some()) {
         let mut operation = Operation::of(model);
         operation.start(model);
-        operation.run();
+        operation.run(model);
         assert!(operation.seen.len() > 1000, "{}", operation.seen.len());
         for described in [false, true] {
             let findings = operation.findings(model, described);

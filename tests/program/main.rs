@@ -13,6 +13,8 @@ mod events;
 #[cfg(test)]
 mod hostile;
 #[cfg(test)]
+mod live;
+#[cfg(test)]
 mod memory;
 #[cfg(test)]
 mod rows;

@@ -14,6 +14,7 @@ mod packages;
 mod peers;
 mod run;
 mod simulation;
+mod vcan;
 
 use anyhow::{Result, bail};
 
@@ -28,6 +29,10 @@ fn main() -> Result<()> {
         Some("bench") => bench::bench(),
         Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
-        _ => bail!("usage: cargo xtask ci | fuzz | peers | browser | bench [--instructions] | memory"),
+        Some("vcan") => vcan::test(false),
+        Some("vcan-load") => vcan::test(true),
+        _ => {
+            bail!("usage: cargo xtask ci | fuzz | peers | browser | vcan | bench [--instructions] | memory | vcan-load")
+        }
     }
 }

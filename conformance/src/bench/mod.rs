@@ -15,10 +15,12 @@ mod dictionary;
 mod encoder_features;
 mod evidence;
 pub mod features;
+mod foreign;
 mod measurement;
 pub mod nmt;
 pub mod objects;
 pub mod pdo;
+mod presence;
 mod restore;
 pub mod sdo;
 pub mod state;
@@ -28,11 +30,12 @@ mod watch;
 
 pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
+pub(crate) use foreign::Foreign;
 pub use measurement::{Measurement, Unit, percentile};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
 
-use crate::bus::Bus;
+use crate::bus::{Bus, Health};
 use crate::case::Need;
 use crate::verdict::{Reason, Verdict};
 use canvass_analyzer::NodeId;
@@ -56,6 +59,9 @@ pub struct Bench<'a> {
     measurements: Vec<Measurement>,
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
+    foreign: Foreign,
+    /// The device left the bus and did not come back.
+    gone: bool,
     knowledge: Knowledge,
 }
 
@@ -100,6 +106,8 @@ impl<'a> Bench<'a> {
             notes: Vec::new(),
             measurements: Vec::new(),
             restoring: false,
+            foreign: Foreign::default(),
+            gone: false,
             knowledge: Knowledge::default(),
         }
     }
@@ -137,6 +145,21 @@ impl<'a> Bench<'a> {
     /// The time on the bus.
     pub fn now(&self) -> Timestamp {
         self.bus.now()
+    }
+
+    /// How well the bus and the tester's own machine work.
+    pub fn health(&self) -> Health {
+        self.bus.health()
+    }
+
+    /// Whether the bus is a live one.
+    pub fn is_live(&self) -> bool {
+        self.bus.is_live()
+    }
+
+    /// How much of the bus others than the tester and the device have taken since [`Bench::begin`].
+    pub(crate) fn foreign(&self) -> &Foreign {
+        &self.foreign
     }
 
     /// The bit rate of the bus in bit/s, where it is known.
@@ -183,6 +206,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();
         self.notes.clear();
+        self.foreign = Foreign::default();
         self.measurements.clear();
         self.watch.forget();
     }

@@ -4,6 +4,8 @@
 //! can0                              a SocketCAN interface
 //! socketcan:can0                    the same
 //! slcan:/dev/ttyACM0[@BITRATE]      a serial CAN adapter
+//! slcan:tcp://HOST:PORT[@BITRATE]   one behind TCP
+//! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
 //! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
 //! sim:MODEL[:NODE][@BITRATE][~MOTION][+FAULT...][+MODEL...]    with all that can be said, and with several devices
 //! ```
@@ -76,10 +78,20 @@ pub fn open(address: &str) -> Result<Opened, BusError> {
 /// # Errors
 /// As [`open`].
 pub fn open_seeded(address: &str, seed: u64) -> Result<Opened, BusError> {
-    let unavailable = |interface| BusError::Unavailable { address: address.to_owned(), interface };
     match address.parse()? {
-        BusAddress::SocketCan { .. } => Err(unavailable("SocketCAN")),
-        BusAddress::SlCan { .. } => Err(unavailable("SLCAN")),
+        #[cfg(target_os = "linux")]
+        BusAddress::SocketCan { interface } => {
+            let bus = Box::new(super::socketcan::SocketCan::open(&interface)?);
+            Ok(Opened { bus, model: None, devices: Vec::new() })
+        }
+        #[cfg(not(target_os = "linux"))]
+        BusAddress::SocketCan { .. } => {
+            Err(BusError::Unavailable { address: address.to_owned(), interface: "SocketCAN" })
+        }
+        BusAddress::SlCan { port, bit_rate } => {
+            let bus = Box::new(super::slcan::SlCan::open(&port, bit_rate)?);
+            Ok(Opened { bus, model: None, devices: Vec::new() })
+        }
         BusAddress::Simulated(devices) => simulate(&devices, seed),
     }
 }
@@ -203,9 +215,9 @@ mod tests {
     }
 
     #[test]
-    fn live_buses_are_refused_by_name() {
-        assert!(open("can0").unwrap_err().to_string().contains("SocketCAN is not available"));
-        assert!(open("slcan:/dev/null").unwrap_err().to_string().contains("SLCAN is not available"));
+    fn buses_that_are_not_there() {
+        assert!(open("no-such-can0").is_err());
+        assert!(open("slcan:/dev/no-such-port").unwrap_err().to_string().contains("/dev/no-such-port"));
         assert!(open("sim:kuebler-sendix-58x8").unwrap().model.is_some());
     }
 }

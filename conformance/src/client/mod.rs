@@ -1,11 +1,15 @@
-//! The tester's side of the protocols, as state machines without I/O and clock: the [`crate::bench`] drives them.
+//! The tester's side of the protocols, as state machines without I/O and clock: the [`crate::bench`] drives them in
+//! cases, [`Exchange`] in commands.
 
 pub mod block_download;
 pub mod block_upload;
+mod exchange;
+pub mod lss;
 pub mod sdo;
 
 pub use block_download::BlockDownload;
 pub use block_upload::BlockUpload;
+pub use exchange::Exchange;
 pub use sdo::{Outcome, Step, Transfer, Violation};
 
 /// A message of eight bytes as it goes over the bus. In a block transfer only the state of the transfer tells segments

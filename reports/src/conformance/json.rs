@@ -8,7 +8,7 @@ use super::Run;
 use crate::escape;
 use canvass_analyzer::Multiplexer;
 use canvass_conformance::bench::{Exhibit, Measurement};
-use canvass_conformance::runner::{CaseReport, DeviceIdentity};
+use canvass_conformance::runner::{CaseReport, DeviceIdentity, HostTiming};
 use canvass_conformance::verdict::{Authority, Kind, Reason};
 use canvass_traces::Direction;
 use serde::Serialize;
@@ -33,7 +33,34 @@ struct Document<'a> {
     notices: &'a [String],
     dictionary: Vec<Object>,
     summary: BTreeMap<&'static str, usize>,
+    /// Only of a live bus, so that runs on the simulated one stay the same to the byte.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    host: Option<Host>,
     cases: Vec<Case<'a>>,
+}
+
+/// How well the tester's own machine kept up.
+#[derive(Serialize)]
+struct Host {
+    receive_p99_ns: u64,
+    receive_max_ns: u64,
+    transmit_p99_ns: u64,
+    transmit_max_ns: u64,
+    lost: u64,
+    interruptions: u64,
+}
+
+impl From<&HostTiming> for Host {
+    fn from(host: &HostTiming) -> Self {
+        Self {
+            receive_p99_ns: host.receive_usually.nanos(),
+            receive_max_ns: host.receive_always.nanos(),
+            transmit_p99_ns: host.transmit_usually.nanos(),
+            transmit_max_ns: host.transmit_always.nanos(),
+            lost: host.lost,
+            interruptions: host.interruptions,
+        }
+    }
 }
 
 #[derive(Serialize)]
@@ -128,6 +155,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         notices: &run.notices,
         dictionary: run.info.dictionary.iter().map(object).collect(),
         summary: Kind::ALL.into_iter().map(|kind| (kind.name(), run.summary.count(kind))).collect(),
+        host: run.summary.host.as_ref().map(Host::from),
         cases: run.cases.iter().map(|report| case(report, &run.info.bus)).collect(),
     };
     let text = serde_json::to_string_pretty(&document).map_err(io::Error::other)?;

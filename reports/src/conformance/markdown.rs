@@ -18,6 +18,9 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# Conformance of node {}\n", run.info.node)?;
     writeln!(out, "Device: {}, software {}. Bus: {}.\n", markdown(name), markdown(software), markdown(&run.info.bus))?;
     writeln!(out, "{}.\n", outcome(&run.summary))?;
+    if let Some(host) = &run.summary.host {
+        writeln!(out, "{}\n", super::host::sentence(host))?;
+    }
     for notice in &run.notices {
         writeln!(out, "- {}", markdown(notice))?;
     }

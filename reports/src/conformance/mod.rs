@@ -3,6 +3,7 @@
 //! - [`Terminal`](terminal::Terminal) shows the progress and prints the result;
 //! - [`json`], [`junit`], [`html`] and [`markdown`] write a document when the run is over: see [`Document`].
 
+mod host;
 pub mod html;
 pub mod json;
 pub mod junit;

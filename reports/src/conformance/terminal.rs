@@ -88,6 +88,9 @@ impl<O: Write, P: Write> Terminal<O, P> {
         }
         writeln!(self.out, "\n{}", self.table(summary))?;
         writeln!(self.out, "{}, in {} on the bus.", outcome(summary), summary.duration)?;
+        if let Some(host) = &summary.host {
+            writeln!(self.out, "{}", super::host::sentence(host))?;
+        }
         for notice in std::mem::take(&mut self.notices) {
             writeln!(self.out, "note  {}", printable(&notice))?;
         }
