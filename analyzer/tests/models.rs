@@ -48,7 +48,7 @@ fn the_other_encoders() {
     }
 }
 
-/// What the manuals have otherwise than the standards.
+/// What the manuals of Lika and TR-Electronic have otherwise than the standards.
 #[test]
 fn contradictions_to_the_standards() {
     let found = |model: &str| -> Vec<String> {
@@ -68,7 +68,4 @@ fn contradictions_to_the_standards() {
     let mut linear = vec!["[1018sub0] DataType: UNSIGNED32 instead of UNSIGNED8".to_owned()];
     linear.extend(ro(&fixed));
     assert_eq!(found("tr-lmp30"), linear);
-    for model in ["kuebler-sendix-f58", "kuebler-sendix-m58", "kuebler-sendix-f58m", "kuebler-c100", "kuebler-d125"] {
-        eprintln!("KUEBLER {model} {:?}", found(model));
-    }
 }

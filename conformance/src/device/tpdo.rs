@@ -133,7 +133,8 @@ impl Tpdo {
         if !self.is_event_driven() {
             return None;
         }
-        if objects.faults.has(Fault::TpdoNotSentAtStart) {
+        let is_first_missing = objects.faults.has(Fault::FirstPositionMissing) && self.event_timer > Duration::ZERO;
+        if is_first_missing || objects.faults.has(Fault::TpdoNotSentAtStart) {
             self.last = self.is_active().then(|| self.frame(now, objects));
             return None;
         }

@@ -30,7 +30,7 @@ fn count(heard: &[Record], cob_id: u16) -> usize {
 
 /// The event-driven TPDO 1 is sent when the device becomes operational, without waiting for its event timer.
 #[case(id = "406/tpdo/sent-on-start", clause = "CiA 406", confidence = Unknown, level = Must,
-       needs = [Encoder, EventTimer], catches = [TpdoNotSentAtStart])]
+       needs = [Encoder, EventTimer], catches = [FirstPositionMissing])]
 fn sent_on_start(bench: &mut Bench<'_>) -> Judged {
     let cob_id = event_driven(bench)?;
     bench.write(EVENT_TIMER, &5_000_u16.to_le_bytes())?;
