@@ -75,6 +75,8 @@ enum Time {
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let output = Output::default();
+        // A mistake in the options is told before anything is read.
+        self.view.network()?;
         let inputs = Inputs::open(&self.files, &self.input, &output)?;
         self.view.show(inputs, color, &output)
     }
@@ -82,14 +84,13 @@ impl Args {
 
 impl View {
     /// A network that knows the devices named.
-    #[cfg(feature = "screen")]
     pub fn network(&self) -> Result<Network, Failure> {
         self.selection.network()
     }
 
     /// Shows all that comes.
     pub fn show(self, mut inputs: Inputs<'_>, color: Color, output: &Output) -> Result<Status, Failure> {
-        let mut network = self.selection.network()?;
+        let mut network = self.network()?;
         if self.events {
             return self.show_events(inputs, network, color, output);
         }

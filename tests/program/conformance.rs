@@ -60,7 +60,7 @@ fn mistakes_have_their_status() {
     for (args, status, says) in [
         (&["test", "sim:no-such-model"][..], 2, "kuebler-sendix-58x8"),
         (&["test", "sim:kuebler-sendix-58x8+no-such-fault"], 2, "canvass list faults"),
-        (&["test", "can0", "--node", "1"], 3, "SocketCAN"),
+        (&["test", "can0", "--node", "1"], 3, "CAN"),
         (&["test", ENCODER, "--node", "5"], 3, "node 5 does not answer"),
         (&["test", ENCODER, "--report", "html=/no/such/folder/x.html"], 2, "can't write"),
         (&["send", ENCODER, "63F#4"], 2, "position"),

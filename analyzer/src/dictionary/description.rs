@@ -47,9 +47,16 @@ pub struct Settings {
     pub bit_rates: Vec<(u32, u32)>,
     /// Whether the device knows LMT (CiA DS-205), the forerunner of LSS.
     pub layer_management: bool,
+    /// The TPDOs, from 1, whose frames the device fills up with zeros to 8 bytes.
+    pub padded_tpdos: Vec<u8>,
 }
 
 impl Settings {
+    /// Whether a frame of that TPDO, from 1, always has 8 bytes.
+    pub fn pads(&self, tpdo: u16) -> bool {
+        u8::try_from(tpdo).is_ok_and(|tpdo| self.padded_tpdos.contains(&tpdo))
+    }
+
     /// The bit rate of a code, in bit/s.
     pub fn bit_rate_of(&self, code: u32) -> Option<u32> {
         self.bit_rates.iter().find(|rate| rate.0 == code).map(|rate| rate.1)

@@ -79,6 +79,7 @@ fn description() -> DeviceDescription {
         bit_rate: Some(Multiplexer::new(0x2100, 0)),
         bit_rates: vec![(5, 250_000), (6, 500_000)],
         layer_management: false,
+        padded_tpdos: Vec::new(),
     };
     description
 }

@@ -69,6 +69,7 @@ impl Sheet {
             bit_rate: self.network.bit_rate_object,
             bit_rates: self.bit_rates.iter().filter_map(rate).collect(),
             layer_management: self.network.lmt,
+            padded_tpdos: self.network.padded_tpdos.clone(),
         }
     }
 }

@@ -36,7 +36,10 @@ impl Rule for Length {
         let Some(layout) = known.known_layout(*number) else { return };
         let (mapped, found) = (layout.length(), context.record.frame.len());
         let fits = match number {
-            PdoNumber::Transmit(_) => mapped == found,
+            PdoNumber::Transmit(tpdo) => {
+                let pads = known.description.as_ref().is_some_and(|description| description.settings.pads(*tpdo));
+                mapped == found || pads && found == 8
+            }
             PdoNumber::Receive(_) => mapped <= found,
         };
         // Which mapping is in force is certain only where the capture shows it.
