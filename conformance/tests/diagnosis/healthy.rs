@@ -1,7 +1,6 @@
 //! Each built-in model as it should be: boot-up, identity, configuration, LSS, a store, operation, stop, reset.
 
 use crate::machine::{Machine, shown};
-use canvass_analyzer::findings::Finding;
 use canvass_conformance::Faults;
 use canvass_conformance::models::Model;
 
@@ -89,7 +88,9 @@ fn nothing_is_found_with_any_model_in_normal_operation() {
         let pdos = machine.records.iter().filter(|record| matches!(record.frame.cob_id(), Some(0x181..=0x57F)));
         assert!(pdos.count() > 100, "{} has sent hardly any PDO", model.id());
         for described in [false, true] {
-            let findings = machine.findings(described);
+            let mut findings = machine.findings(described);
+            // D125 fills its PDO up to 8 bytes: only who knows the device knows that this is as it should be.
+            findings.retain(|finding| described || (model.id(), finding.rule.id) != ("kuebler-d125", "pdo/length"));
             let how = if described { "described" } else { "unknown" };
             problems.extend(findings.iter().map(|finding| format!("{}, {how}: {}", model.id(), shown(finding))));
         }
