@@ -90,13 +90,13 @@ impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         match self.action {
             Action::Read(target) => target.run(None),
-            Action::Write { target, value, segmented } => target.run(Some((value, segmented))),
+            Action::Write { target, value, segmented } => target.run(Some((&value, segmented))),
         }
     }
 }
 
 impl Target {
-    fn run(self, written: Option<(String, bool)>) -> Result<Status, Failure> {
+    fn run(self, written: Option<(&str, bool)>) -> Result<Status, Failure> {
         let device = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
         let devices: Vec<DeviceArg> =
             device.iter().map(|device| DeviceArg { node: self.node, device: (*device).to_owned() }).collect();
@@ -106,11 +106,11 @@ impl Target {
         let description = description.as_ref().or_else(|| model.map(|model| model.description()));
         let address = object::resolve(&self.object, description)?;
         let data_type = self.data_type.or_else(|| value::known_type(address, description));
-        let transfer = match &written {
+        let transfer = match written {
             None => Transfer::upload(address),
             Some((text, segmented)) => {
                 let bytes = value::encode(text, address, data_type)?;
-                Transfer::download(address, &bytes, if *segmented { Mode::Segmented } else { Mode::Shortest })
+                Transfer::download(address, &bytes, if segmented { Mode::Segmented } else { Mode::Shortest })
             }
         };
         let (outcome, shown) = self.carry_out(&mut live, transfer)?;
