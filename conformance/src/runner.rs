@@ -50,7 +50,7 @@ pub struct RunInfo {
     pub seed: u64,
     /// How many cases were selected.
     pub cases: usize,
-    /// The object dictionary before the first case, as far as it could be read: see [`Bench::dump`].
+    /// The object dictionary before the first case, as far as it could be read: what the bench reads.
     pub dictionary: Vec<(Multiplexer, Vec<u8>)>,
 }
 
@@ -191,7 +191,7 @@ pub enum RunError {
 /// Everything that a run needs beside its bench.
 #[derive(Debug)]
 pub struct Plan<'a> {
-    /// The cases, in the order in which they run: see [`catalogue::select`].
+    /// The cases, in the order in which they run: see [`crate::catalogue::select`].
     pub cases: &'a [&'static Case],
     /// The bus, as the user addressed it.
     pub bus: &'a str,
