@@ -69,7 +69,8 @@ impl Destination {
     }
 }
 
-fn is_same_file(a: &Path, b: &Path) -> bool {
+/// Whether two paths are one file.
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
     match (fs::canonicalize(a), fs::canonicalize(b)) {
         (Ok(a), Ok(b)) => a == b && a.is_file(),
         _ => false,

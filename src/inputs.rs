@@ -15,7 +15,7 @@ use canvass_traces::{Damage, TimeBase};
 use std::path::{Path, PathBuf};
 
 /// How captures are read.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct InputOptions {
     /// The format of the captures, where it is not recognised
     #[arg(long, value_name = "FORMAT", value_parser = parse_format)]
@@ -73,8 +73,23 @@ impl<'a> Inputs<'a> {
         let interrupt = Interrupt::watch()?;
         let is_live = files.iter().any(|file| is_stdin(file));
         let captures = files.iter().map(|file| options.open(file, output, &interrupt)).collect::<Result<Vec<_>>>()?;
+        Ok(Self::merged(captures, options, output, interrupt, is_live))
+    }
+
+    /// A live bus.
+    pub fn live(capture: Capture, options: &'a InputOptions, output: &Output, interrupt: Interrupt) -> Self {
+        Self::merged(vec![capture], options, output, interrupt, true)
+    }
+
+    fn merged(
+        captures: Vec<Capture>,
+        options: &'a InputOptions,
+        output: &Output,
+        interrupt: Interrupt,
+        is_live: bool,
+    ) -> Self {
         let naming = if options.same_bus { Naming::SameBus } else { Naming::BySource };
-        Ok(Self {
+        Self {
             options,
             quality: vec![Quality::default(); captures.len()],
             merge: Merge::new(captures, naming),
@@ -83,7 +98,7 @@ impl<'a> Inputs<'a> {
             interrupt,
             is_live,
             stopped: None,
-        })
+        }
     }
 
     /// What comes next; `None` at the end or when interrupted.

@@ -7,6 +7,8 @@ mod destination;
 mod devices;
 mod inputs;
 mod interrupt;
+mod live;
+mod live_reader;
 mod output;
 mod quality;
 mod selection;

@@ -7,7 +7,7 @@ use canvass_traces::Channels;
 use std::path::PathBuf;
 
 /// Whether and how the quality of the captures is shown.
-#[derive(clap::Args)]
+#[derive(clap::Args, Default)]
 pub struct QualityOptions {
     /// Say at the end what the captures hold and lack: frames, damage, clock steps, time resolution, gaps
     #[arg(long, value_enum, value_name = "FORMAT", num_args = 0..=1, default_missing_value = "text")]

@@ -7,6 +7,7 @@ use crate::status::Failure;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::filter::{Filter, Subject};
 use canvass_analyzer::network::{Decoded, Network};
+use canvass_conformance::models::Model;
 use canvass_traces::{ChannelId, Record};
 
 /// Which frames are chosen.
@@ -30,6 +31,7 @@ impl Selection {
     /// A network that knows the devices named.
     pub fn network(&self) -> Result<Network, Failure> {
         let mut network = Network::new();
+        network.offer(Model::candidates());
         for device in &self.device {
             network.describe(device.node, device.describe()?);
         }

@@ -1,6 +1,6 @@
 //! The device descriptions that come with the program are without fault.
 
-use canvass_analyzer::dictionary::{Access, DataType, Setting, Value, eds};
+use canvass_analyzer::dictionary::{Access, DataType, Setting, Value, consistency, eds};
 use canvass_analyzer::{Multiplexer, NodeId};
 
 #[test]
@@ -23,4 +23,49 @@ fn sendix_58x8() {
     assert_eq!(entry(0x6030, 1).data_type, DataType::INTEGER16);
     assert!(entry(0x6004, 0).pdo_mappable && !entry(0x6002, 0).pdo_mappable);
     assert!(description.dictionary.entry(Multiplexer::new(0x1800, 4)).is_err());
+}
+
+/// Model, sub-indexes, and whether it knows LSS.
+#[test]
+fn the_other_encoders() {
+    for (model, sub_indexes, has_lss) in [
+        ("kuebler-sendix-f58", 159, true),
+        ("kuebler-sendix-m58", 138, true),
+        ("kuebler-sendix-f58m", 150, true),
+        ("kuebler-c100", 51, true),
+        ("kuebler-d125", 51, true),
+        ("lika-ax58", 59, false),
+        ("tr-c65", 49, false),
+        ("tr-lmp30", 54, false),
+        ("reference-406", 161, true),
+    ] {
+        let path = format!("{}/../conformance/models/{model}.eds", env!("CARGO_MANIFEST_DIR"));
+        let description = eds::read(&std::fs::read(path).unwrap()).unwrap();
+        assert!(description.problems.is_empty(), "{model}: {:#?}", description.problems);
+        assert_eq!(description.device_profile(), Some(406), "{model}");
+        assert_eq!(description.device.lss_supported, has_lss, "{model}");
+        assert_eq!(description.dictionary.entries().count(), sub_indexes, "{model}");
+    }
+}
+
+/// What the manuals of Lika and TR-Electronic have otherwise than the standards.
+#[test]
+fn contradictions_to_the_standards() {
+    let found = |model: &str| -> Vec<String> {
+        let path = format!("{}/../conformance/models/{model}.eds", env!("CARGO_MANIFEST_DIR"));
+        let description = eds::read(&std::fs::read(path).unwrap()).unwrap();
+        let problems = consistency::check(&description).into_iter();
+        problems.map(|problem| format!("[{}] {}: {}", problem.section, problem.field, problem.found)).collect()
+    };
+    let ro = |sections: &[&str]| -> Vec<String> {
+        sections.iter().map(|section| format!("[{section}] AccessType: ro instead of rw")).collect()
+    };
+    assert_eq!(found("lika-ax58"), ro(&["100C", "100D"]));
+    // PDOs can't be configured.
+    let fixed =
+        ["100E", "1800sub1", "1800sub2", "1802sub1", "1802sub2", "1A00sub0", "1A00sub1", "1A02sub0", "1A02sub1"];
+    assert_eq!(found("tr-c65"), ro(&fixed));
+    let mut linear = vec!["[1018sub0] DataType: UNSIGNED32 instead of UNSIGNED8".to_owned()];
+    linear.extend(ro(&fixed));
+    assert_eq!(found("tr-lmp30"), linear);
 }

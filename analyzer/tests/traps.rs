@@ -334,3 +334,37 @@ fn a_capture_may_begin_in_a_transfer() {
     assert_eq!(said.decoded.violation, Some(Violation::Unexpected));
     assert!(said.text.starts_with("read answered: 1000h:00"));
 }
+
+/// The five steps of Sendix manual 5.7.4: switched off, emptied, written, counted, switched on. The values before and
+/// after are each read by their own mapping, and between them there is none.
+#[test]
+fn a_mapping_changes_in_the_middle_of_a_trace() {
+    let mut trace = Trace::new();
+    for frame in [
+        "63F#40 00 10 00 00 00 00 00",
+        "5BF#43 00 10 00 96 01 02 00",
+        "63F#40 00 1A 00 00 00 00 00",
+        "5BF#4F 00 1A 00 01 00 00 00",
+        "63F#40 00 1A 01 00 00 00 00",
+        "5BF#43 00 1A 01 20 00 04 60",
+    ] {
+        trace.say(frame);
+    }
+    assert_eq!(trace.say("1BF#BA 4C 00 00").text, "TPDO 1: 6004h:00 Position value = 19642 steps");
+    let write = |trace: &mut Trace, request: &str, object: &str| {
+        trace.say(&format!("63F#{request}"));
+        trace.say(&format!("5BF#60 {object} 00 00 00 00"));
+    };
+    write(&mut trace, "23 00 18 01 BF 01 00 80", "00 18 01");
+    assert_eq!(trace.say("1BF#BA 4C 00 00").service(), "unknown", "the PDO is switched off");
+    write(&mut trace, "2F 00 1A 00 00 00 00 00", "00 1A 00");
+    write(&mut trace, "23 00 1A 01 10 01 30 60", "00 1A 01");
+    write(&mut trace, "23 00 1A 02 20 00 04 60", "00 1A 02");
+    write(&mut trace, "2F 00 1A 00 02 00 00 00", "00 1A 00");
+    write(&mut trace, "23 00 18 01 BF 01 00 00", "00 18 01");
+    let said = trace.say("1BF#AF 04 BB 4C 00 00");
+    assert_eq!(said.service(), "pdo");
+    let speed = "6030h:01 Speed value, Speed value channel 1 = ";
+    assert!(said.text.starts_with(&format!("TPDO 1: {speed}")), "{}", said.text);
+    assert!(said.text.ends_with("6004h:00 Position value = 19643 steps"), "{}", said.text);
+}

@@ -32,6 +32,11 @@ pub struct Case {
 inventory::collect!(Case);
 
 impl Case {
+    /// Standard and service: the first two words of the id, such as `301/sdo`.
+    pub fn family(&self) -> &'static str {
+        self.id.match_indices('/').nth(1).map_or(self.id, |(at, _)| self.id.get(..at).unwrap_or(self.id))
+    }
+
     /// The first sentence of the requirement: a line for lists.
     pub fn summary(&self) -> &'static str {
         let paragraph = self.requirement.split("\n\n").next().unwrap_or(self.requirement);
@@ -136,6 +141,8 @@ pub enum Need {
     Name,
     /// Layer setting services: the description says that they are supported.
     Lss,
+    /// Layer management: the slave answers an inquiry.
+    Lmt,
     /// The heartbeat consumer, 1016h:01, and a node-ID beside the device's own that the tester can act as.
     HeartbeatConsumer,
     /// Life guarding that can be set, 100Ch and 100Dh, or the heartbeat consumer, 1016h:01.
@@ -146,10 +153,76 @@ pub enum Need {
     ErrorHistory,
     /// TPDO 1 with a mapping that can be changed: 1800h:01 and 1A00h.
     DynamicMapping,
+    /// The first RPDO, 1400h and 1600h.
+    Rpdo,
+    /// RPDO 1 with a mapping that can be changed, and an object for it that SDOs can read.
+    RpdoMapping,
+    /// TPDO 1 with a mapping that can be changed, and an object for it that SDOs can write.
+    Changeable,
+    /// SYNC, 1005h.
+    Sync,
+    /// The device can produce SYNC: 1005h bit 30 and 1006h.
+    SyncProducer,
+    /// The counter of SYNC, 1019h.
+    SyncCounter,
+    /// TIME, 1012h.
+    Time,
+    /// The COB-ID of EMCY, 1014h.
+    EmcyObject,
+    /// A COB-ID of EMCY that can be written, 1014h.
+    EmcyId,
+    /// The inhibit time of EMCY, 1015h.
+    EmcyInhibit,
+    /// Error behaviour, 1029h:01.
+    ErrorBehaviour,
+    /// The device's description names an application object that can be written without consequence.
+    ApplicationParameter,
+    /// The SDO server parameter, 1200h.
+    ServerParameter,
+    /// A second SDO server, 1201h.
+    SecondServer,
+    /// NMT start-up, 1F80h.
+    StartUp,
+    /// The device has no node-ID as delivered: LSS gives it one.
+    Unconfigured,
     /// The device is an encoder (CiA 406).
     Encoder,
+    /// A preset (6003h) that a reset takes back, unless `--allow nvm` was given.
+    VolatilePreset,
+    /// A work area: 6400h, 6401h and 6402h.
+    WorkArea,
+    /// Alarms and warnings: 6503h to 6506h.
+    Alarms,
+    /// The temperature limits of Kübler's Sendix encoders, 2120h.
+    TemperatureLimit,
+    /// The raw position 600Ch.
+    RawPosition,
+    /// The raw position of Kübler's Sendix encoders with its inverse and checksum, 2160h to 2162h.
+    RawData,
+    /// The speed 6030h.
+    Speed,
+    /// The speed 6030h with its parameters 6031h.
+    SpeedParameters,
+    /// The acceleration 6040h.
+    Acceleration,
+    /// The shaft turns, or the wire moves, while the case runs.
+    TurningShaft,
+    /// Two redundant channels of the position in TPDO 1: 6020h twice in 1A00h.
+    RedundantChannels,
+    /// The inclinometer of Kübler's draw-wire encoders: 3003h to 3010h, 5000h.
+    Inclinometer,
     /// Store parameters, 1010h:01.
     Store,
+    /// The SDO server knows block uploads.
+    BlockUpload,
+    /// The SDO server knows block downloads.
+    BlockDownload,
+    /// The SDO server checks the CRC of block downloads.
+    BlockCrc,
+    /// A string that can be written without consequence, as the description says.
+    LongScratch,
+    /// A string that is empty.
+    EmptyValue,
     /// The device's EDS or built-in model.
     Description,
     /// No other node was heard on the bus, or `--allow other-nodes` was given: the case commands all nodes.
@@ -167,13 +240,47 @@ impl Need {
             Self::EventTimer => "a TPDO with an event timer (1800h:05)",
             Self::Name => "a device name or version (1008h, 1009h or 100Ah)",
             Self::Lss => "layer setting services (LSS)",
+            Self::Lmt => "layer management (LMT)",
             Self::HeartbeatConsumer => "the heartbeat consumer (1016h:01)",
             Self::Monitoring => "life guarding (100Ch, 100Dh) or a heartbeat consumer (1016h:01)",
             Self::Guarding => "node guarding (100Ch)",
             Self::ErrorHistory => "the predefined error field (1003h)",
             Self::DynamicMapping => "a TPDO 1 whose mapping can be changed (1800h:01, 1A00h)",
+            Self::Rpdo => "an RPDO (1400h, 1600h)",
+            Self::RpdoMapping => "an RPDO 1 whose mapping can be changed, and an object for it that SDOs can read",
+            Self::Changeable => "a TPDO 1 whose mapping can be changed, and an object for it that SDOs can write",
+            Self::Sync => "SYNC (1005h)",
+            Self::SyncProducer => "a SYNC producer (1005h bit 30, 1006h)",
+            Self::SyncCounter => "the SYNC counter (1019h)",
+            Self::Time => "TIME (1012h)",
+            Self::EmcyObject => "the COB-ID of EMCY (1014h)",
+            Self::EmcyId => "a COB-ID of EMCY that can be written (1014h)",
+            Self::EmcyInhibit => "the inhibit time of EMCY (1015h)",
+            Self::ErrorBehaviour => "error behaviour (1029h:01)",
+            Self::ApplicationParameter => "an application object that can be written without consequence",
+            Self::ServerParameter => "the SDO server parameter (1200h)",
+            Self::SecondServer => "a second SDO server (1201h)",
+            Self::StartUp => "NMT start-up (1F80h)",
+            Self::Unconfigured => "no node-ID as delivered",
             Self::Encoder => "an encoder of CiA 406 with a position (6004h)",
+            Self::VolatilePreset => "a preset that is not stored at once (or --allow nvm)",
+            Self::WorkArea => "a work area (6400h to 6402h)",
+            Self::Alarms => "alarms and warnings (6503h to 6506h)",
+            Self::TemperatureLimit => "temperature limits of Kübler's Sendix encoders (2120h)",
+            Self::RawPosition => "a raw position (600Ch)",
+            Self::RawData => "the raw position of Kübler's Sendix encoders with its checksum (2160h to 2162h)",
+            Self::Speed => "a speed (6030h)",
+            Self::SpeedParameters => "a speed with parameters (6030h, 6031h)",
+            Self::Acceleration => "an acceleration (6040h)",
+            Self::TurningShaft => "a shaft that turns while the case runs",
+            Self::RedundantChannels => "two redundant channels of the position (6020h twice in 1A00h)",
+            Self::Inclinometer => "the inclinometer of Kübler's draw-wire encoders (3003h to 3010h, 5000h)",
             Self::Store => "store parameters (1010h:01)",
+            Self::BlockUpload => "SDO block uploads",
+            Self::BlockDownload => "SDO block downloads",
+            Self::BlockCrc => "a CRC in SDO block downloads",
+            Self::LongScratch => "a string that can be written without consequence",
+            Self::EmptyValue => "a string that is empty",
             Self::Description => "a description of the device (an EDS or a built-in model)",
             Self::Alone => "a bus without other nodes, because the case commands all of them",
         }

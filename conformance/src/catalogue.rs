@@ -153,7 +153,7 @@ mod tests {
         assert!(selected("301/sdo").iter().all(|id| id.starts_with("301/sdo/")));
         assert!(selected("301/sd").is_empty(), "whole words only");
         assert_eq!(selected("301/sdo/download/read-only"), ["301/sdo/download/read-only"]);
-        assert_eq!(selected("301/*/read-only"), ["301/sdo/download/read-only"]);
+        assert_eq!(selected("301/sdo/*load/read-only").len(), 2);
         assert!(!selected("7.2.8").is_empty());
         assert_eq!(selected("CiA 301 7.2.8"), selected("7.2.8"));
         assert!(selected("CiA 305 7.2.8").is_empty());

@@ -20,7 +20,9 @@ pub mod models;
 pub mod runner;
 #[cfg(test)]
 mod scripted;
+pub mod selftest;
 pub mod verdict;
+pub mod waiver;
 
 use canvass_conformance_macros::case;
 pub use fault::{Fault, Faults, UnknownFault};

@@ -18,6 +18,17 @@ pub trait Machine: Send {
     /// The time that [`Machine::poll_timeout`] named has come.
     fn handle_timeout(&mut self, now: Timestamp);
 
+    /// The bit rate in bit/s at which it takes part, where it is not that of the bus: it then understands nothing that
+    /// is sent at another one, and nobody else understands it.
+    fn bit_rate(&self) -> Option<u32> {
+        None
+    }
+
+    /// Off and on again; nothing happens to what has no supply of its own.
+    fn power_cycle(&mut self, now: Timestamp) {
+        let _ = now;
+    }
+
     /// Whether a frame that the bus took but has not begun to send shall not be sent any more: a reset, for example,
     /// empties the mailboxes of a CAN controller.
     fn withdraws(&self, pending: &Frame) -> bool {

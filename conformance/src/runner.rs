@@ -1,8 +1,8 @@
 //! Runs cases one after the other and says what happens: every report is made from its events.
 
-use crate::bench::{Bench, Deviation, Evidence, Remains, objects};
+use crate::bench::{Bench, Deviation, Evidence, Measurement, Remains, objects};
+use crate::bus::Health;
 use crate::case::{Case, Touch};
-use crate::catalogue;
 use crate::verdict::{Kind, Reason, Verdict};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -11,7 +11,7 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What happens in a run, in this order: one [`RunEvent::RunStarted`], for each case a [`RunEvent::CaseStarted`] and a
-/// [`RunEvent::CaseFinished`], one [`RunEvent::RunFinished`].
+/// [`RunEvent::CaseFinished`], any number of [`RunEvent::Noticed`], one [`RunEvent::RunFinished`].
 #[derive(Debug)]
 pub enum RunEvent<'a> {
     /// The device was reached; cases follow.
@@ -27,6 +27,8 @@ pub enum RunEvent<'a> {
     },
     /// A case has ended.
     CaseFinished(&'a CaseReport),
+    /// Something about the run as a whole that a person should know.
+    Noticed(&'a str),
     /// All cases have ended, or the user has cancelled.
     RunFinished(&'a Summary),
 }
@@ -48,6 +50,8 @@ pub struct RunInfo {
     pub seed: u64,
     /// How many cases were selected.
     pub cases: usize,
+    /// The object dictionary before the first case, as far as it could be read: what the bench reads.
+    pub dictionary: Vec<(Multiplexer, Vec<u8>)>,
 }
 
 /// What a device says about itself. The texts come from the device: they may hold anything.
@@ -72,8 +76,19 @@ pub struct CaseReport {
     pub evidence: Evidence,
     /// What else was noticed.
     pub notes: Vec<String>,
+    /// What was measured, whatever the verdict.
+    pub measurements: Vec<Measurement>,
+    /// How each repetition ended; one where the case ran once.
+    pub outcomes: Vec<Kind>,
     /// How long it took on the clock of the bus, with the way to the precondition and back.
     pub duration: Duration,
+}
+
+impl CaseReport {
+    /// Whether repetitions ended differently.
+    pub fn is_flaky(&self) -> bool {
+        self.outcomes.windows(2).any(|pair| pair.first() != pair.last())
+    }
 }
 
 /// The outcome of a run.
@@ -84,6 +99,43 @@ pub struct Summary {
     pub duration: Duration,
     /// The user ended the run before all cases had run.
     pub cancelled: bool,
+    /// How well the tester's own machine kept up, on a live bus.
+    pub host: Option<HostTiming>,
+    /// How often the device was told to write its non-volatile memory: it wears out.
+    pub stores: u32,
+    /// How many cases ended differently when they were repeated.
+    pub flaky: usize,
+}
+
+/// How well the tester's own machine kept up. Each bound is at most twice the longest span that it holds for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct HostTiming {
+    /// From a frame's time on the bus to the tester's seeing it, while it waited: 99 of 100 within this.
+    pub receive_usually: Duration,
+    /// All within this.
+    pub receive_always: Duration,
+    /// From the tester's handing over a frame to its time on the bus: 99 of 100 within this.
+    pub transmit_usually: Duration,
+    /// All within this.
+    pub transmit_always: Duration,
+    /// Frames that did not reach the tester.
+    pub lost: u64,
+    /// How often the way to the bus was interrupted.
+    pub interruptions: u64,
+}
+
+impl HostTiming {
+    fn of(health: &Health) -> Self {
+        let (receive, transmit) = (&health.receive, &health.transmit);
+        Self {
+            receive_usually: receive.quantile(990).unwrap_or_default(),
+            receive_always: receive.longest().unwrap_or_default(),
+            transmit_usually: transmit.quantile(990).unwrap_or_default(),
+            transmit_always: transmit.longest().unwrap_or_default(),
+            lost: health.lost,
+            interruptions: health.interruptions,
+        }
+    }
 }
 
 impl Summary {
@@ -139,7 +191,7 @@ pub enum RunError {
 /// Everything that a run needs beside its bench.
 #[derive(Debug)]
 pub struct Plan<'a> {
-    /// The cases, in the order in which they run: see [`catalogue::select`].
+    /// The cases, in the order in which they run: see [`crate::catalogue::select`].
     pub cases: &'a [&'static Case],
     /// The bus, as the user addressed it.
     pub bus: &'a str,
@@ -168,6 +220,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         device: identify(bench),
         seed: plan.seed,
         cases: plan.cases.len(),
+        dictionary: bench.dump(),
     };
     report(&RunEvent::RunStarted(&info));
     let mut summary = Summary::default();
@@ -176,13 +229,19 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
             break;
         }
         report(&RunEvent::CaseStarted { case, number: at + 1, of: plan.cases.len() });
-        let finished = run_case(bench, case);
+        let finished = repeat_case(bench, case);
         summary.add(finished.verdict.kind());
+        summary.flaky += usize::from(finished.is_flaky());
         report(&RunEvent::CaseFinished(&finished));
     }
     summary.cancelled = bench.is_cancelled();
     bench.leave(was_operational);
+    for notice in bench.put_back_dictionary(&info.dictionary) {
+        report(&RunEvent::Noticed(&notice));
+    }
+    summary.stores = bench.stores();
     summary.duration = bench.now().since(started);
+    summary.host = bench.is_live().then(|| HostTiming::of(&bench.health()));
     report(&RunEvent::RunFinished(&summary));
     if summary.executed() == 0 {
         let reason = format!("of {} cases none could be judged", summary.total());
@@ -219,18 +278,47 @@ fn identify(bench: &mut Bench<'_>) -> DeviceIdentity {
     DeviceIdentity { device_type, identity, names }
 }
 
+/// Runs a case as often as the options say. The report is that of the worst outcome, the first of them.
+fn repeat_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
+    let started = bench.now();
+    let mut worst = run_case(bench, case);
+    for _ in 1..bench.options().repeat.max(1) {
+        if bench.is_cancelled() {
+            break;
+        }
+        let next = run_case(bench, case);
+        let kind = next.verdict.kind();
+        let outcomes = std::mem::take(&mut worst.outcomes);
+        if kind.badness() > worst.verdict.kind().badness() {
+            worst = next;
+        }
+        worst.outcomes = outcomes;
+        worst.outcomes.push(kind);
+    }
+    worst.duration = bench.now().since(started);
+    worst
+}
+
 /// Runs one case: precondition, stimulus, restoration, and what must be true after every case.
 pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let started = bench.now();
+    let health = bench.health();
     bench.begin();
     let judged = catch_unwind(AssertUnwindSafe(|| judge(bench, case)));
     let verdict = judged.unwrap_or_else(|panic| Verdict::Error(panicked(&*panic)));
+    let took = bench.now().since(started);
+    let overload = matches!(verdict, Verdict::Fail(_)).then(|| overload(bench, took)).flatten();
+    // A device that has gone is looked for while its frames are still evidence.
+    let has_left = matches!(verdict, Verdict::Fail(_)) && bench.is_live() && bench.has_left();
     // Also what puts the device back could panic; the run goes on.
     let remains = catch_unwind(AssertUnwindSafe(|| bench.finish())).ok();
-    let (evidence, notes, restarted) = match remains {
-        Some(Remains { evidence, notes, restarted }) => (evidence, notes, restarted),
-        None => (Evidence::default(), vec!["the tester failed while it restored the device".to_owned()], None),
-    };
+    let Remains { evidence, notes, restarted, measurements } = remains.unwrap_or_else(|| Remains {
+        evidence: Evidence::default(),
+        notes: vec!["the tester failed while it restored the device".to_owned()],
+        restarted: None,
+        measurements: Vec::new(),
+    });
+    let verdict = blameless(verdict, &bench.health().since(&health), overload, has_left);
     let verdict = match (verdict, restarted) {
         (Verdict::Pass | Verdict::Tolerated(_), Some(at)) => Verdict::Fail(Reason::new(
             "the device does not restart by itself",
@@ -240,7 +328,54 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
         (verdict, _) => verdict,
     };
     let verdict = documented(verdict, case, &bench.target().deviations);
-    CaseReport { case, verdict, evidence, notes, duration: bench.now().since(started) }
+    let outcomes = vec![verdict.kind()];
+    CaseReport { case, verdict, evidence, notes, measurements, outcomes, duration: bench.now().since(started) }
+}
+
+/// A failure that comes while a frame takes longer than this to or from the tester may be the tester's own: it is as long
+/// as the shortest wait that a case judges by.
+const HOST_LATE: Duration = Duration::from_millis(50);
+
+/// From that share of the bus on, in percent, others may be why a device does not get through.
+const OVERLOAD: u64 = 50;
+
+/// Who takes so much of the bus that the device may not get through.
+fn overload(bench: &Bench<'_>, span: Duration) -> Option<String> {
+    let load = bench.foreign().load(span, bench.bit_rate());
+    let (id, count) = bench.foreign().loudest()?;
+    (load >= OVERLOAD)
+        .then(|| format!("others took {load} % of the bus, most of them {count} frames with identifier {id}"))
+}
+
+/// The verdict, if neither the bus nor the tester's own machine may be to blame.
+fn blameless(verdict: Verdict, health: &Health, overload: Option<String>, has_left: bool) -> Verdict {
+    let says_something = !matches!(verdict, Verdict::NotApplicable(_) | Verdict::Error(_));
+    let found = |verdict: &Verdict| match verdict.reason() {
+        Some(reason) => format!("; meanwhile: {} ({})", reason.duty, reason.actual),
+        None => String::new(),
+    };
+    if health.interruptions > 0 && says_something {
+        let trouble = health.trouble.clone().unwrap_or_else(|| "the way to the bus was interrupted".to_owned());
+        return Verdict::Error(Reason::new("the bus works", "no interruption", trouble));
+    }
+    if health.lost > 0 && says_something {
+        let actual = format!("{} frames were lost on the tester's machine{}", health.lost, found(&verdict));
+        return Verdict::Inconclusive(Reason::new("all frames reach the tester", "none lost", actual));
+    }
+    if !matches!(verdict, Verdict::Fail(_)) {
+        return verdict;
+    }
+    let late = health.receive.longest().max(health.transmit.longest()).filter(|&longest| longest > HOST_LATE);
+    let (duty, expected, actual) = match (has_left, overload, late) {
+        (true, ..) => ("the device stays on the bus", "an answer, or a start after a reset", "neither".to_owned()),
+        (_, Some(overload), _) => ("the bus has room for the device", "a load below half", overload),
+        (_, _, Some(late)) => {
+            let actual = format!("up to {late} between the tester and the bus");
+            ("the tester's machine keeps up", "a few milliseconds", actual)
+        }
+        _ => return verdict,
+    };
+    Verdict::Inconclusive(Reason::new(duty, expected, format!("{actual}{}", found(&verdict))))
 }
 
 fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Verdict {
@@ -248,6 +383,7 @@ fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Verdict {
         if let Some(touch) = case.touches.iter().find(|touch| !bench.options().allow.contains(touch)) {
             return Err(Verdict::NotApplicable(not_allowed(*touch)));
         }
+        bench.look_for_it()?;
         bench.prepare()?;
         for &need in case.needs {
             if let Err(why) = bench.meets(need)? {
@@ -271,11 +407,13 @@ fn panicked(panic: &(dyn Any + Send)) -> Reason {
     Reason::new("the tester works", "a verdict", text.unwrap_or_else(|| "a panic".to_owned()))
 }
 
-/// A failure that the device's documentation announces is a deviation.
+/// A failure that the device's documentation or its user announces is a deviation.
 fn documented(verdict: Verdict, case: &Case, deviations: &[Deviation]) -> Verdict {
     let Verdict::Fail(reason) = verdict else { return verdict };
-    match deviations.iter().find(|deviation| catalogue::matches(&deviation.case, case.id)) {
-        Some(deviation) => Verdict::Deviation { reason, documented: deviation.documented.clone() },
+    match deviations.iter().find(|deviation| deviation.explains(case, &reason)) {
+        Some(Deviation { documented, by, .. }) => {
+            Verdict::Deviation { reason, documented: documented.clone(), by: *by }
+        }
         None => Verdict::Fail(reason),
     }
 }
@@ -326,6 +464,26 @@ mod tests {
     }
 
     #[test]
+    fn the_host_and_the_bus_are_not_the_device() {
+        let fail = || Verdict::Fail(Reason::new("the read is answered", "the value", "no answer"));
+        let judged = |health: &Health| blameless(fail(), health, None, false).kind();
+        assert_eq!(judged(&Health::default()), Kind::Fail);
+        assert_eq!(judged(&Health { lost: 1, ..Health::default() }), Kind::Inconclusive);
+        assert_eq!(judged(&Health { interruptions: 1, ..Health::default() }), Kind::Error);
+        let mut late = Health::default();
+        late.receive.add(Duration::from_millis(20));
+        assert_eq!(judged(&late), Kind::Fail);
+        late.receive.add(Duration::from_millis(200));
+        assert_eq!(judged(&late), Kind::Inconclusive);
+        assert_eq!(blameless(Verdict::Pass, &late, None, false), Verdict::Pass);
+        let lost = Health { lost: 1, ..Health::default() };
+        assert_eq!(blameless(Verdict::Pass, &lost, None, false).kind(), Kind::Inconclusive);
+        assert_eq!(blameless(fail(), &Health::default(), Some("123".to_owned()), false).kind(), Kind::Inconclusive);
+        let Verdict::Inconclusive(reason) = blameless(fail(), &Health::default(), None, true) else { panic!() };
+        assert_eq!(reason.actual, "neither; meanwhile: the read is answered (no answer)");
+    }
+
+    #[test]
     fn a_panic_is_an_error_and_the_run_goes_on() {
         let (summary, events) = run_cases(ROWS, &[&PANICS, &PASSES]);
         assert_eq!(events, ["Some(131478)", "test/panics: error out of luck", "test/passes: pass "]);
@@ -355,7 +513,7 @@ mod tests {
 
     #[test]
     fn a_documented_failure_is_a_deviation() {
-        let deviations = [Deviation { case: "test/*".to_owned(), documented: "manual, 5.1".to_owned() }];
+        let deviations = [Deviation::of_manual("test/*", "manual, 5.1")];
         let verdict = documented(Verdict::Fail(Reason::default()), &PASSES, &deviations);
         assert_eq!(verdict.documented(), Some("manual, 5.1"));
         assert_eq!(documented(Verdict::Pass, &PASSES, &deviations), Verdict::Pass);

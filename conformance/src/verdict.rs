@@ -13,8 +13,10 @@ pub enum Verdict {
     Deviation {
         /// What was found.
         reason: Reason,
-        /// What the documentation says, and where.
+        /// What the documentation or the waiver says, and where.
         documented: String,
+        /// Who says so.
+        by: Authority,
     },
     /// Not as the standard says.
     Fail(Reason),
@@ -24,6 +26,18 @@ pub enum Verdict {
     NotApplicable(Reason),
     /// The tester or the bus failed, not the device.
     Error(Reason),
+}
+
+/// Who announces that a device differs from the standard.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Authority {
+    /// The manufacturer: the device's own manual.
+    Manual,
+    /// The user: a waiver that begins at that line of the waiver file.
+    Waiver {
+        /// From 1.
+        line: usize,
+    },
 }
 
 /// What a case returns. Both sides are verdicts, so that `?` ends a case early.
@@ -92,6 +106,19 @@ impl Kind {
         }
     }
 
+    /// How bad it is, for choosing the worst of several outcomes: a case that failed once has failed.
+    pub const fn badness(self) -> u8 {
+        match self {
+            Self::Pass => 0,
+            Self::Tolerated => 1,
+            Self::Deviation => 2,
+            Self::NotApplicable => 3,
+            Self::Inconclusive => 4,
+            Self::Error => 5,
+            Self::Fail => 6,
+        }
+    }
+
     /// Whether the case ran to an end and says something about the device.
     pub const fn is_executed(self) -> bool {
         matches!(self, Self::Pass | Self::Tolerated | Self::Deviation | Self::Fail)
@@ -135,6 +162,14 @@ impl Verdict {
     pub fn documented(&self) -> Option<&str> {
         match self {
             Self::Deviation { documented, .. } => Some(documented),
+            _ => None,
+        }
+    }
+
+    /// Who announces the deviation.
+    pub const fn authority(&self) -> Option<Authority> {
+        match self {
+            Self::Deviation { by, .. } => Some(*by),
             _ => None,
         }
     }

@@ -1,19 +1,26 @@
 //! Every rendering of decoded traffic and test results.
 //!
+//! - [`catalogue_page`]: all cases, as a page;
+//! - [`comparison`]: what changed between two results of a conformance run;
 //! - [`conformance`]: the reports of a conformance run;
 //! - [`decode`]: frames, one line or one JSON object each;
 //! - [`diagnosis`]: what was wrong in a capture;
 //! - [`events`]: what the frames brought about, one line or one JSON object each;
 //! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
 //! - [`quality`]: what captures hold and lack;
+//! - [`selftest`]: which faults the cases detect;
 //! - [`signals`]: the values of PDOs as columns over time.
 
+pub mod catalogue_page;
+pub mod comparison;
 pub mod conformance;
 pub mod decode;
 pub mod diagnosis;
 pub mod escape;
 pub mod events;
+mod page;
 mod push;
 pub mod quality;
+pub mod selftest;
 pub mod signals;
 pub mod time;

@@ -1,6 +1,6 @@
 //! The time of a frame as it is shown.
 
-use crate::push::{push_decimal, push_fraction, push_text};
+use crate::push::{push_decimal, push_fraction, push_six_digits, push_text};
 use canvass_traces::Timestamp;
 
 /// How the time of a frame is shown.
@@ -73,7 +73,7 @@ impl Clock {
         let nanos = now.nanos().abs_diff(from.nanos());
         self.push_seconds(nanos / NANOS, out);
         match nanos % 1000 {
-            0 if !self.full => push_fraction(out, nanos % NANOS / 1000, 6),
+            0 if !self.full => push_six_digits(out, (nanos % NANOS / 1000) as u32),
             _ => push_fraction(out, nanos % NANOS, 9),
         }
     }

@@ -22,6 +22,15 @@ pub struct Args {
     /// Capture files; - is standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    #[command(flatten)]
+    view: View,
+    #[command(flatten)]
+    input: InputOptions,
+}
+
+/// What is shown of the frames, and how.
+#[derive(clap::Args)]
+pub struct View {
     /// How to print the frames
     #[arg(long, value_enum, default_value_t)]
     format: DecodeFormat,
@@ -35,8 +44,6 @@ pub struct Args {
     range: TimeRange,
     #[command(flatten)]
     selection: Selection,
-    #[command(flatten)]
-    input: InputOptions,
 }
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
@@ -68,15 +75,30 @@ enum Time {
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let output = Output::default();
+        // A mistake in the options is told before anything is read.
+        self.view.network()?;
+        let inputs = Inputs::open(&self.files, &self.input, &output)?;
+        self.view.show(inputs, color, &output)
+    }
+}
+
+impl View {
+    /// A network that knows the devices named.
+    pub fn network(&self) -> Result<Network, Failure> {
+        self.selection.network()
+    }
+
+    /// Shows all that comes.
+    pub fn show(self, mut inputs: Inputs<'_>, color: Color, output: &Output) -> Result<Status, Failure> {
+        let mut network = self.network()?;
         if self.events {
-            return self.events(color, &output);
+            return self.show_events(inputs, network, color, output);
         }
         let mut lines = self.lines(color);
         output.append(|buffer| lines.begin(buffer))?;
-        let (mut network, mut range) = (self.selection.network()?, self.range);
-        let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
+        let mut range = self.range;
         while let Some(Seen::Record(record) | Seen::Salvaged(record)) = inputs.next()? {
-            self.show(&record, &inputs, &mut network, &mut range, lines.as_mut(), &output)?;
+            self.show_frame(&record, &inputs, &mut network, &mut range, lines.as_mut(), output)?;
         }
         self.end(inputs)
     }
@@ -91,7 +113,13 @@ impl Args {
         }
     }
 
-    fn events(self, color: Color, output: &Output) -> Result<Status, Failure> {
+    fn show_events(
+        self,
+        mut inputs: Inputs<'_>,
+        mut network: Network,
+        color: Color,
+        output: &Output,
+    ) -> Result<Status, Failure> {
         let mut events = match self.format {
             DecodeFormat::Text => decode_events::text(self.time.style(), color),
             DecodeFormat::Json => decode_events::json(),
@@ -99,8 +127,6 @@ impl Args {
                 return Err(anyhow!("--events has the formats text and json").into());
             }
         };
-        let mut network = self.selection.network()?;
-        let mut inputs = Inputs::open(&self.files, &self.input, output)?;
         decode_events::show(&mut inputs, &mut network, self.range, &self.selection, events.as_mut(), output)?;
         self.end(inputs)
     }
@@ -115,7 +141,7 @@ impl Args {
         Ok(Status::Good)
     }
 
-    fn show(
+    fn show_frame(
         &self,
         record: &Record,
         inputs: &Inputs<'_>,

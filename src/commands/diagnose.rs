@@ -1,15 +1,17 @@
 //! `canvass diagnose`: what was wrong on a bus.
 
+use crate::destination::is_same_file;
 use crate::devices::DeviceArg;
 use crate::inputs::{InputOptions, Inputs, Seen};
 use crate::output::{Color, Output};
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
-use canvass_analyzer::findings::{Diagnosis, Results, Severity, SourceQuality, Thresholds};
-use canvass_reports::diagnosis::{self, Diagnosed, Style};
-use canvass_reports::quality::CaptureQuality;
-use canvass_traces::Channels;
-use std::io::{self, Write};
+use anyhow::{Context, anyhow};
+use canvass_analyzer::findings::{Diagnosis, Severity, SourceQuality, Thresholds};
+use canvass_conformance::models::Model;
+use canvass_reports::diagnosis::{self, Diagnosed, Style, html};
+use std::fs::File;
+use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
 
 /// Diagnose captures: what was on the bus, what was wrong, and the frames that prove it
@@ -24,6 +26,9 @@ pub struct Args {
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: DiagnoseFormat,
+    /// Write the result to a file, which is overwritten, instead of standard output
+    #[arg(long, short, value_name = "FILE")]
+    output: Option<PathBuf>,
     /// From which severity on findings make the exit status 1
     #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
     fail_on: FailOn,
@@ -53,6 +58,8 @@ enum DiagnoseFormat {
     Markdown,
     /// JUnit XML: each rule is a case
     Junit,
+    /// One page for a browser, with plots and the frames around findings
+    Html,
 }
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
@@ -90,6 +97,8 @@ impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let mut diagnosis = self.diagnosis()?;
         let mut range = self.range;
+        let out = self.destination()?;
+        let mut collector = (self.format == DiagnoseFormat::Html).then(html::Collector::default);
         let output = Output::default();
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
         let mut damages = 0;
@@ -103,14 +112,18 @@ impl Args {
             if let Seen::Record(record) = seen
                 && range.contains(record.timestamp)
             {
-                diagnosis.record(&record);
+                let observed = diagnosis.record(&record);
+                if let (Some(collector), Some(observed)) = (&mut collector, observed) {
+                    collector.frame(&record, inputs.channels(), &observed)?;
+                }
             }
         }
         let captures = inputs.captures();
         let sources: Vec<_> =
             captures.iter().map(|capture| SourceQuality { name: capture.name, quality: capture.quality }).collect();
         let results = diagnosis.finish(&sources);
-        self.show(&results, inputs.channels(), &captures, color)?;
+        let diagnosed = Diagnosed { results: &results, channels: inputs.channels(), captures: &captures };
+        self.show(&diagnosed, collector, color, out)?;
         drop(captures);
         inputs.finish()?;
         let fails = |least| results.findings.iter().any(|finding| finding.severity >= least);
@@ -123,6 +136,7 @@ impl Args {
             thresholds.set(threshold)?;
         }
         let mut diagnosis = Diagnosis::new(thresholds);
+        diagnosis.offer(Model::candidates());
         for device in &self.device {
             diagnosis.describe(device.node, device.describe()?);
         }
@@ -132,24 +146,58 @@ impl Args {
         Ok(diagnosis)
     }
 
+    /// Opens the file before anything is read: one that can't be written is known at once.
+    fn destination(&self) -> Result<Option<File>, Failure> {
+        let Some(path) = self.output.as_ref().filter(|path| path.as_os_str() != "-") else {
+            if self.format == DiagnoseFormat::Html && io::stdout().is_terminal() {
+                return Err(anyhow!("the page is for a browser: give --output FILE, or redirect the output").into());
+            }
+            return Ok(None);
+        };
+        if self.files.iter().any(|input| is_same_file(input, path)) {
+            return Err(anyhow!("{} is read and can't be written at the same time", path.display()).into());
+        }
+        // It keeps what it holds until there is something new.
+        let file = File::options().write(true).create(true).truncate(false).open(path);
+        Ok(Some(file.with_context(|| format!("can't write {}", path.display()))?))
+    }
+
     fn show(
         &self,
-        results: &Results,
-        channels: &Channels,
-        captures: &[CaptureQuality<'_>],
+        diagnosed: &Diagnosed<'_>,
+        collector: Option<html::Collector>,
         color: Color,
-    ) -> io::Result<()> {
-        let diagnosed = Diagnosed { results, channels, captures };
-        let mut out = io::BufWriter::new(io::stdout().lock());
-        match self.format {
+        file: Option<File>,
+    ) -> Result<(), Failure> {
+        let to_file = file.is_some();
+        let sink: Box<dyn Write> = match file {
+            Some(file) => Box::new(emptied(file)?),
+            None => Box::new(io::stdout().lock()),
+        };
+        let mut out = io::BufWriter::new(sink);
+        let written = match self.format {
             DiagnoseFormat::Table => {
-                let width = terminal_size::terminal_size().map(|(width, _)| width.0);
-                diagnosis::table(&diagnosed, Style { color: color.on_stdout(), width }, &mut out)
+                let width = terminal_size::terminal_size().map(|(width, _)| width.0).filter(|_| !to_file);
+                let style = Style { color: color.on_stdout() && !to_file, width };
+                diagnosis::table(diagnosed, style, &mut out)
             }
-            DiagnoseFormat::Json => diagnosis::json(&diagnosed, &mut out),
-            DiagnoseFormat::Markdown => diagnosis::markdown(&diagnosed, &mut out),
-            DiagnoseFormat::Junit => diagnosis::junit(&diagnosed, self.fail_on.least(), &mut out),
-        }?;
-        out.flush()
+            DiagnoseFormat::Json => diagnosis::json(diagnosed, &mut out),
+            DiagnoseFormat::Markdown => diagnosis::markdown(diagnosed, &mut out),
+            DiagnoseFormat::Junit => diagnosis::junit(diagnosed, self.fail_on.least(), &mut out),
+            DiagnoseFormat::Html => html::render(diagnosed, collector.unwrap_or_default(), &mut out),
+        };
+        let written = written.and_then(|()| out.flush());
+        match &self.output {
+            Some(path) => Ok(written.with_context(|| format!("can't write {}", path.display()))?),
+            None => Ok(written?),
+        }
     }
+}
+
+/// Takes away what a file held before. A pipe or a device holds nothing.
+fn emptied(file: File) -> io::Result<File> {
+    if file.metadata()?.is_file() {
+        file.set_len(0)?;
+    }
+    Ok(file)
 }

@@ -2,11 +2,13 @@
 
 use crate::output::print;
 use crate::status::{Failure, Status};
+use anyhow::anyhow;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::{self, Metadata, Threshold};
 use canvass_conformance::case::Case;
 use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, catalogue};
+use canvass_reports::catalogue_page;
 use canvass_traces::Format;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -43,10 +45,19 @@ enum ListFormat {
     Text,
     /// An array of objects with `id` and `summary`
     Json,
+    /// The catalogue of cases as a page
+    Markdown,
 }
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
+        if matches!(self.format, ListFormat::Markdown) {
+            if !matches!(self.what, What::Cases) {
+                return Err(anyhow!("--format markdown is for cases: say text or json").into());
+            }
+            print(&catalogue_page::markdown(&catalogue::cases()))?;
+            return Ok(Status::Good);
+        }
         let rows = match self.what {
             What::Cases => cases(),
             What::Models => models(),
@@ -55,7 +66,7 @@ impl Args {
             What::Formats => formats(),
         };
         match self.format {
-            ListFormat::Text => print(&text(&rows))?,
+            ListFormat::Text | ListFormat::Markdown => print(&text(&rows))?,
             ListFormat::Json => print(&format!("{:#}\n", Value::Array(rows)))?,
         }
         Ok(Status::Good)

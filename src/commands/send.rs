@@ -1,21 +1,17 @@
 //! `canvass send`: single frames, and what comes back.
 
-use super::test::open_bus;
 use crate::devices::DeviceArg;
-use crate::output::{Color, Output};
+use crate::live::{FrameLines, Live};
+use crate::output::Color;
 use crate::status::{Failure, Status};
-use canvass_analyzer::network::Network;
-use canvass_analyzer::{Meaning, NodeId, Service};
-use canvass_conformance::bus::Bus;
-use canvass_reports::decode::{Line, Lines, TextLines, TimeStyle};
-use canvass_traces::{Channels, Duration, Frame, FrameSyntax, Record, parse_frame};
+use canvass_traces::{Duration, Frame, FrameSyntax, parse_frame};
 
 /// Send frames and print what comes back, decoded
 ///
 /// Frames are written as candump and cansend write them: 63F#4000600000000000, 701#R.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
     /// The frames, sent one after the other
     #[arg(required = true, value_name = "FRAME", value_parser = parse_sent)]
@@ -39,52 +35,26 @@ fn parse_sent(text: &str) -> Result<Frame, FrameSyntax> {
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
-        let mut opened = open_bus(&self.bus, 0)?;
-        let mut network = Network::new();
-        if let Some((model, node)) = opened.model.and_then(|model| Some((model, model.default_node()?))) {
-            network.describe(node, model.description().clone());
-            boot(opened.bus.as_mut(), node, &mut network).map_err(Failure::unreachable)?;
-        }
-        for device in &self.device {
-            network.describe(device.node, device.describe()?);
-        }
-        let mut channels = Channels::new();
-        channels.intern(self.bus.split_once(':').map_or(&*self.bus, |(kind, _)| kind));
-        let mut lines = TextLines::new(TimeStyle::Absolute, color.on_stdout());
-        let output = Output::default();
-        for frame in &self.frames {
-            opened.bus.send(frame).map_err(Failure::unreachable)?;
-            let deadline = opened.bus.now() + Duration::from_millis(self.wait);
-            while let Some(record) = opened.bus.receive(deadline).map_err(Failure::unreachable)? {
-                show(&record, &channels, &mut network, &mut lines, &output)?;
+        let live = Live::open(&self.bus, &self.device)?;
+        send_and_show(live, &self.frames, Duration::from_millis(self.wait), color)
+    }
+}
+
+/// Sends the frames one after the other, and shows what is on the bus for a while after each.
+pub fn send_and_show(mut live: Live, frames: &[Frame], wait: Duration, color: Color) -> Result<Status, Failure> {
+    let mut lines = FrameLines::new(color);
+    for frame in frames {
+        live.bus.send(frame).map_err(Failure::unreachable)?;
+        let deadline = live.bus.now() + wait;
+        while let Some(record) = live.bus.receive(deadline).map_err(Failure::unreachable)? {
+            lines.show(&record, &mut live.network, &live.channels)?;
+            // A bus that never falls silent must not turn a wait into a hang.
+            if record.timestamp > deadline {
+                break;
             }
         }
-        output.flush()?;
-        Ok(Status::Good)
     }
-}
-
-/// Lets a simulated device, which was only just switched on, finish its initialisation.
-fn boot(bus: &mut dyn Bus, node: NodeId, network: &mut Network) -> Result<(), canvass_conformance::bus::BusError> {
-    let deadline = bus.now() + Duration::from_secs(5);
-    while let Some(record) = bus.receive(deadline)? {
-        let decoded = network.handle(&record);
-        if decoded.service == Service::BootUp && decoded.node == Some(node) {
-            break;
-        }
-    }
-    Ok(())
-}
-
-fn show(
-    record: &Record,
-    channels: &Channels,
-    network: &mut Network,
-    lines: &mut TextLines,
-    output: &Output,
-) -> std::io::Result<()> {
-    let decoded = network.handle(record);
-    let Some(bus) = network.bus(record.channel) else { return Ok(()) };
-    let meaning = Meaning::new(record, &decoded, bus);
-    output.append(|buffer| lines.line(&Line { record, channels, decoded: &decoded, meaning }, buffer))
+    lines.flush()?;
+    live.report_health();
+    Ok(Status::Good)
 }

@@ -1,21 +1,30 @@
 //! `canvass test`: the conformance cases against one device.
 
+mod forecast;
+mod recorder;
 mod reports;
+mod timing;
 
 use crate::devices::{describe, parse_node};
+use crate::live::open_bus;
 use crate::output::Color;
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
 use canvass_analyzer::NodeId;
-use canvass_conformance::bench::{Bench, Decoder, Options, Target};
-use canvass_conformance::bus::{self, BusError, Opened};
+use canvass_conformance::bench::{Bench, Decoder, Deviation, Evidence, Options, Target, Timing};
+use canvass_conformance::bus::Opened;
 use canvass_conformance::case::{Case, Touch};
 use canvass_conformance::catalogue::{Selector, select};
-use canvass_conformance::runner::{Plan, RunEvent, run};
+use canvass_conformance::models::Model;
+use canvass_conformance::runner::{CaseReport, Plan, RunEvent, run};
+use canvass_conformance::waiver::Waivers;
+use recorder::{Recorded, Recorder};
 use reports::{ReportArg, ReportFormat, Reports};
 use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
+use timing::Timeout;
 
 /// Test a device against CiA 301
 ///
@@ -23,9 +32,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 /// memory or changes its node-ID or bit rate unless --allow names it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The bus: sim:MODEL[@BITRATE][+FAULT...]
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// The device's node-ID; on a simulated bus the model's own is taken
+    /// The device's node-ID; without it the one that the model or DCF has as delivered
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
     /// What the device is: a built-in model or an EDS or DCF file
@@ -43,38 +52,75 @@ pub struct Args {
     /// Write a report into a file too; can be given several times
     #[arg(long, value_name = "FORMAT=FILE")]
     report: Vec<ReportArg>,
+    /// A file of failures that are put up with, each with its reason (TOML, see `docs/cases.md`)
+    #[arg(long, value_name = "FILE")]
+    waivers: Option<PathBuf>,
+    /// Run each case so often; a case that does not always end the same way is flaky
+    #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
+    repeat: u32,
+    /// Write the whole traffic into a capture, in which the cases are marked; its extension tells the format
+    #[arg(long, value_name = "FILE")]
+    record: Option<PathBuf>,
+    /// How long to wait, in milliseconds: sdo, boot-up, reaction, silence
+    #[arg(long, value_name = "WHAT=MS", value_delimiter = ',')]
+    timeout: Vec<Timeout>,
+    /// How far the mean of a period may be off, in percent
+    #[arg(long, default_value_t = 5, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
+    tolerance: u32,
     /// The seed of everything that is left to chance
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// Only say which cases would run
+    /// Only say which cases would run, and how long that would take
     #[arg(long)]
     dry_run: bool,
 }
 
+/// A third of a second of a full bus at 1 Mbit/s. Waits that are that late say nothing of the device any more.
+const BACKLOG: usize = 8_192;
+
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let cases = self.cases()?;
+        let options = self.options();
         if self.dry_run {
-            let lines: String = cases.iter().map(|case| format!("{}\n", case.id)).collect();
-            crate::output::print(&lines)?;
-            return Ok(Status::Good);
+            return forecast::dry_run(&self.bus, self.device.as_deref(), &cases, &options);
         }
+        let (waivers, today) = (self.waivers()?, today());
         let mut opened = open_bus(&self.bus, self.seed)?;
-        let target = self.target(&opened)?;
-        let mut decoder = Decoder::new(&target);
-        let options = Options { allow: self.allow.iter().copied().collect(), ..Options::default() };
+        opened.bus.limit_backlog(BACKLOG);
+        let target = self.target(&opened, waivers.deviations(&today))?;
+        let recorder = self.record.as_deref().map(Recorder::create).transpose()?;
+        let mut annotate = Recorded { decoder: Decoder::new(&target), recorder: recorder.as_ref() };
         let mut reports = Reports::open(self.format, &self.report, color)?;
         let cancel = cancelled_by_ctrl_c()?;
         let plan = Plan { cases: &cases, bus: &self.bus, bit_rate: opened.bus.bit_rate(), seed: self.seed };
-        let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut decoder, &cancel);
+        let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut annotate, &cancel);
         let mut written: io::Result<()> = Ok(());
+        let mut finished: Vec<CaseReport> = Vec::new();
         let summary = run(&mut bench, &plan, &mut |event: &RunEvent<'_>| {
+            if let Some(recorder) = &recorder {
+                recorder.event(event);
+            }
+            match event {
+                RunEvent::CaseFinished(report) if self.waivers.is_some() => {
+                    // Whether a waiver was needed is all that is asked.
+                    finished.push(CaseReport { evidence: Evidence::default(), ..(*report).clone() });
+                }
+                RunEvent::RunFinished(_) if written.is_ok() => {
+                    let idle = waivers.idle(&today, &finished.iter().collect::<Vec<_>>());
+                    written = idle.iter().try_for_each(|notice| reports.event(&RunEvent::Noticed(notice)));
+                }
+                _ => {}
+            }
             // The device is put back in any case; a report that can't be written is told of afterwards.
             if written.is_ok() {
                 written = reports.event(event);
             }
         });
         written.context("can't write the report")?;
+        if let Some(recorder) = recorder {
+            recorder.finish()?;
+        }
         let summary = summary.map_err(Failure::unreachable)?;
         Ok(if summary.is_good() && !summary.cancelled { Status::Good } else { Status::Findings })
     }
@@ -87,26 +133,41 @@ impl Args {
         })
     }
 
-    fn target(&self, opened: &Opened) -> Result<Target, Failure> {
+    fn options(&self) -> Options {
+        let mut timing = Timing { period_tolerance: self.tolerance, ..Timing::default() };
+        for timeout in &self.timeout {
+            timeout.set(&mut timing);
+        }
+        Options { allow: self.allow.iter().copied().collect(), timing, repeat: self.repeat }
+    }
+
+    fn waivers(&self) -> Result<Waivers, Failure> {
+        let Some(path) = &self.waivers else { return Ok(Waivers::default()) };
+        let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+        Ok(Waivers::read(&text).with_context(|| format!("{}", path.display()))?)
+    }
+
+    fn target(&self, opened: &Opened, waived: Vec<Deviation>) -> Result<Target, Failure> {
         let model = opened.model;
-        let node = self.node.or_else(|| model.and_then(|model| model.default_node()));
-        let node = node.ok_or_else(|| anyhow!("which node? Say --node N"))?;
         let named = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let named_node = || Model::by_id(named?).and_then(Model::default_node);
+        let node = self.node.or_else(|| opened.node()).or_else(named_node);
+        let node = node.ok_or_else(|| anyhow!("which node? Say --node N (canvass scan {} finds it)", self.bus))?;
         let (model, description) = match (named, model) {
             (Some(device), _) => (device.to_owned(), Some(describe(device)?)),
             (None, Some(model)) => (model.id().to_owned(), Some(model.description().clone())),
             (None, None) => (String::new(), None),
         };
-        Ok(Target { model, description, ..Target::unknown(node) })
+        let manual = Model::by_id(&model).map(|model| model.deviations().to_vec()).unwrap_or_default();
+        // What the user says goes before what the manual says: it is the more specific of the two.
+        let deviations = waived.into_iter().chain(manual).collect();
+        Ok(Target { node, model, description, deviations })
     }
 }
 
-/// Opens a bus; an address that names none is a mistake of the user, anything else is the bus's.
-pub fn open_bus(address: &str, seed: u64) -> Result<Opened, Failure> {
-    bus::open_seeded(address, seed).map_err(|error| match error {
-        BusError::Address { .. } => Failure::from(error),
-        _ => Failure::unreachable(error),
-    })
+/// The day, as waivers are dated.
+fn today() -> String {
+    jiff::Zoned::now().date().to_string()
 }
 
 /// Is set by the first Ctrl-C, so that the device can be put back; the second one ends the program at once.

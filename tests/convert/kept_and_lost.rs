@@ -25,17 +25,22 @@ const TABLE: &[Kept] = &[
         lost_elsewhere: &[Loss::ChannelName, Loss::TimeZone],
         row: |row, _| Some(row),
     },
-    Kept { format: Format::Pcapng, lost: &[], lost_elsewhere: &[Loss::TimeZone], row: |row, _| Some(row) },
+    Kept {
+        format: Format::Pcapng,
+        lost: &[],
+        lost_elsewhere: &[Loss::UnknownDate, Loss::TimeZone],
+        row: |row, _| Some(row),
+    },
     Kept {
         format: Format::Pcap,
         lost: &[Loss::ChannelName, Loss::Direction],
-        lost_elsewhere: &[Loss::Date, Loss::TimeZone],
+        lost_elsewhere: &[Loss::Date, Loss::UnknownDate, Loss::TimeZone],
         row: |row, _| Some(Row { channel: "can0".into(), direction: Direction::Unknown, ..row }),
     },
     Kept {
         format: Format::Mcap,
         lost: &[Loss::Frame, Loss::Direction, Loss::FdFlags, Loss::RawDlc],
-        lost_elsewhere: &[Loss::TimeZone],
+        lost_elsewhere: &[Loss::UnknownDate, Loss::TimeZone],
         row: |row, _| {
             let flags = row.flags & 4;
             no_xl(Row { direction: Direction::Unknown, flags, ..no_raw_dlc(row) })
@@ -186,6 +191,25 @@ fn local_times_become_times_of_no_zone() {
         assert!(errors.contains(Loss::TimeZone.name()), "{}: {errors}", kept.format);
     }
     assert!(!told_of(&folder, &local, Format::Trc).contains(Loss::TimeZone.name()));
+}
+
+/// Captures of all formats whose times can count from their start become 1970 aloud where a format counts from there.
+#[test]
+fn times_of_no_date_become_1970_aloud() {
+    let trc = ";####\r\n;\r\n     1)     17535  00000701  1  05 \r\n";
+    let folder = Folder::new()
+        .with("z.log", "(000.000000) can0 701#05\n")
+        .with("z.txt", " (000.000000)  can0  701   [1]  05\n")
+        .with("none.txt", "  can0  701   [1]  05\n")
+        .with("old.trc", trc)
+        .with("relative.asc", "base hex  timestamps relative\n   0.100000 1  701             Rx   d 1 05\n");
+    for kept in TABLE {
+        let says = kept.lost_elsewhere.contains(&Loss::UnknownDate);
+        for file in ["z.log", "z.txt", "none.txt", "old.trc", "relative.asc"] {
+            let errors = told_of(&folder, &folder.path(file), kept.format);
+            assert_eq!(errors.contains(Loss::UnknownDate.name()), says, "{file} to {}: {errors}", kept.format);
+        }
+    }
 }
 
 #[test]

@@ -60,7 +60,7 @@ fn mistakes_have_their_status() {
     for (args, status, says) in [
         (&["test", "sim:no-such-model"][..], 2, "kuebler-sendix-58x8"),
         (&["test", "sim:kuebler-sendix-58x8+no-such-fault"], 2, "canvass list faults"),
-        (&["test", "can0", "--node", "1"], 3, "SocketCAN"),
+        (&["test", "can0", "--node", "1"], 3, "CAN"),
         (&["test", ENCODER, "--node", "5"], 3, "node 5 does not answer"),
         (&["test", ENCODER, "--report", "html=/no/such/folder/x.html"], 2, "can't write"),
         (&["send", ENCODER, "63F#4"], 2, "position"),
@@ -137,4 +137,139 @@ fn ctrl_c_still_writes_the_report() {
     if ended.status >= 0 && ended.status != 3 {
         assert_eq!(json(&ended.stdout)["schema"], "canvass/test/1");
     }
+}
+
+fn temporary(name: &str, text: &str) -> String {
+    let path = format!("{}/{name}", env!("CARGO_TARGET_TMPDIR"));
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+const FAULTY: &str = "sim:reference-301+heartbeat-period-doubled";
+
+#[test]
+fn waivers_are_applied_and_idle_ones_are_told_of() {
+    let file = temporary(
+        "waivers.toml",
+        "[[waiver]]\ncase = \"301/heartbeat/*\"\nreason = \"slow timer, ticket 7\"\n\n\
+         [[waiver]]\ncase = \"301/heartbeat/off\"\nreason = \"old\"\nexpires = 2020-01-01\n",
+    );
+    let tested = run(&[
+        "test",
+        FAULTY,
+        "--select",
+        "301/heartbeat/period,301/heartbeat/off",
+        "--waivers",
+        &file,
+        "--format",
+        "json",
+    ]);
+    assert_eq!(tested.status, 0, "{}", tested.stderr);
+    let report = json(&tested.stdout);
+    let case = report["cases"].as_array().unwrap().iter().find(|case| case["id"] == "301/heartbeat/period").unwrap();
+    assert_eq!((&case["verdict"], &case["waiver_line"]), (&"deviation".into(), &1.into()));
+    assert!(case["documented"].as_str().unwrap().contains("ticket 7"));
+    assert!(report["notices"].to_string().contains("expired on 2020-01-01"), "{}", report["notices"]);
+    let bad = temporary("bad-waivers.toml", "\n[[waiver]]\ncase = \"301/no-such/*\"\nreason = \"x\"\n");
+    let refused = run(&["test", FAULTY, "--waivers", &bad]);
+    assert_eq!(refused.status, 2);
+    assert!(refused.stderr.contains("line 2") && refused.stderr.contains("301/no-such/*"), "{}", refused.stderr);
+}
+
+#[test]
+fn two_results_are_compared() {
+    let result = |bus: &str, name: &str| {
+        let tested = run(&["test", bus, "--select", "301/heartbeat,301/identity", "--format", "json"]);
+        temporary(name, &tested.stdout)
+    };
+    let (old, new) = (result("sim:reference-301", "old.json"), result(FAULTY, "new.json"));
+    let worse = run(&["compare", &old, &new]);
+    assert_eq!(worse.status, 1, "{}", worse.stderr);
+    assert!(worse.stdout.contains("301/heartbeat/period: pass -> fail"), "{}", worse.stdout);
+    let better = run(&["compare", &new, &old, "--format", "json"]);
+    assert_eq!(better.status, 0);
+    let changes = json(&better.stdout);
+    assert_eq!(changes["schema"], "canvass/compare/1");
+    assert!(changes["summary"]["better"].as_u64().unwrap() >= 1);
+    assert_eq!(run(&["compare", &old, &old]).stdout, "no difference\n");
+    assert_eq!(run(&["compare", &old, "/no/such/file"]).status, 2);
+}
+
+#[test]
+fn the_selftest_detects_and_counts() {
+    let tested = run(&["selftest", "--select", "301/heartbeat", "--format", "json"]);
+    assert_eq!(tested.status, 0, "{}{}", tested.stdout, tested.stderr);
+    let matrix = json(&tested.stdout);
+    let summary = &matrix["summary"];
+    assert!(summary["faults"].as_u64().unwrap() >= 8 && summary["detected"] == summary["faults"], "{summary}");
+    assert_eq!((&summary["false_alarms"], &summary["vacuous_cases"]), (&0.into(), &0.into()));
+    assert!(matrix["matrix"][0]["failed"].is_array() && matrix["matrix"][0]["model"].is_string());
+}
+
+/// The traffic of a run can be decoded, and the cases are marked in it.
+#[test]
+fn a_run_is_recorded() {
+    for name in ["run.log", "run.pcapng", "run.mcap"] {
+        let file = format!("{}/{name}", env!("CARGO_TARGET_TMPDIR"));
+        let tested = run(&["test", "sim:reference-301", "--select", "301/sdo/upload/expedited", "--record", &file]);
+        assert_eq!(tested.status, 0, "{}", tested.stderr);
+        let decoded = run(&["decode", &file]).stdout;
+        assert!(decoded.contains("1000h:00") && decoded.contains("7FF"), "{name}: {decoded}");
+    }
+}
+
+#[test]
+fn a_case_can_be_repeated_and_forecast() {
+    let repeated =
+        run(&["test", "sim:reference-301", "--select", "301/identity/names", "--repeat", "3", "--format", "json"]);
+    let case = &json(&repeated.stdout)["cases"][0];
+    assert_eq!((case["repetitions"].as_array().unwrap().len(), &case["flaky"]), (3, &false.into()));
+    let forecast = run(&["test", "can0", "--node", "1", "--select", "301/store,301/identity", "--dry-run"]);
+    assert_eq!(forecast.status, 0);
+    assert!(forecast.stdout.contains("301/store/persists  (only with --allow nvm)"), "{}", forecast.stdout);
+    assert!(forecast.stderr.contains("in about"), "{}", forecast.stderr);
+}
+
+/// What is waited for can be set: a device that answers after 300 µs is too slow for nobody but an impossible tester.
+#[test]
+fn waiting_times_can_be_set() {
+    let slow =
+        run(&["test", ENCODER, "--select", "301/identity", "--timeout", "sdo=1,boot-up=6000", "--tolerance", "1"]);
+    assert!([0, 1, 3].contains(&slow.status));
+    for wrong in ["sdo", "sdo=0", "dinner=5"] {
+        assert_eq!(run(&["test", ENCODER, "--timeout", wrong]).status, 2, "{wrong}");
+    }
+}
+
+/// A device that was at work, with values that nobody has stored, has them again after a run that was interrupted.
+#[test]
+fn an_interrupted_run_leaves_the_dictionary_as_it_was() {
+    for round in 0..20_u64 {
+        let child = command(&["test", "sim:reference-301", "--allow", "nvm", "--format", "json"])
+            .stdout(Stdio::piped())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        // Any moment, but the same ones in every run of this test.
+        std::thread::sleep(std::time::Duration::from_millis(round * 37 % 400));
+        let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+        assert!(killed.is_ok());
+        let ended = finished(child.wait_with_output().unwrap());
+        if ended.stdout.is_empty() {
+            continue;
+        }
+        let report = json(&ended.stdout);
+        assert_eq!(report["notices"], Value::Array(Vec::new()), "round {round}: {}", report["notices"]);
+        // Interrupted while the dictionary was read, no case has run.
+        let ran = !report["cases"].as_array().unwrap().is_empty();
+        assert!(!ran || report["dictionary"].as_array().unwrap().len() > 100);
+    }
+}
+
+/// `docs/cases.md` is what the program prints.
+#[test]
+fn the_catalogue_page_is_current() {
+    let page = std::fs::read_to_string(format!("{}/docs/cases.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    let printed = run(&["list", "cases", "--format", "markdown"]).stdout;
+    assert!(page == printed, "run: canvass list cases --format markdown > docs/cases.md");
 }

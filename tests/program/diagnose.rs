@@ -65,7 +65,7 @@ fn the_status_says_how_bad_it_is() {
 
 #[test]
 fn every_format_names_the_frames() {
-    for format in ["table", "markdown", "junit", "json"] {
+    for format in ["table", "markdown", "junit", "json", "html"] {
         let run = run_with_input(&["diagnose", "-", "--format", format], RESTART);
         assert!(run.stdout.contains("8110h"), "{format}: {}", run.stdout);
         assert!(run.stdout.contains("without a reset command"), "{format}: {}", run.stdout);
@@ -78,10 +78,35 @@ fn every_format_names_the_frames() {
 #[test]
 fn hostile_names_are_shown_and_do_nothing() {
     let read = "(1.0) c\x1b[31mn 605#4008100000000000\n(1.1) c\x1b[31mn 585#430810001B5B324A\n";
-    for format in ["table", "markdown", "junit", "json"] {
+    for format in ["table", "markdown", "junit", "json", "html"] {
         let run = run_with_input(&["diagnose", "-", "--format", format], read);
         assert!(!run.stdout.contains('\x1b') && !run.stderr.contains("\x1b[2J"), "{format}: {}", run.stdout);
     }
+}
+
+#[test]
+fn the_result_goes_to_a_file() {
+    let folder = tempfile::tempdir().unwrap();
+    let (capture, page) = (folder.path().join("restart.log"), folder.path().join("page.html"));
+    let [capture_text, page_text] = [&capture, &page].map(|path| path.to_str().unwrap());
+    std::fs::write(&capture, RESTART).unwrap();
+    // What it held before is gone, however long it was.
+    std::fs::write(&page, "x".repeat(1_000_000)).unwrap();
+    let made = run(&["diagnose", capture_text, "--format", "html", "-o", page_text]);
+    assert_eq!((made.status, made.stdout.as_str()), (1, ""), "{}", made.stderr);
+    let written = std::fs::read_to_string(&page).unwrap();
+    assert!(written.starts_with("<!DOCTYPE html>") && written.ends_with("</html>\n"));
+    assert!(!written.contains("http-equiv=\"refresh\"") && !written.contains("src=") && !written.contains("@import"));
+    // The capture is not lost to a slip, whatever it is called.
+    for path in [capture_text.to_owned(), format!("{}/./restart.log", folder.path().display())] {
+        let refused = run(&["diagnose", capture_text, "--format", "json", "--output", &path]);
+        assert!(refused.status == 2 && refused.stderr.contains("is read and can't be written"), "{}", refused.stderr);
+    }
+    assert_eq!(std::fs::read_to_string(&capture).unwrap(), RESTART);
+    let refused = run(&["diagnose", capture_text, "--output", "/no/such/folder/page.html"]);
+    assert!(refused.status == 2 && refused.stdout.is_empty(), "{}", refused.stderr);
+    let to_stdout = run(&["diagnose", capture_text, "--format", "html", "-o", "-"]);
+    assert_eq!(to_stdout.stdout, written);
 }
 
 #[test]
@@ -139,19 +164,25 @@ impl Operation {
     fn start(&mut self, model: &Model) {
         self.wait(1500);
         self.sdo("4000100000000000");
-        self.sdo("4018100100000000");
-        if model.description().dictionary.object(Index(0x1017)).is_some() {
+        // DS-301 V3.0 had neither of the two.
+        let has = |index| model.description().dictionary.object(Index(index)).is_some();
+        if has(0x1018) {
+            self.sdo("4018100100000000");
+        }
+        if has(0x1017) {
             self.sdo("2B17100064000000");
         }
         self.send(&format!("000#01{:02X}", self.node));
     }
 
-    /// Half a minute with SYNC and an SDO client that reads the position.
-    fn run(&mut self) {
+    /// Half a minute with SYNC and an SDO client that reads the position, or what else the device has.
+    fn run(&mut self, model: &Model) {
+        let encoder = model.description().dictionary.object(Index(0x6004)).is_some();
+        let request = if encoder { "4004600000000000" } else { "4000100000000000" };
         for _ in 0..300 {
             self.send("080#");
             self.wait(40);
-            self.sdo("4004600000000000");
+            self.sdo(request);
             self.wait(10);
         }
     }
@@ -178,7 +209,7 @@ fn simulated_devices_in_normal_operation_have_no_findings() {
     for model in Model::all().iter().filter(|model| model.default_node().is_some()) {
         let mut operation = Operation::of(model);
         operation.start(model);
-        operation.run();
+        operation.run(model);
         assert!(operation.seen.len() > 1000, "{}", operation.seen.len());
         for described in [false, true] {
             let findings = operation.findings(model, described);

@@ -110,3 +110,29 @@ fn events_are_no_rows() {
     assert_eq!(ended.status, 2);
     assert!(ended.stderr.contains("text and json"), "{}", ended.stderr);
 }
+
+/// The identity in the trace is enough: names, units and PDOs of the built-in model are known from there on.
+#[test]
+fn a_built_in_model_is_recognised() {
+    let log = "\
+(1.000) can0 63F#4000100000000000
+(1.001) can0 5BF#4300100096010200
+(1.002) can0 63F#4018100100000000
+(1.003) can0 5BF#4318100113000000
+(1.004) can0 63F#4018100200000000
+(1.005) can0 5BF#4318100201206858
+(1.006) can0 63F#4050210000000000
+(1.007) can0 5BF#4B50210003010000
+";
+    let events = events(&[], log);
+    let device = events.iter().find(|event| event["event"] == "device").unwrap();
+    assert_eq!((&device["node"], &device["model"]), (&json!(63), &json!("kuebler-sendix-58x8")));
+    assert_eq!(device["by"][0], json!({"index": 0x1000, "sub": 0}));
+    let text = run_with_input(&["decode", "-"], log).stdout;
+    assert!(text.lines().last().unwrap().ends_with("25.9 °C"), "{text}");
+    let words = run_with_input(&["decode", "--events", "-"], log).stdout;
+    assert!(
+        words.contains("63  device   recognised as kuebler-sendix-58x8 by 1000h:00, 1018h:01, 1018h:02"),
+        "{words}"
+    );
+}

@@ -13,6 +13,10 @@ mod events;
 #[cfg(test)]
 mod hostile;
 #[cfg(test)]
+mod live;
+#[cfg(test)]
+mod memory;
+#[cfg(test)]
 mod rows;
 #[cfg(test)]
 mod running;

@@ -84,6 +84,11 @@ impl Capture {
         Ok(Self { name: name.to_owned(), format, reader: format.open(source, options) })
     }
 
+    /// What a reader of another kind gives, such as that of a live bus, under that name, as if it came in that format.
+    pub fn from_reader(name: &str, format: Format, reader: Box<dyn Reader>) -> Self {
+        Self { name: name.to_owned(), format, reader }
+    }
+
     /// The file's name as it was given, `-` for standard input.
     pub fn name(&self) -> &str {
         &self.name

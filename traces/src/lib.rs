@@ -36,6 +36,7 @@ pub use capture::{Capture, OpenError, ReadOptions};
 pub use channel::{ChannelId, Channels};
 pub use damage::{Damage, DamageKind};
 pub use formats::Format;
+pub use formats::socketcan::{from_socket, to_socket};
 pub use frame::{ErrorClass, Flags, Frame, FrameKind};
 pub use id::CanId;
 pub use merge::{Merge, Naming};

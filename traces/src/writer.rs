@@ -90,6 +90,8 @@ pub enum Loss {
     TimeResolution,
     /// The date: only the time since the start is held.
     Date,
+    /// That the date is not known: times that count from the start of the recording become times in 1970.
+    UnknownDate,
     /// Whether the date is in UTC or in local time.
     TimeZone,
     /// The flags BRS and ESI of a CAN FD frame.
@@ -103,6 +105,13 @@ pub enum Loss {
 }
 
 impl Losses {
+    /// Counts one record that lost this, if it lost anything.
+    pub(crate) fn count_any(&mut self, loss: Option<Loss>) {
+        if let Some(loss) = loss {
+            self.count(loss);
+        }
+    }
+
     /// Counts one record that lost this.
     pub fn count(&mut self, loss: Loss) {
         *self.0.entry(loss).or_default() += 1;
@@ -120,6 +129,15 @@ impl Losses {
 }
 
 impl Loss {
+    /// What is lost of times that count from `base` in a format that counts them from 1970 in UTC.
+    pub(crate) const fn of_utc(base: crate::TimeBase) -> Option<Self> {
+        match base {
+            crate::TimeBase::Utc => None,
+            crate::TimeBase::Local => Some(Self::TimeZone),
+            crate::TimeBase::Start | crate::TimeBase::None => Some(Self::UnknownDate),
+        }
+    }
+
     /// What was lost, in words.
     pub const fn name(self) -> &'static str {
         match self {
@@ -128,6 +146,7 @@ impl Loss {
             Self::Direction => "directions",
             Self::TimeResolution => "digits of the time",
             Self::Date => "the date",
+            Self::UnknownDate => "that the date is not known (times become times of 1970)",
             Self::TimeZone => "the time zone (UTC or local)",
             Self::FdFlags => "flags of CAN FD frames",
             Self::RawDlc => "data length codes above 8",

@@ -1,9 +1,10 @@
 //! How fast canvass is, beside its peers, measured in the same run on the same frames.
 
 use crate::measure::{Cost, TIME, cost, machine, release};
-use crate::packages::install;
+use crate::packages::{Package, install};
 use crate::peers::{PYTHON, install_all};
 use crate::run::run;
+use crate::simulation::simulation;
 use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
 use std::process::{Command, Stdio};
@@ -13,26 +14,85 @@ const FRAMES: u32 = 1_000_000;
 const FRAMES_FOR_PYTHON: u32 = 100_000;
 const RUNS: usize = 3;
 const READING_RUNS: &str = "15";
+/// tshark's JSON takes most of a minute.
+const SLOW_RUNS: usize = 1;
+/// Instructions are counted of few frames and of many: the difference is free of what the start of the program costs.
+const COUNTED: (u32, u32) = (20_000, 120_000);
+
+const RIPGREP: Package = Package { program: "rg", probe: &["--version"], package: "ripgrep" };
+const VALGRIND: Package = Package { program: "valgrind", probe: &["--version"], package: "valgrind" };
 
 /// Measures and prints; nothing is asserted. Times are those of the processor, so that it matters little what else the
 /// machine does.
 pub fn bench() -> Result<()> {
-    install(&[TIME])?;
+    install(&[TIME, RIPGREP])?;
     install_all()?;
     build()?;
     fs::create_dir_all("target/bench")?;
     for format in ["candump", "pcap", "pcapng", "mcap"] {
-        let capture = File::create(capture(format))?;
-        let written =
-            Command::new(release("examples/traffic")).args([format, &FRAMES.to_string()]).stdout(capture).status()?;
-        if !written.success() {
-            bail!("the traffic could not be made: {written}");
-        }
+        make(format, FRAMES, &capture(format))?;
     }
     println!("machine: {}", machine());
     println!("{FRAMES} frames, best of {RUNS} runs, processor time");
     decoding()?;
-    reading()
+    crate::diagnosing::diagnosing()?;
+    reading()?;
+    simulation()
+}
+
+/// Counts the instructions that a frame takes to be decoded, by callgrind: they are the same on every machine of an
+/// architecture, whatever else it does.
+pub fn instructions() -> Result<()> {
+    install(&[VALGRIND])?;
+    build()?;
+    fs::create_dir_all("target/bench")?;
+    let (few, many) = COUNTED;
+    let captures = [few, many].map(|frames| (frames, format!("target/bench/traffic-{frames}.candump")));
+    for (frames, path) in &captures {
+        make("candump", *frames, path)?;
+    }
+    println!("instructions per frame (valgrind --tool=callgrind), candump log to /dev/null");
+    let canvass = release("canvass");
+    let to_pcapng: &[&str] = &["convert", "--force", "--to", "pcapng"];
+    let commands: [(&[&str], Option<&str>); 6] = [
+        (&["decode", "--format", "text"], None),
+        (&["decode", "--format", "json"], None),
+        (&["decode", "--format", "csv"], None),
+        (&["decode", "--events"], None),
+        (&["diagnose", "--fail-on", "never"], None),
+        (to_pcapng, Some("/dev/null")),
+    ];
+    for (args, out) in commands {
+        let count = |path: &str| counted(&[&[&*canvass], args, &[path], out.as_slice()].concat());
+        let instructions = count(&captures[1].1)? - count(&captures[0].1)?;
+        println!("canvass {:32} {:>8}", args.join(" "), instructions / u64::from(many - few));
+    }
+    Ok(())
+}
+
+/// The instructions of a whole run.
+fn counted(command: &[&str]) -> Result<u64> {
+    let output = Command::new("valgrind")
+        .args(["--tool=callgrind", "--callgrind-out-file=target/bench/callgrind.out"])
+        .args(command)
+        .stdout(Stdio::null())
+        .output()
+        .context("can't run valgrind")?;
+    let report = String::from_utf8_lossy(&output.stderr);
+    let collected = report.lines().find_map(|line| line.split_once("Collected : "));
+    let number = collected.and_then(|(_, number)| number.trim().parse().ok());
+    number.with_context(|| format!("{} under valgrind says {report}", command.join(" ")))
+}
+
+/// Makes a capture of so many frames of the usual traffic.
+fn make(format: &str, frames: u32, path: &str) -> Result<()> {
+    let capture = File::create(path)?;
+    let written =
+        Command::new(release("examples/traffic")).args([format, &frames.to_string()]).stdout(capture).status()?;
+    if !written.success() {
+        bail!("the traffic could not be made: {written}");
+    }
+    Ok(())
 }
 
 /// Builds what is measured, and what makes the traffic.
@@ -41,21 +101,28 @@ pub fn build() -> Result<()> {
     run("cargo", &["build", "--release", "--locked", "--package", "canvass-traces", "--examples"])
 }
 
-fn capture(format: &str) -> String {
+pub fn capture(format: &str) -> String {
     format!("target/bench/traffic.{format}")
 }
 
-/// One line of text for each frame.
+/// One line for each frame, beside tshark's, and beside the time that it takes to look for lines at all.
 fn decoding() -> Result<()> {
     println!("\ndecoding to a line per frame, output to /dev/null");
-    let tshark = ["tshark", "-n", "-d", "can.subdissector,canopen", "-r", &capture("pcap")];
-    let reference = rate(best(&tshark, None)?);
-    println!("{:44} {reference:>6.2} M frames/s", "tshark (pcap)");
-    let canvass = release("canvass");
-    for (format, name) in [("text", "text"), ("json", "JSON")] {
-        let ours = rate(best(&[&canvass, "decode", "--format", format, &capture("candump")], None)?);
-        compare(&format!("canvass decode, {name} (candump log)"), ours, reference);
+    let (log, pcap, canvass) = (capture("candump"), capture("pcap"), release("canvass"));
+    let dissect = ["tshark", "-n", "-d", "can.subdissector,canopen", "-r", &pcap];
+    let json = [&dissect[..], &["-T", "ek"]].concat();
+    for (format, peer, command, runs) in
+        [("text", "tshark", &dissect[..], RUNS), ("json", "tshark -T ek", &json[..], SLOW_RUNS)]
+    {
+        let theirs = rate(best_of(runs, command, None)?);
+        println!("{:44} {theirs:>6.2} M frames/s", format!("{peer} (pcap)"));
+        let ours = rate(best(&[&canvass, "decode", "--format", format, &log], None)?);
+        compare(&format!("canvass decode --format {format} (candump log)"), ours, theirs);
     }
+    let lines = rate(best(&["rg", "-c", "", &log], None)?);
+    println!("{:44} {lines:>6.2} M lines/s", "rg -c '' (candump log)");
+    let ours = rate(best(&[&canvass, "decode", "--format", "text", &log], None)?);
+    println!("{:44} {ours:>6.2} M frames/s, {:.1} times the time of rg", "canvass decode --format text", lines / ours);
     Ok(())
 }
 
@@ -140,9 +207,13 @@ fn reported(command: &mut Command) -> Result<f64> {
 }
 
 /// The cheapest of several runs.
-fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
+pub fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
+    best_of(RUNS, command, input)
+}
+
+fn best_of(runs: usize, command: &[&str], input: Option<&str>) -> Result<Cost> {
     let mut best: Option<Cost> = None;
-    for _ in 0..RUNS {
+    for _ in 0..runs {
         let input = input.map(File::open).transpose()?.map_or_else(Stdio::null, Stdio::from);
         let cost = cost(command, input)?;
         best = Some(best.filter(|best| best.cpu <= cost.cpu).unwrap_or(cost));

@@ -1,19 +1,20 @@
 //! What CI runs.
 
+use crate::browser;
 use crate::fuzz::fuzz;
 use crate::peers;
 use crate::run::{is_there, run};
 use anyhow::Result;
 use std::process::Command;
 
-/// The tests that exchange captures with other people's programs, beside all others.
-const PEERS: [&str; 2] = ["--features", "canvass/peers"];
+/// The tests that exchange captures with other people's programs, and those in a browser, beside all others.
+const FEATURES: [&str; 2] = ["--features", "canvass/peers,canvass/browser"];
 
-/// Format, lints, build, all tests, those with peers too, doc tests, documentation.
+/// Format, lints, build, all tests, those with peers and in a browser too, doc tests, documentation.
 pub fn ci() -> Result<()> {
     components()?;
     run("cargo", &["fmt", "--all", "--check"])?;
-    let clippy = [&["clippy", "--workspace", "--all-targets", "--locked"], &PEERS[..], &["--", "-D", "warnings"]];
+    let clippy = [&["clippy", "--workspace", "--all-targets", "--locked"], &FEATURES[..], &["--", "-D", "warnings"]];
     run("cargo", &clippy.concat())?;
     run("cargo", &["build", "--workspace", "--locked"])?;
     // Documentation is checked before the tests, so that their count is the last thing printed.
@@ -21,7 +22,8 @@ pub fn ci() -> Result<()> {
     run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
     fuzz()?;
     peers::install_all()?;
-    let all = [&["--workspace", "--locked", "--no-fail-fast"], &PEERS[..]].concat();
+    browser::install_all()?;
+    let all = [&["--workspace", "--locked", "--no-fail-fast"], &FEATURES[..]].concat();
     if is_there("cargo", &["nextest", "--version"]) {
         run("cargo", &[&["nextest", "run"], &all[..]].concat())
     } else {

@@ -1,15 +1,20 @@
 //! `cargo xtask ci`: everything that must pass, with all its set-up. `cargo xtask peers`: of these, the tests that
-//! exchange captures with other people's programs. `cargo xtask bench`: how fast canvass is, beside its peers. `cargo
-//! xtask memory`: what it needs for captures of gigabytes.
+//! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo
+//! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
+//! memory`: what it needs for captures of gigabytes.
 
 mod bench;
+mod browser;
 mod ci;
+mod diagnosing;
 mod fuzz;
 mod measure;
 mod memory;
 mod packages;
 mod peers;
 mod run;
+mod simulation;
+mod vcan;
 
 use anyhow::{Result, bail};
 
@@ -19,9 +24,15 @@ fn main() -> Result<()> {
     match std::env::args().nth(1).as_deref() {
         Some("ci") => ci::ci(),
         Some("peers") => peers::test(),
+        Some("browser") => browser::test(),
+        Some("bench") if std::env::args().nth(2).as_deref() == Some("--instructions") => bench::instructions(),
         Some("bench") => bench::bench(),
         Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
-        _ => bail!("usage: cargo xtask ci | fuzz | peers | bench | memory"),
+        Some("vcan") => vcan::test(false),
+        Some("vcan-load") => vcan::test(true),
+        _ => {
+            bail!("usage: cargo xtask ci | fuzz | peers | browser | vcan | bench [--instructions] | memory | vcan-load")
+        }
     }
 }

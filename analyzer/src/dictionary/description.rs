@@ -24,6 +24,8 @@ pub struct DeviceDescription {
     pub dictionary: ObjectDictionary,
     /// Units and names of values, which no EDS holds; empty where nobody gave them.
     pub annotations: Annotations,
+    /// How node-ID and bit rate are set, which no EDS tells; empty where nobody said it.
+    pub settings: Settings,
     /// Which list of the file names which objects.
     pub lists: ObjectLists,
     /// The modules of a modular device.
@@ -32,6 +34,33 @@ pub struct DeviceDescription {
     pub connected_modules: Vec<u16>,
     /// What was wrong, by line.
     pub problems: Vec<EdsProblem>,
+}
+
+/// How the node-ID and the bit rate of a device are set, apart from LSS.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// The object that holds the node-ID to use from the next start on.
+    pub node_id: Option<Multiplexer>,
+    /// The object that holds the code of the bit rate to use from the next start on.
+    pub bit_rate: Option<Multiplexer>,
+    /// The codes, each with its bit rate in bit/s.
+    pub bit_rates: Vec<(u32, u32)>,
+    /// Whether the device knows LMT (CiA DS-205), the forerunner of LSS.
+    pub layer_management: bool,
+    /// The TPDOs, from 1, whose frames the device fills up with zeros to 8 bytes.
+    pub padded_tpdos: Vec<u8>,
+}
+
+impl Settings {
+    /// Whether a frame of that TPDO, from 1, always has 8 bytes.
+    pub fn pads(&self, tpdo: u16) -> bool {
+        u8::try_from(tpdo).is_ok_and(|tpdo| self.padded_tpdos.contains(&tpdo))
+    }
+
+    /// The bit rate of a code, in bit/s.
+    pub fn bit_rate_of(&self, code: u32) -> Option<u32> {
+        self.bit_rates.iter().find(|rate| rate.0 == code).map(|rate| rate.1)
+    }
 }
 
 /// `FileInfo`.

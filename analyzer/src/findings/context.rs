@@ -22,7 +22,7 @@ pub struct Scene<'a> {
     pub facts: &'a Facts,
     /// How far the times of this bus can be trusted.
     pub quality: &'a Quality,
-    /// The bit rate in bit/s, where the user said it.
+    /// The bit rate in bit/s, where the user said it, or the frames until now have shown it.
     pub bit_rate: Option<u32>,
 }
 
@@ -33,6 +33,8 @@ pub struct Context<'a> {
     pub scene: Scene<'a>,
     /// The frame.
     pub record: &'a Record,
+    /// The bits that it takes on the bus with the intermission; 0 where that is not known.
+    pub bits: u32,
     /// What it means.
     pub decoded: &'a Decoded,
     /// The frame before it with the same CAN-ID, if it has 11 bits.
@@ -66,6 +68,12 @@ impl Scene<'_> {
         self.quality.resolution.get().unwrap_or_default()
     }
 
+    /// How long a classical frame of 8 bytes takes at most on this bus; a millisecond where the bit rate is not known.
+    pub fn longest_frame(&self) -> Duration {
+        const BITS: u64 = 135;
+        self.bit_rate.map_or(Duration::from_millis(1), |rate| Duration(BITS * 1_000_000_000 / u64::from(rate.max(1))))
+    }
+
     /// Whether the capture has times at all.
     pub fn has_times(&self) -> bool {
         self.quality.resolution.get().is_some()
@@ -81,6 +89,11 @@ impl<'a> Context<'a> {
     /// The node that it is about.
     pub const fn node(&self) -> Option<NodeId> {
         self.decoded.node
+    }
+
+    /// Whether an NMT command changes the state of some node, so that what was periodic may begin anew.
+    pub fn begins_anew(&self) -> bool {
+        matches!(self.message(), Message::Nmt(nmt) if !self.scene.facts.is_repeated(*nmt))
     }
 
     /// What it says.

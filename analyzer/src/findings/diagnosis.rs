@@ -5,13 +5,13 @@ use super::facts::Facts;
 use super::finding::Finding;
 use super::registry;
 use super::rule::{Definition, Rule, Thresholds};
-use super::sink::{Findings, Sink};
+use super::sink::{Findings, Reported, Sink};
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::Service;
-use crate::network::{Decoded, Network};
+use crate::network::{Bus, Candidates, Decoded, Network};
 use crate::statistics::{BusStatistics, Statistics};
-use canvass_traces::{ChannelId, Duration, Quality, Record, Timestamp};
+use canvass_traces::{ChannelId, Direction, Duration, INTERMISSION, Place, Quality, Record, Timestamp, bit_length};
 
 /// Finds what is wrong in a capture. Memory does not grow with the capture.
 pub struct Diagnosis {
@@ -47,6 +47,16 @@ pub struct Results {
     pub buses: Vec<(ChannelId, BusStatistics)>,
 }
 
+/// A frame as it was looked at.
+pub struct Observed<'a> {
+    /// What it means.
+    pub decoded: Decoded,
+    /// Its bus, after the frame.
+    pub bus: &'a Bus,
+    /// The findings that are new with it, or were never worse.
+    pub reported: &'a [Reported],
+}
+
 /// The last frames of 128 CAN-IDs.
 type Page = Box<[Option<Seen>]>;
 
@@ -59,6 +69,13 @@ struct BusWatch {
     facts: Facts,
     quality: Quality,
     statistics: Statistics,
+    /// Where a frame was first recorded twice.
+    first_copy: Option<(Timestamp, Place)>,
+    said_bit_rate: Option<u32>,
+    /// As said, or as far as it could be inferred until now.
+    bit_rate: Option<u32>,
+    /// When to infer it again.
+    next_look: Timestamp,
     /// The last frame of each CAN-ID, in pages of 128.
     latest: Box<[Option<Page>]>,
     start: Timestamp,
@@ -90,20 +107,35 @@ impl Diagnosis {
         self.network.describe(node, description);
     }
 
+    /// Says which models nodes that nobody described can be recognised as.
+    pub fn offer(&mut self, candidates: Candidates) {
+        self.network.offer(candidates);
+    }
+
     /// Says the bit rate of all buses, in bit/s. Without it, it is inferred.
     pub const fn set_bit_rate(&mut self, bit_rate: u32) {
         self.bit_rate = Some(bit_rate);
     }
 
-    /// Takes the next record.
-    pub fn record(&mut self, record: &Record) {
-        let Some(watch) = watch(&mut self.buses, &mut self.watched, record, &self.thresholds) else {
+    /// Takes the next record, and says what it means and what it has shown; `None` where its channel is not watched.
+    pub fn record(&mut self, record: &Record) -> Option<Observed<'_>> {
+        self.findings.reported.clear();
+        let Some(watch) = watch(&mut self.buses, &mut self.watched, record, &self.thresholds, self.bit_rate) else {
             self.unwatched += 1;
-            return;
+            return None;
         };
-        watch.advance(record, &self.network, self.bit_rate, &mut self.findings);
+        watch.advance(record, &self.network, &mut self.findings);
+        let bits = bit_length(&record.frame);
+        if let Some(of) = watch.original(record, bits) {
+            watch.statistics.copy(&of);
+            let bus = self.network.bus(record.channel)?;
+            return Some(Observed { decoded: of, bus, reported: &self.findings.reported });
+        }
+        let bits = bits.map_or(0, |bits| bits + INTERMISSION);
         let decoded = self.network.handle(record);
-        watch.frame(record, &decoded, &self.network, self.bit_rate, &mut self.findings);
+        watch.frame(record, bits, &decoded, &self.network, &mut self.findings);
+        let bus = self.network.bus(record.channel)?;
+        Some(Observed { decoded, bus, reported: &self.findings.reported })
     }
 
     /// Frames may be missing here: the recorder lost some, or something could not be read.
@@ -116,7 +148,7 @@ impl Diagnosis {
     /// The capture has ended.
     pub fn finish(mut self, sources: &[SourceQuality<'_>]) -> Results {
         for watch in self.buses.iter_mut().flatten() {
-            watch.finish(&self.network, self.bit_rate, &mut self.findings);
+            watch.finish(&self.network, &mut self.findings);
         }
         super::capture::check(sources, &self.thresholds, &mut self.findings);
         let (findings, omitted) = self.findings.into_sorted();
@@ -132,6 +164,7 @@ fn watch<'a>(
     watched: &mut usize,
     record: &Record,
     thresholds: &Thresholds,
+    bit_rate: Option<u32>,
 ) -> Option<&'a mut BusWatch> {
     let index = usize::from(record.channel.0);
     if buses.len() <= index {
@@ -143,7 +176,7 @@ fn watch<'a>(
             return None;
         }
         *watched += 1;
-        *slot = Some(Box::new(BusWatch::new(record, thresholds)));
+        *slot = Some(Box::new(BusWatch::new(record, thresholds, bit_rate)));
     }
     slot.as_deref_mut()
 }
@@ -156,7 +189,7 @@ fn latest_id(record: &Record) -> Option<u16> {
 }
 
 impl BusWatch {
-    fn new(first: &Record, thresholds: &Thresholds) -> Self {
+    fn new(first: &Record, thresholds: &Thresholds, bit_rate: Option<u32>) -> Self {
         let mut rules = Vec::new();
         let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
         for definition in registry::all() {
@@ -173,6 +206,10 @@ impl BusWatch {
             facts: Facts::default(),
             quality: Quality::default(),
             statistics: Statistics::default(),
+            first_copy: None,
+            said_bit_rate: bit_rate,
+            bit_rate,
+            next_look: first.timestamp,
             latest: (0..16).map(|_| None).collect(),
             start: first.timestamp,
             now: first.timestamp,
@@ -181,7 +218,7 @@ impl BusWatch {
     }
 
     /// Time goes on to that of the next record.
-    fn advance(&mut self, record: &Record, network: &Network, bit_rate: Option<u32>, findings: &mut Findings) {
+    fn advance(&mut self, record: &Record, network: &Network, findings: &mut Findings) {
         // What is only out of order by a little is no step of the clock.
         const DISORDER: Duration = Duration::from_millis(1);
         let gaps = self.quality.gaps.count;
@@ -195,8 +232,44 @@ impl BusWatch {
             self.next_tick = self.now + Diagnosis::TICK;
         } else if self.now >= self.next_tick {
             self.next_tick = self.now + Diagnosis::TICK;
-            self.each(network, bit_rate, findings, |rule, scene, sink| rule.tick(scene, sink));
+            self.look_at_bit_rate();
+            self.each(network, findings, |rule, scene, sink| rule.tick(scene, sink));
         }
+    }
+
+    fn look_at_bit_rate(&mut self) {
+        if self.said_bit_rate.is_none() && self.now >= self.next_look {
+            self.bit_rate = self.statistics.inferred_bit_rate();
+            self.next_look = self.now + Duration::from_secs(1);
+        }
+    }
+
+    /// The frame of which this one is a copy: the same again, sooner than a bus can carry it, or given back by the
+    /// interface that has sent it. `bits` are those of the frame.
+    fn original(&mut self, record: &Record, bits: Option<u32>) -> Option<Decoded> {
+        const GIVEN_BACK: Duration = Duration::from_millis(1);
+        let seen = self.latest(latest_id(record)?)?;
+        let apart = record.timestamp.since(seen.time());
+        if apart > GIVEN_BACK || seen.record.frame != record.frame || record.timestamp < seen.time() {
+            return None;
+        }
+        // No bus is faster than 1 Mbit/s, and the clock may be off by a step for both.
+        let unsure = self.quality.resolution.get().map(|unit| unit.times(2));
+        let impossible =
+            unsure.is_some_and(|unsure| apart + unsure < Duration::from_micros(u64::from(bits.unwrap_or(0))));
+        let both = (record.direction, seen.record.direction);
+        let given_back = matches!(both, (Direction::Rx, Direction::Tx) | (Direction::Tx, Direction::Rx));
+        if !impossible && !given_back {
+            return None;
+        }
+        let decoded = seen.decoded;
+        self.first_copy.get_or_insert((record.timestamp, record.place));
+        Some(decoded)
+    }
+
+    /// The last frame with that CAN-ID.
+    fn latest(&self, id: u16) -> Option<&Seen> {
+        self.latest.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F))?.as_ref()
     }
 
     fn interrupted(&mut self) {
@@ -209,7 +282,6 @@ impl BusWatch {
     fn each(
         &mut self,
         network: &Network,
-        bit_rate: Option<u32>,
         findings: &mut Findings,
         act: impl Fn(&mut dyn Rule, &Scene<'_>, &mut Sink<'_>),
     ) {
@@ -221,21 +293,14 @@ impl BusWatch {
             channel: self.channel,
             facts: &self.facts,
             quality: &self.quality,
-            bit_rate,
+            bit_rate: self.bit_rate,
         };
         for (definition, rule) in &mut self.rules {
             act(rule.as_mut(), &scene, &mut Sink::of(findings, definition.metadata, &scene));
         }
     }
 
-    fn frame(
-        &mut self,
-        record: &Record,
-        decoded: &Decoded,
-        network: &Network,
-        bit_rate: Option<u32>,
-        findings: &mut Findings,
-    ) {
+    fn frame(&mut self, record: &Record, bits: u32, decoded: &Decoded, network: &Network, findings: &mut Findings) {
         let Some(bus) = network.bus(self.channel) else { return };
         let scene = Scene {
             now: self.now,
@@ -244,19 +309,19 @@ impl BusWatch {
             channel: self.channel,
             facts: &self.facts,
             quality: &self.quality,
-            bit_rate,
+            bit_rate: self.bit_rate,
         };
         let id = latest_id(record);
         let previous = id.and_then(|id| self.latest.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F)));
         let previous = previous.and_then(Option::as_ref);
-        let context = Context { scene, record, decoded, previous };
+        let context = Context { scene, record, bits, decoded, previous };
         for &at in &self.by_service[decoded.service as usize] {
             if let Some((definition, rule)) = self.rules.get_mut(usize::from(at)) {
                 rule.frame(&context, &mut Sink::of(findings, definition.metadata, &scene));
             }
         }
         let seen = id.map(|_| context.seen());
-        self.statistics.frame(record, decoded, bus);
+        self.statistics.frame(record, bits, decoded, bus);
         self.facts.note(self.now, decoded, bus);
         if let (Some(id), Some(seen)) = (id, seen)
             && let Some(page) = self.latest.get_mut(usize::from(id >> 7))
@@ -266,10 +331,18 @@ impl BusWatch {
         }
     }
 
-    fn finish(&mut self, network: &Network, bit_rate: Option<u32>, findings: &mut Findings) {
-        self.each(network, bit_rate, findings, |rule, scene, sink| {
+    fn finish(&mut self, network: &Network, findings: &mut Findings) {
+        if self.said_bit_rate.is_none() {
+            self.bit_rate = self.statistics.inferred_bit_rate();
+        }
+        self.each(network, findings, |rule, scene, sink| {
             rule.tick(scene, sink);
             rule.finish(scene, sink);
         });
+        if let (Some(bus), Some((time, place))) = (network.bus(self.channel), self.first_copy) {
+            let bus = Some((bus, self.channel));
+            let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus };
+            super::capture::tell_copies(self.statistics.copies(), time, place, &mut sink);
+        }
     }
 }

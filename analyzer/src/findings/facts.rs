@@ -5,7 +5,8 @@ use crate::message::{Message, PdoNumber, Service};
 use crate::network::sdo::{Direction, Outcome};
 use crate::network::{Bus, Decoded, Event};
 use crate::wire::lss;
-use crate::wire::nmt::Command;
+use crate::wire::nmt::{Command, Nmt};
+use crate::wire::sdo::Request;
 use canvass_traces::{Duration, Timestamp};
 
 /// What all nodes of a bus have done so far.
@@ -32,7 +33,8 @@ pub struct NodeFacts {
     pub pending_reset: Option<Timestamp>,
     /// When an SDO client last wrote anything.
     pub last_download: Option<Timestamp>,
-    /// When parameters were last stored or restored: some devices are silent for seconds after.
+    /// When parameters were last asked to be stored or restored, or that was answered: some devices are silent for
+    /// seconds around it.
     pub last_store: Option<Timestamp>,
     /// When its program was last started or stopped (1F50h, 1F51h).
     pub last_program_control: Option<Timestamp>,
@@ -60,7 +62,34 @@ pub const fn is_from_node(decoded: &Decoded) -> bool {
     }
 }
 
+/// Whether a request asks to store or restore parameters.
+fn stores(request: Request) -> bool {
+    let Request::InitiateDownload { multiplexer, payload } = request else { return false };
+    match multiplexer.index.0 {
+        0x1010 | 0x1011 => true,
+        // Some devices store other objects too, by the same signatures.
+        0x2000..=0x5FFF => payload.value().is_some_and(|value| matches!(value, b"save" | b"load")),
+        _ => false,
+    }
+}
+
 impl NodeFacts {
+    /// Some devices are silent for seconds while they write their memory.
+    pub const STORING: Duration = Duration::from_secs(5);
+
+    /// Whether the node may be silent because it writes its memory.
+    pub fn is_storing(&self, now: Timestamp) -> bool {
+        Self::is_recent(self.last_store, now, Self::STORING)
+    }
+
+    /// Whether the node may be silent because it was reset: lately, or it has not said anything since.
+    pub fn is_resetting(&self, now: Timestamp) -> bool {
+        const QUEUED: Duration = Duration::from_millis(50);
+        self.pending_reset.is_some_and(|reset| {
+            now.since(reset) <= Duration::from_secs(5) || self.last_seen.is_none_or(|seen| seen <= reset + QUEUED)
+        })
+    }
+
     /// Whether something that happened at `then` is at most `span` ago.
     pub fn is_recent(then: Option<Timestamp>, now: Timestamp, span: Duration) -> bool {
         then.is_some_and(|then| now.since(then) <= span)
@@ -86,7 +115,13 @@ impl Facts {
                 self.layer_setting = Some(now);
             }
             Message::LmtRequest(_) => self.layer_setting = Some(now),
-            Message::SdoRequest(_) | Message::SdoBlockDownload(_) => self.has_sdo_client = true,
+            Message::SdoRequest(request) => {
+                self.has_sdo_client = true;
+                if let (Some(node), true) = (decoded.node, stores(request)) {
+                    self.node_mut(node).last_store = Some(now);
+                }
+            }
+            Message::SdoBlockDownload(_) => self.has_sdo_client = true,
             _ => {}
         }
         let Some(node) = decoded.node else { return };
@@ -104,6 +139,19 @@ impl Facts {
         if decoded.event == Some(Event::TransferEnded) {
             self.transferred(now, node, decoded, bus);
         }
+    }
+
+    /// Whether an NMT command repeats what the nodes that it names were told last, so that it changes nothing: some
+    /// masters send it again and again.
+    pub fn is_repeated(&self, nmt: Nmt) -> bool {
+        let resets = matches!(nmt.command, Command::RESET_NODE | Command::RESET_COMMUNICATION);
+        let named = self.nodes.iter().enumerate().filter(|(id, _)| nmt.node == 0 || usize::from(nmt.node) == *id);
+        let mut present = named.map(|(_, facts)| facts).filter(|facts| facts.first_seen.is_some());
+        !resets
+            && present.all(|facts| {
+                let obeyed = |at| facts.last_boot_up.is_none_or(|boot_up| boot_up < at);
+                facts.command.is_some_and(|(last, at)| last == nmt.command && obeyed(at))
+            })
     }
 
     fn commanded(&mut self, now: Timestamp, command: Command, node: u8) {

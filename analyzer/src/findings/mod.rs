@@ -25,9 +25,9 @@ mod sdo;
 mod sink;
 
 pub use context::{Context, Scene, Seen};
-pub use diagnosis::{Diagnosis, Results, SourceQuality};
+pub use diagnosis::{Diagnosis, Observed, Results, SourceQuality};
 pub use facts::{Facts, NodeFacts, is_from_node};
 pub use finding::{Exhibit, Finding, Severity};
 pub use registry::{all, find};
 pub use rule::{Definition, Make, Metadata, Rule, Threshold, ThresholdError, Thresholds};
-pub use sink::{Report, Sink};
+pub use sink::{Report, Reported, Sink};

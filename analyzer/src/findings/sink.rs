@@ -18,6 +18,17 @@ pub(super) struct Findings {
     by_rule: HashMap<&'static str, usize>,
     /// How many were left out, by rule.
     omitted: HashMap<&'static str, u64>,
+    /// Those whose words and evidence are of the frame that is being looked at.
+    pub(super) reported: Vec<Reported>,
+}
+
+/// A finding that has just been made, or was never worse.
+#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+pub struct Reported {
+    /// Which one, in the order in which they were made.
+    pub finding: usize,
+    /// The id of its rule.
+    pub rule: &'static str,
 }
 
 /// What makes two reports the same finding.
@@ -153,6 +164,7 @@ impl<'a> Sink<'a> {
         if report.measure > *worst || !report.counts {
             *worst = report.measure.max(*worst);
             finding.message = message();
+            self.findings.reported.push(Reported { finding: at, rule: self.rule.id });
             // The first time stays as evidence, and the worst.
             finding.evidence.truncate(Finding::EVIDENCE / 2);
             let new: Vec<Exhibit> = exhibits(report, bus).collect();
@@ -184,6 +196,7 @@ impl<'a> Sink<'a> {
             message: message(),
             evidence: exhibits(report, self.bus.map(|bus| bus.0)).collect(),
         };
+        self.findings.reported.push(Reported { finding: self.findings.list.len(), rule: self.rule.id });
         self.findings.index.insert(key, self.findings.list.len());
         self.findings.list.push(finding);
         self.findings.measures.push(report.measure);

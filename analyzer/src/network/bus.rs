@@ -6,7 +6,7 @@ use super::layer_setting::LayerSetting;
 use super::node::{Cause, Node};
 use super::sdo::{Channel, ChannelIndex, Step, Transfer};
 use super::srdo_pairs::SrdoPairs;
-use super::{Decoded, learning};
+use super::{Candidates, Decoded, configured, learning};
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::{Message, PdoNumber, Service};
@@ -16,6 +16,7 @@ use crate::wire::flying_master::FlyingMaster;
 use crate::wire::lmt::{self, Dialect};
 use crate::wire::mpdo::Mpdo;
 use crate::wire::nmt::{Command, Nmt};
+use crate::wire::srdo::Half;
 use crate::wire::sync::Sync;
 use crate::wire::time::TimeOfDay;
 use crate::wire::{Malformed, Wire, emcy::Emcy, lss};
@@ -29,8 +30,10 @@ pub struct Bus {
     /// The SDO servers beyond the first of a node: node, number from 1, channel.
     pub(super) further_channels: Vec<(NodeId, u16, ChannelIndex)>,
     nodes: Box<[Option<Box<Node>>]>,
+    /// The models that nodes can be recognised as.
+    pub(super) candidates: Candidates,
     /// The protocol of 7E5h and 7E4h, as the last message showed that only one of the two knows.
-    dialect: Dialect,
+    dialect: Option<Dialect>,
     srdo_pairs: SrdoPairs,
     layer_setting: LayerSetting,
     /// What the last frame brought about; its memory is used again.
@@ -47,7 +50,8 @@ impl Bus {
             channels: NodeId::all().map(Channel::new).collect(),
             further_channels: Vec::new(),
             nodes: (0..=127).map(|_| None).collect(),
-            dialect: Dialect::Lss,
+            candidates: Candidates::default(),
+            dialect: None,
             srdo_pairs: SrdoPairs::default(),
             layer_setting: LayerSetting::default(),
             events: Vec::new(),
@@ -120,7 +124,7 @@ impl Bus {
     fn data(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Decoded {
         let (used, source) = self.cob_ids.get(can_id);
         let payload = frame.data();
-        let decoded = match used {
+        let mut decoded = match used {
             Use::Nmt => self.nmt(payload),
             Use::Sync => read::<Sync>(Service::Sync, None, payload, Message::Sync),
             Use::Time => read::<TimeOfDay>(Service::Time, None, payload, Message::Time),
@@ -131,12 +135,14 @@ impl Bus {
             Use::ErrorControl(node) => self.error_control(node, payload),
             Use::LssRequest => self.layer_setting_request(now, payload),
             Use::LssResponse => self.layer_setting_response(now, payload),
+            Use::Srdo(node, number, half) => self.srdo(now, (node, number, half), frame),
             Use::GlobalFailSafe => plain(Service::Srdo, None, Message::GlobalFailSafe),
             Use::FlyingMaster => flying_master(can_id, payload),
             Use::CaseMarker => case_marker(payload),
             Use::Unknown => self.unknown(now, can_id, frame),
         };
-        Decoded { source, ..decoded }
+        decoded.source = source;
+        decoded
     }
 
     /// A frame of no known use: part of an SRDO, if its twin shows that.
@@ -145,6 +151,14 @@ impl Bus {
             Some((pair, srdo)) => plain(Service::Srdo, pair.node(), Message::Srdo(srdo)),
             None => plain(Service::Unknown, None, Message::Unknown),
         }
+    }
+
+    /// A frame of an SRDO whose parameters are known.
+    fn srdo(&mut self, now: Timestamp, (id, number, half): (NodeId, u8, Half), frame: &Frame) -> Decoded {
+        // Works out the layout if it is new, as of PDOs.
+        self.node_mut(id).srdo_layout(id, number);
+        let srdo = self.srdo_pairs.configured(now, id, number, half, frame);
+        plain(Service::Srdo, Some(id), Message::Srdo(srdo))
     }
 
     fn layer_setting_request(&mut self, now: Timestamp, payload: &[u8]) -> Decoded {
@@ -174,10 +188,23 @@ impl Bus {
     }
 
     /// The protocol of a message on 7E5h or 7E4h. Both know the messages that configure; what was said before tells
-    /// whose they are.
+    /// whose they are, and until then the descriptions of the devices do.
     fn dialect(&mut self, payload: &[u8]) -> Dialect {
-        self.dialect = lmt::dialect(payload).unwrap_or(self.dialect);
-        self.dialect
+        self.dialect = lmt::dialect(payload).or(self.dialect);
+        self.dialect.unwrap_or_else(|| self.described_dialect())
+    }
+
+    /// LMT where a device on the bus knows it and none knows LSS.
+    fn described_dialect(&self) -> Dialect {
+        let nodes = self.nodes.iter().flatten();
+        let mut descriptions = nodes.filter_map(|node| node.description.as_deref());
+        let lss = |description: &DeviceDescription| description.device.lss_supported;
+        let mut known = false;
+        let only_lmt = descriptions.all(|description| {
+            known |= description.settings.layer_management;
+            !lss(description)
+        });
+        if known && only_lmt { Dialect::Lmt } else { Dialect::Lss }
     }
 
     fn remote(&mut self, frame: &Frame) -> Decoded {
@@ -251,8 +278,11 @@ impl Bus {
         self.events.extend(event);
         if cause == Cause::BootUp {
             learning::after_boot_up(self, id);
-            if let Some(before) = self.layer_setting.started(id) {
-                learning::after_new_node_id(self, id, &before);
+            let given = configured::started(self, id);
+            match (self.layer_setting.started(id), given) {
+                (Some(before), _) => learning::after_new_node_id(self, id, &before),
+                (None, Some((from, object))) => learning::after_written_node_id(self, from, id, object),
+                (None, None) => {}
             }
         }
         event

@@ -29,6 +29,8 @@ pub enum Use {
     LssRequest,
     /// LSS or LMT, slave to master.
     LssResponse,
+    /// One of the two CAN-IDs of an SRDO of a node, with its number.
+    Srdo(NodeId, u8, srdo::Half),
     /// The global fail-safe command.
     GlobalFailSafe,
     /// The services of flying master, by the CAN-ID.
@@ -113,7 +115,7 @@ impl CobIds {
 /// The node that sends or serves on such a CAN-ID.
 fn owner(used: Use) -> Option<NodeId> {
     match used {
-        Use::Emcy(node) | Use::Pdo(node, _) | Use::ErrorControl(node) => Some(node),
+        Use::Emcy(node) | Use::Pdo(node, _) | Use::Srdo(node, ..) | Use::ErrorControl(node) => Some(node),
         Use::SdoRequest(channel) | Use::SdoResponse(channel) => channel.predefined_server(),
         _ => None,
     }

@@ -3,10 +3,10 @@
 use super::cob_ids::{Source, Use};
 use super::node::Cause;
 use super::sdo::ChannelIndex;
-use crate::NodeId;
 use crate::message::PdoNumber;
 use crate::wire::emcy::Emcy;
 use crate::wire::error_control::State;
+use crate::{Multiplexer, NodeId};
 use canvass_traces::{Duration, Timestamp};
 
 /// Something that happened on a bus.
@@ -23,15 +23,19 @@ pub enum Event {
     Emergency(NodeId, Emergency),
     /// A message of layer setting (LSS or LMT); the frame has its meaning.
     LayerSetting(Exchange),
-    /// A node starts with the node-ID that layer setting gave it.
+    /// A node starts with the node-ID that layer setting, or an object of the manufacturer, gave it.
     NodeIdChanged {
         /// The node-ID before, where the dialogue or the identity tells.
         from: Option<NodeId>,
         /// The node-ID now.
         to: NodeId,
+        /// The object that set it; `None` where layer setting did.
+        object: Option<Multiplexer>,
     },
-    /// The master told the nodes to change to the bit rate that it had set.
+    /// The master told the nodes to change to the bit rate that it had set, or one node starts with another bit rate.
     BitRateChanged {
+        /// The node, where it was set by an object of its own; `None` where layer setting did.
+        node: Option<NodeId>,
         /// In bit/s, where the trace or the table tells.
         bit_rate: Option<u32>,
         /// The silence before and after the change.
@@ -39,6 +43,8 @@ pub enum Event {
     },
     /// A use of a CAN-ID has moved.
     CobIdMoved(Move),
+    /// A node was recognised as a known model by what it showed of itself; the node holds which.
+    Recognised(NodeId),
     /// The mapping of a PDO changed, or is known now; the node holds it.
     MappingChanged(NodeId, PdoNumber),
 }

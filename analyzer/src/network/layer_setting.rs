@@ -150,7 +150,7 @@ impl LayerSetting {
 
     fn activate(&mut self, delay: u16, events: &mut Vec<Event>) {
         let bit_rate = self.bit_rate.confirmed.take().flatten();
-        events.push(Event::BitRateChanged { bit_rate, delay: Duration::from_millis(u64::from(delay)) });
+        events.push(Event::BitRateChanged { node: None, bit_rate, delay: Duration::from_millis(u64::from(delay)) });
     }
 }
 

@@ -7,9 +7,11 @@ use super::layer_setting::Before;
 use super::node::{Node, Shown};
 use super::scaling::is_scaling_parameter;
 use super::sdo::{Channel, ChannelIndex, Direction, Outcome};
+use super::{configured, recognition};
 use crate::dictionary::DeviceDescription;
 use crate::message::PdoNumber;
 use crate::wire::pdo::MappingEntry;
+use crate::wire::srdo::{self, Half};
 use crate::{CobId, Multiplexer, NodeId};
 use std::sync::Arc;
 
@@ -28,10 +30,17 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     let Some(channel) = bus.channels.get(usize::from(index.0)) else { return };
     let server = channel.server;
     let Some(transfer) = channel.transfer() else { return };
-    if transfer.outcome != Outcome::Complete || !is_learned(transfer.multiplexer) {
+    if transfer.outcome != Outcome::Complete {
         return;
     }
     let object = transfer.multiplexer;
+    if matches!(object.index.0, 0x2000..=0x5FFF | 0x100B) && transfer.direction == Direction::Download {
+        let value = number(transfer.data());
+        return configured::written(bus, server, object, value);
+    }
+    if !is_learned(object) {
+        return;
+    }
     let shown = match transfer.direction {
         Direction::Upload => Shown::Read,
         Direction::Download => Shown::Written,
@@ -42,7 +51,12 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         (0x1011, 1..=2, Shown::Written, b"load") => return bus.node_mut(server).restore_defaults(),
         _ => {}
     }
-    let Some(value) = number(transfer.data()) else { return };
+    let value = number(transfer.data());
+    if shown == Shown::Read && bus.candidates.want(object) {
+        let data = transfer.data().to_vec();
+        recognition::shown(bus, server, object, &data);
+    }
+    let Some(value) = value else { return };
     learn(bus, server, object, value, shown);
     learn_cob_id(bus, server, object, value, Source::Trace);
 }
@@ -62,12 +76,25 @@ fn learn(bus: &mut Bus, server: NodeId, object: Multiplexer, value: u32, shown: 
 
 /// Gives a COB-ID parameter's CAN-ID its use, and says where that was before.
 fn learn_cob_id(bus: &mut Bus, node: NodeId, object: Multiplexer, value: u32, source: Source) {
+    if srdo::of_communication_index(object.index.0).is_some() && object.sub.0 == 1 {
+        return learn_srdo_direction(bus, node, object, source);
+    }
     let Some(used) = used_by(bus, node, object) else { return };
     let from = bus.cob_ids.place(used);
     assign(bus, used, value, source);
     let to = bus.cob_ids.place(used);
     if from != to {
         bus.events.push(Event::CobIdMoved(Move { used, from, to, source }));
+    }
+}
+
+/// Whether a node has an SRDO and sends it decides what its CAN-IDs are.
+fn learn_srdo_direction(bus: &mut Bus, node: NodeId, object: Multiplexer, source: Source) {
+    for sub in 5..=6 {
+        let cob_id = Multiplexer::new(object.index.0, sub);
+        if let Some(value) = bus.node_mut(node).parameter(node, cob_id) {
+            learn_cob_id(bus, node, cob_id, value, source);
+        }
     }
 }
 
@@ -102,6 +129,27 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     }
 }
 
+/// A node was recognised: what the description of its model says is known from here on, unless the trace has shown
+/// otherwise.
+pub fn after_recognition(bus: &mut Bus, node: NodeId, description: &Arc<DeviceDescription>) {
+    let (places, announced) = (places(bus, node), bus.events.len());
+    bus.node_mut(node).describe(Arc::clone(description));
+    from_description(bus, node, description);
+    let parameters: Vec<_> = bus.node_mut(node).parameters().collect();
+    for (object, value) in parameters {
+        learn_cob_id(bus, node, object, value, Source::Trace);
+    }
+    bus.events.truncate(announced);
+    bus.events.push(Event::Recognised(node));
+    announce_moves(bus, node, &places);
+}
+
+/// A node that was given its node-ID by writing an object of the node that it was before.
+pub fn after_written_node_id(bus: &mut Bus, from: NodeId, to: NodeId, object: Multiplexer) {
+    bus.events.push(Event::NodeIdChanged { from: Some(from), to, object: Some(object) });
+    take_over_description(bus, from, to);
+}
+
 /// A node that has got its node-ID by layer setting: what is known of the device it was before is known of it.
 pub fn after_new_node_id(bus: &mut Bus, to: NodeId, before: &Before) {
     let of_address = || NodeId::all().find(|&id| bus.node(id).is_some_and(|node| has_address(node, id, before)));
@@ -109,12 +157,21 @@ pub fn after_new_node_id(bus: &mut Bus, to: NodeId, before: &Before) {
     if from == Some(to) {
         return;
     }
-    bus.events.push(Event::NodeIdChanged { from, to });
-    let description = from.and_then(|from| bus.node(from)).and_then(|node| node.description.clone());
-    if let Some(description) = description
-        && bus.node_mut(to).description.is_none()
-    {
-        bus.node_mut(to).describe(Arc::clone(&description));
+    bus.events.push(Event::NodeIdChanged { from, to, object: None });
+    if let Some(from) = from {
+        take_over_description(bus, from, to);
+    }
+}
+
+/// The device has another node-ID: its description goes with it.
+fn take_over_description(bus: &mut Bus, from: NodeId, to: NodeId) {
+    let Some(known) = bus.node(from) else { return };
+    let Some(description) = known.description.clone() else { return };
+    let recognition = known.recognition.clone();
+    let node = bus.node_mut(to);
+    if node.description.is_none() {
+        node.describe(Arc::clone(&description));
+        node.recognition = recognition;
         from_description(bus, to, &description);
     }
 }
@@ -129,7 +186,7 @@ fn has_address(node: &Node, id: NodeId, before: &Before) -> bool {
 fn places(bus: &Bus, node: NodeId) -> Vec<(Use, u16, Source)> {
     let of_node = |used: Use| match used {
         Use::SdoRequest(channel) | Use::SdoResponse(channel) => bus.server(channel) == Some(node),
-        Use::Emcy(id) | Use::Pdo(id, _) => id == node,
+        Use::Emcy(id) | Use::Pdo(id, _) | Use::Srdo(id, ..) => id == node,
         _ => false,
     };
     bus.cob_ids.iter().filter(|&(_, used, _)| of_node(used)).map(|(id, used, source)| (used, id, source)).collect()
@@ -160,13 +217,13 @@ fn mappings(bus: &mut Bus, id: NodeId) -> Vec<(PdoNumber, Option<Vec<MappingEntr
     pdos.into_iter().map(|pdo| (pdo, node.mapping(id, pdo))).collect()
 }
 
-/// Communication parameters, and what decides the unit of others.
+/// Communication parameters, the cyclic timer and the revolutions of encoders, and what decides the unit of others.
 fn is_learned(object: Multiplexer) -> bool {
-    matches!(object.index.0, 0x1000..=0x1FFF) || is_scaling_parameter(object)
+    matches!(object.index.0, 0x1000..=0x1FFF | 0x6200 | 0x6502) || is_scaling_parameter(object)
 }
 
 /// A value of 1 to 4 bytes.
-fn number(data: &[u8]) -> Option<u32> {
+pub fn number(data: &[u8]) -> Option<u32> {
     let mut bytes = [0; 4];
     bytes.get_mut(..data.len())?.copy_from_slice(data);
     (!data.is_empty()).then(|| u32::from_le_bytes(bytes))
@@ -175,8 +232,17 @@ fn number(data: &[u8]) -> Option<u32> {
 /// Gives a COB-ID parameter's CAN-ID its use.
 fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     let cob_id = CobId(value);
-    // Bit 31 of 1005h and 1012h does not mean that there is no SYNC or TIME.
-    let exists = cob_id.is_valid() || matches!(used, Use::Sync | Use::Time);
+    // Bit 31 of 1005h and 1012h does not mean that there is no SYNC or TIME, and SRDOs have no such bit.
+    let exists = match used {
+        Use::Sync | Use::Time => true,
+        Use::Srdo(node, number, _) => match srdo_direction(bus, node, number) {
+            Some(SRDO_NONE) => false,
+            // It is another node's, which sends it.
+            Some(SRDO_RECEIVED) if is_srdo_of_another(bus, cob_id, node) => return,
+            _ => cob_id.can_id() != 0,
+        },
+        _ => cob_id.is_valid(),
+    };
     if !exists || cob_id.is_extended() {
         if source == Source::Trace {
             bus.cob_ids.release(used, None);
@@ -189,6 +255,20 @@ fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     }
 }
 
+/// 1301h..1340h:01: there is no such SRDO.
+const SRDO_NONE: u32 = 0;
+/// 1301h..1340h:01: the node receives it.
+const SRDO_RECEIVED: u32 = 2;
+
+fn srdo_direction(bus: &Bus, node: NodeId, number: u8) -> Option<u32> {
+    bus.node(node)?.parameter(node, Multiplexer::new(0x1300 + u16::from(number), 1))
+}
+
+fn is_srdo_of_another(bus: &Bus, cob_id: CobId, node: NodeId) -> bool {
+    let used = u16::try_from(cob_id.can_id()).map(|can_id| bus.cob_ids.get(can_id).0);
+    matches!(used, Ok(Use::Srdo(sender, ..)) if sender != node)
+}
+
 /// What the CAN-ID in that object is used for; `None` for any other object.
 fn used_by(bus: &mut Bus, node: NodeId, object: Multiplexer) -> Option<Use> {
     match (object.index.0, object.sub.0) {
@@ -198,6 +278,10 @@ fn used_by(bus: &mut Bus, node: NodeId, object: Multiplexer) -> Option<Use> {
         (index @ 0x1200..=0x127F, sub @ 1..=2) => {
             let channel = server_channel(bus, node, index - 0x1200)?;
             Some(if sub == 1 { Use::SdoRequest(channel) } else { Use::SdoResponse(channel) })
+        }
+        (index @ 0x1301..=0x1340, sub @ 5..=6) => {
+            let half = if sub == 5 { Half::Normal } else { Half::Inverted };
+            srdo::of_communication_index(index).map(|number| Use::Srdo(node, number, half))
         }
         (index @ 0x1400..=0x15FF, 1) => Some(Use::Pdo(node, PdoNumber::Receive(index - 0x1400 + 1))),
         (index @ 0x1800..=0x19FF, 1) => Some(Use::Pdo(node, PdoNumber::Transmit(index - 0x1800 + 1))),

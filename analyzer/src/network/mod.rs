@@ -6,11 +6,14 @@
 
 mod bus;
 mod cob_ids;
+mod configured;
 mod event;
 mod layer_setting;
 mod layout;
 mod learning;
 mod node;
+mod open_errors;
+mod recognition;
 mod scaling;
 pub mod sdo;
 mod srdo_pairs;
@@ -20,6 +23,8 @@ pub use cob_ids::{Source, Use};
 pub use event::{Change, Emergency, Event, Exchange, Move};
 pub use layout::{Layout, Signal};
 pub use node::{Cause, Node};
+pub use open_errors::OpenErrors;
+pub use recognition::{Candidate, Candidates, Fact, Recognition};
 
 use crate::dictionary::DeviceDescription;
 use crate::message::{Message, Service};
@@ -33,6 +38,7 @@ use std::sync::Arc;
 pub struct Network {
     buses: Vec<Bus>,
     descriptions: Vec<(NodeId, Arc<DeviceDescription>)>,
+    candidates: Candidates,
 }
 
 /// A frame, understood in its context.
@@ -71,6 +77,12 @@ impl Network {
         self.descriptions.push((node, description));
     }
 
+    /// Says which models nodes that nobody described can be recognised as. Of models that show the same, the first one is
+    /// taken. To be said before the first record; they are not asked for before a node shows something of itself.
+    pub fn offer(&mut self, candidates: Candidates) {
+        self.candidates = candidates;
+    }
+
     /// Takes the next record and says what it means.
     pub fn handle(&mut self, record: &Record) -> Decoded {
         self.bus_mut(record.channel).handle(record)
@@ -85,6 +97,7 @@ impl Network {
         let index = usize::from(channel.0);
         while self.buses.len() <= index {
             let mut bus = Bus::new();
+            bus.candidates = self.candidates.clone();
             for (node, description) in &self.descriptions {
                 bus.describe(*node, description);
             }

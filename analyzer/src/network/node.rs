@@ -1,14 +1,17 @@
 //! What is known of one node.
 
-use crate::dictionary::DeviceDescription;
 use crate::dictionary::Unit;
+use crate::dictionary::{Access, DeviceDescription};
 use crate::message::PdoNumber;
+use crate::network::configured::Pending;
 use crate::network::layout::Layout;
+use crate::network::recognition::{self, Recognition};
 use crate::network::scaling;
 use crate::wire::error_control::State;
 use crate::wire::mpdo::Addressing;
 use crate::wire::nmt::Command;
 use crate::wire::pdo::MappingEntry;
+use crate::wire::srdo;
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
 use std::collections::BTreeMap;
@@ -24,6 +27,12 @@ pub struct Node {
     pub guarded: bool,
     /// Its description, where the user gave one or its identity was recognised.
     pub description: Option<Arc<DeviceDescription>>,
+    /// As what it was recognised, where the description comes from that.
+    pub recognition: Option<Recognition>,
+    /// What it has shown of the objects that tell models apart.
+    pub(super) identity: recognition::Shown,
+    /// What it will use after its next start.
+    pub(super) pending: Pending,
     /// When the oldest error was reported that no EMCY has taken back.
     pub(super) error_since: Option<Timestamp>,
     /// The communication parameters that the trace has shown, as numbers, and whether it was a download.
@@ -31,6 +40,7 @@ pub struct Node {
     /// Those that the device will have after its next reset.
     stored: BTreeMap<Multiplexer, (u32, Shown)>,
     layouts: BTreeMap<PdoNumber, Option<Layout>>,
+    srdo_layouts: BTreeMap<u8, Option<Layout>>,
     /// The number of its device profile, once it was asked for: every object that is shown asks.
     profile: OnceLock<Option<u16>>,
     /// The PDOs that are multiplexed; worked out with their layouts.
@@ -67,6 +77,17 @@ impl Node {
         self.parameters.get(&object).map(|shown| shown.0).or_else(described)
     }
 
+    /// The value of a parameter as far as it is certain: the trace has shown it, or the description has it for an object
+    /// that no one can write. Other defaults may have been changed before the trace began.
+    pub fn certain(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
+        let fixed = || {
+            let entry = self.description.as_ref()?.dictionary.entry(object).ok()?;
+            let value = u32::try_from(entry.start_value(id)?.to_raw()?).ok()?;
+            matches!(entry.access, Access::Const | Access::Ro).then_some(value)
+        };
+        self.parameters.get(&object).map(|shown| shown.0).or_else(fixed)
+    }
+
     /// The number of its device profile (the low word of 1000h), where the trace or the description tells.
     pub fn profile(&self, id: NodeId) -> Option<u16> {
         let device_type = || self.parameter(id, Multiplexer::new(0x1000, 0));
@@ -82,7 +103,9 @@ impl Node {
         }
         let shown = if written { Shown::Written } else { shown };
         let before = self.parameters.insert(object, (value, shown)).map(|before| before.0);
-        let lays_out = PdoNumber::of_mapping_index(object.index.0).is_some() || scaling::is_scaling_parameter(object);
+        let is_mapping =
+            PdoNumber::of_mapping_index(object.index.0).is_some() || matches!(object.index.0, 0x1381..=0x13C0);
+        let lays_out = is_mapping || scaling::is_scaling_parameter(object);
         if lays_out && before != Some(value) {
             self.forget_layouts();
         }
@@ -143,6 +166,26 @@ impl Node {
         self.layouts.get(&pdo).and_then(Option::as_ref)
     }
 
+    /// How the data of an SRDO are laid out; `None` where its mapping is not known.
+    pub fn srdo_layout(&mut self, id: NodeId, number: u8) -> Option<&Layout> {
+        if !self.srdo_layouts.contains_key(&number) {
+            let index = srdo::mapping_index(number);
+            let of = |sub| self.parameter(id, Multiplexer::new(index, sub));
+            // Entries come in pairs: an object, and its inverted twin.
+            let count = of(0).and_then(|count| u8::try_from(count).ok()).filter(|&count| (2..=128).contains(&count));
+            let entries: Option<Vec<_>> =
+                count.and_then(|count| (1..=count).step_by(2).map(|sub| of(sub).map(MappingEntry)).collect());
+            let layout = entries.map(|entries| Layout::new(&entries, id, self));
+            self.srdo_layouts.insert(number, layout);
+        }
+        self.known_srdo_layout(number)
+    }
+
+    /// The same, where it has been worked out already.
+    pub fn known_srdo_layout(&self, number: u8) -> Option<&Layout> {
+        self.srdo_layouts.get(&number).and_then(Option::as_ref)
+    }
+
     /// The addressing of a multiplexed PDO, where its layout has been asked for already; `None` for other PDOs.
     pub fn addressing(&self, pdo: PdoNumber) -> Option<Addressing> {
         self.multiplexed.get(&pdo).copied()
@@ -150,6 +193,7 @@ impl Node {
 
     fn forget_layouts(&mut self) {
         self.layouts.clear();
+        self.srdo_layouts.clear();
         self.multiplexed.clear();
         self.profile.take();
     }

@@ -1,7 +1,9 @@
-//! Which CAN-IDs of 101h to 180h carry SRDOs.
+//! The two frames of each SRDO, and which CAN-IDs of 101h to 180h carry SRDOs where no parameters tell.
 
+use crate::NodeId;
 use crate::wire::srdo::{Fit, Half, Pair, Srdo, is_inverse};
 use canvass_traces::{Duration, Frame, Timestamp};
+use std::collections::BTreeMap;
 
 /// The SRDO pairs of a bus. A pair is one only when the inverted data were seen behind the data; until then its
 /// frames are of no known use.
@@ -9,6 +11,8 @@ use canvass_traces::{Duration, Frame, Timestamp};
 pub struct SrdoPairs {
     /// By [`Pair::position`]; not made before the first frame.
     pairs: Vec<State>,
+    /// Those whose parameters are known, by node and number.
+    configured: BTreeMap<(NodeId, u8), State>,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -31,19 +35,29 @@ impl SrdoPairs {
             self.pairs.resize(64, State::default());
         }
         let state = self.pairs.get_mut(pair.position())?;
-        let fit = match half {
-            Half::Normal => {
-                state.normal = Some((now, *frame));
-                Fit::Alone
-            }
-            Half::Inverted => state.fit(now, frame),
-        };
+        let fit = state.take(now, half, frame);
         state.known |= fit == Fit::Inverse;
-        state.known.then_some((pair, Srdo { half, fit }))
+        state.known.then_some((pair, Srdo { number: None, half, fit }))
+    }
+
+    /// Takes a frame of an SRDO whose parameters are known.
+    pub fn configured(&mut self, now: Timestamp, node: NodeId, number: u8, half: Half, frame: &Frame) -> Srdo {
+        let state = self.configured.entry((node, number)).or_default();
+        Srdo { number: Some(number), half, fit: state.take(now, half, frame) }
     }
 }
 
 impl State {
+    fn take(&mut self, now: Timestamp, half: Half, frame: &Frame) -> Fit {
+        match half {
+            Half::Normal => {
+                self.normal = Some((now, *frame));
+                Fit::Alone
+            }
+            Half::Inverted => self.fit(now, frame),
+        }
+    }
+
     fn fit(&mut self, now: Timestamp, inverted: &Frame) -> Fit {
         match self.normal.take() {
             Some((then, normal)) if now - then <= VALIDATION_TIME => {

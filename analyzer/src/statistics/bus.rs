@@ -3,12 +3,13 @@
 use super::bit_rate::BitRate;
 use super::load::Load;
 use super::node::NodeStatistics;
+use super::peak::Peak;
 use super::test_run::TestRun;
 use crate::NodeId;
 use crate::message::{Message, Service};
 use crate::network::{Bus, Cause, Decoded};
 use crate::wire::error_control::State;
-use canvass_traces::{Duration, INTERMISSION, Record, Timestamp, bit_length};
+use canvass_traces::{Duration, Record, Timestamp};
 
 /// Collects the figures of one bus.
 #[derive(Default)]
@@ -21,6 +22,9 @@ pub struct Statistics {
     bit_rate: BitRate,
     nodes: Vec<Option<Box<NodeStatistics>>>,
     test_run: TestRun,
+    peak: Peak,
+    peaks: [Peak; Service::ALL.len()],
+    copies: u64,
     /// Frames whose times are no multiples of 10 µs: without them, the clock is too coarse for a bit rate.
     fine: u64,
 }
@@ -40,6 +44,12 @@ pub struct BusStatistics {
     pub bit_rate: Option<u32>,
     /// Bits over time.
     pub load: Load,
+    /// The fullest moment.
+    pub peak: Peak,
+    /// The fullest moment of each service, in the order of [`Service::ALL`].
+    pub peaks: [Peak; Service::ALL.len()],
+    /// Frames that the interface recorded twice; they are counted as frames, and nowhere else.
+    pub copies: u64,
     /// The nodes that sent something or were addressed.
     pub nodes: Vec<(NodeId, NodeStatistics)>,
     /// The cases of CiA's conformance test tool, if it was at work.
@@ -48,9 +58,9 @@ pub struct BusStatistics {
 
 impl Statistics {
     /// Takes a frame.
-    pub fn frame(&mut self, record: &Record, decoded: &Decoded, bus: &Bus) {
+    /// `bits` are those that it takes on the bus, with the intermission; 0 where that is not known.
+    pub fn frame(&mut self, record: &Record, bits: u32, decoded: &Decoded, bus: &Bus) {
         let now = record.timestamp;
-        let bits = bit_length(&record.frame).map_or(0, |bits| bits + INTERMISSION);
         self.frames[decoded.service as usize] += 1;
         self.bits[decoded.service as usize] += u64::from(bits);
         self.first.get_or_insert(now);
@@ -58,16 +68,37 @@ impl Statistics {
         self.fine += u64::from(!now.nanos().is_multiple_of(10_000));
         if bits > 0 {
             self.load.add(now, bits);
+            self.peak.add(now, bits);
+            self.peaks[decoded.service as usize].add(now, bits);
             self.bit_rate.frame(now, bits);
         }
         match decoded.message {
             Message::CaseMarker(marker) => self.test_run.marker(now, record.place, marker),
-            Message::Nmt(nmt) if nmt.node == 0 => self.commanded(now, bus),
-            _ => self.test_run.frame(now),
+            _ => self.test_run.frame(now, record.place),
+        }
+        if matches!(decoded.message, Message::Nmt(nmt) if nmt.node == 0) {
+            self.commanded(now, bus);
         }
         if let Some(node) = decoded.node {
             self.node(node).frame(now, bits, decoded, bus);
         }
+    }
+
+    /// Counts a copy of the latest frame with the same CAN-ID.
+    pub const fn copy(&mut self, of: &Decoded) {
+        self.frames[of.service as usize] += 1;
+        self.copies += 1;
+    }
+
+    /// How many frames were copies.
+    pub const fn copies(&self) -> u64 {
+        self.copies
+    }
+
+    /// The bit rate in bit/s as far as the frames show it.
+    pub fn inferred_bit_rate(&self) -> Option<u32> {
+        let slack = if self.fine > 0 { Duration::from_micros(2) } else { Duration::from_millis(1) };
+        self.bit_rate.inferred(slack)
     }
 
     /// A command to all nodes has changed the states of those that are there.
@@ -94,15 +125,18 @@ impl Statistics {
     /// The figures; the bit rate is the one that was said, or inferred.
     pub fn finish(self, now: Timestamp, bit_rate: Option<u32>) -> BusStatistics {
         let first = self.first.unwrap_or(now);
-        let slack = if self.fine > 0 { Duration::from_micros(2) } else { Duration::from_millis(1) };
+        let bit_rate = bit_rate.or_else(|| self.inferred_bit_rate());
         let nodes = NodeId::all().zip(self.nodes.into_iter().skip(1));
         BusStatistics {
             frames: self.frames,
             bits: self.bits,
             first,
             last: self.last,
-            bit_rate: bit_rate.or_else(|| self.bit_rate.inferred(slack)),
+            bit_rate,
             load: self.load,
+            peak: self.peak,
+            peaks: self.peaks,
+            copies: self.copies,
             nodes: nodes.filter_map(|(id, node)| Some((id, *node?))).collect(),
             test_run: self.test_run,
         }
@@ -122,14 +156,23 @@ impl BusStatistics {
 
     /// The mean load in percent, where the bit rate is known.
     pub fn mean_load(&self) -> Option<f64> {
-        let bits = self.bits.iter().sum();
+        self.share_of_load(self.bits.iter().sum())
+    }
+
+    /// The load of the fullest tenth of a second in percent, and when that was; where the bit rate is known.
+    pub fn peak_load(&self) -> Option<(Timestamp, f64)> {
+        self.peak.percent(self.bit_rate?)
+    }
+
+    /// The mean load that some of the bits make in percent, where the bit rate is known.
+    pub fn share_of_load(&self, bits: u64) -> Option<f64> {
         let bit_rate = self.bit_rate.filter(|_| self.duration() > Duration::ZERO)?;
         Some(Load::percent(bits, self.duration(), bit_rate))
     }
 
-    /// The load of the fullest time in percent, and when that was; where the bit rate is known.
-    pub fn peak_load(&self) -> Option<(Timestamp, f64)> {
-        let (at, bits) = self.load.peak()?;
-        Some((at, Load::percent(bits, self.load.width(), self.bit_rate?)))
+    /// How many of so many frames came in a second, on average; `None` of a capture without duration.
+    pub fn rate(&self, frames: u64) -> Option<f64> {
+        let seconds = self.duration().nanos() as f64 / 1e9;
+        (seconds > 0.0).then(|| frames as f64 / seconds)
     }
 }

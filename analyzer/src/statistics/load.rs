@@ -8,11 +8,25 @@ pub struct Load {
     start: Option<Timestamp>,
     width: Duration,
     bins: Vec<u64>,
+    extremes: Vec<Extremes>,
+    /// The [`Load::FINEST`] time that is being counted: its number since the start, and its bits.
+    current: (u64, u64),
+}
+
+/// The emptiest and the fullest [`Load::FINEST`] time within a bin.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Extremes {
+    /// The bits of the emptiest.
+    pub least: u64,
+    /// The bits of the fullest.
+    pub most: u64,
+    /// How many of these times had frames.
+    counted: u32,
 }
 
 impl Default for Load {
     fn default() -> Self {
-        Self { start: None, width: Self::FINEST, bins: Vec::new() }
+        Self { start: None, width: Self::FINEST, bins: Vec::new(), extremes: Vec::new(), current: (0, 0) }
     }
 }
 
@@ -27,6 +41,12 @@ impl Load {
         let start = *self.start.get_or_insert(now);
         // A clock that stepped back before the start counts for the first bin.
         let elapsed = now.since(start).nanos();
+        let finest = elapsed / Self::FINEST.nanos();
+        if finest != self.current.0 {
+            self.settle();
+            self.current = (finest, 0);
+        }
+        self.current.1 += u64::from(bits);
         let mut at = elapsed / self.width.nanos();
         while at >= Self::BINS as u64 {
             self.double();
@@ -35,6 +55,7 @@ impl Load {
         let at = at as usize;
         if self.bins.len() <= at {
             self.bins.resize(at + 1, 0);
+            self.extremes.resize(at + 1, Extremes::default());
         }
         self.bins[at] += u64::from(bits);
     }
@@ -42,7 +63,33 @@ impl Load {
     #[cold]
     fn double(&mut self) {
         self.bins = self.bins.chunks(2).map(|pair| pair.iter().sum()).collect();
+        self.extremes = self.extremes.chunks(2).map(Extremes::of).collect();
         self.width = self.width.times(2);
+    }
+
+    /// The time that was being counted is over.
+    fn settle(&mut self) {
+        let (finest, bits) = self.current;
+        let at = finest / (self.width.nanos() / Self::FINEST.nanos());
+        if let Some(bin) = usize::try_from(at).ok().and_then(|at| self.extremes.get_mut(at)) {
+            *bin = Extremes::of(&[*bin, Extremes { least: bits, most: bits, counted: 1 }]);
+        }
+    }
+
+    /// The emptiest and the fullest [`Load::FINEST`] time of each bin, as far as it was seen to its end: of the last
+    /// bin not all may have passed.
+    pub fn extremes(&self) -> Vec<Extremes> {
+        let mut load = self.clone();
+        load.settle();
+        let times = (self.width.nanos() / Self::FINEST.nanos()) as u32;
+        let last = load.extremes.len().saturating_sub(1);
+        for (at, bin) in load.extremes.iter_mut().enumerate() {
+            // A time in which nothing was sent was never counted.
+            if bin.counted < times && at < last {
+                bin.least = 0;
+            }
+        }
+        load.extremes
     }
 
     /// When the first bin begins.
@@ -78,9 +125,36 @@ impl Load {
     }
 }
 
+impl Extremes {
+    /// Of several together.
+    fn of(parts: &[Self]) -> Self {
+        let seen = || parts.iter().filter(|part| part.counted > 0);
+        Self {
+            least: seen().map(|part| part.least).min().unwrap_or(0),
+            most: seen().map(|part| part.most).max().unwrap_or(0),
+            counted: parts.iter().map(|part| part.counted).sum(),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_burst_stays_visible_however_wide_bins_become() {
+        let mut load = Load::default();
+        for tenth in 0..4096 {
+            load.add(Timestamp(tenth * 100_000_000), if tenth == 1000 { 5_000 } else { 100 });
+        }
+        assert_eq!(load.width(), Duration::from_millis(400));
+        let extremes = load.extremes();
+        assert_eq!((extremes[250].least, extremes[250].most), (100, 5_000));
+        assert_eq!((extremes[251].least, extremes[251].most), (100, 100));
+        assert_eq!((extremes[1023].least, extremes[1023].most), (100, 100), "the last one too");
+        load.add(Timestamp(5000 * 100_000_000), 100);
+        assert_eq!(load.extremes()[550].least, 0, "nothing was sent");
+    }
 
     #[test]
     fn bins_double_and_keep_the_sum() {

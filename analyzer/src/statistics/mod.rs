@@ -7,11 +7,13 @@ mod bus;
 mod histogram;
 mod load;
 mod node;
+mod peak;
 mod test_run;
 
 pub use bit_rate::BitRate;
 pub use bus::{BusStatistics, Statistics};
 pub use histogram::Histogram;
-pub use load::Load;
-pub use node::{EmcyCount, IdentityText, NodeStatistics, StateChange};
+pub use load::{Extremes, Load};
+pub use node::{EmcyCount, ErrorEnd, ErrorEpisode, IdentityText, NodeStatistics, StateChange};
+pub use peak::Peak;
 pub use test_run::{TestCase, TestRun};

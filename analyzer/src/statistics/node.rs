@@ -1,10 +1,11 @@
 //! Figures of one node.
 
 use super::histogram::Histogram;
+use super::peak::Peak;
 use crate::message::{Message, Service};
-use crate::network::sdo::{Direction, Outcome, Transfer};
-use crate::network::{Bus, Cause, Decoded, Event};
-use crate::wire::emcy::EmcyCode;
+use crate::network::sdo::{ChannelIndex, Direction, Outcome, Transfer};
+use crate::network::{Bus, Cause, Decoded, Event, OpenErrors};
+use crate::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
 use crate::wire::error_control::State;
 use crate::wire::sdo::Request;
 use canvass_traces::Timestamp;
@@ -36,10 +37,18 @@ pub struct NodeStatistics {
     pub aborted: u64,
     /// EMCY by code, at most [`NodeStatistics::CODES`] different ones.
     pub emcy: Vec<EmcyCount>,
+    /// Its errors from their first EMCY to their end, at most [`NodeStatistics::ERRORS`].
+    pub errors: Vec<ErrorEpisode>,
+    /// How many more there were.
+    pub errors_omitted: u64,
+    /// The fullest moment of its frames.
+    pub peak: Peak,
     /// Who it is, as was read from it.
     pub identity: IdentityText,
-    /// The latest SDO request without an answer.
-    asked: Option<Timestamp>,
+    /// The errors that are present, each with its place in `errors`.
+    open_errors: OpenErrors<usize>,
+    /// The latest SDO requests without an answer, by channel.
+    asked: Vec<(ChannelIndex, Timestamp)>,
 }
 
 /// A change of the NMT state.
@@ -51,6 +60,28 @@ pub struct StateChange {
     pub state: State,
     /// How it is known.
     pub cause: Cause,
+}
+
+/// An error that a node has reported, and its end.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct ErrorEpisode {
+    /// The error code.
+    pub code: EmcyCode,
+    /// The error register that came with it.
+    pub register: Option<ErrorRegister>,
+    /// When it was first reported.
+    pub raised: Timestamp,
+    /// When the node has taken it back, or started anew; `None` where the capture shows neither.
+    pub ended: Option<(Timestamp, ErrorEnd)>,
+}
+
+/// How an error has ended.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ErrorEnd {
+    /// By an EMCY with the code 00xxh.
+    Reported,
+    /// By a boot-up of the node.
+    BootUp,
 }
 
 /// How often an error code was sent.
@@ -82,6 +113,10 @@ impl NodeStatistics {
     pub const STATES: usize = 1000;
     /// How many error codes are told apart.
     pub const CODES: usize = 64;
+    /// How many errors are kept with their times.
+    pub const ERRORS: usize = 256;
+    /// How many channels of a node are waited for at a time.
+    const CHANNELS: usize = 16;
     /// How many characters of a name are kept.
     pub const NAME: usize = 64;
 
@@ -93,11 +128,15 @@ impl NodeStatistics {
         self.last = now;
         self.frames[decoded.service as usize] += 1;
         self.bits += u64::from(bits);
+        if bits > 0 {
+            self.peak.add(now, bits);
+        }
         self.present |= crate::findings::is_from_node(decoded);
         match decoded.service {
             Service::BootUp => {
                 self.boot_ups += 1;
-                self.asked = None;
+                self.asked.clear();
+                self.restarted(now);
             }
             Service::Emcy => self.emcy(now, decoded),
             Service::Sdo => self.sdo(now, decoded, bus),
@@ -120,6 +159,7 @@ impl NodeStatistics {
     fn emcy(&mut self, now: Timestamp, decoded: &Decoded) {
         let Message::Emcy(emcy) = decoded.message else { return };
         let Some(code) = emcy.code() else { return };
+        self.error(now, code, &emcy);
         if let Some(row) = self.emcy.iter_mut().find(|row| row.code == code) {
             (row.count, row.last) = (row.count + 1, now);
         } else if self.emcy.len() < Self::CODES {
@@ -127,14 +167,57 @@ impl NodeStatistics {
         }
     }
 
+    fn error(&mut self, now: Timestamp, code: EmcyCode, emcy: &Emcy) {
+        let known = self.open_errors.iter().any(|row| row.0 == code);
+        let place = self.errors.len();
+        for (_, at) in self.open_errors.handle(emcy, || place) {
+            if let Some(error) = self.errors.get_mut(at) {
+                error.ended = Some((now, ErrorEnd::Reported));
+            }
+        }
+        if known || code.is_reset() {
+            return;
+        }
+        if place < Self::ERRORS {
+            self.errors.push(ErrorEpisode { code, register: emcy.register(), raised: now, ended: None });
+        } else {
+            self.errors_omitted += 1;
+        }
+    }
+
+    /// A restart ends what was not taken back.
+    fn restarted(&mut self, now: Timestamp) {
+        for (_, at) in self.open_errors.iter() {
+            if let Some(error) = self.errors.get_mut(*at) {
+                error.ended = Some((now, ErrorEnd::BootUp));
+            }
+        }
+        self.open_errors.clear();
+    }
+
+    fn asked(&mut self, channel: Option<ChannelIndex>, now: Timestamp) {
+        let Some(channel) = channel else { return };
+        self.asked.retain(|asked| asked.0 != channel);
+        if self.asked.len() < Self::CHANNELS {
+            self.asked.push((channel, now));
+        }
+    }
+
+    /// When the request was sent that is answered or given up now.
+    fn answered(&mut self, channel: Option<ChannelIndex>) -> Option<Timestamp> {
+        let at = self.asked.iter().position(|asked| Some(asked.0) == channel)?;
+        Some(self.asked.swap_remove(at).1)
+    }
+
     fn sdo(&mut self, now: Timestamp, decoded: &Decoded, bus: &Bus) {
         match decoded.message {
-            Message::SdoRequest(Request::Abort(_) | Request::EndBlockUpload) => self.asked = None,
-            Message::SdoRequest(_) => self.asked = Some(now),
             // Segments of a block: the last one is answered.
-            Message::SdoBlockDownload(_) => self.asked = None,
+            Message::SdoRequest(Request::Abort(_) | Request::EndBlockUpload) | Message::SdoBlockDownload(_) => {
+                self.answered(decoded.channel);
+            }
+            Message::SdoRequest(_) => self.asked(decoded.channel, now),
             Message::SdoResponse(_) | Message::SdoBlockUpload(_) => {
-                if let Some(asked) = self.asked.take() {
+                if let Some(asked) = self.answered(decoded.channel) {
                     self.responses.add(now.since(asked));
                 }
             }

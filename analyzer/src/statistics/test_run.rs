@@ -27,6 +27,8 @@ pub struct TestCase {
     pub end: Timestamp,
     /// The place of its first marker.
     pub place: Place,
+    /// The place of its last marker, or of the last frame in it: all from `place` to here is the case.
+    pub last_place: Place,
     /// The frames in it, without the markers.
     pub frames: u64,
 }
@@ -40,12 +42,21 @@ impl TestRun {
         let CaseMarker { group, case, verdict } = marker;
         let is_open = |last: &&mut TestCase| last.verdict.is_none() && (last.group, last.case) == (group, case);
         if let (Some(open), Some(_)) = (self.cases.last_mut().filter(is_open), verdict) {
-            (open.verdict, open.end) = (verdict, now);
+            (open.verdict, open.end, open.last_place) = (verdict, now, place);
             return;
         }
         // A begin, or the end of a case whose begin was not recorded.
         if self.cases.len() < Self::MOST {
-            self.cases.push(TestCase { group, case, verdict, begin: now, end: now, place, frames: 0 });
+            self.cases.push(TestCase {
+                group,
+                case,
+                verdict,
+                begin: now,
+                end: now,
+                place,
+                last_place: place,
+                frames: 0,
+            });
         } else {
             self.omitted += 1;
         }
@@ -53,9 +64,9 @@ impl TestRun {
 
     /// Any other frame.
     #[inline]
-    pub fn frame(&mut self, now: Timestamp) {
+    pub fn frame(&mut self, now: Timestamp, place: Place) {
         if let Some(open) = self.cases.last_mut().filter(|last| last.verdict.is_none()) {
-            (open.end, open.frames) = (now, open.frames + 1);
+            (open.end, open.frames, open.last_place) = (now, open.frames + 1, place);
         }
     }
 }

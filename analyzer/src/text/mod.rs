@@ -88,7 +88,7 @@ impl fmt::Display for Meaning<'_> {
             Message::LssResponse(response) => write!(f, "LSS {response}"),
             Message::LmtRequest(request) => write!(f, "LMT {request}"),
             Message::LmtResponse(response) => write!(f, "LMT {response}"),
-            Message::Srdo(srdo) => write!(f, "{srdo}"),
+            Message::Srdo(srdo) => self.srdo(srdo, f),
             Message::GlobalFailSafe => f.write_str("global fail-safe command"),
             Message::FlyingMaster(message) => write!(f, "flying master: {message}"),
             Message::CaseMarker(marker) => write!(f, "CiA test tool: {marker}"),

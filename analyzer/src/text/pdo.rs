@@ -8,6 +8,7 @@ use crate::NodeId;
 use crate::message::PdoNumber;
 use crate::network::{Layout, Signal};
 use crate::wire::mpdo::{Addressing, Mpdo};
+use crate::wire::srdo::{Half, Srdo};
 use std::fmt;
 
 impl Meaning<'_> {
@@ -19,6 +20,20 @@ impl Meaning<'_> {
             Some(layout) => self.layout_signals(layout, payload, f),
             None => bytes(payload, f),
         }
+    }
+
+    pub(super) fn srdo(&self, srdo: &Srdo, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{srdo}")?;
+        match self.srdo_layout(srdo) {
+            Some(layout) => self.layout_signals(layout, self.record.frame.data(), f),
+            None => Ok(()),
+        }
+    }
+
+    /// How the data of an SRDO are laid out; the inverted data say the same again.
+    pub(super) fn srdo_layout(&self, srdo: &Srdo) -> Option<&Layout> {
+        let node = self.bus.node(self.decoded.node?)?;
+        srdo.number.filter(|_| srdo.half == Half::Normal).and_then(|number| node.known_srdo_layout(number))
     }
 
     pub(super) fn mpdo(&self, number: PdoNumber, mpdo: &Mpdo, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -5,14 +5,18 @@ use super::object::Object;
 use crate::Multiplexer;
 use crate::network::sdo::{Mode, Outcome, Side, Transfer};
 use crate::wire::sdo::{Abort, BlockSegment, Payload, Request, Response, Segment};
-use std::fmt;
+use std::fmt::{self, Display};
 
 impl Meaning<'_> {
     pub(super) fn sdo_request(&self, request: &Request, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *request {
-            Request::InitiateUpload { multiplexer } => write!(f, "read {}", self.object(multiplexer)),
+            Request::InitiateUpload { multiplexer } => {
+                f.write_str("read ")?;
+                self.object(multiplexer).fmt(f)
+            }
             Request::InitiateDownload { multiplexer, payload } => {
-                write!(f, "write {}", self.object(multiplexer))?;
+                f.write_str("write ")?;
+                self.object(multiplexer).fmt(f)?;
                 self.payload(multiplexer, payload, f)
             }
             Request::DownloadSegment(segment) => self.segment(segment, f),
@@ -44,13 +48,16 @@ impl Meaning<'_> {
     pub(super) fn sdo_response(&self, response: &Response, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match *response {
             Response::InitiateUpload { multiplexer, payload } => {
-                write!(f, "read answered: {}", self.object(multiplexer))?;
+                f.write_str("read answered: ")?;
+                self.object(multiplexer).fmt(f)?;
                 self.payload(multiplexer, payload, f)
             }
             Response::InitiateDownload { multiplexer } => {
                 let open = self.transfer().is_some_and(|transfer| transfer.is_open());
                 let what = if open { "write accepted" } else { "write confirmed" };
-                write!(f, "{what}: {}", self.object(multiplexer))
+                f.write_str(what)?;
+                f.write_str(": ")?;
+                self.object(multiplexer).fmt(f)
             }
             Response::UploadSegment(segment) => self.segment(segment, f),
             Response::DownloadSegment { toggle } => {
@@ -98,7 +105,10 @@ impl Meaning<'_> {
 
     fn payload(&self, multiplexer: Multiplexer, payload: Payload, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match payload {
-            Payload::Expedited(value) => write!(f, " = {}", self.object(multiplexer).value(value.data())),
+            Payload::Expedited(value) => {
+                f.write_str(" = ")?;
+                self.object(multiplexer).value(value.data()).fmt(f)
+            }
             Payload::ExpeditedUnsized(value) => {
                 write!(f, " = {} (length not said)", self.object(multiplexer).leading(&value))
             }

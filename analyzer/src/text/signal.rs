@@ -38,17 +38,17 @@ pub enum Number {
 pub struct Name<'a>(pub(super) Object<'a>);
 
 impl Meaning<'_> {
-    /// The values of a PDO whose layout is known, in the order of its mapping, or the one of a multiplexed PDO; none
+    /// The values of a PDO or SRDO whose layout is known, in the order of its mapping, or the one of a multiplexed PDO; none
     /// of any other frame. Gaps in a mapping (dummy entries) are left out.
     pub fn signals(&self) -> impl Iterator<Item = SignalValue<'_>> {
-        let (number, multiplexed) = match &self.decoded.message {
-            Message::Pdo(number) => (Some(*number), None),
+        let id = self.decoded.node;
+        let node = id.and_then(|id| self.bus.node(id));
+        let (layout, multiplexed) = match &self.decoded.message {
+            Message::Pdo(number) => (node.and_then(|node| node.known_layout(*number)), None),
+            Message::Srdo(srdo) => (self.srdo_layout(srdo), None),
             Message::Mpdo(_, mpdo) => (None, Some(self.multiplexed(mpdo))),
             _ => (None, None),
         };
-        let id = self.decoded.node;
-        let node = id.and_then(|id| self.bus.node(id));
-        let layout = node.zip(number).and_then(|(node, number)| node.known_layout(number));
         let signals = layout.into_iter().flat_map(|layout| &layout.signals).filter(|signal| !signal.is_dummy());
         let payload = self.record.frame.data();
         let mapped = signals.map(move |signal| SignalValue::new(Object::new(id, node, signal.object), signal, payload));

@@ -104,9 +104,26 @@ fn hexadecimal(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Resul
     match (raw, bytes) {
         (0..=9, _) => write!(f, "{raw}"),
         (_, 0..=1) => write!(f, "{raw} ({raw:02X}h)"),
-        (_, 2) => write!(f, "{raw:0width$X}h ({raw})", width = 2 * bytes),
-        _ => write!(f, "{raw:0width$X}h", width = 2 * bytes),
+        (_, 2) => {
+            digits(raw, bytes, f)?;
+            write!(f, "h ({raw})")
+        }
+        _ => {
+            digits(raw, bytes, f)?;
+            f.write_str("h")
+        }
     }
+}
+
+/// Two digits for each byte: without the machinery of `{:0width$X}`.
+fn digits(raw: u64, bytes: usize, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    const HEX: &[u8; 16] = b"0123456789ABCDEF";
+    let mut text = [0; 16];
+    for (n, digit) in text.iter_mut().rev().enumerate() {
+        *digit = HEX[(raw >> (4 * n) & 15) as usize];
+    }
+    let kept = &text[text.len() - 2 * bytes.min(8)..];
+    f.write_str(std::str::from_utf8(kept).unwrap_or_default())
 }
 
 /// `19642 steps (863.173828°)`.

@@ -4,6 +4,8 @@
 //! odd CAN-ID 101h..17Fh:  the data
 //! the even one after it:  the same data with every bit inverted
 //! 001h:                   global fail-safe command
+//! 1301h..1340h:05, :06:   the two CAN-IDs; :01 whether there is none (0), the node sends (1) or receives it (2)
+//! 1381h..13C0h:           the mapping: odd sub-indexes the data, even ones the inverted data
 //! ```
 //!
 //! The pair of node n (1 to 64) is 0FFh + 2n and 100h + 2n. CAN-IDs 101h to 180h may as well carry a PDO, so that
@@ -19,12 +21,25 @@ pub const CAN_IDS: std::ops::RangeInclusive<u16> = 0x101..=0x180;
 /// The CAN-ID of the data of node 0; twice the node-ID is added.
 pub const CAN_ID_BASE: u16 = 0x0FF;
 
+/// The number of the SRDO that has that index of communication parameters.
+pub const fn of_communication_index(index: u16) -> Option<u8> {
+    match index {
+        0x1301..=0x1340 => Some((index - 0x1300) as u8),
+        _ => None,
+    }
+}
+
+/// The index of the mapping parameters of an SRDO.
+pub const fn mapping_index(number: u8) -> u16 {
+    0x1380 + number as u16
+}
+
 /// A pair of CAN-IDs, by the node of the predefined set.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Pair(u8);
 
 /// Which of the two frames of a pair.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Half {
     /// The data.
     Normal,
@@ -35,6 +50,8 @@ pub enum Half {
 /// One frame of an SRDO.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct Srdo {
+    /// Its number from 1, where its parameters (1301h and the following) are known.
+    pub number: Option<u8>,
     /// Which of the two.
     pub half: Half,
     /// How it fits to the other one.
@@ -91,9 +108,13 @@ pub fn is_inverse(normal: &[u8], inverted: &[u8]) -> bool {
 
 impl fmt::Display for Srdo {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.number {
+            Some(number) => write!(f, "SRDO {number} ")?,
+            None => f.write_str("SRDO ")?,
+        }
         f.write_str(match self.half {
-            Half::Normal => "SRDO data",
-            Half::Inverted => "SRDO inverted data",
+            Half::Normal => "data",
+            Half::Inverted => "inverted data",
         })?;
         f.write_str(match (self.half, self.fit) {
             (_, Fit::Inverse) | (Half::Normal, Fit::Alone) => "",

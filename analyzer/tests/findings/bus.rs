@@ -67,8 +67,8 @@ fn two_devices_with_one_node_id() {
 #[test]
 fn a_heartbeat_before_the_boot_up() {
     let mut traffic = machine();
-    traffic.at(20_080, "704#7F");
-    traffic.finds("bus/before-boot-up", Some(4), 20_080);
+    traffic.at(20_110, "704#7F");
+    traffic.finds("bus/before-boot-up", Some(4), 20_110);
 }
 
 #[test]
@@ -89,4 +89,61 @@ fn a_capture_of_many_channels_is_bounded() {
     }
     let results = diagnose(&records, |_| {});
     assert_eq!((results.buses.len(), results.unwatched), (64, 36));
+}
+
+#[test]
+fn a_second_producer_of_time_and_of_a_pdo() {
+    let mut time = machine();
+    time.every(15_830, 30_000, 1_000, |n| format!("100#{} 0010", crate::traffic::hex(3_600_000 + 14_330 + n * 1000)));
+    // The commands at 20 000 and 20 500 ms begin it anew.
+    time.finds("bus/two-producers", None, 25_500);
+    // 283h has an event timer of 50 ms; from here on it comes twice in that time.
+    let mut timed = machine();
+    timed.every(15_019, 30_000, 50, |_| "283#FFFF".to_owned());
+    timed.finds("bus/two-producers", Some(3), 15_250);
+    let mut synchronous = machine();
+    for cycle in 0..100_u64 {
+        synchronous.micros(15_000_900 + cycle * 20_000, &format!("183#{}", crate::traffic::hex(6_200 + cycle * 3)));
+    }
+    synchronous.finds("bus/two-producers", Some(3), 15_080);
+}
+
+/// An input that goes on and off is sent at alternating intervals by one device.
+#[test]
+fn an_event_that_alternates_has_one_producer() {
+    let mut traffic = machine();
+    traffic.silence(0x184, 5_000, 10_000);
+    traffic.every(5_000, 10_000, 500, |_| "184#01".to_owned()).every(5_100, 10_000, 500, |_| "184#00".to_owned());
+    traffic.only(&[]);
+}
+
+#[test]
+fn two_series_of_sync_counters() {
+    let mut traffic = machine();
+    traffic.remove(|ms, frame| ms >= 15_000 && frame.cob_id() == Some(0x183));
+    for n in 0..200_u64 {
+        traffic.at(15_009 + n * 20, &format!("080#{:02X}", (n + 5) % 10 + 1));
+    }
+    let found = traffic.results().findings;
+    assert!(found.iter().any(|finding| finding.rule.id == "bus/two-producers"), "{found:?}");
+}
+
+/// Two devices of one type that answer alike.
+#[test]
+fn two_devices_that_answer_alike() {
+    let mut traffic = machine();
+    for n in 0..4 {
+        traffic.sdo(6_100 + n * 100, 3, "4000100000000000", "4300100096010200");
+        traffic.micros(6_104_200 + n * 100_000, "583#4300100096010200");
+    }
+    let found = traffic.only(&["bus/duplicate-node-id", "sdo/protocol-violation"]);
+    assert!(found.iter().any(|finding| finding.message.contains("the same answer twice")), "{found:?}");
+}
+
+/// Another device was put in the place of the first, which was switched off.
+#[test]
+fn a_device_that_was_replaced() {
+    let mut traffic = machine();
+    traffic.sdo(20_200, 4, "4018100400000000", "4318100401000000");
+    traffic.sdo(15_000, 4, "4018100400000000", "4318100402000000").only(&[]);
 }

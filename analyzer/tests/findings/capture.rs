@@ -74,3 +74,26 @@ fn a_pause_of_the_recorder() {
     paused.only(&["capture/gaps", "pdo/time-jump"]);
     assert_eq!(paused.only(&["capture/gaps"]).len(), 1);
 }
+
+/// An interface that gives back what it has sent: here all that the master and node 3 say.
+#[test]
+fn frames_that_are_recorded_twice() {
+    let mut records = Vec::new();
+    for record in machine().records() {
+        let doubled =
+            matches!(record.frame.cob_id(), Some(0x000 | 0x080 | 0x100 | 0x701 | 0x183 | 0x583 | 0x603 | 0x703));
+        if doubled {
+            let mut copy = record.clone();
+            copy.timestamp = Timestamp(record.timestamp.nanos() + 20_000);
+            records.extend([record, copy]);
+        } else {
+            records.push(record);
+        }
+    }
+    let results = diagnose(&records, |_| {});
+    let found: Vec<_> = results.findings.iter().map(|finding| finding.rule.id).collect();
+    assert_eq!(found, ["capture/copies"]);
+    let bus = &results.buses[0].1;
+    assert_eq!(bus.total(), records.len() as u64);
+    assert_eq!(bus.total() - bus.copies, machine().records().len() as u64);
+}

@@ -73,3 +73,93 @@ fn lss_without_an_answer_refused_and_not_stored() {
         613,
     );
 }
+
+/// Two errors, one of which ends: the register tells which.
+#[test]
+fn one_of_two_errors_ends() {
+    let mut traffic = machine();
+    traffic.at(15_000, "083#3081110000000000").at(15_500, "083#0042190000000000").at(16_000, "083#0000090000000000");
+    let found = traffic.only(&["emcy/raised", "emcy/never-cleared"]);
+    let stays: Vec<_> = found.iter().filter(|finding| finding.rule.id == "emcy/never-cleared").collect();
+    assert!(stays.len() == 1 && stays[0].message.contains("4200h"), "{found:?}");
+    let ended: Vec<_> = found.iter().filter(|finding| finding.message.contains("it lasted 1 s")).collect();
+    assert!(ended.len() == 1 && ended[0].message.contains("8130h"), "{found:?}");
+    let results = traffic.results();
+    let node = &results.buses[0].1.nodes.iter().find(|(id, _)| id.raw() == 3).unwrap().1;
+    let errors: Vec<_> = node.errors.iter().map(|error| (error.code.0, error.ended.is_some())).collect();
+    assert_eq!(errors, [(0x8130, true), (0x4200, false)]);
+}
+
+/// Devices of TR-Electronic forget the newest error when the error register is read.
+#[test]
+fn an_error_that_is_acknowledged_by_reading() {
+    let mut traffic = machine();
+    traffic.at(15_000, "083#0081110000000000");
+    traffic.sdo(16_000, 3, "4001100000000000", "4F01100011000000").at(16_010, "083#0000000000000000");
+    let finding = traffic.finds("emcy/raised", Some(3), 15_000);
+    assert!(finding.message.ends_with("its end was reported as 1001h was read"), "{}", finding.message);
+}
+
+/// LMT of a linear encoder: names and serial number, silent when it is switched.
+fn lmt(answers: [&str; 3]) -> crate::traffic::Traffic {
+    let mut traffic = machine();
+    let switch = ["0154522D454C4543", "024C4D5033300000", "0332200044002100"];
+    for (n, request) in switch.iter().enumerate() {
+        traffic.at(600 + n as u64, &format!("7E5#{request}"));
+    }
+    for (n, (request, answer)) in ["112A", "130003", "17"].iter().zip(answers).enumerate() {
+        let at = 610 + 10 * n as u64;
+        traffic.at(at, &format!("7E5#{request:0<16}"));
+        if !answer.is_empty() {
+            traffic.at(at + 3, &format!("7E4#{answer:0<16}"));
+        }
+    }
+    traffic.at(650, "7E5#0400000000000000");
+    traffic
+}
+
+#[test]
+fn dialogues_of_lmt() {
+    lmt(["110000", "130000", "170000"]).only(&[]);
+    lmt(["110000", "130100", "170000"]).finds("lss/refused", None, 623);
+    let among = ["lss/unanswered", "lss/not-stored"];
+    let finding = lmt(["110000", "130000", ""]).finds_among(&among, "lss/not-stored", None, 613);
+    assert!(finding.message.contains("42"), "{}", finding.message);
+    lmt(["110000", "130000", ""]).finds_among(&among, "lss/unanswered", None, 630);
+}
+
+#[test]
+fn dialogues_that_go_wrong() {
+    commissioning(["11 00 00", "17 00 00", "17 00 00"]).finds_among(
+        &["lss/dialogue", "lss/not-stored"],
+        "lss/dialogue",
+        None,
+        623,
+    );
+    let mut two = commissioning(["11 00 00", "13 00 00", "17 00 00"]);
+    two.at(615, "7E4#1100000000000000");
+    let finding = two.finds("lss/dialogue", None, 615);
+    assert!(finding.message.starts_with("more than one slave"), "{}", finding.message);
+    let mut unasked = machine();
+    unasked.at(15_000, "7E4#5E03000000000000").finds("lss/dialogue", None, 15_000);
+}
+
+/// Several slaves answer an identification, and a master that assigns node-IDs at every start does not store them.
+#[test]
+fn a_master_that_assigns_node_ids() {
+    let mut traffic = machine();
+    traffic.at(600, "7E5#5100000000800000").at(603, "7E4#4F00000000000000").micros(603_400, "7E4#4F00000000000000");
+    traffic.at(610, "7E5#112A000000000000").at(613, "7E4#1100000000000000").at(620, "7E5#0400000000000000");
+    let finding = traffic.finds("lss/not-stored", None, 613);
+    assert_eq!(finding.severity, canvass_analyzer::findings::Severity::Info);
+}
+
+#[test]
+fn layer_settings_stored_again_and_again() {
+    let mut traffic = machine();
+    traffic.at(5_000, "7E5#0401000000000000");
+    for n in 0..12 {
+        traffic.at(5_100 + n * 1000, "7E5#1700000000000000").at(5_103 + n * 1000, "7E4#1700000000000000");
+    }
+    traffic.finds("lss/store-wear", None, 5_103);
+}

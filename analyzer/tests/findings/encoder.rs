@@ -97,3 +97,47 @@ fn redundant_channels() {
     draw_wire(|n| 47_000 - 100 - n).only(&[]);
     draw_wire(|n| if n < 50 { 47_000 - 100 - n } else { 40_000 }).finds("encoder/redundant-channels", Some(4), 5_300);
 }
+
+/// No mapping is known: the halves themselves show that their sum is constant.
+#[test]
+fn redundant_channels_without_a_mapping() {
+    let traffic = |b: fn(u64) -> u64| {
+        let mut traffic = Traffic::default();
+        traffic.sdo(100, 4, "4000100000000000", "4300100096010000").at(200, "000#0104");
+        traffic.every(300, 10_000, 100, |n| {
+            let (a, b) = ((100 + n) as u16, b(n) as u16);
+            format!("184#{:04X}{:04X}", a.swap_bytes(), b.swap_bytes())
+        });
+        traffic
+    };
+    traffic(|n| 47_000 - 100 - n).only(&[]);
+    traffic(|n| n * 7919 % 40_000).only(&[]);
+    traffic(|n| if n < 50 { 47_000 - 100 - n } else { 46_850 }).finds("encoder/redundant-channels", Some(4), 7_400);
+}
+
+/// 0.01 mm a step: a rod that goes half a metre in 20 ms.
+#[test]
+fn a_jump_of_a_linear_position() {
+    let linear = |jump: u64| {
+        let mut traffic = Traffic::default();
+        traffic.sdo(100, 4, "4000100000000000", "4300100096010800").sdo(110, 4, "4001650000000000", "4301650010270000");
+        traffic.sdo(120, 4, "40001A0000000000", "4F001A0001000000").sdo(130, 4, "40001A0100000000", "43001A0120000460");
+        traffic.at(200, "000#0104");
+        traffic.every(300, 10_000, 20, move |n| {
+            format!("184#{}", hex(100_000 + n * 20 + if n >= 250 { jump } else { 0 }))
+        });
+        traffic
+    };
+    linear(0).only(&[]);
+    linear(200_000).finds("encoder/position-jump", Some(4), 5_300);
+}
+
+/// Scaling is off: the range is that of the sensor, 4096 steps times 4096 revolutions.
+#[test]
+fn a_position_outside_the_physical_range() {
+    let mut traffic = machine();
+    traffic.sdo(600, 3, "4001650000000000", "4301650000100000").sdo(610, 3, "4002650000000000", "4302650000100000");
+    traffic.sdo(620, 3, "4000650000000000", "4B00650000000000");
+    traffic.sdo(15_100, 3, "4004600000000000", "4304600000000001");
+    traffic.finds("encoder/position-outside-range", Some(3), 15_103);
+}

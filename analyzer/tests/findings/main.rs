@@ -20,4 +20,8 @@ mod sdo;
 #[cfg(test)]
 mod statistics;
 #[cfg(test)]
+mod together;
+#[cfg(test)]
 mod traffic;
+#[cfg(test)]
+mod unusual;

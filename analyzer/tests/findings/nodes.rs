@@ -140,3 +140,54 @@ fn an_answer_of_a_stopped_node() {
     traffic.sdo(10_400, 4, "4000100000000000", "4300100091010000");
     traffic.finds("nodes/sdo-in-stopped", Some(4), 10_403);
 }
+
+/// The guard time of node 6 is 300 ms, its life time factor 2.
+fn guarded() -> crate::traffic::Traffic {
+    let mut traffic = machine();
+    traffic.sdo(560, 6, "2B0C10002C010000", "600C100000000000").sdo(570, 6, "2F0D100002000000", "600D100000000000");
+    traffic
+}
+
+#[test]
+fn life_guarding_is_lost() {
+    guarded().only(&[]);
+    let mut late = guarded();
+    late.silence(0x706, 15_000, 16_700);
+    let finding = late.finds("nodes/life-guarding", Some(6), 15_400);
+    assert!(finding.message.contains("its life time is 600 ms"), "{}", finding.message);
+    let mut ended = guarded();
+    ended.silence(0x706, 15_000, END);
+    let finding = ended.finds("nodes/life-guarding", Some(6), 15_400);
+    assert!(finding.message.contains("any more"), "{}", finding.message);
+}
+
+#[test]
+fn a_heartbeat_that_a_consumer_waits_for_in_vain() {
+    let mut traffic = machine();
+    traffic.sdo(600, 3, "2316100196000100", "6016100100000000");
+    traffic.silence(0x701, 25_000, END);
+    let finding =
+        traffic.finds_among(&["nodes/consumer-time", "nodes/heartbeat-ended"], "nodes/consumer-time", Some(3), 24_910);
+    assert!(finding.message.contains("waits 150 ms for the heartbeat of node 1"), "{}", finding.message);
+}
+
+/// A master that says "start" every 700 ms changes nothing, and hides nothing.
+#[test]
+fn a_command_that_is_repeated_hides_nothing() {
+    let repeated = || {
+        let mut traffic = machine();
+        traffic.silence(0x704, 10_031, 11_045).remove(|ms, frame| ms == 10_031 && frame.cob_id() == Some(0));
+        traffic.every(2_000, 19_900, 70, |_| "000#0100".to_owned());
+        traffic.every(10_066, 11_045, 200, |_| "704#05".to_owned());
+        traffic
+    };
+    repeated().only(&[]);
+    let mut missing = repeated();
+    missing.silence(0x703, 15_000, 15_250);
+    missing.finds("nodes/heartbeat-missing", Some(3), 14_960);
+    let mut lost = repeated();
+    lost.silence(0x704, 15_000, 20_000).silence(0x184, 15_000, 20_000);
+    lost.every(15_066, 20_000, 200, |_| "704#7F".to_owned());
+    let found = lost.only(&["nodes/state-lost", "nodes/command-not-obeyed"]);
+    assert!(found.iter().any(|finding| finding.rule.id == "nodes/state-lost"), "{found:?}");
+}

@@ -63,3 +63,60 @@ fn time_jumps_by_an_hour() {
     let finding = traffic.finds("pdo/time-jump", None, 15_500);
     assert!(finding.message.contains("ahead by 3600"), "{}", finding.message);
 }
+
+#[test]
+fn a_cyclic_pdo_that_is_irregular() {
+    let mut traffic = machine();
+    traffic.silence(0x283, 5_000, END);
+    // Every third one waits for 20 ms.
+    for n in 0..400_u64 {
+        traffic.at(5_007 + n * 50 + if n % 3 == 0 { 20 } else { 0 }, "283#0000");
+    }
+    let finding = traffic.finds("pdo/jitter", Some(3), 5_477);
+    assert!(finding.message.contains("its event timer is 50 ms"), "{}", finding.message);
+    assert_eq!(finding.evidence.len(), 2);
+}
+
+/// An event may send it sooner than its timer.
+#[test]
+fn events_between_the_beats_of_the_timer() {
+    let mut traffic = machine();
+    traffic.silence(0x283, 5_000, END);
+    let mut at = 5_007;
+    for n in 0..400_u64 {
+        at += if n % 4 == 3 { 50 } else { 11 + n * 37 % 29 };
+        traffic.at(at, "283#0000");
+    }
+    traffic.remove(|ms, _| ms > at).only(&[]);
+}
+
+#[test]
+fn a_synchronous_pdo_outside_its_window() {
+    let window = |us: u64| {
+        let mut traffic = machine();
+        traffic.sdo(600, 3, &format!("23071000{}", hex(us)), "6007100000000000");
+        traffic
+    };
+    window(5_000).only(&[]);
+    let mut late = window(5_000);
+    late.remove(|ms, frame| ms == 15_000 && frame.cob_id() == Some(0x183));
+    late.micros(15_009_000, &format!("183#{}", hex(4096 + 699 * 3)));
+    let finding = late.finds("pdo/sync-window", Some(3), 15_009);
+    assert!(finding.message.contains("(1007h) is 5 ms"), "{}", finding.message);
+}
+
+/// An encoder of TR-Electronic is silent for three seconds after a store.
+#[test]
+fn a_silent_store() {
+    let mut traffic = machine();
+    traffic.at(15_001, "603#2310100173617665").at(18_050, "583#6010100100000000");
+    traffic.remove(|ms, frame| {
+        (15_001..18_050).contains(&ms)
+            && matches!(frame.cob_id(), Some(0x183 | 0x283 | 0x583 | 0x603 | 0x703))
+            && frame.data() != b"\x23\x10\x10\x01save"
+    });
+    traffic.only(&[]);
+    let mut guarded = machine();
+    guarded.at(15_050, "606#2310100173617665").at(18_050, "586#6010100100000000");
+    guarded.remove(|ms, frame| (15_051..18_050).contains(&ms) && frame.cob_id() == Some(0x706)).only(&[]);
+}

@@ -34,3 +34,21 @@ fn a_certification_run_is_cut_into_its_cases() {
     let cases: Vec<_> = run.cases.iter().map(|case| (case.group, case.case, case.verdict, case.frames)).collect();
     assert_eq!(cases, [(3, 7, Some(Verdict::PASS), 2), (3, 8, Some(Verdict::FAIL), 1)]);
 }
+
+#[test]
+fn loads_and_peaks_of_nodes_and_services() {
+    let results = machine().results();
+    let (_, bus) = &results.buses[0];
+    let (_, peak) = bus.peak_load().unwrap();
+    let mean = bus.mean_load().unwrap();
+    assert!(peak > mean && peak < 20.0, "{mean} {peak}");
+    let pdo = Service::Pdo as usize;
+    let (_, of_pdos) = bus.peaks[pdo].percent(500_000).unwrap();
+    assert!(of_pdos > 1.0 && of_pdos <= peak, "{of_pdos}");
+    let share: f64 = bus.bits.iter().filter_map(|&bits| bus.share_of_load(bits)).sum();
+    assert!((share - mean).abs() < 1e-6);
+    let (_, encoder) = &bus.nodes[1];
+    let of_node = bus.share_of_load(encoder.bits).unwrap();
+    assert!(of_node > 1.0 && of_node < mean && encoder.peak.best().is_some());
+    assert!(bus.rate(bus.frames[Service::Sync as usize]).is_some_and(|rate| rate > 45.0 && rate < 50.0));
+}

@@ -40,7 +40,7 @@ fn a_new_node_id_is_followed_by_the_lss_address() {
     trace.say("7E4#11 00 00 00 00 00 00 00");
     // Somebody else starts meanwhile.
     assert_eq!(events(&mut trace, "701#00").len(), 1);
-    let changed = Event::NodeIdChanged { from: Some(node(63)), to: node(42) };
+    let changed = Event::NodeIdChanged { from: Some(node(63)), to: node(42), object: None };
     assert!(events(&mut trace, "72A#00").contains(&changed));
     assert!(!events(&mut trace, "72A#00").contains(&changed), "it has it since then");
 }
@@ -61,7 +61,7 @@ fn an_lmt_address_is_followed_too() {
     trace.say("7E5#24 00 00 00 00 00 00 00");
     trace.say("7E5#11 07 00 00 00 00 00 00");
     trace.say("7E4#11 00 00 00 00 00 00 00");
-    assert!(events(&mut trace, "707#00").contains(&Event::NodeIdChanged { from: None, to: node(7) }));
+    assert!(events(&mut trace, "707#00").contains(&Event::NodeIdChanged { from: None, to: node(7), object: None }));
 }
 
 #[test]

@@ -2,13 +2,28 @@
 
 use super::Bench;
 use super::objects::{EVENT_TIMER, TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
+use super::pdo::RPDO;
 use super::sdo::number;
 use super::state::{GUARD_TIME, HEARTBEAT_TIME};
 use crate::case::{Need, Touch};
 use crate::client::Outcome;
+use crate::models::Model;
 use crate::verdict::Verdict;
-use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
 use canvass_analyzer::{CobId, Multiplexer};
+
+const SYNC_ID: Multiplexer = Multiplexer::new(0x1005, 0);
+
+/// Bit 30 of 1005h: the device produces SYNC.
+const PRODUCES: u32 = 1 << 30;
+
+/// A need that is not met is no error.
+fn not_applicable(verdict: Verdict) -> Result<Result<(), String>, Verdict> {
+    match verdict {
+        Verdict::NotApplicable(reason) => Ok(Err(reason.actual)),
+        other => Err(other),
+    }
+}
 
 impl Bench<'_> {
     /// Whether a case's need is met; if not, why not. Asked once in a run.
@@ -20,11 +35,15 @@ impl Bench<'_> {
         if need == Need::Alone {
             return Ok(self.alone());
         }
-        if let Some(known) = self.features.get(&need) {
+        // A shaft that rests now may turn in the next case.
+        if need == Need::TurningShaft {
+            return self.turning_shaft();
+        }
+        if let Some(known) = self.knowledge.features.get(&need) {
             return Ok(known.clone());
         }
         let met = self.find_out(need)?;
-        self.features.insert(need, met.clone());
+        self.knowledge.features.insert(need, met.clone());
         Ok(met)
     }
 
@@ -59,10 +78,17 @@ impl Bench<'_> {
                 }
             }
             Need::Lss => self.lss(),
+            Need::Lmt => self.lmt()?,
             Need::HeartbeatConsumer => self.heartbeat_consumer()?,
             Need::Monitoring => {
                 let guarded = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
-                if guarded { Ok(()) } else { self.heartbeat_consumer()? }
+                match guarded {
+                    true => Ok(()),
+                    false if self.watches_once_stored() => {
+                        Err("the device watches other nodes only once that is stored, as its manual says".to_owned())
+                    }
+                    false => self.heartbeat_consumer()?,
+                }
             }
             Need::Guarding => {
                 if self.has(GUARD_TIME)? {
@@ -79,7 +105,48 @@ impl Bench<'_> {
                 }
             }
             Need::DynamicMapping => self.dynamic_mapping()?,
+            Need::Rpdo => self.all_there(&[RPDO.parameter(1), RPDO.entry(0)])?,
+            Need::RpdoMapping => match self.all_writable(&[RPDO.parameter(1), RPDO.entry(0), RPDO.entry(1)])? {
+                Ok(()) if self.rpdo_objects().is_empty() => {
+                    Err("the description names no object that an RPDO can carry and an SDO can read".to_owned())
+                }
+                met => met,
+            },
+            Need::Changeable => match self.dynamic_mapping()? {
+                Ok(()) => self.changeable().map_or_else(not_applicable, |_| Ok(Ok(())))?,
+                unmet => unmet,
+            },
+            Need::Sync => self.all_there(&[SYNC_ID])?,
+            Need::SyncProducer => self.sync_producer()?,
+            Need::SyncCounter => self.all_writable(&[Multiplexer::new(0x1019, 0)])?,
+            Need::Time => self.all_writable(&[Multiplexer::new(0x1012, 0)])?,
+            Need::EmcyObject => self.all_there(&[Multiplexer::new(0x1014, 0)])?,
+            Need::EmcyId => self.all_writable(&[Multiplexer::new(0x1014, 0)])?,
+            Need::EmcyInhibit => self.all_writable(&[Multiplexer::new(0x1015, 0)])?,
+            Need::ErrorBehaviour => self.all_writable(&[Multiplexer::new(0x1029, 1)])?,
+            Need::ApplicationParameter => match self.application_scratch()? {
+                Some(_) => Ok(()),
+                None => {
+                    Err("no application object that the tester knows can be written without consequence".to_owned())
+                }
+            },
+            Need::ServerParameter => self.all_there(&[Multiplexer::new(0x1200, 1)])?,
+            Need::SecondServer => self.all_writable(&[Multiplexer::new(0x1201, 1), Multiplexer::new(0x1201, 2)])?,
+            Need::StartUp => self.all_writable(&[Multiplexer::new(0x1F80, 0)])?,
+            Need::Unconfigured => Err("the device has a node-ID".to_owned()),
             Need::Encoder => self.encoder()?,
+            Need::VolatilePreset
+            | Need::WorkArea
+            | Need::Alarms
+            | Need::TemperatureLimit
+            | Need::RawPosition
+            | Need::RawData
+            | Need::Speed
+            | Need::SpeedParameters
+            | Need::Acceleration
+            | Need::TurningShaft
+            | Need::RedundantChannels
+            | Need::Inclinometer => self.of_encoder(need)?,
             Need::Store => {
                 if self.has(Multiplexer::new(0x1010, 1))? {
                     Ok(())
@@ -87,6 +154,19 @@ impl Bench<'_> {
                     absent("1010h:01")
                 }
             }
+            Need::BlockUpload => self.block_upload_feature()?,
+            Need::BlockDownload => self.block_download_feature()?.map(|_| ()),
+            Need::BlockCrc => self.block_download_feature()?.and_then(|crc| {
+                if crc { Ok(()) } else { Err("the SDO server checks no CRC of block downloads".to_owned()) }
+            }),
+            Need::LongScratch => match self.long_writable() {
+                Some(_) => Ok(()),
+                None => Err("the description names no string that can be written and read".to_owned()),
+            },
+            Need::EmptyValue => match self.empty_object()? {
+                Some(_) => Ok(()),
+                None => Err("no object that was found is an empty string".to_owned()),
+            },
             Need::Description => match self.target.description {
                 Some(_) => Ok(()),
                 None => Err("no description of the device was given".to_owned()),
@@ -116,6 +196,70 @@ impl Bench<'_> {
         self.target.description.as_ref().map(|description| description.dictionary.entry(multiplexer).is_ok())
     }
 
+    /// Whether a block upload begins as one. It is aborted at once.
+    fn block_upload_feature(&mut self) -> Result<Result<(), String>, Verdict> {
+        let Some(multiplexer) = self.long_object(8)? else {
+            return Ok(Err("no object that was found gives more than 7 bytes".to_owned()));
+        };
+        let request = Request::InitiateBlockUpload { multiplexer, crc: true, block_size: 1, threshold: 0 };
+        let reply = self.exchange(&request, format!("block upload of {multiplexer}"))?;
+        self.send_request(&Request::abort(multiplexer, AbortCode::GENERAL))?;
+        // A firmware that answers aborts does it now, not in the middle of the case.
+        self.listen(self.timing().reaction)?;
+        Ok(match reply.response {
+            Some(Response::InitiateBlockUpload { .. }) => Ok(()),
+            _ => Err(format!("a block upload of {multiplexer} is answered by {}", reply.actual())),
+        })
+    }
+
+    /// Whether a block download begins as one, and whether with CRC. It is aborted before any data.
+    fn block_download_feature(&mut self) -> Result<Result<bool, String>, Verdict> {
+        let Some(scratch) = self.scratch_objects()?.into_iter().next() else {
+            return Ok(Err("the device has no object that can be written without consequence".to_owned()));
+        };
+        let (multiplexer, size) = (scratch.multiplexer, u32::try_from(scratch.value.len()).ok());
+        let request = Request::InitiateBlockDownload { multiplexer, crc: true, size };
+        let reply = self.exchange(&request, format!("block download to {multiplexer}"))?;
+        self.send_request(&Request::abort(multiplexer, AbortCode::GENERAL))?;
+        // A firmware that answers aborts does it now, not in the middle of the case.
+        self.listen(self.timing().reaction)?;
+        Ok(match reply.response {
+            Some(Response::InitiateBlockDownload { crc, .. }) => Ok(crc),
+            _ => Err(format!("a block download to {multiplexer} is answered by {}", reply.actual())),
+        })
+    }
+
+    fn all_there(&mut self, objects: &[Multiplexer]) -> Result<Result<(), String>, Verdict> {
+        for &multiplexer in objects {
+            if !self.has(multiplexer)? {
+                return Ok(Err(format!("the device has no {multiplexer}")));
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    fn all_writable(&mut self, objects: &[Multiplexer]) -> Result<Result<(), String>, Verdict> {
+        for &multiplexer in objects {
+            if !self.can_write(multiplexer)? {
+                return Ok(Err(format!("{multiplexer} is absent or can't be written")));
+            }
+        }
+        Ok(Ok(()))
+    }
+
+    /// Whether bit 30 of 1005h can be set while the period is 0: then nothing is sent.
+    fn sync_producer(&mut self) -> Result<Result<(), String>, Verdict> {
+        let period = Multiplexer::new(0x1006, 0);
+        if let Err(why) = self.all_writable(&[SYNC_ID, period])? {
+            return Ok(Err(why));
+        }
+        let before = number(&self.read(SYNC_ID)?);
+        let attempt = self.download(SYNC_ID, &(before | PRODUCES).to_le_bytes())?;
+        let produces = attempt.outcome == Outcome::Downloaded;
+        self.write(SYNC_ID, &before.to_le_bytes())?;
+        Ok(if produces { Ok(()) } else { Err("bit 30 of 1005h can't be set".to_owned()) })
+    }
+
     fn event_timer(&mut self) -> Result<Result<(), String>, Verdict> {
         let Outcome::Uploaded(cob_id) = self.upload(TPDO_COB_ID)?.outcome else {
             return Ok(Err(format!("the device has no {TPDO_COB_ID}")));
@@ -124,6 +268,12 @@ impl Bench<'_> {
             return Ok(Err(format!("TPDO 1 is switched off ({TPDO_COB_ID} is {})", CobId(number(&cob_id)))));
         }
         Ok(if self.has(EVENT_TIMER)? { Ok(()) } else { Err(format!("the device has no {EVENT_TIMER}")) })
+    }
+
+    /// Whether the manual says that entries of 1016h act only once they are stored.
+    fn watches_once_stored(&self) -> bool {
+        let model = Model::by_id(&self.target.model);
+        model.is_some_and(|model| model.sheet().network.heartbeat_consumer_needs_store)
     }
 
     fn heartbeat_consumer(&mut self) -> Result<Result<(), String>, Verdict> {
@@ -139,7 +289,16 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::upload`].
     pub fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Verdict> {
-        Ok(self.is_described_as_writable(multiplexer) && self.has(multiplexer)?)
+        if !self.is_described_as_writable(multiplexer) || !self.has(multiplexer)? {
+            return Ok(false);
+        }
+        if self.target.description.is_some() {
+            return Ok(true);
+        }
+        // Nobody says so: the value that it has is written again.
+        let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome else { return Ok(false) };
+        let refusal = self.download(multiplexer, &value)?.abort();
+        Ok(!matches!(refusal, Some(AbortCode::READ_ONLY | AbortCode::UNSUPPORTED_ACCESS)))
     }
 
     fn dynamic_mapping(&mut self) -> Result<Result<(), String>, Verdict> {
@@ -168,6 +327,17 @@ impl Bench<'_> {
             Some(_) => Err("the description says that LSS is not supported".to_owned()),
             None => Err("without a description it is not known whether the device supports LSS".to_owned()),
         }
+    }
+
+    fn lmt(&mut self) -> Result<Result<(), String>, Verdict> {
+        let described = self.target.description.as_ref();
+        if described.is_some_and(|description| description.device.lss_supported) {
+            return Ok(Err("the description says that the device has LSS".to_owned()));
+        }
+        Ok(match crate::cases::ds205::has_slave(self)? {
+            true => Ok(()),
+            false => Err("no LMT slave answers an inquiry".to_owned()),
+        })
     }
 
     fn alone(&self) -> Result<(), String> {

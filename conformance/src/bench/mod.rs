@@ -3,16 +3,24 @@
 //! - `traffic`: frames out and in;
 //! - [`nmt`]: commands, resets, boot-up;
 //! - [`state`]: NMT states, seen and reached;
-//! - [`sdo`]: transfers and single messages;
+//! - [`sdo`], [`block`]: transfers and single messages;
+//! - [`pdo`]: PDO parameters and mapping;
 //! - [`objects`]: which objects of this device serve a case;
 //! - [`features`]: what this device has;
 //! - `restore`: as it was found.
 
+pub mod block;
 mod decoder;
+mod dictionary;
+mod encoder_features;
 mod evidence;
 pub mod features;
+mod foreign;
+mod measurement;
 pub mod nmt;
 pub mod objects;
+pub mod pdo;
+mod presence;
 mod restore;
 pub mod sdo;
 pub mod state;
@@ -22,14 +30,16 @@ mod watch;
 
 pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
+pub(crate) use foreign::Foreign;
+pub use measurement::{Measurement, Unit, percentile};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
 
-use crate::bus::Bus;
+use crate::bus::{Bus, Health};
 use crate::case::Need;
 use crate::verdict::{Reason, Verdict};
 use canvass_analyzer::NodeId;
-use canvass_traces::Timestamp;
+use canvass_traces::{Duration, Timestamp};
 use restore::Change;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -46,8 +56,18 @@ pub struct Bench<'a> {
     watch: Watch,
     changes: Vec<Change>,
     notes: Vec<String>,
+    measurements: Vec<Measurement>,
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
+    foreign: Foreign,
+    /// The device left the bus and did not come back.
+    gone: bool,
+    knowledge: Knowledge,
+}
+
+/// What was found out about the device, and need not be found out again.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Knowledge {
     features: BTreeMap<Need, Result<(), String>>,
     starts_by_itself: Option<bool>,
 }
@@ -61,6 +81,8 @@ pub struct Remains {
     pub notes: Vec<String>,
     /// The device restarted without being told to.
     pub restarted: Option<Timestamp>,
+    /// What was measured.
+    pub measurements: Vec<Measurement>,
 }
 
 impl<'a> Bench<'a> {
@@ -82,10 +104,22 @@ impl<'a> Bench<'a> {
             watch: Watch::new(target.node),
             changes: Vec::new(),
             notes: Vec::new(),
+            measurements: Vec::new(),
             restoring: false,
-            features: BTreeMap::new(),
-            starts_by_itself: None,
+            foreign: Foreign::default(),
+            gone: false,
+            knowledge: Knowledge::default(),
         }
+    }
+
+    /// Takes over what another bench found out about the same device.
+    pub(crate) fn learn(&mut self, knowledge: Knowledge) {
+        self.knowledge = knowledge;
+    }
+
+    /// What was found out about the device.
+    pub(crate) fn into_knowledge(self) -> Knowledge {
+        self.knowledge
     }
 
     /// The node-ID of the device under test.
@@ -113,6 +147,31 @@ impl<'a> Bench<'a> {
         self.bus.now()
     }
 
+    /// How well the bus and the tester's own machine work.
+    pub fn health(&self) -> Health {
+        self.bus.health()
+    }
+
+    /// Whether the bus is a live one.
+    pub fn is_live(&self) -> bool {
+        self.bus.is_live()
+    }
+
+    /// How much of the bus others than the tester and the device have taken since [`Bench::begin`].
+    pub(crate) fn foreign(&self) -> &Foreign {
+        &self.foreign
+    }
+
+    /// The bit rate of the bus in bit/s, where it is known.
+    pub fn bit_rate(&self) -> Option<u32> {
+        self.bus.bit_rate()
+    }
+
+    /// What was on the bus since the case began.
+    pub fn evidence(&self) -> &Evidence {
+        &self.evidence
+    }
+
     /// Whether the user has cancelled the run.
     pub fn is_cancelled(&self) -> bool {
         self.cancel.load(Ordering::Relaxed)
@@ -121,6 +180,21 @@ impl<'a> Bench<'a> {
     /// Adds a sentence to the case's report. Does not change the verdict.
     pub fn note(&mut self, text: impl Into<String>) {
         self.notes.push(text.into());
+    }
+
+    /// Adds a measurement to the case's report. Does not change the verdict.
+    pub fn measure(&mut self, name: impl Into<String>, value: Duration) {
+        self.measurements.push(Measurement { name: name.into(), value: value.nanos(), unit: Unit::Nanoseconds });
+    }
+
+    /// Adds a count to the case's report. Does not change the verdict.
+    pub fn count(&mut self, name: impl Into<String>, value: u64) {
+        self.measurements.push(Measurement { name: name.into(), value, unit: Unit::Count });
+    }
+
+    /// How often the device was told to write its non-volatile memory since the start of the run.
+    pub fn stores(&self) -> u32 {
+        self.watch.stores()
     }
 
     /// Says that the case provokes errors: EMCYs are not noted as unasked.
@@ -132,6 +206,8 @@ impl<'a> Bench<'a> {
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();
         self.notes.clear();
+        self.foreign = Foreign::default();
+        self.measurements.clear();
         self.watch.forget();
     }
 
@@ -140,7 +216,9 @@ impl<'a> Bench<'a> {
         self.restore();
         let notes = self.watch.emergencies().map(|(at, emcy)| format!("EMCY at {at} s: {emcy}"));
         let notes: Vec<String> = notes.collect::<Vec<_>>().into_iter().chain(self.notes.drain(..)).collect();
-        Remains { evidence: std::mem::take(&mut self.evidence), notes, restarted: self.watch.restarted() }
+        let measurements = std::mem::take(&mut self.measurements);
+        let evidence = std::mem::take(&mut self.evidence);
+        Remains { evidence, notes, restarted: self.watch.restarted(), measurements }
     }
 
     fn check_cancelled(&self) -> Result<(), Verdict> {

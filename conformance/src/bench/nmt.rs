@@ -182,12 +182,14 @@ impl Bench<'_> {
     /// Whether the device is operational after a reset without being told: 1F80h, or an object of its own, can make it
     /// so. A device that does not show its state is taken for one that may. Found out once, by one more reset.
     fn starts_by_itself(&mut self) -> Result<bool, Verdict> {
-        if let Some(known) = self.starts_by_itself {
+        if let Some(known) = self.knowledge.starts_by_itself {
             return Ok(known);
         }
         self.show_state()?;
         let found = self.state()? != Some(State::PRE_OPERATIONAL);
-        self.starts_by_itself = Some(found);
+        self.knowledge.starts_by_itself = Some(found);
+        // A firmware that keeps values over a reset must not keep this one.
+        self.restore();
         self.reset(Command::RESET_NODE)?;
         Ok(found)
     }

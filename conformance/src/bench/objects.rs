@@ -6,7 +6,7 @@ use crate::verdict::{Reason, Verdict};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::sdo::{Payload, Response};
+use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response};
 
 /// COB-ID of TPDO 1.
 pub const TPDO_COB_ID: Multiplexer = Multiplexer::new(0x1800, 1);
@@ -68,19 +68,23 @@ impl Bench<'_> {
     pub fn scratch_objects(&mut self) -> Result<Vec<Scratch>, Verdict> {
         let mut found = Vec::new();
         for candidate in &CANDIDATES {
-            if !self.is_described_as_writable(candidate.multiplexer) {
-                continue;
-            }
-            let Outcome::Uploaded(value) = self.upload(candidate.multiplexer)?.outcome else { continue };
-            if candidate.data_type.bytes() != Some(value.len()) {
-                continue;
-            }
-            let bytes = |number: u32| number.to_le_bytes().into_iter().take(value.len()).collect::<Vec<u8>>();
-            let [first, second] = candidate.values;
-            let other = if bytes(first) == value { bytes(second) } else { bytes(first) };
-            found.push(Scratch { multiplexer: candidate.multiplexer, value, other });
+            found.extend(self.scratch_of(candidate)?);
         }
         Ok(found)
+    }
+
+    fn scratch_of(&mut self, candidate: &Candidate) -> Result<Option<Scratch>, Verdict> {
+        if !self.is_described_as_writable(candidate.multiplexer) {
+            return Ok(None);
+        }
+        let Outcome::Uploaded(value) = self.upload(candidate.multiplexer)?.outcome else { return Ok(None) };
+        if candidate.data_type.bytes() != Some(value.len()) {
+            return Ok(None);
+        }
+        let bytes = |number: u32| number.to_le_bytes().into_iter().take(value.len()).collect::<Vec<u8>>();
+        let [first, second] = candidate.values;
+        let other = if bytes(first) == value { bytes(second) } else { bytes(first) };
+        Ok(Some(Scratch { multiplexer: candidate.multiplexer, value, other }))
     }
 
     /// The best scratch object of that many bytes.
@@ -137,6 +141,85 @@ impl Bench<'_> {
             candidates.extend(described.map(|(multiplexer, _)| multiplexer).take(ENOUGH));
         }
         candidates
+    }
+
+    /// An object of the application, 2000h and above, that can be written and read back without consequence: one that
+    /// the tester knows, or one in the manufacturer's area that is there for the user to keep what he likes.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn application_scratch(&mut self) -> Result<Option<Scratch>, Verdict> {
+        const KNOWN: [Candidate; 4] = [
+            candidate(0x6402, 0, DataType::INTEGER32, [1_000, 2_000]),
+            candidate(0x6402, 1, DataType::UNSIGNED32, [1_000, 2_000]),
+            candidate(0x6401, 0, DataType::INTEGER32, [16, 32]),
+            candidate(0x2140, 1, DataType::UNSIGNED32, [1, 2]),
+        ];
+        for candidate in &KNOWN {
+            if let Some(scratch) = self.scratch_of(candidate)? {
+                return Ok(Some(scratch));
+            }
+        }
+        // A value that RPDOs carry is made to be written.
+        let (profile, own): (Vec<_>, Vec<_>) =
+            self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= 0x6000);
+        for mapped in profile.into_iter().chain(own) {
+            if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
+                let value = self.read(mapped.at)?;
+                let other = value.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
+                return Ok(Some(Scratch { multiplexer: mapped.at, value, other }));
+            }
+        }
+        Ok(None)
+    }
+
+    /// A string that the description lets be written and read, and that is long enough to be worth segments.
+    ///
+    /// # Errors
+    /// [`Verdict::NotApplicable`] if there is none.
+    pub fn long_scratch(&mut self) -> Result<Multiplexer, Verdict> {
+        self.long_writable().ok_or_else(|| {
+            let duty = "a string can be written without consequence";
+            Verdict::NotApplicable(Reason::new(duty, "one that the description names", "none"))
+        })
+    }
+
+    pub(super) fn long_writable(&self) -> Option<Multiplexer> {
+        let description = self.target.description.as_ref()?;
+        let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::DOMAIN];
+        let mut entries = description.dictionary.entries().filter(|(multiplexer, entry)| {
+            // 1F50h and its like load programs.
+            let is_own = matches!(multiplexer.index.0, 0x2000..=0x9FFF);
+            let is_free = !entry.flags.refuses_write_on_download() && !entry.flags.refuses_read_on_scan();
+            let is_restorable = entry.access.is_writable() && entry.access.is_readable();
+            is_own && is_free && is_restorable && strings.contains(&entry.data_type)
+        });
+        entries.next().map(|(multiplexer, _)| multiplexer)
+    }
+
+    /// An object whose description gives it no characters, if the device agrees or says nothing.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn empty_object(&mut self) -> Result<Option<Multiplexer>, Verdict> {
+        let Some(description) = &self.target.description else { return Ok(None) };
+        let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
+        let node = self.node();
+        let mut entries = description.dictionary.entries().filter(|(_, entry)| {
+            let is_text = strings.contains(&entry.data_type) && entry.access.is_readable();
+            let value = entry.start_value(node).and_then(|value| value.encode(entry.data_type).ok());
+            is_text && !entry.flags.refuses_read_on_scan() && value.is_none_or(|value| value.is_empty())
+        });
+        let candidates: Vec<Multiplexer> = entries.by_ref().map(|(multiplexer, _)| multiplexer).take(8).collect();
+        for multiplexer in candidates {
+            match self.upload(multiplexer)?.outcome {
+                Outcome::Uploaded(value) if !value.is_empty() => {}
+                Outcome::Aborted(abort) if abort.code != AbortCode::NO_DATA => {}
+                // Silence too: how it is answered is the matter of the case.
+                _ => return Ok(Some(multiplexer)),
+            }
+        }
+        Ok(None)
     }
 
     /// The device's name and versions, as far as it has them. They come from the device: they may hold anything.

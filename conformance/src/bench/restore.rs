@@ -13,9 +13,10 @@ pub struct Change {
     original: Vec<u8>,
 }
 
-/// Writing these makes something happen (clears the error history, stores, restores); there is no value to put back.
-const fn is_trigger(multiplexer: Multiplexer) -> bool {
-    matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011)
+/// Writing these makes something happen (clears the error history, stores, restores, moves the position); there is no value
+/// to put back. Cases that move the position put it back themselves.
+pub(super) const fn is_trigger(multiplexer: Multiplexer) -> bool {
+    matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011 | 0x6003)
 }
 
 impl Bench<'_> {

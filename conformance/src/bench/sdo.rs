@@ -133,11 +133,13 @@ impl Bench<'_> {
 
     fn transfer(&mut self, mut transfer: Transfer, first: Request, what: String) -> Result<Attempt, Verdict> {
         self.drain()?;
+        let stores = first.multiplexer().is_some_and(|object| matches!(object.index.0, 0x1010 | 0x1011));
+        let patience = if stores { self.timing().store } else { self.timing().sdo_response };
         let mut request = first;
         let mut responses = Vec::new();
         loop {
             self.send_request(&request)?;
-            let Some(frame) = self.wait_for_response(self.timing().sdo_response)? else {
+            let Some(frame) = self.wait_for_response(patience)? else {
                 self.send_request(&transfer.abort(AbortCode::TIMEOUT))?;
                 return Ok(Attempt { what, outcome: Outcome::Silent, responses });
             };
@@ -161,12 +163,16 @@ impl Bench<'_> {
         }
     }
 
-    fn send_request(&mut self, request: &Request) -> Result<(), Verdict> {
+    /// Sends one SDO message and does not wait.
+    ///
+    /// # Errors
+    /// As [`Bench::send`].
+    pub fn send_request(&mut self, request: &Request) -> Result<(), Verdict> {
         let cob_id = sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send(&request.to_frame(cob_id)).map(|_| ())
     }
 
-    fn wait_for_response(&mut self, span: Duration) -> Result<Option<Frame>, Verdict> {
+    pub(super) fn wait_for_response(&mut self, span: Duration) -> Result<Option<Frame>, Verdict> {
         let cob_id = sdo::RESPONSE_BASE + u16::from(self.node().raw());
         self.wait_for(span, |record| (record.frame.cob_id() == Some(cob_id)).then_some(record.frame))
     }

@@ -32,6 +32,17 @@ impl Bench<'_> {
         if self.has(HEARTBEAT_TIME)? { self.write(HEARTBEAT_TIME, &PERIOD_MS.to_le_bytes()) } else { Ok(()) }
     }
 
+    /// Ends the heartbeats of the device, a stored time too: only then guarding is answered.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if the device has a heartbeat producer but does not take the time.
+    pub fn prefer_guarding(&mut self) -> Result<(), Verdict> {
+        if self.has(HEARTBEAT_TIME)? && self.read_number(HEARTBEAT_TIME)? != 0 {
+            self.write(HEARTBEAT_TIME, &[0, 0])?;
+        }
+        Ok(())
+    }
+
     /// The state that the device shows from now on; `None` if it shows none.
     ///
     /// # Errors

@@ -1,6 +1,9 @@
 //! What is tested, and under which conditions.
 
-use crate::case::Touch;
+use crate::case::{Case, Touch};
+use crate::catalogue;
+use crate::models::Model;
+use crate::verdict::{Authority, Reason};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_traces::Duration;
@@ -19,13 +22,33 @@ pub struct Target {
     pub deviations: Vec<Deviation>,
 }
 
-/// A difference from the standard that the device's own documentation announces.
+/// A difference from the standard that the device's own documentation announces, or that its user puts up with.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Deviation {
     /// The case that it explains: an id, or a pattern with `*`.
     pub case: String,
-    /// What the documentation says, and where.
+    /// Only failures that name this object (`1016h` or `1016h:01`) are explained; `None`: all of the case.
+    pub object: Option<String>,
+    /// What the documentation or the waiver says, and where.
     pub documented: String,
+    /// Who says so.
+    pub by: Authority,
+}
+
+impl Deviation {
+    /// What a manual says of a case.
+    pub fn of_manual(case: impl Into<String>, documented: impl Into<String>) -> Self {
+        Self { case: case.into(), object: None, documented: documented.into(), by: Authority::Manual }
+    }
+
+    /// Whether it explains that failure of that case.
+    pub fn explains(&self, case: &Case, reason: &Reason) -> bool {
+        let names = |object: &String| {
+            let texts = [&reason.duty, &reason.expected, &reason.actual];
+            texts.iter().any(|text| text.contains(object.as_str()))
+        };
+        catalogue::matches(&self.case, case.id) && self.object.as_ref().is_none_or(names)
+    }
 }
 
 /// How to test.
@@ -35,6 +58,8 @@ pub struct Options {
     pub allow: BTreeSet<Touch>,
     /// How long to wait for what.
     pub timing: Timing,
+    /// How often each case runs; 0 and 1: once.
+    pub repeat: u32,
 }
 
 /// How long to wait for what. CiA 301 gives no numbers for any of these: all are the tester's.
@@ -42,6 +67,8 @@ pub struct Options {
 pub struct Timing {
     /// For each response of an SDO server.
     pub sdo_response: Duration,
+    /// For the response to a store or restore command (1010h, 1011h).
+    pub store: Duration,
     /// From a reset command to the boot-up message.
     pub boot_up: Duration,
     /// From an NMT command to the state it leads to.
@@ -57,6 +84,8 @@ impl Default for Timing {
         Self {
             // Most masters give up after 500 ms to 1 s; a server slower than that does not work in the field.
             sdo_response: Duration::from_millis(1_000),
+            // EEPROMs are written in 10 ms to 3 s, and some devices are silent meanwhile.
+            store: Duration::from_millis(10_000),
             // Encoders with a bootloader and a self-test take up to 2 s.
             boot_up: Duration::from_millis(5_000),
             // Stacks handle NMT in their main loop, every 1 to 20 ms.
@@ -83,5 +112,15 @@ impl Target {
     /// A device of which only the node-ID is known.
     pub fn unknown(node: NodeId) -> Self {
         Self { node, model: String::new(), description: None, deviations: Vec::new() }
+    }
+
+    /// A device of a built-in model: its description, and what its manual says that it does otherwise.
+    pub fn of(model: &Model, node: NodeId) -> Self {
+        Self {
+            node,
+            model: model.id().to_owned(),
+            description: Some(model.description().clone()),
+            deviations: model.deviations().to_vec(),
+        }
     }
 }

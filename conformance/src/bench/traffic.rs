@@ -54,6 +54,9 @@ impl Bench<'_> {
             let slice = deadline.min(self.bus.now() + SLICE);
             if let Some(record) = self.bus.receive(slice).map_err(|error| broken(&error))? {
                 self.watch.observe(&record);
+                if record.direction != Direction::Tx && !is_from(self.target.node, &record.frame) {
+                    self.foreign.count(&record);
+                }
                 let text = self.annotate.annotate(&record);
                 self.evidence.push(Exhibit { record: record.clone(), text });
                 return Ok(Some(record));

@@ -4,6 +4,8 @@ use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy};
 use canvass_analyzer::wire::error_control::{self, ErrorControl};
+use canvass_analyzer::wire::lss;
+use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_traces::{Direction, Duration, Record, Timestamp};
 use std::collections::BTreeSet;
 
@@ -23,6 +25,7 @@ pub struct Watch {
     emergencies: Vec<(Timestamp, Emcy)>,
     provoked: bool,
     others: BTreeSet<NodeId>,
+    stores: u32,
 }
 
 impl Watch {
@@ -35,6 +38,7 @@ impl Watch {
             emergencies: Vec::new(),
             provoked: false,
             others: BTreeSet::new(),
+            stores: 0,
         }
     }
 
@@ -52,6 +56,7 @@ impl Watch {
     pub fn observe(&mut self, record: &Record) {
         let Some(cob_id) = record.frame.cob_id() else { return };
         if record.direction == Direction::Tx {
+            self.stores += u32::from(is_store(cob_id, record.data(), self.node));
             return;
         }
         let Some(node) = NodeId::of_cob_id(cob_id) else { return };
@@ -98,6 +103,11 @@ impl Watch {
         self.emergencies.iter()
     }
 
+    /// How often the device was told to write its non-volatile memory since the start of the run.
+    pub fn stores(&self) -> u32 {
+        self.stores
+    }
+
     /// The other nodes that were heard since the start of the run.
     pub fn others(&self) -> &BTreeSet<NodeId> {
         &self.others
@@ -109,6 +119,17 @@ impl Watch {
         self.emergencies.clear();
         self.provoked = false;
     }
+}
+
+/// Whether an own frame makes the device write its non-volatile memory: "save" to 1010h, "load" to 1011h (the defaults
+/// are marked there), or LSS store configuration.
+fn is_store(cob_id: u16, data: &[u8], node: NodeId) -> bool {
+    if cob_id == lss::MASTER_CAN_ID {
+        return lss::Request::read(data) == Ok(lss::Request::StoreConfiguration);
+    }
+    let Ok(Request::InitiateDownload { multiplexer, payload }) = Request::read(data) else { return false };
+    cob_id == sdo::REQUEST_BASE + u16::from(node.raw())
+        && matches!((multiplexer.index.0, payload.value()), (0x1010, Some(b"save")) | (0x1011, Some(b"load")))
 }
 
 #[cfg(test)]

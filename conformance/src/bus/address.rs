@@ -4,15 +4,22 @@
 //! can0                              a SocketCAN interface
 //! socketcan:can0                    the same
 //! slcan:/dev/ttyACM0[@BITRATE]      a serial CAN adapter
-//! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with one simulated device
+//! slcan:tcp://HOST:PORT[@BITRATE]   one behind TCP
+//! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
+//! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
+//! sim:MODEL[:NODE][@BITRATE][~MOTION][+FAULT...][+MODEL...]    with all that can be said, and with several devices
 //! ```
+//!
+//! `MODEL` may be a device description too: `sim:my.eds`.
 //!
 //! A bit rate is a number in bit/s, or in kbit/s with `k`, or in Mbit/s with `M`: `125000`, `250k`, `1M`.
 
+use super::simulated_address::{self, Attached, SimulatedDevice};
 use super::{Bus, BusError, SimulatedBus};
 use crate::device::Device;
 use crate::models::Model;
-use crate::{Fault, Faults};
+use canvass_analyzer::NodeId;
+use canvass_traces::Timestamp;
 use std::fmt;
 use std::str::FromStr;
 
@@ -31,23 +38,25 @@ pub enum BusAddress {
         /// In bit/s, if it was given.
         bit_rate: Option<u32>,
     },
-    /// A simulated bus with one simulated device.
-    Simulated {
-        /// The device's model.
-        model: &'static Model,
-        /// In bit/s, if it was given.
-        bit_rate: Option<u32>,
-        /// What its firmware does wrong.
-        faults: Faults,
-    },
+    /// A simulated bus with these devices, at least one.
+    Simulated(Vec<SimulatedDevice>),
 }
 
 /// A bus that is ready, and what is known of the device on it.
 pub struct Opened {
     /// The bus.
     pub bus: Box<dyn Bus>,
-    /// The model of a simulated device: its default node-ID and its device description.
+    /// The model of the first simulated device.
     pub model: Option<&'static Model>,
+    /// All simulated devices, in the order of the address.
+    pub devices: Vec<Attached>,
+}
+
+impl Opened {
+    /// The node-ID of the first simulated device.
+    pub fn node(&self) -> Option<NodeId> {
+        self.devices.first().and_then(|device| device.node)
+    }
 }
 
 impl fmt::Debug for Opened {
@@ -69,16 +78,47 @@ pub fn open(address: &str) -> Result<Opened, BusError> {
 /// # Errors
 /// As [`open`].
 pub fn open_seeded(address: &str, seed: u64) -> Result<Opened, BusError> {
-    let unavailable = |interface| BusError::Unavailable { address: address.to_owned(), interface };
     match address.parse()? {
-        BusAddress::SocketCan { .. } => Err(unavailable("SocketCAN")),
-        BusAddress::SlCan { .. } => Err(unavailable("SLCAN")),
-        BusAddress::Simulated { model, bit_rate, faults } => {
-            let mut bus = SimulatedBus::new(bit_rate.unwrap_or_else(|| model.default_bit_rate()));
-            bus.attach(Box::new(Device::new(model, model.default_node(), faults, seed)));
-            Ok(Opened { bus: Box::new(bus), model: Some(model) })
+        #[cfg(target_os = "linux")]
+        BusAddress::SocketCan { interface } => {
+            let bus = Box::new(super::socketcan::SocketCan::open(&interface)?);
+            Ok(Opened { bus, model: None, devices: Vec::new() })
         }
+        #[cfg(not(target_os = "linux"))]
+        BusAddress::SocketCan { .. } => {
+            Err(BusError::Unavailable { address: address.to_owned(), interface: "SocketCAN" })
+        }
+        BusAddress::SlCan { port, bit_rate } => {
+            let bus = Box::new(super::slcan::SlCan::open(&port, bit_rate)?);
+            Ok(Opened { bus, model: None, devices: Vec::new() })
+        }
+        BusAddress::Simulated(devices) => simulate(&devices, seed),
     }
+}
+
+fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<Opened, BusError> {
+    let models = named.iter().map(SimulatedDevice::model).collect::<Result<Vec<_>, _>>()?;
+    let known: Vec<_> = named.iter().zip(models).collect();
+    let own_rate = |(device, model): &(&SimulatedDevice, &'static Model)| {
+        device.bit_rate.unwrap_or_else(|| model.default_bit_rate())
+    };
+    let bit_rate = known.first().map_or(0, own_rate);
+    let mut bus = SimulatedBus::new(bit_rate);
+    let mut devices = Vec::with_capacity(known.len());
+    for (n, ((device, model), node)) in (0..).zip(known.iter().zip(simulated_address::assign(&known))) {
+        // Each device has a chance of its own.
+        let mut simulated = Device::new(model, node, device.faults, seed.wrapping_add(n));
+        if let Some(motion) = device.motion()? {
+            simulated.set_motion(Timestamp::ZERO, motion);
+        }
+        if let Some(other) = device.bit_rate.filter(|&rate| rate != bit_rate) {
+            simulated.set_bit_rate(other);
+        }
+        bus.attach(Box::new(simulated));
+        devices.push(Attached { model, node });
+    }
+    let model = devices.first().map(|device| device.model);
+    Ok(Opened { bus: Box::new(bus), model, devices })
 }
 
 impl FromStr for BusAddress {
@@ -86,7 +126,7 @@ impl FromStr for BusAddress {
 
     fn from_str(address: &str) -> Result<Self, BusError> {
         let parsed = match address.split_once(':') {
-            Some(("sim", rest)) => simulated(rest),
+            Some(("sim", rest)) => simulated_address::parse(rest).map(BusAddress::Simulated),
             Some(("slcan", rest)) => slcan(rest),
             Some(("socketcan", interface)) => socketcan(interface),
             None => socketcan(address),
@@ -118,26 +158,11 @@ fn slcan(rest: &str) -> Result<BusAddress, String> {
     Ok(BusAddress::SlCan { port: port.to_owned(), bit_rate })
 }
 
-fn simulated(rest: &str) -> Result<BusAddress, String> {
-    let mut parts = rest.split('+');
-    let head = parts.next().unwrap_or_default();
-    let (id, bit_rate) = match head.split_once('@') {
-        Some((id, rate)) => (id, Some(parse_bit_rate(rate)?)),
-        None => (head, None),
-    };
-    let model = Model::by_id(id).ok_or_else(|| {
-        let known: Vec<&str> = Model::all().iter().map(Model::id).collect();
-        format!("expected one of the models {}, found \"{id}\"", known.join(", "))
-    })?;
-    let faults = parts.map(Fault::from_str).collect::<Result<Faults, _>>().map_err(|error| error.to_string())?;
-    Ok(BusAddress::Simulated { model, bit_rate, faults })
-}
-
 /// The highest bit rate of classical CAN.
 const HIGHEST_BIT_RATE: u32 = 1_000_000;
 
 /// A bit rate in bit/s, 1000 to 1 000 000.
-fn parse_bit_rate(text: &str) -> Result<u32, String> {
+pub(super) fn parse_bit_rate(text: &str) -> Result<u32, String> {
     let (digits, factor) = match text.strip_suffix(['k', 'K']) {
         Some(digits) => (digits, 1_000),
         None => text.strip_suffix(['M', 'm']).map_or((text, 1), |digits| (digits, 1_000_000)),
@@ -162,13 +187,21 @@ mod tests {
         assert!(matches!("slcan:/dev/ttyACM0@500k".parse(),
             Ok(BusAddress::SlCan { port, bit_rate: Some(500_000) }) if port == "/dev/ttyACM0"));
         assert!(matches!("slcan:COM3".parse(), Ok(BusAddress::SlCan { bit_rate: None, .. })));
-        let Ok(BusAddress::Simulated { model, bit_rate, faults }) =
-            "sim:kuebler-sendix-58x8@1M+boot-up-twice+vendor-id-zero".parse()
-        else {
-            panic!("a simulated bus");
-        };
-        assert_eq!((model.id(), bit_rate), ("kuebler-sendix-58x8", Some(1_000_000)));
-        assert_eq!(faults, Faults::from(Fault::BootUpTwice).with(Fault::VendorIdZero));
+        assert!(matches!("sim:kuebler-sendix-58x8@1M+boot-up-twice".parse(),
+            Ok(BusAddress::Simulated(devices)) if devices[0].bit_rate == Some(1_000_000)));
+    }
+
+    #[test]
+    fn several_devices_on_one_bus() {
+        let mut opened = open("sim:kuebler-sendix-58x8@500k~rpm=10+kuebler-sendix-58x8:5").unwrap();
+        let nodes: Vec<u8> = opened.devices.iter().filter_map(|device| device.node).map(NodeId::raw).collect();
+        assert_eq!(
+            (nodes, opened.node().map(NodeId::raw), opened.bus.bit_rate()),
+            (vec![63, 5], Some(63), Some(500_000))
+        );
+        let second = Timestamp(1_000_000_000);
+        let boots = std::iter::from_fn(|| opened.bus.receive(second).unwrap()).map(|record| record.frame.to_string());
+        assert_eq!(boots.collect::<Vec<_>>(), ["705#00", "73F#00"]);
     }
 
     #[test]
@@ -182,9 +215,9 @@ mod tests {
     }
 
     #[test]
-    fn live_buses_are_refused_by_name() {
-        assert!(open("can0").unwrap_err().to_string().contains("SocketCAN is not available"));
-        assert!(open("slcan:/dev/null").unwrap_err().to_string().contains("SLCAN is not available"));
+    fn buses_that_are_not_there() {
+        assert!(open("no-such-can0").is_err());
+        assert!(open("slcan:/dev/no-such-port").unwrap_err().to_string().contains("/dev/no-such-port"));
         assert!(open("sim:kuebler-sendix-58x8").unwrap().model.is_some());
     }
 }

@@ -1,10 +1,22 @@
 //! The bus that a test runs on: live or simulated, a case can't tell which.
 
 mod address;
+mod clock;
+mod hardware_clock;
+mod health;
+mod inbox;
+mod participant;
 mod simulated;
+mod simulated_address;
+pub mod slcan;
+#[cfg(target_os = "linux")]
+pub mod socketcan;
 
 pub use address::{BusAddress, Opened, open, open_seeded};
+pub use health::{Health, Latencies};
+pub use participant::{Participation, participate};
 pub use simulated::SimulatedBus;
+pub use simulated_address::{Attached, DeviceName, GivenNode, SimulatedDevice};
 
 use canvass_traces::{Frame, Record, Timestamp};
 
@@ -31,6 +43,39 @@ pub trait Bus {
 
     /// The bit rate in bit/s, where it is known.
     fn bit_rate(&self) -> Option<u32>;
+
+    /// Whether time goes by on it as it does for people.
+    fn is_live(&self) -> bool {
+        false
+    }
+
+    /// How well it works. A simulated bus always works well.
+    fn health(&self) -> Health {
+        Health::default()
+    }
+
+    /// Says that whoever is that many frames behind shall lose the oldest rather than fall behind further.
+    fn limit_backlog(&mut self, frames: usize) {
+        let _ = frames;
+    }
+
+    /// Says that only frames of 11 bits are wanted whose identifier equals one of these where its mask has ones, so
+    /// that the others need not be fetched. More may come all the same.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus does not take it.
+    fn only(&mut self, cob_ids: &[(u16, u16)]) -> Result<(), BusError> {
+        let _ = cob_ids;
+        Ok(())
+    }
+
+    /// Goes on at another bit rate in bit/s.
+    ///
+    /// # Errors
+    /// [`BusError::FixedBitRate`] where this end of the bus can't change it.
+    fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        Err(BusError::FixedBitRate { bit_rate })
+    }
 }
 
 /// Why a bus does not work. Never the fault of the device under test.
@@ -53,6 +98,12 @@ pub enum BusError {
         /// What the bus can carry.
         reason: &'static str,
     },
+    /// The bit rate can't be changed from here.
+    #[error("the bit rate of this bus is set outside of the program: change it to {bit_rate} bit/s there")]
+    FixedBitRate {
+        /// What was asked for, in bit/s.
+        bit_rate: u32,
+    },
     /// This build of the program has no such interface.
     #[error("{address}: {interface} is not available in this build")]
     Unavailable {
@@ -61,6 +112,13 @@ pub enum BusError {
         /// The kind of interface.
         interface: &'static str,
     },
+    /// SocketCAN does not work.
+    #[cfg(target_os = "linux")]
+    #[error(transparent)]
+    SocketCan(#[from] socketcan::SocketCanError),
+    /// The SLCAN adapter does not work.
+    #[error(transparent)]
+    SlCan(#[from] slcan::SlCanError),
     /// The operating system reports an error.
     #[error("the bus failed: {0}")]
     Io(#[from] std::io::Error),

@@ -3,7 +3,7 @@
 //! Time is virtual: it goes on from one event to the next, so a wait of five seconds takes no longer than what happens
 //! in it, and every run is the same. Frames take the time that their bits take. Whenever the bus is free, the lowest
 //! identifier among the participants' next frames goes out; each participant has one frame in arbitration at a time,
-//! as a CAN controller with a FIFO has.
+//! as a CAN controller with a FIFO has. A participant at another bit rate than a frame's does not understand the frame.
 
 use super::{Bus, BusError};
 use crate::Machine;
@@ -30,6 +30,10 @@ struct Participant {
     pending: Option<Frame>,
     /// [`Timestamp::MAX`]: none.
     timeout: Timestamp,
+    /// Its own, in bit/s, if it has one.
+    own_bit_rate: Option<u32>,
+    /// That of the bus before the tester changed it.
+    adopted: Option<u32>,
 }
 
 #[derive(Clone, Copy)]
@@ -37,6 +41,8 @@ struct OnWire {
     frame: Frame,
     sender: Sender,
     end: Timestamp,
+    /// In bit/s.
+    bit_rate: u32,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -62,13 +68,23 @@ impl SimulatedBus {
     /// Connects one more participant. Of equal identifiers in arbitration, that of the earlier participant wins.
     pub fn attach(&mut self, machine: Box<dyn Machine>) {
         let timeout = machine.poll_timeout().unwrap_or(Timestamp::MAX);
-        self.participants.push(Participant { machine, pending: None, timeout });
+        let bit_rate = machine.bit_rate();
+        self.participants.push(Participant { machine, pending: None, timeout, own_bit_rate: bit_rate, adopted: None });
         self.next_timeout = self.next_timeout.min(timeout);
     }
 
+    /// Switches a participant off and on again, by its position from 0; a frame that it is sending still ends.
+    pub fn power_cycle(&mut self, participant: usize) {
+        if let Some(participant) = self.participants.get_mut(participant) {
+            participant.machine.power_cycle(self.now);
+            participant.settle(self.now);
+        }
+        self.find_next_timeout();
+    }
+
     /// The time that so many bits take.
-    fn bits(&self, n: u32) -> Duration {
-        Duration(u64::from(n) * 1_000_000_000 / u64::from(self.bit_rate))
+    fn bits(n: u32, bit_rate: u32) -> Duration {
+        Duration(u64::from(n) * 1_000_000_000 / u64::from(bit_rate.max(1)))
     }
 
     /// Lets every participant whose time has come act at `self.now`.
@@ -109,19 +125,22 @@ impl SimulatedBus {
             Sender::Participant(n) => self.participants.get_mut(n).and_then(|p| p.take_pending(self.now)),
         };
         if let Some(frame) = frame {
-            let end = self.now + self.bits(bit_length(&frame).unwrap_or(0));
-            self.on_wire = Some(OnWire { frame, sender, end });
+            let bit_rate = self.bit_rate_of(sender);
+            let end = self.now + Self::bits(bit_length(&frame).unwrap_or(0), bit_rate);
+            self.on_wire = Some(OnWire { frame, sender, end, bit_rate });
         }
         self.find_next_timeout();
     }
 
     /// Gives a frame that has ended to everyone but its sender.
-    fn deliver(&mut self, sent: OnWire) -> Record {
+    fn deliver(&mut self, sent: OnWire) -> Option<Record> {
         self.now = sent.end;
-        self.free_from = sent.end + self.bits(INTERMISSION);
+        self.free_from = sent.end + Self::bits(INTERMISSION, sent.bit_rate);
         let mut next_timeout = Timestamp::MAX;
+        let usual = self.bit_rate;
         for (n, participant) in self.participants.iter_mut().enumerate() {
-            if sent.sender != Sender::Participant(n) {
+            let understands = participant.bit_rate().unwrap_or(usual) == sent.bit_rate;
+            if understands && sent.sender != Sender::Participant(n) {
                 participant.machine.handle(self.now, &sent.frame);
                 participant.settle(self.now);
             }
@@ -129,7 +148,16 @@ impl SimulatedBus {
         }
         self.next_timeout = next_timeout;
         let direction = if sent.sender == Sender::Tester { Direction::Tx } else { Direction::Rx };
-        Record::new(self.now, ChannelId(0), sent.frame).with_direction(direction)
+        let understood = sent.bit_rate == self.bit_rate;
+        understood.then(|| Record::new(self.now, ChannelId(0), sent.frame).with_direction(direction))
+    }
+
+    fn bit_rate_of(&self, sender: Sender) -> u32 {
+        let own = match sender {
+            Sender::Tester => None,
+            Sender::Participant(n) => self.participants.get(n).and_then(Participant::bit_rate),
+        };
+        own.unwrap_or(self.bit_rate)
     }
 
     /// Goes on to the next event, at most to `deadline`; the record if that was the end of a frame.
@@ -144,7 +172,7 @@ impl SimulatedBus {
             Next::Timeout(_) => self.fire_timeouts(),
             Next::FrameEnd(sent) => {
                 self.on_wire = None;
-                return Step::Frame(self.deliver(sent));
+                return self.deliver(sent).map_or(Step::Quiet, Step::Frame);
             }
             Next::BusFree(_) => {
                 if let Some(sender) = self.arbitrate() {
@@ -196,6 +224,11 @@ enum Step {
 }
 
 impl Participant {
+    /// In bit/s; `None`: that of the bus.
+    fn bit_rate(&self) -> Option<u32> {
+        self.own_bit_rate.or(self.adopted)
+    }
+
     /// After every call: takes what the machine wants to send, and when it wants to be woken.
     fn settle(&mut self, now: Timestamp) {
         if self.pending.is_some_and(|frame| self.machine.withdraws(&frame)) {
@@ -205,6 +238,7 @@ impl Participant {
             self.pending = self.machine.poll_transmit(now);
         }
         self.timeout = self.machine.poll_timeout().unwrap_or(Timestamp::MAX);
+        self.own_bit_rate = self.machine.bit_rate();
     }
 
     /// Hands over the frame in arbitration and takes the next one.
@@ -252,5 +286,14 @@ impl Bus for SimulatedBus {
 
     fn bit_rate(&self) -> Option<u32> {
         Some(self.bit_rate)
+    }
+
+    /// The tester goes on at another bit rate; participants without one of their own stay at the one before.
+    fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        for participant in &mut self.participants {
+            participant.adopted.get_or_insert(self.bit_rate);
+        }
+        self.bit_rate = bit_rate.max(1);
+        Ok(())
     }
 }

@@ -3,3 +3,4 @@
 mod cia301;
 mod cia305;
 mod cia406;
+pub(crate) mod ds205;

@@ -1,7 +1,7 @@
 //! An SDO client that does everything right and believes nothing: each response is checked against the state of the
 //! transfer.
 //!
-//! Expedited and segmented transfers; a block transfer would be one more `State`.
+//! Expedited and segmented transfers; those in blocks are in [`super::block_upload`] and [`super::block_download`].
 
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{Abort, AbortCode, Payload, Request, Response, response};
@@ -79,6 +79,29 @@ pub enum Violation {
     },
     /// More than [`MAX_UPLOAD`] bytes, without an end.
     Endless,
+    /// A segment of a block has another sequence number than the next.
+    Sequence {
+        /// The number of the next segment.
+        expected: u8,
+        /// The number that came.
+        found: u8,
+    },
+    /// The server confirms segments that were not sent, or asks for them again without end.
+    Confirmation {
+        /// How many segments of the block there were.
+        sent: u8,
+        /// The last that the server confirms.
+        confirmed: u8,
+    },
+    /// A block size that is none: 0, or more than 127.
+    BlockSize(u8),
+    /// The checksum is not that of the data.
+    Checksum {
+        /// That of the data.
+        computed: u16,
+        /// What the server said.
+        found: u16,
+    },
 }
 
 impl Transfer {
@@ -221,6 +244,12 @@ impl fmt::Display for Violation {
             Self::Size { announced, received } => {
                 write!(f, "{received} bytes after {announced} had been announced")
             }
+            Self::Sequence { expected, found } => write!(f, "segment {found} where {expected} was the next"),
+            Self::Confirmation { sent, confirmed } => {
+                write!(f, "a confirmation of segment {confirmed} after {sent} had been sent")
+            }
+            Self::BlockSize(size) => write!(f, "a block size of {size}"),
+            Self::Checksum { computed, found } => write!(f, "the CRC {found:04X}h where {computed:04X}h is right"),
             Self::Endless => write!(f, "an upload that does not end after {MAX_UPLOAD} bytes"),
         }
     }

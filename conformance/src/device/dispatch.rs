@@ -1,41 +1,162 @@
 //! Which frame goes to which service, and what goes out when.
 
-use super::heartbeat_consumer::Guarded;
+use super::emcy::Condition;
+use super::mischief::Incoming;
 use super::nmt::{Phase, Service};
-use super::tpdo::Tpdo;
+use super::routes::Route;
+use super::rpdo::{Payload, Received};
 use super::{Device, push};
-use crate::Machine;
-use canvass_analyzer::NodeId;
-use canvass_analyzer::wire::{error_control, lss, nmt as nmt_wire, sdo};
+use crate::{Fault, Machine};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::Request;
+use canvass_analyzer::wire::sync::Sync as SyncMessage;
+use canvass_analyzer::wire::time::TimeOfDay;
+use canvass_analyzer::wire::{error_control, lss, sdo};
+use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{Frame, Timestamp};
 
+const READ_ERROR_REGISTER: Request = Request::upload(Multiplexer::new(0x1001, 0));
+
 impl Device {
-    fn on_remote(&mut self, now: Timestamp, can_id: u16, node: NodeId) {
-        if can_id == error_control::CAN_ID_BASE + u16::from(node.raw()) {
-            // Heartbeat and guarding exclude each other, and heartbeat wins (CiA 301, 7.2.8.2.2).
-            let guarded = self.objects.model.sheet().network.node_guarding && !self.heartbeat.is_active();
-            if guarded && self.phase.is_running() {
-                let answer = self.guarding.answer(now, self.phase, self.faults);
-                self.send_error_control(answer);
-                self.on_guarded(now, Guarded::Back);
-            }
-        } else if let Some(tpdo) = self.tpdos.iter_mut().find(|tpdo| tpdo.uses(can_id))
-            && let Some(frame) = tpdo.on_remote(now, &self.objects)
-        {
-            push(&mut self.outbox, frame);
+    fn on_data(&mut self, now: Timestamp, route: Route, can_id: u16, frame: &Frame) {
+        match route {
+            Route::Others => {}
+            Route::Nmt => self.on_nmt(now, frame),
+            Route::Sdo => self.on_sdo(now, frame),
+            Route::SecondSdo(position) => self.on_second_sdo(now, position, frame),
+            Route::Rpdo(position) => self.on_rpdo(now, position, frame.data()),
+            Route::Sync => self.on_sync(now, frame.data()),
+            Route::Time => self.on_time(now, frame),
+            Route::Lss if self.objects.model.sheet().lmt.is_some() => self.on_lmt(now, frame),
+            Route::Lss => self.on_lss(now, frame),
+            Route::PeerEmcy => self.on_peer_emcy(frame),
+            Route::PeerErrorControl => self.on_peer(now, (can_id & 0x7F) as u8),
         }
     }
 
-    fn on_sync(&mut self, now: Timestamp) {
+    fn on_sdo(&mut self, now: Timestamp, frame: &Frame) {
+        if self.objects.wedged {
+            return;
+        }
+        if self.phase.serves(Service::Sdo, self.faults) && self.overload.on_request(self.faults) {
+            self.sdo.handle(now, frame, &mut self.objects);
+            if self.objects.wedged {
+                return self.sdo.reset();
+            }
+            if frame.len() == 8 && Request::read(frame.data()) == Ok(READ_ERROR_REGISTER) {
+                self.objects.errors.register_was_read();
+            }
+            self.act_on_writes(now);
+        }
+    }
+
+    fn on_second_sdo(&mut self, now: Timestamp, position: u8, frame: &Frame) {
+        if self.phase.serves(Service::Sdo, self.faults)
+            && let Some(channel) = self.second_sdos.get_mut(usize::from(position))
+        {
+            channel.handle(now, frame, &mut self.objects);
+            self.act_on_writes(now);
+        }
+    }
+
+    fn on_remote(&mut self, now: Timestamp, can_id: u16, node: NodeId) {
+        if can_id == error_control::CAN_ID_BASE + u16::from(node.raw()) {
+            self.on_guarding_request(now);
+        } else if let Some(tpdo) = self.tpdos.iter_mut().find(|tpdo| tpdo.uses(can_id)) {
+            if let Some(frame) = tpdo.on_remote(now, &self.objects) {
+                push(&mut self.outbox, frame);
+            }
+        } else if self.faults.has(Fault::RemoteFrameTakenAsRpdo)
+            && let Route::Rpdo(position) = self.routes.of(can_id)
+        {
+            self.on_rpdo(now, position, &[0; 8]);
+        }
+    }
+
+    /// SYNC with the length that 1019h asks for: synchronous PDOs are received and sent.
+    fn on_sync(&mut self, now: Timestamp, data: &[u8]) {
+        if !self.phase.is_running() || !self.objects.consumes_sync() {
+            return;
+        }
+        let fits = self.sync.has_length(data.len());
+        self.report(now, Condition::SyncLength, !fits);
+        if fits {
+            self.beat(now, data.first().copied());
+        }
+    }
+
+    /// SYNC was received or sent.
+    fn beat(&mut self, now: Timestamp, counter: Option<u8>) {
+        self.sync.open(now);
+        for position in 0..self.rpdos.len() {
+            let held = self.rpdos.get_mut(position).and_then(|rpdo| rpdo.on_sync());
+            held.into_iter().for_each(|payload| self.apply(now, position, payload));
+        }
         for tpdo in &mut self.tpdos {
-            if let Some(frame) = tpdo.on_sync(now, &self.objects) {
+            if let Some(frame) = tpdo.on_sync(now, counter, &self.objects) {
                 push(&mut self.outbox, frame);
             }
         }
     }
 
-    /// Puts into the outbox what has become ready: after every event, so that nothing stays due.
-    pub(super) fn hand_out(&mut self, now: Timestamp) {
+    fn on_rpdo(&mut self, now: Timestamp, position: u16, data: &[u8]) {
+        if !self.phase.receives_pdos(self.faults) {
+            return;
+        }
+        let position = usize::from(position);
+        let Some(rpdo) = self.rpdos.get_mut(position) else { return };
+        let (ordinal, len) = (rpdo.ordinal(), rpdo.len());
+        let too_long = data.len() > len;
+        if rpdo.is_synchronous() && self.sync.is_closed() || too_long && self.faults.has(Fault::LongRpdoIgnored) {
+            return;
+        }
+        let received = rpdo.on_frame(now, data);
+        let too_short = received == Received::TooShort;
+        self.report(now, Condition::RpdoTooShort { rpdo: ordinal }, too_short);
+        self.report(now, Condition::RpdoTooLong { rpdo: ordinal }, too_long);
+        if !too_short {
+            self.report(now, Condition::RpdoLate { rpdo: ordinal }, false);
+        }
+        if let Received::Act(payload) = received {
+            self.apply(now, position, payload);
+        }
+    }
+
+    /// The values of an RPDO act.
+    fn apply(&mut self, now: Timestamp, position: usize, payload: Payload) {
+        let Some(rpdo) = self.rpdos.get(position) else { return };
+        for (at, value) in rpdo.values(payload) {
+            self.objects.receive(now, at, value);
+        }
+        self.act_on_writes(now);
+    }
+
+    fn on_time(&mut self, now: Timestamp, frame: &Frame) {
+        if self.phase.is_running()
+            && frame.len() == 6
+            && let Ok(time) = TimeOfDay::read(frame.data())
+        {
+            self.objects.clock.set(now, time);
+            self.after_change(now);
+        }
+    }
+
+    fn on_peer_emcy(&mut self, frame: &Frame) {
+        if frame.len() == 8 && self.phase.is_running() {
+            self.objects.received_emcy = u64::from_le_bytes(frame.bytes());
+        }
+    }
+
+    /// An error control message of another node.
+    fn on_peer(&mut self, now: Timestamp, node: u8) {
+        if self.phase.is_running() && self.consumer.on_heartbeat(now, node, self.faults) {
+            self.report(now, Condition::Heartbeat { node }, false);
+        }
+    }
+
+    /// Puts into the outbox what has become ready: after every event, so that nothing stays due. Finds out when the
+    /// next event is.
+    pub(super) fn settle(&mut self, now: Timestamp) {
         while let Some(frame) = self.poll_emcy(now) {
             push(&mut self.outbox, frame);
         }
@@ -43,103 +164,211 @@ impl Device {
             while let Some(frame) = self.sdo.poll(now, node) {
                 push(&mut self.outbox, frame);
             }
-        }
-    }
-}
-
-/// Which service a frame of the device itself belongs to.
-pub(super) fn service_of(frame: &Frame, node: Option<NodeId>, tpdos: &[Tpdo]) -> Option<Service> {
-    let (can_id, node) = (frame.id().as_standard()?, u16::from(node?.raw()));
-    Some(match can_id {
-        _ if tpdos.iter().any(|tpdo| tpdo.uses(can_id)) => Service::Pdo,
-        lss::SLAVE_CAN_ID => Service::Lss,
-        id if id == error_control::CAN_ID_BASE + node => Service::ErrorControl,
-        id if id == sdo::RESPONSE_BASE + node => Service::Sdo,
-        _ => Service::Emcy,
-    })
-}
-
-impl Machine for Device {
-    fn handle(&mut self, now: Timestamp, frame: &Frame) {
-        let Some(can_id) = frame.id().as_standard() else { return };
-        if frame.is_remote() {
-            if let Some(node) = self.node {
-                self.on_remote(now, can_id, node);
-            }
-            return;
-        }
-        if frame.cob_id().is_none() {
-            return;
-        }
-        let node = self.node.map(|node| u16::from(node.raw()));
-        match can_id {
-            _ if node.is_some_and(|node| can_id == sdo::REQUEST_BASE + node) => self.on_sdo(now, frame),
-            nmt_wire::CAN_ID => self.on_nmt(now, frame),
-            lss::MASTER_CAN_ID => self.on_lss(now, frame),
-            0x701..=0x77F => {
-                if let Some(change) = self.consumer.on_heartbeat(now, (can_id & 0x7F) as u8) {
-                    self.on_guarded(now, change);
+            for channel in &mut self.second_sdos {
+                while let Some(frame) = channel.poll(now, node) {
+                    push(&mut self.outbox, frame);
                 }
             }
-            id if u64::from(id) == self.objects.parameters.number_or_zero(0x1005, 0) & 0x7FF => self.on_sync(now),
-            _ => {}
         }
-        self.hand_out(now);
+        self.wake = self.next_event();
     }
 
-    fn poll_transmit(&mut self, _: Timestamp) -> Option<Frame> {
-        self.outbox.pop_front()
-    }
-
-    fn poll_timeout(&self) -> Option<Timestamp> {
+    fn next_event(&self) -> Timestamp {
+        let activation = self.activation.as_ref().map_or(Timestamp::MAX, |activation| activation.timeout());
         let boot = match self.phase {
             Phase::Initialising { until } => until,
-            Phase::Unconfigured => return None,
+            Phase::Unconfigured => return activation,
+            _ if self.silent_until > Timestamp::ZERO => return self.silent_until,
             _ => Timestamp::MAX,
         };
         let services = [
+            activation,
             self.heartbeat.timeout(),
             self.consumer.timeout(),
             self.guarding.timeout(),
             self.store.timeout(),
             self.sdo.timeout(),
             self.emcy_timeout(),
+            self.shaft_due,
+            self.sync.timeout(),
+            self.objects.clock.timeout(),
         ];
-        let services = services.into_iter().chain(self.tpdos.iter().map(Tpdo::timeout));
-        let next = services.fold(boot, Timestamp::min);
-        (next < Timestamp::MAX).then_some(next)
+        let next = services.into_iter().fold(boot, Timestamp::min);
+        let next = self.tpdos.iter().fold(next, |next, tpdo| next.min(tpdo.timeout()));
+        let next = self.rpdos.iter().fold(next, |next, rpdo| next.min(rpdo.timeout()));
+        self.second_sdos.iter().fold(next, |next, channel| next.min(channel.timeout()))
     }
 
-    fn handle_timeout(&mut self, now: Timestamp) {
-        if let Phase::Initialising { until } = self.phase {
-            if now >= until {
-                self.boot_up(now);
-                self.hand_out(now);
-            }
-            return;
-        }
+    /// The producers of this device whose time has come.
+    fn produce(&mut self, now: Timestamp) {
         if let Some(heartbeat) = self.heartbeat.poll(now, self.phase, self.faults) {
             self.send_error_control(heartbeat);
         }
-        if let Some(node) = self.node {
-            self.store.finish(now, &self.objects.parameters, self.objects.encoder.as_ref(), node);
+        if let Some(time) = self.objects.clock.poll(now) {
+            push(&mut self.outbox, time.to_frame(self.objects.clock.own_can_id()));
         }
-        self.sdo.expire(now, &self.objects);
+        if let Some(sync) = self.sync.poll(now) {
+            push(&mut self.outbox, sync.to_frame(self.sync.own_can_id()));
+            let SyncMessage { counter } = sync;
+            self.beat(now, counter);
+        }
+        if now >= self.shaft_due {
+            self.find_errors(now);
+            self.watch_shaft(now);
+        }
         for tpdo in &mut self.tpdos {
             if let Some(frame) = tpdo.poll(now, &self.objects) {
                 push(&mut self.outbox, frame);
             }
         }
-        if let Some(change) = self.consumer.poll(now) {
-            self.on_guarded(now, change);
+    }
+
+    /// What is awaited of others and did not come.
+    fn miss(&mut self, now: Timestamp) {
+        while let Some(node) = self.consumer.poll(now) {
+            self.report(now, Condition::Heartbeat { node }, true);
         }
         if self.guarding.is_lost(now) {
-            self.on_guarded(now, Guarded::Lost);
+            self.on_master_lost(now);
         }
-        self.hand_out(now);
+        for position in 0..self.rpdos.len() {
+            if let Some(rpdo) = self.rpdos.get_mut(position)
+                && rpdo.is_late(now)
+            {
+                let rpdo = rpdo.ordinal();
+                self.report(now, Condition::RpdoLate { rpdo }, true);
+            }
+        }
+        if self.sync.close(now) {
+            self.rpdos.iter_mut().for_each(|rpdo| rpdo.forget());
+            let tpdos = &self.tpdos;
+            let late = |frame: &Frame| {
+                let can_id = frame.id().as_standard();
+                can_id.is_some_and(|id| tpdos.iter().any(|tpdo| tpdo.is_synchronous() && tpdo.uses(id)))
+            };
+            self.outbox.retain(|frame| !late(frame));
+        }
+    }
+
+    /// Which service a frame of the device itself belongs to.
+    pub(super) fn service_of(&self, frame: &Frame) -> Option<Service> {
+        let (can_id, node) = (frame.id().as_standard()?, u16::from(self.node?.raw()));
+        Some(match can_id {
+            _ if self.tpdos.iter().any(|tpdo| tpdo.uses(can_id)) => Service::Pdo,
+            lss::SLAVE_CAN_ID => Service::Lss,
+            id if id == error_control::CAN_ID_BASE + node => Service::ErrorControl,
+            id if id == sdo::RESPONSE_BASE + node => Service::Sdo,
+            id if self.second_sdos.iter().any(|channel| channel.responds_with(id)) => Service::Sdo,
+            id if id == self.sync.own_can_id() || id == self.objects.clock.own_can_id() => Service::Broadcast,
+            _ => Service::Emcy,
+        })
+    }
+
+    /// Whether a synchronous PDO that has not begun is too late.
+    fn is_too_late(&self, pending: &Frame) -> bool {
+        let can_id = pending.id().as_standard();
+        self.sync.is_closed()
+            && can_id.is_some_and(|id| self.tpdos.iter().any(|tpdo| tpdo.is_synchronous() && tpdo.uses(id)))
+    }
+
+    /// A frame as the services get it.
+    fn receive(&mut self, now: Timestamp, frame: &Frame) {
+        let standard = frame.id().as_standard();
+        let Some(can_id) = standard.or_else(|| self.confuses_formats().then(|| frame.id().raw() as u16 & 0x7FF)) else {
+            return;
+        };
+        if self.hangs || now < self.silent_until {
+            return;
+        }
+        if frame.is_remote() {
+            if let Some(node) = self.node {
+                self.on_remote(now, can_id, node);
+                self.settle(now);
+            }
+            return;
+        }
+        let route = self.routes.of(can_id);
+        if route == Route::Others || frame.is_error() || frame.is_fd() || frame.is_xl() {
+            return;
+        }
+        if self.overload.on_frame(now, self.faults) {
+            self.restart(now);
+        } else {
+            self.on_data(now, route, can_id, frame);
+        }
+        self.settle(now);
+    }
+}
+
+impl Machine for Device {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        if !self.mischief.is_active() {
+            self.receive(now, frame);
+            return;
+        }
+        match self.mischief.on_receive(frame, self.node, self.lss_address()) {
+            Incoming::Frames(first, second) => {
+                self.receive(now, &first);
+                second.iter().for_each(|second| self.receive(now, second));
+            }
+            Incoming::Lost => {}
+            Incoming::Answered(answer) => push(&mut self.outbox, answer),
+        }
+    }
+
+    fn poll_transmit(&mut self, _: Timestamp) -> Option<Frame> {
+        if self.activation.is_some() {
+            return None;
+        }
+        if !self.mischief.is_active() {
+            return self.outbox.pop_front();
+        }
+        loop {
+            let frame = self.outbox.pop_front()?;
+            if let Some(frame) = self.mischief.on_send(frame, self.node) {
+                return Some(frame);
+            }
+        }
+    }
+
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        (self.wake < Timestamp::MAX && !self.hangs).then_some(self.wake)
+    }
+
+    fn handle_timeout(&mut self, now: Timestamp) {
+        self.go_on_with_activation(now);
+        match self.phase {
+            Phase::Initialising { until } if now >= until => self.boot_up(now),
+            Phase::Initialising { .. } | Phase::Unconfigured => {}
+            _ if now < self.silent_until => {}
+            _ => {
+                if self.silent_until > Timestamp::ZERO {
+                    self.end_silence(now);
+                }
+                if let Some(node) = self.node {
+                    self.store.finish(now, &self.objects.parameters, self.objects.encoder.as_ref(), node);
+                }
+                self.sdo.expire(now, &self.objects);
+                self.second_sdos.iter_mut().for_each(|channel| channel.expire(now, &self.objects));
+                self.produce(now);
+                self.miss(now);
+            }
+        }
+        self.settle(now);
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.bit_rate
+    }
+
+    fn power_cycle(&mut self, now: Timestamp) {
+        Self::power_cycle(self, now);
     }
 
     fn withdraws(&self, pending: &Frame) -> bool {
-        service_of(pending, self.node, &self.tpdos).is_some_and(|service| !self.phase.serves(service, self.faults))
+        let silent = self.activation.is_some() || self.hangs;
+        silent
+            || self.is_too_late(pending)
+            || self.service_of(pending).is_some_and(|service| !self.phase.serves(service, self.faults))
     }
 }

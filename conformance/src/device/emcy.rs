@@ -1,6 +1,9 @@
 //! Errors: the error register (1001h), the history (1003h) and the EMCY messages (1014h, 1015h).
 
+use super::parameters::Parameters;
+use crate::models::Quirks;
 use crate::{Fault, Faults};
+use canvass_analyzer::CobId;
 use canvass_analyzer::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Timestamp};
@@ -13,31 +16,83 @@ pub(super) enum Condition {
     Temperature { now: u8, low: u8, high: u8 },
     /// The shaft is too fast (6505h bit 0).
     Overspeed,
-    /// The master's guarding or a heartbeat is missing.
+    /// The master's guarding is missing.
     Guarding,
+    /// The position is wrong (6503h bit 0).
+    Position,
+    /// The heartbeat of that node is missing.
+    Heartbeat { node: u8 },
+    /// RPDO of that number, from 1: shorter than its mapping.
+    RpdoTooShort { rpdo: u16 },
+    /// RPDO of that number, from 1: longer than its mapping.
+    RpdoTooLong { rpdo: u16 },
+    /// RPDO of that number, from 1: not within its deadline.
+    RpdoLate { rpdo: u16 },
+    /// SYNC does not have the length that 1019h asks for.
+    SyncLength,
+    /// A parameter that was to be stored is out of its limits (6503h bit 13).
+    Parameter,
 }
 
 impl Condition {
-    const COUNT: usize = 3;
-
-    const fn number(self) -> usize {
+    /// Conditions with equal keys are the same one, with other details.
+    const fn key(self) -> (u8, u16) {
         match self {
-            Self::Temperature { .. } => 0,
-            Self::Overspeed => 1,
-            Self::Guarding => 2,
+            Self::Temperature { .. } => (0, 0),
+            Self::Overspeed => (1, 0),
+            Self::Guarding => (2, 0),
+            Self::Heartbeat { node } => (3, node as u16),
+            Self::RpdoTooShort { rpdo } => (4, rpdo),
+            Self::RpdoTooLong { rpdo } => (5, rpdo),
+            Self::RpdoLate { rpdo } => (6, rpdo),
+            Self::SyncLength => (7, 0),
+            Self::Parameter => (8, 0),
+            Self::Position => (9, 0),
         }
     }
 
-    const fn code(self) -> EmcyCode {
+    fn code(self, quirks: &Quirks) -> EmcyCode {
         match self {
             Self::Temperature { .. } | Self::Overspeed => EmcyCode(0x4200),
-            Self::Guarding => EmcyCode::HEARTBEAT,
+            Self::Guarding => quirks.life_guarding_code(),
+            Self::Heartbeat { .. } => EmcyCode::HEARTBEAT,
+            Self::Parameter | Self::Position => EmcyCode::GENERIC,
+            Self::RpdoTooShort { .. } => EmcyCode::PDO_LENGTH,
+            Self::RpdoTooLong { .. } => EmcyCode::PDO_LENGTH_EXCEEDED,
+            Self::RpdoLate { .. } => EmcyCode::RPDO_TIMEOUT,
+            Self::SyncLength => EmcyCode::SYNC_LENGTH,
         }
     }
 
-    /// The bits of the error register. Bit 0 is always among them.
-    const fn register(self) -> u8 {
-        ErrorRegister::GENERIC.0 | self.code().register_bits()
+    /// The bit of 6503h.
+    const fn alarm(self) -> u64 {
+        match self {
+            Self::Parameter => 1 << 13,
+            _ => 0,
+        }
+    }
+
+    /// The bits of the error register. Bit 0 is always among them, as far as the device has it.
+    fn register(self, quirks: &Quirks) -> u8 {
+        let is_alarm = matches!(self, Self::Parameter | Self::Position);
+        let profile = if is_alarm { ErrorRegister::PROFILE.0 } else { 0 };
+        // Whatever its code is, a lost master is an error of communication.
+        let communication = if matches!(self, Self::Guarding) { ErrorRegister::COMMUNICATION.0 } else { 0 };
+        let bits = ErrorRegister::GENERIC.0 | self.code(quirks).register_bits() | communication | profile;
+        match quirks.error_register_bits {
+            None => bits,
+            Some(own) if bits & own == 0 => own,
+            Some(own) => bits & own,
+        }
+    }
+
+    /// The sub-index of 1029h that says what the device does about it.
+    pub const fn behaviour(self) -> Option<u8> {
+        match self {
+            Self::Guarding | Self::Heartbeat { .. } => Some(1),
+            Self::Temperature { .. } | Self::Overspeed => Some(2),
+            _ => None,
+        }
     }
 
     /// Bytes 3 to 7.
@@ -45,7 +100,16 @@ impl Condition {
         match self {
             // Sensor error register, temperature, low and high threshold, sensor version.
             Self::Temperature { now, low, high } => [0x80, now, low, high, 0x2E],
-            Self::Overspeed | Self::Guarding => [0; 5],
+            Self::RpdoTooShort { rpdo } | Self::RpdoTooLong { rpdo } | Self::RpdoLate { rpdo } => {
+                let [low, high] = rpdo.to_le_bytes();
+                [low, high, 0, 0, 0]
+            }
+            Self::Overspeed
+            | Self::Guarding
+            | Self::Heartbeat { .. }
+            | Self::SyncLength
+            | Self::Parameter
+            | Self::Position => [0; 5],
         }
     }
 }
@@ -53,7 +117,7 @@ impl Condition {
 /// The state of errors.
 #[derive(Clone, Debug)]
 pub(super) struct Errors {
-    present: [Option<Condition>; Condition::COUNT],
+    present: Vec<Condition>,
     /// 1003h, newest first.
     history: VecDeque<u32>,
     /// How many the history holds.
@@ -62,18 +126,28 @@ pub(super) struct Errors {
     queue: VecDeque<Emcy>,
     /// 1015h: no EMCY before then.
     inhibited_until: Timestamp,
+    /// Bits that a firmware forgets to clear.
+    stuck: u8,
+    quirks: Quirks,
     faults: Faults,
 }
 
 /// More EMCY messages than that don't wait; the oldest stay.
 const LONGEST_QUEUE: usize = 16;
 
+/// As many errors are counted where 1003h shows fewer.
+const MOST_COUNTED: usize = 16;
+
 impl Errors {
     /// No error; the history holds `capacity` entries.
-    pub fn new(capacity: usize, faults: Faults) -> Self {
+    pub fn new(capacity: usize, quirks: &Quirks, faults: Faults) -> Self {
+        // Errors that can only be cleared one by one are counted beyond those that are shown.
+        let capacity = if quirks.error_register_read_clears { MOST_COUNTED } else { capacity };
         Self {
+            quirks: quirks.clone(),
+            stuck: 0,
             faults,
-            present: [None; Condition::COUNT],
+            present: Vec::new(),
             history: VecDeque::with_capacity(capacity),
             capacity,
             queue: VecDeque::with_capacity(LONGEST_QUEUE),
@@ -83,7 +157,8 @@ impl Errors {
 
     /// 1001h.
     pub fn register(&self) -> u8 {
-        let register = self.present.iter().flatten().fold(0, |register, condition| register | condition.register());
+        let register =
+            self.present.iter().fold(self.stuck, |register, condition| register | condition.register(&self.quirks));
         match self.faults.has(Fault::ErrorRegisterGenericMissing) {
             true => register & !ErrorRegister::GENERIC.0,
             false => register,
@@ -95,30 +170,66 @@ impl Errors {
     /// # Errors
     /// "No data" for an entry that is still empty.
     pub fn history(&self, sub: u8) -> Result<u64, AbortCode> {
-        match usize::from(sub).checked_sub(1) {
-            None => Ok(self.history.len() as u64),
-            Some(n) => self.history.get(n).map(|&entry| u64::from(entry)).ok_or(AbortCode::NO_DATA),
+        let Some(n) = usize::from(sub).checked_sub(1) else { return Ok(self.history.len() as u64) };
+        let position = match self.faults.has(Fault::ErrorHistoryReversed) {
+            true => self.history.len().checked_sub(n + 1),
+            false => Some(n),
+        };
+        match position.and_then(|position| self.history.get(position)) {
+            Some(&entry) => Ok(u64::from(entry)),
+            None if self.quirks.empty_error_history_reads_zero => Ok(0),
+            None if self.faults.has(Fault::ErrorHistoryEmptyReadsZero) => Ok(0),
+            None => Err(AbortCode::NO_DATA),
         }
     }
 
     /// 0 was written to 1003h:00.
     pub fn clear_history(&mut self) {
-        if !self.faults.has(Fault::ErrorHistoryNotCleared) {
-            self.history.clear();
+        if self.faults.has(Fault::ErrorHistoryNotCleared) {
+            return;
+        }
+        let was_empty = self.history.is_empty();
+        self.history.clear();
+        if self.quirks.error_register_read_clears && !was_empty {
+            self.acknowledge();
         }
     }
 
-    /// A condition is there or gone. Reports it only when that changes.
-    pub fn set(&mut self, condition: Condition, present: bool) {
-        let Some(slot) = self.present.get_mut(condition.number()) else { return };
-        if slot.is_some() == present {
-            return;
+    /// 1001h was read by SDO.
+    pub fn register_was_read(&mut self) {
+        if self.quirks.error_register_read_clears && self.history.pop_front().is_some() && self.history.is_empty() {
+            self.acknowledge();
         }
-        *slot = present.then_some(condition);
-        let register = ErrorRegister(self.register());
+    }
+
+    /// The last error of the history is gone: so is what the register shows.
+    fn acknowledge(&mut self) {
+        self.present.clear();
+        self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]));
+    }
+
+    /// 6503h.
+    pub fn alarms(&self) -> u64 {
+        self.present.iter().fold(0, |alarms, condition| alarms | condition.alarm())
+    }
+
+    /// A condition is there or gone. Reports it only when that changes, and says whether it does.
+    pub fn set(&mut self, condition: Condition, present: bool) -> bool {
+        let position = self.present.iter().position(|other| other.key() == condition.key());
+        match (position, present) {
+            (None, true) => self.present.push(condition),
+            (Some(position), false) => {
+                self.present.remove(position);
+            }
+            _ => return false,
+        }
+        if !present && self.faults.has(Fault::ErrorRegisterStuck) {
+            self.stuck |= condition.register(&self.quirks);
+        }
+        let register = ErrorRegister(if self.faults.has(Fault::EmcyRegisterZero) { 0 } else { self.register() });
         if present {
             self.remember(condition);
-            let emcy = Emcy::new(condition.code(), register, condition.manufacturer());
+            let emcy = Emcy::new(condition.code(&self.quirks), register, condition.manufacturer());
             self.push(emcy);
             if self.faults.has(Fault::EmcyRepeated) {
                 self.push(emcy);
@@ -126,13 +237,15 @@ impl Errors {
         } else if !self.faults.has(Fault::EmcyResetMissing) {
             self.push(Emcy::new(EmcyCode::NO_ERROR, register, [0; 5]));
         }
+        true
     }
 
     fn remember(&mut self, condition: Condition) {
-        self.history.truncate(self.capacity.saturating_sub(1));
+        let kept = if self.faults.has(Fault::ErrorHistoryOverflows) { 254 } else { self.capacity };
+        self.history.truncate(kept.saturating_sub(1));
         let [low, high, ..] = condition.manufacturer();
         let information = u32::from(u16::from_le_bytes([low, high]));
-        self.history.push_front(information << 16 | u32::from(condition.code().0));
+        self.history.push_front(information << 16 | u32::from(condition.code(&self.quirks).0));
     }
 
     fn push(&mut self, emcy: Emcy) {
@@ -144,22 +257,70 @@ impl Errors {
     /// The next message to send, unless the inhibit time runs.
     pub fn poll(&mut self, now: Timestamp, inhibit: Duration) -> Option<Emcy> {
         if now < self.inhibited_until {
+            if self.faults.has(Fault::EmcyLostWhenInhibited) {
+                self.queue.clear();
+            }
             return None;
         }
         let emcy = self.queue.pop_front()?;
-        self.inhibited_until = now + inhibit;
+        if !self.faults.has(Fault::EmcyInhibitTimeIgnored) {
+            self.inhibited_until = now + inhibit;
+        }
         Some(emcy)
     }
 
     /// When [`Errors::poll`] has something again.
     pub fn timeout(&self) -> Timestamp {
-        if self.queue.is_empty() { Timestamp::MAX } else { self.inhibited_until }
+        match self.queue.is_empty() {
+            true => Timestamp::MAX,
+            // What is lost is lost at once.
+            false if self.faults.has(Fault::EmcyLostWhenInhibited) => Timestamp::ZERO,
+            false => self.inhibited_until,
+        }
     }
 
-    /// A reset: conditions are found anew, what was not sent is lost, the history stays until power-off.
+    /// The device is in stopped.
+    pub fn on_stopped(&mut self) {
+        if self.faults.has(Fault::EmcyLostWhenStopped) {
+            self.queue.clear();
+            self.clear_history();
+        }
+    }
+
+    /// A reset: conditions are found anew, what was not sent is lost, the history stays until power-off, unless a reset
+    /// clears it too.
     pub fn reset(&mut self) {
-        self.present = [None; Condition::COUNT];
+        self.present.clear();
         self.queue.clear();
         self.inhibited_until = Timestamp::ZERO;
+        if self.quirks.error_register_read_clears {
+            self.clear_history();
+        }
     }
+
+    /// Off and on again: nothing is remembered, and nothing said.
+    pub fn power_on(&mut self) {
+        self.history.clear();
+        self.reset();
+    }
+}
+
+/// The conditions of a write to 1014h: 11 bits, not restricted, and another CAN-ID only while bit 31 is set.
+///
+/// # Errors
+/// "Invalid value" otherwise.
+pub(super) fn check_cob_id(value: u64, parameters: &Parameters, faults: Faults) -> Result<(), AbortCode> {
+    check_peer_cob_id(value, CobId(parameters.number_or_zero(0x1014, 0) as u32), faults, Fault::EmcyIdChangeWhileValid)
+}
+
+/// The same for the COB-IDs of 1028h and of the second SDO channels.
+///
+/// # Errors
+/// "Invalid value" otherwise.
+pub(super) fn check_peer_cob_id(value: u64, old: CobId, faults: Faults, excuse: Fault) -> Result<(), AbortCode> {
+    let new = CobId(value as u32);
+    let reserved = new.0 & (0x1FFF_F800 | CobId::NO_RTR) != 0 || new.is_extended();
+    let restricted = new.is_valid() && new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
+    let moved = old.is_valid() && new.is_valid() && new.can_id() != old.can_id() && !faults.has(excuse);
+    if reserved || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
 }

@@ -22,15 +22,6 @@ struct Watched {
     lost: bool,
 }
 
-/// A change that the device has to report.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Guarded {
-    /// No node is missing any more.
-    Back,
-    /// A node is missing.
-    Lost,
-}
-
 impl HeartbeatConsumer {
     /// Nobody is watched.
     pub const fn new() -> Self {
@@ -38,31 +29,30 @@ impl HeartbeatConsumer {
     }
 
     /// Begins anew with the entries of 1016h.
-    pub fn configure(&mut self, parameters: &Parameters) {
+    pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, faults: Faults) {
         self.watched.clear();
-        let entries = (1..=127).map_while(|sub| parameters.number(0x1016, sub));
+        let most = if faults.has(Fault::HeartbeatConsumerFirstOnly) { 1 } else { 127 };
+        let entries = (1..=most).map_while(|sub| parameters.number(0x1016, sub));
+        let at_once = faults.has(Fault::HeartbeatConsumerStartsAtOnce);
         self.watched.extend(entries.map(|entry| {
             let (node, time) = split(entry);
             let in_use = (1..=127).contains(&node);
-            Watched {
-                node,
-                time: if in_use { Duration::from_millis(time) } else { Duration::ZERO },
-                due: Timestamp::MAX,
-                lost: false,
-            }
+            let time = if in_use { Duration::from_millis(time) } else { Duration::ZERO };
+            let due = if at_once && time > Duration::ZERO { now + time } else { Timestamp::MAX };
+            Watched { node, time, due, lost: false }
         }));
     }
 
-    /// An error control message of that node came.
-    pub fn on_heartbeat(&mut self, now: Timestamp, node: u8) -> Option<Guarded> {
+    /// An error control message of that node came; whether the node was missing.
+    pub fn on_heartbeat(&mut self, now: Timestamp, node: u8, faults: Faults) -> bool {
         let mut back = false;
         for watched in self.watched.iter_mut().filter(|watched| watched.node == node) {
-            if watched.time > Duration::ZERO {
+            if watched.time > Duration::ZERO && !(watched.lost && faults.has(Fault::HeartbeatConsumerNotRearmed)) {
                 watched.due = now + watched.time;
                 back |= std::mem::take(&mut watched.lost);
             }
         }
-        (back && !self.watched.iter().any(|watched| watched.lost)).then_some(Guarded::Back)
+        back
     }
 
     /// When the next node is missed.
@@ -70,15 +60,12 @@ impl HeartbeatConsumer {
         self.watched.iter().map(|watched| watched.due).min().unwrap_or(Timestamp::MAX)
     }
 
-    /// A time has come.
-    pub fn poll(&mut self, now: Timestamp) -> Option<Guarded> {
-        let mut lost = false;
-        for watched in self.watched.iter_mut().filter(|watched| now >= watched.due) {
-            watched.due = Timestamp::MAX;
-            watched.lost = true;
-            lost = true;
-        }
-        lost.then_some(Guarded::Lost)
+    /// A node that is missed from now on, if there is one: called until there is none.
+    pub fn poll(&mut self, now: Timestamp) -> Option<u8> {
+        let watched = self.watched.iter_mut().find(|watched| now >= watched.due)?;
+        watched.due = Timestamp::MAX;
+        watched.lost = true;
+        Some(watched.node)
     }
 }
 

@@ -1,62 +1,129 @@
 //! From power-on and reset to operational and back: what a change of the NMT state does to the services.
 
-use super::dispatch::service_of;
+use super::clock::Clock;
 use super::encoder::Encoder;
-use super::guarding::NodeGuarding;
 use super::lss_slave::LssSlave;
 use super::nmt::{self, Order, Phase, Service};
+use super::overload::Overload;
+use super::parameters::Content;
+use super::rpdo::Rpdo;
+use super::second_sdo::SecondSdo;
 use super::store::Groups;
 use super::tpdo::Tpdo;
-use super::{Device, PLACEHOLDER, heartbeat};
+use super::{Device, PLACEHOLDER, heartbeat, push};
 use crate::Fault;
+use crate::models::Trigger;
 use canvass_analyzer::NodeId;
-use canvass_analyzer::wire::nmt as nmt_wire;
-use canvass_traces::{Frame, Timestamp};
+use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
+use canvass_analyzer::wire::{Wire, nmt as nmt_wire};
+use canvass_traces::{Duration, Frame, Timestamp};
+
+/// NMT commands that follow each other faster than that are too much for a firmware that keeps only one.
+const ONE_COMMAND: Duration = Duration::from_millis(1);
 
 impl Device {
     /// Off and on again: what was not stored is lost.
     pub fn power_cycle(&mut self, now: Timestamp) {
-        self.objects.errors.clear_history();
+        self.objects.errors.power_on();
+        self.lmt.power_on();
+        self.store.power_on();
+        self.objects.clock = Clock::new(now, self.faults);
+        self.objects.received_emcy = 0;
         self.lss = LssSlave::new();
+        self.overload = Overload::new();
+        self.hangs = false;
+        self.resets = 0;
+        self.take_stored_node_id();
+        self.take_stored_bit_rate();
+        self.initialise(now, Groups::ALL);
+        self.settle(now);
+    }
+
+    /// A watchdog resets the processor.
+    pub(super) fn restart(&mut self, now: Timestamp) {
         self.reset(now, Order::ResetNode);
+    }
+
+    /// The firmware does nothing any more.
+    pub(super) fn hang(&mut self) {
+        self.hangs = true;
+        self.outbox.clear();
     }
 
     /// Begins to initialise, with the stored values of those groups.
     pub(super) fn initialise(&mut self, now: Timestamp, groups: Groups) {
+        if self.node.is_none() && self.faults.has(Fault::UnconfiguredNodeBoots) {
+            self.node = Some(PLACEHOLDER);
+        }
         self.outbox.clear();
+        self.activation = None;
         self.heartbeat.stop();
-        self.guarding = NodeGuarding::new();
+        self.guarding.reset(self.faults);
         self.sdo.boot();
+        self.second_sdos.iter_mut().for_each(SecondSdo::reset);
         self.objects.errors.reset();
         self.objects.written.clear();
+        self.objects.wedged = false;
+        self.shaft_due = Timestamp::MAX;
+        self.objects.drop_waiting();
+        self.silent_until = Timestamp::ZERO;
         self.tpdos.iter_mut().for_each(Tpdo::stop);
+        self.rpdos.iter_mut().for_each(Rpdo::stop);
         let node = self.node.unwrap_or(PLACEHOLDER);
+        if self.faults.has(Fault::StoreTornByReset) {
+            self.store.tear(&self.objects.parameters, node);
+        }
         self.store.load(groups, &mut self.objects.parameters, self.objects.encoder.as_mut(), node);
+        self.objects.settle_links(groups);
+        self.show_node_id();
         self.phase = match self.node {
             Some(_) => Phase::Initialising { until: now + self.objects.model.sheet().timing.boot() },
             None => Phase::Unconfigured,
         };
+        self.second_sdos.iter_mut().for_each(|channel| channel.configure(&self.objects));
+        self.find_routes();
+        if self.node.is_some() && self.faults.has(Fault::EmcyBeforeBootUp) {
+            let none = Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]);
+            push(&mut self.outbox, none.to_frame(emcy::CAN_ID_BASE + u16::from(node.raw())));
+        }
     }
 
     /// The end of initialisation.
     pub(super) fn boot_up(&mut self, now: Timestamp) {
         self.phase = Phase::PreOperational;
-        if self.objects.model.sheet().network.boot_up_message {
+        self.resets += 1;
+        let missing = self.resets.is_multiple_of(8) && self.faults.has(Fault::BootUpSometimesMissing);
+        if self.objects.model.sheet().network.boot_up_message && !missing {
             for message in heartbeat::boot_up(self.faults) {
                 self.send_error_control(message);
             }
         }
         self.start_heartbeat(now);
-        self.consumer.configure(&self.objects.parameters);
+        self.consumer.configure(now, &self.objects.parameters, self.faults);
         self.configure_guarding(now);
-        self.configure_tpdos(now);
+        self.configure_rpdos();
+        self.configure_sync(now);
+        self.sync.restart(now, true);
+        self.configure_clock(now);
+        self.find_routes();
         self.after_change(now);
+        self.watch_shaft(now);
         if self.faults.has(Fault::TpdoInPreOperational) {
             self.start_tpdos(now);
         }
-        if Encoder::starts_in_operational(&self.objects.parameters) {
+        if Encoder::starts_in_operational(&self.objects.parameters) && self.objects.encoder.is_some()
+            || self.starts_by_itself()
+        {
             self.enter(now, Phase::Operational);
         }
+    }
+
+    /// 1F80h: whether the device goes to operational without its master.
+    fn starts_by_itself(&self) -> bool {
+        let start_up = self.objects.model.sheet().network.start_up;
+        let set = self.objects.parameters.number(0x1F80, 0);
+        set.is_some_and(|value| value as u32 & start_up.mask == start_up.value)
+            && !self.faults.has(Fault::StartUpIgnored)
     }
 
     /// Another NMT state: services that don't work in it end.
@@ -64,18 +131,28 @@ impl Device {
         if self.phase == phase {
             return;
         }
-        self.phase = phase;
+        let before = std::mem::replace(&mut self.phase, phase);
         if phase.serves(Service::Pdo, self.faults) {
             self.start_tpdos(now);
         } else {
             self.tpdos.iter_mut().for_each(Tpdo::stop);
         }
+        if !phase.receives_pdos(self.faults) {
+            self.rpdos.iter_mut().for_each(Rpdo::stop);
+        }
         if !phase.serves(Service::Sdo, self.faults) {
             self.sdo.reset();
+            self.second_sdos.iter_mut().for_each(SecondSdo::reset);
         }
-        let (faults, node, tpdos) = (self.faults, self.node, &self.tpdos);
-        self.outbox.retain(|frame| service_of(frame, node, tpdos).is_none_or(|service| phase.serves(service, faults)));
-        if faults.has(Fault::HeartbeatLostOnStateChange) {
+        let sends = phase.serves(Service::Broadcast, self.faults);
+        if sends != before.serves(Service::Broadcast, self.faults) {
+            self.sync.restart(now, sends);
+            self.objects.clock.restart(now, sends);
+        }
+        let waiting = std::mem::take(&mut self.outbox);
+        let served = |frame: &Frame| self.service_of(frame).is_none_or(|service| phase.serves(service, self.faults));
+        self.outbox = waiting.into_iter().filter(served).collect();
+        if self.faults.has(Fault::HeartbeatLostOnStateChange) {
             self.heartbeat.stop();
         }
     }
@@ -83,20 +160,75 @@ impl Device {
     fn reset(&mut self, now: Timestamp, order: Order) {
         let keeps = self.faults.has(Fault::NmtResetCommunicationKeepsParameters);
         match order {
-            Order::ResetCommunication if keeps => self.initialise(now, Groups::NONE),
-            Order::ResetCommunication => self.initialise(now, Groups::COMMUNICATION),
-            _ if self.faults.has(Fault::NmtResetNodeKeepsParameters) => self.initialise(now, Groups::NONE),
-            _ => {
-                self.take_stored_node_id();
-                self.initialise(now, Groups::ALL);
+            Order::ResetCommunication => {
+                self.take_pending_node_id();
+                self.initialise(
+                    now,
+                    match () {
+                        () if keeps => Groups::NONE,
+                        () if self.objects.model.sheet().quirks.reset_communication_loads_all => {
+                            Groups::ALL.without(Groups::BUS)
+                        }
+                        () if self.faults.has(Fault::NmtResetCommunicationRestoresAll) => Groups::ALL,
+                        () => Groups::COMMUNICATION,
+                    },
+                );
             }
+            _ if self.faults.has(Fault::NmtResetNodeKeepsParameters) => self.initialise(now, Groups::NONE),
+            _ => self.reset_node(now),
+        }
+    }
+
+    fn reset_node(&mut self, now: Timestamp) {
+        self.lss.pending = Default::default();
+        let model = self.objects.model.clone();
+        let (network, quirks) = (&model.sheet().network, &model.sheet().quirks);
+        if quirks.bus_objects_survive_reset {
+            self.take_written_node_id();
+            return self.initialise(now, Groups::ALL.without(Groups::BUS));
+        }
+        if network.takes_effect.contains(&Trigger::ResetNode) {
+            self.take_stored_node_id();
+            self.take_stored_bit_rate();
+        }
+        self.initialise(now, Groups::ALL);
+        if quirks.reset_node_restores_profile {
+            self.objects.parameters.restore_profile(self.node.unwrap_or(PLACEHOLDER));
+        }
+    }
+
+    /// An object that can't be written shows the node-ID in use, not the one that is stored.
+    fn show_node_id(&mut self) {
+        let Some(at) = self.objects.model.sheet().network.node_id_object else { return };
+        let is_shown = self.objects.parameters.entry(at).is_ok_and(|entry| !entry.writable);
+        if let (true, Some(node)) = (is_shown, self.node) {
+            self.objects.parameters.set(at, Content::Number(u64::from(node.raw())));
+        }
+    }
+
+    /// A node-ID that was written acts without being stored.
+    fn take_written_node_id(&mut self) {
+        let at = self.objects.model.sheet().network.node_id_object;
+        let written = at.and_then(|at| self.objects.parameters.number(at.index.0, at.sub.0));
+        if let Some(node) = written.and_then(|written| u8::try_from(written).ok()).and_then(NodeId::new) {
+            self.node = Some(node);
+        }
+    }
+
+    /// A node-ID that LSS configured acts from a reset communication on (CiA 305).
+    fn take_pending_node_id(&mut self) {
+        if let Some(node_id) = self.lss.pending.node_id.take() {
+            self.node = NodeId::new(node_id);
         }
     }
 
     /// Node-ID and bit rate that were stored act from a reset node on.
     fn take_stored_node_id(&mut self) {
-        let Some(at) = self.objects.model.sheet().network.node_id_object else { return };
-        self.node = match self.store.number(at, &self.objects.parameters) {
+        let stored = match self.objects.model.sheet().network.node_id_object {
+            Some(at) => self.store.number(at, &self.objects.parameters),
+            None => self.store.network().node_id.map(u64::from),
+        };
+        self.node = match stored {
             Some(stored) => u8::try_from(stored).ok().and_then(NodeId::new),
             None => self.delivered_node,
         };
@@ -113,6 +245,11 @@ impl Device {
             [command, node] => nmt_wire::Nmt { command: nmt_wire::Command(command), node },
             _ => return,
         };
+        let before = self.last_command.replace(now);
+        let too_fast = before.is_some_and(|before| now < before + ONE_COMMAND);
+        if too_fast && self.faults.has(Fault::NmtCommandLost) {
+            return;
+        }
         match nmt::order(message, node, self.phase, self.faults) {
             Some(Order::Enter(phase)) => self.enter(now, phase),
             Some(order) => self.reset(now, order),

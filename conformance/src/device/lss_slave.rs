@@ -1,14 +1,14 @@
 //! The LSS slave: node-ID and bit rate over the bus (CiA 305).
 
 use super::nmt::Phase;
-use super::store::Groups;
+use super::store::{Groups, StoredNetwork};
 use super::{Device, push};
-use crate::models::Model;
+use crate::models::{BitRate, Model};
 use crate::{Fault, Faults};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
-use canvass_traces::{Frame, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// The node-ID that says "not configured".
 pub(super) const UNCONFIGURED: u8 = 255;
@@ -46,6 +46,10 @@ pub(super) enum Effect {
     Store,
     /// Configuration is over: the new node-ID is taken over by a restart.
     Leave,
+    /// Change to the new bit rate, silent for that time before and after.
+    Activate(Duration),
+    /// A faulty firmware does nothing any more.
+    Hang,
 }
 
 impl LssSlave {
@@ -70,17 +74,28 @@ impl LssSlave {
         faults: Faults,
     ) -> (Option<Response>, Option<Effect>) {
         let response = match request {
-            Request::SwitchGlobal { mode } => return (None, self.on_switch_global(mode)),
-            Request::SwitchSelective { part, value } => self.on_switch_selective(part, value, address),
-            Request::IdentifyRemote { bound, value } => self.on_identify(bound as usize, value, address),
-            Request::IdentifyNonConfigured => (node == UNCONFIGURED).then_some(Response::NonConfigured),
+            Request::SwitchGlobal { mode } => return (None, self.on_switch_global(mode, faults)),
+            Request::SwitchSelective { part, value } => self.on_switch_selective(part, value, address, faults),
+            Request::IdentifyRemote { bound, value } => self.on_identify(bound as usize, value, address, faults),
+            Request::IdentifyNonConfigured => {
+                let answers = node == UNCONFIGURED || faults.has(Fault::LssNonConfiguredAnswered);
+                answers.then_some(Response::NonConfigured)
+            }
+            Request::Fastscan { sub, next, .. } if (sub > 3 || next > 3) && faults.has(Fault::FastscanHangs) => {
+                return (None, Some(Effect::Hang));
+            }
             Request::Fastscan { id, bit_check, sub, next } => {
-                let takes_part = node == UNCONFIGURED && !self.configuring;
-                if takes_part { self.on_fastscan(id, bit_check, sub, next, address) } else { None }
+                let has_part = node == UNCONFIGURED || faults.has(Fault::FastscanAnsweredWhenConfigured);
+                let takes_part = has_part && !self.configuring;
+                if takes_part { self.on_fastscan(id, bit_check, sub, next, address, faults) } else { None }
+            }
+            Request::ActivateBitTiming { delay } if self.configuring => {
+                return (None, Some(Effect::Activate(Duration::from_millis(delay.into()))));
             }
             Request::StoreConfiguration if self.configuring => {
-                let done = Response::Configured { command: ConfigureCommand::Store, error: 0, specific: 0 };
-                return (Some(done), Some(Effect::Store));
+                let error = model.sheet().network.lss_store_error;
+                let done = Response::Configured { command: ConfigureCommand::Store, error, specific: 0 };
+                return (Some(done), (error == 0).then_some(Effect::Store));
             }
             request if self.configuring || faults.has(Fault::LssAnsweredWhileWaiting) => {
                 self.on_configuration(request, address, node, model, faults)
@@ -90,11 +105,12 @@ impl LssSlave {
         (response, None)
     }
 
-    fn on_switch_global(&mut self, mode: u8) -> Option<Effect> {
+    fn on_switch_global(&mut self, mode: u8, faults: Faults) -> Option<Effect> {
         let was_configuring = self.configuring;
         match mode {
             0 => self.configuring = false,
             1 => self.configuring = true,
+            _ if faults.has(Fault::LssReservedModeWaits) => self.configuring = false,
             _ => return None,
         }
         self.selected = 0;
@@ -102,13 +118,19 @@ impl LssSlave {
     }
 
     /// The four parts have to come in order; the last one switches.
-    fn on_switch_selective(&mut self, part: Part, value: u32, address: Address) -> Option<Response> {
+    fn on_switch_selective(&mut self, part: Part, value: u32, address: Address, faults: Faults) -> Option<Response> {
         if self.configuring {
             return None;
         }
         let position = part as usize;
-        let fits = (position == 0 || position == self.selected) && address.get(position) == Some(&value);
-        self.selected = if fits { position + 1 } else { 0 };
+        let in_order = position == 0 || position == self.selected || faults.has(Fault::LssSelectiveAnyOrder);
+        let unchecked = part == Part::SerialNumber && faults.has(Fault::LssSelectiveThreeParts);
+        let fits = in_order && (address.get(position) == Some(&value) || unchecked);
+        self.selected = match fits {
+            true if faults.has(Fault::LssSelectiveAnyOrder) => self.selected + 1,
+            true => position + 1,
+            false => 0,
+        };
         if self.selected < address.len() {
             return None;
         }
@@ -118,8 +140,14 @@ impl LssSlave {
     }
 
     /// Vendor-ID and product code have to be equal, revision and serial number within bounds.
-    fn on_identify(&mut self, bound: usize, value: u32, address: Address) -> Option<Response> {
+    fn on_identify(&mut self, bound: usize, value: u32, address: Address, faults: Faults) -> Option<Response> {
         let [vendor, product, revision, serial] = address;
+        if faults.has(Fault::LssIdentifyRangeExclusive)
+            && (bound == 3 && value == revision || bound == 5 && value == serial)
+        {
+            self.identified = 0;
+            return None;
+        }
         let fits = match bound {
             0 => value == vendor,
             1 => value == product,
@@ -137,7 +165,15 @@ impl LssSlave {
         Some(Response::Identified)
     }
 
-    fn on_fastscan(&mut self, id: u32, bit_check: u8, sub: u8, next: u8, address: Address) -> Option<Response> {
+    fn on_fastscan(
+        &mut self,
+        id: u32,
+        bit_check: u8,
+        sub: u8,
+        next: u8,
+        address: Address,
+        faults: Faults,
+    ) -> Option<Response> {
         if bit_check == 0x80 {
             self.scanning = 0;
             return Some(Response::Identified);
@@ -151,7 +187,7 @@ impl LssSlave {
         }
         if bit_check == 0 {
             // Only the last part ends the scan, and only from there back to the first.
-            self.configuring = sub == 3 && next < sub;
+            self.configuring = (sub == 3 || faults.has(Fault::FastscanEarlyMatch)) && next < sub;
             self.scanning = next;
         }
         Some(Response::Identified)
@@ -179,8 +215,11 @@ impl LssSlave {
                 let ok = table == 0 && known;
                 if ok {
                     self.pending.bit_timing = Some(index);
+                } else if faults.has(Fault::LssBitTimingWrongCode) {
+                    let command = ConfigureCommand::BitTiming;
+                    return Some(Response::Configured { command, error: 255, specific: 1 });
                 }
-                configured(ConfigureCommand::BitTiming, ok)
+                configured(ConfigureCommand::BitTiming, ok || faults.has(Fault::LssBitTimingUnchecked))
             }
             Request::Inquire { part } => Response::Part { part, value: *address.get(part as usize)? },
             Request::InquireNodeId => Response::NodeId(node),
@@ -190,6 +229,11 @@ impl LssSlave {
 }
 
 impl Device {
+    /// 1018h:01 to 04.
+    pub(super) fn lss_address(&self) -> Address {
+        [1, 2, 3, 4].map(|sub| self.objects.parameters.number_or_zero(0x1018, sub) as u32)
+    }
+
     /// A frame of the LSS master came.
     pub(super) fn on_lss(&mut self, now: Timestamp, frame: &Frame) {
         let network = &self.objects.model.sheet().network;
@@ -202,7 +246,7 @@ impl Device {
         if !network.lss || !works || booting || frame.len() != 8 {
             return;
         }
-        let address = [1, 2, 3, 4].map(|sub| self.objects.parameters.number_or_zero(0x1018, sub) as u32);
+        let address = self.lss_address();
         let node = self.node.map_or(UNCONFIGURED, NodeId::raw);
         let model = self.objects.model.clone();
         let (response, effect) = self.lss.handle(request, address, node, &model, self.faults);
@@ -212,29 +256,54 @@ impl Device {
         match effect {
             Some(Effect::Store) => self.store_lss(),
             Some(Effect::Leave) => self.leave_lss(now),
-            None => {}
+            Some(Effect::Activate(delay)) => self.activate_bit_rate(now, delay),
+            Some(Effect::Hang) => self.hang(),
+            None => self.take_node_id_at_once(),
         }
     }
 
     fn store_lss(&mut self) {
-        let sheet = self.objects.model.sheet();
-        let code = self.lss.pending.bit_timing;
-        let rate = code.and_then(|code| sheet.bit_rates.iter().find(|rate| rate.lss_code == Some(code)));
-        let node_id = self.lss.pending.node_id.map(u64::from);
-        let rate = rate.and_then(|rate| rate.object_code).map(u64::from);
-        for (at, number) in [(sheet.network.node_id_object, node_id), (sheet.network.bit_rate_object, rate)] {
+        if self.faults.has(Fault::LssStoreNotPersistent) {
+            return;
+        }
+        let network = &self.objects.model.sheet().network;
+        let pending = self.lss.pending;
+        let rate = pending.bit_timing.and_then(|code| self.bit_rate_of_lss(code)).and_then(|rate| rate.object_code);
+        let stored =
+            [(network.node_id_object, pending.node_id.map(u64::from)), (network.bit_rate_object, rate.map(u64::from))];
+        for (at, number) in stored {
             if let (Some(at), Some(number)) = (at, number) {
                 self.store.save_number(at, number, &self.objects.parameters);
             }
         }
+        let before = self.store.network();
+        self.store.save_network(StoredNetwork {
+            node_id: pending.node_id.or(before.node_id),
+            bit_timing: pending.bit_timing.or(before.bit_timing),
+        });
     }
 
-    /// The manual: after "switch to waiting" the device restarts by itself, with its new settings.
+    /// A new node-ID is taken over by a restart: at once where the manual says so, or where there was none; else at the
+    /// next reset communication (CiA 305).
     fn leave_lss(&mut self, now: Timestamp) {
-        if let Some(node_id) = self.lss.pending.node_id.take() {
+        let restarts = self.objects.model.sheet().network.lss_restarts || self.node.is_none();
+        if restarts && let Some(node_id) = self.lss.pending.node_id.take() {
             self.node = NodeId::new(node_id);
             self.lss = LssSlave::new();
             self.initialise(now, Groups::ALL);
         }
+    }
+
+    fn take_node_id_at_once(&mut self) {
+        let node_id = self.lss.pending.node_id.and_then(NodeId::new);
+        if self.faults.has(Fault::LssNodeIdAtOnce) && self.node.is_some() && node_id.is_some() {
+            self.node = node_id;
+            self.find_routes();
+        }
+    }
+
+    /// The bit rate with that code of LSS.
+    pub(super) fn bit_rate_of_lss(&self, code: u8) -> Option<BitRate> {
+        self.objects.model.sheet().bit_rates.iter().find(|rate| rate.lss_code == Some(code)).copied()
     }
 }

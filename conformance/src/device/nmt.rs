@@ -28,6 +28,8 @@ pub(super) enum Service {
     Emcy,
     ErrorControl,
     Lss,
+    /// SYNC and TIME.
+    Broadcast,
 }
 
 /// What a command makes the device do.
@@ -49,6 +51,16 @@ impl Phase {
         }
     }
 
+    /// Whether RPDOs act.
+    pub const fn receives_pdos(self, faults: Faults) -> bool {
+        match self {
+            Self::Operational => true,
+            Self::PreOperational => faults.has(Fault::RpdoInPreOperational),
+            Self::Stopped => faults.has(Fault::RpdoWhenStopped),
+            _ => false,
+        }
+    }
+
     /// Whether NMT commands are obeyed.
     pub const fn is_running(self) -> bool {
         matches!(self, Self::PreOperational | Self::Operational | Self::Stopped)
@@ -58,6 +70,8 @@ impl Phase {
     pub const fn serves(self, service: Service, faults: Faults) -> bool {
         match (self, service) {
             (_, Service::Lss) => true,
+            (Self::Initialising { .. }, Service::Sdo) => faults.has(Fault::SdoAnsweredBeforeBootUp),
+            (Self::Initialising { .. }, Service::Emcy) => faults.has(Fault::EmcyBeforeBootUp),
             (Self::Unconfigured | Self::Initialising { .. }, _) => false,
             (Self::Operational, Service::Sdo) => !faults.has(Fault::SdoSilentWhenOperational),
             (_, Service::ErrorControl) | (Self::Operational, _) => true,
@@ -66,6 +80,7 @@ impl Phase {
             (Self::Stopped, Service::Sdo) => faults.has(Fault::SdoAnsweredWhenStopped),
             (Self::Stopped, Service::Emcy) => faults.has(Fault::EmcyWhenStopped),
             (Self::Stopped, Service::Pdo) => faults.has(Fault::TpdoWhenStopped),
+            (Self::Stopped, Service::Broadcast) => faults.has(Fault::SyncWhenStopped),
         }
     }
 }

@@ -1,14 +1,14 @@
 //! The object dictionary as an SDO client meets it: access rights, lengths, limits, and the objects with behaviour.
 
 use super::PLACEHOLDER;
-use super::emcy::Errors;
-use super::encoder::Encoder;
-use super::heartbeat_consumer;
+use super::clock::Clock;
+use super::emcy::{Condition, Errors};
+use super::encoder::{self, Encoder};
+use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
-use super::parameters::{Content, Parameters, Reading};
+use super::parameters::{Content, Parameter, Parameters, Reading};
 use super::store::StoreCommand;
-use super::tpdo;
 use crate::models::Model;
 use crate::{Fault, Faults};
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -22,9 +22,16 @@ pub(super) struct Objects {
     pub parameters: Parameters,
     pub errors: Errors,
     pub encoder: Option<Encoder>,
+    pub clock: Clock,
+    /// The bytes of the last EMCY of a node of 1028h.
+    pub received_emcy: u64,
     pub faults: Faults,
     /// What was written by SDO and not yet acted on.
     pub written: Vec<(Multiplexer, u64)>,
+    /// The firmware hangs: nothing is answered until a reset.
+    pub wedged: bool,
+    /// What was written to objects that act only when they are stored.
+    waiting: Vec<(Multiplexer, u64)>,
 }
 
 impl Objects {
@@ -40,10 +47,14 @@ impl Objects {
         Self {
             model: model.clone(),
             parameters,
-            errors: Errors::new(history.saturating_sub(1), faults),
+            errors: Errors::new(history.saturating_sub(1), &model.sheet().quirks, faults),
             encoder: Encoder::new(model, motion, faults),
+            clock: Clock::new(Timestamp::ZERO, faults),
+            received_emcy: 0,
             faults,
             written: Vec::with_capacity(4),
+            wedged: false,
+            waiting: Vec::new(),
         }
     }
 
@@ -52,21 +63,64 @@ impl Objects {
         self.encoder.as_ref().is_some_and(|encoder| !encoder.motion().is_still())
     }
 
-    /// The number that an object has now, as a PDO carries it; `None` for a string or no object.
-    pub fn number(&self, now: Timestamp, at: Multiplexer) -> Option<u64> {
-        match self.live(now, at) {
-            Ok(Some(number)) => Some(number),
-            _ => self.parameters.number(at.index.0, at.sub.0),
-        }
+    /// The number that an object has now, as a PDO carries it; `again` where the PDO had the object before: of an encoder
+    /// with redundant channels that is the other channel. `None` for a string or no object.
+    pub fn number(&self, now: Timestamp, at: Multiplexer, again: bool) -> Option<u64> {
+        let encoder = self.encoder.as_ref().filter(|_| at.index.0 >= 0x2000);
+        encoder
+            .and_then(|encoder| encoder.process_value(now, at, again, &self.parameters))
+            .or_else(|| self.live(now, at).ok().flatten())
+            .or_else(|| self.parameters.number(at.index.0, at.sub.0))
     }
 
     /// The value of an object that is not simply what was written last.
     fn live(&self, now: Timestamp, at: Multiplexer) -> Result<Option<u64>, AbortCode> {
+        let network = &self.model.sheet().network;
+        Ok(match at.index.0 {
+            0x1001 => Some(u64::from(self.errors.register())),
+            0x1003 => Some(self.errors.history(at.sub.0)?),
+            0x1013 if network.time_consumer => Some(u64::from(self.clock.micros(now))),
+            ..0x2000 => None,
+            _ if network.clock_object == Some(at) => {
+                let time = self.clock.time(now);
+                Some(u64::from(time.days) << 32 | u64::from(time.raw_milliseconds))
+            }
+            _ if network.received_emcy_object == Some(at) => Some(self.received_emcy),
+            _ => self.measured(now, at).or_else(|| {
+                let source = self.followed(at)?;
+                self.measured(now, source).or_else(|| self.parameters.number(source.index.0, source.sub.0))
+            }),
+        })
+    }
+
+    /// The live value of an object of the profile, as this model shows it.
+    fn measured(&self, now: Timestamp, at: Multiplexer) -> Option<u64> {
+        let quirks = &self.model.sheet().quirks;
+        if let Some((_, waiting)) = self.waiting.iter().find(|(object, _)| *object == at) {
+            return Some(*waiting);
+        }
+        let encoder = self.encoder.as_ref()?;
+        match (at.index.0, at.sub.0) {
+            (0x6500, 0) if quirks.limit_switches => {
+                let position = encoder.value(now, POSITION, &self.parameters)?;
+                Some(limit_switches::operating_status(position, &self.parameters, self.faults))
+            }
+            (0x6501 | 0x6502, 0) if quirks.resolution_follows_scaling => self.scaled_resolution(at),
+            (0x6503, 0) if quirks.limits_checked_at_store => Some(self.errors.alarms()),
+            (0x6508, 0) if self.parameters.number(0x6508, 0) == Some(NOT_USED) => None,
+            _ => encoder.value(now, at, &self.parameters),
+        }
+    }
+
+    /// 6501h and 6502h while scaling is on: units per revolution, and the revolutions that the range spans.
+    fn scaled_resolution(&self, at: Multiplexer) -> Option<u64> {
+        let number = |index| self.parameters.number_or_zero(index, 0);
+        if number(0x6000) & SCALING == 0 {
+            return None;
+        }
         match at.index.0 {
-            0x1001 => Ok(Some(u64::from(self.errors.register()))),
-            0x1003 => self.errors.history(at.sub.0).map(Some),
-            0x6000.. => Ok(self.encoder.as_ref().and_then(|encoder| encoder.value(now, at, &self.parameters))),
-            _ => Ok(None),
+            0x6501 => Some(number(0x6001)),
+            _ => number(0x6002).checked_div(number(0x6001)),
         }
     }
 
@@ -77,9 +131,14 @@ impl Objects {
     pub fn upload(&self, now: Timestamp, at: Multiplexer) -> Result<Reading<'_>, AbortCode> {
         let entry = self.parameters.entry(at).map_err(|code| self.missing(code))?;
         if !entry.readable {
-            return Err(AbortCode::WRITE_ONLY);
+            return Err(self.own(AbortCode::WRITE_ONLY));
         }
         Ok(entry.reading(self.live(now, at)?))
+    }
+
+    /// The abort code that this model has for the reason of a standard one.
+    fn own(&self, code: AbortCode) -> AbortCode {
+        self.model.sheet().quirks.abort_code(code)
     }
 
     /// Whether an SDO download to that object may begin, of so many bytes where their number is known. The largest
@@ -93,7 +152,7 @@ impl Objects {
             return if self.faults.has(Fault::SdoReadOnlyWritable) {
                 Ok(entry.longest())
             } else {
-                Err(self.read_only())
+                Err(self.own(self.read_only()))
             };
         }
         if let Some(len) = len {
@@ -122,64 +181,90 @@ impl Objects {
             self.parameters.set(at, content);
             return Ok(());
         };
-        self.check(at, value)?;
-        if !self.is_command(at) {
-            self.parameters.set(at, content);
-            self.follow_links(at, value);
+        self.check(at, value).map_err(|code| self.own(code))?;
+        if StoreCommand::of(at, &self.model.sheet().storage).is_some_and(StoreCommand::is_save) {
+            self.check_waiting()?;
         }
-        if at == Multiplexer::new(0x6003, 0)
-            && let Some(encoder) = &mut self.encoder
-        {
-            encoder.preset(now, value, &self.parameters);
+        self.put(now, at, value);
+        Ok(())
+    }
+
+    /// An RPDO carries a value for an object. What the object does not take is left out; nobody is told.
+    pub fn receive(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
+        if self.faults.has(Fault::RpdoRangeUnchecked) || self.check(at, value).is_ok() {
+            self.put(now, at, value);
+        }
+    }
+
+    /// Writes a number that was checked.
+    fn put(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
+        if self.model.sheet().quirks.acts_when_stored.contains(&at) {
+            self.waiting.retain(|(object, _)| *object != at);
+            self.waiting.push((at, value));
+        } else if !self.is_command(at) {
+            self.parameters.set(at, Content::Number(value));
+            self.write_through(at, value);
+        }
+        if let Some(encoder) = &mut self.encoder {
+            self.wedged = encoder.wedges(at, value);
+            encoder.on_written(now, at, value, &self.parameters);
         }
         self.written.push((at, value));
-        Ok(())
+    }
+
+    /// What waits to be stored acts from now on.
+    pub fn take_waiting(&mut self) {
+        for (at, value) in std::mem::take(&mut self.waiting) {
+            self.parameters.set(at, Content::Number(value));
+        }
+    }
+
+    /// A reset: what waits to be stored is lost.
+    pub fn drop_waiting(&mut self) {
+        self.waiting.clear();
+    }
+
+    /// Whether all that waits to be stored is within its limits; that it is not is an alarm.
+    fn check_waiting(&mut self) -> Result<(), AbortCode> {
+        if !self.model.sheet().quirks.limits_checked_at_store {
+            return Ok(());
+        }
+        let fits = |&(at, value): &(Multiplexer, u64)| {
+            self.parameters.entry(at).and_then(|entry| entry.check_range(value)).is_ok()
+        };
+        let fits = self.waiting.iter().all(fits);
+        self.errors.set(Condition::Parameter, !fits);
+        if fits { Ok(()) } else { Err(self.own(AbortCode::HARDWARE)) }
+    }
+
+    /// What switching scaling off does beside that.
+    pub fn reset_scaling(&mut self, node: NodeId) {
+        self.waiting.retain(|(at, _)| !matches!(at.index.0, 0x6001 | 0x6002));
+        for entry in self.parameters.entries_mut() {
+            if matches!(entry.at.index.0, 0x6001 | 0x6002) {
+                entry.content = entry.default_content(node);
+            }
+        }
     }
 
     fn check_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
         match self.parameters.entry(at)?.check_length(len) {
             Err(AbortCode::LENGTH_TOO_HIGH) if self.faults.has(Fault::SdoLengthUnchecked) => Ok(()),
             Err(AbortCode::LENGTH_TOO_LOW) if self.faults.has(Fault::SdoShortLengthUnchecked) => Ok(()),
-            checked => checked,
+            Err(code) => Err(self.model.sheet().network.sdo_length_abort.map_or(code, AbortCode)),
+            Ok(()) => Ok(()),
         }
     }
 
-    /// Whether the object takes that number now: limits, and the conditions of its service.
-    fn check(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
-        let (parameters, faults) = (&self.parameters, self.faults);
-        let sheet = self.model.sheet();
-        if let Some(command) = StoreCommand::of(at, &sheet.storage) {
-            return if faults.has(Fault::StoreSignatureUnchecked) {
-                Ok(())
-            } else {
-                command.check(value, &sheet.storage)
-            };
-        }
-        // The number of mapped objects has abort codes of its own.
-        if let 0x1A00..0x1C00 = at.index.0 {
-            return tpdo::check_mapping(at, value, parameters, faults);
-        }
-        if !faults.has(Fault::SdoRangeUnchecked) {
-            parameters.entry(at)?.check_range(value)?;
-        }
-        match at.index.0 {
-            0x1003 if value != 0 => Err(AbortCode::INVALID_VALUE),
-            0x1005 | 0x1012 | 0x1014 => self.check_cob_id(at, value),
-            0x1016 if at.sub.0 > 0 => heartbeat_consumer::check(at, value, parameters, faults),
-            0x1800..0x1A00 => tpdo::check_communication(at, value, parameters, &sheet.network, faults),
-            0x6003 => self.encoder.as_ref().map_or(Ok(()), |encoder| encoder.check_preset(value, parameters)),
-            0x6000.. => Encoder::check(at, value, parameters),
-            _ => Ok(()),
-        }
+    /// Bit 31 of a COB-ID that has it as delivered: 1005h of DS-301 V3.0, where it says that SYNC is consumed.
+    fn consumer_bit(&self, at: Multiplexer) -> u64 {
+        self.parameters.entry(at).map_or(0, Parameter::default_bits) & u64::from(CobId::INVALID)
     }
 
-    /// SYNC, TIME and EMCY: 11 bits, not restricted; the device only consumes SYNC and TIME (bit 30).
-    fn check_cob_id(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
-        let new = CobId(value as u32);
-        let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
-        let produces = at.index.0 != 0x1014 && new.0 & CobId::NO_RTR != 0;
-        let restricted = new.is_restricted() && !self.faults.has(Fault::RestrictedCanIdAccepted);
-        if reserved || produces || restricted { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    /// Whether SYNC is listened to.
+    pub fn consumes_sync(&self) -> bool {
+        let needed = self.consumer_bit(Multiplexer::new(0x1005, 0));
+        self.parameters.number_or_zero(0x1005, 0) & needed == needed
     }
 
     /// Whether a write to the object does something instead of leaving a value.
@@ -190,17 +275,6 @@ impl Objects {
     /// Whether writing the object takes as long as writing the non-volatile memory.
     pub fn takes_long(&self, at: Multiplexer) -> bool {
         StoreCommand::of(at, &self.model.sheet().storage).is_some()
-    }
-
-    /// 6200h is the event timer of the first TPDO (CiA 406).
-    fn follow_links(&mut self, at: Multiplexer, value: u64) {
-        match (at.index.0, at.sub.0) {
-            (0x6200, 0) if !self.faults.has(Fault::CyclicTimerNotLinked) => {
-                self.parameters.set_number(0x1800, 5, value);
-            }
-            (0x1800, 5) => self.parameters.set_number(0x6200, 0, value),
-            _ => {}
-        }
     }
 
     fn missing(&self, code: AbortCode) -> AbortCode {
@@ -219,8 +293,17 @@ impl Objects {
     }
 }
 
+const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+
+/// Bit 2 of 6000h.
+const SCALING: u64 = 1 << 2;
+
+/// 6508h of a device that does not count its operating time (CiA 406).
+const NOT_USED: u64 = 0xFFFF_FFFF;
+
 /// Faults in what the dictionary holds, not in what the firmware does.
 fn plant(parameters: &mut Parameters, faults: Faults) {
+    encoder::plant(parameters, faults);
     let vendor_id = Multiplexer::new(0x1018, 1);
     let device_type = Multiplexer::new(0x1000, 0);
     if faults.has(Fault::VendorIdZero) {
@@ -232,6 +315,18 @@ fn plant(parameters: &mut Parameters, faults: Faults) {
     }
     if faults.has(Fault::IdentityRevisionMissing) {
         parameters.remove(0x1018, Some(3));
+    }
+    for (fault, at) in [
+        (Fault::PdoCountWrong, Multiplexer::new(0x1004, 0)),
+        (Fault::NodeIdObjectWrong, Multiplexer::new(0x100B, 0)),
+        (Fault::GuardingCobIdWrong, Multiplexer::new(0x100E, 0)),
+    ] {
+        if faults.has(fault) {
+            parameters.redefine(at, Content::Number(parameters.number_or_zero(at.index.0, at.sub.0) + 1));
+        }
+    }
+    if faults.has(Fault::ErrorControlMissing) {
+        parameters.remove(0x100D, None);
     }
     if faults.has(Fault::ErrorRegisterMissing) {
         parameters.remove(0x1001, None);

@@ -23,6 +23,8 @@ pub(super) struct Parameter {
     pub writable: bool,
     /// Whether a TPDO may carry it.
     pub tpdo_mappable: bool,
+    /// Whether an RPDO may carry it.
+    pub rpdo_mappable: bool,
     low: Option<i128>,
     high: Option<i128>,
     default: Default,
@@ -90,10 +92,31 @@ impl Parameters {
         self.entries.iter_mut().for_each(|entry| entry.content = entry.default_content(node));
     }
 
+    /// The parameters of the profile area (6000h to 9FFFh) as delivered.
+    pub fn restore_profile(&mut self, node: NodeId) {
+        for entry in self.entries.iter_mut().filter(|entry| matches!(entry.at.index.0, 0x6000..0xA000)) {
+            entry.content = entry.default_content(node);
+        }
+    }
+
     /// Removes an entry, or a whole object where `sub` is `None`, as if the firmware had none.
     pub fn remove(&mut self, index: u16, sub: Option<u8>) {
         self.entries.retain(|entry| entry.at.index.0 != index || sub.is_some_and(|sub| entry.at.sub.0 != sub));
         self.keys = self.entries.iter().map(|entry| key(entry.at)).collect();
+    }
+
+    /// Gives an entry another data type, as if the firmware had it so.
+    pub fn retype(&mut self, at: Multiplexer, data_type: DataType) {
+        if let Ok(entry) = self.entry_mut(at) {
+            entry.data_type = data_type;
+        }
+    }
+
+    /// Makes an entry writable, as if the firmware had it so.
+    pub fn open(&mut self, at: Multiplexer) {
+        if let Ok(entry) = self.entry_mut(at) {
+            entry.writable = true;
+        }
     }
 
     /// Gives an entry another value as delivered.
@@ -192,6 +215,7 @@ impl Parameter {
             readable: entry.access.is_readable(),
             writable: entry.access.is_writable(),
             tpdo_mappable: entry.pdo_mappable && entry.access.allows_tpdo(),
+            rpdo_mappable: entry.pdo_mappable && entry.access.allows_rpdo(),
             low: limit(&entry.low_limit),
             high: limit(&entry.high_limit),
             default,
@@ -199,11 +223,28 @@ impl Parameter {
         })
     }
 
+    /// Whether the value is not as delivered; a COB-ID that follows the node-ID always is.
+    pub fn is_changed(&self) -> bool {
+        match &self.default {
+            Default::Fixed(content) => self.fitted(content.clone()) != self.content,
+            Default::NodeIdPlus(_) => false,
+        }
+    }
+
     /// The value as delivered.
     pub fn default_content(&self, node: NodeId) -> Content {
         match &self.default {
             Default::Fixed(content) => self.fitted(content.clone()),
             Default::NodeIdPlus(offset) => Content::Number(u64::from(offset.wrapping_add(u32::from(node.raw())))),
+        }
+    }
+
+    /// The bits of the number as delivered, whatever the node-ID; 0 for a string.
+    pub const fn default_bits(&self) -> u64 {
+        match &self.default {
+            Default::Fixed(Content::Number(number)) => *number,
+            Default::NodeIdPlus(offset) => *offset as u64,
+            Default::Fixed(Content::Bytes(_)) => 0,
         }
     }
 
@@ -252,6 +293,12 @@ impl Parameter {
             return Err(AbortCode::VALUE_TOO_LOW);
         }
         Ok(())
+    }
+
+    /// How two values of this type compare; `None` for a type without order.
+    pub fn compare(&self, one: u64, other: u64) -> Option<std::cmp::Ordering> {
+        let number = |raw| Value::from_raw(self.data_type, raw).and_then(|value| value.as_number());
+        Some(number(one)?.cmp(&number(other)?))
     }
 
     /// The content that those bytes, little-endian, encode.

@@ -3,9 +3,11 @@
 use super::encoder::Encoder;
 use super::parameters::{Content, Parameters};
 use crate::models::{Model, Storage};
+use crate::{Fault, Faults};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 /// A set of groups of parameters.
@@ -27,6 +29,20 @@ impl Groups {
     pub const ALL: Self = Self(15);
     /// What 1010h:01 and 1011h:01 mean.
     const PARAMETERS: Self = Self(7);
+
+    const fn with(self, other: Self) -> Self {
+        Self(self.0 | other.0)
+    }
+
+    /// These groups but for the others.
+    pub const fn without(self, other: Self) -> Self {
+        Self(self.0 & !other.0)
+    }
+
+    /// Whether an object is in one of the groups.
+    pub fn has(self, at: Multiplexer, storage: &Storage) -> bool {
+        self.contains(Self::of(at, storage))
+    }
 
     const fn contains(self, other: Self) -> bool {
         self.0 & other.0 == other.0
@@ -66,10 +82,17 @@ impl StoreCommand {
     pub fn of(at: Multiplexer, storage: &Storage) -> Option<Self> {
         match (at.index.0, at.sub.0) {
             _ if Some(at) == storage.bus_save_object => Some(Self::Save(Groups::BUS)),
+            // Where nothing else stores the bus parameters, "all" are all.
+            (0x1010, 1) if storage.bus_save_object.is_none() => Some(Self::Save(Groups::ALL)),
             (0x1010, sub @ 1..) => Some(Self::Save(Groups::of_sub_index(sub))),
             (0x1011, sub @ 1..) => Some(Self::Restore(Groups::of_sub_index(sub))),
             _ => None,
         }
+    }
+
+    /// Whether it stores.
+    pub const fn is_save(self) -> bool {
+        matches!(self, Self::Save(_))
     }
 
     /// Whether the signature is right.
@@ -85,6 +108,15 @@ impl StoreCommand {
     }
 }
 
+/// Node-ID and bit rate of a device that has no objects for them.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct StoredNetwork {
+    /// 1 to 127, or 255 for none.
+    pub node_id: Option<u8>,
+    /// The index in table 0 of CiA 305.
+    pub bit_timing: Option<u8>,
+}
+
 /// The non-volatile memory.
 #[derive(Clone, Debug)]
 pub(super) struct Store {
@@ -92,6 +124,12 @@ pub(super) struct Store {
     /// What differs from the default, by the position of the parameter.
     image: Vec<Option<Content>>,
     offset: Option<i64>,
+    /// What LSS stored and no object holds.
+    network: StoredNetwork,
+    /// Groups whose defaults are loaded until power-off, whatever is stored.
+    restored: Groups,
+    /// Restored defaults are lost at power-off unless they are stored.
+    restore_needs_store: bool,
     /// Being written; if a reset comes before it is done, the memory keeps what it had.
     pending: Option<(Timestamp, StoreCommand)>,
 }
@@ -100,12 +138,41 @@ impl Store {
     /// An empty memory: everything as delivered.
     pub fn new(model: &Model, parameters: &Parameters) -> Self {
         let storage = Arc::new(model.sheet().storage.clone());
-        Self { storage, image: vec![None; parameters.entries().len()], offset: None, pending: None }
+        Self {
+            storage,
+            image: vec![None; parameters.entries().len()],
+            offset: None,
+            network: StoredNetwork::default(),
+            restored: Groups::NONE,
+            restore_needs_store: model.sheet().quirks.restore_needs_store,
+            pending: None,
+        }
     }
 
     /// Begins to write; it is done at `done`.
-    pub const fn begin(&mut self, done: Timestamp, command: StoreCommand) {
+    pub fn begin(&mut self, done: Timestamp, command: StoreCommand, faults: Faults) {
+        let command = match command {
+            StoreCommand::Save(_) if faults.has(Fault::StoreWithoutEffect) => return,
+            StoreCommand::Restore(_) if faults.has(Fault::RestoreWithoutEffect) => return,
+            StoreCommand::Save(Groups::BUS) => command,
+            StoreCommand::Save(_) if faults.has(Fault::StoreGroupIgnored) => StoreCommand::Save(Groups::PARAMETERS),
+            StoreCommand::Save(groups) if faults.has(Fault::StoreLosesGroup) => {
+                StoreCommand::Save(Groups(groups.0 & !Groups::APPLICATION.0))
+            }
+            command => command,
+        };
         self.pending = Some((done, command));
+    }
+
+    /// A reset while a faulty firmware writes: the first half of the memory is new, the other one old.
+    pub fn tear(&mut self, parameters: &Parameters, node: NodeId) {
+        if let Some((_, StoreCommand::Save(groups))) = self.pending {
+            let half = self.image.len() / 2;
+            let old: Vec<_> = self.image.iter().skip(half).cloned().collect();
+            self.save(groups, parameters, None, node);
+            self.image.truncate(half);
+            self.image.extend(old);
+        }
     }
 
     /// When writing is done.
@@ -121,6 +188,7 @@ impl Store {
             self.pending = None;
             match command {
                 StoreCommand::Save(groups) => self.save(groups, parameters, encoder, node),
+                StoreCommand::Restore(groups) if self.restore_needs_store => self.restored = self.restored.with(groups),
                 StoreCommand::Restore(groups) => self.forget(groups, parameters),
             }
         }
@@ -128,7 +196,7 @@ impl Store {
 
     fn save(&mut self, groups: Groups, parameters: &Parameters, encoder: Option<&Encoder>, node: NodeId) {
         for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
-            if entry.writable && groups.contains(Groups::of(entry.at, &self.storage)) {
+            if entry.writable && groups.has(entry.at, &self.storage) {
                 // COB-IDs that are as delivered go on following the node-ID.
                 *slot = (entry.content != entry.default_content(node)).then(|| entry.content.clone());
             }
@@ -136,17 +204,46 @@ impl Store {
         if groups.contains(Groups::APPLICATION) {
             self.offset = encoder.map(Encoder::offset);
         }
+        self.restored = self.restored.without(groups);
     }
 
     fn forget(&mut self, groups: Groups, parameters: &Parameters) {
         for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
-            if groups.contains(Groups::of(entry.at, &self.storage)) {
+            if groups.has(entry.at, &self.storage) {
                 *slot = None;
             }
         }
         if groups.contains(Groups::APPLICATION) {
             self.offset = None;
         }
+    }
+
+    /// Stores the offset at once.
+    pub fn save_offset(&mut self, offset: i64) {
+        self.offset = Some(offset);
+    }
+
+    /// Off and on again: what is stored counts.
+    pub const fn power_on(&mut self) {
+        self.restored = Groups::NONE;
+    }
+
+    /// Forgets one object at once.
+    pub fn forget_number(&mut self, at: Multiplexer, parameters: &Parameters) {
+        let position = parameters.entries().iter().position(|entry| entry.at == at);
+        if let Some(slot) = position.and_then(|position| self.image.get_mut(position)) {
+            *slot = None;
+        }
+    }
+
+    /// What LSS stored and no object holds.
+    pub const fn network(&self) -> StoredNetwork {
+        self.network
+    }
+
+    /// LSS stores what no object holds.
+    pub const fn save_network(&mut self, network: StoredNetwork) {
+        self.network = network;
     }
 
     /// Stores one number at once, past all groups: LSS stores node-ID and bit rate so.
@@ -166,11 +263,36 @@ impl Store {
         }
     }
 
+    /// What is stored, by address, and what a preset added.
+    pub(super) fn contents<'a>(
+        &'a self,
+        parameters: &'a Parameters,
+    ) -> (impl Iterator<Item = (Multiplexer, &'a Content)>, Option<i64>) {
+        let stored = self.image.iter().zip(parameters.entries());
+        (stored.filter_map(|(slot, entry)| Some((entry.at, slot.as_ref()?))), self.offset)
+    }
+
+    /// Replaces everything: contents by address. Those of addresses that are not there are left out.
+    pub(super) fn replace(
+        &mut self,
+        contents: &BTreeMap<Multiplexer, Content>,
+        offset: Option<i64>,
+        network: StoredNetwork,
+        parameters: &Parameters,
+    ) {
+        for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
+            *slot = contents.get(&entry.at).cloned();
+        }
+        (self.offset, self.network, self.pending) = (offset, network, None);
+    }
+
     /// A reset: what is stored, or the default, becomes the value.
     pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, encoder: Option<&mut Encoder>, node: NodeId) {
         self.pending = None;
         for (slot, entry) in self.image.iter().zip(parameters.entries_mut()) {
-            if groups.contains(Groups::of(entry.at, &self.storage)) {
+            let group = Groups::of(entry.at, &self.storage);
+            if groups.contains(group) {
+                let slot = if self.restored.contains(group) { &None } else { slot };
                 entry.content = slot.clone().unwrap_or_else(|| entry.default_content(node));
             }
         }

@@ -2,18 +2,49 @@
 //! cannot say.
 
 mod annotations;
+mod deviations;
+mod generic;
+mod quirks;
+mod recognition;
+mod rules;
 mod sheet;
 
-pub use sheet::{BitRate, Encoder, Network, Sheet, Storage, Timing, Value};
+pub use quirks::Quirks;
+pub use rules::{Check, Link, LinkKind, Rule};
+pub use sheet::{
+    BitRate, Encoder, EncoderKind, LmtAddress, Network, Sheet, StartUp, Storage, Timing, Trigger, UniversalScaling,
+    Value,
+};
 
+use crate::bench::Deviation;
 use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::network::{Candidate, Candidates};
+use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
 
-/// The files of each model: EDS, sheet.
-const FILES: &[(&str, &str)] =
-    &[(include_str!("../../models/kuebler-sendix-58x8.eds"), include_str!("../../models/kuebler-sendix-58x8.toml"))];
+/// The files of each model, EDS and sheet, by the model's id.
+macro_rules! files {
+    ($($id:literal,)*) => {
+        &[$((include_str!(concat!("../../models/", $id, ".eds")), include_str!(concat!("../../models/", $id, ".toml")))),*]
+    };
+}
+
+/// All built-in models.
+const FILES: &[(&str, &str)] = files! {
+    "kuebler-sendix-58x8",
+    "kuebler-sendix-f58",
+    "kuebler-sendix-m58",
+    "kuebler-sendix-f58m",
+    "kuebler-c100",
+    "kuebler-d125",
+    "lika-ax58",
+    "tr-c65",
+    "tr-lmp30",
+    "reference-301",
+    "reference-406",
+};
 
 static MODELS: LazyLock<Vec<Model>> =
     LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
@@ -23,6 +54,7 @@ static MODELS: LazyLock<Vec<Model>> =
 pub struct Model {
     description: Arc<DeviceDescription>,
     sheet: Arc<Sheet>,
+    deviations: Arc<[Deviation]>,
 }
 
 /// Why a model's files could not be read.
@@ -62,7 +94,57 @@ impl Model {
         let mut description = eds::read(eds.as_bytes())?;
         let tables: AnnotationTables = toml::from_str(text)?;
         description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
-        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet) })
+        let deviations: DeviationTables = toml::from_str(text)?;
+        let deviations = deviations.deviations().into();
+        description.settings = sheet.settings();
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations })
+    }
+
+    /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
+    /// dictionary has the parameters of. `name` becomes the model's id.
+    ///
+    /// # Errors
+    /// [`ModelError::Description`] if the bytes are no device description.
+    pub fn generic(name: &str, bytes: &[u8]) -> Result<Self, ModelError> {
+        let description = DeviceDescription::read(bytes)?;
+        let sheet = generic::sheet(name, &description)?;
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
+    }
+
+    /// A model of which only the description is known: what that does not say is as with most devices.
+    ///
+    /// # Errors
+    /// [`ModelError`] if the description contradicts itself.
+    pub fn of_description(description: DeviceDescription) -> Result<Self, ModelError> {
+        let device = &description.device;
+        let commissioning = description.commissioning.as_ref();
+        let node = commissioning.and_then(|commissioning| commissioning.node_id);
+        let rate = commissioning.and_then(|commissioning| commissioning.bit_rate).unwrap_or(250);
+        let name = if device.product_name.is_empty() { "device" } else { &device.product_name };
+        let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
+        let node = node.map(|node| format!("default_node_id = {node}\n")).unwrap_or_default();
+        let text = format!(
+            "id = {}\nsummary = {}\n[network]\ndefault_bit_rate_kbit = {rate}\n{node}lss = {}\nnode_guarding = {}\n\
+             sdo_block_transfer = true\n",
+            quoted(name),
+            quoted(&device.vendor_name),
+            device.lss_supported,
+            description.dictionary.object(canvass_analyzer::Index(0x100C)).is_some(),
+        );
+        let sheet = toml::from_str(&text)?;
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
+    }
+
+    /// What tells that a node is of this model.
+    pub fn candidate(&self) -> Candidate {
+        let mut candidate = Candidate::of(self.id(), Arc::clone(&self.description));
+        self.sheet.recognition.refine(&mut candidate);
+        candidate
+    }
+
+    /// What tells of which built-in model a node is, in the order of the models.
+    pub fn candidates() -> Candidates {
+        Candidates::new(|| Self::all().iter().map(Self::candidate).collect())
     }
 
     /// The name on the command line.
@@ -90,6 +172,11 @@ impl Model {
         &self.description
     }
 
+    /// Where the manual says that the device differs from the standard, as far as cases judge it.
+    pub fn deviations(&self) -> &[Deviation] {
+        &self.deviations
+    }
+
     /// What the EDS does not say.
     pub fn sheet(&self) -> &Sheet {
         &self.sheet
@@ -106,6 +193,11 @@ mod tests {
             let model = Model::read(eds, sheet).unwrap();
             assert!(Model::by_id(model.id()).is_some());
             assert!(!model.summary().is_empty());
+            for deviation in model.deviations() {
+                let explained =
+                    crate::catalogue::cases().iter().any(|c| crate::catalogue::matches(&deviation.case, c.id));
+                assert!(explained, "{}: no case is called {}", model.id(), deviation.case);
+            }
         }
         assert_eq!(Model::all().len(), FILES.len());
     }

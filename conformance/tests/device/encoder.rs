@@ -5,7 +5,7 @@ use canvass_conformance::device::Motion;
 use proptest::prelude::*;
 
 fn moving(milli_rpm: i64) -> Rig {
-    let mut rig = Rig::powered(model(), Some(63), Default::default(), Motion { start: 0, milli_rpm });
+    let mut rig = Rig::powered(model(), Some(63), Default::default(), Motion::constant(0, milli_rpm));
     rig.run(300);
     rig
 }

@@ -5,12 +5,15 @@
 
 mod encoder;
 mod errors;
-mod faults;
-mod manual;
 mod nmt;
 mod pdo;
+mod quirks;
+mod reference;
+mod repeatable;
+mod replay;
 mod rig;
 mod robustness;
 mod sdo;
 mod services;
+mod tables;
 mod timing;

@@ -28,7 +28,12 @@ impl Rig {
     }
 
     pub fn powered(model: &Model, node: Option<u8>, faults: Faults, motion: Motion) -> Self {
-        let mut bus = SimulatedBus::new(250_000);
+        Self::powered_at(250_000, model, node, faults, motion)
+    }
+
+    /// On a bus of that bit rate, which a device without a bit rate of its own takes over.
+    pub fn powered_at(bit_rate: u32, model: &Model, node: Option<u8>, faults: Faults, motion: Motion) -> Self {
+        let mut bus = SimulatedBus::new(bit_rate);
         let node = node.map(|node| NodeId::new(node).unwrap());
         bus.attach(Box::new(Device::with_motion(model, node, faults, 1, motion)));
         Self { bus }
@@ -58,6 +63,11 @@ impl Rig {
     /// Sends a frame, and all that the device sends in the 50 ms after it.
     pub fn ask(&mut self, frame: &str) -> Vec<String> {
         self.send(frame);
+        self.run(50)
+    }
+
+    /// All that the device sends in the next 50 ms.
+    pub fn ask_nothing(&mut self) -> Vec<String> {
         self.run(50)
     }
 

@@ -12,7 +12,7 @@ use proptest::prelude::*;
 fn frame() -> impl Strategy<Value = Frame> {
     let id = prop_oneof![
         6 => Just(0x63F_u32), 2 => Just(0x000), 1 => Just(0x080), 2 => Just(0x7E5), 1 => 0x700_u32..0x780,
-        1 => Just(0x1BF), 1 => 0_u32..0x800,
+        1 => Just(0x1BF), 1 => Just(0x23F), 1 => Just(0x43F), 1 => Just(0x100), 1 => 0_u32..0x800,
     ];
     let command = prop_oneof![
         prop::sample::select(vec![
@@ -24,7 +24,8 @@ fn frame() -> impl Strategy<Value = Frame> {
     let index = prop_oneof![
         prop::sample::select(vec![
             0x1003_u16, 0x1005, 0x1008, 0x100C, 0x100D, 0x1010, 0x1015, 0x1016, 0x1017, 0x1029, 0x1800, 0x1801, 0x1A00,
-            0x2101, 0x2105, 0x2120, 0x2140, 0x6000, 0x6001, 0x6002, 0x6003, 0x6200, 0x3F3F,
+            0x2101, 0x2105, 0x2120, 0x2140, 0x1006, 0x1012, 0x1014, 0x1019, 0x1028, 0x1201, 0x1400, 0x1402, 0x1600,
+            0x1602, 0x1F80, 0x2010, 0x2030, 0x2041, 0x6200, 0x6411, 0x6000, 0x6001, 0x6002, 0x6003, 0x6200, 0x3F3F,
         ]),
         any::<u16>(),
     ];
@@ -63,7 +64,7 @@ proptest! {
     ) {
         let node = configured.then(|| NodeId::new(63).unwrap());
         let mut bus = SimulatedBus::new(1_000_000);
-        bus.attach(Box::new(Device::with_motion(model(), node, faults, 3, Motion { start: 0, milli_rpm })));
+        bus.attach(Box::new(Device::with_motion(model(), node, faults, 3, Motion::constant(0, milli_rpm))));
         let mut received = 0_u32;
         for (frame, pause) in &frames {
             bus.send(frame).unwrap();
@@ -74,6 +75,32 @@ proptest! {
         }
         // At most 1.8 s at 1 Mbit/s.
         prop_assert!(received < 50_000);
+    }
+
+    /// Every model, in every state: whatever comes, it does not panic, and it can be switched off and on again.
+    #[test]
+    fn any_frames_to_any_model(
+        frames in prop::collection::vec((frame(), 0_u64..20_000), 0..60), faults in faults(), state in 0_u8..5,
+    ) {
+        for model in canvass_conformance::models::Model::all() {
+            let node = (state != 4).then(|| NodeId::new(63).unwrap());
+            let mut bus = SimulatedBus::new(1_000_000);
+            bus.attach(Box::new(Device::with_motion(model, node, faults, 3, Motion::constant(0, 77_777))));
+            // In initialisation, pre-operational, operational, stopped, or without node-ID.
+            let begin = bus.now() + Duration::from_millis(if state == 0 { 1 } else { 400 });
+            while bus.receive(begin).unwrap().is_some() {}
+            if let Some(command) = [None, None, Some(1), Some(2), None].get(usize::from(state)).copied().flatten() {
+                bus.send(&Frame::new(CanId::standard_masked(0), &[command, 63]).unwrap()).unwrap();
+            }
+            for (frame, pause) in &frames {
+                bus.send(frame).unwrap();
+                let deadline = bus.now() + Duration::from_micros(*pause);
+                while bus.receive(deadline).unwrap().is_some() {}
+            }
+            bus.power_cycle(0);
+            let deadline = bus.now() + Duration::from_millis(400);
+            while bus.receive(deadline).unwrap().is_some() {}
+        }
     }
 
     /// A fault-free device answers again after any frames and a reset, and never sends what nobody told it to.

@@ -2,11 +2,11 @@
 
 use super::{Document, Render, Reporter, html, json, junit, markdown, terminal};
 use crate::escape;
-use canvass_analyzer::NodeId;
-use canvass_conformance::bench::{Evidence, Exhibit};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_conformance::bench::{Evidence, Exhibit, Measurement, Unit};
 use canvass_conformance::catalogue;
 use canvass_conformance::runner::{CaseReport, DeviceIdentity, RunEvent, RunInfo, Summary};
-use canvass_conformance::verdict::{Kind, Reason, Verdict};
+use canvass_conformance::verdict::{Authority, Kind, Reason, Verdict};
 use canvass_traces::{CanId, ChannelId, Direction, Duration, Frame, Record, Timestamp};
 
 const HOSTILE: &str = "\x1b]0;owned\x07\x1b[2J<script>alert('x')</script>\"'&]]>\u{9b}31m\u{202e}\u{0}\u{ffff}";
@@ -25,6 +25,7 @@ pub fn play(reporter: &mut dyn Reporter) {
         },
         seed: 7,
         cases: 7,
+        dictionary: vec![(Multiplexer::new(0x1008, 0), vec![0x1B, 0x5B])],
     };
     reporter.event(&RunEvent::RunStarted(&info)).unwrap();
     let mut summary = Summary::default();
@@ -38,9 +39,18 @@ pub fn play(reporter: &mut dyn Reporter) {
         let record = Record::new(Timestamp(12_345_678), ChannelId(0), Frame::full(id, [0x40, 0, 0x10, 0, 0, 0, 0, 0]));
         evidence.push(Exhibit { record: record.with_direction(Direction::Tx), text: HOSTILE.to_owned() });
         let (verdict, notes) = (verdict(kind), vec![HOSTILE.to_owned()]);
-        let report = CaseReport { case, verdict, evidence, notes, duration: Duration::from_millis(100) };
+        let report = CaseReport {
+            case,
+            verdict,
+            evidence,
+            notes,
+            measurements: vec![Measurement { name: HOSTILE.to_owned(), value: 7, unit: Unit::Count }],
+            outcomes: vec![kind, Kind::Pass],
+            duration: Duration::from_millis(100),
+        };
         reporter.event(&RunEvent::CaseFinished(&report)).unwrap();
     }
+    reporter.event(&RunEvent::Noticed(HOSTILE)).unwrap();
     reporter.event(&RunEvent::RunFinished(&summary)).unwrap();
 }
 
@@ -49,7 +59,9 @@ fn verdict(kind: Kind) -> Verdict {
     match kind {
         Kind::Pass => Verdict::Pass,
         Kind::Tolerated => Verdict::Tolerated(reason),
-        Kind::Deviation => Verdict::Deviation { reason, documented: HOSTILE.to_owned() },
+        Kind::Deviation => {
+            Verdict::Deviation { reason, documented: HOSTILE.to_owned(), by: Authority::Waiver { line: 3 } }
+        }
         Kind::Fail => Verdict::Fail(reason),
         Kind::Inconclusive => Verdict::Inconclusive(reason),
         Kind::NotApplicable => Verdict::NotApplicable(reason),
@@ -82,7 +94,10 @@ fn the_terminal_is_not_taken_over() {
 fn the_page_runs_no_foreign_script() {
     let page = rendered(html::render);
     assert!(!acts(&page) && !page.contains("<script>alert") && page.contains("&lt;script&gt;alert"));
-    assert_eq!(page.matches("<script").count(), 1);
+    // Those of all pages and of this one; the policy lets no other run.
+    assert_eq!(page.matches("<script").count(), 2);
+    let policy = page.split_once("script-src ").unwrap().1.split(';').next().unwrap();
+    assert!(policy.matches("sha256-").count() == 2 && !policy.contains("unsafe"), "{policy}");
     assert!(!page.contains("http://") && !page.contains("https://"), "nothing external");
 }
 

@@ -6,9 +6,10 @@
 
 use super::Run;
 use crate::escape;
-use canvass_conformance::bench::Exhibit;
-use canvass_conformance::runner::{CaseReport, DeviceIdentity};
-use canvass_conformance::verdict::{Kind, Reason};
+use canvass_analyzer::Multiplexer;
+use canvass_conformance::bench::{Exhibit, Measurement};
+use canvass_conformance::runner::{CaseReport, DeviceIdentity, HostTiming};
+use canvass_conformance::verdict::{Authority, Kind, Reason};
 use canvass_traces::Direction;
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -28,8 +29,52 @@ struct Document<'a> {
     seed: u64,
     cancelled: bool,
     duration_ns: u64,
+    stores: u32,
+    notices: &'a [String],
+    dictionary: Vec<Object>,
     summary: BTreeMap<&'static str, usize>,
+    /// Only of a live bus, so that runs on the simulated one stay the same to the byte.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    host: Option<Host>,
     cases: Vec<Case<'a>>,
+}
+
+/// How well the tester's own machine kept up.
+#[derive(Serialize)]
+struct Host {
+    receive_p99_ns: u64,
+    receive_max_ns: u64,
+    transmit_p99_ns: u64,
+    transmit_max_ns: u64,
+    lost: u64,
+    interruptions: u64,
+}
+
+impl From<&HostTiming> for Host {
+    fn from(host: &HostTiming) -> Self {
+        Self {
+            receive_p99_ns: host.receive_usually.nanos(),
+            receive_max_ns: host.receive_always.nanos(),
+            transmit_p99_ns: host.transmit_usually.nanos(),
+            transmit_max_ns: host.transmit_always.nanos(),
+            lost: host.lost,
+            interruptions: host.interruptions,
+        }
+    }
+}
+
+#[derive(Serialize)]
+struct Object {
+    index: u16,
+    sub: u8,
+    data: String,
+}
+
+#[derive(Serialize)]
+struct Value<'a> {
+    name: &'a str,
+    unit: &'static str,
+    value: u64,
 }
 
 #[derive(Serialize)]
@@ -52,9 +97,16 @@ struct Case<'a> {
     clause_confidence: &'static str,
     level: &'static str,
     cct: Option<&'static str>,
+    cct_forecast: Option<&'static str>,
     verdict: &'static str,
     reason: Option<CaseReason<'a>>,
     documented: Option<&'a str>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    waiver_line: Option<usize>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    repetitions: Vec<&'static str>,
+    flaky: bool,
+    measurements: Vec<Value<'a>>,
     notes: &'a [String],
     evidence: Vec<Frame<'a>>,
     evidence_omitted: u64,
@@ -99,12 +151,25 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         seed: run.info.seed,
         cancelled: run.summary.cancelled,
         duration_ns: run.summary.duration.nanos(),
+        stores: run.summary.stores,
+        notices: &run.notices,
+        dictionary: run.info.dictionary.iter().map(object).collect(),
         summary: Kind::ALL.into_iter().map(|kind| (kind.name(), run.summary.count(kind))).collect(),
+        host: run.summary.host.as_ref().map(Host::from),
         cases: run.cases.iter().map(|report| case(report, &run.info.bus)).collect(),
     };
     let text = serde_json::to_string_pretty(&document).map_err(io::Error::other)?;
     out.write_all(escape::json(&text).as_bytes())?;
     out.write_all(b"\n")
+}
+
+fn object((multiplexer, value): &(Multiplexer, Vec<u8>)) -> Object {
+    let data = value.iter().map(|byte| format!("{byte:02X}")).collect();
+    Object { index: multiplexer.index.0, sub: multiplexer.sub.0, data }
+}
+
+fn value(measurement: &Measurement) -> Value<'_> {
+    Value { name: &measurement.name, unit: measurement.unit.name(), value: measurement.value }
 }
 
 fn device(device: &DeviceIdentity) -> Device<'_> {
@@ -135,9 +200,20 @@ fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
         clause_confidence: report.case.clause.confidence.name(),
         level: report.case.level.name(),
         cct: report.case.cct,
+        cct_forecast: super::cct_forecast(report),
         verdict: report.verdict.kind().name(),
         reason: report.verdict.reason().map(reason),
         documented: report.verdict.documented(),
+        waiver_line: match report.verdict.authority() {
+            Some(Authority::Waiver { line }) => Some(line),
+            _ => None,
+        },
+        repetitions: match report.outcomes.len() {
+            0 | 1 => Vec::new(),
+            _ => report.outcomes.iter().map(|kind| kind.name()).collect(),
+        },
+        flaky: report.is_flaky(),
+        measurements: report.measurements.iter().map(value).collect(),
         notes: &report.notes,
         evidence: report.evidence.frames().map(|exhibit| frame(exhibit, channel)).collect(),
         evidence_omitted: report.evidence.omitted(),

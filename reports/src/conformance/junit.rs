@@ -3,7 +3,7 @@
 //! A *fail* is a failure; *error* and *inconclusive* are errors, because nothing is known where something should be;
 //! *not applicable* is skipped; *tolerated* and *deviation* pass, with their reason in the output.
 
-use super::{Run, family, name_in_family};
+use super::{Run, authority, cct_forecast, name_in_family, repetitions};
 use crate::escape::printable;
 use canvass_conformance::runner::CaseReport;
 use canvass_conformance::verdict::{Kind, Reason, Verdict};
@@ -17,14 +17,14 @@ use std::io::{self, Write};
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     let mut report = Report::new("canvass test");
     report.set_time(run.summary.duration.into());
-    for chunk in run.cases.chunk_by(|a, b| family(a.case.id) == family(b.case.id)) {
+    for chunk in run.cases.chunk_by(|a, b| a.case.family() == b.case.family()) {
         report.add_test_suite(suite(run, chunk));
     }
     report.serialize(&mut *out).map_err(io::Error::other)
 }
 
 fn suite(run: &Run, cases: &[CaseReport]) -> TestSuite {
-    let name = cases.first().map_or("", |report| family(report.case.id));
+    let name = cases.first().map_or("", |report| report.case.family());
     let mut suite = TestSuite::new(name);
     suite.add_property(("node", run.info.node.to_string().as_str()));
     suite.add_property(("bus", printable(&run.info.bus).as_ref()));
@@ -40,11 +40,14 @@ fn suite(run: &Run, cases: &[CaseReport]) -> TestSuite {
 
 fn test_case(report: &CaseReport) -> TestCase {
     let mut case = TestCase::new(name_in_family(report.case.id), status(&report.verdict));
-    case.set_classname(family(report.case.id).replace('/', "."));
+    case.set_classname(report.case.family().replace('/', "."));
     case.set_time(report.duration.into());
     case.add_property(("clause", report.case.clause.to_string().as_str()));
     case.add_property(("requirement", printable(report.case.requirement).as_ref()));
     case.add_property(("verdict", report.verdict.kind().name()));
+    if let Some(forecast) = cct_forecast(report) {
+        case.add_property(("cct_forecast", forecast));
+    }
     let output = output(report);
     if !output.is_empty() {
         case.set_system_out(output);
@@ -72,7 +75,8 @@ fn output(report: &CaseReport) -> String {
     if let Verdict::Tolerated(reason) | Verdict::Deviation { reason, .. } = &report.verdict {
         lines.push(format!("{}: {reason}", report.verdict.kind()));
     }
-    lines.extend(report.verdict.documented().map(|text| format!("documented: {text}")));
+    lines.extend(report.verdict.documented().map(|text| format!("{}: {text}", authority(report).to_lowercase())));
+    lines.extend(repetitions(report));
     lines.extend(report.notes.iter().map(|note| format!("note: {note}")));
     if matches!(report.verdict.kind(), Kind::Fail | Kind::Error | Kind::Inconclusive) {
         for exhibit in report.evidence.frames() {

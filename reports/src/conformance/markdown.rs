@@ -1,6 +1,6 @@
 //! The result as Markdown: for a merge request or a wiki.
 
-use super::{Run, hex, milliseconds_since, outcome, symbol};
+use super::{Run, authority, cct_forecast, hex, milliseconds_since, outcome, repetitions, symbol};
 use crate::escape::markdown;
 use canvass_conformance::runner::CaseReport;
 use canvass_conformance::verdict::Kind;
@@ -18,11 +18,21 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "# Conformance of node {}\n", run.info.node)?;
     writeln!(out, "Device: {}, software {}. Bus: {}.\n", markdown(name), markdown(software), markdown(&run.info.bus))?;
     writeln!(out, "{}.\n", outcome(&run.summary))?;
+    if let Some(host) = &run.summary.host {
+        writeln!(out, "{}\n", super::host::sentence(host))?;
+    }
+    for notice in &run.notices {
+        writeln!(out, "- {}", markdown(notice))?;
+    }
+    if !run.notices.is_empty() {
+        writeln!(out)?;
+    }
     writeln!(out, "| verdict | cases |\n|---|---:|")?;
     for kind in Kind::ALL {
         writeln!(out, "| {} {kind} | {} |", symbol(kind), run.summary.count(kind))?;
     }
-    let told = |report: &&CaseReport| !matches!(report.verdict.kind(), Kind::Pass | Kind::NotApplicable);
+    let told =
+        |report: &&CaseReport| report.is_flaky() || !matches!(report.verdict.kind(), Kind::Pass | Kind::NotApplicable);
     for report in run.cases.iter().filter(told) {
         section(report, out)?;
     }
@@ -43,7 +53,16 @@ fn section(report: &CaseReport, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "- Found: {}", markdown(&reason.actual))?;
     }
     if let Some(documented) = report.verdict.documented() {
-        writeln!(out, "- Documented: {}", markdown(documented))?;
+        writeln!(out, "- {}: {}", authority(report), markdown(documented))?;
+    }
+    if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
+        writeln!(out, "- Forecast of case {number} of CiA's test tool: {forecast}")?;
+    }
+    if let Some(repetitions) = repetitions(report) {
+        writeln!(out, "- Repetitions: {repetitions}")?;
+    }
+    for measurement in &report.measurements {
+        writeln!(out, "- Measured: {}", markdown(&measurement.to_string()))?;
     }
     for note in &report.notes {
         writeln!(out, "- Note: {}", markdown(note))?;

@@ -3,6 +3,7 @@
 //! - [`Terminal`](terminal::Terminal) shows the progress and prints the result;
 //! - [`json`], [`junit`], [`html`] and [`markdown`] write a document when the run is over: see [`Document`].
 
+mod host;
 pub mod html;
 pub mod json;
 pub mod junit;
@@ -13,7 +14,7 @@ pub mod terminal;
 mod hostile;
 
 use canvass_conformance::runner::{CaseReport, RunEvent, RunInfo, Summary};
-use canvass_conformance::verdict::Kind;
+use canvass_conformance::verdict::{Authority, Kind};
 use canvass_traces::{Record, Timestamp};
 use std::io::{self, Write};
 
@@ -33,6 +34,8 @@ pub struct Run {
     pub info: RunInfo,
     /// The cases, in the order in which they ran.
     pub cases: Vec<CaseReport>,
+    /// What was noticed about the run as a whole.
+    pub notices: Vec<String>,
     /// The outcome.
     pub summary: Summary,
 }
@@ -47,12 +50,13 @@ pub struct Document<W> {
     render: Render,
     info: Option<RunInfo>,
     cases: Vec<CaseReport>,
+    notices: Vec<String>,
 }
 
 impl<W: Write> Document<W> {
     /// A document that `render` writes to `out`.
     pub const fn new(out: W, render: Render) -> Self {
-        Self { out, render, info: None, cases: Vec::new() }
+        Self { out, render, info: None, cases: Vec::new(), notices: Vec::new() }
     }
 }
 
@@ -62,9 +66,15 @@ impl<W: Write> Reporter for Document<W> {
             RunEvent::RunStarted(info) => self.info = Some((*info).clone()),
             RunEvent::CaseStarted { .. } => {}
             RunEvent::CaseFinished(report) => self.cases.push((*report).clone()),
+            RunEvent::Noticed(text) => self.notices.push((*text).to_owned()),
             RunEvent::RunFinished(summary) => {
                 if let Some(info) = self.info.take() {
-                    let run = Run { info, cases: std::mem::take(&mut self.cases), summary: **summary };
+                    let run = Run {
+                        info,
+                        cases: std::mem::take(&mut self.cases),
+                        notices: std::mem::take(&mut self.notices),
+                        summary: **summary,
+                    };
                     (self.render)(&run, &mut self.out)?;
                     self.out.flush()?;
                 }
@@ -87,14 +97,36 @@ const fn symbol(kind: Kind) -> &'static str {
     }
 }
 
-/// The family of a case: the first two words of its id, such as `301/sdo`.
-fn family(id: &str) -> &str {
-    id.match_indices('/').nth(1).map_or(id, |(at, _)| id.get(..at).unwrap_or(id))
-}
-
 /// A case within its family: `download/read-only`.
 fn name_in_family(id: &str) -> &str {
     id.splitn(3, '/').nth(2).unwrap_or(id)
+}
+
+/// What CiA's conformance test tool would say, where a case corresponds to one of its: it accepts what is tolerated.
+const fn cct_forecast(report: &CaseReport) -> Option<&'static str> {
+    match (report.case.cct, report.verdict.kind()) {
+        (Some(_), Kind::Pass | Kind::Tolerated) => Some("pass"),
+        (Some(_), Kind::Fail | Kind::Deviation) => Some("fail"),
+        _ => None,
+    }
+}
+
+/// How many repetitions ended in which way, where they differed: `3 pass, 1 fail`.
+fn repetitions(report: &CaseReport) -> Option<String> {
+    let counted = |kind: Kind| {
+        let count = report.outcomes.iter().filter(|&&outcome| outcome == kind).count();
+        (count > 0).then(|| format!("{count} {kind}"))
+    };
+    let counts: Vec<String> = Kind::ALL.into_iter().filter_map(counted).collect();
+    report.is_flaky().then(|| format!("flaky: {}", counts.join(", ")))
+}
+
+/// Who announced the deviation, as a label for it.
+const fn authority(report: &CaseReport) -> &'static str {
+    match report.verdict.authority() {
+        Some(Authority::Waiver { .. }) => "Waiver",
+        _ => "Documented",
+    }
 }
 
 /// One line about the outcome.
@@ -111,7 +143,17 @@ fn outcome(summary: &Summary) -> String {
     let bad: Vec<String> = bad.into_iter().flatten().collect();
     let good = if bad.is_empty() { "none failed".to_owned() } else { bad.join(", ") };
     let cancelled = if summary.cancelled { " (cancelled before the end)" } else { "" };
-    format!("Of {} cases {good}{cancelled}", summary.total())
+    let flaky = match summary.flaky {
+        0 => String::new(),
+        1 => "; 1 is flaky".to_owned(),
+        count => format!("; {count} are flaky"),
+    };
+    let stores = match summary.stores {
+        0 => String::new(),
+        1 => "; the device's non-volatile memory was written once".to_owned(),
+        count => format!("; the device's non-volatile memory was written {count} times"),
+    };
+    format!("Of {} cases {good}{cancelled}{flaky}{stores}", summary.total())
 }
 
 /// Milliseconds with three digits since `start`: what a person compares.

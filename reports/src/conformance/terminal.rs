@@ -1,6 +1,6 @@
 //! The result on a terminal: progress while the run goes on, then what was wrong, then the count.
 
-use super::{Reporter, outcome, symbol};
+use super::{Reporter, authority, cct_forecast, outcome, repetitions, symbol};
 use crate::escape::printable;
 use canvass_conformance::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_conformance::verdict::Kind;
@@ -29,12 +29,13 @@ pub struct Terminal<O, P> {
     style: Style,
     told: Vec<CaseReport>,
     skipped: Vec<(&'static str, String)>,
+    notices: Vec<String>,
 }
 
 impl<O: Write, P: Write> Terminal<O, P> {
     /// Results go to `out`, progress to `progress`.
     pub const fn new(out: O, progress: P, style: Style) -> Self {
-        Self { out, progress, style, told: Vec::new(), skipped: Vec::new() }
+        Self { out, progress, style, told: Vec::new(), skipped: Vec::new(), notices: Vec::new() }
     }
 
     fn show_progress(&mut self, text: &str) -> io::Result<()> {
@@ -65,7 +66,7 @@ impl<O: Write, P: Write> Terminal<O, P> {
 
     fn keep(&mut self, report: &CaseReport) {
         match report.verdict.kind() {
-            Kind::Pass if report.notes.is_empty() => {}
+            Kind::Pass if report.notes.is_empty() && !report.is_flaky() => {}
             Kind::NotApplicable => {
                 let why = report.verdict.reason().map(|reason| reason.actual.clone()).unwrap_or_default();
                 self.skipped.push((report.case.id, why));
@@ -87,6 +88,12 @@ impl<O: Write, P: Write> Terminal<O, P> {
         }
         writeln!(self.out, "\n{}", self.table(summary))?;
         writeln!(self.out, "{}, in {} on the bus.", outcome(summary), summary.duration)?;
+        if let Some(host) = &summary.host {
+            writeln!(self.out, "{}", super::host::sentence(host))?;
+        }
+        for notice in std::mem::take(&mut self.notices) {
+            writeln!(self.out, "note  {}", printable(&notice))?;
+        }
         self.out.flush()
     }
 
@@ -100,7 +107,17 @@ impl<O: Write, P: Write> Terminal<O, P> {
             writeln!(self.out, "    found     {}", printable(&reason.actual))?;
         }
         if let Some(documented) = report.verdict.documented() {
-            writeln!(self.out, "    documented  {}", printable(documented))?;
+            let label = authority(report).to_lowercase();
+            writeln!(self.out, "    {label:10}  {}", printable(documented))?;
+        }
+        if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
+            writeln!(self.out, "    forecast  case {number} of CiA's test tool would {forecast}")?;
+        }
+        if let Some(repetitions) = repetitions(report) {
+            writeln!(self.out, "    {repetitions}")?;
+        }
+        for measurement in &report.measurements {
+            writeln!(self.out, "    measured  {}", printable(&measurement.to_string()))?;
         }
         for note in &report.notes {
             writeln!(self.out, "    note  {}", printable(note))?;
@@ -163,6 +180,10 @@ impl<O: Write, P: Write> Reporter for Terminal<O, P> {
             RunEvent::CaseStarted { case, number, of } => self.show_progress(&format!("[{number}/{of}] {}", case.id)),
             RunEvent::CaseFinished(report) => {
                 self.keep(report);
+                Ok(())
+            }
+            RunEvent::Noticed(text) => {
+                self.notices.push((*text).to_owned());
                 Ok(())
             }
             RunEvent::RunFinished(summary) => self.finish(summary),

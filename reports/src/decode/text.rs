@@ -1,7 +1,7 @@
 //! One aligned line per frame: time, channel, identifier, data, node, service, meaning.
 
 use super::{Line, Lines};
-use crate::push::{pad, push_decimal, push_hex, push_hex_number, push_meaning, push_visible};
+use crate::push::{hex_pair, pad, push_decimal, push_hex, push_hex_number, push_meaning, push_visible};
 use crate::time::{Clock, TimeStyle};
 use canvass_analyzer::{Message, NodeId, Service, network::sdo::Violation};
 use canvass_traces::Record;
@@ -11,55 +11,95 @@ pub struct TextLines {
     clock: Clock,
     color: bool,
     channel_width: usize,
+    /// The channels' names as they are shown, by their ids; empty where none was shown yet.
+    channels: Vec<Vec<u8>>,
     id_width: usize,
 }
 
 /// Columns of eight data bytes.
 pub(super) const DATA_WIDTH: usize = 23;
 pub(super) const SERVICE_WIDTH: usize = 11;
+/// Identifier of 3 digits, data, node, and the blanks around them.
+const USUAL_WIDTH: usize = 2 + 3 + 2 + DATA_WIDTH + 1 + 3 + 2;
 
 impl TextLines {
     /// With that style of time, and with colours or without.
     pub const fn new(time: TimeStyle, color: bool) -> Self {
-        Self { clock: Clock::new(time), color, channel_width: 4, id_width: 3 }
+        Self { clock: Clock::new(time), color, channel_width: 4, channels: Vec::new(), id_width: 3 }
     }
 
     fn push_id(&mut self, record: &Record, out: &mut Vec<u8>) {
         let id = record.frame.id();
         let digits = if id.is_extended() { 8 } else { 3 };
         self.id_width = self.id_width.max(digits);
-        out.resize(out.len() + self.id_width - digits, b' ');
+        pad(out, out.len(), self.id_width - digits);
         push_hex_number(out, id.raw(), digits);
     }
 
-    fn push_channel(&mut self, name: &str, out: &mut Vec<u8>) {
+    /// Identifier, data and node with their blanks, of any frame.
+    fn push_columns(&mut self, record: &Record, node: Option<NodeId>, out: &mut Vec<u8>) {
+        out.extend_from_slice(b"  ");
+        self.push_id(record, out);
+        out.extend_from_slice(b"  ");
+        push_data(record, out);
+        out.push(b' ');
+        push_node(node, out);
+        out.extend_from_slice(b"  ");
+    }
+
+    /// The same of a classical data frame of 11 bits, where no wider identifier was shown: nearly all frames of a bus.
+    fn usual_columns(&self, record: &Record, node: Option<NodeId>) -> Option<[u8; USUAL_WIDTH]> {
+        let (frame, data) = (&record.frame, record.data());
+        if self.id_width != 3 || frame.id().is_extended() || frame.is_remote() || data.len() > 8 {
+            return None;
+        }
+        let mut columns = [b' '; USUAL_WIDTH];
+        let [high, low] = (frame.id().raw() as u16).to_be_bytes().map(hex_pair);
+        columns[2..5].copy_from_slice(&[high[1], low[0], low[1]]);
+        for (place, &byte) in columns[7..].chunks_exact_mut(3).zip(data) {
+            place[..2].copy_from_slice(&hex_pair(byte));
+        }
+        columns[8 + DATA_WIDTH..][..3].copy_from_slice(&node_columns(node));
+        Some(columns)
+    }
+
+    fn push_channel(&mut self, line: &Line<'_>, out: &mut Vec<u8>) {
+        let (start, id) = (out.len(), usize::from(line.record.channel.0));
+        match self.channels.get(id).filter(|shown| !shown.is_empty()) {
+            Some(shown) => out.extend_from_slice(shown),
+            None => self.push_new_channel(id, line.channels.name(line.record.channel), out),
+        }
+        pad(out, start, self.channel_width);
+    }
+
+    #[cold]
+    fn push_new_channel(&mut self, id: usize, name: &str, out: &mut Vec<u8>) {
         let start = out.len();
         // A channel's name comes out of the file: it may be anything.
         push_visible(out, name);
-        self.channel_width = self.channel_width.max(out.len() - start);
-        pad(out, start, self.channel_width);
+        let shown = &out[start..];
+        self.channel_width = self.channel_width.max(shown.len());
+        if self.channels.len() <= id {
+            self.channels.resize(id + 1, Vec::new());
+        }
+        self.channels[id] = shown.to_vec();
     }
 }
 
 impl Lines for TextLines {
     fn line(&mut self, line: &Line<'_>, out: &mut Vec<u8>) {
-        let Line { record, channels, decoded, meaning } = line;
+        let Line { record, decoded, meaning, .. } = line;
         self.clock.push(record.timestamp, out);
         out.extend_from_slice(b"  ");
-        self.push_channel(channels.name(record.channel), out);
-        out.extend_from_slice(b"  ");
-        self.push_id(record, out);
-        out.extend_from_slice(b"  ");
-        push_data(record, out);
-        let start = out.len();
-        out.push(b' ');
-        push_node(decoded.node, out);
-        pad(out, start, 4);
-        out.extend_from_slice(b"  ");
+        self.push_channel(line, out);
+        match self.usual_columns(record, decoded.node) {
+            Some(columns) => out.extend_from_slice(&columns),
+            None => self.push_columns(record, decoded.node, out),
+        }
         let start = out.len();
         out.extend_from_slice(decoded.service.name().as_bytes());
         pad(out, start, SERVICE_WIDTH);
-        out.extend_from_slice(b" ");
+        out.push(b' ');
         let style = if self.color { style(decoded.service, &decoded.message, decoded.violation) } else { "" };
         out.extend_from_slice(style.as_bytes());
         push_meaning(out, meaning);
@@ -72,13 +112,21 @@ impl Lines for TextLines {
 
 /// Three columns.
 pub fn push_node(node: Option<NodeId>, out: &mut Vec<u8>) {
-    match node {
-        Some(node) => {
-            out.resize(out.len() + usize::from(node.raw() < 100) + usize::from(node.raw() < 10), b' ');
-            push_decimal(out, u64::from(node.raw()));
+    out.extend_from_slice(&node_columns(node));
+}
+
+fn node_columns(node: Option<NodeId>) -> [u8; 3] {
+    let mut columns = *b"   ";
+    if let Some(node) = node.map(NodeId::raw) {
+        columns[2] = b'0' + node % 10;
+        if node >= 10 {
+            columns[1] = b'0' + node / 10 % 10;
         }
-        None => out.extend_from_slice(b"   "),
+        if node >= 100 {
+            columns[0] = b'1';
+        }
     }
+    columns
 }
 
 pub(super) fn push_data(record: &Record, out: &mut Vec<u8>) {
@@ -87,9 +135,10 @@ pub(super) fn push_data(record: &Record, out: &mut Vec<u8>) {
         out.extend_from_slice(b"remote, ");
         push_decimal(out, record.frame.len() as u64);
         out.extend_from_slice(b" bytes");
-    } else {
-        push_hex(out, record.data(), Some(b' '));
+        return pad(out, start, DATA_WIDTH);
     }
+    let data = record.data();
+    push_hex(out, data, Some(b' '));
     pad(out, start, DATA_WIDTH);
 }
 

@@ -7,7 +7,7 @@ use super::Diagnosed;
 use crate::{escape, quality};
 use canvass_analyzer::findings::{Exhibit, Finding, Severity};
 use canvass_analyzer::network::Cause;
-use canvass_analyzer::statistics::{BusStatistics, Histogram, NodeStatistics, TestCase};
+use canvass_analyzer::statistics::{BusStatistics, ErrorEnd, ErrorEpisode, Histogram, NodeStatistics, Peak, TestCase};
 use canvass_analyzer::{NodeId, Service};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
@@ -24,7 +24,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
     let severities = Severity::ALL.map(|severity| (severity.name().to_owned(), json!(diagnosed.count(severity))));
     let nodes = results.buses.iter().flat_map(|(id, bus)| {
         let channel = diagnosed.channel(*id);
-        bus.nodes.iter().map(move |(id, figures)| node(*id, &channel, figures))
+        bus.nodes.iter().map(move |(id, figures)| node(*id, &channel, figures, bus))
     });
     let omitted = results.omitted.iter().map(|(rule, count)| ((*rule).to_owned(), json!(count)));
     let document = json!({
@@ -94,7 +94,7 @@ fn exhibit(diagnosed: &Diagnosed<'_>, exhibit: &Exhibit) -> Value {
     Value::Object(object)
 }
 
-fn node(id: NodeId, channel: &str, node: &NodeStatistics) -> Value {
+fn node(id: NodeId, channel: &str, node: &NodeStatistics, bus: &BusStatistics) -> Value {
     let identity = &node.identity;
     let state = |change: &canvass_analyzer::statistics::StateChange| json!({ "t": change.time.nanos(), "state": change.state.to_string(), "cause": cause(change.cause) });
     json!({
@@ -103,7 +103,10 @@ fn node(id: NodeId, channel: &str, node: &NodeStatistics) -> Value {
         "present": node.present,
         "frames": node.total(),
         "counts": of(&node.frames),
+        "rates": rates(&node.frames, bus),
         "bits": node.bits,
+        "load_percent": bus.share_of_load(node.bits),
+        "peak": peak(&node.peak, bus),
         "first_t": node.first.nanos(),
         "last_t": node.last.nanos(),
         "boot_ups": node.boot_ups,
@@ -130,10 +133,51 @@ fn node(id: NodeId, channel: &str, node: &NodeStatistics) -> Value {
             "first_t": row.first.nanos(),
             "last_t": row.last.nanos(),
         })).collect::<Vec<_>>(),
+        "errors": node.errors.iter().map(error).collect::<Vec<_>>(),
+        "errors_omitted": node.errors_omitted,
     })
 }
 
-const fn cause(cause: Cause) -> &'static str {
+/// An error from its first EMCY to its end.
+fn error(error: &ErrorEpisode) -> Value {
+    let end = error.ended.map(|ended| ended.0);
+    json!({
+        "code": error.code.0,
+        "register": error.register.map(|register| register.0),
+        "t": error.raised.nanos(),
+        "t_end": end.map(|end| end.nanos()),
+        "duration_ns": end.map(|end| end.since(error.raised).nanos()),
+        "end": error.ended.map(|ended| match ended.1 {
+            ErrorEnd::Reported => "reported",
+            ErrorEnd::BootUp => "boot-up",
+        }),
+    })
+}
+
+/// The fullest tenth of a second.
+fn peak(peak: &Peak, bus: &BusStatistics) -> Value {
+    let percent = bus.bit_rate.and_then(|bit_rate| peak.percent(bit_rate));
+    json!(percent.map(|(time, percent)| json!({ "t": time.nanos(), "percent": percent })))
+}
+
+/// Frames a second by service.
+fn rates(frames: &[u64; Service::ALL.len()], bus: &BusStatistics) -> Value {
+    let seen = Service::ALL.into_iter().zip(*frames).filter(|(_, count)| *count > 0);
+    Value::Object(seen.map(|(service, count)| (service.name().to_owned(), json!(bus.rate(count)))).collect())
+}
+
+/// The load that each service makes.
+fn loads(bus: &BusStatistics) -> Value {
+    let services = Service::ALL.into_iter().zip(bus.bits).zip(&bus.peaks).filter(|((_, bits), _)| *bits > 0);
+    let load = |((service, bits), fullest): ((Service, u64), &Peak)| {
+        let load = json!({ "bits": bits, "percent": bus.share_of_load(bits), "peak": peak(fullest, bus) });
+        (service.name().to_owned(), load)
+    };
+    Value::Object(services.map(load).collect())
+}
+
+/// How a state is known.
+pub(super) const fn cause(cause: Cause) -> &'static str {
     match cause {
         Cause::Command => "command",
         Cause::BootUp => "boot-up",
@@ -158,12 +202,15 @@ fn bus(channel: &str, bus: &BusStatistics) -> Value {
         "channel": channel,
         "frames": bus.total(),
         "counts": of(&bus.frames),
+        "rates": rates(&bus.frames, bus),
+        "copies": bus.copies,
         "bits": bus.bits.iter().sum::<u64>(),
         "bit_rate": bus.bit_rate,
         "first_t": bus.first.nanos(),
         "last_t": bus.last.nanos(),
         "load_percent": bus.mean_load(),
         "peak": bus.peak_load().map(|(time, percent)| json!({ "t": time.nanos(), "percent": percent })),
+        "load_by_service": loads(bus),
         "load_over_time": {
             "start_t": bus.load.start().map(|start| start.nanos()),
             "width_ns": bus.load.width().nanos(),
@@ -182,6 +229,7 @@ fn case(case: &TestCase) -> Value {
         "t": case.begin.nanos(),
         "t_last": case.end.nanos(),
         "number": case.place.number,
+        "number_last": case.last_place.number,
         "frames": case.frames,
     })
 }

@@ -1,5 +1,6 @@
-//! What was on the buses of a capture and what was wrong: as a table, JSON, Markdown and JUnit.
+//! What was on the buses of a capture and what was wrong: as a table, JSON, Markdown, JUnit and an HTML page.
 
+pub mod html;
 mod json;
 mod junit;
 mod markdown;

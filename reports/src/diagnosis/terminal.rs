@@ -4,7 +4,7 @@ use super::{Diagnosed, frame, times};
 use crate::escape::printable;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::{Finding, Severity};
-use canvass_analyzer::statistics::{BusStatistics, NodeStatistics};
+use canvass_analyzer::statistics::{BusStatistics, NodeStatistics, TestCase};
 use canvass_traces::Duration;
 use comfy_table::{ContentArrangement, Table, presets};
 use std::io::{self, Write};
@@ -79,7 +79,7 @@ fn of_bus(bus: &BusStatistics) -> String {
 }
 
 /// A time that nobody wants to the last digit.
-fn rounded(time: Duration) -> Duration {
+pub(super) fn rounded(time: Duration) -> Duration {
     let unit = match time.nanos() {
         0..1_000_000 => 1_000,
         1_000_000..1_000_000_000 => 10_000,
@@ -119,7 +119,7 @@ pub fn nodes(diagnosed: &Diagnosed<'_>) -> Vec<Vec<String>> {
     let mut rows = Vec::new();
     for (channel, bus) in buses {
         for (id, node) in bus.nodes.iter().filter(|(_, node)| node.total() > 0) {
-            let mut row = of_node(*id, node);
+            let mut row = of_node(*id, node, bus);
             if several {
                 row.insert(0, printable(&diagnosed.channel(*channel)).into_owned());
             }
@@ -137,24 +137,41 @@ pub fn nodes(diagnosed: &Diagnosed<'_>) -> Vec<Vec<String>> {
     rows
 }
 
-const HEAD: [&str; 8] =
-    ["node", "who", "frames", "last state", "boots", "EMCY", "SDO done/aborted", "response p50/p99/max"];
+const HEAD: [&str; 9] = [
+    "node",
+    "who",
+    "frames",
+    "load/peak %",
+    "last state",
+    "boots",
+    "EMCY",
+    "SDO done/aborted",
+    "response p50/p95/p99/max",
+];
 
-fn of_node(id: NodeId, node: &NodeStatistics) -> Vec<String> {
+fn of_node(id: NodeId, node: &NodeStatistics, bus: &BusStatistics) -> Vec<String> {
     let state = node.states.last().map(|change| change.state.to_string());
     let emcy: u64 = node.emcy.iter().filter(|row| !row.code.is_reset()).map(|row| row.count).sum();
     let times = &node.responses;
-    let response = match (times.quantile(50), times.quantile(99), times.max()) {
-        // Without times in the capture all are zero.
-        (Some(median), Some(late), Some(max)) if max > Duration::ZERO => {
-            format!("{} / {} / {}", rounded(median), rounded(late), rounded(max))
+    // Without times in the capture all are zero.
+    let shown = [times.quantile(50), times.quantile(95), times.quantile(99), times.max()];
+    let response = match times.max() {
+        Some(max) if max > Duration::ZERO => {
+            let shown: Vec<String> = shown.into_iter().flatten().map(|time| rounded(time).to_string()).collect();
+            shown.join(" / ")
         }
+        _ => String::new(),
+    };
+    let peak = bus.bit_rate.and_then(|bit_rate| node.peak.percent(bit_rate));
+    let load = match (bus.share_of_load(node.bits), peak) {
+        (Some(mean), Some((_, peak))) => format!("{mean:.1} / {peak:.1}"),
         _ => String::new(),
     };
     vec![
         id.to_string(),
         printable(&who(node)).into_owned(),
         node.total().to_string(),
+        load,
         state.unwrap_or_default(),
         node.boot_ups.to_string(),
         emcy.to_string(),
@@ -164,7 +181,7 @@ fn of_node(id: NodeId, node: &NodeStatistics) -> Vec<String> {
 }
 
 /// Who a node is, as far as it was read from it.
-fn who(node: &NodeStatistics) -> String {
+pub(super) fn who(node: &NodeStatistics) -> String {
     let identity = &node.identity;
     let [vendor, product, _, serial] = identity.numbers;
     let mut parts: Vec<String> = identity.names[0].iter().cloned().collect();
@@ -201,10 +218,17 @@ fn cases(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
         }
         writeln!(out, "\nCiA test run: {} cases", run.cases.len() as u64 + run.omitted)?;
         for case in &run.cases {
-            let verdict = case.verdict.map_or_else(|| "not ended".to_owned(), |verdict| verdict.to_string());
-            let at = diagnosed.since_start(case.begin);
-            writeln!(out, "  group {} case {}: {verdict}, {} frames from {at} s", case.group, case.case, case.frames)?;
+            let [name, verdict, frames, at, places] = of_case(diagnosed, case);
+            writeln!(out, "  {name}: {verdict}, {frames} frames from {at} s, {places}")?;
         }
     }
     Ok(())
+}
+
+/// A case of a certification run: its name, verdict, number of frames, begin in seconds, and where it stands.
+pub fn of_case(diagnosed: &Diagnosed<'_>, case: &TestCase) -> [String; 5] {
+    let verdict = case.verdict.map_or_else(|| "not ended".to_owned(), |verdict| verdict.to_string());
+    let places = format!("#{} to #{}", case.place.number, case.last_place.number);
+    let name = format!("group {} case {}", case.group, case.case);
+    [name, verdict, case.frames.to_string(), diagnosed.since_start(case.begin), places]
 }

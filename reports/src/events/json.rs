@@ -89,12 +89,19 @@ impl Events for JsonEvents {
                 self.begin(scene, scene.layer_setting(), node, out);
                 push_exchange(scene, exchange, out);
             }
-            Event::NodeIdChanged { from, to } => {
+            Event::NodeIdChanged { from, to, object } => {
                 self.begin(scene, "node-id", node, out);
                 push_optional(out, "from", from.map(|from| u64::from(from.raw())));
                 push_text(out, format_args!(",\"to\":{to}"));
+                if let Some(object) = object {
+                    push_text(out, format_args!(",\"index\":{},\"sub\":{}", object.index.0, object.sub.0));
+                }
             }
-            Event::BitRateChanged { bit_rate, delay } => {
+            Event::Recognised(id) => {
+                self.begin(scene, "device", node, out);
+                push_recognition(scene, id, out);
+            }
+            Event::BitRateChanged { bit_rate, delay, .. } => {
                 self.begin(scene, "bit-rate", node, out);
                 push_optional(out, "bit_rate", bit_rate.map(u64::from));
                 push_text(out, format_args!(",\"delay_ns\":{}", delay.nanos()));
@@ -176,6 +183,23 @@ fn push_exchange(scene: &Scene<'_>, exchange: Exchange, out: &mut Vec<u8>) {
         out.extend_from_slice(b",\"text\":");
         push_json_string(out, meaning);
     }
+}
+
+fn push_recognition(scene: &Scene<'_>, node: NodeId, out: &mut Vec<u8>) {
+    let Some(recognition) = scene.bus.node(node).and_then(|node| node.recognition.as_ref()) else { return };
+    out.extend_from_slice(b",\"model\":");
+    push_json_string(out, &recognition.model);
+    out.extend_from_slice(b",\"or\":[");
+    for (n, other) in recognition.or.iter().enumerate() {
+        out.extend_from_slice(if n == 0 { b"" } else { b"," });
+        push_json_string(out, other);
+    }
+    out.extend_from_slice(b"],\"by\":[");
+    for (n, object) in recognition.by.iter().enumerate() {
+        let (comma, index, sub) = (if n == 0 { "" } else { "," }, object.index.0, object.sub.0);
+        push_text(out, format_args!("{comma}{{\"index\":{index},\"sub\":{sub}}}"));
+    }
+    out.push(b']');
 }
 
 fn push_move(moved: Move, out: &mut Vec<u8>) {

@@ -9,6 +9,7 @@ pub use text::TextEvents;
 use canvass_analyzer::network::sdo::{Outcome, Transfer};
 use canvass_analyzer::network::{Bus, Event, Use};
 use canvass_analyzer::wire::error_control::State;
+use canvass_analyzer::wire::srdo::Half;
 use canvass_analyzer::{Meaning, NodeId, network::Decoded};
 use canvass_traces::{Record, Timestamp};
 use std::fmt;
@@ -42,9 +43,10 @@ impl<'a> Scene<'a> {
             Event::TransferLeft(channel) => self.bus.server(channel),
             Event::StateChanged(node, _) | Event::Emergency(node, _) | Event::MappingChanged(node, _) => Some(node),
             Event::NodeIdChanged { to, .. } => Some(to),
-            Event::BitRateChanged { .. } => None,
+            Event::BitRateChanged { node, .. } => node,
+            Event::Recognised(node) => Some(node),
             Event::CobIdMoved(moved) => match moved.used {
-                Use::Emcy(node) | Use::Pdo(node, _) | Use::ErrorControl(node) => Some(node),
+                Use::Emcy(node) | Use::Pdo(node, _) | Use::Srdo(node, ..) | Use::ErrorControl(node) => Some(node),
                 Use::SdoRequest(channel) | Use::SdoResponse(channel) => self.bus.server(channel),
                 _ => self.frame.and_then(|(_, decoded)| decoded.node),
             },
@@ -105,6 +107,8 @@ impl fmt::Display for UseName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(match self.0 {
             Use::Pdo(_, number) => return write!(f, "{number}"),
+            Use::Srdo(_, number, Half::Normal) => return write!(f, "SRDO {number} data"),
+            Use::Srdo(_, number, Half::Inverted) => return write!(f, "SRDO {number} inverted data"),
             Use::Nmt => "NMT",
             Use::Sync => "SYNC",
             Use::Time => "TIME",

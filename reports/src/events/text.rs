@@ -7,6 +7,7 @@ use crate::time::Clock;
 use canvass_analyzer::network::sdo::{Direction, Outcome, Transfer};
 use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange, Move, Source};
 use canvass_analyzer::{Multiplexer, NodeId, PdoNumber, TransferText};
+use canvass_traces::Duration;
 
 /// The text rendering of `decode --events`.
 pub struct TextEvents {
@@ -71,18 +72,9 @@ impl Events for TextEvents {
             Event::StateChanged(_, change) => push_change(change, out),
             Event::Emergency(_, emergency) => push_emergency(scene, emergency, out),
             Event::LayerSetting(exchange) => push_exchange(scene, exchange, out),
-            Event::NodeIdChanged { from: Some(from), to } => {
-                push_text(out, format_args!("node {from} has become node {to}, as set by layer setting"));
-            }
-            Event::NodeIdChanged { from: None, to } => {
-                push_text(out, format_args!("a device has become node {to}, as set by layer setting"));
-            }
-            Event::BitRateChanged { bit_rate: Some(bit_rate), delay } => {
-                push_text(out, format_args!("all change to {} kbit/s, {delay} of silence", bit_rate / 1000));
-            }
-            Event::BitRateChanged { bit_rate: None, delay } => {
-                push_text(out, format_args!("all change to a bit rate that is not known, {delay} of silence"));
-            }
+            Event::NodeIdChanged { from, to, object } => push_node_id(from, to, object, out),
+            Event::BitRateChanged { node, bit_rate, delay } => push_bit_rate(node, bit_rate, delay, out),
+            Event::Recognised(node) => push_recognition(scene, node, out),
             Event::CobIdMoved(moved) => push_move(moved, out),
             Event::MappingChanged(node, pdo) => push_mapping(scene, node, pdo, out),
         }
@@ -103,6 +95,7 @@ fn kind(scene: &Scene<'_>, event: &Event) -> &'static str {
         Event::LayerSetting(_) => scene.layer_setting(),
         Event::NodeIdChanged { .. } => "node-id",
         Event::BitRateChanged { .. } => "bit-rate",
+        Event::Recognised(_) => "device",
         Event::CobIdMoved(_) => "cob-id",
         Event::MappingChanged(..) => "mapping",
     }
@@ -203,6 +196,39 @@ fn push_move(moved: Move, out: &mut Vec<u8>) {
             Source::Trace => ", by SDO traffic",
         },
     );
+}
+
+fn push_node_id(from: Option<NodeId>, to: NodeId, object: Option<Multiplexer>, out: &mut Vec<u8>) {
+    match from {
+        Some(from) => push_text(out, format_args!("node {from} has become node {to}")),
+        None => push_text(out, format_args!("a device has become node {to}")),
+    }
+    match object {
+        Some(object) => push_text(out, format_args!(", as written to {object}")),
+        None => push_text(out, ", as set by layer setting"),
+    }
+}
+
+fn push_bit_rate(node: Option<NodeId>, bit_rate: Option<u32>, delay: Duration, out: &mut Vec<u8>) {
+    push_text(out, if node.is_some() { "starts with " } else { "all change to " });
+    match bit_rate {
+        Some(bit_rate) => push_text(out, format_args!("{} kbit/s", bit_rate / 1000)),
+        None => push_text(out, "a bit rate that is not known"),
+    }
+    if node.is_none() {
+        push_text(out, format_args!(", {delay} of silence"));
+    }
+}
+
+fn push_recognition(scene: &Scene<'_>, node: NodeId, out: &mut Vec<u8>) {
+    let Some(recognition) = scene.bus.node(node).and_then(|node| node.recognition.as_ref()) else { return };
+    push_text(out, format_args!("recognised as {}", recognition.model));
+    for (n, object) in recognition.by.iter().enumerate() {
+        push_text(out, format_args!("{}{object}", if n == 0 { " by " } else { ", " }));
+    }
+    for other in &recognition.or {
+        push_text(out, format_args!(", or {other}"));
+    }
 }
 
 fn push_mapping(scene: &Scene<'_>, node: NodeId, pdo: PdoNumber, out: &mut Vec<u8>) {

@@ -8,7 +8,14 @@ use std::collections::{HashMap, HashSet};
 pub struct Column {
     /// `can0.63.Position value [steps]`.
     pub name: String,
-    unit: String,
+    /// The channel that it was seen on.
+    pub channel: ChannelId,
+    /// The node whose PDO it is in.
+    pub node: NodeId,
+    /// `Position value`, or the object where it has no name; as it stands in the description.
+    pub label: String,
+    /// The unit's symbol, or nothing.
+    pub unit: String,
     number: usize,
 }
 
@@ -74,7 +81,8 @@ impl Columns {
         }
         let number = self.columns.len();
         let name = self.free_name(place, unit);
-        self.columns.push(Column { name, unit: unit.to_owned(), number });
+        let label = signal.name().map_or_else(|| signal.multiplexer().to_string(), |name| name.to_string());
+        self.columns.push(Column { name, channel, node, label, unit: unit.to_owned(), number });
         self.by_key.entry(key).or_default().push(number);
         Some(number)
     }

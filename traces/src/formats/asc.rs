@@ -112,6 +112,7 @@ impl Asc {
         self.now = if self.relative { self.now.saturating_add(time) } else { time };
         match asc_row::row(rest, self.radix).map_err(damage)?.1 {
             Row::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "CAN or CAN FD, which are what is read")),
+            Row::Event if !line.ended && may_become_a_frame(skip_blanks(rest)) => Err(line.cut("the end of this row")),
             Row::Event | Row::Request => Ok(None),
             Row::Frame { in_doubt: true, .. } if !line.ended => {
                 Err(line.cut("the end of this line, as the frame may go on,"))
@@ -124,6 +125,12 @@ impl Asc {
             }
         }
     }
+}
+
+/// Whether a row that ends with the file was going to be a frame: it has a channel, or begins to name the kind of one.
+fn may_become_a_frame(text: &[u8]) -> bool {
+    let kind = text.first().is_some_and(|first| first.is_ascii_alphabetic()) && b"CANFD".starts_with(text);
+    kind || text.first().is_some_and(u8::is_ascii_digit)
 }
 
 /// The lines that are no rows.

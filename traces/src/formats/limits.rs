@@ -10,8 +10,10 @@ impl Format {
     pub fn losses(self) -> &'static [Loss] {
         match self {
             Self::Candump => &[Loss::ChannelName, Loss::TimeZone],
-            Self::Pcap => &[Loss::ChannelName, Loss::Direction, Loss::Date, Loss::TimeZone],
-            Self::Mcap => &[Loss::Frame, Loss::Direction, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc],
+            Self::Pcap => &[Loss::ChannelName, Loss::Direction, Loss::Date, Loss::UnknownDate, Loss::TimeZone],
+            Self::Mcap => {
+                &[Loss::Frame, Loss::Direction, Loss::UnknownDate, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc]
+            }
             Self::Asc | Self::Trc => &[
                 Loss::Frame,
                 Loss::ChannelName,
@@ -23,7 +25,7 @@ impl Format {
             Self::PythonCanCsv => {
                 &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc]
             }
-            Self::Pcapng => &[Loss::TimeZone],
+            Self::Pcapng => &[Loss::UnknownDate, Loss::TimeZone],
             Self::CandumpConsole | Self::MiniMon | Self::Blf => &[],
         }
     }

@@ -276,9 +276,7 @@ impl Writer for PcapWriter {
         if record.direction != Direction::Unknown {
             self.losses.count(Loss::Direction);
         }
-        if self.time_base == TimeBase::Local {
-            self.losses.count(Loss::TimeZone);
-        }
+        self.losses.count_any(Loss::of_utc(self.time_base));
         let nanos = record.timestamp.nanos();
         // 32 bits of seconds last until 2106.
         let seconds = u32::try_from(nanos / 1_000_000_000).unwrap_or_else(|_| {

@@ -24,12 +24,14 @@
 //! Easily got wrong: FDF was not set by older kernels, so a packet of 72 bytes is CAN FD whatever the flags say;
 //! and the flags byte holds garbage where the reserved bytes are not zero.
 
-use crate::damage::Flaw;
-use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Record, Timestamp, XlHeader};
+use crate::damage::{Damage, Flaw};
+use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Place, Record, Timestamp, XlHeader};
 use nom::number::Endianness;
 use nom::number::complete::{be_u16, be_u32, u8, u16, u32};
 use nom::{IResult, Parser};
 
+/// This machine's byte order.
+const NATIVE: Endianness = if cfg!(target_endian = "big") { Endianness::Big } else { Endianness::Little };
 const EXTENDED: u32 = 0x8000_0000;
 const REMOTE: u32 = 0x4000_0000;
 const ERROR: u32 = 0x2000_0000;
@@ -202,6 +204,23 @@ fn xl(priority: u32, order: Endianness, packet: &[u8]) -> Result<Record, Flaw> {
         .ok_or_else(|| Flaw::malformed("a CAN XL length of 1 to 2048", len.to_string()))
 }
 
+/// The frame in a packet of a `CAN_RAW` socket, in this machine's byte order; time and channel are still to be set.
+///
+/// # Errors
+/// [`Damage`] if the bytes are no frame.
+pub fn from_socket(packet: &[u8]) -> Result<Record, Damage> {
+    frame(NATIVE, NATIVE, packet).map_err(|flaw| flaw.damage(Place::default()))
+}
+
+/// Appends a frame as a `CAN_RAW` socket takes it, in this machine's byte order. CAN XL is not sent.
+pub fn to_socket(record: &Record, packet: &mut Vec<u8>) {
+    let start = packet.len();
+    encode(record, packet);
+    if let Some(id) = packet.get_mut(start..start + 4) {
+        id.copy_from_slice(&number(&record.frame).to_ne_bytes());
+    }
+}
+
 /// Appends the record's frame as a packet of link type 227.
 pub(crate) fn encode(record: &Record, packet: &mut Vec<u8>) {
     let frame = &record.frame;
@@ -244,7 +263,6 @@ fn encode_xl(priority: CanId, xl: XlHeader, data: &[u8], packet: &mut Vec<u8>) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Place;
 
     fn shown(link: LinkType, order: Endianness, packet: &[u8]) -> String {
         match decode(link, order, packet) {
@@ -264,6 +282,20 @@ mod tests {
         assert_eq!(plain(b"\x40\0\x07\x01\x01\0\0\0"), "701#R1 ");
         assert_eq!(plain(b"\x20\0\0\x04\x08\0\0\0\0\x08\0\0\0\0\x60\0"), "20000004#0008000000006000 ");
         assert_eq!(plain(b"\0\0\x01\x23\x08\0\0\x0F12345678"), "123#3132333435363738_F ");
+    }
+
+    #[test]
+    fn what_a_socket_takes_it_gives() {
+        let fd = Record::fd(Timestamp::ZERO, ChannelId(0), can_id(0x123), Flags::BRS, &[7; 20]).unwrap();
+        let short = untimed(Frame::new(can_id(0x63F), &[0x40, 0, 0x60]).unwrap());
+        for (record, size) in [(fd, FD_SIZE), (short, CLASSICAL_SIZE)] {
+            let mut packet = vec![0xA5];
+            to_socket(&record, &mut packet);
+            assert_eq!(packet.len(), 1 + size, "the kernel takes no other sizes");
+            assert_eq!(packet[1..5], number(&record.frame).to_ne_bytes());
+            assert_eq!(from_socket(&packet[1..]).unwrap(), record);
+        }
+        assert!(from_socket(&[0; 3]).is_err());
     }
 
     #[test]

@@ -148,6 +148,8 @@ impl Trc {
 
     fn row(&mut self, line: &Line<'_>, channels: &mut Channels) -> Result<Option<Record>, Damage> {
         match row(line.bytes, &self.columns).map_err(|error| line.damage(error.into()))?.1 {
+            // What kind of row it was going to be can't be told.
+            Row::Event if !line.ended => Err(line.cut("the end of this row")),
             Row::Event => Ok(None),
             Row::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "a kind of row of TRC 1.0 to 2.1")),
             Row::Frame { in_doubt: true, .. } if !line.ended => {

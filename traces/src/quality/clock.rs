@@ -78,19 +78,39 @@ impl Resolution {
     }
 }
 
-/// Whether that power of ten divides `nanos`. With divisors known in advance no division takes place.
+/// By number of digits: the inverse of that power of five modulo 2^64, and the largest multiple of that power of ten,
+/// divided by it.
+const DIVISORS: [(u64, u64); 10] = {
+    let mut divisors = [(1, u64::MAX); 10];
+    let mut digits = 1;
+    while digits < 10 {
+        // 0xCCCC_CCCC_CCCC_CCCD times 5 is 1 modulo 2^64.
+        let (inverse, most) = divisors[digits - 1];
+        divisors[digits] = (0xCCCC_CCCC_CCCC_CCCD_u64.wrapping_mul(inverse), most / 10);
+        digits += 1;
+    }
+    divisors
+};
+
+/// Whether that power of ten divides `nanos`, without a division: a number is a multiple of 5^n if multiplying it by the
+/// inverse of 5^n gives a small one, and rotating by n brings up what is no multiple of 2^n.
 #[inline]
 fn divides(digits: u8, nanos: u64) -> bool {
-    match digits {
-        0 => true,
-        1 => nanos.is_multiple_of(10),
-        2 => nanos.is_multiple_of(100),
-        3 => nanos.is_multiple_of(1_000),
-        4 => nanos.is_multiple_of(10_000),
-        5 => nanos.is_multiple_of(100_000),
-        6 => nanos.is_multiple_of(1_000_000),
-        7 => nanos.is_multiple_of(10_000_000),
-        8 => nanos.is_multiple_of(100_000_000),
-        _ => nanos.is_multiple_of(1_000_000_000),
+    let (inverse, most) = DIVISORS[usize::from(digits)];
+    nanos.wrapping_mul(inverse).rotate_right(u32::from(digits)) <= most
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn divides_as_a_division_does(nanos: u64, digits in 0_u8..10) {
+            let power = 10_u64.pow(u32::from(digits));
+            prop_assert_eq!(divides(digits, nanos), nanos % power == 0);
+            prop_assert!(divides(digits, nanos / power * power));
+        }
     }
 }

@@ -2,7 +2,7 @@ use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity, is_from_node};
 use crate::message::Service;
-use canvass_traces::Duration;
+use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
@@ -10,6 +10,7 @@ pub const RULE: Definition = Definition {
     make: Some(|thresholds| {
         Box::new(BeforeBootUp {
             grace: Duration::from_millis(thresholds.get(&METADATA, "grace")),
+            within: Duration::from_millis(thresholds.get(&METADATA, "within")),
             early: (0..128).map(|_| None).collect(),
         })
     }),
@@ -20,15 +21,19 @@ static METADATA: Metadata = Metadata {
     severity: Severity::Warning,
     title: "a node sends before its boot-up message",
     what: "After it was reset by an NMT command, a node sends something else (EMCY, heartbeat, PDO, SDO answer) before \
-           its boot-up message. What comes within the grace time after the command may still have been queued.",
+           its boot-up message. A boot-up that comes much later belongs to something else. What comes within the grace time after the command may still have been queued.",
     why: "The boot-up message says that the node has left initialisation. Before it, a master does not listen, so the \
           message is lost on it; an EMCY lost there never comes again.",
     advice: "A fault of the device's firmware: it must send its boot-up message first (CiA 301, NMT slave states).",
-    thresholds: &[Threshold { name: "grace", default: 50, unit: "ms", meaning: "what may still be queued" }],
+    thresholds: &[
+        Threshold { name: "grace", default: 100, unit: "ms", meaning: "what may still be queued" },
+        Threshold { name: "within", default: 10_000, unit: "ms", meaning: "a later boot-up is not that of the reset" },
+    ],
 };
 
 struct BeforeBootUp {
     grace: Duration,
+    within: Duration,
     /// The first frame since the reset, by node.
     early: Vec<Option<Seen>>,
 }
@@ -46,8 +51,9 @@ impl Rule for BeforeBootUp {
             return;
         }
         let Some(early) = early.take() else { return };
-        // It came after the last reset: the one that this boot-up answers.
-        if reset.is_some_and(|reset| early.time() > reset) {
+        // It came after the last reset: the one that this boot-up answers, if it is not from much later.
+        let answers = |reset: Timestamp| early.time() > reset && context.now().since(reset) <= self.within;
+        if reset.is_some_and(answers) {
             let report = Report::at(early.time()).node(node).evidence(early.evidence()).evidence(context.evidence());
             sink.report(report, || {
                 let ahead = context.now().since(early.time());

@@ -21,9 +21,10 @@ static METADATA: Metadata = Metadata {
     severity: Severity::Error,
     title: "two devices have the same node-ID",
     what: "One node-ID speaks with two voices: its heartbeats alternate between two states without any command, or \
-           between two intervals; one SDO request gets two different answers; a second boot-up follows the first \
+           between two intervals; one SDO request gets two different answers, or several requests get the same answer twice; a second boot-up follows the first \
            without a reset while the other device's heartbeat goes on; or a part of its identity that can't change \
-           is read with two values.",
+           is read with two values, without a boot-up in between. Copies of a frame that the interface itself made \
+           don't count.",
     why: "Both devices obey and answer whatever is sent to this node-ID. Configuration of one destroys the other's, \
           and data of both are mixed on the same CAN-IDs, where equal beginnings even cause bus errors.",
     advice: "Disconnect the devices one by one until the node-ID is silent, and give one of them another. Devices of \
@@ -50,6 +51,8 @@ struct Voice {
     answer: Option<Answer>,
     /// Requests that have no answer yet: a repeated one gets two answers rightly.
     outstanding: u8,
+    /// Requests that have got the same answer twice.
+    doubles: u32,
     identity: [Option<u32>; 4],
 }
 
@@ -68,6 +71,8 @@ impl Default for DuplicateNodeId {
 impl Voice {
     /// So many changes of state to and fro are no accident.
     const FLIPS: u32 = 4;
+    /// So many requests with two equal answers are no accident.
+    const DOUBLES: u32 = 3;
 
     fn commanded(&mut self) {
         (self.flips, self.state, self.earlier, self.surviving) = (0, None, None, None);
@@ -78,6 +83,9 @@ impl Voice {
 impl Rule for DuplicateNodeId {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if let Message::Nmt(nmt) = context.message() {
+            if context.scene.facts.is_repeated(*nmt) {
+                return;
+            }
             let all = nmt.node == 0;
             let named = self.nodes.iter_mut().enumerate().filter(|(id, _)| all || usize::from(nmt.node) == *id);
             return named.for_each(|(_, voice)| {
@@ -151,21 +159,37 @@ impl Voice {
         self.surviving = if repeated { self.state } else { None };
         (self.flips, self.earlier, self.state) = (0, None, None);
         self.interleaving.restart();
-        (self.answer, self.outstanding) = (None, 0);
+        (self.answer, self.outstanding, self.doubles) = (None, 0, 0);
+        // Another device may have been put in its place, or another firmware into it.
+        self.identity = [None; 4];
     }
 
     fn answered(&mut self, response: Response, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(channel) = context.decoded.channel else { return };
         let now = context.now();
+        // A server that gives up a transfer aborts it too, but later.
+        let longest = Duration::from_millis(if matches!(response, Response::Abort(_)) { 100 } else { 1_000 });
         if let Some(first) = self.answer.as_ref().filter(|first| first.channel == channel)
             && let Message::SdoResponse(before) = first.seen.decoded.message
             && contradicts(before, response)
-            && now.since(first.seen.time()) <= Duration::from_secs(1)
+            && now.since(first.seen.time()) <= longest
         {
             let report = Report::at(now).node(node).detail(4).evidence(first.seen.evidence());
             sink.report(report.evidence(context.evidence()), || {
                 "one SDO request has got two different answers".to_owned()
             });
+        }
+        if let Some(first) = self.answer.as_ref().filter(|first| first.channel == channel)
+            && first.seen.record.frame == context.record.frame
+            && response.multiplexer().is_some()
+        {
+            self.doubles += 1;
+            if self.doubles >= Self::DOUBLES {
+                let report = Report::at(now).node(node).detail(10).evidence(first.seen.evidence());
+                sink.report(report.evidence(context.evidence()), || {
+                    format!("SDO requests get the same answer twice, {} apart", now.since(first.seen.time()))
+                });
+            }
         }
         self.identify(response, node, context, sink);
         self.outstanding = self.outstanding.saturating_sub(1);

@@ -14,6 +14,8 @@ pub struct Interleaving {
 impl Interleaving {
     /// So many alternations in a row are no accident.
     const ENOUGH: u32 = 8;
+    /// A shorter interval of more than so many percent of both may be a coarse tick of one sender.
+    const ALIASED: u64 = 38;
 
     /// A beat. Returns the two intervals when they have alternated often enough to be two senders.
     pub fn beat(&mut self, now: Timestamp, slack: Duration) -> Option<(Duration, Duration)> {
@@ -24,7 +26,10 @@ impl Interleaving {
         // Jitter of the senders must not look like an alternation, nor hide one.
         let close = (period / 50).max(1_000_000) + slack.nanos();
         let apart = (period / 8).max(3 * close);
-        let alternates = earlier > 0 && length.abs_diff(earlier) <= close && length.abs_diff(previous) >= apart;
+        // A sender whose clock ticks every 20 ms sends every 40 and 60 ms instead of every 50.
+        let ticks = length.min(previous) * 100 > period * Self::ALIASED;
+        let alternates =
+            !ticks && earlier > 0 && length.abs_diff(earlier) <= close && length.abs_diff(previous) >= apart;
         self.alternations = if alternates { self.alternations + 1 } else { 0 };
         (self.alternations >= Self::ENOUGH).then_some((Duration(previous), Duration(length)))
     }

@@ -2,8 +2,7 @@ use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
-use crate::statistics::BitRate;
-use canvass_traces::{Duration, INTERMISSION, Timestamp, bit_length};
+use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
@@ -12,7 +11,6 @@ pub const RULE: Definition = Definition {
         Box::new(Load {
             percent: thresholds.get(&METADATA, "percent"),
             window: Duration::from_millis(thresholds.get(&METADATA, "window").max(1)),
-            rate: BitRate::default(),
             begin: None,
             bits: 0,
         })
@@ -39,16 +37,13 @@ static METADATA: Metadata = Metadata {
 struct Load {
     percent: u64,
     window: Duration,
-    rate: BitRate,
     begin: Option<Timestamp>,
     bits: u64,
 }
 
 impl Rule for Load {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Some(bits) = bit_length(&context.record.frame).map(|bits| bits + INTERMISSION) else { return };
-        let now = context.now();
-        self.rate.frame(now, bits);
+        let (bits, now) = (context.bits, context.now());
         let begin = *self.begin.get_or_insert(now);
         let elapsed = now.since(begin);
         if elapsed < self.window {
@@ -56,7 +51,7 @@ impl Rule for Load {
             return;
         }
         // A window that is longer than asked for has had a pause in it: its load is lower all the same.
-        if let Some(rate) = context.scene.bit_rate.or_else(|| self.rate.inferred(context.scene.resolution().times(2))) {
+        if let Some(rate) = context.scene.bit_rate {
             let most = u128::from(rate) * u128::from(elapsed.nanos()) / 1_000_000_000;
             let load = (u128::from(self.bits) * 100 / most.max(1)) as u64;
             if load > self.percent {
@@ -72,6 +67,5 @@ impl Rule for Load {
     fn interrupted(&mut self) {
         self.begin = None;
         self.bits = 0;
-        self.rate.pause();
     }
 }

@@ -1,46 +1,175 @@
 use super::interleaving::Interleaving;
+use crate::NodeId;
+use crate::findings::pdo::{AllParameters, TPDOS};
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, PdoNumber, Service};
+use crate::wire::sync::Sync;
+use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Sync, Service::Nmt],
+    services: &[Service::Sync, Service::Time, Service::Pdo, Service::Sdo, Service::BootUp, Service::Nmt],
     make: Some(|_| Box::new(TwoProducers::default())),
 };
 
 static METADATA: Metadata = Metadata {
     id: "bus/two-producers",
     severity: Severity::Error,
-    title: "two nodes produce SYNC",
-    what: "The intervals between SYNC messages alternate between a long and a short one, again and again, or counters \
-           of two series are mixed: there are two producers with the same period.",
-    why: "Everything synchronous happens twice in a cycle, and at changing distances. Devices whose synchronous window \
-          is short drop their PDOs.",
-    advice: "Read 1005h of all nodes: bit 30 must be set in one only. A configuration tool that was left connected is \
-             a frequent second producer.",
+    title: "two nodes produce on one CAN-ID",
+    what: "SYNC or TIME comes at intervals that alternate between a long and a short one, again and again, or two series \
+           of SYNC counters are mixed: there are two producers with the same period. A TPDO that the SDO traffic of the \
+           capture shows to be cyclic comes twice in its cycle, again and again: after each SYNC, or within its event \
+           timer at intervals that together are the event timer.",
+    why: "Everything synchronous happens twice in a cycle, and at changing distances; of a PDO, consumers take the values \
+          of two devices for those of one. When both send at the same moment, they disturb each other.",
+    advice: "Read 1005h of all nodes: bit 30 must be set in one only; and 180xh:1 of all nodes: no CAN-ID must be in two. \
+             A configuration tool that was left connected is a frequent second producer of SYNC.",
     thresholds: &[],
 };
 
+/// What a period is compared with: one twentieth of it.
+const NEAR: u64 = 20;
+
 #[derive(Default)]
 struct TwoProducers {
+    sync: Interleaving,
+    time: Interleaving,
+    counters: Counters,
+    parameters: AllParameters,
+    pdos: Vec<Pdo>,
+}
+
+/// A TPDO that may have two producers.
+struct Pdo {
+    node: NodeId,
+    number: u16,
     interleaving: Interleaving,
+    /// How often it came since the last SYNC.
+    since_sync: u8,
+    /// In how many cycles in a row it came twice.
+    twice: u8,
+}
+
+/// Two series of SYNC counters.
+#[derive(Default)]
+struct Counters {
+    /// The last value of each series, the later one first.
+    last: [Option<u8>; 2],
+    changes: u32,
+}
+
+impl Counters {
+    /// So many changes from one series to the other are no accident.
+    const ENOUGH: u32 = 8;
+
+    /// A counter; whether two series are mixed.
+    fn see(&mut self, sync: Sync) -> bool {
+        let Some(counter) = sync.counter else { return false };
+        let follows = |last: Option<u8>| last.is_some_and(|last| last.checked_add(1) == Some(counter));
+        let [own, other] = self.last;
+        if follows(own) || counter == 1 {
+            self.last[0] = Some(counter);
+        } else if follows(other) {
+            self.last = [Some(counter), own];
+            self.changes += 1;
+        } else {
+            *self = Self { last: [Some(counter), own], changes: 0 };
+        }
+        self.changes >= Self::ENOUGH
+    }
+}
+
+impl TwoProducers {
+    /// So many cycles in a row are no accident.
+    const CYCLES: u8 = 5;
+
+    fn sync(&mut self, sync: Sync, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let report = Report::at(context.now());
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        if let Some((a, b)) = self.sync.beat(context.now(), context.scene.slack()) {
+            sink.report(report, || format!("SYNC comes after {a} and after {b} in turn: two producers of {}", a + b));
+        } else if self.counters.see(sync) {
+            sink.report(report, || "two series of SYNC counters in turn: two producers".to_owned());
+        }
+        for pdo in &mut self.pdos {
+            if pdo.since_sync < 2 {
+                pdo.twice = 0;
+            }
+            pdo.since_sync = 0;
+        }
+    }
+
+    fn pdo(&mut self, node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let parameters = self.parameters.of(node, number);
+        let cyclic = matches!(parameters.transmission_type, Some(1..=240));
+        let timer = parameters.event_timer.filter(|_| matches!(parameters.transmission_type, Some(254 | 255)));
+        if !cyclic && timer.is_none() {
+            return;
+        }
+        let known = self.pdos.iter().position(|pdo| (pdo.node, pdo.number) == (node, number));
+        let at = known.unwrap_or_else(|| {
+            let (since_sync, twice) = (0, 0);
+            self.pdos.push(Pdo { node, number, interleaving: Interleaving::default(), since_sync, twice });
+            self.pdos.len() - 1
+        });
+        let pdo = &mut self.pdos[at];
+        let report = Report::at(context.now()).node(node).detail(u64::from(number));
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        if cyclic {
+            pdo.since_sync = pdo.since_sync.saturating_add(1);
+            pdo.twice += u8::from(pdo.since_sync == 2 && pdo.twice < Self::CYCLES);
+            if pdo.since_sync == 2 && pdo.twice >= Self::CYCLES {
+                sink.report(report, || format!("TPDO {number} comes twice after each SYNC: two devices send it"));
+            }
+            return;
+        }
+        let (Some((a, b)), Some(timer)) = (pdo.interleaving.beat(context.now(), context.scene.slack()), timer) else {
+            return;
+        };
+        let off = (a + b).nanos().abs_diff(timer.nanos());
+        if off <= timer.nanos() / NEAR + Duration::from_millis(1).nanos() {
+            sink.report(report, || {
+                format!("TPDO {number} comes after {a} and after {b} in turn, its event timer is {timer}: two devices send it")
+            });
+        }
+    }
+
+    fn restart(&mut self) {
+        self.sync.restart();
+        self.time.restart();
+        self.counters = Counters::default();
+        self.pdos.clear();
+    }
 }
 
 impl Rule for TwoProducers {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        if !matches!(context.message(), Message::Sync(_)) {
-            self.interleaving.restart();
-            return;
+        if let Some(changed) = self.parameters.frame(context) {
+            self.pdos.retain(|pdo| pdo.node != changed);
         }
-        let Some((a, b)) = self.interleaving.beat(context.now(), context.scene.slack()) else { return };
-        let report = Report::at(context.now());
-        let report = report.evidence(context.previous.map(|seen| seen.evidence())).evidence(context.evidence());
-        sink.report(report, || format!("SYNC comes after {a} and after {b} in turn: two producers of {}", a + b));
+        match context.message() {
+            Message::Sync(sync) => self.sync(*sync, context, sink),
+            Message::Time(_) => {
+                let Some((a, b)) = self.time.beat(context.now(), context.scene.slack()) else { return };
+                let report = Report::at(context.now()).detail(1 << 16);
+                let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+                sink.report(report, || {
+                    format!("TIME comes after {a} and after {b} in turn: two producers of {}", a + b)
+                });
+            }
+            Message::Pdo(PdoNumber::Transmit(number)) if usize::from(*number) <= TPDOS => {
+                if let Some(node) = context.node() {
+                    self.pdo(node, *number, context, sink);
+                }
+            }
+            _ if context.begins_anew() => self.restart(),
+            _ => {}
+        }
     }
 
     fn interrupted(&mut self) {
-        self.interleaving.restart();
+        self.restart();
     }
 }

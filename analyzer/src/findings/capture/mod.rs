@@ -5,12 +5,15 @@
 mod bus_off;
 mod clock_steps;
 mod coarse_timestamps;
+mod copies;
 mod damaged;
 mod dropped;
 mod error_frames;
 mod error_passive;
 mod gaps;
 mod overrun;
+
+pub use copies::{RULE as COPIES, tell as tell_copies};
 
 use super::diagnosis::SourceQuality;
 use super::rule::{Definition, Thresholds};
@@ -20,6 +23,7 @@ pub static RULES: &[Definition] = &[
     damaged::RULE,
     dropped::RULE,
     overrun::RULE,
+    copies::RULE,
     clock_steps::RULE,
     coarse_timestamps::RULE,
     gaps::RULE,

@@ -3,11 +3,12 @@ use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
+use crate::network::OpenErrors;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Emcy, Service::BootUp],
-    make: Some(|_| Box::new(NeverCleared { nodes: (0..128).map(|_| None).collect() })),
+    make: Some(|_| Box::new(NeverCleared { nodes: (0..128).map(|_| OpenErrors::default()).collect() })),
 };
 
 static METADATA: Metadata = Metadata {
@@ -21,30 +22,31 @@ static METADATA: Metadata = Metadata {
 };
 
 struct NeverCleared {
-    /// The latest error of each node.
-    nodes: Vec<Option<Seen>>,
+    nodes: Vec<OpenErrors<Seen>>,
 }
 
 impl Rule for NeverCleared {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
-        let present = match context.message() {
-            Message::Emcy(emcy) if context.decoded.service == Service::Emcy => match emcy.code() {
-                Some(code) => !code.is_reset(),
-                None => return,
-            },
-            _ => false,
-        };
-        self.nodes[usize::from(node.raw())] = present.then(|| context.seen());
+        let errors = &mut self.nodes[usize::from(node.raw())];
+        match context.message() {
+            _ if context.decoded.service == Service::BootUp => errors.clear(),
+            Message::Emcy(emcy) => {
+                errors.handle(emcy, || context.seen());
+            }
+            _ => {}
+        }
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        for (node, seen) in NodeId::all().zip(self.nodes.iter().skip(1)) {
-            let Some(seen) = seen else { continue };
-            let Message::Emcy(emcy) = &seen.decoded.message else { continue };
-            sink.report(Report::at(seen.time()).node(node).evidence(seen.evidence()), || {
-                format!("EMCY {emcy}, still present {} later at the end", scene.now.since(seen.time()))
-            });
+        for (node, errors) in NodeId::all().zip(self.nodes.iter().skip(1)) {
+            for (code, seen) in errors.iter() {
+                let Message::Emcy(emcy) = &seen.decoded.message else { continue };
+                let report = Report::at(seen.time()).node(node).detail(u64::from(code.0)).evidence(seen.evidence());
+                sink.report(report, || {
+                    format!("EMCY {emcy}, still present {} later at the end", scene.now.since(seen.time()))
+                });
+            }
         }
     }
 }

@@ -1,13 +1,18 @@
+use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
-use crate::wire::emcy::EmcyCode;
+use crate::network::OpenErrors;
+use crate::wire::emcy::Emcy;
+use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Emcy, Service::BootUp],
-    make: Some(|_| Box::new(Raised { nodes: vec![Vec::new(); 128] })),
+    services: &[Service::Emcy, Service::BootUp, Service::Sdo],
+    make: Some(|_| {
+        Box::new(Raised { nodes: (0..128).map(|_| OpenErrors::default()).collect(), register_read: vec![None; 128] })
+    }),
 };
 
 static METADATA: Metadata = Metadata {
@@ -15,7 +20,9 @@ static METADATA: Metadata = Metadata {
     severity: Severity::Error,
     title: "a node reports an error",
     what: "An EMCY with an error code. Findings are told apart by code; each says how long the error lasted, where the \
-           end was reported.",
+           end was reported. Where the end (code 00xxh) comes with an error register that is not 0, the errors have \
+           ended whose bit is not in it any more. Some devices forget an error when 1001h is read: then the finding says \
+           so.",
     why: "The device itself says that something is wrong, inside or on its bus.",
     advice: "The code and the manufacturer's bytes tell the cause; 1003h holds the history. Look at what happened on the \
              bus just before.",
@@ -24,38 +31,41 @@ static METADATA: Metadata = Metadata {
 
 struct Raised {
     /// The errors that are present, by node.
-    nodes: Vec<Vec<Seen>>,
+    nodes: Vec<OpenErrors<Seen>>,
+    /// When the error register was last read from a node.
+    register_read: Vec<Option<Timestamp>>,
 }
 
-impl Raised {
-    /// A node that reports more different errors than this without any reset is reported as a storm.
-    const MOST: usize = 16;
-}
+/// Some devices take the reading of 1001h for an acknowledgement.
+const ACKNOWLEDGED: Duration = Duration::from_millis(200);
 
 impl Rule for Raised {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
-        let open = &mut self.nodes[usize::from(node.raw())];
-        if context.decoded.service == Service::BootUp {
-            return open.clear();
+        let at = usize::from(node.raw());
+        match (context.decoded.service, context.message()) {
+            (Service::BootUp, _) => self.nodes[at].clear(),
+            (Service::Sdo, Message::SdoResponse(_)) => {
+                let register = context.decoded.object.is_some_and(|object| object.index.0 == 0x1001);
+                if register {
+                    self.register_read[at] = Some(context.now());
+                }
+            }
+            (_, Message::Emcy(emcy)) => self.emcy(node, emcy, context, sink),
+            _ => {}
         }
-        let Message::Emcy(emcy) = context.message() else { return };
-        let Some(code) = emcy.code() else { return };
-        if !code.is_reset() {
+    }
+}
+
+impl Raised {
+    fn emcy(&mut self, node: NodeId, emcy: &Emcy, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let at = usize::from(node.raw());
+        if let Some(code) = emcy.code().filter(|code| !code.is_reset()) {
             let report = Report::at(context.now()).node(node).detail(u64::from(code.0));
             sink.report(report.evidence(context.evidence()), || format!("EMCY {emcy}"));
-            let known = open.iter().any(|seen| self::code(seen) == Some(code));
-            if !known && open.len() < Self::MOST {
-                open.push(context.seen());
-            }
-            return;
         }
-        // The end of all errors, unless the register says that others remain: then which one it was is not said.
-        if emcy.register().is_some_and(|register| register.0 != 0) && open.len() > 1 {
-            return;
-        }
-        for raised in open.drain(..) {
-            let Some(code) = self::code(&raised) else { continue };
+        let by_reading = self.register_read[at].is_some_and(|read| context.now().since(read) <= ACKNOWLEDGED);
+        for (code, raised) in self.nodes[at].handle(emcy, || context.seen()) {
             let lasted = context.now().since(raised.time());
             let report = Report::at(context.now()).node(node).detail(u64::from(code.0)).amend();
             let report = report.measure(lasted.nanos()).evidence(raised.evidence()).evidence(context.evidence());
@@ -64,15 +74,9 @@ impl Rule for Raised {
                     Message::Emcy(emcy) => emcy.to_string(),
                     _ => code.to_string(),
                 };
-                format!("EMCY {text}; it lasted {lasted}")
+                let how = if by_reading { ", and its end was reported as 1001h was read" } else { "" };
+                format!("EMCY {text}; it lasted {lasted}{how}")
             });
         }
-    }
-}
-
-fn code(seen: &Seen) -> Option<EmcyCode> {
-    match &seen.decoded.message {
-        Message::Emcy(emcy) => emcy.code(),
-        _ => None,
     }
 }

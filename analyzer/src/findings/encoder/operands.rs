@@ -77,3 +77,22 @@ fn transferred(context: &Context<'_>, node: NodeId) -> Option<Operand> {
 pub fn is_encoder(context: &Context<'_>, node: NodeId) -> bool {
     context.scene.bus.node(node).and_then(|known| known.profile(node)) == Some(ENCODER_PROFILE)
 }
+
+/// How the shaft or rod of an encoder moves, by the upper word of 1000h.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Kind {
+    /// 01h to 05h of CiA 406, and 0Bh of newer devices.
+    Rotary,
+    /// 08h and 09h.
+    Linear,
+}
+
+/// What kind of encoder a node is; `None` where 1000h is not known or says something else.
+pub fn kind(context: &Context<'_>, node: NodeId) -> Option<Kind> {
+    let device_type = context.scene.bus.node(node)?.parameter(node, Multiplexer::new(0x1000, 0))?;
+    match device_type >> 16 {
+        0x01..=0x05 | 0x0B => Some(Kind::Rotary),
+        0x08 | 0x09 => Some(Kind::Linear),
+        _ => None,
+    }
+}

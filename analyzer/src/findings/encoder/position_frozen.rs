@@ -49,7 +49,10 @@ struct Axis {
 impl Rule for PositionFrozen {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node().filter(|_| context.decoded.service == Service::Pdo) else {
-            return self.interrupted();
+            if context.decoded.service == Service::BootUp || context.begins_anew() {
+                self.interrupted();
+            }
+            return;
         };
         let (mut position, mut speed) = (None, None);
         each(context, |operand| match (operand.object.index.0, operand.object.sub.0) {

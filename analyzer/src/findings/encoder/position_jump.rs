@@ -1,8 +1,9 @@
-use super::operands::each;
+use super::operands::{Kind, each, kind};
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Seen, Severity};
 use crate::message::{Message, Service};
+use crate::{Multiplexer, NodeId};
 use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
@@ -11,6 +12,7 @@ pub const RULE: Definition = Definition {
     make: Some(|thresholds| {
         Box::new(PositionJump {
             speed: thresholds.get(&METADATA, "speed"),
+            linear_speed: thresholds.get(&METADATA, "linear-speed"),
             resolution: thresholds.get(&METADATA, "resolution"),
             least: thresholds.get(&METADATA, "least"),
             nodes: vec![Axis::default(); 128],
@@ -23,7 +25,8 @@ static METADATA: Metadata = Metadata {
     severity: Severity::Error,
     title: "a position jumps as no shaft can",
     what: "Between two PDOs the position (6004h) changes by more than the highest speed allows in that time. The \
-           measuring units per revolution are those of 6001h where they are known, else the given resolution is taken. \
+           measuring units per revolution are those of 6001h or 6501h where they are known, else the given resolution is \
+           taken; of linear devices 6501h is the length of a step, and without it nothing is said. \
            The end of the range, and the second after a preset, a write of any parameter or a restart are not counted.",
     why: "The device has lost its position for a moment or for good, two devices send on one CAN-ID, or the PDO carries \
           something else than is believed.",
@@ -31,6 +34,12 @@ static METADATA: Metadata = Metadata {
              stays, the multi-turn part may be at fault.",
     thresholds: &[
         Threshold { name: "speed", default: 12_000, unit: "rpm", meaning: "the highest speed of the shaft" },
+        Threshold {
+            name: "linear-speed",
+            default: 20_000,
+            unit: "mm/s",
+            meaning: "the highest speed of a linear device",
+        },
         Threshold { name: "resolution", default: 65_536, unit: "", meaning: "units per revolution if not known" },
         Threshold { name: "least", default: 16, unit: "units", meaning: "a smaller jump is not reported" },
     ],
@@ -38,6 +47,7 @@ static METADATA: Metadata = Metadata {
 
 struct PositionJump {
     speed: u64,
+    linear_speed: u64,
     resolution: u64,
     least: u64,
     nodes: Vec<Axis>,
@@ -67,6 +77,23 @@ impl Axis {
 }
 
 impl PositionJump {
+    /// How far the position can get in a second.
+    fn units_a_second(&self, per_revolution: Option<u64>, node: NodeId, context: &Context<'_>) -> u128 {
+        // A step of the sensor: of a revolution, or in nanometres.
+        let known = context.scene.bus.node(node);
+        let step = known.and_then(|known| known.certain(node, Multiplexer::new(0x6501, 0))).map(u64::from);
+        match kind(context, node) {
+            Some(Kind::Linear) => {
+                let millimetres = u128::from(self.linear_speed);
+                step.filter(|&step| step > 0).map_or(u128::MAX >> 64, |step| millimetres * 1_000_000 / u128::from(step))
+            }
+            _ => {
+                let units = per_revolution.or(step).unwrap_or(self.resolution);
+                u128::from(units) * u128::from(self.speed) / 60
+            }
+        }
+    }
+
     fn moved(&mut self, position: u64, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
         let axis = &mut self.nodes[usize::from(node.raw())];
@@ -80,9 +107,11 @@ impl PositionJump {
         }
         // PDOs wait for the bus, and recorders for the processor.
         let elapsed = context.now().since(at) + context.scene.slack() + Duration::from_millis(5);
-        let units = u128::from(axis.per_revolution.unwrap_or(self.resolution));
-        let allowed = units * u128::from(self.speed) * u128::from(elapsed.nanos()) / 60_000_000_000;
+        let per_revolution = axis.per_revolution;
+        let a_second = self.units_a_second(per_revolution, node, context);
+        let allowed = a_second * u128::from(elapsed.nanos()) / 1_000_000_000;
         let allowed = u64::try_from(allowed).unwrap_or(u64::MAX).max(self.least);
+        let axis = &self.nodes[usize::from(node.raw())];
         let known = Axis { highest, ..*axis };
         let distance = known.distance(before, position, allowed);
         if distance > allowed {
@@ -105,7 +134,7 @@ impl Rule for PositionJump {
                 }
                 return;
             }
-            (Service::Nmt, Message::Nmt(_)) => return self.interrupted(),
+            (Service::Nmt, Message::Nmt(_)) if context.begins_anew() => return self.interrupted(),
             _ => {}
         }
         let mut position = None;

@@ -1,8 +1,9 @@
-use super::operands::each;
+use super::operands::{Kind, each, kind};
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
+use crate::{Multiplexer, NodeId};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
@@ -14,8 +15,9 @@ static METADATA: Metadata = Metadata {
     id: "encoder/position-outside-range",
     severity: Severity::Error,
     title: "a position is outside its measuring range",
-    what: "The capture shows the total measuring range (6002h) and that scaling is on (6000h bit 2), and a position \
-           (6004h) is not below the range.",
+    what: "The capture shows the total measuring range (6002h) and that scaling is on (6000h bit 2, or 6500h), and a \
+           position (6004h) is not below the range; or scaling is off, and the position of a rotary encoder is not below the physical \
+           range, 6501h times 6502h.",
     why: "A master that calculates with the range takes the position for another one, often a whole range away.",
     advice: "Check whether the range was written with scaling off, or after the preset. If not, it is a fault of the \
              device's firmware.",
@@ -35,6 +37,14 @@ struct PositionOutsideRange {
 /// Bit 2 of 6000h.
 const SCALING: u64 = 1 << 2;
 
+/// The positions of the sensor itself: steps of one revolution (6501h) times revolutions (6502h).
+fn physical_range(context: &Context<'_>, node: NodeId) -> Option<u64> {
+    // In linear devices 6501h is the length of a step.
+    let known = context.scene.bus.node(node).filter(|_| kind(context, node) == Some(Kind::Rotary))?;
+    let of = |index| known.certain(node, Multiplexer::new(index, 0)).map(u64::from);
+    of(0x6501)?.checked_mul(of(0x6502)?).filter(|&range| range > 0)
+}
+
 impl Rule for PositionOutsideRange {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if context.decoded.service == Service::BootUp {
@@ -46,10 +56,13 @@ impl Rule for PositionOutsideRange {
         each(context, |operand| {
             let scaling = &mut self.nodes[usize::from(operand.node.raw())];
             match operand.object.index.0 {
-                0x6000 => scaling.on = Some(operand.raw & SCALING != 0),
+                // 6500h shows what of 6000h is in force.
+                0x6000 | 0x6500 => scaling.on = Some(operand.raw & SCALING != 0),
                 0x6002 => scaling.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw }),
                 0x6004 if !operand.written => {
-                    let Some(range) = scaling.range.filter(|_| scaling.on == Some(true)) else { return };
+                    let scaled = || scaling.range.filter(|_| scaling.on == Some(true));
+                    let physical = || physical_range(context, operand.node).filter(|_| scaling.on == Some(false));
+                    let Some(range) = scaled().or_else(physical) else { return };
                     if operand.raw >= range {
                         let report = Report::at(context.now()).node(operand.node).measure(operand.raw);
                         sink.report(report.evidence(context.evidence()), || {

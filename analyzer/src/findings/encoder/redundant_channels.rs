@@ -1,8 +1,11 @@
-use super::operands::{is_encoder, layout};
+use super::operands::{Kind, is_encoder, kind, layout};
+use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, NodeFacts, Seen, Severity};
+use crate::message::{Message, PdoNumber, Service};
+use crate::wire::pdo::extract;
+use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
@@ -19,8 +22,10 @@ static METADATA: Metadata = Metadata {
     id: "encoder/redundant-channels",
     severity: Severity::Error,
     title: "the redundant channels of an encoder disagree",
-    what: "A PDO of a draw-wire encoder with two redundant channels carries the position (6020h) twice, the second one \
-           counting down as the first counts up. Their sum has been constant, and now is another.",
+    what: "The first TPDO of a draw-wire encoder with two redundant channels carries the position (6020h) twice, the \
+           second one counting down as the first counts up. Their sum has been constant, and now is another. Where no \
+           mapping is known, two equal halves of the TPDO of a linear encoder are taken for such channels if their sum \
+           stays the same while they move. After a download to the node the sum is learned anew.",
     why: "One of the two channels is wrong. Which one, the values alone don't tell.",
     advice: "Stop relying on this device. See which of the two channels jumped or froze.",
     thresholds: &[Threshold {
@@ -36,6 +41,9 @@ struct Channels {
     sum: u64,
     /// How often the sum was the same.
     agreed: u32,
+    /// The last value of the first channel, and how often it was another than before.
+    last: u64,
+    moved: u32,
 }
 
 struct RedundantChannels {
@@ -43,9 +51,37 @@ struct RedundantChannels {
     nodes: Vec<Channels>,
 }
 
+/// The two channels in a PDO; whether a mapping says that they are positions, or only their place does.
+fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
+    if *context.message() != Message::Pdo(PdoNumber::Transmit(1)) || !is_encoder(context, node) {
+        return None;
+    }
+    let payload = context.record.frame.data();
+    if let Some(layout) = layout(context) {
+        let [a, b] = layout.signals.as_slice() else { return None };
+        let doubled = a.bits == b.bits && a.object.index == b.object.index && a.object.index.0 == POSITION;
+        return Some(([a.raw(payload)?, b.raw(payload)?], true)).filter(|_| doubled);
+    }
+    // Without a mapping: two halves. Angles run over; only lengths don't.
+    if kind(context, node) == Some(Kind::Rotary) {
+        return None;
+    }
+    let bits = match payload.len() {
+        4 => 16,
+        8 => 32,
+        _ => return None,
+    };
+    Some(([extract(payload, 0, bits)?, extract(payload, usize::from(bits), bits)?], false))
+}
+
+/// The position of draw-wire encoders, once for each channel.
+const POSITION: u16 = 0x6020;
+
 impl RedundantChannels {
-    /// From so many PDOs on the sum is known.
+    /// From so many PDOs on the sum is known, if a mapping says what they hold.
     const ENOUGH: u32 = 5;
+    /// Without a mapping so many PDOs and movements must show that the sum is constant.
+    const SHOWN: u32 = 20;
 }
 
 impl Rule for RedundantChannels {
@@ -56,20 +92,25 @@ impl Rule for RedundantChannels {
             *known = Channels::default();
             return;
         }
-        let Some([a, b]) = layout(context).map(|layout| layout.signals.as_slice()) else { return };
-        let doubled = a.object.index.0 == 0x6020 && b.object.index.0 == 0x6020 && a.bits == b.bits;
-        if !doubled || !is_encoder(context, node) {
-            return;
+        let Some(([a, b], mapped)) = channels(context, node) else { return };
+        // Zero point, direction or mapping may just have been set.
+        let facts = context.scene.facts.node(node);
+        if NodeFacts::is_recent(facts.last_download, context.now(), Duration::from_secs(1)) {
+            *known = Channels::default();
         }
-        let payload = context.record.frame.data();
-        let (Some(a), Some(b)) = (a.raw(payload), b.raw(payload)) else { return };
         let sum = a.saturating_add(b);
-        if known.agreed < Self::ENOUGH {
-            let same = sum.abs_diff(known.sum) <= self.tolerance;
-            *known = Channels { sum, agreed: if same { known.agreed + 1 } else { 0 } };
+        let off = sum.abs_diff(known.sum);
+        let enough = known.agreed >= if mapped { Self::ENOUGH } else { Self::SHOWN };
+        if !(enough && (mapped || known.moved >= Self::SHOWN)) {
+            let (same, moved) = (off <= self.tolerance, known.moved + u32::from(a != known.last));
+            *known = if same {
+                Channels { agreed: known.agreed + 1, last: a, moved, ..*known }
+            } else {
+                Channels { sum, last: a, ..Channels::default() }
+            };
             return;
         }
-        let off = sum.abs_diff(known.sum);
+        known.last = a;
         if off > self.tolerance {
             let report = Report::at(context.now()).node(node).measure(off);
             let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());

@@ -1,56 +1,79 @@
+use super::exchange::{SERVICES, Sender, Setting, configured, is_leave, sender, words};
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, Service};
-use crate::wire::lss::{ConfigureCommand, Request, Response};
+use crate::message::Message;
+use crate::wire::lss::Request;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Lss],
-    make: Some(|_| Box::new(NotStored { changed: None })),
-};
+pub const RULE: Definition =
+    Definition { metadata: &METADATA, services: SERVICES, make: Some(|_| Box::new(NotStored::default())) };
 
 static METADATA: Metadata = Metadata {
     id: "lss/not-stored",
     severity: Severity::Warning,
     title: "a node-ID or bit rate was changed and not stored",
-    what: "An LSS slave has taken a new node-ID or bit rate, and is switched back to waiting, or the capture ends, \
-           without a successful store.",
+    what: "An LSS or LMT slave has taken a new node-ID or bit rate, and is switched back to waiting, or the capture \
+           ends, without a successful store. Where the master uses Fastscan, this is only worth knowing: such masters \
+           assign node-IDs at every start.",
     why: "At the next power-on the device is back at its old node-ID and bit rate, often after the technician has left.",
     advice: "Send store configuration (17h) before switching back to waiting, unless the master sets the node-ID anew at \
              every start.",
     thresholds: &[],
 };
 
+#[derive(Default)]
 struct NotStored {
-    changed: Option<Seen>,
+    /// The slave's answers to the configurations that are not stored: node-ID and bit rate.
+    changed: [Option<Seen>; 2],
+    /// The latest request.
+    request: Option<String>,
+    /// What the master asked for, for both.
+    asked: [String; 2],
+    /// The master finds slaves without node-ID, to give them one at every start.
+    assigns: bool,
 }
 
 impl NotStored {
     fn tell(&mut self, sink: &mut Sink<'_>) {
-        if let Some(changed) = self.changed.take() {
-            let report = Report::at(changed.time()).evidence(changed.evidence());
-            sink.report(report, || "configured and not stored".to_owned());
-        }
+        let [node_id, bit_rate] = std::mem::take(&mut self.changed);
+        let Some(first) = node_id.as_ref().or(bit_rate.as_ref()) else { return };
+        let report = Report::at(first.time()).evidence(node_id.as_ref().map(Seen::evidence));
+        let report = report.evidence(bit_rate.as_ref().map(Seen::evidence));
+        let report = if self.assigns { report.severity(Severity::Info) } else { report };
+        sink.report(report, || {
+            let asked = [&node_id, &bit_rate].into_iter().zip(&self.asked).filter(|row| row.0.is_some());
+            let asked: Vec<&str> = asked.map(|row| row.1.as_str()).collect();
+            format!("\"{}\" was confirmed and not stored", asked.join("\" and \""))
+        });
     }
 }
 
 impl Rule for NotStored {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        match context.message() {
-            Message::LssRequest(Request::SwitchGlobal { mode: 0 }) => self.tell(sink),
-            Message::LssResponse(Response::Configured { command, error: 0, .. }) => {
-                self.changed = match command {
-                    ConfigureCommand::Store => None,
-                    _ => Some(context.seen()),
-                };
+        let message = context.message();
+        match sender(message) {
+            Some(Sender::Master) => {
+                self.assigns |= matches!(message, Message::LssRequest(Request::Fastscan { .. }));
+                self.request = Some(words(message));
+                if is_leave(message) {
+                    self.tell(sink);
+                }
             }
-            _ => {}
+            Some(Sender::Slave) => match configured(message) {
+                Some((Setting::Store, 0)) => self.changed = [None, None],
+                Some((setting @ (Setting::NodeId | Setting::BitRate), 0)) => {
+                    let at = usize::from(setting == Setting::BitRate);
+                    self.changed[at] = Some(context.seen());
+                    self.asked[at] = self.request.clone().unwrap_or_else(|| words(message));
+                }
+                _ => {}
+            },
+            None => {}
         }
     }
 
     fn interrupted(&mut self) {
-        self.changed = None;
+        self.changed = [None, None];
     }
 
     fn finish(&mut self, _: &Scene<'_>, sink: &mut Sink<'_>) {

@@ -1,16 +1,15 @@
+use super::exchange::{SERVICES, Sender, configured, own_command, sender, words};
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, Service};
-use crate::wire::lss::Response;
 
 pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::Lss], make: Some(|_| Box::new(Refused { request: None })) };
+    Definition { metadata: &METADATA, services: SERVICES, make: Some(|_| Box::new(Refused { request: None })) };
 
 static METADATA: Metadata = Metadata {
     id: "lss/refused",
     severity: Severity::Error,
-    title: "an LSS slave refuses a configuration",
+    title: "an LSS or LMT slave refuses a configuration",
     what: "The answer to configure node-ID, configure bit timing or store has an error code.",
     why: "The slave keeps its old node-ID or bit rate. A master that goes on all the same loses it.",
     advice: "Code 1 is a node-ID or bit rate that the device does not have, or that it can't store; 2 of a store is a \
@@ -24,15 +23,13 @@ struct Refused {
 
 impl Rule for Refused {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        match context.message() {
-            Message::LssRequest(_) => self.request = Some(context.seen()),
-            Message::LssResponse(response @ Response::Configured { command, error, .. }) if *error != 0 => {
-                let report = Report::at(context.now()).detail(u64::from(*command as u8) << 8 | u64::from(*error));
-                let report = report.evidence(self.request.as_ref().map(Seen::evidence)).evidence(context.evidence());
-                sink.report(report, || response.to_string());
-            }
-            _ => {}
+        if sender(context.message()) == Some(Sender::Master) {
+            self.request = Some(context.seen());
         }
+        let Some((_, error @ 1..)) = configured(context.message()) else { return };
+        let report = Report::at(context.now()).detail(u64::from(own_command(context)) << 8 | u64::from(error));
+        let report = report.evidence(self.request.as_ref().map(Seen::evidence)).evidence(context.evidence());
+        sink.report(report, || words(context.message()));
     }
 
     fn interrupted(&mut self) {

@@ -1,13 +1,12 @@
+use super::exchange::{SERVICES, Sender, command, is_store, sender, wants_answer, words};
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, Service};
-use crate::wire::lss::{Part, Request};
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Lss],
+    services: SERVICES,
     make: Some(|thresholds| {
         Box::new(Unanswered {
             wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),
@@ -20,10 +19,10 @@ pub const RULE: Definition = Definition {
 static METADATA: Metadata = Metadata {
     id: "lss/unanswered",
     severity: Severity::Warning,
-    title: "an LSS request gets no answer",
+    title: "an LSS or LMT request gets no answer",
     what: "A request that one slave must answer (configure, store, inquire, the last of a switch selective) is followed \
-           by none. Identify and Fastscan are answered only where a slave fits, and LMT is silent on success: neither \
-           is reported.",
+           by none. Identify and Fastscan are answered only where a slave fits, and LMT is silent when it switches: \
+           neither is reported.",
     why: "No slave is in configuration state, or none has the address that was given. The node-ID or bit rate has not \
           changed.",
     advice: "Check the four numbers of the address against the label. LSS works in stopped and pre-operational only \
@@ -40,42 +39,25 @@ struct Unanswered {
     open: Option<Seen>,
 }
 
-const fn wants_answer(request: &Request) -> bool {
-    matches!(
-        request,
-        Request::ConfigureNodeId { .. }
-            | Request::ConfigureBitTiming { .. }
-            | Request::StoreConfiguration
-            | Request::Inquire { .. }
-            | Request::InquireNodeId
-            | Request::SwitchSelective { part: Part::SerialNumber, .. }
-    )
-}
-
 impl Unanswered {
     fn limit(&self, seen: &Seen) -> Duration {
-        match seen.decoded.message {
-            Message::LssRequest(Request::StoreConfiguration) => self.store,
-            _ => self.wait,
-        }
+        if is_store(&seen.decoded.message) { self.store } else { self.wait }
     }
 
     fn tell(seen: &Seen, why: &str, sink: &mut Sink<'_>) {
-        let Message::LssRequest(request) = seen.decoded.message else { return };
-        let command = seen.record.frame.bytes()[0];
-        let report = Report::at(seen.time()).detail(u64::from(command)).evidence(seen.evidence());
-        sink.report(report, || format!("no answer to {request}: {why}"));
+        let report = Report::at(seen.time()).detail(u64::from(command(seen))).evidence(seen.evidence());
+        sink.report(report, || format!("no answer to \"{}\": {why}", words(&seen.decoded.message)));
     }
 }
 
 impl Rule for Unanswered {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        match context.message() {
-            Message::LssRequest(request) => {
+        match sender(context.message()) {
+            Some(Sender::Master) => {
                 if let Some(open) = self.open.take() {
                     Self::tell(&open, "the master goes on", sink);
                 }
-                self.open = wants_answer(request).then(|| context.seen());
+                self.open = wants_answer(context.message()).then(|| context.seen());
             }
             _ => self.open = None,
         }

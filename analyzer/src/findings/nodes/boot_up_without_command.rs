@@ -30,7 +30,13 @@ pub fn is_explained(context: &Context<'_>, facts: &NodeFacts) -> bool {
     let recent = |then: Option<Timestamp>| NodeFacts::is_recent(then, context.now(), WHILE);
     // One reset explains one boot-up; layer settings and programs take effect by a reset of their own.
     let after_boot_up = |then: Option<Timestamp>| recent(then) && then > facts.last_boot_up;
-    facts.pending_reset.is_some()
+    let answered = |reset: Timestamp| {
+        // Devices without boot-up message go on without one: what comes minutes later is no answer to the reset.
+        const LONGEST: Duration = Duration::from_secs(60);
+        let silent = facts.last_seen.is_none_or(|seen| seen <= reset + Duration::from_secs(1));
+        silent || context.now().since(reset) <= LONGEST
+    };
+    facts.pending_reset.is_some_and(answered)
         || after_boot_up(context.scene.facts.layer_setting)
         || after_boot_up(facts.last_program_control)
         || after_boot_up(facts.last_store)

@@ -58,6 +58,11 @@ impl CommandNotObeyed {
         };
         for (id, pending) in self.nodes.iter_mut().enumerate().skip(1) {
             if node == 0 || usize::from(node) == id {
+                // The same command again: the node has had its time since the first one.
+                let waits = pending.as_ref().is_some_and(|pending| pending.expected == expected);
+                if waits && expected != State::BOOT_UP {
+                    continue;
+                }
                 *pending = Some(Pending { command: context.seen(), expected, against: 0 });
             }
         }

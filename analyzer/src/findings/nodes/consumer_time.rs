@@ -1,24 +1,30 @@
-use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::{Message, Service};
 use crate::network::Event;
-use crate::network::sdo::Outcome;
-use canvass_traces::{Duration, Timestamp};
+use crate::{Multiplexer, NodeId};
+use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo],
-    make: Some(|_| Box::new(ConsumerTime { consumers: Vec::new(), last: vec![None; 128] })),
+    make: Some(|_| {
+        Box::new(ConsumerTime {
+            consumers: Vec::new(),
+            known: vec![false; 128],
+            last: (0..128).map(|_| None).collect(),
+        })
+    }),
 };
 
 static METADATA: Metadata = Metadata {
     id: "nodes/consumer-time",
     severity: Severity::Error,
     title: "a heartbeat consumer time is missed",
-    what: "The capture shows that a node consumes the heartbeat of another (1016h), and that heartbeat stays away for \
-           longer than the consumer time. Where a reset or boot-up is the reason, nothing is said.",
+    what: "The capture, or the device configuration that was given for it, shows that a node consumes the heartbeat of \
+           another (1016h), and that heartbeat stays away for longer than the consumer time, or does not come back. \
+           Monitoring begins with the first heartbeat. Where a reset or boot-up is the reason, nothing is said.",
     why: "The consumer sees a heartbeat event: it sends EMCY 8130h and, unless 1029h says otherwise, leaves \
           operational.",
     advice: "The consumer time should be at least one and a half times the producer time. If it is, find out why the \
@@ -29,70 +35,119 @@ static METADATA: Metadata = Metadata {
 struct ConsumerTime {
     /// Who consumes whose heartbeat, and how long it waits.
     consumers: Vec<Consumer>,
-    last: Vec<Option<Timestamp>>,
+    /// The nodes whose description or stored parameters were looked at.
+    known: Vec<bool>,
+    last: Vec<Option<Seen>>,
 }
 
 #[derive(Clone, Copy)]
 struct Consumer {
     node: NodeId,
-    sub: u8,
     producer: u8,
     time: Duration,
+    /// The silence under way was reported.
+    told: bool,
 }
 
 impl ConsumerTime {
     /// 127 producers for each of 127 consumers.
     const MOST: usize = 127 * 127;
 
-    fn configured(&mut self, context: &Context<'_>) {
-        let Some(node) = context.node() else { return };
-        let Some(transfer) = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel)) else {
-            return;
-        };
-        let (object, Some(value)) = (transfer.multiplexer, transfer.data().first_chunk::<4>()) else { return };
-        if object.index.0 != 0x1016 || object.sub.0 == 0 || transfer.outcome != Outcome::Complete {
-            return;
+    /// Takes the entries of 1016h of a node as they are at this moment.
+    fn configure(&mut self, node: NodeId, scene: &Scene<'_>) {
+        self.known[usize::from(node.raw())] = true;
+        self.consumers.retain(|consumer| consumer.node != node);
+        let Some(known) = scene.bus.node(node) else { return };
+        // A description says only what the default is; nobody delivers a device with a consumer switched on, unless
+        // it is a device configuration file.
+        let entries = |sub: u8| known.parameter(node, Multiplexer::new(0x1016, sub));
+        let most = entries(0).map_or(127, |count| count.min(127) as u8);
+        for value in (1..=most).filter_map(entries) {
+            let (producer, time) = ((value >> 16) as u8, Duration::from_millis(u64::from(value & 0xFFFF)));
+            if time > Duration::ZERO && (1..128).contains(&producer) && self.consumers.len() < Self::MOST {
+                self.consumers.push(Consumer { node, producer, time, told: false });
+            }
         }
-        let value = u32::from_le_bytes(*value);
-        let (producer, time) = ((value >> 16) as u8, Duration::from_millis(u64::from(value & 0xFFFF)));
-        self.consumers.retain(|consumer| (consumer.node, consumer.sub) != (node, object.sub.0));
-        if time > Duration::ZERO && producer < 128 && self.consumers.len() < Self::MOST {
-            self.consumers.push(Consumer { node, sub: object.sub.0, producer, time });
+    }
+
+    /// Reports the consumers that have waited for too long.
+    fn check(&mut self, producer: NodeId, next: Option<&Context<'_>>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let Some(last) = &self.last[usize::from(producer.raw())] else { return };
+        let silence = scene.now.since(last.time());
+        for consumer in self.consumers.iter_mut().filter(|consumer| consumer.producer == producer.raw()) {
+            if silence <= consumer.time + scene.slack() || consumer.told && next.is_none() {
+                continue;
+            }
+            let report = Report::at(last.time()).node(consumer.node).detail(u64::from(producer.raw()));
+            let report = if consumer.told { report.amend() } else { report };
+            let report = report.measure(silence.nanos()).evidence(last.evidence());
+            sink.report(report.evidence(next.map(Context::evidence)), || {
+                let time = consumer.time;
+                let silent = if next.is_some() { "was silent for" } else { "has been silent for more than" };
+                format!("waits {time} for the heartbeat of node {producer}, which {silent} {silence}")
+            });
+            consumer.told = next.is_none();
+        }
+    }
+
+    fn forget(&mut self, producer: u8) {
+        for (id, last) in self.last.iter_mut().enumerate() {
+            if producer == 0 || usize::from(producer) == id {
+                *last = None;
+            }
+        }
+        for consumer in self.consumers.iter_mut().filter(|consumer| producer == 0 || consumer.producer == producer) {
+            consumer.told = false;
         }
     }
 }
 
 impl Rule for ConsumerTime {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        match context.decoded.service {
-            Service::Sdo if context.decoded.event == Some(Event::TransferEnded) => return self.configured(context),
-            Service::Heartbeat => {}
-            Service::Nmt => return self.last.fill(None),
-            Service::BootUp => {
-                if let Some(node) = context.node() {
-                    self.consumers.retain(|consumer| consumer.node != node);
-                    self.last[usize::from(node.raw())] = None;
-                }
-                return;
-            }
-            _ => return,
+        if let Message::Nmt(nmt) = context.message() {
+            return if context.begins_anew() {
+                self.forget(nmt.node);
+            };
         }
-        let Some(producer) = context.node() else { return };
-        let Some(last) = self.last[usize::from(producer.raw())].replace(context.now()) else { return };
-        let silence = context.now().since(last);
-        for consumer in self.consumers.iter().filter(|consumer| consumer.producer == producer.raw()) {
-            if silence > consumer.time + context.scene.slack() {
-                let report = Report::at(last).node(consumer.node).detail(u64::from(producer.raw()));
-                let report = report.measure(silence.nanos()).evidence(context.previous.map(Seen::evidence));
-                sink.report(report.evidence(context.evidence()), || {
-                    let time = consumer.time;
-                    format!("waits {time} for the heartbeat of node {producer}, which was silent for {silence}")
-                });
+        let Some(node) = context.node() else { return };
+        let at = usize::from(node.raw());
+        if !self.known[at] {
+            self.configure(node, &context.scene);
+        }
+        match context.decoded.service {
+            Service::Sdo => {
+                let object = context.decoded.object.is_some_and(|object| object.index.0 == 0x1016);
+                if object && context.decoded.event == Some(Event::TransferEnded) {
+                    self.configure(node, &context.scene);
+                }
+            }
+            Service::BootUp => {
+                self.configure(node, &context.scene);
+                self.forget(node.raw());
+            }
+            Service::Heartbeat => {
+                if !context.scene.facts.node(node).is_storing(context.now()) {
+                    self.check(node, Some(context), &context.scene, sink);
+                }
+                self.last[at] = Some(context.seen());
+            }
+            _ => {}
+        }
+    }
+
+    fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        if self.consumers.is_empty() {
+            return;
+        }
+        for producer in NodeId::all() {
+            let facts = scene.facts.node(producer);
+            if !facts.is_storing(scene.now) && !facts.is_resetting(scene.now) {
+                self.check(producer, None, scene, sink);
             }
         }
     }
 
     fn interrupted(&mut self) {
-        self.last.fill(None);
+        self.forget(0);
     }
 }

@@ -30,7 +30,10 @@ impl Rule for GuardingToggle {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if context.decoded.service == Service::Nmt {
             // A reset sets the bit back; which commands do, devices disagree about.
-            return self.nodes.fill(None);
+            if context.begins_anew() {
+                self.nodes.fill(None);
+            }
+            return;
         }
         let Some(node) = context.node() else { return };
         let at = usize::from(node.raw());

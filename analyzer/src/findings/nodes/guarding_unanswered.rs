@@ -1,7 +1,7 @@
 use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, NodeFacts, Scene, Seen, Severity};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
 use canvass_traces::Duration;
 
@@ -38,9 +38,7 @@ impl GuardingUnanswered {
     fn give_up(&mut self, node: NodeId, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         let Some(request) = self.nodes[usize::from(node.raw())].take() else { return };
         let facts = scene.facts.node(node);
-        let storing = NodeFacts::is_recent(facts.last_store, scene.now, Duration::from_secs(5));
-        let resetting = facts.pending_reset.is_some();
-        if !storing && !resetting {
+        if !facts.is_storing(scene.now) && !facts.is_resetting(scene.now) {
             let report = Report::at(request.time()).node(node).evidence(request.evidence());
             sink.report(report, || format!("no answer within {}", self.wait));
         }

@@ -1,34 +1,36 @@
 //! The heartbeats of all nodes of a bus, and their periods: told by 1017h, or learned.
 
 use crate::NodeId;
+use crate::findings::Context;
 use crate::findings::rhythm::{Interval, Rhythm};
-use crate::findings::{Context, NodeFacts};
 use crate::message::{Message, Service};
 use crate::network::Event;
 use crate::network::sdo::Outcome;
+use crate::wire::lss;
 use canvass_traces::Duration;
 
 /// The services that heartbeats are followed by.
-pub const SERVICES: &[Service] = &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo, Service::Lss];
+pub const SERVICES: &[Service] =
+    &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo, Service::Lss, Service::Lmt];
 
 /// Follows the heartbeats of all nodes.
 pub struct Heartbeats {
     nodes: Box<[Rhythm]>,
+    /// LSS has configured a slave, which is not yet back in waiting state.
+    configured_by_lss: bool,
 }
 
 impl Default for Heartbeats {
     fn default() -> Self {
-        Self { nodes: vec![Rhythm::default(); 128].into() }
+        Self { nodes: vec![Rhythm::default(); 128].into(), configured_by_lss: false }
     }
 }
 
 impl Heartbeats {
-    /// Some devices are silent for seconds while they write their memory.
-    const STORING: Duration = Duration::from_secs(5);
-
     /// Takes a frame; returns the interval if it ends one.
     pub fn frame(&mut self, context: &Context<'_>) -> Option<Interval> {
         match (context.decoded.service, context.message()) {
+            (Service::Nmt, Message::Nmt(nmt)) if context.scene.facts.is_repeated(*nmt) => None,
             (Service::Nmt, Message::Nmt(nmt)) => {
                 // A state change may shift the beat, a reset ends it.
                 let all = nmt.node == 0;
@@ -48,8 +50,21 @@ impl Heartbeats {
                 None
             }
             (Service::Heartbeat, Message::ErrorControl(_)) => self.beat(context),
-            // A node whose LSS state changes may reset itself.
-            (Service::Lss, _) => {
+            // A node that goes back to waiting with another configuration may reset itself.
+            (Service::Lss, Message::LssRequest(request)) => {
+                match request {
+                    lss::Request::ConfigureNodeId { .. } | lss::Request::ConfigureBitTiming { .. } => {
+                        self.configured_by_lss = true;
+                    }
+                    lss::Request::ActivateBitTiming { .. } => self.interrupted(),
+                    lss::Request::SwitchGlobal { mode: 0 } if std::mem::take(&mut self.configured_by_lss) => {
+                        self.interrupted();
+                    }
+                    _ => {}
+                }
+                None
+            }
+            (Service::Lmt, Message::LmtRequest(_)) => {
                 self.interrupted();
                 None
             }
@@ -60,7 +75,7 @@ impl Heartbeats {
     fn beat(&mut self, context: &Context<'_>) -> Option<Interval> {
         let node = context.node()?;
         let facts = context.scene.facts.node(node);
-        if NodeFacts::is_recent(facts.last_store, context.now(), Self::STORING) {
+        if facts.is_storing(context.now()) {
             self.rhythm(node).pause();
         }
         self.rhythm(node).beat(context.now())

@@ -52,12 +52,14 @@ impl Rule for HeartbeatEnded {
             let (Some(seen), Some(period)) = (seen, rhythm.period()) else { continue };
             let (last, silence) = (seen.time(), scene.now.since(seen.time()));
             let is_late = silence > period.times(self.periods) + scene.slack() + Duration::from_millis(10);
-            if !is_late || scene.facts.node(node).pending_reset.is_some() {
+            let facts = scene.facts.node(node);
+            // A device without boot-up message is not silent after a reset.
+            if !is_late || facts.is_resetting(scene.now) || facts.is_storing(scene.now) {
                 continue;
             }
             let report = Report::at(last).node(node).evidence(seen.evidence());
             sink.report(report, || {
-                let also = scene.facts.node(node).last_seen.is_some_and(|seen| scene.now.since(seen) < silence);
+                let also = facts.last_seen.is_some_and(|seen| scene.now.since(seen) < silence);
                 let also = if also { "; it still sends other messages" } else { "" };
                 format!("no heartbeat for the last {silence} of the capture, its period is {period}{also}")
             });

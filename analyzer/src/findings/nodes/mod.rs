@@ -10,6 +10,7 @@ mod heartbeat_ended;
 mod heartbeat_jitter;
 mod heartbeat_late;
 mod heartbeat_missing;
+mod life_guarding;
 mod no_boot_up;
 mod pdo_outside_operational;
 mod repeated_resets;
@@ -31,6 +32,7 @@ pub static RULES: &[Definition] = &[
     consumer_time::RULE,
     guarding_unanswered::RULE,
     guarding_toggle::RULE,
+    life_guarding::RULE,
     pdo_outside_operational::RULE,
     sdo_in_stopped::RULE,
 ];

@@ -1,14 +1,18 @@
-use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
-use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Severity};
-use crate::message::Service;
+use crate::findings::sink::{Evidence, Report, Sink};
+use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::{Message, Service};
+use crate::wire::nmt::Command;
+use crate::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Nmt],
-    make: Some(|thresholds| Box::new(NoBootUp { wait: Duration::from_millis(thresholds.get(&METADATA, "wait")) })),
+    make: Some(|thresholds| {
+        let wait = Duration::from_millis(thresholds.get(&METADATA, "wait"));
+        Box::new(NoBootUp { wait, resets: (0..128).map(|_| None).collect() })
+    }),
 };
 
 static METADATA: Metadata = Metadata {
@@ -16,27 +20,55 @@ static METADATA: Metadata = Metadata {
     severity: Severity::Error,
     title: "a node does not come back after a reset",
     what: "A node that was on the bus is reset by an NMT command, and sends nothing more until the capture ends. A \
-           node that sends other messages again but no boot-up is not reported here: old and linear devices have none.",
+           node that sends other messages again but no boot-up is reported only if it has sent one before: old and \
+           linear devices have none. Nor is \
+           a linear encoder (1000h) that nobody asks for anything after its reset.",
     why: "The node is not available any more: it hangs in initialisation, has changed its node-ID or bit rate, or its \
           boot-up message never gets through.",
     advice: "Look for a new node-ID on the bus. If there is none, look at the device itself.",
     thresholds: &[Threshold { name: "wait", default: 5000, unit: "ms", meaning: "so long a reset may take" }],
 };
 
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+
 struct NoBootUp {
     wait: Duration,
+    /// The last reset command to each node.
+    resets: Vec<Option<Seen>>,
+}
+
+impl NoBootUp {
+    fn reset_of(&self, node: NodeId) -> Option<Evidence<'_>> {
+        self.resets[usize::from(node.raw())].as_ref().map(Seen::evidence)
+    }
 }
 
 impl Rule for NoBootUp {
-    fn frame(&mut self, _: &Context<'_>, _: &mut Sink<'_>) {}
+    fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
+        let Message::Nmt(nmt) = context.message() else { return };
+        if matches!(nmt.command, Command::RESET_NODE | Command::RESET_COMMUNICATION) {
+            let named =
+                self.resets.iter_mut().enumerate().filter(|(id, _)| nmt.node == 0 || usize::from(nmt.node) == *id);
+            named.for_each(|(_, reset)| *reset = Some(context.seen()));
+        }
+    }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         for node in NodeId::all() {
             let facts = scene.facts.node(node);
             let (Some(reset), Some(seen)) = (facts.pending_reset, facts.last_seen) else { continue };
-            if seen <= reset + Duration::from_millis(50) && scene.now.since(reset) > self.wait {
-                sink.report(Report::at(reset).node(node), || {
+            // Linear devices of some manufacturers come up silently: nothing to wait for.
+            let device_type = scene.bus.node(node).and_then(|known| known.parameter(node, DEVICE_TYPE));
+            let is_linear = device_type.is_some_and(|device_type| matches!(device_type >> 16, 0x08 | 0x09));
+            let waited = scene.now.since(reset) > self.wait;
+            if !is_linear && waited && seen <= reset + Duration::from_millis(50) {
+                sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
                     format!("nothing more was heard in the {} after its reset", scene.now.since(reset))
+                });
+            } else if waited && facts.last_boot_up.is_some() && seen > reset + self.wait {
+                let report = Report::at(reset).node(node).severity(Severity::Warning).evidence(self.reset_of(node));
+                sink.report(report, || {
+                    "it sends again after its reset, but not its boot-up message, as it did before".to_owned()
                 });
             }
         }

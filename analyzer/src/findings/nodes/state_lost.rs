@@ -29,6 +29,9 @@ struct StateLost {
 impl Rule for StateLost {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if let Message::Nmt(nmt) = context.message() {
+            if context.scene.facts.is_repeated(*nmt) {
+                return;
+            }
             match self.nodes.get_mut(usize::from(nmt.node)) {
                 Some(state) if nmt.node != 0 => *state = None,
                 _ if nmt.node == 0 => self.nodes.fill(None),

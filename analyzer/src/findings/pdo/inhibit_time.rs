@@ -2,7 +2,7 @@ use super::parameters::{AllParameters, SERVICES, TPDOS};
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, PdoNumber, Service};
+use crate::message::{Message, PdoNumber};
 use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
@@ -48,19 +48,25 @@ impl Rule for InhibitTime {
         if let Some(changed) = self.parameters.frame(context) {
             self.last[usize::from(changed.raw())].fill(None);
         }
-        if context.decoded.service == Service::Nmt {
+        if context.begins_anew() {
             return self.interrupted();
         }
         let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (context.node(), context.message()) else {
             return;
         };
-        let Some(inhibit) = self.parameters.of(node, *number).inhibit else { return };
+        let parameters = self.parameters.of(node, *number);
+        // It holds for PDOs that are sent on events: not for synchronous ones and those that were asked for.
+        if !matches!(parameters.transmission_type, None | Some(254 | 255)) {
+            return;
+        }
+        let Some(inhibit) = parameters.inhibit else { return };
         let slot = self.last[usize::from(node.raw())].get_mut(usize::from(*number) - 1);
         let last = slot.and_then(|slot| slot.replace(context.now())).filter(|_| context.scene.has_times());
         let Some(last) = last else { return };
         let interval = context.now().since(last);
         // The first of two PDOs may have waited for the bus, so that they end up closer on it.
-        let tolerated = interval + self.tolerance + context.scene.slack();
+        let waiting = self.tolerance.max(context.scene.longest_frame().times(2));
+        let tolerated = interval + waiting + context.scene.slack();
         if tolerated.nanos() >= inhibit.nanos() * self.percent / 100 {
             return;
         }

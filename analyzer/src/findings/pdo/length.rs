@@ -2,16 +2,20 @@ use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::{Message, PdoNumber, Service};
+use crate::{Multiplexer, NodeId};
+use std::collections::BTreeSet;
 
 pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::Pdo], make: Some(|_| Box::new(Length)) };
+    Definition { metadata: &METADATA, services: &[Service::Pdo], make: Some(|_| Box::new(Length::default())) };
 
 static METADATA: Metadata = Metadata {
     id: "pdo/length",
     severity: Severity::Error,
     title: "a PDO is not as long as its mapping says",
     what: "The mapping, as the SDO traffic or the device description shows it, fills more or fewer bytes than the PDO \
-           has. A received PDO may be longer than the mapping of the node that receives it.",
+           has. A received PDO may be longer than the mapping of the node that receives it. Where only the description \
+           tells the mapping and the PDO never fits it, another mapping was set before the capture began: this is only \
+           worth knowing.",
     why: "A consumer that checks the length drops the PDO and sends EMCY 8210h; one that does not takes other values \
           for its own.",
     advice: "Read 1A00h (or 1600h) of the node and compare it with what the other side expects. If the mapping was \
@@ -19,21 +23,40 @@ static METADATA: Metadata = Metadata {
     thresholds: &[],
 };
 
-struct Length;
+#[derive(Default)]
+struct Length {
+    /// The PDOs that have once been as long as their mapping.
+    fitted: BTreeSet<(NodeId, PdoNumber)>,
+}
 
 impl Rule for Length {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let (Some(node), Message::Pdo(number)) = (context.node(), context.message()) else { return };
-        let Some(layout) = context.scene.bus.node(node).and_then(|node| node.known_layout(*number)) else { return };
+        let Some(known) = context.scene.bus.node(node) else { return };
+        let Some(layout) = known.known_layout(*number) else { return };
         let (mapped, found) = (layout.length(), context.record.frame.len());
         let fits = match number {
-            PdoNumber::Transmit(_) => mapped == found,
+            PdoNumber::Transmit(tpdo) => {
+                let pads = known.description.as_ref().is_some_and(|description| description.settings.pads(*tpdo));
+                mapped == found || pads && found == 8
+            }
             PdoNumber::Receive(_) => mapped <= found,
         };
-        if !fits {
-            let detail = u64::from(number.communication_index()) << 8 | found as u64;
-            let report = Report::at(context.now()).node(node).detail(detail).evidence(context.evidence());
-            sink.report(report, || format!("{number} has {found} bytes, its mapping fills {mapped}"));
+        // Which mapping is in force is certain only where the capture shows it.
+        let shown = known.certain(node, Multiplexer::new(number.mapping_index(), 0)).is_some();
+        if fits {
+            if !shown {
+                self.fitted.insert((node, *number));
+            }
+            return;
         }
+        let default = !shown && !self.fitted.contains(&(node, *number));
+        let detail = u64::from(number.communication_index()) << 8 | found as u64;
+        let report = Report::at(context.now()).node(node).detail(detail).evidence(context.evidence());
+        let report = if default { report.severity(Severity::Info) } else { report };
+        sink.report(report, || {
+            let whose = if default { "the mapping of its description" } else { "its mapping" };
+            format!("{number} has {found} bytes, {whose} fills {mapped}")
+        });
     }
 }

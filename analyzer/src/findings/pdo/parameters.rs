@@ -3,10 +3,11 @@
 //! A description says only what the defaults are; most machines set these parameters before a capture begins, so that
 //! nothing is concluded from defaults.
 
-use crate::NodeId;
+use crate::dictionary::names::ENCODER_PROFILE;
 use crate::findings::Context;
 use crate::message::Service;
 use crate::network::Event;
+use crate::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 
 /// The services that parameters are followed by.
@@ -29,11 +30,13 @@ pub struct Parameters {
 /// The parameters of all TPDOs of a bus.
 pub struct AllParameters {
     nodes: Box<[[Parameters; TPDOS]]>,
+    /// Whether they were read at all.
+    known: Box<[bool]>,
 }
 
 impl Default for AllParameters {
     fn default() -> Self {
-        Self { nodes: vec![[Parameters::default(); TPDOS]; 128].into() }
+        Self { nodes: vec![[Parameters::default(); TPDOS]; 128].into(), known: vec![false; 128].into() }
     }
 }
 
@@ -41,6 +44,11 @@ impl AllParameters {
     /// Takes a frame; returns the node whose parameters may have changed.
     pub fn frame(&mut self, context: &Context<'_>) -> Option<NodeId> {
         let node = context.node()?;
+        // What a description says of objects that can't be written is known from the first frame on.
+        if !self.known[usize::from(node.raw())] {
+            self.read(node, context);
+            return Some(node);
+        }
         let transferred = context.decoded.event == Some(Event::TransferEnded)
             && context.decoded.object.is_some_and(|object| matches!(object.index.0, 0x1800..=0x19FF | 0x6200));
         if transferred || context.decoded.service == Service::BootUp {
@@ -53,15 +61,21 @@ impl AllParameters {
     fn read(&mut self, node: NodeId, context: &Context<'_>) {
         let rows = &mut self.nodes[usize::from(node.raw())];
         *rows = Default::default();
+        self.known[usize::from(node.raw())] = true;
         let Some(known) = context.scene.bus.node(node) else { return };
-        for (object, value) in known.parameters() {
-            let Some(n @ 0..TPDOS) = usize::from(object.index.0).checked_sub(0x1800) else { continue };
-            let nonzero = |unit: Duration| (value > 0).then(|| unit.times(u64::from(value & 0xFFFF)));
-            match object.sub.0 {
-                2 => rows[n].transmission_type = Some(value as u8),
-                3 => rows[n].inhibit = nonzero(Duration::from_micros(100)),
-                5 => rows[n].event_timer = nonzero(Duration::from_millis(1)),
-                _ => {}
+        for (row, index) in rows.iter_mut().zip(0x1800..) {
+            let of = |sub| known.certain(node, Multiplexer::new(index, sub));
+            let time = |value: Option<u32>, unit: Duration| {
+                value.filter(|&value| value > 0).map(|value| unit.times(u64::from(value & 0xFFFF)))
+            };
+            let millis = Duration::from_millis(1);
+            row.transmission_type = of(2).map(|value| value as u8);
+            row.inhibit = time(of(3), Duration::from_micros(100));
+            row.event_timer = time(of(5), millis);
+            // Encoders have a timer of their own for their first TPDO; where both exist they are the same.
+            let is_cyclic = index == 0x1800 && row.event_timer.is_none() && row.transmission_type == Some(254);
+            if is_cyclic && known.profile(node) == Some(ENCODER_PROFILE) {
+                row.event_timer = time(known.certain(node, Multiplexer::new(0x6200, 0)), millis);
             }
         }
     }

@@ -1,7 +1,7 @@
 use super::parameters::{AllParameters, SERVICES, TPDOS};
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, NodeFacts, Seen, Severity};
+use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::Event;
 use crate::wire::error_control::State;
@@ -48,7 +48,7 @@ impl Rule for Period {
             self.last[usize::from(changed.raw())].fill(None);
         }
         match context.decoded.service {
-            Service::Nmt => return self.last.iter_mut().for_each(|row| row.fill(None)),
+            Service::Nmt if context.begins_anew() => return self.interrupted(),
             Service::Sdo if context.decoded.event == Some(Event::TransferEnded) => {
                 // Some devices are silent while they store.
                 let node = context.node().map_or(0, |node| node.raw());
@@ -70,8 +70,7 @@ impl Rule for Period {
         let Some(last) = slot.and_then(|slot| slot.replace(context.now())) else { return };
         let interval = context.now().since(last);
         let limit = Duration(timer.nanos() * self.percent / 100) + self.least + context.scene.slack();
-        let storing =
-            NodeFacts::is_recent(context.scene.facts.node(node).last_store, context.now(), Duration::from_secs(5));
+        let storing = context.scene.facts.node(node).is_storing(context.now());
         if interval <= limit || storing || operational.is_none_or(|state| state.0 != State::OPERATIONAL) {
             return;
         }

@@ -32,7 +32,9 @@ struct SyncCounter {
 impl Rule for SyncCounter {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Message::Sync(sync) = context.message() else {
-            self.last = None;
+            if context.begins_anew() {
+                self.last = None;
+            }
             return;
         };
         let Some(counter) = sync.counter else {

@@ -45,7 +45,9 @@ struct SyncJitter {
 impl Rule for SyncJitter {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         if !matches!(context.message(), Message::Sync(_)) {
-            return self.rhythm.pause();
+            return if context.begins_anew() {
+                self.rhythm.pause();
+            };
         }
         if let Some(interval) = self.rhythm.beat(context.now()) {
             self.jitter.count(context.now(), interval, self.percent, self.least + context.scene.slack());

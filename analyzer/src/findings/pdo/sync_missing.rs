@@ -32,7 +32,9 @@ struct SyncMissing {
 impl Rule for SyncMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if !matches!(context.message(), Message::Sync(_)) {
-            return self.rhythm.pause();
+            return if context.begins_anew() {
+                self.rhythm.pause();
+            };
         }
         let Some(interval) = self.rhythm.beat(context.now()) else { return };
         let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };

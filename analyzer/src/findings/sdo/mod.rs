@@ -8,6 +8,8 @@ mod retries;
 mod store_wear;
 mod unanswered;
 
+pub use store_wear::{Wear, WearLimits};
+
 use super::rule::Definition;
 
 pub static RULES: &[Definition] =

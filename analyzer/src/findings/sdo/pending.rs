@@ -4,6 +4,7 @@ use crate::Multiplexer;
 use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
 use crate::network::sdo::ChannelIndex;
+use crate::wire::nmt::Command;
 use crate::wire::sdo::Request;
 use canvass_traces::{Duration, Timestamp};
 
@@ -91,6 +92,8 @@ impl Requests {
     /// A node that restarts has forgotten what it was asked.
     fn forget_node(&mut self, context: &Context<'_>) {
         let named = match context.message() {
+            // Going to operational or pre-operational does not disturb a transfer.
+            Message::Nmt(nmt) if matches!(nmt.command, Command::START | Command::ENTER_PRE_OPERATIONAL) => return,
             Message::Nmt(nmt) => nmt.node,
             _ => context.node().map_or(0, |node| node.raw()),
         };

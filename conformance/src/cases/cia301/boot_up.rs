@@ -4,8 +4,11 @@ use crate::bench::Bench;
 use crate::bench::nmt::Start;
 use crate::case;
 use crate::client::sdo::Bytes;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_traces::{Duration, Record};
 
 /// So long after the first boot-up message a second one still belongs to the same start.
@@ -36,7 +39,7 @@ fn exactly_one_boot_up(bench: &mut Bench<'_>, command: Command) -> Judged {
 
 /// From a reset command to its boot-up message the device is silent: initialisation knows no communication.
 #[case(id = "301/boot-up/silent-before", clause = "CiA 301 7.3.2.2", confidence = Attested, level = Must,
-       catches = [BootUpWrongData])]
+       catches = [BootUpWrongData, EmcyBeforeBootUp])]
 fn silent_before(bench: &mut Bench<'_>) -> Judged {
     let start = bench.record_start(Command::RESET_NODE, Duration::ZERO)?;
     demand(start.before.is_empty(), || {
@@ -61,4 +64,90 @@ fn frames(records: &[Record]) -> String {
     let more = records.len().saturating_sub(SHOWN);
     let more = if more > 0 { format!(" and {more} more") } else { String::new() };
     format!("{}{more}", shown.join(", "))
+}
+
+/// Every one of many resets ends in a boot-up message. Its time after the command is reported.
+#[case(id = "301/boot-up/every-time", clause = "CiA 301 7.2.8.2.3.1", confidence = Attested, level = Must,
+       catches = [BootUpSometimesMissing, BootUpMissing])]
+fn every_time(bench: &mut Bench<'_>) -> Judged {
+    const RESETS: usize = 20;
+    let mut times = Vec::with_capacity(RESETS);
+    for n in 1..=RESETS {
+        bench.drain()?;
+        let sent = bench.now();
+        bench.command(Command::RESET_NODE)?;
+        let Some(at) = bench.wait_for_boot_up()? else {
+            let actual = format!("none after reset {n}, within {}", bench.timing().boot_up);
+            let duty = format!("each of {RESETS} resets ends in a boot-up message");
+            return Err(Verdict::Fail(Reason::new(duty, "a boot-up message", actual)));
+        };
+        times.push(at.since(sent));
+        bench.listen(Duration::from_millis(50))?;
+    }
+    for (name, percent) in [("median", 50), ("maximum", 100)] {
+        if let Some(time) = crate::bench::percentile(&mut times, percent) {
+            bench.measure(format!("reset to boot-up, {name}"), time);
+        }
+    }
+    Ok(Verdict::Pass)
+}
+
+/// Before its boot-up message the device answers no SDO request.
+#[case(id = "301/boot-up/no-sdo-before", clause = "CiA 301 7.3.2.2.1", confidence = Known, level = Should,
+       catches = [SdoAnsweredBeforeBootUp])]
+fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
+    let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
+    bench.drain()?;
+    bench.command(Command::RESET_NODE)?;
+    let deadline = bench.now() + bench.timing().boot_up;
+    let (mut booted, mut early) = (false, None);
+    // The reset itself takes a while to be seen.
+    bench.listen(Duration::from_millis(5))?;
+    while !booted && early.is_none() && bench.now() < deadline {
+        bench.send_request(&Request::upload(Multiplexer::new(0x1000, 0)))?;
+        let seen = bench.wait_for(Duration::from_millis(5), |record| {
+            let id = record.frame.cob_id();
+            let is_boot_up = id == Some(0x700 + response_id % 0x80);
+            (is_boot_up || id == Some(response_id)).then_some((is_boot_up, record.frame))
+        })?;
+        match seen {
+            Some((true, _)) => booted = true,
+            Some((false, frame)) => early = Some(frame),
+            None => {}
+        }
+    }
+    demand(early.is_none(), || {
+        let actual = early.map(|frame| frame.to_string()).unwrap_or_default();
+        Reason::new("no SDO is answered before the boot-up message", "silence", actual)
+    })?;
+    demand(booted, || Reason::new("the device starts", "a boot-up message", "none")).map_err(Verdict::as_inconclusive)
+}
+
+/// With 1F80h stored so that the device starts by itself (bit 2 is 0) it is operational after its boot-up message. The
+/// old value is stored again afterwards.
+#[case(id = "301/boot-up/self-start", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+       needs = [StartUp, Store, VisibleState], touches = [Nvm], catches = [StartUpIgnored, StoreWithoutEffect])]
+fn self_start(bench: &mut Bench<'_>) -> Judged {
+    const START_UP: Multiplexer = Multiplexer::new(0x1F80, 0);
+    const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+    /// Bit 2: the NMT master has to start the device.
+    const WAITS: u32 = 1 << 2;
+    let before = bench.read_number(START_UP)?;
+    bench.write(START_UP, &(before & !WAITS).to_le_bytes())?;
+    bench.write(STORE, b"save")?;
+    let state = bench.reset(Command::RESET_NODE).and_then(|()| {
+        bench.show_state()?;
+        bench.listen(bench.timing().reaction)?;
+        bench.state()
+    });
+    // Whatever came of it, the device gets its old value back.
+    bench.write(START_UP, &before.to_le_bytes())?;
+    bench.write(crate::bench::state::HEARTBEAT_TIME, &[0, 0])?;
+    bench.write(STORE, b"save")?;
+    bench.reset(Command::RESET_NODE)?;
+    let state = state?;
+    demand(state == Some(State::OPERATIONAL), || {
+        let actual = state.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
+        Reason::new("with bit 2 of 1F80h cleared the device starts by itself", "operational", actual)
+    })
 }

@@ -28,7 +28,7 @@ const UNTIL_LOST: Duration = Duration::from_millis(600);
 
 /// Who falls silent.
 #[derive(Clone, Copy)]
-enum Monitored {
+pub(super) enum Monitored {
     /// The master, which guards the device.
     Master,
     /// A node whose heartbeats the device watches.
@@ -36,7 +36,7 @@ enum Monitored {
 }
 
 /// A sign of life from the one who is monitored.
-fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Result<(), Verdict> {
+pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Result<(), Verdict> {
     match monitored {
         Monitored::Master => bench.guard().map(|_| ()),
         Monitored::Node(node) => {
@@ -48,7 +48,7 @@ fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Result<(), Verdi
 
 /// Lets the device monitor someone who gives one sign of life: monitoring begins with it. Life guarding is preferred:
 /// some devices watch nodes only once that is stored.
-fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Verdict> {
+pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Verdict> {
     bench.expect_emergencies();
     let monitored = if bench.can_write(GUARD_TIME)? && bench.can_write(LIFE_TIME_FACTOR)? {
         bench.write(GUARD_TIME, &GUARD_MS.to_le_bytes())?;
@@ -66,25 +66,25 @@ fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Verdict> {
     Ok(monitored)
 }
 
-fn emergencies(bench: &mut Bench<'_>, span: Duration) -> Result<Vec<Record>, Verdict> {
+pub(super) fn emergencies(bench: &mut Bench<'_>, span: Duration) -> Result<Vec<Record>, Verdict> {
     let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     let heard = bench.listen(span)?;
     Ok(heard.into_iter().filter(|record| record.frame.cob_id() == Some(cob_id)).collect())
 }
 
-fn shown(records: &[Record]) -> String {
+pub(super) fn shown(records: &[Record]) -> String {
     let shown: Vec<String> = records.iter().take(4).map(|record| Bytes(record.data()).to_string()).collect();
     if shown.is_empty() { "none".to_owned() } else { shown.join(", ") }
 }
 
-fn code_of(record: &Record) -> Option<EmcyCode> {
+pub(super) fn code_of(record: &Record) -> Option<EmcyCode> {
     Emcy::read(record.frame.data()).ok().and_then(|emcy| emcy.code())
 }
 
 /// A master or watched node that falls silent is reported by exactly one EMCY 8130h of eight bytes, with the error
 /// register as it is then.
 #[case(id = "301/emcy/monitoring-lost", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
-       needs = [Monitoring], catches = [EmcyRepeated], cct = "7.106")]
+       needs = [Monitoring], catches = [EmcyRepeated, ErrorRegisterMissing, EmcyRegisterZero, LifeGuardingUnreported, HeartbeatConsumerSilent], cct = "7.106")]
 fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
     begin_monitoring(bench)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
@@ -147,7 +147,7 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
 
 /// Writing 0 to 1003h:00 clears the error history; any other value is refused with abort 0609 0030h.
 #[case(id = "301/error-history/clear", clause = "CiA 301 7.5.2.4", confidence = Derived, level = Must,
-       needs = [Monitoring, ErrorHistory], catches = [ErrorHistoryNotCleared], cct = "2.10")]
+       needs = [Monitoring, ErrorHistory], catches = [ErrorHistoryNotCleared, ErrorHistoryNonZeroAccepted], cct = "2.10")]
 fn clear(bench: &mut Bench<'_>) -> Judged {
     begin_monitoring(bench)?;
     bench.listen(UNTIL_LOST)?;

@@ -1,32 +1,16 @@
 //! CiA 305: layer setting services. All of them address every LSS slave on the bus, so the device must be alone.
 
+mod configuration;
+mod dialogue;
+mod fastscan;
+mod identify;
+mod switch;
+
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Reason, Verdict, demand};
-use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
-
-/// Sends a message and waits for the slave's response.
-fn exchange(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Verdict> {
-    bench.drain()?;
-    bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
-    bench.wait_for(bench.timing().silence, |record| {
-        let is_slave = record.frame.cob_id() == Some(lss::SLAVE_CAN_ID);
-        is_slave.then(|| Response::read(record.frame.data()).ok()).flatten()
-    })
-}
-
-fn shown(response: Option<Response>) -> String {
-    response.map_or_else(|| "no answer".to_owned(), |response| response.to_string())
-}
-
-/// Brings the slave into configuration and proves it by an inquiry.
-fn configure(bench: &mut Bench<'_>) -> Result<(), Verdict> {
-    exchange(bench, Request::SwitchGlobal { mode: 1 })?;
-    let node = exchange(bench, Request::InquireNodeId)?;
-    let reason = || Reason::new("in configuration the slave answers inquiries", "its node-ID", shown(node));
-    demand(node == Some(Response::NodeId(bench.node().raw())), reason).map(|_| ()).map_err(Verdict::as_inconclusive)
-}
+use canvass_analyzer::wire::lss::{ConfigureCommand, Part, Request, Response};
+use dialogue::{configure, exchange, shown};
 
 /// In waiting the slave answers no inquiry; in configuration it does.
 #[case(id = "305/waiting/inquiries", clause = "CiA 305 6.5", confidence = Attested, level = Must,

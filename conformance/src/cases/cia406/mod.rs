@@ -1,6 +1,19 @@
 //! CiA 406: encoders. The profile is not public: the sections are unknown, the objects are what manuals agree on.
 //!
-//! The shaft must be at rest: cases that depend on it see that first.
+//! The shaft must be at rest: cases that depend on it see that first. Those about speed need one that turns.
 
+mod alarms;
+mod draw_wire;
+mod identification;
+mod limit_switch;
+mod operating;
+mod pdo;
 mod position;
+mod preset;
+mod profile;
+mod raw;
+mod scaling;
+mod scaling_off;
+mod speed;
 mod timer;
+mod work_area;

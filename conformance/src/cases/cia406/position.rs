@@ -6,21 +6,21 @@ use crate::verdict::{Judged, Reason, Verdict, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;
 
-const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
-const UNITS_PER_REVOLUTION: Multiplexer = Multiplexer::new(0x6001, 0);
-const RANGE: Multiplexer = Multiplexer::new(0x6002, 0);
-const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
-const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
-const OFFSET: Multiplexer = Multiplexer::new(0x6509, 0);
-const OPERATING_STATUS: Multiplexer = Multiplexer::new(0x6500, 0);
-const CODE_SEQUENCE: u32 = 1;
-const SCALING: u32 = 4;
+pub(super) const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
+pub(super) const UNITS_PER_REVOLUTION: Multiplexer = Multiplexer::new(0x6001, 0);
+pub(super) const RANGE: Multiplexer = Multiplexer::new(0x6002, 0);
+pub(super) const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
+pub(super) const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+pub(super) const OFFSET: Multiplexer = Multiplexer::new(0x6509, 0);
+pub(super) const OPERATING_STATUS: Multiplexer = Multiplexer::new(0x6500, 0);
+pub(super) const CODE_SEQUENCE: u32 = 1;
+pub(super) const SCALING: u32 = 4;
 
 /// By how many units a position at rest may differ: the last bit of the sensor trembles.
-const TREMBLE: u32 = 2;
+pub(super) const TREMBLE: u32 = 2;
 
 /// The position of a shaft at rest.
-fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+pub(super) fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
     let first = bench.read_number(POSITION)?;
     bench.listen(Duration::from_millis(50))?;
     let second = bench.read_number(POSITION)?;
@@ -32,7 +32,7 @@ fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
 }
 
 /// Sets bits of 6000h, and clears those of `without`.
-fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<u32, Verdict> {
+pub(super) fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<u32, Verdict> {
     let value = bench.read_number(OPERATING_PARAMETERS)? & !without | with;
     let value = u16::try_from(value).unwrap_or(u16::MAX);
     bench.write(OPERATING_PARAMETERS, &value.to_le_bytes())?;
@@ -40,17 +40,28 @@ fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<u32, Verdic
 }
 
 /// A range that every encoder can show: one revolution of 256 units, 16 revolutions.
-fn small_range(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+pub(super) fn small_range(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
     const RANGE_UNITS: u32 = 4_096;
+    needs_revolutions(bench)?;
     operate(bench, SCALING, CODE_SEQUENCE)?;
     bench.write(UNITS_PER_REVOLUTION, &256_u32.to_le_bytes())?;
     bench.write(RANGE, &RANGE_UNITS.to_le_bytes())?;
     Ok(RANGE_UNITS)
 }
 
-fn is_near(a: u32, b: u32, range: u32) -> bool {
+pub(super) fn is_near(a: u32, b: u32, range: u32) -> bool {
     let difference = a.abs_diff(b);
     difference <= TREMBLE || range.saturating_sub(difference) <= TREMBLE
+}
+
+/// Linear encoders (1000h) have no revolutions, and no units per revolution that could be set.
+fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+    let turns = bench.read_number(Multiplexer::new(0x1000, 0))? >> 16;
+    if matches!(turns, 8 | 9) {
+        let reason = Reason::new("the encoder is rotary", "another high word of 1000h", format!("{turns}: linear"));
+        return Err(Verdict::NotApplicable(reason));
+    }
+    Ok(())
 }
 
 /// Writing a preset makes the position that value, at rest.
@@ -83,6 +94,9 @@ fn preset_out_of_range(bench: &mut Bench<'_>) -> Judged {
 fn code_sequence(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
     let before = position_at_rest(bench)?;
+    demand(before < range, || {
+        Reason::new("with scaling on 6004h stays below 6002h", format!("below {range}"), format!("{before}"))
+    })?;
     operate(bench, CODE_SEQUENCE, 0)?;
     let after = position_at_rest(bench)?;
     // At 0 and in the middle both directions show the same.

@@ -2,6 +2,7 @@
 
 use super::{Next, Transfer};
 use crate::device::objects::Objects;
+use crate::{Fault, Faults};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Response, crc16};
 use canvass_traces::Timestamp;
@@ -30,9 +31,14 @@ pub(super) struct BlockDownloadEnd(BlockDownload);
 /// The request to write an object in blocks.
 pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, objects: &Objects) -> Next {
     let size = size.map(|size| size as usize);
-    match objects.begin_download(object, size) {
+    let begun = match objects.begin_download(object, size) {
+        Err(AbortCode::READ_ONLY) if objects.faults.has(Fault::SdoBlockReadOnlyLate) => Ok(size.unwrap_or(8)),
+        begun => begun,
+    };
+    match begun {
         Ok(longest) => {
-            let response = Response::InitiateBlockDownload { multiplexer: object, crc: true, block_size: BLOCK_SIZE };
+            let block_size = if objects.faults.has(Fault::SdoBlockSizeZeroOffered) { 0 } else { BLOCK_SIZE };
+            let response = Response::InitiateBlockDownload { multiplexer: object, crc: true, block_size };
             let download = BlockDownload { object, crc, size, longest, data: Vec::new(), sequence: 0, received: 0 };
             Next::answer(Transfer::BlockDownload(download), response)
         }
@@ -42,12 +48,17 @@ pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, object
 
 impl BlockDownload {
     /// A segment of the block.
-    pub fn on_segment(mut self, segment: BlockSegment) -> Next {
+    pub fn on_segment(mut self, segment: BlockSegment, faults: Faults) -> Next {
         if segment.sequence == 0 {
-            return Next::abort(self.object, AbortCode::SEQUENCE_NUMBER);
+            return match faults.has(Fault::SdoBlockSequenceZeroIgnored) {
+                true => Next::silence(Transfer::BlockDownload(self)),
+                false => Next::abort(self.object, AbortCode::SEQUENCE_NUMBER),
+            };
         }
         self.received = self.received.saturating_add(1);
-        if segment.sequence == self.sequence + 1 {
+        let repeated = segment.sequence == self.sequence && faults.has(Fault::SdoBlockRepeatedAppended);
+        let skipped = segment.sequence > self.sequence && faults.has(Fault::SdoBlockGapAccepted);
+        if segment.sequence == self.sequence + 1 || repeated || skipped {
             self.sequence = segment.sequence;
             self.data.extend_from_slice(&segment.data);
             if self.data.len() >= self.size.unwrap_or(self.longest).min(self.longest).saturating_add(7) {
@@ -76,17 +87,28 @@ impl BlockDownloadEnd {
 
     /// The client's end: how many bytes of the last segment don't count, and the CRC.
     pub fn on_end(self, now: Timestamp, unused: u8, crc: u16, objects: &mut Objects) -> Next {
+        let faults = objects.faults;
+        let unused = if faults.has(Fault::SdoBlockPaddingKept) { 0 } else { unused };
         let BlockDownload { object, crc: has_crc, size, mut data, .. } = self.0;
         data.truncate(data.len().saturating_sub(usize::from(unused)));
-        if has_crc && crc != crc16(0, &data) {
+        if has_crc && crc != crc16(0, &data) && !faults.has(Fault::SdoBlockCrcIgnored) {
+            if faults.has(Fault::SdoBlockWrittenBeforeCheck) {
+                // Refused all the same.
+                let _ = objects.download(now, object, &data);
+            }
             return Next::abort(object, AbortCode::CRC);
         }
         match size {
+            _ if faults.has(Fault::SdoBlockSizeMismatchAccepted) => {
+                // What is missing is what was in memory, what is too much is dropped.
+                data.resize(objects.size(object).unwrap_or(data.len()), 0);
+            }
             Some(size) if data.len() > size => return Next::abort(object, AbortCode::LENGTH_TOO_HIGH),
             Some(size) if data.len() < size => return Next::abort(object, AbortCode::LENGTH_TOO_LOW),
             _ => {}
         }
         match objects.download(now, object, &data) {
+            Ok(()) if faults.has(Fault::SdoBlockEndSilent) => Next::silence(Transfer::Idle),
             Ok(()) => Next::end(Response::EndBlockDownload),
             Err(code) => Next::abort(object, code),
         }

@@ -2,6 +2,7 @@
 
 use super::{Answer, Next, Transfer, upload};
 use crate::device::objects::Objects;
+use crate::{Fault, Faults};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Request, Response, crc16};
 use canvass_traces::Timestamp;
@@ -16,6 +17,7 @@ pub(super) struct BlockUpload {
     /// How many segments the client has confirmed.
     confirmed: usize,
     stage: Stage,
+    faults: Faults,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -41,18 +43,33 @@ pub(super) fn initiate(
         Ok(reading) => reading,
         Err(code) => return Next::abort(object, code),
     };
-    if !is_block_size(block_size) {
+    let unchecked = objects.faults.has(Fault::SdoBlockSizeUnchecked);
+    if !is_block_size(block_size) && !unchecked {
         return Next::abort(object, AbortCode::BLOCK_SIZE);
     }
+    let block_size = block_size.clamp(1, BlockSegment::MAX);
     let bytes = reading.bytes();
     // Up to the threshold a normal upload is shorter.
     if bytes.len() <= usize::from(threshold) {
+        if objects.faults.has(Fault::SdoBlockSwitchTruncates) {
+            return upload::begin(object, bytes.get(1..).unwrap_or_default());
+        }
         return upload::initiate(now, object, objects);
     }
-    let response = Response::InitiateBlockUpload { multiplexer: object, crc: true, size: Some(bytes.len() as u32) };
+    let more = u32::from(objects.faults.has(Fault::SdoBlockAnnouncedSizeWrong));
+    let size = Some(bytes.len() as u32 + more);
+    let response = Response::InitiateBlockUpload { multiplexer: object, crc: true, size };
     let value = bytes.to_vec();
     Next::answer(
-        Transfer::BlockUpload(BlockUpload { object, value, crc, block_size, confirmed: 0, stage: Stage::Announced }),
+        Transfer::BlockUpload(BlockUpload {
+            object,
+            value,
+            crc,
+            block_size,
+            confirmed: 0,
+            stage: Stage::Announced,
+            faults: objects.faults,
+        }),
         response,
     )
 }
@@ -75,19 +92,33 @@ impl BlockUpload {
     }
 
     fn on_confirm(mut self, count: u8, sequence: u8, block_size: u8) -> Next {
-        if sequence > count {
+        let faults = self.faults;
+        if sequence > count && !faults.has(Fault::SdoBlockConfirmationUnchecked) {
             return Next::abort(self.object, AbortCode::SEQUENCE_NUMBER);
         }
-        if !is_block_size(block_size) {
+        if !is_block_size(block_size) && !faults.has(Fault::SdoBlockSizeUnchecked) {
             return Next::abort(self.object, AbortCode::BLOCK_SIZE);
         }
+        let sequence = match sequence.min(count) {
+            _ if faults.has(Fault::SdoBlockConfirmationIgnored) => count,
+            part if part < count && faults.has(Fault::SdoBlockRepeatsAll) => 0,
+            sequence => sequence,
+        };
         self.confirmed += usize::from(sequence);
-        self.block_size = block_size;
+        if !faults.has(Fault::SdoBlockNewSizeIgnored) {
+            self.block_size = block_size.clamp(1, BlockSegment::MAX);
+        }
         if self.confirmed < self.segments() {
             return self.send_block();
         }
-        let unused = (self.confirmed * 7 - self.value.len()) as u8;
-        let crc = if self.crc { crc16(0, &self.value) } else { 0 };
+        let wrong = usize::from(faults.has(Fault::SdoBlockLastLengthWrong));
+        let unused = ((self.confirmed * 7 + wrong - self.value.len()) & 7) as u8;
+        let start = if faults.has(Fault::SdoBlockCrcStartWrong) { 0xFFFF } else { 0 };
+        let crc = match crc16(start, &self.value) {
+            crc if self.crc && faults.has(Fault::SdoBlockCrcSwapped) => crc.swap_bytes(),
+            crc if self.crc => crc,
+            _ => 0,
+        };
         self.stage = Stage::Ending;
         Next::answer(Transfer::BlockUpload(self), Response::EndBlockUpload { unused, crc })
     }
@@ -106,7 +137,10 @@ impl BlockUpload {
                 let mut data = [0; 7];
                 let bytes = self.value.iter().skip(n * 7).take(7);
                 data.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
-                BlockSegment { sequence, last: n + 1 == total, data }
+                let last = n + 1 == total && !self.faults.has(Fault::SdoBlockEndUnmarked);
+                let continued = self.faults.has(Fault::SdoBlockNumbersContinue);
+                let sequence = if continued { (n % 127) as u8 + 1 } else { sequence };
+                BlockSegment { sequence, last, data }
             })
             .collect();
         self.stage = Stage::Sent(segments.len() as u8);

@@ -17,6 +17,8 @@ pub(super) struct SegmentedDownload {
     longest: usize,
     data: Vec<u8>,
     toggle: bool,
+    /// The object can't be written, which this firmware finds out only now, or never.
+    discards: bool,
 }
 
 /// The request to write an object.
@@ -30,11 +32,20 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, ob
         Payload::Segmented(size) => Some(size as usize),
         Payload::SegmentedUnsized => None,
     };
+    let faults = objects.faults;
+    if size.is_none() && faults.has(Fault::SdoSegmentedSizeRequired) {
+        return Next::abort(object, AbortCode::COMMAND_SPECIFIER);
+    }
+    let begin = |longest, discards| {
+        let download = SegmentedDownload { object, size, longest, data: Vec::new(), toggle: false, discards };
+        Next::answer(Transfer::Download(download), Response::InitiateDownload { multiplexer: object })
+    };
     match objects.begin_download(object, size) {
-        Ok(longest) => {
-            let download = SegmentedDownload { object, size, longest, data: Vec::new(), toggle: false };
-            Next::answer(Transfer::Download(download), Response::InitiateDownload { multiplexer: object })
+        Ok(longest) if longest <= 4 && faults.has(Fault::SdoSegmentedShortRefused) => {
+            Next::abort(object, AbortCode::UNSUPPORTED_ACCESS)
         }
+        Ok(longest) => begin(longest, false),
+        Err(AbortCode::READ_ONLY) if faults.has(Fault::SdoReadOnlySegmentedAccepted) => begin(size.unwrap_or(8), true),
         Err(code) => Next::abort(object, code),
     }
 }
@@ -59,14 +70,27 @@ impl SegmentedDownload {
     /// The next segment.
     pub fn on_segment(mut self, now: Timestamp, segment: Segment, objects: &mut Objects) -> Next {
         if segment.toggle != self.toggle && !objects.faults.has(Fault::SdoToggleUnchecked) {
+            if objects.faults.has(Fault::SdoDownloadToggleSilent) {
+                return Next::silence(Transfer::Download(self));
+            }
             return Next::abort(self.object, AbortCode::TOGGLE);
+        }
+        if segment.data().is_empty() && !segment.last && objects.faults.has(Fault::SdoEmptySegmentSilent) {
+            return Next::silence(Transfer::Download(self));
         }
         self.data.extend_from_slice(segment.data());
         let unchecked = objects.faults.has(Fault::SdoLengthUnchecked);
         if self.data.len() > self.size.unwrap_or(self.longest).min(self.longest) && !unchecked {
             return Next::abort(self.object, AbortCode::LENGTH_TOO_HIGH);
         }
-        let confirm = Response::DownloadSegment { toggle: segment.toggle };
+        let toggle = segment.toggle && !objects.faults.has(Fault::SdoConfirmationToggleStuck);
+        let confirm = Response::DownloadSegment { toggle };
+        if objects.faults.has(Fault::SdoSegmentsWrittenAtOnce) {
+            let mut so_far = self.data.clone();
+            so_far.resize(self.longest.min(8), 0);
+            // A value that does not fit is refused with the last segment.
+            let _ = objects.download(now, self.object, &so_far);
+        }
         if !segment.last {
             self.toggle = !segment.toggle;
             // A firmware that checks no length has a buffer of its own, and drops what does not fit.
@@ -78,6 +102,7 @@ impl SegmentedDownload {
             return Next::abort(self.object, AbortCode::LENGTH_TOO_LOW);
         }
         match objects.download(now, self.object, &self.data) {
+            _ if self.discards => Next::end(confirm),
             Ok(()) => Next::end(confirm),
             Err(code) => Next::abort(self.object, code),
         }

@@ -9,8 +9,8 @@ mod download;
 mod upload;
 
 use super::objects::Objects;
-use crate::Fault;
 use crate::models::Timing;
+use crate::{Fault, Faults};
 use block_download::{BlockDownload, BlockDownloadEnd};
 use block_upload::BlockUpload;
 use canvass_analyzer::wire::Wire;
@@ -35,6 +35,10 @@ pub(super) struct SdoServer {
     stale: Multiplexer,
     /// Whether there was a request since boot-up.
     began: bool,
+    /// How many requests there were since boot-up.
+    requests: u32,
+    /// The firmware has crashed: nothing is answered until the next start.
+    wedged: bool,
     chance: Chance,
 }
 
@@ -105,6 +109,8 @@ impl SdoServer {
             expires: Timestamp::MAX,
             stale: Multiplexer::new(0, 0),
             began: false,
+            requests: 0,
+            wedged: false,
             chance: Chance::new(seed),
         }
     }
@@ -120,6 +126,8 @@ impl SdoServer {
     pub fn boot(&mut self) {
         self.reset();
         self.began = false;
+        self.requests = 0;
+        self.wedged = false;
     }
 
     /// When [`SdoServer::poll`] has an answer or a transfer expires.
@@ -131,13 +139,20 @@ impl SdoServer {
     pub fn handle(&mut self, now: Timestamp, frame: &Frame, objects: &mut Objects) {
         // SDO messages have eight bytes (CiA 301); others are ignored.
         if frame.len() != 8 {
+            self.wedged |= objects.faults.has(Fault::SdoShortRequestWedges);
             return;
         }
+        self.requests = self.requests.wrapping_add(1);
+        let lost = self.requests.is_multiple_of(LOST_EVERY) && objects.faults.has(Fault::SdoResponseLost);
+        if lost || self.wedged {
+            return;
+        }
+        self.mix_up(frame, objects);
         let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
         let next = match transfer {
             // A segment with sequence number 0 that ends the transfer can't be told from an abort.
             Transfer::BlockDownload(download) if frame.bytes()[0] != 0x80 => match BlockSegment::read(frame.data()) {
-                Ok(segment) => download.on_segment(segment),
+                Ok(segment) => download.on_segment(segment, objects.faults),
                 Err(_) => Next::silence(Transfer::BlockDownload(download)),
             },
             transfer => match Request::read(frame.data()) {
@@ -151,8 +166,13 @@ impl SdoServer {
 
     /// Requests that begin a transfer end the one under way.
     fn on_request(&mut self, now: Timestamp, transfer: Transfer, request: Request, objects: &mut Objects) -> Next {
-        let is_busy =
-            objects.faults.has(Fault::SdoBusyAfterAbandonedTransfer) && matches!(transfer, Transfer::Upload(_));
+        let faults = objects.faults;
+        let is_busy = match transfer {
+            Transfer::Idle => false,
+            Transfer::Upload(_) => faults.has(Fault::SdoBusyAfterAbandonedTransfer),
+            Transfer::Download(_) => faults.has(Fault::SdoBusyAfterAbandonedDownload),
+            _ => faults.has(Fault::SdoBusyAfterAbandonedBlock),
+        };
         match request {
             Request::InitiateUpload { multiplexer } | Request::InitiateDownload { multiplexer, .. } if is_busy => {
                 Next::abort(multiplexer, AbortCode::COMMAND_SPECIFIER)
@@ -170,6 +190,7 @@ impl SdoServer {
             Request::Abort(abort) if objects.faults.has(Fault::SdoAbortAnswered) => {
                 Next::abort(abort.multiplexer, AbortCode::GENERAL)
             }
+            Request::Abort(_) if faults.has(Fault::SdoAbortIgnored) => Next::silence(transfer),
             Request::Abort(_) => Next::silence(Transfer::Idle),
             request => match (transfer, request) {
                 (Transfer::Upload(upload), Request::UploadSegment { toggle }) => upload.on_request(toggle, objects),
@@ -192,6 +213,19 @@ impl SdoServer {
             if first || objects.faults.has(Fault::SdoUnknownCommandSilent) {
                 return Next::silence(Transfer::Idle);
             }
+        }
+        let is_block = matches!(
+            request,
+            Request::StartBlockUpload
+                | Request::ConfirmBlockUpload { .. }
+                | Request::EndBlockUpload
+                | Request::EndBlockDownload { .. }
+        );
+        if is_block && objects.faults.has(Fault::SdoStrayBlockSilent) {
+            return Next::silence(Transfer::Idle);
+        }
+        if !matches!(transfer, Transfer::Idle) && objects.faults.has(Fault::SdoWrongCommandIgnored) {
+            return Next::silence(transfer.clone());
         }
         let stray = matches!(request, Request::DownloadSegment(_) | Request::UploadSegment { .. });
         if stray && matches!(transfer, Transfer::Idle) && objects.faults.has(Fault::SdoStraySegmentSilent) {
@@ -225,6 +259,15 @@ impl SdoServer {
         }
     }
 
+    /// A firmware with one buffer for requests: what the answer not yet sent says of its object, it takes from there.
+    fn mix_up(&mut self, frame: &Frame, objects: &Objects) {
+        if objects.faults.has(Fault::SdoBackToBackMixed)
+            && let Some((_, waiting, _)) = self.answers.back_mut()
+        {
+            waiting[1..4].copy_from_slice(&frame.bytes()[1..4]);
+        }
+    }
+
     /// When the answer to a request of now is ready: requests are worked on one after the other.
     fn due(&mut self, now: Timestamp, objects: &Objects) -> Timestamp {
         let free = self.answers.back().map_or(now, |(due, ..)| now.max(*due));
@@ -237,7 +280,17 @@ impl SdoServer {
     fn answer(&mut self, due: Timestamp, response: Response, objects: &Objects) {
         let faults = objects.faults;
         let response = match response {
-            Response::Abort(abort) if faults.has(Fault::SdoStaleMultiplexer) => Response::abort(self.stale, abort.code),
+            Response::Abort(abort) if abort.code == AbortCode::NO_OBJECT && faults.has(Fault::SdoNoObjectSilent) => {
+                return;
+            }
+            Response::Abort(abort) => {
+                let named = match faults {
+                    _ if faults.has(Fault::SdoStaleMultiplexer) => self.stale,
+                    _ if faults.has(Fault::SdoAbortMultiplexerZero) => Multiplexer::new(0, 0),
+                    _ => abort.multiplexer,
+                };
+                Response::abort(named, faulty_code(abort.code, faults))
+            }
             response => response,
         };
         if let Some(object) = response.multiplexer() {
@@ -276,10 +329,35 @@ impl SdoServer {
         }
         let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
         self.expires = Timestamp::MAX;
+        if objects.faults.has(Fault::SdoTimeoutWedges) {
+            self.wedged = true;
+            return;
+        }
         if let Some(object) = transfer.object() {
             self.answer(now, Response::abort(object, AbortCode::TIMEOUT), objects);
         }
     }
+}
+
+/// So many requests are answered and the one after them is not, where [`Fault::SdoResponseLost`].
+const LOST_EVERY: u32 = 100;
+
+/// The code that a firmware with such faults sends instead.
+fn faulty_code(code: AbortCode, faults: Faults) -> AbortCode {
+    let wrong = match code {
+        AbortCode::LENGTH | AbortCode::LENGTH_TOO_HIGH | AbortCode::LENGTH_TOO_LOW => {
+            (Fault::SdoLengthWrongCode, AbortCode::INVALID_VALUE)
+        }
+        AbortCode::VALUE_TOO_HIGH | AbortCode::VALUE_TOO_LOW => (Fault::SdoRangeWrongCode, AbortCode::READ_ONLY),
+        AbortCode::TOGGLE => (Fault::SdoToggleWrongCode, AbortCode::COMMAND_SPECIFIER),
+        AbortCode::COMMAND_SPECIFIER => (Fault::SdoCommandWrongCode, AbortCode::GENERAL),
+        AbortCode::CRC => (Fault::SdoBlockCrcWrongCode, AbortCode::GENERAL),
+        AbortCode::BLOCK_SIZE => (Fault::SdoBlockSizeWrongCode, AbortCode::INVALID_VALUE),
+        AbortCode::WRITE_ONLY => (Fault::SdoWriteOnlyWrongCode, AbortCode::NO_OBJECT),
+        AbortCode::NO_SUB_INDEX => (Fault::SdoUnknownAbortCode, AbortCode(0x0A00_0001)),
+        code => return code,
+    };
+    if faults.has(wrong.0) { wrong.1 } else { code }
 }
 
 /// How many bytes of a response are not reserved.

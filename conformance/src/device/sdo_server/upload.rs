@@ -3,6 +3,7 @@
 use super::{Next, Transfer};
 use crate::Fault;
 use crate::device::objects::Objects;
+use crate::device::parameters::Reading;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response, Segment};
 use canvass_traces::Timestamp;
@@ -23,14 +24,36 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
         Err(code) => return Next::abort(object, code),
     };
     let bytes = reading.bytes();
-    let response = Response::upload(object, bytes);
+    let mut response = Response::upload(object, bytes);
+    if matches!(reading, Reading::Bytes(_)) && objects.model.sheet().quirks.strings_in_segments {
+        response = Response::InitiateUpload { multiplexer: object, payload: Payload::Segmented(bytes.len() as u32) };
+    }
     match response {
+        Response::InitiateUpload { payload: Payload::Segmented(0), .. }
+            if objects.faults.has(Fault::SdoEmptyValueSilent) =>
+        {
+            Next::silence(Transfer::Idle)
+        }
+        Response::InitiateUpload { multiplexer, payload: Payload::Segmented(size) }
+            if objects.faults.has(Fault::SdoAnnouncedSizeWrong) =>
+        {
+            let upload = SegmentedUpload { object, value: bytes.to_vec(), sent: 0, toggle: false };
+            let payload = Payload::Segmented(size.saturating_add(1));
+            Next::answer(Transfer::Upload(upload), Response::InitiateUpload { multiplexer, payload })
+        }
         Response::InitiateUpload { payload: Payload::Segmented(_), .. } => {
             let upload = SegmentedUpload { object, value: bytes.to_vec(), sent: 0, toggle: false };
             Next::answer(Transfer::Upload(upload), response)
         }
         response => Next::end(response),
     }
+}
+
+/// The start of an upload of that value, in segments whatever its length.
+pub(super) fn begin(object: Multiplexer, value: &[u8]) -> Next {
+    let upload = SegmentedUpload { object, value: value.to_vec(), sent: 0, toggle: false };
+    let payload = Payload::Segmented(value.len() as u32);
+    Next::answer(Transfer::Upload(upload), Response::InitiateUpload { multiplexer: object, payload })
 }
 
 impl SegmentedUpload {
@@ -45,10 +68,17 @@ impl SegmentedUpload {
         if last && objects.faults.has(Fault::SdoSegmentLengthWrong) {
             data = data.get(..data.len().saturating_sub(1)).unwrap_or(data);
         }
-        let Some(segment) = Segment::new(toggle, data, last) else {
+        let shown = toggle && !objects.faults.has(Fault::SdoUploadToggleStuck);
+        let marked = last && !objects.faults.has(Fault::SdoUploadEndMissing);
+        let Some(segment) = Segment::new(shown, data, marked) else {
             return Next::abort(self.object, AbortCode::GENERAL);
         };
         let response = Response::UploadSegment(segment);
+        if last && objects.faults.has(Fault::SdoSegmentAfterEndAnswered) {
+            self.sent = self.value.len();
+            self.toggle = !toggle;
+            return Next::answer(Transfer::Upload(self), response);
+        }
         if last {
             return Next::end(response);
         }

@@ -1,6 +1,6 @@
 //! One case on the page.
 
-use crate::conformance::{hex, milliseconds_since, symbol};
+use crate::conformance::{authority, cct_forecast, hex, milliseconds_since, repetitions, symbol};
 use crate::escape::printable;
 use canvass_conformance::bench::Exhibit;
 use canvass_conformance::runner::CaseReport;
@@ -27,10 +27,13 @@ pub fn details(report: &CaseReport) -> Markup {
             div.body {
                 @for paragraph in report.case.requirement.split("\n\n") { p.requirement { (printable(paragraph)) } }
                 (reason(report))
+                @if let Some(repetitions) = repetitions(report) { p.note { (repetitions) } }
+                @for measurement in &report.measurements { p.measurement { (printable(&measurement.to_string())) } }
                 @for note in &report.notes { p.note { (printable(note)) } }
                 p.meta {
                     "Level: " (report.case.level.name())
                     @if let Some(cct) = report.case.cct { " · comparable with case " (cct) " of CiA’s test tool" }
+                    @if let Some(forecast) = cct_forecast(report) { ", which would " (forecast) }
                     " · " (report.duration) " on the bus"
                 }
                 (evidence(report))
@@ -47,7 +50,7 @@ fn reason(report: &CaseReport) -> Markup {
                 dt { "Expected" } dd { (printable(&reason.expected)) }
                 dt { "Found" } dd.actual { (printable(&reason.actual)) }
                 @if let Some(documented) = report.verdict.documented() {
-                    dt { "Documented" } dd { (printable(documented)) }
+                    dt { (authority(report)) } dd { (printable(documented)) }
                 }
             }
         }

@@ -1,22 +1,18 @@
-//! The result as one self-contained HTML page: no external resource, light and dark, printable, usable on a phone.
+//! The result as one self-contained HTML page.
 //!
-//! Everything that a device can influence goes through [`printable`] and through maud, which escapes markup. Scripts
-//! and styles are ours, and the page forbids all others by its content security policy.
+//! Everything that a device can influence goes through [`printable`] and through maud, which escapes markup.
 
 mod case;
 
-use super::{Run, family, name_in_family, outcome, symbol};
+use super::{Run, name_in_family, outcome, symbol};
 use crate::escape::printable;
+use crate::page::{self, Page};
 use canvass_conformance::verdict::Kind;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{Markup, html};
 use std::io::{self, Write};
 
-const STYLE: &str = include_str!("page.css");
-const SCRIPT: &str = include_str!("page.js");
-
-/// The page may load nothing at all; only what stands in it runs.
-const POLICY: &str = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data:; \
-                      base-uri 'none'; form-action 'none'";
+const STYLE: &str = include_str!("../../../assets/conformance.css");
+const SCRIPT: &str = include_str!("../../../assets/conformance.js");
 
 /// Writes the page.
 ///
@@ -30,34 +26,28 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
 fn page(run: &Run) -> Markup {
     let [name, _, _] = &run.info.device.names;
     let name = printable(name.as_deref().unwrap_or("CANopen device"));
+    page::render(&Page {
+        title: &format!("{name}: conformance"),
+        styles: &[STYLE],
+        scripts: &[SCRIPT],
+        header: head(run, &name),
+        sections: &[],
+        main: body(run),
+        footer: html! { "Times are those of the bus. A section that is not attested is marked." },
+    })
+}
+
+fn body(run: &Run) -> Markup {
     html! {
-        (DOCTYPE)
-        html lang="en" {
-            head {
-                meta charset="utf-8";
-                meta http-equiv="Content-Security-Policy" content=(POLICY);
-                meta name="viewport" content="width=device-width, initial-scale=1";
-                meta name="color-scheme" content="light dark";
-                title { (name) ": conformance" }
-                style { (PreEscaped(STYLE)) }
+        section.tiles aria-label="Verdicts" { @for kind in Kind::ALL { (tile(run, kind)) } }
+        section { h2 { "Matrix" } (matrix(run)) }
+        section {
+            h2 { "Cases" }
+            div.filter {
+                input #filter type="search" placeholder="Filter by id, clause or text" aria-label="Filter";
+                span #shown aria-live="polite" {}
             }
-            body {
-                header { (head(run, &name)) }
-                main {
-                    section.tiles aria-label="Verdicts" { @for kind in Kind::ALL { (tile(run, kind)) } }
-                    section { h2 { "Matrix" } (matrix(run)) }
-                    section {
-                        h2 { "Cases" }
-                        div.filter {
-                            input #filter type="search" placeholder="Filter by id, clause or text" aria-label="Filter";
-                            span #shown aria-live="polite" {}
-                        }
-                        @for report in &run.cases { (case::details(report)) }
-                    }
-                }
-                footer { "Times are those of the bus. A section that is not attested is marked." }
-                script { (PreEscaped(SCRIPT)) }
-            }
+            @for report in &run.cases { (case::details(report)) }
         }
     }
 }
@@ -75,6 +65,7 @@ fn head(run: &Run, name: &str) -> Markup {
         p.outcome.(if good { "good" } else { "bad" }) {
             (outcome(&run.summary))
         }
+        @for notice in &run.notices { p.note { (printable(notice)) } }
         dl.facts {
             (fact("Node", &info.node.to_string()))
             (fact("Bus", &format!("{}{rate}", info.bus)))
@@ -108,8 +99,8 @@ fn tile(run: &Run, kind: Kind) -> Markup {
 fn matrix(run: &Run) -> Markup {
     html! {
         div.matrix {
-            @for group in run.cases.chunk_by(|a, b| family(a.case.id) == family(b.case.id)) {
-                @let name = group.first().map_or("", |report| family(report.case.id));
+            @for group in run.cases.chunk_by(|a, b| a.case.family() == b.case.family()) {
+                @let name = group.first().map_or("", |report| report.case.family());
                 div.family { (name) }
                 div.cells {
                     @for report in group {

@@ -132,9 +132,7 @@ impl McapWriter {
         if !frame.is_fd() && frame.dlc() > 8 {
             self.losses.count(Loss::RawDlc);
         }
-        if self.time_base == TimeBase::Local {
-            self.losses.count(Loss::TimeZone);
-        }
+        self.losses.count_any(Loss::of_utc(self.time_base));
     }
 }
 

@@ -96,9 +96,7 @@ impl PcapngWriter {
 
 impl Writer for PcapngWriter {
     fn write(&mut self, record: &Record, channels: &Channels) -> Result<(), WriteError> {
-        if self.time_base == TimeBase::Local {
-            self.losses.count(Loss::TimeZone);
-        }
+        self.losses.count_any(Loss::of_utc(self.time_base));
         let interface = self.interface(record, channels)?;
         let nanos = record.timestamp.nanos();
         self.begin(ENHANCED_PACKET);

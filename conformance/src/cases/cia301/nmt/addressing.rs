@@ -64,7 +64,7 @@ fn reserved_command(bench: &mut Bench<'_>) -> Judged {
 
 /// NMT commands as 29-bit or remote frames, or too short to name a node, are ignored.
 #[case(id = "301/nmt/malformed", clause = "CiA 301", confidence = Unknown, level = Must,
-       needs = [VisibleState], catches = [NmtShortFrameObeyed])]
+       needs = [VisibleState], catches = [NmtShortFrameObeyed, ExtendedFrameObeyed])]
 fn malformed(bench: &mut Bench<'_>) -> Judged {
     let stop = [Command::STOP.0, bench.node().raw()];
     let id = CanId::standard_masked(u32::from(nmt::CAN_ID));
@@ -86,7 +86,7 @@ fn malformed(bench: &mut Bench<'_>) -> Judged {
 
 /// Of several commands in quick succession the last one decides, and none is lost.
 #[case(id = "301/nmt/back-to-back", clause = "CiA 301 7.3.2.2", confidence = Attested, level = Must,
-       needs = [VisibleState], catches = [NmtStartWhenStoppedIgnored])]
+       needs = [VisibleState], catches = [NmtStartWhenStoppedIgnored, NmtCommandLost])]
 fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     bench.show_state()?;
     for _ in 0..10 {

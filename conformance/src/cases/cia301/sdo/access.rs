@@ -11,7 +11,7 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
 /// Reading an object that does not exist is refused with abort 0602 0000h.
 #[case(id = "301/sdo/upload/no-object", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       catches = [SdoWrongCodeForNoObject], cct = "2.6")]
+       catches = [SdoWrongCodeForNoObject, SdoNoObjectSilent], cct = "2.6")]
 fn no_object(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
     // Reserved in CiA 301, except 1004h, which old profiles have.
@@ -28,7 +28,7 @@ fn no_object(bench: &mut Bench<'_>) -> Judged {
 
 /// Reading a sub-index that an object does not have is refused with abort 0609 0011h.
 #[case(id = "301/sdo/upload/no-sub-index", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       catches = [SdoWrongCodeForNoSubIndex], cct = "2.5")]
+       catches = [SdoWrongCodeForNoSubIndex, SdoUnknownAbortCode], cct = "2.5")]
 fn no_sub_index(bench: &mut Bench<'_>) -> Judged {
     let attempt = bench.upload(Multiplexer::new(0x1000, 1))?;
     attempt.expect_abort(&[AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])
@@ -36,7 +36,7 @@ fn no_sub_index(bench: &mut Bench<'_>) -> Judged {
 
 /// Writing an object that does not exist is refused with abort 0602 0000h.
 #[case(id = "301/sdo/download/no-object", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       catches = [SdoWrongCodeForNoObject])]
+       catches = [SdoWrongCodeForNoObject, SdoNoObjectSilent])]
 fn download_no_object(bench: &mut Bench<'_>) -> Judged {
     let attempt = bench.download(Multiplexer::new(0xFFFF, 0), &[0; 4])?;
     attempt.expect_abort(&[AbortCode::NO_OBJECT], &[AbortCode::GENERAL])
@@ -48,6 +48,9 @@ fn download_no_object(bench: &mut Bench<'_>) -> Judged {
 fn read_only(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
     for multiplexer in [DEVICE_TYPE, Multiplexer::new(0x1018, 1)] {
+        if bench.described(multiplexer) == Some(false) {
+            continue;
+        }
         let before = bench.read(multiplexer)?;
         let other: Vec<u8> = before.iter().map(|byte| !byte).collect();
         let attempt = bench.download(multiplexer, &other)?;
@@ -60,7 +63,7 @@ fn read_only(bench: &mut Bench<'_>) -> Judged {
 
 /// Writing more bytes than an object has is refused with abort 0607 0012h, and it keeps its value.
 #[case(id = "301/sdo/download/too-long", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       needs = [ScratchObject], catches = [SdoLengthUnchecked], cct = "2.8")]
+       needs = [ScratchObject], catches = [SdoLengthUnchecked, SdoLengthWrongCode], cct = "2.8")]
 fn too_long(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[2, 1])?;
     let mut longer = scratch.other.clone();
@@ -73,7 +76,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
 
 /// Writing fewer bytes than an object has is refused with abort 0607 0013h, and it keeps its value.
 #[case(id = "301/sdo/download/too-short", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       needs = [ScratchObject], catches = [SdoShortLengthUnchecked], cct = "2.9")]
+       needs = [ScratchObject], catches = [SdoShortLengthUnchecked, SdoLengthWrongCode], cct = "2.9")]
 fn too_short(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[2, 4])?;
     let shorter = scratch.other.get(..1).unwrap_or_default();
@@ -86,7 +89,7 @@ fn too_short(bench: &mut Bench<'_>) -> Judged {
 /// A value outside the limits that the description gives is refused, above the high limit with abort 0609 0031h, and the
 /// object keeps its value.
 #[case(id = "301/sdo/download/out-of-range", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       needs = [Description], catches = [SdoRangeUnchecked], cct = "2.10")]
+       needs = [Description], catches = [SdoRangeUnchecked, SdoRangeWrongCode], cct = "2.10")]
 fn out_of_range(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
     let limited = limited_objects(bench);

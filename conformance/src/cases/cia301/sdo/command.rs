@@ -14,7 +14,7 @@ const UNKNOWN: Request = Request::Unknown { command: 0xE0, tail: [0x18, 0x10, 1,
 
 /// An unknown command specifier is answered with abort 0504 0001h.
 #[case(id = "301/sdo/command/unknown", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       catches = [SdoUnknownCommandSilent], cct = "2.7")]
+       catches = [SdoUnknownCommandSilent, SdoCommandWrongCode], cct = "2.7")]
 fn unknown(bench: &mut Bench<'_>) -> Judged {
     bench.read(DEVICE_TYPE)?;
     let reply = bench.exchange(&UNKNOWN, "request with the unknown command specifier 7")?;
@@ -73,12 +73,12 @@ fn unanswered(bench: &mut Bench<'_>) -> Judged {
 
 /// The abort that refuses a request names the object of that request, not that of an earlier one.
 #[case(id = "301/sdo/abort/multiplexer", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       catches = [SdoStaleMultiplexer])]
+       catches = [SdoStaleMultiplexer, SdoAbortMultiplexerZero])]
 fn multiplexer(bench: &mut Bench<'_>) -> Judged {
     let no_object = Multiplexer::new(0xFFFF, 2);
     let no_sub_index = Multiplexer::new(0x1000, 1);
     // What a server may wrongly remember.
-    bench.read(Multiplexer::new(0x1018, 1))?;
+    bench.read(Multiplexer::new(0x1001, 0))?;
     let value = |multiplexer| Request::InitiateDownload { multiplexer, payload: Payload::of(&[0; 4]) };
     let requests = [Request::upload(no_object), Request::upload(no_sub_index), value(no_object), value(DEVICE_TYPE)];
     for request in requests {
@@ -117,5 +117,32 @@ fn restart(bench: &mut Bench<'_>) -> Judged {
     attempt.what = format!("{} in the middle of another transfer", attempt.what);
     attempt.value()?;
     bench.upload(name)?.value()?;
+    Ok(Verdict::Pass)
+}
+
+/// Every abort of the server has eight bytes and a code that CiA 301 or CAL (CiA DS-202) defines.
+#[case(id = "301/sdo/abort/known-code", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       catches = [SdoUnknownAbortCode])]
+fn known_code(bench: &mut Bench<'_>) -> Judged {
+    let segment = Segment::new(false, &[0; 7], true).map(Request::DownloadSegment);
+    let value = |multiplexer| Request::InitiateDownload { multiplexer, payload: Payload::of(&[0; 4]) };
+    let refused = [
+        Some(Request::upload(Multiplexer::new(0xFFFF, 0))),
+        Some(Request::upload(Multiplexer::new(0x1000, 1))),
+        Some(value(DEVICE_TYPE)),
+        Some(value(Multiplexer::new(0x1018, 9))),
+        Some(Request::UploadSegment { toggle: false }),
+        segment,
+        Some(UNKNOWN),
+    ];
+    for request in refused.into_iter().flatten() {
+        let reply = bench.exchange(&request, "request that must be refused")?;
+        let (Some(Response::Abort(abort)), Some(frame)) = (reply.response, reply.frame) else { continue };
+        let known = abort.code.name().is_some() || abort.code.cal_name().is_some();
+        demand(known && frame.len() == 8, || {
+            let expected = "eight bytes with a code of CiA 301";
+            Reason::new("aborts have a known form and code", expected, reply.actual())
+        })?;
+    }
     Ok(Verdict::Pass)
 }

@@ -14,7 +14,15 @@ use canvass_analyzer::wire::sdo::{Payload, Request};
        catches = [SdoUnusedBytesNotZero, SdoShortResponse], cct = "2.1")]
 fn upload(bench: &mut Bench<'_>) -> Judged {
     for (index, sub, length) in [(0x1000, 0, 4), (0x1001, 0, 1), (0x1018, 0, 1), (0x1018, 1, 4)] {
+        // DS-301 V3.0 had no 1018h: that it is missing is the matter of the cases on identity.
+        if bench.described(Multiplexer::new(index, sub)) == Some(false) {
+            continue;
+        }
         let attempt = bench.upload(Multiplexer::new(index, sub))?;
+        if attempt.abort().is_some() {
+            // That it is missing is the matter of others.
+            continue;
+        }
         let value = attempt.clone().value()?;
         demand(value.len() == length && attempt.responses.len() == 1, || {
             let duty = format!("the {} is answered by one message", attempt.what);
@@ -37,7 +45,7 @@ fn upload(bench: &mut Bench<'_>) -> Judged {
 /// A download with the exact length is confirmed by 60h with the same index and sub-index, and the value can be read
 /// back.
 #[case(id = "301/sdo/download/expedited", clause = "CiA 301 7.2.4.3.3", confidence = Known, level = Must,
-       needs = [ScratchObject], catches = [SdoUnusedBytesNotZero, SdoShortResponse], cct = "2.2")]
+       needs = [ScratchObject], catches = [SdoUnusedBytesNotZero, SdoShortResponse, ErrorBehaviourAlwaysLeaves], cct = "2.2")]
 fn download(bench: &mut Bench<'_>) -> Judged {
     for scratch in bench.scratch_objects()? {
         let attempt = bench.download(scratch.multiplexer, &scratch.other)?;

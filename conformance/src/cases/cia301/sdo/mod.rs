@@ -1,10 +1,16 @@
 //! The SDO server.
 
 mod access;
+mod block_download;
+mod block_upload;
 mod command;
+mod described;
 mod expedited;
+mod frames;
 mod segmented_download;
 mod segmented_upload;
+mod sequence;
+mod server_parameter;
 
 use crate::bench::sdo::Attempt;
 use crate::client::sdo::Bytes;

@@ -1,0 +1,72 @@
+use super::exchange::{SERVICES, Sender, answer_to, command, own_command, sender, wants_answer, words};
+use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use canvass_traces::Duration;
+
+pub const RULE: Definition =
+    Definition { metadata: &METADATA, services: SERVICES, make: Some(|_| Box::new(Dialogue::default())) };
+
+static METADATA: Metadata = Metadata {
+    id: "lss/dialogue",
+    severity: Severity::Error,
+    title: "an LSS dialogue goes wrong",
+    what: "An answer on 7E4h belongs to another service than the request before it, or nobody has asked, or several \
+           slaves answer what one slave is asked. Identify and Fastscan may have several answers.",
+    why: "Several slaves in configuration state all take the node-ID and the bit rate that follow: two devices end up \
+          with one node-ID. Other wrong answers make the master configure a slave that is not there.",
+    advice: "Switch all slaves to waiting (04h 00h), then address one alone by the four numbers of its LSS address. \
+             Switching all to configuration (04h 01h) is only for a bus with one slave.",
+    thresholds: &[],
+};
+
+#[derive(Default)]
+struct Dialogue {
+    request: Option<Seen>,
+    answer: Option<Seen>,
+}
+
+impl Dialogue {
+    fn answered(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let message = context.message();
+        let Some(request) = &self.request else {
+            // It may have been asked before the capture began.
+            if context.now().since(context.scene.start) > Duration::from_secs(1) {
+                let report = Report::at(context.now()).detail(1).evidence(context.evidence());
+                sink.report(report, || format!("{}: nobody has asked for it", words(message)));
+            }
+            return;
+        };
+        let report = Report::at(context.now()).evidence(request.evidence());
+        if answer_to(command(request)) != Some(own_command(context)) {
+            let detail = 2 << 16 | u64::from(command(request)) << 8 | u64::from(own_command(context));
+            sink.report(report.detail(detail).evidence(context.evidence()), || {
+                format!("\"{}\" answers the request \"{}\"", words(message), words(&request.decoded.message))
+            });
+            return;
+        }
+        if let Some(first) = self.answer.replace(context.seen())
+            && wants_answer(&request.decoded.message)
+        {
+            let report = report.detail(3).evidence(first.evidence()).evidence(context.evidence());
+            sink.report(report, || {
+                let request = words(&request.decoded.message);
+                format!("more than one slave answers \"{request}\": several are in configuration state")
+            });
+        }
+    }
+}
+
+impl Rule for Dialogue {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        match sender(context.message()) {
+            Some(Sender::Master) => (self.request, self.answer) = (Some(context.seen()), None),
+            Some(Sender::Slave) => self.answered(context, sink),
+            None => {}
+        }
+    }
+
+    fn interrupted(&mut self) {
+        (self.request, self.answer) = (None, None);
+    }
+}

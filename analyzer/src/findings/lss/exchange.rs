@@ -1,0 +1,134 @@
+//! Request and answer of LSS and LMT, whose messages on 7E5h and 7E4h have the command specifier in byte 0.
+
+use crate::findings::{Context, Seen};
+use crate::message::{Message, Service};
+use crate::wire::{lmt, lss};
+
+/// The services whose frames are looked at.
+pub const SERVICES: &[Service] = &[Service::Lss, Service::Lmt];
+
+/// A message of the master or of a slave.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Sender {
+    /// On 7E5h.
+    Master,
+    /// On 7E4h.
+    Slave,
+}
+
+/// Who sent a message.
+pub const fn sender(message: &Message) -> Option<Sender> {
+    match message {
+        Message::LssRequest(_) | Message::LmtRequest(_) => Some(Sender::Master),
+        Message::LssResponse(_) | Message::LmtResponse(_) => Some(Sender::Slave),
+        _ => None,
+    }
+}
+
+/// Whether one slave, and only one, must answer a request.
+pub const fn wants_answer(message: &Message) -> bool {
+    match message {
+        Message::LssRequest(request) => matches!(
+            request,
+            lss::Request::ConfigureNodeId { .. }
+                | lss::Request::ConfigureBitTiming { .. }
+                | lss::Request::StoreConfiguration
+                | lss::Request::Inquire { .. }
+                | lss::Request::InquireNodeId
+                | lss::Request::SwitchSelective { part: lss::Part::SerialNumber, .. }
+        ),
+        Message::LmtRequest(request) => matches!(
+            request,
+            lmt::Request::ConfigureNmtAddress { .. }
+                | lmt::Request::ConfigureBitTiming { .. }
+                | lmt::Request::StoreConfiguration
+                | lmt::Request::Inquire { .. }
+        ),
+        _ => false,
+    }
+}
+
+/// Whether a request asks to store.
+pub const fn is_store(message: &Message) -> bool {
+    matches!(
+        message,
+        Message::LssRequest(lss::Request::StoreConfiguration) | Message::LmtRequest(lmt::Request::StoreConfiguration)
+    )
+}
+
+/// Whether a request switches all slaves back to waiting (LSS) or operation (LMT).
+pub const fn is_leave(message: &Message) -> bool {
+    matches!(
+        message,
+        Message::LssRequest(lss::Request::SwitchGlobal { mode: 0 })
+            | Message::LmtRequest(lmt::Request::SwitchGlobal { mode: 0 })
+    )
+}
+
+/// What a slave was told to configure.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Setting {
+    /// The node-ID.
+    NodeId,
+    /// The bit rate.
+    BitRate,
+    /// Both, to its memory.
+    Store,
+}
+
+/// The setting and the error code of an answer to a configuration.
+pub const fn configured(message: &Message) -> Option<(Setting, u8)> {
+    match message {
+        Message::LssResponse(lss::Response::Configured { command, error, .. }) => Some((
+            match command {
+                lss::ConfigureCommand::NodeId => Setting::NodeId,
+                lss::ConfigureCommand::BitTiming => Setting::BitRate,
+                lss::ConfigureCommand::Store => Setting::Store,
+            },
+            *error,
+        )),
+        Message::LmtResponse(lmt::Response::Configured { command, error, .. }) => Some((
+            match command {
+                lmt::ConfigureCommand::NmtAddress => Setting::NodeId,
+                lmt::ConfigureCommand::BitTiming => Setting::BitRate,
+                lmt::ConfigureCommand::Store => Setting::Store,
+            },
+            *error,
+        )),
+        _ => None,
+    }
+}
+
+/// The words of a message.
+pub fn words(message: &Message) -> String {
+    match message {
+        Message::LssRequest(request) => request.to_string(),
+        Message::LssResponse(response) => response.to_string(),
+        Message::LmtRequest(request) => request.to_string(),
+        Message::LmtResponse(response) => response.to_string(),
+        _ => String::new(),
+    }
+}
+
+/// The command specifier of a frame.
+pub fn command(seen: &Seen) -> u8 {
+    seen.record.frame.bytes()[0]
+}
+
+/// The command specifier of the frame that is looked at.
+pub fn own_command(context: &Context<'_>) -> u8 {
+    context.record.frame.bytes()[0]
+}
+
+/// The command specifier of the answer to a request; `None` of requests that are not answered.
+pub const fn answer_to(command: u8) -> Option<u8> {
+    match command {
+        0x11 | 0x13 | 0x17 | 0x24..=0x26 | 0x5A..=0x5E => Some(command),
+        // LMT: identify remote slave, after its last bound.
+        0x08 => Some(0x09),
+        0x43 => Some(0x44),
+        0x46..=0x4B | 0x51 => Some(0x4F),
+        0x4C => Some(0x50),
+        _ => None,
+    }
+}

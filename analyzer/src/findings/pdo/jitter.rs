@@ -1,0 +1,139 @@
+use super::parameters::{AllParameters, SERVICES, TPDOS};
+use crate::NodeId;
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::{Message, PdoNumber, Service};
+use crate::wire::error_control::State;
+use canvass_traces::{Duration, Timestamp};
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    make: Some(|thresholds| {
+        Box::new(Jitter {
+            percent: thresholds.get(&METADATA, "percent"),
+            least: Duration::from_micros(thresholds.get(&METADATA, "least")),
+            share: thresholds.get(&METADATA, "share"),
+            parameters: AllParameters::default(),
+            rows: (0..128).map(|_| Default::default()).collect(),
+        })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "pdo/jitter",
+    severity: Severity::Warning,
+    title: "a cyclic PDO is irregular",
+    what: "The SDO traffic of the capture shows an event timer (180xh:5, or 6200h of encoders) of an event-driven TPDO, \
+           and more than a share of the intervals are longer than it by more than its jitter may be. Shorter intervals \
+           are no jitter, as an event may send the PDO before its timer does; what is so late that pdo/period reports it \
+           is not counted.",
+    why: "Controllers that take the cycle for granted calculate wrong speeds, and cascaded loops become unsteady.",
+    advice: "Compare with other nodes: if all their PDOs are irregular, bus load or the recorder is the reason. If one \
+             node's are, its firmware keeps its cycle badly, or its cycle is shorter than what it can do at this bit rate.",
+    thresholds: &[
+        Threshold {
+            name: "percent",
+            default: 20,
+            unit: "%",
+            meaning: "of the event timer that an interval may be longer",
+        },
+        Threshold { name: "least", default: 2000, unit: "µs", meaning: "being late by less is never counted" },
+        Threshold { name: "share", default: 10, unit: "%", meaning: "of the intervals may be too long" },
+    ],
+};
+
+struct Jitter {
+    percent: u64,
+    least: Duration,
+    share: u64,
+    parameters: AllParameters,
+    rows: Box<[[Cycle; TPDOS]]>,
+}
+
+/// One cyclic PDO.
+#[derive(Default)]
+struct Cycle {
+    last: Option<Timestamp>,
+    timer: Duration,
+    intervals: u64,
+    late: u64,
+    worst: Option<Box<(Duration, Seen, Seen)>>,
+}
+
+impl Cycle {
+    /// So many intervals are needed to say something.
+    const ENOUGH: u64 = 20;
+
+    fn beat(&mut self, context: &Context<'_>, timer: Duration, limit: Duration) {
+        if self.timer != timer {
+            *self = Self { timer, ..Self::default() };
+        }
+        let Some(last) = self.last.replace(context.now()) else { return };
+        let interval = context.now().since(last);
+        // One and a half periods are not jitter any more, but a PDO that is missing.
+        if interval > Duration(timer.nanos() * 3 / 2) + limit {
+            return;
+        }
+        self.intervals += 1;
+        if interval <= timer + limit {
+            return;
+        }
+        self.late += 1;
+        let off = Duration(interval.nanos() - timer.nanos());
+        if self.worst.as_ref().is_none_or(|worst| off > worst.0)
+            && let Some(previous) = context.previous
+        {
+            self.worst = Some(Box::new((off, previous.clone(), context.seen())));
+        }
+    }
+}
+
+impl Rule for Jitter {
+    fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
+        if let Some(changed) = self.parameters.frame(context) {
+            self.rows[usize::from(changed.raw())].iter_mut().for_each(|row| row.last = None);
+        }
+        if context.decoded.service == Service::Nmt {
+            if context.begins_anew() {
+                self.interrupted();
+            }
+            return;
+        }
+        let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (context.node(), context.message()) else {
+            return;
+        };
+        let parameters = self.parameters.of(node, *number);
+        let (Some(timer), Some(254 | 255)) = (parameters.event_timer, parameters.transmission_type) else { return };
+        let Some(row) = self.rows[usize::from(node.raw())].get_mut(usize::from(*number) - 1) else { return };
+        let operational = context.scene.bus.node(node).and_then(|node| node.state);
+        let known = operational.is_some_and(|state| state.0 == State::OPERATIONAL);
+        if !known || context.scene.facts.node(node).is_storing(context.now()) {
+            row.last = None;
+        }
+        let limit = Duration(timer.nanos() * self.percent / 100) + self.least.max(context.scene.longest_frame());
+        row.beat(context, timer, limit + context.scene.slack());
+    }
+
+    fn interrupted(&mut self) {
+        self.rows.iter_mut().flatten().for_each(|row| row.last = None);
+    }
+
+    fn finish(&mut self, _: &Scene<'_>, sink: &mut Sink<'_>) {
+        for (node, rows) in NodeId::all().zip(self.rows.iter().skip(1)) {
+            for (number, row) in (1_u64..).zip(rows) {
+                let share = row.late * 100 / row.intervals.max(1);
+                let Some(worst) = row.worst.as_deref().filter(|_| share > self.share) else { continue };
+                let (off, before, after) = worst;
+                if row.intervals >= Cycle::ENOUGH {
+                    let report = Report::at(after.time()).node(node).detail(number);
+                    sink.report(report.evidence(before.evidence()).evidence(after.evidence()), || {
+                        let timer = row.timer;
+                        format!("{share} % of TPDO {number} come late, by at most {off}; its event timer is {timer}")
+                    });
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,75 @@
+use super::parameters::{AllParameters, SERVICES};
+use crate::Multiplexer;
+use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen, Severity};
+use crate::message::{Message, PdoNumber};
+use canvass_traces::Duration;
+
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    make: Some(|thresholds| {
+        Box::new(SyncWindow {
+            tolerance: Duration::from_micros(thresholds.get(&METADATA, "tolerance")),
+            parameters: AllParameters::default(),
+            sync: None,
+        })
+    }),
+};
+
+static METADATA: Metadata = Metadata {
+    id: "pdo/sync-window",
+    severity: Severity::Error,
+    title: "a synchronous PDO comes outside the synchronous window",
+    what: "The SDO traffic of the capture shows the synchronous window length (1007h) of a node and that a TPDO of it is \
+           synchronous (transmission type 0 to 240), and the PDO comes later than that after SYNC. The time that the PDO \
+           itself takes on the bus is not counted.",
+    why: "Consumers whose window is over drop the PDO or take it for the next cycle; and the node should not have sent \
+          it any more.",
+    advice: "See what was on the bus between SYNC and the PDO: PDOs with lower CAN-IDs that fill the window, or nothing, \
+             so that the device is too slow. Lengthen 1007h, spread the PDOs over cycles, or give this one a lower CAN-ID.",
+    thresholds: &[Threshold { name: "tolerance", default: 200, unit: "µs", meaning: "for the recorder's clock" }],
+};
+
+struct SyncWindow {
+    tolerance: Duration,
+    parameters: AllParameters,
+    sync: Option<Seen>,
+}
+
+/// In microseconds; 0 is no window.
+const WINDOW: Multiplexer = Multiplexer::new(0x1007, 0);
+
+impl Rule for SyncWindow {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        self.parameters.frame(context);
+        let number = match context.message() {
+            Message::Sync(_) => {
+                self.sync = Some(context.seen());
+                return;
+            }
+            Message::Pdo(PdoNumber::Transmit(number)) => *number,
+            _ => return,
+        };
+        let (Some(node), Some(sync)) = (context.node(), &self.sync) else { return };
+        if !matches!(self.parameters.of(node, number).transmission_type, Some(0..=240)) || !context.scene.has_times() {
+            return;
+        }
+        let window = context.scene.bus.node(node).and_then(|known| known.certain(node, WINDOW));
+        let Some(window) = window.filter(|&window| window > 0) else { return };
+        let window = Duration::from_micros(u64::from(window));
+        let after = context.now().since(sync.time());
+        let allowed = window + context.scene.longest_frame() + self.tolerance + context.scene.slack();
+        if after > allowed {
+            let report = Report::at(context.now()).node(node).detail(u64::from(number)).measure(after.nanos());
+            sink.report(report.evidence(sync.evidence()).evidence(context.evidence()), || {
+                format!("TPDO {number} came {after} after SYNC; the synchronous window of the node (1007h) is {window}")
+            });
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.sync = None;
+    }
+}

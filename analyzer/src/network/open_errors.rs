@@ -1,0 +1,84 @@
+//! The errors of a node that were reported by EMCY and not yet taken back.
+
+use crate::wire::emcy::{Emcy, EmcyCode};
+
+/// The errors that are present at a node, each with whatever belongs to its first message.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct OpenErrors<T> {
+    rows: Vec<(EmcyCode, T)>,
+}
+
+impl<T> Default for OpenErrors<T> {
+    fn default() -> Self {
+        Self { rows: Vec::new() }
+    }
+}
+
+impl<T> OpenErrors<T> {
+    /// A node that reports more different errors than this without any end of one is in a storm.
+    pub const MOST: usize = 16;
+
+    /// Takes an EMCY message, and returns the errors that it ends. An error that is reported again stays as old as it
+    /// was.
+    ///
+    /// The code 00xxh does not say which error is gone. Where the error register that comes with it is 0, all are. Else
+    /// those are whose class has its bit in the register no more; and the only one, whatever the register says.
+    pub fn handle(&mut self, emcy: &Emcy, what: impl FnOnce() -> T) -> Vec<(EmcyCode, T)> {
+        let Some(code) = emcy.code() else { return Vec::new() };
+        if !code.is_reset() {
+            let known = self.rows.iter().any(|row| row.0 == code);
+            if !known && self.rows.len() < Self::MOST {
+                self.rows.push((code, what()));
+            }
+            return Vec::new();
+        }
+        let register = emcy.register().map_or(0, |register| register.0);
+        if register == 0 || self.rows.len() == 1 {
+            return std::mem::take(&mut self.rows);
+        }
+        let gone = |row: &mut (EmcyCode, T)| row.0.register_bits() & !register != 0;
+        self.rows.extract_if(.., gone).collect()
+    }
+
+    /// The errors that are present.
+    pub fn iter(&self) -> impl Iterator<Item = (EmcyCode, &T)> {
+        self.rows.iter().map(|row| (row.0, &row.1))
+    }
+
+    /// The node has started anew: nothing of it is left.
+    pub fn clear(&mut self) {
+        self.rows.clear();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::Wire;
+
+    fn ends(errors: &mut OpenErrors<u32>, n: u32, payload: [u8; 3]) -> Vec<(u16, u32)> {
+        let emcy = Emcy::read(&[payload[0], payload[1], payload[2], 0, 0, 0, 0, 0]).unwrap();
+        errors.handle(&emcy, || n).into_iter().map(|(code, n)| (code.0, n)).collect()
+    }
+
+    #[test]
+    fn the_register_tells_which_error_is_gone() {
+        let mut errors = OpenErrors::default();
+        assert_eq!(ends(&mut errors, 1, [0x30, 0x81, 0x11]), []);
+        assert_eq!(ends(&mut errors, 2, [0x00, 0x42, 0x19]), []);
+        assert_eq!(ends(&mut errors, 3, [0x00, 0x42, 0x19]), []);
+        assert_eq!(ends(&mut errors, 4, [0x00, 0x00, 0x09]), [(0x8130, 1)]);
+        assert_eq!(ends(&mut errors, 5, [0x00, 0x00, 0x00]), [(0x4200, 2)]);
+        assert_eq!(ends(&mut errors, 6, [0x00, 0x00, 0x00]), []);
+    }
+
+    #[test]
+    fn what_can_not_be_told_stays() {
+        let mut errors = OpenErrors::default();
+        ends(&mut errors, 1, [0x00, 0xFF, 0x81]);
+        ends(&mut errors, 2, [0x01, 0xFF, 0x81]);
+        assert_eq!(ends(&mut errors, 3, [0x00, 0x00, 0x81]), []);
+        assert_eq!(errors.iter().count(), 2);
+        assert_eq!(ends(&mut errors, 4, [0x00, 0x00, 0x00]).len(), 2);
+    }
+}

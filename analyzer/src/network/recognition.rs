@@ -1,0 +1,228 @@
+//! Which of the models that the user's program knows a node is, by what the node shows of itself: device type (1000h),
+//! name (1008h), identity (1018h), and whatever else tells models apart.
+//!
+//! A model is a candidate as long as nothing that the trace has shown contradicts its facts. It is recognised when
+//! something also speaks for it: vendor-ID and product code, or device type and name. Where several are recognised at
+//! once, they differ in nothing that they show; the first of them stands for all if their PDOs are alike.
+
+use super::bus::Bus;
+use super::learning;
+use crate::dictionary::{DeviceDescription, Value};
+use crate::{Multiplexer, NodeId};
+use std::collections::BTreeMap;
+use std::sync::{Arc, LazyLock};
+
+/// A model that nodes can be recognised as.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Its name.
+    pub id: Arc<str>,
+    /// What a node of this model shows.
+    pub facts: Vec<(Multiplexer, Fact)>,
+    /// What is then known of the node.
+    pub description: Arc<DeviceDescription>,
+}
+
+/// The models that nodes can be recognised as: worked out when they are first needed, as that may cost more than a short
+/// capture does.
+#[derive(Clone, Default)]
+pub struct Candidates(Option<Arc<LazyLock<Arc<[Candidate]>, Find>>>);
+
+type Find = Box<dyn FnOnce() -> Arc<[Candidate]> + Send>;
+
+impl Candidates {
+    /// What `find` gives when it is asked.
+    pub fn new(find: impl FnOnce() -> Arc<[Candidate]> + Send + 'static) -> Self {
+        Self(Some(Arc::new(LazyLock::new(Box::new(find)))))
+    }
+
+    /// Whether the value of an object may tell what a node is.
+    pub(super) fn want(&self, object: Multiplexer) -> bool {
+        self.0.is_some() && matches!(object.index.0, 0x1000 | 0x1008..=0x100A | 0x1018 | 0x6507)
+    }
+
+    fn get(&self) -> Arc<[Candidate]> {
+        self.0.as_ref().map(|found| Arc::clone(LazyLock::force(found))).unwrap_or_default()
+    }
+}
+
+/// What a node of a model shows when an object is read: of 1000h, 1008h to 100Ah, 1018h or 6507h.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Fact {
+    /// One of these numbers.
+    Number(Vec<u32>),
+    /// This text.
+    Text(String),
+    /// A text that begins so.
+    Begins(String),
+}
+
+/// As what a node was recognised.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Recognition {
+    /// The model.
+    pub model: Arc<str>,
+    /// Others that it may as well be, which differ in nothing that was seen.
+    pub or: Vec<Arc<str>>,
+    /// The objects that tell.
+    pub by: Vec<Multiplexer>,
+}
+
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+const NAME: Multiplexer = Multiplexer::new(0x1008, 0);
+const VENDOR: Multiplexer = Multiplexer::new(0x1018, 1);
+const PRODUCT: Multiplexer = Multiplexer::new(0x1018, 2);
+
+/// What a node has shown of the objects that tell models apart.
+pub(super) type Shown = BTreeMap<Multiplexer, Vec<u8>>;
+
+/// No name of a device is longer.
+const LONGEST: usize = 64;
+
+impl Candidate {
+    /// The model of that description: its facts are the defaults of 1000h, 1008h and 1018h:01 and :02.
+    pub fn of(id: &str, description: Arc<DeviceDescription>) -> Self {
+        let fact = |object| {
+            let value = description.dictionary.entry(object).ok()?.start_value(NodeId::MIN)?;
+            let fact = match value {
+                Value::VisibleString(text) => Fact::Text(String::from_utf8(text).ok()?),
+                other => Fact::Number(vec![u32::try_from(other.to_raw()?).ok()?]),
+            };
+            Some((object, fact))
+        };
+        let facts = [DEVICE_TYPE, NAME, VENDOR, PRODUCT].into_iter().filter_map(fact).collect();
+        Self { id: id.into(), facts, description }
+    }
+
+    /// Replaces or adds a fact.
+    pub fn set(&mut self, object: Multiplexer, fact: Fact) {
+        self.facts.retain(|known| known.0 != object);
+        self.facts.push((object, fact));
+    }
+
+    /// The objects whose facts were seen to hold; `None` if one does not hold or they are too few.
+    fn evidence(&self, shown: &Shown) -> Option<Vec<Multiplexer>> {
+        let mut seen = Vec::new();
+        for (object, fact) in &self.facts {
+            if let Some(data) = shown.get(object) {
+                if !fact.holds(data) {
+                    return None;
+                }
+                seen.push(*object);
+            }
+        }
+        seen.sort_unstable();
+        let both = |a, b| seen.contains(&a) && seen.contains(&b);
+        (both(VENDOR, PRODUCT) || both(DEVICE_TYPE, NAME)).then_some(seen)
+    }
+
+    /// Whether the PDOs that both have are laid out and sent alike.
+    fn has_pdos_of(&self, other: &Self) -> bool {
+        let start = |candidate: &Self, object| {
+            let entry = candidate.description.dictionary.entry(object).ok()?;
+            entry.start_value(NodeId::MIN)
+        };
+        self.description.dictionary.entries().all(|(object, entry)| {
+            let is_pdo = matches!(object.index.0, 0x1400..=0x1BFF);
+            !is_pdo || start(other, object).is_none_or(|value| entry.start_value(NodeId::MIN) == Some(value))
+        })
+    }
+}
+
+impl Fact {
+    /// Whether an object's value is as it says.
+    pub fn holds(&self, data: &[u8]) -> bool {
+        match self {
+            Self::Number(any) => learning::number(data).is_some_and(|number| any.contains(&number)),
+            // Devices fill names up with zeros and blanks.
+            Self::Text(text) => data.trim_ascii_end().split(|&byte| byte == 0).next() == Some(text.as_bytes()),
+            Self::Begins(text) => data.starts_with(text.as_bytes()),
+        }
+    }
+}
+
+/// The model of a node that has shown this, and its place among the candidates.
+pub(super) fn recognise(candidates: &[Candidate], shown: &Shown) -> Option<(usize, Recognition)> {
+    let all = candidates.iter().enumerate();
+    let mut fitting = all.filter_map(|(n, candidate)| Some((n, candidate, candidate.evidence(shown)?)));
+    let (place, first, by) = fitting.next()?;
+    let others: Vec<_> = fitting.map(|(_, candidate, _)| candidate).collect();
+    others.iter().all(|other| first.has_pdos_of(other)).then(|| {
+        let or = others.into_iter().map(|other| Arc::clone(&other.id)).collect();
+        (place, Recognition { model: Arc::clone(&first.id), or, by })
+    })
+}
+
+/// A node has shown the value of an object.
+pub(super) fn shown(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
+    let candidates = bus.candidates.get();
+    if !candidates.iter().any(|candidate| candidate.facts.iter().any(|fact| fact.0 == object)) {
+        return;
+    }
+    let node = bus.node_mut(id);
+    node.identity.insert(object, data[..data.len().min(LONGEST)].to_vec());
+    // What the user says is not doubted.
+    if node.description.is_some() && node.recognition.is_none() {
+        return;
+    }
+    let Some((place, recognition)) = recognise(&candidates, &node.identity) else { return };
+    let before = node.recognition.replace(recognition);
+    if before.map(|before| before.model) != node.recognition.as_ref().map(|now| Arc::clone(&now.model))
+        && let Some(candidate) = candidates.get(place)
+    {
+        learning::after_recognition(bus, id, &candidate.description);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn candidate(id: &str, pdo: u32, name: &str) -> Candidate {
+        let eds = format!(
+            "[DeviceInfo]\n[1800]\nParameterName=TPDO\nObjectType=8\nSubNumber=1\n[1800sub1]\nParameterName=COB-ID\n\
+             ObjectType=7\nDataType=7\nAccessType=rw\nDefaultValue={pdo}\n"
+        );
+        let description = Arc::new(DeviceDescription::read(eds.as_bytes()).unwrap());
+        let mut candidate = Candidate::of(id, description);
+        candidate.set(DEVICE_TYPE, Fact::Number(vec![0x0001_0196, 0x0002_0196]));
+        candidate.set(NAME, Fact::Begins(name.to_owned()));
+        candidate.set(VENDOR, Fact::Number(vec![0x13]));
+        candidate.set(PRODUCT, Fact::Number(vec![0x5868_2001]));
+        candidate
+    }
+
+    fn recognised(candidates: &[Candidate], shown: &[(Multiplexer, &[u8])]) -> Option<Recognition> {
+        let shown = shown.iter().map(|&(object, data)| (object, data.to_vec())).collect();
+        recognise(candidates, &shown).map(|found| found.1)
+    }
+
+    const TYPE: (Multiplexer, &[u8]) = (DEVICE_TYPE, &[0x96, 1, 2, 0]);
+
+    #[test]
+    fn one_fact_is_too_few_and_a_contradiction_is_enough() {
+        let all = [candidate("a", 0x185, "Sendix")];
+        assert_eq!(recognised(&all, &[TYPE]), None);
+        assert_eq!(recognised(&all, &[TYPE, (NAME, b"Sendix Encoder")]).unwrap().by, [DEVICE_TYPE, NAME]);
+        assert_eq!(recognised(&all, &[TYPE, (NAME, b"Sendi")]), None);
+        let identity: [(Multiplexer, &[u8]); 2] = [(VENDOR, &[0x13, 0, 0, 0]), (PRODUCT, &[0x01, 0x20, 0x68, 0x58])];
+        assert!(recognised(&all, &identity).is_some());
+        assert_eq!(recognised(&all, &[identity[0], identity[1], (DEVICE_TYPE, &[0x96, 1, 8, 0])]), None);
+    }
+
+    #[test]
+    fn the_first_stands_for_its_like_only() {
+        let shown = [TYPE, (NAME, &b"Sendix"[..])];
+        let found = recognised(&[candidate("a", 0x185, "Sendix"), candidate("b", 0x185, "Send")], &shown).unwrap();
+        assert_eq!((&*found.model, &found.or[..]), ("a", &["b".into()][..]));
+        assert_eq!(recognised(&[candidate("a", 0x185, "Sendix"), candidate("b", 0x285, "Send")], &shown), None);
+        let told = [candidate("a", 0x185, "Other"), candidate("b", 0x285, "Send")];
+        assert_eq!(&*recognised(&told, &shown).unwrap().model, "b");
+    }
+
+    #[test]
+    fn names_are_filled_up() {
+        let fact = Fact::Text("LMP30".to_owned());
+        assert!(fact.holds(b"LMP30\0\0") && fact.holds(b"LMP30  ") && !fact.holds(b"LMP300"));
+    }
+}

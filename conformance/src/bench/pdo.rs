@@ -1,0 +1,200 @@
+//! PDO parameters: read, changed in the order that CiA 301 prescribes, and which objects a PDO can carry.
+
+use super::Bench;
+use super::sdo::number;
+use crate::verdict::{Reason, Verdict};
+use canvass_analyzer::wire::sync;
+use canvass_analyzer::{CobId, Multiplexer};
+use canvass_traces::{Duration, Record};
+
+/// A PDO by the indexes of its parameters.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Pdo {
+    /// 1400h and the following, or 1800h and the following.
+    pub communication: u16,
+    /// 1600h and the following, or 1A00h and the following.
+    pub mapping: u16,
+}
+
+/// The first RPDO.
+pub const RPDO: Pdo = Pdo { communication: 0x1400, mapping: 0x1600 };
+/// The first TPDO.
+pub const TPDO: Pdo = Pdo { communication: 0x1800, mapping: 0x1A00 };
+
+/// An object that a PDO carries.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Mapped {
+    /// The object; an index below 20h is a dummy.
+    pub at: Multiplexer,
+    /// How many bits of the PDO it takes.
+    pub bits: u8,
+}
+
+impl Mapped {
+    /// The entry as it stands in a mapping object.
+    pub const fn entry(self) -> u32 {
+        (self.at.index.0 as u32) << 16 | (self.at.sub.0 as u32) << 8 | self.bits as u32
+    }
+
+    const fn from_entry(entry: u32) -> Self {
+        Self { at: Multiplexer::new((entry >> 16) as u16, (entry >> 8) as u8), bits: entry as u8 }
+    }
+}
+
+impl Pdo {
+    /// The PDO of that number, from 1, of the same direction.
+    pub const fn numbered(self, number: u16) -> Self {
+        Self { communication: self.communication + number - 1, mapping: self.mapping + number - 1 }
+    }
+
+    /// A communication parameter: 1 COB-ID, 2 transmission type, 3 inhibit time, 5 event timer, 6 SYNC start value.
+    pub const fn parameter(self, sub: u8) -> Multiplexer {
+        Multiplexer::new(self.communication, sub)
+    }
+
+    /// A mapping parameter: 0 the number of objects, from 1 the objects.
+    pub const fn entry(self, sub: u8) -> Multiplexer {
+        Multiplexer::new(self.mapping, sub)
+    }
+}
+
+impl Bench<'_> {
+    /// The COB-ID of a PDO.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if it can't be read.
+    pub fn pdo_cob_id(&mut self, pdo: Pdo) -> Result<CobId, Verdict> {
+        self.read_number(pdo.parameter(1)).map(CobId)
+    }
+
+    /// Switches a PDO off (bit 31 of its COB-ID); returns the COB-ID before.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if the device refuses it.
+    pub fn pdo_off(&mut self, pdo: Pdo) -> Result<CobId, Verdict> {
+        let before = self.pdo_cob_id(pdo)?;
+        self.write(pdo.parameter(1), &(before.0 | CobId::INVALID).to_le_bytes())?;
+        Ok(before)
+    }
+
+    /// Switches a PDO on with the CAN-ID of a COB-ID.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if the device refuses it.
+    pub fn pdo_on(&mut self, pdo: Pdo, cob_id: CobId) -> Result<(), Verdict> {
+        self.write(pdo.parameter(1), &(cob_id.0 & !CobId::INVALID).to_le_bytes())
+    }
+
+    /// Changes communication parameters while the PDO is off. On again, it has its old CAN-ID.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if the device refuses it.
+    pub fn set_pdo(&mut self, pdo: Pdo, parameters: &[(u8, &[u8])]) -> Result<(), Verdict> {
+        let cob_id = self.pdo_off(pdo)?;
+        for (sub, value) in parameters {
+            self.write(pdo.parameter(*sub), value)?;
+        }
+        self.pdo_on(pdo, cob_id)
+    }
+
+    /// What a PDO carries.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if it can't be read.
+    pub fn mapping(&mut self, pdo: Pdo) -> Result<Vec<Mapped>, Verdict> {
+        let count = self.read_number(pdo.entry(0))?;
+        let subs = 1..=u8::try_from(count.min(64)).unwrap_or(0);
+        subs.map(|sub| self.read_number(pdo.entry(sub)).map(Mapped::from_entry)).collect()
+    }
+
+    /// Switches a PDO and its mapping off, so that entries can be written; returns the COB-ID before.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if the device refuses it.
+    pub fn open_mapping(&mut self, pdo: Pdo) -> Result<CobId, Verdict> {
+        let cob_id = self.pdo_off(pdo)?;
+        self.write(pdo.entry(0), &[0])?;
+        Ok(cob_id)
+    }
+
+    /// Gives a PDO another mapping, in the five steps of CiA 301.
+    ///
+    /// # Errors
+    /// [`Verdict::Inconclusive`] if the device refuses one of them.
+    pub fn set_mapping(&mut self, pdo: Pdo, mapping: &[Mapped]) -> Result<(), Verdict> {
+        let cob_id = self.open_mapping(pdo)?;
+        for (sub, mapped) in (1..=u8::MAX).zip(mapping) {
+            self.write(pdo.entry(sub), &mapped.entry().to_le_bytes())?;
+        }
+        self.write(pdo.entry(0), &[u8::try_from(mapping.len()).unwrap_or(u8::MAX)])?;
+        self.pdo_on(pdo, cob_id)
+    }
+
+    /// Objects that the description lets a TPDO carry, each with its length.
+    pub fn tpdo_objects(&self) -> Vec<Mapped> {
+        self.mappable(|entry| entry.access.allows_tpdo())
+    }
+
+    /// Objects that the description lets an RPDO carry and an SDO read: what an RPDO does can be seen.
+    pub fn rpdo_objects(&self) -> Vec<Mapped> {
+        self.mappable(|entry| entry.access.allows_rpdo() && entry.access.is_readable())
+    }
+
+    fn mappable(&self, allowed: impl Fn(&canvass_analyzer::dictionary::Entry) -> bool) -> Vec<Mapped> {
+        let Some(description) = &self.target.description else { return Vec::new() };
+        // Communication objects for PDOs, such as 1001h and 1013h, change by themselves.
+        let entries = description.dictionary.entries();
+        let entries = entries.filter(|(at, entry)| at.index.0 >= 0x2000 && entry.pdo_mappable && allowed(entry));
+        let mapped = entries.filter_map(|(at, entry)| {
+            // Whole bytes only: a BOOLEAN takes one bit of a PDO, but a byte of an SDO.
+            let bits = entry.data_type.bits().filter(|bits| (8..=64).contains(bits) && bits % 8 == 0)?;
+            Some(Mapped { at, bits: u8::try_from(bits).ok()? })
+        });
+        mapped.collect()
+    }
+
+    /// An object that a TPDO can carry and an SDO can write: so its value can be made to change. With a value that
+    /// differs from the one it has.
+    ///
+    /// # Errors
+    /// [`Verdict::NotApplicable`] if there is none.
+    pub fn changeable(&mut self) -> Result<(Mapped, Vec<u8>), Verdict> {
+        for mapped in self.tpdo_objects() {
+            if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
+                let before = self.read(mapped.at)?;
+                let other: Vec<u8> = before.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
+                return Ok((mapped, other));
+            }
+        }
+        let duty = "an object that a TPDO carries can be written by SDO";
+        Err(Verdict::NotApplicable(Reason::new(duty, "one in the description", "none")))
+    }
+
+    /// The frames with a CAN-ID that come within a time.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub fn frames_of(&mut self, can_id: u16, span: Duration) -> Result<Vec<Record>, Verdict> {
+        const MOST: usize = 20_000;
+        let mut heard = Vec::new();
+        self.wait_for(span, |record| {
+            if record.frame.cob_id() == Some(can_id) && heard.len() < MOST {
+                heard.push(record.clone());
+            }
+            None::<()>
+        })?;
+        Ok(heard)
+    }
+
+    /// The CAN-ID of SYNC by 1005h; the predefined one where there is no such object.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn sync_id(&mut self) -> Result<u16, Verdict> {
+        let object = Multiplexer::new(0x1005, 0);
+        if !self.has(object)? {
+            return Ok(sync::CAN_ID);
+        }
+        Ok((number(&self.read(object)?) & 0x7FF) as u16)
+    }
+}

@@ -1,0 +1,132 @@
+//! How well a bus and the tester's own machine work: what a verdict on a device must not be blamed on.
+
+use canvass_traces::Duration;
+use std::fmt;
+
+/// Counts since the bus was opened. The difference of two says what happened between them.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Health {
+    /// Frames that were on the bus and did not reach the tester: the kernel's receive queue or the tester's own was
+    /// full.
+    pub lost: u64,
+    /// How often the way to the bus was interrupted: the interface went down, the adapter was unplugged, bus-off.
+    pub interruptions: u64,
+    /// What the last interruption was, and the state of the controller as far as it is known.
+    pub trouble: Option<String>,
+    /// Error frames.
+    pub error_frames: u64,
+    /// How often a full transmit queue was waited for.
+    pub waits: u64,
+    /// From a frame's time on the bus to the tester's seeing it, while it waited for one.
+    pub receive: Latencies,
+    /// From the tester's handing over a frame to its time on the bus.
+    pub transmit: Latencies,
+}
+
+impl Health {
+    /// What happened since `before`.
+    pub fn since(&self, before: &Self) -> Self {
+        Self {
+            lost: self.lost.saturating_sub(before.lost),
+            interruptions: self.interruptions.saturating_sub(before.interruptions),
+            trouble: self.trouble.clone().filter(|_| self.interruptions > before.interruptions),
+            error_frames: self.error_frames.saturating_sub(before.error_frames),
+            waits: self.waits.saturating_sub(before.waits),
+            receive: self.receive.since(&before.receive),
+            transmit: self.transmit.since(&before.transmit),
+        }
+    }
+}
+
+/// How long something took, many times: counted by powers of two of nanoseconds.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Latencies([u64; Self::BUCKETS]);
+
+impl Latencies {
+    /// The last one holds everything from about 4.6 minutes on.
+    const BUCKETS: usize = 40;
+
+    /// Counts one.
+    pub fn add(&mut self, span: Duration) {
+        let bucket = (u64::BITS - span.0.leading_zeros()) as usize;
+        if let Some(count) = self.0.get_mut(bucket.min(Self::BUCKETS - 1)) {
+            *count += 1;
+        }
+    }
+
+    /// How many were counted.
+    pub fn count(&self) -> u64 {
+        self.0.iter().sum()
+    }
+
+    /// A span that so many in a thousand did not exceed, at most twice as long as the shortest such; `None` if none was
+    /// counted.
+    pub fn quantile(&self, per_mille: u64) -> Option<Duration> {
+        let total = self.count();
+        let rank = (total * per_mille).div_ceil(1_000).max(1);
+        let mut seen = 0;
+        let bucket = self.0.iter().position(|count| {
+            seen += count;
+            total > 0 && seen >= rank
+        })?;
+        Some(Duration((1 << bucket) - 1))
+    }
+
+    /// A span that none exceeded, at most twice as long as the longest.
+    pub fn longest(&self) -> Option<Duration> {
+        self.quantile(1_000)
+    }
+
+    fn since(&self, before: &Self) -> Self {
+        let mut counts = self.0;
+        counts.iter_mut().zip(&before.0).for_each(|(count, before)| *count = count.saturating_sub(*before));
+        Self(counts)
+    }
+}
+
+impl Default for Latencies {
+    fn default() -> Self {
+        Self([0; Self::BUCKETS])
+    }
+}
+
+impl fmt::Debug for Latencies {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+/// `half within 65.535 µs, 99 % within 131.071 µs, all within 1.048 ms`.
+impl fmt::Display for Latencies {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match (self.quantile(500), self.quantile(990), self.longest()) {
+            (Some(half), Some(most), Some(all)) => {
+                write!(f, "half within {half}, 99 % within {most}, all within {all}")
+            }
+            _ => f.write_str("none"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quantiles_are_bounds() {
+        let mut latencies = Latencies::default();
+        assert_eq!(latencies.longest(), None);
+        for _ in 0..99 {
+            latencies.add(Duration::from_micros(50));
+        }
+        latencies.add(Duration::from_millis(20));
+        let (half, most, all) = (latencies.quantile(500), latencies.quantile(990), latencies.longest());
+        assert!(half == most && half.is_some_and(|half| (50_000..100_000).contains(&half.0)), "{half:?}");
+        assert!(all.is_some_and(|all| (20_000_000..40_000_000).contains(&all.0)), "{all:?}");
+        let before = latencies.clone();
+        latencies.add(Duration(u64::MAX));
+        latencies.add(Duration::ZERO);
+        assert_eq!(latencies.since(&before).count(), 2);
+        assert_eq!(latencies.since(&before).quantile(500), Some(Duration::ZERO));
+    }
+}

@@ -1,0 +1,170 @@
+//! Between the thread that receives and whoever wants the frames: receiving waits for nobody.
+
+use super::Health;
+use super::clock::SteadyClock;
+use canvass_traces::{Direction, Record, Timestamp};
+use std::collections::VecDeque;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+/// Frames that were received and not yet taken, bounded, and what is known of the bus.
+pub(super) struct Inbox {
+    state: Mutex<State>,
+    arrived: Condvar,
+    /// The receiving thread holds frames that are not in the inbox yet.
+    delivering: AtomicBool,
+    closed: AtomicBool,
+}
+
+struct State {
+    records: VecDeque<Record>,
+    capacity: usize,
+    health: Health,
+}
+
+/// Twelve seconds of a full bus at 1 Mbit/s; 16 MiB.
+const CAPACITY: usize = 1 << 18;
+
+/// How long the end of a wait waits for the receiving thread, which the system may have suspended.
+const STALL: Duration = Duration::from_millis(500);
+
+impl Inbox {
+    pub fn new() -> Self {
+        let state = State { records: VecDeque::new(), capacity: CAPACITY, health: Health::default() };
+        let state = Mutex::new(state);
+        let (delivering, closed) = (AtomicBool::new(false), AtomicBool::new(false));
+        Self { state, arrived: Condvar::new(), delivering, closed }
+    }
+
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Puts in what has arrived. When there are too many, the oldest are lost and counted: whoever is behind shall not
+    /// stay behind.
+    pub fn deliver(&self, records: &mut Vec<Record>) {
+        let mut state = self.state();
+        state.records.extend(records.drain(..));
+        let excess = state.records.len().saturating_sub(state.capacity);
+        state.records.drain(..excess);
+        state.health.lost += excess as u64;
+        drop(state);
+        self.arrived.notify_all();
+    }
+
+    /// Takes back an own frame that could not be sent after all, unless it was taken already.
+    pub fn retract(&self, record: &Record) {
+        let mut state = self.state();
+        if let Some(at) = state.records.iter().rposition(|delivered| delivered == record) {
+            state.records.remove(at);
+        }
+    }
+
+    /// Keeps no more frames than that.
+    pub fn limit(&self, frames: usize) {
+        self.state().capacity = frames.clamp(1, CAPACITY);
+    }
+
+    /// Says whether the receiving thread has taken something from the system that is not delivered yet.
+    pub fn set_delivering(&self, delivering: bool) {
+        self.delivering.store(delivering, Ordering::SeqCst);
+    }
+
+    /// Changes what is known of the bus.
+    pub fn note(&self, note: impl FnOnce(&mut Health)) {
+        note(&mut self.state().health);
+    }
+
+    /// What is known of the bus.
+    pub fn health(&self) -> Health {
+        self.state().health.clone()
+    }
+
+    /// Tells the receiving thread to end.
+    pub fn close(&self) {
+        self.closed.store(true, Ordering::SeqCst);
+    }
+
+    pub fn is_closed(&self) -> bool {
+        self.closed.load(Ordering::SeqCst)
+    }
+
+    /// The next record, or `None` if there was none until `deadline`. `pending` says whether the system holds something
+    /// that the receiving thread has not fetched yet: what came in time is not too late because that thread is.
+    pub fn take(&self, clock: &SteadyClock, deadline: Timestamp, pending: impl Fn() -> bool) -> Option<Record> {
+        // What came while nobody waited for it has not waited for this machine.
+        let asked = clock.now();
+        let mut state = self.state();
+        let mut stalled = None;
+        loop {
+            if let Some(record) = state.records.pop_front() {
+                if record.direction != Direction::Tx {
+                    state.health.receive.add(clock.now().since(record.timestamp.max(asked)));
+                }
+                return Some(record);
+            }
+            let now = clock.now();
+            let wait = if now < deadline {
+                deadline.since(now).into()
+            } else {
+                // In this order: what is fetched meanwhile shows as being delivered, and can't be delivered while the
+                // lock is held.
+                let behind = pending() || self.delivering.load(Ordering::SeqCst);
+                let since = *stalled.get_or_insert(now);
+                if !behind || Duration::from(now.since(since)) > STALL {
+                    return None;
+                }
+                Duration::from_micros(200)
+            };
+            // Woken early now and then, so that a wait without end notices what was noted.
+            let wait = wait.min(Duration::from_millis(100));
+            state = self.arrived.wait_timeout(state, wait).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::{CanId, ChannelId, Frame};
+
+    fn record(clock: &SteadyClock) -> Record {
+        let frame = Frame::full(CanId::standard_masked(1), [0; 8]);
+        Record::new(clock.now(), ChannelId(0), frame).with_direction(Direction::Rx)
+    }
+
+    #[test]
+    fn what_does_not_fit_is_counted() {
+        let (inbox, clock) = (Inbox::new(), SteadyClock::start());
+        let mut records = vec![record(&clock); CAPACITY + 7];
+        inbox.deliver(&mut records);
+        assert_eq!(inbox.health().lost, 7);
+        let mut taken = 0;
+        while inbox.take(&clock, Timestamp::ZERO, || false).is_some() {
+            taken += 1;
+        }
+        assert_eq!((taken, inbox.health().receive.count()), (CAPACITY, CAPACITY as u64));
+        inbox.limit(10);
+        inbox.deliver(&mut vec![record(&clock); 25]);
+        assert_eq!(inbox.health().lost, 7 + 15);
+    }
+
+    #[test]
+    fn a_frame_that_the_receiving_thread_has_not_fetched_yet_is_waited_for() {
+        let (inbox, clock) = (Inbox::new(), SteadyClock::start());
+        let fetched = AtomicBool::new(false);
+        std::thread::scope(|scope| {
+            scope.spawn(|| {
+                std::thread::sleep(Duration::from_millis(5));
+                inbox.set_delivering(true);
+                fetched.store(true, Ordering::SeqCst);
+                inbox.deliver(&mut vec![record(&clock)]);
+                inbox.set_delivering(false);
+            });
+            let deadline = clock.now();
+            assert!(inbox.take(&clock, deadline, || !fetched.load(Ordering::SeqCst)).is_some());
+            assert!(inbox.take(&clock, deadline, || false).is_none());
+        });
+    }
+}

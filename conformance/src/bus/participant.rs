@@ -1,0 +1,106 @@
+//! A machine as a participant of a live bus: its time is the bus's, counted from the moment it was switched on.
+
+use super::Bus;
+use crate::Machine;
+use canvass_traces::{Direction, Duration, Record, Timestamp};
+
+/// What becomes of a machine on a bus.
+#[derive(Debug, Default)]
+pub struct Participation {
+    /// Frames that it sent.
+    pub sent: u64,
+    /// Frames that it wanted to send and the bus did not take.
+    pub unsent: u64,
+    /// Why not, the last time.
+    pub trouble: Option<String>,
+}
+
+/// How long a wait lasts at most, so that the wish to stop is seen.
+const SLICE: Duration = Duration::from_millis(50);
+
+/// Lets a machine take part in a bus from now on, until `goes_on` says no; that is asked about every 50 ms. `observe`
+/// sees every frame, own ones too.
+///
+/// A bus that does not take a frame is no reason to stop: the interface may come back, as it does for a real device.
+///
+/// # Errors
+/// [`super::BusError`] if the bus can't be listened to any more.
+pub fn participate(
+    bus: &mut dyn Bus,
+    machine: &mut dyn Machine,
+    goes_on: &mut dyn FnMut(&Participation, Timestamp) -> bool,
+    observe: &mut dyn FnMut(&Record),
+) -> Result<Participation, super::BusError> {
+    let mut clock = MachineClock { switched_on: bus.now(), last: Timestamp::ZERO };
+    let mut done = Participation::default();
+    while goes_on(&done, clock.at(bus.now())) {
+        let now = clock.at(bus.now());
+        if machine.poll_timeout().is_some_and(|timeout| timeout <= now) {
+            machine.handle_timeout(now);
+        }
+        send_all(bus, machine, now, &mut done);
+        let timeout = machine.poll_timeout().map_or(Timestamp::MAX, |timeout| clock.on_bus(timeout));
+        let deadline = timeout.min(bus.now() + SLICE);
+        if let Some(record) = bus.receive(deadline)? {
+            observe(&record);
+            if record.direction != Direction::Tx && !record.frame.is_error() {
+                // Reactions count from the frame's end on the bus, not from when this machine saw it.
+                let at = clock.at(record.timestamp);
+                machine.handle(at, &record.frame);
+                send_all(bus, machine, at, &mut done);
+            }
+        }
+    }
+    Ok(done)
+}
+
+fn send_all(bus: &mut dyn Bus, machine: &mut dyn Machine, now: Timestamp, done: &mut Participation) {
+    while let Some(frame) = machine.poll_transmit(now) {
+        match bus.send(&frame) {
+            Ok(()) => done.sent += 1,
+            Err(error) => {
+                done.unsent += 1;
+                done.trouble = Some(error.to_string());
+            }
+        }
+    }
+}
+
+/// Between the time of the bus and that of the machine, which never steps back.
+struct MachineClock {
+    switched_on: Timestamp,
+    last: Timestamp,
+}
+
+impl MachineClock {
+    fn at(&mut self, on_bus: Timestamp) -> Timestamp {
+        self.last = self.last.max(Timestamp(on_bus.since(self.switched_on).0));
+        self.last
+    }
+
+    fn on_bus(&self, time: Timestamp) -> Timestamp {
+        self.switched_on + time.since(Timestamp::ZERO)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Faults;
+    use crate::bus::SimulatedBus;
+    use crate::device::Device;
+    use crate::models::Model;
+
+    /// On a bus with virtual time a device boots, and is heard by nobody but the observer.
+    #[test]
+    fn a_device_takes_part_in_any_bus() {
+        let model = Model::by_id("kuebler-sendix-58x8").unwrap();
+        let mut device = Device::new(model, model.default_node(), Faults::default(), 0);
+        let mut bus = SimulatedBus::new(250_000);
+        let mut seen = Vec::new();
+        let mut goes_on = |_: &Participation, now: Timestamp| now < Timestamp(2_000_000_000);
+        let done = participate(&mut bus, &mut device, &mut goes_on, &mut |record| seen.push(record.frame.to_string()));
+        assert_eq!(seen, ["73F#00"]);
+        assert_eq!((done.as_ref().unwrap().sent, done.unwrap().unsent), (1, 0));
+    }
+}

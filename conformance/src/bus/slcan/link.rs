@@ -1,0 +1,96 @@
+//! The way to an adapter: a serial port, or TCP in either direction.
+
+use std::io::{self, Read, Write};
+use std::net::{TcpListener, TcpStream, ToSocketAddrs};
+use std::time::Duration;
+
+/// Where an adapter is.
+#[derive(Debug)]
+pub(super) enum Place {
+    /// The path of a serial port.
+    Serial(String),
+    /// `host:port`.
+    Tcp(String),
+    /// Waits for a connection.
+    Listener(TcpListener),
+}
+
+/// Both directions of a way that is open.
+pub(super) struct Link {
+    pub reader: Box<dyn Read + Send>,
+    pub writer: Box<dyn Write + Send>,
+}
+
+/// How long a read waits, so that the wish to end is seen.
+pub(super) const LOOK: Duration = Duration::from_millis(20);
+const CONNECT: Duration = Duration::from_secs(3);
+const WRITE: Duration = Duration::from_secs(2);
+/// What most adapters with a real UART are set to; those on USB don't care.
+#[cfg(feature = "serial")]
+const BAUD: u32 = 115_200;
+
+impl Place {
+    /// What stands behind `slcan:`.
+    pub fn parse(text: &str) -> io::Result<Self> {
+        if let Some(address) = text.strip_prefix("tcp://") {
+            return Ok(Self::Tcp(address.to_owned()));
+        }
+        if let Some(address) = text.strip_prefix("listen://") {
+            let listener = TcpListener::bind(address)?;
+            listener.set_nonblocking(true)?;
+            return Ok(Self::Listener(listener));
+        }
+        Ok(Self::Serial(text.to_owned()))
+    }
+
+    /// Opens the way; `None` if nobody has connected yet.
+    pub fn open(&self) -> io::Result<Option<Link>> {
+        match self {
+            Self::Serial(path) => serial(path).map(Some),
+            Self::Tcp(address) => {
+                let addresses = address.to_socket_addrs()?;
+                let mut failure = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
+                for address in addresses {
+                    match TcpStream::connect_timeout(&address, CONNECT) {
+                        Ok(stream) => return tcp(stream).map(Some),
+                        Err(error) => failure = error,
+                    }
+                }
+                Err(failure)
+            }
+            Self::Listener(listener) => match listener.accept() {
+                Ok((stream, _)) => {
+                    stream.set_nonblocking(false)?;
+                    tcp(stream).map(Some)
+                }
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => Ok(None),
+                Err(error) => Err(error),
+            },
+        }
+    }
+}
+
+fn tcp(stream: TcpStream) -> io::Result<Link> {
+    // A frame must not wait for the next one.
+    stream.set_nodelay(true)?;
+    stream.set_read_timeout(Some(LOOK))?;
+    stream.set_write_timeout(Some(WRITE))?;
+    Ok(Link { reader: Box::new(stream.try_clone()?), writer: Box::new(stream) })
+}
+
+#[cfg(feature = "serial")]
+fn serial(path: &str) -> io::Result<Link> {
+    let port = serialport::new(path, BAUD).timeout(LOOK).open()?;
+    let writer = port.try_clone()?;
+    Ok(Link { reader: Box::new(port), writer: Box::new(writer) })
+}
+
+#[cfg(not(feature = "serial"))]
+fn serial(_: &str) -> io::Result<Link> {
+    Err(io::Error::new(io::ErrorKind::Unsupported, "this build has no serial ports (feature serial)"))
+}
+
+/// Whether a read has only found nothing in time.
+pub(super) fn is_silence(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
+}

@@ -1,0 +1,233 @@
+//! SLCAN: CAN adapters that speak LAWICEL's ASCII protocol over a serial port or TCP.
+//!
+//! Both ends of the protocol are here: commands of the other side are answered as an adapter does, so that two of these
+//! buses are one bus, and other programs find an adapter.
+
+mod codec;
+mod link;
+mod reader;
+
+pub use codec::{BIT_RATES, Command, Decoder, Message, MinuteClock, Status, write_frame};
+
+use super::clock::SteadyClock;
+use super::inbox::Inbox;
+use super::{Bus, BusError, Health};
+use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
+use link::Place;
+use reader::Reader;
+use std::io::{self, Write};
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+
+/// An adapter that speaks SLCAN.
+pub struct SlCan {
+    shared: Arc<Shared>,
+    reader: Option<JoinHandle<()>>,
+    bit_rate: Option<u32>,
+}
+
+/// What the bus and its reading thread have in common.
+struct Shared {
+    name: String,
+    clock: SteadyClock,
+    inbox: Inbox,
+    /// `None` while there is no connection.
+    writer: Mutex<Option<Box<dyn Write + Send>>>,
+}
+
+/// Why an adapter does not work, and what to do about it.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SlCanError {
+    /// The port or connection can't be opened.
+    #[error("can't open {name}: {source}{}", remedy(source))]
+    Open {
+        /// The port or address.
+        name: String,
+        /// What the system reports.
+        source: io::Error,
+    },
+    /// SLCAN has no code for that bit rate.
+    #[error("SLCAN has no bit rate of {0} bit/s: expected one of 10k, 20k, 50k, 100k, 125k, 250k, 500k, 800k, 1M")]
+    BitRate(u32),
+    /// The adapter says no.
+    #[error("{name} refuses to {action}: it may be in use, of another protocol, or without that bit rate")]
+    Refused {
+        /// The port or address.
+        name: String,
+        /// What it was told.
+        action: &'static str,
+    },
+    /// There is no connection now.
+    #[error("{name} is not connected: plug it in, it is opened again by itself")]
+    NotConnected {
+        /// The port or address.
+        name: String,
+    },
+}
+
+fn remedy(error: &io::Error) -> &'static str {
+    match error.kind() {
+        io::ErrorKind::PermissionDenied => ": join the port's group, usually `usermod -aG dialout $USER`",
+        io::ErrorKind::NotFound => ": is it plugged in? (canvass doctor lists the ports)",
+        io::ErrorKind::ConnectionRefused => ": nobody listens there",
+        _ => "",
+    }
+}
+
+impl SlCan {
+    /// Opens the adapter at `place`: a serial port's path, `tcp://host:port`, or `listen://host:port` to wait for a
+    /// program that takes this end for the adapter.
+    ///
+    /// # Errors
+    /// [`SlCanError`], which says what to do.
+    pub fn open(place: &str, bit_rate: Option<u32>) -> Result<Self, SlCanError> {
+        let index = match bit_rate {
+            Some(rate) => Some(BIT_RATES.iter().position(|&known| known == rate).ok_or(SlCanError::BitRate(rate))?),
+            None => None,
+        };
+        let failed = |source| SlCanError::Open { name: place.to_owned(), source };
+        let shared = Arc::new(Shared {
+            name: place.to_owned(),
+            clock: SteadyClock::start(),
+            inbox: Inbox::new(),
+            writer: Mutex::default(),
+        });
+        let mut reader = Reader::new(Arc::clone(&shared), Place::parse(place).map_err(failed)?, index.map(|n| n as u8));
+        reader.connect(true)?;
+        let thread = std::thread::Builder::new().name(format!("receive {place}"));
+        let reader = thread.spawn(move || reader.run()).map_err(failed)?;
+        Ok(Self { shared, reader: Some(reader), bit_rate })
+    }
+}
+
+impl Shared {
+    /// Writes to the adapter; a connection that fails is given up.
+    fn write(&self, bytes: &[u8]) -> Result<(), SlCanError> {
+        let mut writer = self.writer.lock().unwrap_or_else(PoisonError::into_inner);
+        let written = writer.as_mut().map(|writer| writer.write_all(bytes).and_then(|()| writer.flush()));
+        match written {
+            Some(Ok(())) => Ok(()),
+            Some(Err(_)) => {
+                *writer = None;
+                Err(SlCanError::NotConnected { name: self.name.clone() })
+            }
+            None => Err(SlCanError::NotConnected { name: self.name.clone() }),
+        }
+    }
+}
+
+impl Bus for SlCan {
+    fn now(&self) -> Timestamp {
+        self.shared.clock.now()
+    }
+
+    fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+        // The protocol does not tell when a frame was on the bus: this is the earliest time.
+        let record = Record::new(self.now(), ChannelId(0), *frame).with_direction(Direction::Tx);
+        let mut line = Vec::with_capacity(32);
+        if frame.is_head() || write_frame(&record, &mut line).is_none() {
+            let reason = "expected a classical data or remote frame, or a CAN FD frame of up to 16 bytes";
+            return Err(BusError::Unsendable { frame: *frame, reason });
+        }
+        // Before it is written: the answer may be here before this thread goes on.
+        self.shared.inbox.deliver(&mut vec![record.clone()]);
+        if let Err(error) = self.shared.write(&line) {
+            self.shared.inbox.retract(&record);
+            return Err(error.into());
+        }
+        let took = self.now().since(record.timestamp);
+        self.shared.inbox.note(|health| health.transmit.add(took));
+        Ok(())
+    }
+
+    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
+        Ok(self.shared.inbox.take(&self.shared.clock, deadline, || false))
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.bit_rate
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+
+    fn health(&self) -> Health {
+        self.shared.inbox.health()
+    }
+
+    fn limit_backlog(&mut self, frames: usize) {
+        self.shared.inbox.limit(frames);
+    }
+}
+
+impl Drop for SlCan {
+    fn drop(&mut self) {
+        let mut line = Vec::new();
+        Command::Close.write(&mut line);
+        // An adapter that is gone need not be closed.
+        let _ = self.shared.write(&line);
+        self.shared.inbox.close();
+        if let Some(reader) = self.reader.take() {
+            // It panicked or not: nothing is left to do for it.
+            let _ = reader.join();
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::{CanId, Duration};
+    use std::net::TcpListener;
+
+    fn address() -> String {
+        // The port is free again once this listener is gone.
+        TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string()
+    }
+
+    fn frame(n: u32) -> Frame {
+        Frame::new(CanId::standard(n).unwrap(), &n.to_le_bytes()).unwrap()
+    }
+
+    fn received(bus: &mut SlCan) -> Vec<(u32, Direction)> {
+        let deadline = bus.now() + Duration::from_millis(500);
+        let mut all = Vec::new();
+        while let Some(record) = bus.receive(deadline).unwrap() {
+            all.push((record.frame.id().raw(), record.direction));
+            if all.len() == 2 {
+                break;
+            }
+        }
+        all
+    }
+
+    #[test]
+    fn two_ends_are_one_bus_and_survive_a_break() {
+        let address = address();
+        let mut adapter = SlCan::open(&format!("listen://{address}"), None).unwrap();
+        assert!(adapter.send(&frame(1)).is_err(), "nobody is connected");
+        for round in 0..2 {
+            let mut program = SlCan::open(&format!("tcp://{address}"), Some(250_000)).unwrap();
+            program.send(&frame(0x100)).unwrap();
+            assert_eq!(received(&mut adapter), [(0x100, Direction::Rx)], "round {round}");
+            adapter.send(&frame(0x200)).unwrap();
+            assert_eq!(received(&mut adapter), [(0x200, Direction::Tx)]);
+            assert_eq!(received(&mut program), [(0x100, Direction::Tx), (0x200, Direction::Rx)]);
+        }
+        let end = adapter.now() + Duration::from_secs(2);
+        while adapter.health().interruptions < 2 && adapter.now() < end {
+            adapter.receive(adapter.now() + Duration::from_millis(10)).unwrap();
+        }
+        assert_eq!(adapter.health().interruptions, 2, "{:?}", adapter.health());
+    }
+
+    #[test]
+    fn errors_name_the_remedy() {
+        let error = |place: &str, rate| SlCan::open(place, rate).err().unwrap().to_string();
+        assert!(error("/dev/no-such-port", Some(123_456)).contains("250k"));
+        assert!(error(&format!("tcp://{}", address()), None).contains("nobody listens"));
+        assert!(error("/dev/no-such-port", None).contains("/dev/no-such-port"));
+    }
+}

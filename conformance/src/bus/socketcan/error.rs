@@ -1,0 +1,137 @@
+//! Why SocketCAN does not work, and what to do about it.
+
+use super::link::Link;
+use canvass_traces::Duration;
+use std::io;
+
+/// Each says what to do.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum SocketCanError {
+    /// `EAFNOSUPPORT`.
+    #[error(
+        "no CAN in this kernel: {module} (as root); if there is no such module, a kernel with CONFIG_CAN is needed, or \
+         an adapter by slcan:PORT (canvass doctor says more)"
+    )]
+    NoCan {
+        /// The command that loads what is missing.
+        module: &'static str,
+    },
+    /// No network interface has that name.
+    #[error("there is no interface {interface}: {known}")]
+    NoInterface {
+        /// As it was given.
+        interface: String,
+        /// Which CAN interfaces there are, or how to make one.
+        known: String,
+    },
+    /// A network interface of another kind.
+    #[error("{interface} is no CAN interface: {known}")]
+    NotCan {
+        /// As it was given.
+        interface: String,
+        /// Which CAN interfaces there are, or how to make one.
+        known: String,
+    },
+    /// The interface is not up.
+    #[error("{interface} is down: {command}")]
+    Down {
+        /// Its name.
+        interface: String,
+        /// The command that brings it up.
+        command: String,
+    },
+    /// Not allowed.
+    #[error("no permission to {action} {interface}: run as root, or give the container the network of its host")]
+    Permission {
+        /// What was tried.
+        action: &'static str,
+        /// The interface.
+        interface: String,
+    },
+    /// Nothing leaves the transmit queue.
+    #[error("{interface} has sent nothing for {waited}: nobody acknowledges, or the bus is full ({state})")]
+    QueueFull {
+        /// The interface.
+        interface: String,
+        /// How long.
+        waited: Duration,
+        /// What the kernel says of the interface.
+        state: String,
+    },
+    /// Anything else.
+    #[error("can't {action} {interface}: {source}")]
+    Io {
+        /// What was tried.
+        action: &'static str,
+        /// The interface.
+        interface: String,
+        /// What the kernel reports.
+        source: io::Error,
+    },
+}
+
+impl SocketCanError {
+    /// What an error of a system call means.
+    pub(super) fn of(interface: &str, action: &'static str, source: io::Error) -> Self {
+        let interface = interface.to_owned();
+        match source.raw_os_error() {
+            Some(libc::EAFNOSUPPORT) => Self::NoCan { module: "modprobe can can-raw" },
+            Some(libc::EPROTONOSUPPORT) => Self::NoCan { module: "modprobe can-raw" },
+            Some(libc::EPERM | libc::EACCES) => Self::Permission { action, interface },
+            Some(libc::ENODEV | libc::ENXIO) => Self::NoInterface { interface, known: known() },
+            Some(libc::ENETDOWN) => Self::down(interface),
+            _ => Self::Io { action, interface, source },
+        }
+    }
+
+    fn down(interface: String) -> Self {
+        match Link::find(&interface) {
+            Ok(Some(link)) => Self::Down { command: link.up_command(&interface), interface },
+            _ => Self::NoInterface { interface, known: known() },
+        }
+    }
+
+    /// Checks that a link can be used.
+    pub(super) fn check(interface: &str, link: Option<Link>) -> Result<Link, Self> {
+        let interface = interface.to_owned();
+        match link {
+            None => Err(Self::NoInterface { interface, known: known() }),
+            Some(link) if !link.is_can => Err(Self::NotCan { interface, known: known() }),
+            Some(link) if !link.is_up => Err(Self::Down { command: link.up_command(&interface), interface }),
+            Some(link) => Ok(link),
+        }
+    }
+}
+
+fn known() -> String {
+    let names = Link::can_interfaces();
+    if names.is_empty() {
+        return "there is no CAN interface at all; a virtual one: ip link add dev vcan0 type vcan && ip link set vcan0 up"
+            .to_owned();
+    }
+    format!("the CAN interfaces are {}", names.join(", "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn of(code: i32) -> String {
+        SocketCanError::of("can0", "open", io::Error::from_raw_os_error(code)).to_string()
+    }
+
+    #[test]
+    fn every_error_names_its_remedy() {
+        assert!(of(libc::EAFNOSUPPORT).contains("modprobe can can-raw"), "{}", of(libc::EAFNOSUPPORT));
+        assert!(of(libc::EPROTONOSUPPORT).contains("modprobe can-raw"));
+        assert!(of(libc::EPERM).contains("root"));
+        let check = |link| SocketCanError::check("can0", Some(link)).unwrap_err().to_string();
+        let can = Link { is_can: true, kind: "can".to_owned(), ..Link::default() };
+        assert_eq!(check(can.clone()), "can0 is down: ip link set can0 up type can bitrate 250000");
+        assert_eq!(check(Link { bit_rate: Some(500_000), ..can }), "can0 is down: ip link set can0 up");
+        assert!(check(Link::default()).starts_with("can0 is no CAN interface: "));
+        let absent = SocketCanError::check("can7", None).unwrap_err().to_string();
+        assert!(absent.starts_with("there is no interface can7: "), "{absent}");
+    }
+}

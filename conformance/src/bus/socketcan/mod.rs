@@ -1,0 +1,191 @@
+//! SocketCAN: the CAN interfaces of Linux.
+//!
+//! A thread of its own receives, so that nothing that is done with the frames makes the kernel's queue overflow. The
+//! times are those of the controller where it has a clock, else those of the kernel.
+
+mod error;
+mod link;
+mod receiver;
+mod sys;
+
+pub use error::SocketCanError;
+pub use link::{ControllerState, Link};
+pub(super) use sys::wake_precisely;
+
+use super::clock::SteadyClock;
+use super::inbox::Inbox;
+use super::{Bus, BusError, Health};
+use canvass_traces::{ChannelId, Duration, Frame, Record, Timestamp, to_socket};
+use receiver::Receiver;
+use std::collections::VecDeque;
+use std::io;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::JoinHandle;
+use sys::{Filter, RawSocket};
+
+/// A CAN interface of Linux.
+pub struct SocketCan {
+    shared: Arc<Shared>,
+    receiver: Option<JoinHandle<()>>,
+    bit_rate: Option<u32>,
+}
+
+/// What the bus and its receiving thread have in common.
+struct Shared {
+    interface: String,
+    socket: RawSocket,
+    clock: SteadyClock,
+    inbox: Inbox,
+    /// When the frames were handed over that have not come back yet as sent.
+    sent: Mutex<VecDeque<Timestamp>>,
+    /// What the kernel lets pass. It forgets it when the interface is removed.
+    filters: Mutex<Vec<Filter>>,
+}
+
+/// The receive queue in the kernel: at about 1 KiB for each frame, a third of a second of a full bus at 1 Mbit/s.
+const RECEIVE_QUEUE: i32 = 8 << 20;
+
+/// How long a full transmit queue is waited for. The longest frame takes 16 ms at 10 kbit/s.
+const PATIENCE: Duration = Duration::from_millis(2_000);
+
+/// How many frames handed over may be unaccounted for, before their delays are given up.
+const UNACCOUNTED: usize = 4_096;
+
+impl SocketCan {
+    /// Opens the interface of that name.
+    ///
+    /// # Errors
+    /// [`SocketCanError`], which says what to do.
+    pub fn open(interface: &str) -> Result<Self, SocketCanError> {
+        let failed = |action| move |error| SocketCanError::of(interface, action, error);
+        let socket = RawSocket::new().map_err(failed("open"))?;
+        let link = SocketCanError::check(interface, Link::find(interface).map_err(failed("find"))?)?;
+        socket.enlarge_receive_queue(RECEIVE_QUEUE);
+        socket.ask_for_all().map_err(failed("configure a socket for"))?;
+        socket.bind(link.index).map_err(failed("open"))?;
+        let shared = Arc::new(Shared {
+            interface: interface.to_owned(),
+            socket,
+            clock: SteadyClock::start(),
+            inbox: Inbox::new(),
+            sent: Mutex::default(),
+            filters: Mutex::new(vec![Filter { id: 0, mask: 0 }]),
+        });
+        let receiver = Receiver::new(Arc::clone(&shared));
+        let thread = std::thread::Builder::new().name(format!("receive {interface}"));
+        let receiver = thread.spawn(move || receiver.run()).map_err(failed("receive from"))?;
+        Ok(Self { shared, receiver: Some(receiver), bit_rate: link.bit_rate })
+    }
+
+    /// Whether the kernel has what is needed, whichever interfaces there are.
+    ///
+    /// # Errors
+    /// [`SocketCanError`], which says what is missing.
+    pub fn support() -> Result<(), SocketCanError> {
+        RawSocket::new().map(|_| ()).map_err(|error| SocketCanError::of("a socket", "open", error))
+    }
+
+    /// Waits until the kernel has room for another frame.
+    fn wait_for_room(&self, error: &io::Error) -> io::Result<()> {
+        self.shared.inbox.note(|health| health.waits += 1);
+        if error.raw_os_error() == Some(libc::ENOBUFS) {
+            // The interface's queue is full, which poll() does not show. A frame of 8 bytes takes 0.1 ms at 1 Mbit/s.
+            std::thread::sleep(std::time::Duration::from_micros(200));
+            return Ok(());
+        }
+        self.shared.socket.wait_writable(std::time::Duration::from_millis(10)).map(|_| ())
+    }
+
+    fn queue_full(&self) -> SocketCanError {
+        let interface = self.shared.interface.clone();
+        let state = match Link::find(&interface) {
+            Ok(Some(link)) => link.to_string(),
+            _ => "its state is unknown".to_owned(),
+        };
+        SocketCanError::QueueFull { interface, waited: PATIENCE, state }
+    }
+
+    fn remember_sent(&self, at: Timestamp) {
+        let mut sent = self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner);
+        if sent.len() >= UNACCOUNTED {
+            sent.clear();
+        }
+        sent.push_back(at);
+    }
+
+    fn forget_last_sent(&self) {
+        self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner).pop_back();
+    }
+}
+
+impl Bus for SocketCan {
+    fn now(&self) -> Timestamp {
+        self.shared.clock.now()
+    }
+
+    fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+        if frame.is_error() || frame.is_xl() || frame.is_head() {
+            let reason = "expected a classical data or remote frame, or a CAN FD frame of up to 16 bytes";
+            return Err(BusError::Unsendable { frame: *frame, reason });
+        }
+        let mut packet = Vec::with_capacity(72);
+        to_socket(&Record::new(Timestamp::ZERO, ChannelId(0), *frame), &mut packet);
+        let started = self.now();
+        // Before the frame is handed over: its echo may be faster than this thread.
+        self.remember_sent(started);
+        loop {
+            let Err(error) = self.shared.socket.send(&packet) else { return Ok(()) };
+            let waits = matches!(error.raw_os_error(), Some(libc::ENOBUFS | libc::EAGAIN | libc::EINTR));
+            if waits && self.now().since(started) < PATIENCE && self.wait_for_room(&error).is_ok() {
+                continue;
+            }
+            self.forget_last_sent();
+            return Err(match waits {
+                true => self.queue_full(),
+                false => SocketCanError::of(&self.shared.interface, "send on", error),
+            }
+            .into());
+        }
+    }
+
+    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
+        let pending = || self.shared.socket.wait_readable(std::time::Duration::ZERO).unwrap_or(false);
+        Ok(self.shared.inbox.take(&self.shared.clock, deadline, pending))
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.bit_rate
+    }
+
+    fn is_live(&self) -> bool {
+        true
+    }
+
+    fn health(&self) -> Health {
+        self.shared.inbox.health()
+    }
+
+    fn limit_backlog(&mut self, frames: usize) {
+        self.shared.inbox.limit(frames);
+    }
+
+    fn only(&mut self, cob_ids: &[(u16, u16)]) -> Result<(), BusError> {
+        /// Identifier and mask of the kernel's filters: extended and remote frames are told by these bits.
+        const FORMAT: u32 = 0xC000_0000;
+        let filter = |&(id, mask): &(u16, u16)| Filter { id: u32::from(id), mask: u32::from(mask) | FORMAT };
+        let filters: Vec<Filter> = cob_ids.iter().map(filter).collect();
+        let set = self.shared.socket.set_filters(&filters);
+        *self.shared.filters.lock().unwrap_or_else(PoisonError::into_inner) = filters;
+        set.map_err(|error| SocketCanError::of(&self.shared.interface, "filter frames of", error).into())
+    }
+}
+
+impl Drop for SocketCan {
+    fn drop(&mut self) {
+        self.shared.inbox.close();
+        if let Some(receiver) = self.receiver.take() {
+            // It panicked or not: nothing is left to do for it.
+            let _ = receiver.join();
+        }
+    }
+}

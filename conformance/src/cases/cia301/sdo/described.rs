@@ -1,0 +1,134 @@
+//! Access rights, lengths and limits of every object that the device's description names (CiA 301, 7.2.4.3.17).
+//!
+//! Requests are sent that must be refused. Objects whose acceptance could do harm stay out: node-ID and bit rate, and
+//! what the manufacturer keeps in 2000h to 5FFFh.
+
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::{Access, Entry, Value};
+use canvass_analyzer::wire::sdo::AbortCode;
+
+/// An object and what the description says of it.
+type Described = (Multiplexer, Entry);
+
+fn described(bench: &Bench<'_>, wanted: impl Fn(Multiplexer, &Entry) -> bool) -> Result<Vec<Described>, Verdict> {
+    let Some(description) = &bench.target().description else { return Err(nothing("a description", "none")) };
+    let entries = description.dictionary.entries();
+    let found: Vec<Described> =
+        entries.filter(|(at, entry)| wanted(*at, entry)).map(|(at, entry)| (at, entry.clone())).collect();
+    if found.is_empty() { Err(nothing("at least one", "no such object is described")) } else { Ok(found) }
+}
+
+fn nothing(expected: &str, actual: &str) -> Verdict {
+    Verdict::NotApplicable(Reason::new("the description names objects to try", expected, actual))
+}
+
+/// Communication and profile objects that hold a configuration, and nothing that acts when it is written.
+fn is_harmless(at: Multiplexer) -> bool {
+    matches!(at.index.0, 0x1005..=0x1007 | 0x100C | 0x100D | 0x1012..=0x1029 | 0x1400..=0x1BFF | 0x6000..=0x9FFF)
+}
+
+fn is_plain(entry: &Entry) -> bool {
+    !entry.flags.refuses_write_on_download() && entry.access.is_writable() && entry.access.is_readable()
+}
+
+/// Every object that the description calls constant or read-only refuses to be written with abort 0601 0002h.
+#[case(id = "301/sdo/download/every-read-only", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       needs = [Description], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode, HeartbeatConsumerNotStopped], cct = "4.3")]
+fn every_read_only(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    let objects = described(bench, |_, entry| {
+        !entry.access.is_writable() && entry.data_type.bytes().is_some_and(|bytes| (1..=4).contains(&bytes))
+    })?;
+    for (multiplexer, entry) in objects {
+        let attempt = bench.download(multiplexer, &vec![0; entry.data_type.bytes().unwrap_or(1)])?;
+        let tolerated = [AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::READ_ONLY], &tolerated)?);
+    }
+    Ok(verdict)
+}
+
+/// Every object that the description calls write-only refuses to be read with abort 0601 0001h.
+#[case(id = "301/sdo/upload/write-only", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       needs = [Description], catches = [SdoWriteOnlyWrongCode], cct = "4.4")]
+fn write_only(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    for (multiplexer, _) in described(bench, |_, entry| entry.access == Access::Wo)? {
+        let attempt = bench.upload(multiplexer)?;
+        let tolerated = [AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::WRITE_ONLY], &tolerated)?);
+    }
+    Ok(verdict)
+}
+
+/// Every writable object refuses values of more bytes than its data type has with abort 0607 0012h.
+#[case(id = "301/sdo/download/every-too-long", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       needs = [Description], catches = [SdoLengthUnchecked, SdoLengthWrongCode], cct = "2.8")]
+fn every_too_long(bench: &mut Bench<'_>) -> Judged {
+    every_length(bench, 1..=2, |length| length + 1, AbortCode::LENGTH_TOO_HIGH)
+}
+
+/// Every writable object refuses values of fewer bytes than its data type has with abort 0607 0013h.
+#[case(id = "301/sdo/download/every-too-short", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       needs = [Description], catches = [SdoShortLengthUnchecked, SdoLengthWrongCode, DummyRefused, HeartbeatConsumerNotStopped, SyncNotStopped], cct = "2.9")]
+fn every_too_short(bench: &mut Bench<'_>) -> Judged {
+    every_length(bench, 2..=4, |length| length - 1, AbortCode::LENGTH_TOO_LOW)
+}
+
+fn every_length(
+    bench: &mut Bench<'_>,
+    lengths: std::ops::RangeInclusive<usize>,
+    wrong: fn(usize) -> usize,
+    code: AbortCode,
+) -> Judged {
+    let mut verdict = Verdict::Pass;
+    let objects = described(bench, |at, entry| {
+        is_harmless(at) && is_plain(entry) && entry.data_type.bytes().is_some_and(|bytes| lengths.contains(&bytes))
+    })?;
+    for (multiplexer, entry) in objects {
+        let length = wrong(entry.data_type.bytes().unwrap_or(1));
+        let attempt = bench.download(multiplexer, &vec![0; length])?;
+        // A mapping that is in use may refuse every write because of that.
+        let in_use = matches!(multiplexer.index.0, 0x1400..=0x1BFF)
+            && matches!(attempt.abort(), Some(AbortCode::UNSUPPORTED_ACCESS | AbortCode::DEVICE_STATE));
+        if !in_use {
+            verdict = verdict.and(attempt.expect_abort(&[code], &[AbortCode::LENGTH, AbortCode::GENERAL])?);
+        }
+    }
+    Ok(verdict)
+}
+
+/// The value just below a low limit.
+fn below(bench: &Bench<'_>, entry: &Entry) -> Option<Vec<u8>> {
+    let length = entry.data_type.bytes().filter(|&length| length <= 4)?;
+    let limit = entry.low_limit.as_ref()?.resolve(entry.data_type, bench.node()).as_number()?;
+    let value = match limit.checked_sub(1)? {
+        below @ 0.. => Value::Unsigned(u64::try_from(below).ok()?),
+        below => Value::Integer(i64::try_from(below).ok()?),
+    };
+    value.encode(entry.data_type).ok().filter(|bytes| bytes.len() == length)
+}
+
+/// A value below the low limit that the description gives is refused with abort 0609 0032h, and the object keeps its
+/// value.
+#[case(id = "301/sdo/download/below-range", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       needs = [Description], catches = [SdoRangeUnchecked, SdoRangeWrongCode], cct = "2.11")]
+fn below_range(bench: &mut Bench<'_>) -> Judged {
+    let objects = described(bench, |at, entry| is_harmless(at) && is_plain(entry) && entry.low_limit.is_some())?;
+    let tried: Vec<(Multiplexer, Vec<u8>)> =
+        objects.iter().filter_map(|(at, entry)| Some((*at, below(bench, entry)?))).collect();
+    if tried.is_empty() {
+        return Err(nothing("a low limit above the lowest value of its type", "none"));
+    }
+    let mut verdict = Verdict::Pass;
+    for (multiplexer, value) in tried {
+        let before = bench.read(multiplexer)?;
+        let attempt = bench.download(multiplexer, &value)?;
+        let tolerated = [AbortCode::INVALID_VALUE, AbortCode::GENERAL];
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::VALUE_TOO_LOW], &tolerated)?);
+        bench.expect_unchanged(multiplexer, &before)?;
+    }
+    Ok(verdict)
+}

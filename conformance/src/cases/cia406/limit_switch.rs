@@ -1,0 +1,76 @@
+//! Limit switches: objects of the manufacturer that bits 12 and 13 of 6000h switch on and of 6500h show. Only devices
+//! whose description names them so are judged.
+
+use super::position::{OPERATING_PARAMETERS, OPERATING_STATUS, POSITION, operate, position_at_rest};
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+
+const LIMIT_MIN: Multiplexer = Multiplexer::new(0x2104, 0);
+const LIMIT_MAX: Multiplexer = Multiplexer::new(0x2105, 0);
+const BELOW: u32 = 1 << 12;
+const ABOVE: u32 = 1 << 13;
+/// So far from the position that its last bits don't matter.
+const MARGIN: u32 = 100;
+
+fn needs_limit_switches(bench: &Bench<'_>) -> Result<(), Verdict> {
+    let described = |multiplexer| {
+        let dictionary = bench.target().description.as_ref().map(|description| &description.dictionary);
+        let entry = dictionary.and_then(|dictionary| dictionary.entry(multiplexer).ok());
+        entry.is_some_and(|entry| entry.name.to_ascii_lowercase().contains("limit switch"))
+    };
+    if described(LIMIT_MIN) && described(LIMIT_MAX) {
+        return Ok(());
+    }
+    let reason =
+        Reason::new("the device has limit switches", "2104h and 2105h described as such", "other objects or none");
+    Err(Verdict::NotApplicable(reason))
+}
+
+/// The bits of 6500h with those limits.
+fn status(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<u32, Verdict> {
+    bench.write(LIMIT_MIN, &low.to_le_bytes())?;
+    bench.write(LIMIT_MAX, &high.to_le_bytes())?;
+    Ok(bench.read_number(OPERATING_STATUS)? & (BELOW | ABOVE))
+}
+
+fn expect(found: u32, expected: u32, when: &str) -> Judged {
+    demand(found == expected, || {
+        Reason::new(format!("{OPERATING_STATUS} {when}"), format!("{expected:04X}h"), format!("{found:04X}h"))
+    })
+}
+
+/// Bit 12 of 6500h is set below limit switch min, bit 13 above limit switch max, each only where 6000h switches it on.
+#[case(id = "406/limit-switch/bits", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = [Encoder, Description], catches = [LimitSwitchesSwapped])]
+fn bits(bench: &mut Bench<'_>) -> Judged {
+    needs_limit_switches(bench)?;
+    let position = position_at_rest(bench)?;
+    let (Some(less), Some(more)) = (position.checked_sub(MARGIN), position.checked_add(MARGIN)) else {
+        let reason = Reason::new("there is room beside the position", format!("{MARGIN} units"), format!("{position}"));
+        return Err(Verdict::Inconclusive(reason));
+    };
+    operate(bench, 0, BELOW | ABOVE)?;
+    expect(status(bench, more, less)?, 0, "with both limit switches off")?;
+    operate(bench, BELOW | ABOVE, 0)?;
+    expect(status(bench, less, more)?, 0, "between the limits")?;
+    expect(status(bench, more, more)?, BELOW, "below limit switch min")?;
+    expect(status(bench, less, less)?, ABOVE, "above limit switch max")?;
+    bench.read(OPERATING_PARAMETERS)?;
+    Ok(Verdict::Pass)
+}
+
+/// On the limit itself a limit switch does not act.
+#[case(id = "406/limit-switch/limit", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = [Encoder, Description], catches = [LimitSwitchInclusive])]
+fn limit(bench: &mut Bench<'_>) -> Judged {
+    needs_limit_switches(bench)?;
+    let position = position_at_rest(bench)?;
+    operate(bench, BELOW | ABOVE, 0)?;
+    let found = status(bench, position, position)?;
+    let after = bench.read_number(POSITION)?;
+    demand(after == position, || Reason::new("the position stands still", format!("{position}"), format!("{after}")))
+        .map_err(Verdict::as_inconclusive)?;
+    expect(found, 0, "on both limits")
+}

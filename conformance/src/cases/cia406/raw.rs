@@ -1,0 +1,63 @@
+//! The raw position: 600Ch of the profile, and 2160h of Kübler's Sendix encoders with its inverse and checksum.
+
+use super::position::position_at_rest;
+use super::preset::{range_now, with_preset};
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::crc16;
+
+const RAW_POSITION: Multiplexer = Multiplexer::new(0x600C, 0);
+const RAW_DATA: Multiplexer = Multiplexer::new(0x2160, 0);
+const INVERSE: Multiplexer = Multiplexer::new(0x2161, 0);
+const CHECKSUM: Multiplexer = Multiplexer::new(0x2162, 0);
+/// The checksum begins with it.
+const START: u16 = 0x1021;
+
+/// The raw position 600Ch comes from the sensor: a preset does not change it.
+#[case(id = "406/raw-position/preset", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, RawPosition, VolatilePreset], catches = [RawPositionFollowsPreset])]
+fn preset(bench: &mut Bench<'_>) -> Judged {
+    let range = range_now(bench)?;
+    let wanted = position_at_rest(bench)?.wrapping_add(range / 3) % range;
+    let raw = bench.read_number(RAW_POSITION)?;
+    with_preset(bench, wanted, |bench, _| {
+        let after = bench.read_number(RAW_POSITION)?;
+        demand(after.abs_diff(raw) <= 64, || {
+            Reason::new("600Ch does not follow a preset", format!("{raw}"), format!("{after}"))
+        })
+    })
+}
+
+/// 2161h is the inverse of the raw position 2160h, as the manufacturer's manual says: all bits are turned.
+#[case(id = "406/raw-position/inverse", clause = "CiA 406", confidence = Unknown, level = May,
+       needs = [Encoder, RawData], catches = [RawInverseWrong])]
+fn inverse(bench: &mut Bench<'_>) -> Judged {
+    let (raw, inverse) = (bench.read_number(RAW_DATA)?, bench.read_number(INVERSE)?);
+    demand((!inverse).abs_diff(raw) <= 64, || {
+        Reason::new("2161h is the inverse of 2160h", format!("{:08X}h", !raw), format!("{inverse:08X}h"))
+    })
+}
+
+/// 2162h is the CRC-16 (polynomial 1021h, start 1021h) of the raw position 2160h, as the manufacturer's manual says.
+#[case(id = "406/raw-position/checksum", clause = "CiA 406", confidence = Unknown, level = May,
+       needs = [Encoder, RawData], catches = [RawCrcStartWrong])]
+fn checksum(bench: &mut Bench<'_>) -> Judged {
+    let mut last = (0, 0);
+    for _ in 0..5 {
+        let before = bench.read_number(RAW_DATA)?;
+        let checksum = bench.read_number(CHECKSUM)?;
+        // A trembling position would make the comparison unfair.
+        if bench.read_number(RAW_DATA)? != before {
+            continue;
+        }
+        let expected = u32::from(crc16(START, &before.to_le_bytes()));
+        last = (expected, checksum);
+        if expected == checksum {
+            return Ok(Verdict::Pass);
+        }
+    }
+    let (expected, found) = last;
+    demand(false, || Reason::new("2162h is the CRC of 2160h", format!("{expected:04X}h"), format!("{found:04X}h")))
+}

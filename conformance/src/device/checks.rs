@@ -1,0 +1,150 @@
+//! Which numbers an object takes: limits, the rules of its service, and those of the model's sheet.
+
+use super::emcy::{check_cob_id, check_peer_cob_id};
+use super::lss_slave::UNCONFIGURED;
+use super::objects::Objects;
+use super::store::StoreCommand;
+use super::{clock, heartbeat_consumer, pdo, sync};
+use crate::Fault;
+use crate::models::Rule;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{CobId, Multiplexer};
+use std::cmp::Ordering;
+
+/// Bit 2 of 6000h.
+const SCALING: u64 = 1 << 2;
+
+impl Objects {
+    /// Whether the object takes that number now.
+    ///
+    /// # Errors
+    /// The abort code of this model if it does not.
+    pub(super) fn check(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
+        if let Some(command) = StoreCommand::of(at, &self.model.sheet().storage) {
+            return self.check_signature(command, value);
+        }
+        // The number of mapped objects has abort codes of its own.
+        if let 0x1600..0x1800 | 0x1A00..0x1C00 = at.index.0 {
+            return pdo::check_mapping(at, value, self);
+        }
+        if self.encoder.as_ref().is_some_and(|encoder| encoder.wedges(at, value)) {
+            return Ok(());
+        }
+        self.check_bus_object(at, value)?;
+        let reserved = at.index.0 == 0x1029 && self.faults.has(Fault::ErrorBehaviourUnchecked);
+        if !self.faults.has(Fault::SdoRangeUnchecked) && !reserved && !self.is_checked_later(at) {
+            self.parameters.entry(at)?.check_range(value)?;
+        }
+        self.check_communication(at, value)?;
+        self.check_application(at, value)
+    }
+
+    fn check_signature(&self, command: StoreCommand, value: u64) -> Result<(), AbortCode> {
+        let unchecked = match command {
+            StoreCommand::Save(_) => Fault::StoreSignatureUnchecked,
+            StoreCommand::Restore(_) => Fault::RestoreSignatureUnchecked,
+        };
+        let both = self.faults.has(Fault::StoreSignatureUnchecked);
+        if both || self.faults.has(unchecked) { Ok(()) } else { command.check(value, &self.model.sheet().storage) }
+    }
+
+    /// Node-ID and bit rate: one that exists, or "not configured" where the device is delivered so.
+    fn check_bus_object(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
+        let sheet = self.model.sheet();
+        let of_device = sheet.network.default_node_id.is_none() && value == u64::from(UNCONFIGURED);
+        let exists = match Some(at) {
+            object if object == sheet.network.node_id_object => !(128..=255).contains(&value),
+            object if object == sheet.network.bit_rate_object => {
+                value > 8 || sheet.bit_rates.iter().any(|rate| rate.object_code.map(u64::from) == Some(value))
+            }
+            _ => true,
+        };
+        if exists || of_device || self.faults.has(Fault::SdoRangeUnchecked) {
+            Ok(())
+        } else {
+            Err(AbortCode::INVALID_VALUE)
+        }
+    }
+
+    /// 1000h to 1FFFh.
+    fn check_communication(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
+        let (parameters, faults, network) = (&self.parameters, self.faults, &self.model.sheet().network);
+        let old = || CobId(parameters.number_or_zero(at.index.0, at.sub.0) as u32);
+        match (at.index.0, at.sub.0) {
+            (0x1003, _) if value != 0 && !faults.has(Fault::ErrorHistoryNonZeroAccepted) => {
+                Err(AbortCode::INVALID_VALUE)
+            }
+            (0x1005, _) => sync::check_cob_id(value, parameters, network, faults),
+            (0x1006, _) => sync::check_period(value, network),
+            (0x1012, _) => clock::check(value, parameters, network, faults),
+            (0x1014, _) => check_cob_id(value, parameters, faults),
+            (0x1016, 1..) => {
+                let code = self.model.sheet().abort(Rule::OneConsumerPerNode, at);
+                heartbeat_consumer::check(at, value, parameters, faults).map_err(|_| code)
+            }
+            (0x1019, _) => sync::check_overflow(value, parameters, faults),
+            (0x1028, 1..) => check_peer_cob_id(value, old(), faults, Fault::EmcyIdChangeWhileValid),
+            (0x1029, 1..) if value > 2 && !faults.has(Fault::ErrorBehaviourUnchecked) => Err(AbortCode::INVALID_VALUE),
+            (0x1200..0x1280, 1 | 2) => check_peer_cob_id(value, old(), faults, Fault::SdoChannelIdChangeWhileValid),
+            (0x1400..0x1600 | 0x1800..0x1A00, _) => pdo::check_communication(at, value, self),
+            _ => Ok(()),
+        }
+    }
+
+    /// What the encoder and the sheet refuse.
+    fn check_application(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
+        let sheet = self.model.sheet();
+        self.compare(at, value)?;
+        let Some(encoder) = &self.encoder else { return Ok(()) };
+        let quirks = &sheet.quirks;
+        match at.index.0 {
+            0x6003 => {
+                let code = sheet.abort(Rule::InsideActiveRange, at);
+                encoder.check(at, value, &self.parameters).map_err(|_| code)
+            }
+            0x6000.. if self.is_checked_later(at) => self.check_scaling_bit(),
+            0x6001 | 0x6002 if quirks.scaling_bit_guards => self.check_scaling_bit(),
+            0x6001 | 0x6002 => {
+                let code = sheet.abort(Rule::UnitsAtMostRange, at);
+                encoder.check(at, value, &self.parameters).map_err(|_| code)
+            }
+            0x6000.. => encoder.check(at, value, &self.parameters),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether the limits of the object are checked when it is stored.
+    fn is_checked_later(&self, at: Multiplexer) -> bool {
+        let quirks = &self.model.sheet().quirks;
+        quirks.limits_checked_at_store && quirks.acts_when_stored.contains(&at)
+    }
+
+    fn check_scaling_bit(&self) -> Result<(), AbortCode> {
+        let guarded = self.model.sheet().quirks.scaling_bit_guards;
+        let is_on = self.parameters.number_or_zero(0x6000, 0) & SCALING != 0;
+        if is_on || !guarded { Ok(()) } else { Err(AbortCode::UNSUPPORTED_ACCESS) }
+    }
+
+    /// A faulty firmware takes a work area whose low limit is above its high limit.
+    fn is_swap_accepted(&self, at: Multiplexer) -> bool {
+        matches!(at.index.0, 0x6401 | 0x6402) && self.faults.has(Fault::WorkAreaLimitsSwappedAccepted)
+    }
+
+    /// Objects that are limits of each other.
+    fn compare(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
+        let entry = self.parameters.entry(at)?;
+        for check in self.model.sheet().checks.iter().filter(|check| check.at.contains(at)) {
+            let other = check.of.and_then(|of| self.parameters.number(of.index.0, of.sub.0));
+            let ordering = other.and_then(|other| entry.compare(value, other));
+            match (check.rule, ordering) {
+                (Rule::AtMost, Some(Ordering::Greater)) | (Rule::AtLeast, Some(Ordering::Less))
+                    if !self.is_swap_accepted(at) =>
+                {
+                    return Err(check.abort);
+                }
+                _ => {}
+            }
+        }
+        Ok(())
+    }
+}

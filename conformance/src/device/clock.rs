@@ -1,0 +1,146 @@
+//! TIME, consumed and produced (1012h), the clock that it sets, and the high resolution time stamp (1013h).
+
+use super::parameters::Parameters;
+use crate::models::Network;
+use crate::{Fault, Faults};
+use canvass_analyzer::CobId;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::wire::time::TimeOfDay;
+use canvass_traces::{Duration, Timestamp};
+
+/// The device's clock: at power-on it shows the beginning of 1984.
+#[derive(Clone, Debug)]
+pub(super) struct Clock {
+    /// Milliseconds since 1984-01-01 at `set`.
+    base: u64,
+    set: Timestamp,
+    /// What was written to 1013h, and when.
+    stamp: (u32, Timestamp),
+    cob_id: CobId,
+    consumes: bool,
+    /// Zero: TIME is not sent.
+    period: Duration,
+    due: Timestamp,
+    faults: Faults,
+}
+
+/// 1012h bit 31.
+const CONSUMES: u32 = 1 << 31;
+/// 1012h bit 30.
+const PRODUCES: u32 = 1 << 30;
+
+impl Clock {
+    /// At power-on.
+    pub const fn new(now: Timestamp, faults: Faults) -> Self {
+        Self {
+            base: 0,
+            set: now,
+            stamp: (0, now),
+            cob_id: CobId(0),
+            consumes: false,
+            period: Duration::ZERO,
+            due: Timestamp::MAX,
+            faults,
+        }
+    }
+
+    /// Takes 1012h over.
+    pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, network: &Network, may_send: bool) {
+        self.cob_id = CobId(parameters.number_or_zero(0x1012, 0) as u32);
+        self.consumes = network.time_consumer && self.cob_id.0 & CONSUMES != 0;
+        let period = network.time_period_ms.filter(|_| self.cob_id.0 & PRODUCES != 0).unwrap_or(0);
+        self.period = Duration::from_millis(period);
+        self.restart(now, may_send);
+    }
+
+    /// Begins to send anew, or stops.
+    pub fn restart(&mut self, now: Timestamp, may_send: bool) {
+        let sends = may_send && self.period > Duration::ZERO;
+        self.due = if sends { now + self.period } else { Timestamp::MAX };
+    }
+
+    /// The CAN-ID on which TIME is awaited, if it is.
+    pub fn can_id(&self) -> Option<u16> {
+        self.consumes.then_some(self.cob_id.can_id() as u16)
+    }
+
+    /// The CAN-ID that a produced TIME has.
+    pub const fn own_can_id(&self) -> u16 {
+        self.cob_id.can_id() as u16
+    }
+
+    /// TIME came.
+    pub fn set(&mut self, now: Timestamp, time: TimeOfDay) {
+        if !self.faults.has(Fault::TimeIgnored) {
+            self.base = u64::from(time.days) * u64::from(TimeOfDay::DAY) + u64::from(time.milliseconds());
+            self.set = now;
+        }
+    }
+
+    /// 1013h was written.
+    pub const fn stamp(&mut self, now: Timestamp, micros: u32) {
+        self.stamp = (micros, now);
+    }
+
+    /// 1013h: microseconds, from 0 again after 2^32.
+    pub const fn micros(&self, now: Timestamp) -> u32 {
+        let (written, at) = self.stamp;
+        written.wrapping_add((now.since(at).nanos() / 1_000) as u32)
+    }
+
+    /// The time of day.
+    pub fn time(&self, now: Timestamp) -> TimeOfDay {
+        let millis = self.base + now.since(self.set).nanos() / 1_000_000;
+        let day = u64::from(TimeOfDay::DAY);
+        TimeOfDay { raw_milliseconds: (millis % day) as u32, days: (millis / day) as u16 }
+    }
+
+    /// When [`Clock::poll`] wants to be called.
+    pub const fn timeout(&self) -> Timestamp {
+        self.due
+    }
+
+    /// The TIME to send, if it is time for one.
+    pub fn poll(&mut self, now: Timestamp) -> Option<TimeOfDay> {
+        if now < self.due {
+            return None;
+        }
+        self.due += self.period;
+        let mut time = self.time(now);
+        if self.faults.has(Fault::TimeReservedBitsSet) {
+            time.raw_milliseconds |= 0xF000_0000;
+        }
+        Some(time)
+    }
+}
+
+/// The conditions of a write to 1012h: 11 bits, not restricted, only what the device can, and another CAN-ID not while
+/// TIME is consumed or produced.
+///
+/// # Errors
+/// "Invalid value" otherwise.
+pub(super) fn check(value: u64, parameters: &Parameters, network: &Network, faults: Faults) -> Result<(), AbortCode> {
+    let (old, new) = (CobId(parameters.number_or_zero(0x1012, 0) as u32), CobId(value as u32));
+    let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
+    let impossible = new.0 & PRODUCES != 0 && network.time_period_ms.is_none();
+    let restricted = new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
+    let in_use = |cob_id: CobId| cob_id.0 & (CONSUMES | PRODUCES) != 0;
+    let moved =
+        in_use(old) && in_use(new) && new.can_id() != old.can_id() && !faults.has(Fault::TimeIdChangeWhileValid);
+    if reserved || impossible || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_clock_goes_on_over_midnight() {
+        let mut clock = Clock::new(Timestamp::ZERO, Faults::NONE);
+        let eve = TimeOfDay { raw_milliseconds: TimeOfDay::DAY - 1, days: 100 };
+        clock.set(Timestamp(5_000_000_000), eve);
+        assert_eq!(clock.time(Timestamp(5_002_000_000)), TimeOfDay { raw_milliseconds: 1, days: 101 });
+        clock.stamp(Timestamp(1_000), u32::MAX);
+        assert_eq!(clock.micros(Timestamp(3_000)), 1);
+    }
+}

@@ -1,0 +1,93 @@
+//! What the encoder says about itself: operating status (6500h), resolutions (6501h, 6502h), alarms (6503h, 6504h),
+//! warnings (6505h, 6506h), versions (6507h), operating time (6508h), serial number (650Bh).
+
+use super::Encoder;
+use crate::Fault;
+use crate::device::parameters::Parameters;
+use crate::device::reactions::TEMPERATURE;
+use canvass_analyzer::Multiplexer;
+use canvass_traces::Timestamp;
+
+/// 6503h bit 0.
+const POSITION_ERROR: u64 = 1 << 0;
+/// 6505h bit 0.
+const OVERSPEED: u64 = 1 << 0;
+/// 6505h bit 14.
+const TEMPERATURE_ERROR: u64 = 1 << 14;
+/// A bit of 6503h and 6505h that no Sendix supports.
+const UNSUPPORTED: u64 = 1 << 3;
+/// A tenth of an hour.
+const OPERATING_TIME_UNIT: u64 = 360_000_000_000;
+
+impl Encoder {
+    pub(super) fn diagnosis_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
+        let has = |fault| self.faults.has(fault);
+        match (at.index.0, at.sub.0) {
+            (0x6500, 0) if has(Fault::OperatingStatusStuck) => None,
+            (0x6500, 0) => parameters.number(0x6000, 0),
+            (0x6501, 0) if has(Fault::SingleTurnResolutionFollowsScaling) => parameters.number(0x6001, 0),
+            (0x6503, 0) => Some(self.alarms()),
+            (0x6505, 0) => Some(self.warnings(now, parameters)),
+            (0x6508, 0) => Some(self.operating_time(now)),
+            _ => None,
+        }
+    }
+
+    /// In tenths of an hour.
+    fn operating_time(&self, now: Timestamp) -> u64 {
+        let seconds = now.nanos() / 1_000_000_000;
+        match () {
+            () if self.faults.has(Fault::OperatingTimeBackwards) => 1_000_000_u64.saturating_sub(seconds),
+            () if self.faults.has(Fault::OperatingTimeInSeconds) => seconds,
+            () => now.nanos() / OPERATING_TIME_UNIT,
+        }
+    }
+
+    /// 6503h.
+    fn alarms(&self) -> u64 {
+        let mut alarms = 0;
+        if self.faults.has(Fault::AlarmWithoutEmcy) {
+            alarms |= POSITION_ERROR;
+        }
+        if self.faults.has(Fault::UnsupportedAlarmSet) || self.faults.has(Fault::ReservedAlarmBitSet) {
+            alarms |= UNSUPPORTED;
+        }
+        alarms
+    }
+
+    /// 6505h, as far as 6506h says that it is supported.
+    fn warnings(&self, now: Timestamp, parameters: &Parameters) -> u64 {
+        let mut warnings = 0;
+        if self.is_too_fast(now) {
+            warnings |= OVERSPEED;
+        }
+        if self.faults.has(Fault::WarningNotCleared) || self.is_too_hot(parameters) {
+            warnings |= TEMPERATURE_ERROR;
+        }
+        if self.faults.has(Fault::WarningNotSet) {
+            warnings = 0;
+        }
+        warnings &= parameters.number_or_zero(0x6506, 0);
+        if self.faults.has(Fault::UnsupportedWarningSet) {
+            warnings |= UNSUPPORTED;
+        }
+        warnings
+    }
+
+    /// Whether the temperature is outside the limits of 2120h.
+    fn is_too_hot(&self, parameters: &Parameters) -> bool {
+        let limit = |sub| parameters.number(0x2120, sub);
+        let (Some(low), Some(high)) = (limit(2), limit(3)) else { return false };
+        !(low..=high).contains(&u64::from(TEMPERATURE))
+    }
+
+    /// Whether 6505h bit 0 is set, which an EMCY reports.
+    pub fn is_overspeed(&self, now: Timestamp, parameters: &Parameters) -> bool {
+        self.is_too_fast(now) && parameters.number_or_zero(0x6506, 0) & OVERSPEED != 0
+    }
+
+    /// Whether a position error is reported by an EMCY.
+    pub fn has_position_error(&self) -> bool {
+        self.faults.has(Fault::EmcyWithoutAlarm)
+    }
+}

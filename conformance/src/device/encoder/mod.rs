@@ -1,0 +1,119 @@
+//! The application of an encoder (CiA 406), one file for each family of its objects.
+//!
+//! ```text
+//! shaft --> raw (2160h, 600Bh, 600Ch)
+//!       --> position (6000h to 6004h, 6509h) --> work area (6400h)
+//!       --> speed (6030h) --> acceleration (6040h) --> jerk (6050h)
+//! wire, tilt --> draw_wire (6020h, 5000h)
+//! ```
+
+mod diagnosis;
+mod draw_wire;
+mod operating;
+mod planted;
+mod position;
+mod raw;
+mod speed;
+mod work_area;
+
+pub(super) use planted::plant;
+
+use super::motion::Motion;
+use super::parameters::Parameters;
+use crate::models::{self, EncoderKind, Model};
+use crate::{Fault, Faults};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_traces::Timestamp;
+
+/// An encoder.
+#[derive(Clone, Debug)]
+pub(super) struct Encoder {
+    sheet: models::Encoder,
+    motion: Motion,
+    /// What the preset adds to the position (6509h); of an inclinometer its zero point, in hundredths of a degree.
+    offset: i64,
+    /// When 6003h was written last.
+    preset_at: Option<Timestamp>,
+    faults: Faults,
+}
+
+impl Encoder {
+    /// The encoder of that model, if it is one.
+    pub fn new(model: &Model, motion: Motion, faults: Faults) -> Option<Self> {
+        let sheet = model.sheet().encoder?;
+        Some(Self { sheet, motion, offset: 0, preset_at: None, faults })
+    }
+
+    /// How the shaft moves from now on.
+    pub fn set_motion(&mut self, motion: Motion) {
+        self.motion = motion;
+    }
+
+    /// How the shaft moves.
+    pub fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// What is to be stored beside the parameters.
+    pub fn offset(&self) -> i64 {
+        if self.faults.has(Fault::PresetLostAfterSave) { 0 } else { self.offset }
+    }
+
+    /// Takes a stored offset over.
+    pub fn set_offset(&mut self, offset: i64) {
+        if !self.faults.has(Fault::PresetPersists) {
+            self.offset = offset;
+        }
+    }
+
+    /// The live value of an object, `None` if it is not one of the measurement.
+    pub fn value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
+        if self.sheet.kind == EncoderKind::DrawWire {
+            return self.wire_value(now, at, parameters);
+        }
+        match at.index.0 {
+            0x2160..=0x2162 | 0x600B | 0x600C => self.raw_value(now, at),
+            0x6004 | 0x6509 => self.position_value(now, at, parameters),
+            0x6030..=0x605F => self.speed_value(now, at, parameters),
+            0x6400 => self.work_area(now, at.sub.0, parameters),
+            0x6500..=0x650B => self.diagnosis_value(now, at, parameters),
+            _ => None,
+        }
+    }
+
+    /// What a PDO carries instead of [`Encoder::value`], if anything: `again` where the PDO had the object before.
+    pub fn process_value(&self, now: Timestamp, at: Multiplexer, again: bool, parameters: &Parameters) -> Option<u64> {
+        if again && self.sheet.kind == EncoderKind::DrawWire {
+            return self.redundant_value(now, at, parameters);
+        }
+        let without_preset = at.index.0 == 0x6004 && self.faults.has(Fault::TpdoPositionWithoutPreset);
+        without_preset.then(|| self.position_without_preset(now, parameters))
+    }
+
+    /// The conditions of a write beyond the limits of the device description.
+    ///
+    /// # Errors
+    /// The abort code for a value that does not go with the others.
+    pub fn check(&self, at: Multiplexer, value: u64, parameters: &Parameters) -> Result<(), AbortCode> {
+        match at.index.0 {
+            0x6000..=0x6002 => self.check_operating(at, value, parameters),
+            0x6003 => self.check_preset(value, parameters),
+            _ => Ok(()),
+        }
+    }
+
+    /// What a written object does beside having its new value.
+    pub fn on_written(&mut self, now: Timestamp, at: Multiplexer, value: u64, parameters: &Parameters) {
+        match (at.index.0, at.sub.0) {
+            (0x6003, 0) => self.preset(now, value, parameters),
+            (0x3010, 0) if self.sheet.kind == EncoderKind::DrawWire => self.set_zero_point(value),
+            _ => {}
+        }
+    }
+
+    /// Whether writing the object makes the firmware hang.
+    pub fn wedges(&self, at: Multiplexer, value: u64) -> bool {
+        at == Multiplexer::new(0x6001, 0) && value == 0 && self.faults.has(Fault::UnitsZeroWedges)
+    }
+}

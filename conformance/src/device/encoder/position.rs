@@ -1,0 +1,84 @@
+//! Position value (6004h), preset (6003h) and offset (6509h).
+//!
+//! ```text
+//! physical --code sequence, scaling--> position in measuring units --+ 6509h--> 6004h
+//! ```
+
+use super::Encoder;
+use super::operating::{physical_range, steps};
+use crate::Fault;
+use crate::device::parameters::Parameters;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_traces::{Duration, Timestamp};
+
+/// How long the faulty firmware shows nonsense after a preset.
+const GLITCH: Duration = Duration::from_millis(30);
+
+impl Encoder {
+    pub(super) fn position_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
+        match (at.index.0, at.sub.0) {
+            (0x6004, 0) if self.is_glitching(now) => Some(self.position_without_preset(now, parameters)),
+            (0x6004, 0) => Some(self.position(now, parameters)),
+            (0x6509, 0) if self.faults.has(Fault::OffsetNotReported) => Some(0),
+            (0x6509, 0) if self.faults.has(Fault::OffsetSignWrong) => Some(self.offset.wrapping_neg() as u64),
+            (0x6509, 0) => Some(self.offset as u64),
+            _ => None,
+        }
+    }
+
+    fn is_glitching(&self, now: Timestamp) -> bool {
+        self.faults.has(Fault::PresetGlitch) && self.preset_at.is_some_and(|at| now.since(at) < GLITCH)
+    }
+
+    /// A preset has to be a position that the encoder can show.
+    pub(super) fn check_preset(&self, value: u64, parameters: &Parameters) -> Result<(), AbortCode> {
+        let fits = i128::from(value) < self.range(parameters) || self.faults.has(Fault::PresetOutOfRangeAccepted);
+        if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
+    }
+
+    /// 6003h was written: the position takes that value now.
+    pub(super) fn preset(&mut self, now: Timestamp, value: u64, parameters: &Parameters) {
+        if !self.faults.has(Fault::PresetIgnored) {
+            self.offset = (i128::from(value) - self.scaled(now, parameters)) as i64;
+            self.preset_at = Some(now);
+        }
+    }
+
+    /// 6004h.
+    pub(super) fn position(&self, now: Timestamp, parameters: &Parameters) -> u64 {
+        if self.faults.has(Fault::RangeZeroStops) && self.has_full_range(parameters) {
+            return 0;
+        }
+        let position = self.scaled(now, parameters) + i128::from(self.offset);
+        position.rem_euclid(self.range(parameters)) as u64
+    }
+
+    fn has_full_range(&self, parameters: &Parameters) -> bool {
+        self.is_scaled(parameters) && parameters.number(0x6002, 0) == Some(0)
+    }
+
+    /// As 6004h would be if 6003h had never been written.
+    pub(super) fn position_without_preset(&self, now: Timestamp, parameters: &Parameters) -> u64 {
+        self.scaled(now, parameters) as u64
+    }
+
+    /// The position in measuring units, before the offset.
+    fn scaled(&self, now: Timestamp, parameters: &Parameters) -> i128 {
+        let mut physical = self.motion.position(now, steps(&self.sheet));
+        if self.is_turned(parameters) {
+            physical = -physical;
+        }
+        if !self.goes_on(parameters) {
+            physical = physical.rem_euclid(physical_range(&self.sheet));
+        }
+        if !self.is_scaled(parameters) {
+            return physical.rem_euclid(self.range(parameters));
+        }
+        let mut product = physical * i128::from(parameters.number_or_zero(0x6001, 0));
+        if self.faults.has(Fault::ScalingOverflow) {
+            product = i128::from(product as u32);
+        }
+        product.div_euclid(i128::from(steps(&self.sheet))).rem_euclid(self.range(parameters))
+    }
+}

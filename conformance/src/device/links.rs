@@ -1,0 +1,55 @@
+//! Objects whose values hang together, as the model's sheet says.
+
+use super::objects::Objects;
+use super::store::Groups;
+use crate::Fault;
+use crate::models::LinkKind;
+use canvass_analyzer::Multiplexer;
+
+impl Objects {
+    /// A number was written: what always holds the same value gets it too, and is acted on as if it had been written.
+    pub(super) fn write_through(&mut self, at: Multiplexer, value: u64) {
+        let unlinked = match at.index.0 {
+            0x6200 if value == 0 && self.faults.has(Fault::CyclicTimerNotStopped) => true,
+            0x6200 => self.faults.has(Fault::CyclicTimerNotLinked),
+            0x1800 => self.faults.has(Fault::EventTimerNotInCyclicTimer),
+            _ => false,
+        };
+        if unlinked {
+            return;
+        }
+        let links = self.model.sheet().links.iter().filter(|link| link.kind == LinkKind::Same);
+        for link in links.filter(|link| link.objects.contains(&at)) {
+            for &other in link.objects.iter().filter(|&&other| other != at) {
+                self.parameters.set_number(other.index.0, other.sub.0, value);
+                self.written.push((other, value));
+            }
+        }
+    }
+
+    /// Groups of parameters were loaded: of objects that hold the same value, one that was loaded with another value
+    /// than its default decides, else the first one that was loaded.
+    pub(super) fn settle_links(&mut self, groups: Groups) {
+        let sheet = self.model.sheet();
+        let is_torn = |at: &Multiplexer| at.index.0 == 0x650B && self.faults.has(Fault::SerialNumberDiffers);
+        let links = sheet.links.iter().filter(|link| link.kind == LinkKind::Same && !link.objects.iter().any(is_torn));
+        for link in links {
+            let loaded = || link.objects.iter().filter(|&&at| groups.has(at, &sheet.storage));
+            let changed = loaded().find(|&&at| self.parameters.entry(at).is_ok_and(|entry| entry.is_changed()));
+            let Some(&source) = changed.or_else(|| loaded().next()) else { continue };
+            let Some(value) = self.parameters.number(source.index.0, source.sub.0) else { continue };
+            for other in link.objects.iter().filter(|&&other| other != source) {
+                self.parameters.set_number(other.index.0, other.sub.0, value);
+            }
+        }
+    }
+
+    /// The object whose value that one shows, if it follows one.
+    pub(super) fn followed(&self, at: Multiplexer) -> Option<Multiplexer> {
+        if at.index.0 == 0x6500 && self.faults.has(Fault::OperatingStatusStuck) {
+            return None;
+        }
+        let mut links = self.model.sheet().links.iter().filter(|link| link.kind == LinkKind::Follows);
+        links.find(|link| link.objects.first() == Some(&at)).and_then(|link| link.objects.get(1)).copied()
+    }
+}

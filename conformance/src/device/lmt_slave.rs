@@ -1,0 +1,274 @@
+//! The LMT slave: node-ID and bit rate over the bus, before there was LSS (CiA DS-205).
+//!
+//! ```text
+//! operation --04h mode 1, or 01h 02h 03h with the own address--> configuration --04h mode 0--> operation
+//! ```
+//!
+//! Nothing but inquiries, configurations and "identify" is answered. What is configured is stored by 17h and acts after
+//! power-off; only 15h takes a new bit rate over before that.
+
+use super::Device;
+use super::push;
+use super::store::Groups;
+use crate::models::{BitRate, LmtAddress};
+use crate::{Fault, Faults};
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::lmt::{self, BIT_RATES, Bound, ConfigureCommand, Part, Request, Response, Seven};
+use canvass_traces::{Duration, Frame, Timestamp};
+
+/// What a slave says of a value outside its range: the standard leaves the codes of the manufacturer open.
+const OUT_OF_RANGE: u8 = 3;
+
+/// The error code for which the specific error counts.
+const SPECIFIC: u8 = 255;
+
+/// The state of the slave.
+#[derive(Clone, Debug)]
+pub(super) struct LmtSlave {
+    configuring: bool,
+    /// How many parts of the address were given in order.
+    selected: usize,
+    /// How many bounds of "identify remote slave" fitted in order.
+    identified: usize,
+    pending: Pending,
+    /// What power-on brings back.
+    stored_kbit: u32,
+    in_use_kbit: u32,
+}
+
+/// A configuration that is not stored yet.
+#[derive(Clone, Copy, Debug, Default)]
+struct Pending {
+    node_id: Option<NodeId>,
+    kbit: Option<u32>,
+}
+
+/// What the device has to do.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Effect {
+    Store,
+    /// Changes the bit rate; silent for so long before and after.
+    Activate(Duration),
+    /// A firmware does not wait for power-off.
+    TakeNodeId(NodeId),
+}
+
+impl LmtSlave {
+    /// In operation, at the bit rate of delivery.
+    pub const fn new(kbit: u32) -> Self {
+        Self {
+            configuring: false,
+            selected: 0,
+            identified: 0,
+            pending: Pending { node_id: None, kbit: None },
+            stored_kbit: kbit,
+            in_use_kbit: kbit,
+        }
+    }
+
+    /// Off and on again: what was not stored is lost.
+    pub const fn power_on(&mut self) {
+        *self = Self::new(self.stored_kbit);
+    }
+
+    /// The bit rate in use.
+    pub const fn bit_rate_kbit(&self) -> u32 {
+        self.in_use_kbit
+    }
+
+    fn handle(
+        &mut self,
+        request: Request,
+        address: &LmtAddress,
+        rates: &[BitRate],
+        faults: Faults,
+    ) -> (Option<Response>, Option<Effect>) {
+        let configuring = self.configuring || faults.has(Fault::LmtAnsweredInOperation);
+        match request {
+            Request::SwitchGlobal { mode } => {
+                self.on_switch_global(mode, faults);
+                (None, None)
+            }
+            Request::SwitchSelective { part, value } => (self.on_switch_selective(part, value, address, faults), None),
+            Request::IdentifyRemote { bound, value } => (self.on_identify(bound, value, address, faults), None),
+            request if configuring => self.on_configuration(request, address, rates, faults),
+            _ => (None, None),
+        }
+    }
+
+    fn on_switch_global(&mut self, mode: u8, faults: Faults) {
+        match mode {
+            0 => self.configuring = false,
+            1 => self.configuring = true,
+            _ if faults.has(Fault::LmtReservedModeObeyed) => self.configuring = true,
+            _ => return,
+        }
+        self.selected = 0;
+    }
+
+    /// The three parts have to come in order; the last one switches, without an answer.
+    fn on_switch_selective(
+        &mut self,
+        part: Part,
+        value: Seven,
+        address: &LmtAddress,
+        faults: Faults,
+    ) -> Option<Response> {
+        if self.configuring {
+            return None;
+        }
+        let unchecked = match part {
+            Part::SerialNumber => faults.has(Fault::LmtSerialNotCompared),
+            Part::ManufacturerName | Part::ProductName => faults.has(Fault::LmtNamesNotCompared),
+        };
+        let position = part as usize;
+        let fits = (position == 0 || position == self.selected) && (unchecked || own(part, address, faults) == value);
+        self.selected = if fits { position + 1 } else { 0 };
+        if self.selected < Part::ALL.len() {
+            return None;
+        }
+        self.selected = 0;
+        self.configuring = true;
+        faults.has(Fault::LmtSwitchSelectiveAnswered).then_some(SWITCHED)
+    }
+
+    /// The names have to be equal, the serial number within the bounds.
+    fn on_identify(&mut self, bound: Bound, value: Seven, address: &LmtAddress, faults: Faults) -> Option<Response> {
+        let serial = own(Part::SerialNumber, address, faults).0;
+        let any_serial = faults.has(Fault::LmtIdentifyRangeIgnored);
+        // The digits of a serial number in their order, so that bytes compare as the number does.
+        let fits = match bound {
+            Bound::ManufacturerName => value == own(Part::ManufacturerName, address, faults),
+            Bound::ProductName => value == own(Part::ProductName, address, faults),
+            Bound::SerialLow => any_serial || value.0 <= serial,
+            Bound::SerialHigh => any_serial || value.0 >= serial,
+        };
+        let position = bound as usize;
+        let in_order = position == 0 || position == self.identified;
+        self.identified = if fits && in_order { position + 1 } else { 0 };
+        if self.identified < Bound::ALL.len() {
+            return None;
+        }
+        self.identified = 0;
+        (!faults.has(Fault::LmtIdentifySilent)).then_some(Response::Identified)
+    }
+
+    fn on_configuration(
+        &mut self,
+        request: Request,
+        address: &LmtAddress,
+        rates: &[BitRate],
+        faults: Faults,
+    ) -> (Option<Response>, Option<Effect>) {
+        match request {
+            Request::ConfigureNmtAddress { node_id } => self.on_node_id(node_id, faults),
+            Request::ConfigureBitTiming { table, index } => {
+                let kbit = bit_rate(table, index, faults);
+                let kbit = kbit.filter(|kbit| rates.iter().any(|rate| rate.kbit == *kbit));
+                let ok = kbit.is_some() || faults.has(Fault::LmtBitTimingUnchecked);
+                self.pending.kbit = kbit.or(self.pending.kbit);
+                let error = u8::from(!ok);
+                (Some(Response::Configured { command: ConfigureCommand::BitTiming, error, specific: 0 }), None)
+            }
+            Request::ActivateBitTiming { delay } => {
+                (None, Some(Effect::Activate(Duration::from_millis(u64::from(delay)))))
+            }
+            Request::StoreConfiguration => {
+                let done = Response::Configured { command: ConfigureCommand::Store, error: 0, specific: 0 };
+                ((!faults.has(Fault::LmtStoreSilent)).then_some(done), Some(Effect::Store))
+            }
+            Request::Inquire { part } => (Some(Response::Part { part, value: own(part, address, faults) }), None),
+            _ => (None, None),
+        }
+    }
+
+    fn on_node_id(&mut self, node_id: u8, faults: Faults) -> (Option<Response>, Option<Effect>) {
+        let new = NodeId::new(node_id);
+        self.pending.node_id = new.or(self.pending.node_id);
+        let ok = new.is_some() || faults.has(Fault::LmtNodeIdUnchecked);
+        let (error, specific) = if ok { (0, 0) } else { (SPECIFIC, OUT_OF_RANGE) };
+        let effect = new.filter(|_| faults.has(Fault::LmtNodeIdAtOnce)).map(Effect::TakeNodeId);
+        (Some(Response::Configured { command: ConfigureCommand::NmtAddress, error, specific }), effect)
+    }
+}
+
+/// What LSS answers to the last part of its address.
+const SWITCHED: Response = Response::Unknown { command: 0x44, tail: [0; 7] };
+
+/// A part of the address, as the firmware holds it.
+fn own(part: Part, address: &LmtAddress, faults: Faults) -> Seven {
+    let name = |name: Seven| match faults.has(Fault::LmtNameUnpadded) {
+        true => Seven(name.0.map(|byte| if byte == 0 { 0xFF } else { byte })),
+        false => name,
+    };
+    match part {
+        Part::ManufacturerName => name(address.manufacturer_name),
+        Part::ProductName => name(address.product_name),
+        Part::SerialNumber if faults.has(Fault::LmtSerialNotBcd) => binary(address.serial_number),
+        Part::SerialNumber => address.serial_number,
+    }
+}
+
+/// The rate in kbit/s of a row of a table; `None` for a reserved one.
+fn bit_rate(table: u8, index: u8, faults: Faults) -> Option<u32> {
+    // The rows of LSS: the fifth is reserved, and what follows is shifted by one.
+    let index = match index {
+        5 if faults.has(Fault::LmtBitTimingUnshifted) => return None,
+        6.. if faults.has(Fault::LmtBitTimingUnshifted) => index - 1,
+        index => index,
+    };
+    BIT_RATES.get(usize::from(index)).filter(|_| table == 0).map(|rate| rate / 1000)
+}
+
+/// The number that BCD digits stand for, little-endian.
+fn binary(digits: Seven) -> Seven {
+    let number =
+        digits.0.iter().fold(0_u64, |number, byte| number * 100 + u64::from(byte >> 4) * 10 + u64::from(byte & 0xF));
+    let [a, b, c, d, e, f, g, _] = number.to_le_bytes();
+    Seven([a, b, c, d, e, f, g])
+}
+
+impl Device {
+    /// A frame of the LMT master came.
+    pub(super) fn on_lmt(&mut self, now: Timestamp, frame: &Frame) {
+        let Ok(request) = lmt::Request::read(frame.data()) else { return };
+        let sheet = self.objects.model.sheet();
+        let Some(address) = sheet.lmt else { return };
+        if !self.phase.is_running() || frame.len() != 8 {
+            return;
+        }
+        let (response, effect) = self.lmt.handle(request, &address, &sheet.bit_rates, self.faults);
+        if let Some(response) = response {
+            push(&mut self.outbox, response.to_frame(lmt::SLAVE_CAN_ID));
+        }
+        match effect {
+            Some(Effect::Store) => self.store_lmt(),
+            Some(Effect::Activate(delay)) => self.activate_lmt_bit_rate(delay, now),
+            Some(Effect::TakeNodeId(node)) if self.node == Some(node) => {}
+            Some(Effect::TakeNodeId(node)) => {
+                self.node = Some(node);
+                let outbox = std::mem::take(&mut self.outbox);
+                self.initialise(now, Groups::ALL);
+                self.outbox = outbox;
+            }
+            None => {}
+        }
+    }
+
+    fn store_lmt(&mut self) {
+        let pending = self.lmt.pending;
+        self.lmt.stored_kbit = pending.kbit.unwrap_or(self.lmt.stored_kbit);
+        if let (Some(at), Some(node)) = (self.objects.model.sheet().network.node_id_object, pending.node_id) {
+            self.store.save_number(at, u64::from(node.raw()), &self.objects.parameters);
+        }
+    }
+
+    /// Silent for one delay before the change and one after it.
+    fn activate_lmt_bit_rate(&mut self, delay: Duration, now: Timestamp) {
+        self.lmt.in_use_kbit = self.lmt.pending.kbit.unwrap_or(self.lmt.in_use_kbit);
+        if !self.faults.has(Fault::LmtActivationNotSilent) && delay > Duration::ZERO {
+            self.silent_until = now + delay.times(2);
+        }
+    }
+}

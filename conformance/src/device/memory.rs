@@ -1,0 +1,130 @@
+//! The non-volatile memory of a simulated device as a text, so that it can outlive the program: TOML, one line for each
+//! stored value.
+
+use super::Device;
+use super::parameters::Content;
+use super::store::StoredNetwork;
+use canvass_analyzer::Multiplexer;
+use canvass_traces::Timestamp;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use std::fmt;
+use std::str::FromStr;
+
+/// What a device has stored. Reading and writing the file is the caller's matter.
+#[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Memory {
+    /// The id of the model.
+    model: String,
+    /// What a preset added to the position.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    offset: Option<i64>,
+    /// The node-ID that LSS stored; 255 for none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    node_id: Option<u8>,
+    /// The index of the bit rate that LSS stored.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    bit_timing: Option<u8>,
+    /// `"1017:00" = "0x3E8"` for numbers, `"2010:00" = "bytes 41 42"` for anything else.
+    #[serde(default)]
+    values: BTreeMap<String, String>,
+}
+
+/// Why a text is no memory of a device.
+#[derive(Clone, PartialEq, Debug, thiserror::Error)]
+pub enum MemoryError {
+    /// No TOML, or not this one.
+    #[error("expected the stored values of a device, {0}")]
+    Text(#[from] toml::de::Error),
+    /// Of another device.
+    #[error("expected the stored values of a {expected}, found those of a {found}")]
+    Model {
+        /// The model that it is for.
+        expected: String,
+        /// The model that it is of.
+        found: String,
+    },
+    /// A line that the device has no place for.
+    #[error("expected a stored value such as \"1017:00\" = \"0x3E8\" of an object of the device, found \"{0}\"")]
+    Value(String),
+}
+
+impl fmt::Display for Memory {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&toml::to_string(self).map_err(|_| fmt::Error)?)
+    }
+}
+
+impl FromStr for Memory {
+    type Err = MemoryError;
+
+    fn from_str(text: &str) -> Result<Self, MemoryError> {
+        Ok(toml::from_str(text)?)
+    }
+}
+
+impl Device {
+    /// What the device has stored by now.
+    pub fn memory(&self) -> Memory {
+        let (contents, offset) = self.store.contents(&self.objects.parameters);
+        let network = self.store.network();
+        Memory {
+            model: self.objects.model.id().to_owned(),
+            offset,
+            node_id: network.node_id,
+            bit_timing: network.bit_timing,
+            values: contents.map(|(at, content)| (address(at), text(content))).collect(),
+        }
+    }
+
+    /// Puts in a memory and switches the device on with it.
+    ///
+    /// # Errors
+    /// [`MemoryError`] if it is of another model, or holds what this one has no object for; the device is then as it
+    /// was.
+    pub fn insert_memory(&mut self, now: Timestamp, memory: &Memory) -> Result<(), MemoryError> {
+        let expected = self.objects.model.id();
+        if memory.model != expected {
+            return Err(MemoryError::Model { expected: expected.to_owned(), found: memory.model.clone() });
+        }
+        let mut contents = BTreeMap::new();
+        for (address, value) in &memory.values {
+            let stored = parse_address(address).zip(parse_content(value));
+            let fitting = stored.filter(|(at, content)| {
+                let entry = self.objects.parameters.entry(*at);
+                entry.is_ok_and(|entry| matches!(content, Content::Number(_)) == entry.size().is_some())
+            });
+            let (at, content) = fitting.ok_or_else(|| MemoryError::Value(format!("{address} = {value}")))?;
+            contents.insert(at, content);
+        }
+        let network = StoredNetwork { node_id: memory.node_id, bit_timing: memory.bit_timing };
+        self.store.replace(&contents, memory.offset, network, &self.objects.parameters);
+        self.power_cycle(now);
+        Ok(())
+    }
+}
+
+fn address(at: Multiplexer) -> String {
+    format!("{:04X}:{:02X}", at.index.0, at.sub.0)
+}
+
+fn parse_address(text: &str) -> Option<Multiplexer> {
+    let (index, sub) = text.split_once(':')?;
+    Some(Multiplexer::new(u16::from_str_radix(index, 16).ok()?, u8::from_str_radix(sub, 16).ok()?))
+}
+
+fn text(content: &Content) -> String {
+    match content {
+        Content::Number(number) => format!("0x{number:X}"),
+        Content::Bytes(bytes) => bytes.iter().fold("bytes".to_owned(), |text, byte| format!("{text} {byte:02X}")),
+    }
+}
+
+fn parse_content(text: &str) -> Option<Content> {
+    if let Some(digits) = text.strip_prefix("0x") {
+        return Some(Content::Number(u64::from_str_radix(digits, 16).ok()?));
+    }
+    let bytes = text.strip_prefix("bytes")?.split_whitespace().map(|byte| u8::from_str_radix(byte, 16).ok());
+    bytes.collect::<Option<Vec<u8>>>().map(Content::Bytes)
+}

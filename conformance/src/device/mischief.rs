@@ -1,0 +1,391 @@
+//! Faults that show in single frames: what comes in is misread, what goes out is wrong or is not sent.
+//!
+//! They stand between the bus and the services, which know nothing of them: a firmware has such faults in its drivers,
+//! in its tables and in the glue between a stack and an application.
+
+use crate::{Fault, Faults};
+use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
+use canvass_analyzer::wire::{Wire, emcy, error_control, lss, nmt, sync};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::{CanId, Frame};
+
+/// What is behind the frames of a device with such faults.
+#[derive(Clone, Debug)]
+pub(super) struct Mischief {
+    faults: Faults,
+    /// Whether the firmware has one of these faults at all.
+    active: bool,
+    /// The last SDO request that writes.
+    download: Option<(Multiplexer, u32)>,
+    /// The SDO server works on a request that writes.
+    writing: bool,
+    /// 1800h:01 as it was last read.
+    cob_id: Option<u32>,
+    /// The last LSS request.
+    request: [u8; 8],
+    /// By what the master has said.
+    configuring: bool,
+    /// Nothing goes out until the next reset.
+    muted: bool,
+    /// The node whose heartbeat came last, and how many.
+    beats: u32,
+    /// SYNC messages in and out.
+    syncs: u32,
+}
+
+/// What becomes of a frame that came in.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Incoming {
+    /// The device gets these, one after the other.
+    Frames(Frame, Option<Frame>),
+    /// The device does not see it.
+    Lost,
+    /// The device does not see it, and this goes out.
+    Answered(Frame),
+}
+
+/// The faults that this is about.
+const MINE: &[Fault] = &[
+    Fault::CanIdTooHighAccepted,
+    Fault::DefaultMappingWrong,
+    Fault::DummyRefused,
+    Fault::EmcyIdWrong,
+    Fault::ErrorBehaviourAlwaysLeaves,
+    Fault::ErrorHistoryNotKept,
+    Fault::ExtendedBitAccepted,
+    Fault::FastscanIgnoresBits,
+    Fault::FastscanUnanswered,
+    Fault::HeartbeatConsumerLate,
+    Fault::HeartbeatConsumerNotRestarted,
+    Fault::HeartbeatConsumerNotStopped,
+    Fault::HeartbeatConsumerSilent,
+    Fault::LssBitTimingRefused,
+    Fault::LssIdentifyUnanswered,
+    Fault::LssIdentifyUnchecked,
+    Fault::LssInquirySwapped,
+    Fault::LssNodeIdInquiredWrong,
+    Fault::LssNodeIdRefused,
+    Fault::LssNodeIdWithoutEffect,
+    Fault::LssSelectiveInConfiguration,
+    Fault::LssSelectiveMismatchIgnored,
+    Fault::LssSelectiveSerialOnly,
+    Fault::LssSelectiveUnanswered,
+    Fault::LssShortResponse,
+    Fault::LssStoreUnanswered,
+    Fault::LssSwitchGlobalIgnored,
+    Fault::LssUnknownAnswered,
+    Fault::MappingDirectionUnchecked,
+    Fault::MappingProcedureRefused,
+    Fault::PdoIdNotPredefined,
+    Fault::RpdoBytesReversed,
+    Fault::RpdoIgnored,
+    Fault::RpdoKeepsCanId,
+    Fault::RtrBitClearable,
+    Fault::SameCobIdRefused,
+    Fault::SdoChannelsShareTransfer,
+    Fault::SdoExtendedAnswered,
+    Fault::SdoOtherNodeAnswered,
+    Fault::SdoRemoteAnswered,
+    Fault::SdoServerIdWrong,
+    Fault::StoreCapabilityWrong,
+    Fault::SyncAlwaysCounts,
+    Fault::SyncIdWrong,
+    Fault::SyncNotStopped,
+    Fault::SyncOverlooked,
+    Fault::SyncProducerBitAccepted,
+    Fault::TimeIdWrong,
+    Fault::TpdoBytesReversed,
+    Fault::TpdoKeepsCanId,
+    Fault::TpdoLostAfterSdo,
+    Fault::TpdoRemoteIgnored,
+    Fault::TpdoTooLong,
+    Fault::UnconfiguredNodeIdWaits,
+];
+
+/// The CAN-ID that a master moves PDOs to: no predefined object has it.
+const FREE: u16 = 0x6A0;
+
+impl Mischief {
+    pub fn new(faults: Faults) -> Self {
+        Self {
+            faults,
+            active: MINE.iter().any(|&fault| faults.has(fault)),
+            download: None,
+            writing: false,
+            cob_id: None,
+            request: [0; 8],
+            configuring: false,
+            muted: false,
+            beats: 0,
+            syncs: 0,
+        }
+    }
+
+    /// Whether frames have to go through here at all.
+    pub const fn is_active(&self) -> bool {
+        self.active
+    }
+
+    const fn has(&self, fault: Fault) -> bool {
+        self.faults.has(fault)
+    }
+
+    /// A frame of the bus. `address` is the LSS address.
+    pub fn on_receive(&mut self, frame: &Frame, node: Option<NodeId>, address: [u32; 4]) -> Incoming {
+        let id = u16::try_from(frame.id().raw()).unwrap_or(u16::MAX);
+        let own = node.map_or(0, |node| u16::from(node.raw()));
+        let request_id = sdo::REQUEST_BASE + own;
+        if frame.id().is_extended() {
+            let misread = self.has(Fault::SdoExtendedAnswered) && id == request_id;
+            return pass(if misread { with_id(frame, request_id) } else { *frame });
+        }
+        if frame.is_remote() {
+            return self.on_remote(frame, id, own);
+        }
+        match id {
+            nmt::CAN_ID => self.on_nmt(frame),
+            lss::MASTER_CAN_ID => self.on_lss(frame, node, address),
+            sync::CAN_ID => {
+                self.syncs = self.syncs.wrapping_add(1);
+                if self.syncs.is_multiple_of(7) && self.has(Fault::SyncOverlooked) {
+                    Incoming::Lost
+                } else {
+                    pass(*frame)
+                }
+            }
+            _ if id & 0x780 == error_control::CAN_ID_BASE => {
+                self.beats = self.beats.saturating_add(1);
+                let late = self.beats > 1 && self.has(Fault::HeartbeatConsumerNotRestarted);
+                if late { Incoming::Lost } else { pass(*frame) }
+            }
+            FREE if self.has(Fault::RpdoKeepsCanId) => Incoming::Lost,
+            FREE if self.has(Fault::SdoChannelsShareTransfer) => {
+                let abort = Request::abort(Multiplexer::new(0, 0), AbortCode::GENERAL);
+                Incoming::Frames(abort.to_frame(request_id), Some(*frame))
+            }
+            _ if node.is_none() => pass(*frame),
+            _ if id == 0x200 + own && self.has(Fault::RpdoIgnored) => Incoming::Lost,
+            _ if id == 0x200 + own && self.has(Fault::RpdoBytesReversed) => pass(reversed(frame)),
+            _ if id == request_id + 1 && self.has(Fault::SdoOtherNodeAnswered) => pass(with_id(frame, request_id)),
+            _ if id == request_id => self.on_sdo(frame, own),
+            _ => pass(*frame),
+        }
+    }
+
+    fn on_remote(&mut self, frame: &Frame, id: u16, own: u16) -> Incoming {
+        if id == sdo::REQUEST_BASE + own && self.has(Fault::SdoRemoteAnswered) {
+            // Its data is what was in the buffer: zeros, a segment of no transfer.
+            return pass(Frame::full(frame.id(), [0; 8]));
+        }
+        let deaf = self.has(Fault::TpdoRemoteIgnored) || self.has(Fault::RtrBitClearable);
+        if id == 0x180 + own && deaf { Incoming::Lost } else { pass(*frame) }
+    }
+
+    fn on_nmt(&mut self, frame: &Frame) -> Incoming {
+        if matches!(frame.data(), [0x81 | 0x82, ..]) {
+            self.muted = false;
+            self.beats = 0;
+        }
+        pass(*frame)
+    }
+
+    fn on_sdo(&mut self, frame: &Frame, own: u16) -> Incoming {
+        let response_id = sdo::RESPONSE_BASE + own;
+        let Ok(Request::InitiateDownload { multiplexer, payload }) = Request::read(frame.data()) else {
+            self.download = None;
+            return pass(*frame);
+        };
+        let Some(bytes) = payload.value() else { return pass(*frame) };
+        let value = bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
+        self.download = Some((multiplexer, value));
+        self.writing = true;
+        if let Some(code) = self.refusal(multiplexer, value) {
+            return Incoming::Answered(Response::abort(multiplexer, code).to_frame(response_id));
+        }
+        let (index, sub) = (multiplexer.index.0, multiplexer.sub.0);
+        let ignored = index == 0x1016 && value & 0xFFFF == 0 && self.has(Fault::HeartbeatConsumerNotStopped)
+            || index == 0x1006 && value == 0 && self.has(Fault::SyncNotStopped);
+        if ignored {
+            return Incoming::Answered(Response::InitiateDownload { multiplexer }.to_frame(response_id));
+        }
+        let other = match index {
+            0x1029 if value == 1 && self.has(Fault::ErrorBehaviourAlwaysLeaves) => 0,
+            0x1016 if sub > 0 && self.has(Fault::HeartbeatConsumerLate) => value & 0xFFFF_0000 | (value << 1) & 0xFFFF,
+            _ => return pass(*frame),
+        };
+        let bytes = other.to_le_bytes();
+        let value = bytes.get(..bytes.len().min(payload.value().map_or(4, <[u8]>::len))).unwrap_or(&bytes);
+        pass(Request::download(multiplexer, value).to_frame(sdo::REQUEST_BASE + own))
+    }
+
+    fn refusal(&self, at: Multiplexer, value: u32) -> Option<AbortCode> {
+        let is_mapping = matches!(at.index.0, 0x1600..0x1800 | 0x1A00..0x1C00);
+        if is_mapping && at.sub.0 == 0 && value != 0 && self.has(Fault::MappingProcedureRefused) {
+            return Some(AbortCode::NOT_MAPPABLE);
+        }
+        if at.index.0 == 0x1600 && at.sub.0 > 0 && value >> 16 < 0x20 && self.has(Fault::DummyRefused) {
+            return Some(AbortCode::NOT_MAPPABLE);
+        }
+        let same = at == Multiplexer::new(0x1800, 1) && value >> 31 == 0 && self.cob_id == Some(value);
+        (same && self.has(Fault::SameCobIdRefused)).then_some(AbortCode::INVALID_VALUE)
+    }
+
+    fn on_lss(&mut self, frame: &Frame, node: Option<NodeId>, address: [u32; 4]) -> Incoming {
+        let mut bytes = frame.bytes();
+        self.request = bytes;
+        let answer =
+            |data: [u8; 8]| Incoming::Answered(Frame::full(CanId::standard_masked(u32::from(lss::SLAVE_CAN_ID)), data));
+        let command = bytes[0];
+        match command {
+            0x04 if self.has(Fault::LssSwitchGlobalIgnored) => return Incoming::Lost,
+            0x04 => {
+                self.configuring = bytes[1] == 1;
+                self.muted |= !self.configuring && node.is_none() && self.has(Fault::UnconfiguredNodeIdWaits);
+            }
+            0x43 if self.configuring && self.has(Fault::LssSelectiveInConfiguration) => {
+                return answer([0x44, 0, 0, 0, 0, 0, 0, 0]);
+            }
+            0x11 if self.configuring && self.has(Fault::LssNodeIdWithoutEffect) && bytes[1] != 255 => {
+                return answer([0x11, 0, 0, 0, 0, 0, 0, 0]);
+            }
+            0x51 if self.has(Fault::FastscanUnanswered) => return Incoming::Lost,
+            0x40..=0x43
+                if self.has(Fault::LssSelectiveMismatchIgnored)
+                    && bytes[1..5] != address[usize::from(command - 0x40)].to_le_bytes() =>
+            {
+                return Incoming::Lost;
+            }
+            0x40..=0x42 if self.has(Fault::LssSelectiveSerialOnly) => {
+                put(&mut bytes, address[usize::from(command - 0x40)]);
+            }
+            0x46..=0x4B if self.has(Fault::LssIdentifyUnchecked) => {
+                let part = usize::from(command - 0x46);
+                put(&mut bytes, address[if part < 2 { part } else { part / 2 + 1 }]);
+            }
+            0x51 if self.has(Fault::FastscanIgnoresBits) && bytes[5] != 0x80 => {
+                let part = usize::from(bytes[6]);
+                put(&mut bytes, address.get(part).copied().unwrap_or_default());
+            }
+            0x11 | 0x13 | 0x15 | 0x17 | 0x40..=0x43 | 0x46..=0x4C | 0x51 | 0x5A..=0x5E => {}
+            _ if self.has(Fault::LssUnknownAnswered) => return answer([command, 0, 0, 0, 0, 0, 0, 0]),
+            _ => {}
+        }
+        pass(Frame::new(frame.id(), bytes.get(..frame.len()).unwrap_or(&bytes)).unwrap_or(*frame))
+    }
+
+    /// A frame that the device sends; `None`: it does not go out.
+    pub fn on_send(&mut self, frame: Frame, node: Option<NodeId>) -> Option<Frame> {
+        let id = frame.id().as_standard().unwrap_or(u16::MAX);
+        let own = node.map_or(0, |node| u16::from(node.raw()));
+        if self.muted && id != lss::SLAVE_CAN_ID {
+            return None;
+        }
+        match id {
+            lss::SLAVE_CAN_ID => self.lss_response(frame),
+            sync::CAN_ID if frame.is_empty() && self.has(Fault::SyncAlwaysCounts) => {
+                self.syncs = self.syncs.wrapping_add(1);
+                Frame::new(frame.id(), &[(self.syncs % 240) as u8 + 1])
+            }
+            FREE if self.has(Fault::TpdoKeepsCanId) => Some(with_id(&frame, 0x180 + own)),
+            _ if id == sdo::RESPONSE_BASE + own => Some(self.sdo_response(frame)),
+            _ if id == 0x180 + own => self.tpdo(frame),
+            _ if id == emcy::CAN_ID_BASE + own && self.has(Fault::HeartbeatConsumerSilent) => {
+                (!frame.data().starts_with(&[0x30, 0x81])).then_some(frame)
+            }
+            _ => Some(frame),
+        }
+    }
+
+    fn tpdo(&self, frame: Frame) -> Option<Frame> {
+        if self.writing && self.has(Fault::TpdoLostAfterSdo) {
+            return None;
+        }
+        if self.has(Fault::TpdoTooLong) {
+            return Some(Frame::full(frame.id(), frame.bytes()));
+        }
+        Some(if self.has(Fault::TpdoBytesReversed) { reversed(&frame) } else { frame })
+    }
+
+    fn lss_response(&self, frame: Frame) -> Option<Frame> {
+        let mut bytes = frame.bytes();
+        let searched = matches!(self.request[0], 0x46..=0x4C);
+        match bytes[0] {
+            0x44 if self.has(Fault::LssSelectiveUnanswered) => return None,
+            0x17 if self.has(Fault::LssStoreUnanswered) => return None,
+            0x4F | 0x50 if searched && self.has(Fault::LssIdentifyUnanswered) => return None,
+            0x11 if self.has(Fault::LssNodeIdRefused) => bytes[1] = 1,
+            0x13 if self.has(Fault::LssBitTimingRefused) => bytes[1] = 1,
+            0x5A..=0x5D if self.has(Fault::LssInquirySwapped) => bytes[1..5].reverse(),
+            0x5E if self.has(Fault::LssNodeIdInquiredWrong) => bytes[1] = bytes[1].wrapping_add(1),
+            _ => {}
+        }
+        let len = if self.has(Fault::LssShortResponse) { 5 } else { frame.len() };
+        Frame::new(frame.id(), bytes.get(..len).unwrap_or(&bytes))
+    }
+
+    fn sdo_response(&mut self, frame: Frame) -> Frame {
+        self.writing = false;
+        let id = frame.id().as_standard().unwrap_or_default();
+        match Response::read(frame.data()) {
+            Ok(Response::Abort(abort)) if self.forgives(abort.multiplexer, abort.code) => {
+                Response::InitiateDownload { multiplexer: abort.multiplexer }.to_frame(id)
+            }
+            Ok(Response::InitiateUpload { multiplexer, payload }) => {
+                let Some(bytes) = payload.value() else { return frame };
+                let value = bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
+                if multiplexer == Multiplexer::new(0x1800, 1) {
+                    self.cob_id = Some(value);
+                }
+                let wrong = self.planted(multiplexer, value).to_le_bytes();
+                let wrong = wrong.get(..bytes.len()).unwrap_or(&wrong);
+                Response::upload(multiplexer, wrong).to_frame(id)
+            }
+            _ => frame,
+        }
+    }
+
+    /// Whether a download that must be refused is confirmed.
+    fn forgives(&self, at: Multiplexer, code: AbortCode) -> bool {
+        let Some((asked, value)) = self.download.filter(|(asked, _)| *asked == at) else { return false };
+        let is_extended = value & 1 << 29 != 0;
+        let is_mapping = matches!(asked.index.0, 0x1600..0x1800 | 0x1A00..0x1C00);
+        match (asked.index.0, asked.sub.0) {
+            (0x1800, 1) if !is_extended => value & 0x1FFF_F800 != 0 && self.has(Fault::CanIdTooHighAccepted),
+            (0x1800, 1) => self.has(Fault::ExtendedBitAccepted),
+            (0x1005, 0) => value & 1 << 30 != 0 && self.has(Fault::SyncProducerBitAccepted),
+            _ => is_mapping && code == AbortCode::NOT_MAPPABLE && self.has(Fault::MappingDirectionUnchecked),
+        }
+    }
+
+    /// What an object reads as in a firmware whose tables are wrong.
+    fn planted(&self, at: Multiplexer, value: u32) -> u32 {
+        match (at.index.0, at.sub.0) {
+            (0x1003, 0) if self.has(Fault::ErrorHistoryNotKept) => 0,
+            (0x1005, 0) if self.has(Fault::SyncIdWrong) => value ^ 0x1,
+            (0x1012, 0) if self.has(Fault::TimeIdWrong) => value ^ 0x1,
+            (0x1014, 0) if self.has(Fault::EmcyIdWrong) => value ^ 0x1,
+            (0x1200, 1) if self.has(Fault::SdoServerIdWrong) => value ^ 0x80,
+            (0x1800, 1) if self.has(Fault::PdoIdNotPredefined) => value ^ 0x40,
+            (0x1A00, 1) if self.has(Fault::DefaultMappingWrong) => value ^ 0x18,
+            (0x1010, 1) if self.has(Fault::StoreCapabilityWrong) => u32::from_le_bytes(*b"save"),
+            _ => value,
+        }
+    }
+}
+
+const fn pass(frame: Frame) -> Incoming {
+    Incoming::Frames(frame, None)
+}
+
+fn put(bytes: &mut [u8; 8], value: u32) {
+    bytes[1..5].copy_from_slice(&value.to_le_bytes());
+}
+
+fn with_id(frame: &Frame, id: u16) -> Frame {
+    Frame::new(CanId::standard_masked(u32::from(id)), frame.data()).unwrap_or(*frame)
+}
+
+fn reversed(frame: &Frame) -> Frame {
+    let bytes: Vec<u8> = frame.data().iter().rev().copied().collect();
+    Frame::new(frame.id(), &bytes).unwrap_or(*frame)
+}

@@ -1,0 +1,208 @@
+//! What RPDOs and TPDOs have in common: communication parameters (1400h.., 1800h..), mapping (1600h.., 1A00h..), and
+//! which values both take.
+
+use super::objects::Objects;
+use super::parameters::Parameters;
+use crate::Fault;
+use crate::models::Rule;
+use canvass_analyzer::wire::pdo::MappingEntry;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{CobId, Multiplexer};
+
+/// A PDO has at most so many entries, of one bit each.
+const MOST_ENTRIES: u64 = 64;
+/// There are so many PDOs of each kind.
+const PDOS: u16 = 0x200;
+
+/// Seen from the device.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Direction {
+    Receive,
+    Transmit,
+}
+
+impl Direction {
+    /// The index of the first PDO's communication parameters.
+    pub const fn communication(self) -> u16 {
+        match self {
+            Self::Receive => 0x1400,
+            Self::Transmit => 0x1800,
+        }
+    }
+
+    /// The index of the first PDO's mapping.
+    pub const fn mapping(self) -> u16 {
+        self.communication() + PDOS
+    }
+
+    /// The direction and number of the PDO that an object configures.
+    pub const fn of(index: u16) -> Option<(Self, u16)> {
+        match index {
+            0x1400..0x1800 => Some((Self::Receive, (index - 0x1400) % PDOS)),
+            0x1800..0x1C00 => Some((Self::Transmit, (index - 0x1800) % PDOS)),
+            _ => None,
+        }
+    }
+}
+
+/// The numbers of the PDOs that the dictionary has, from 0.
+pub(super) fn numbers(direction: Direction, parameters: &Parameters) -> impl Iterator<Item = u16> + use<'_> {
+    let is_first = |entry: &&super::parameters::Parameter| entry.at.sub.0 == 0;
+    let indexes = parameters.entries().iter().filter(is_first).map(|entry| entry.at.index.0);
+    indexes.filter_map(move |index| index.checked_sub(direction.communication())).filter(|&number| number < PDOS)
+}
+
+/// The entries of a mapping as far as it is in use.
+pub(super) fn mapping(
+    direction: Direction,
+    parameters: &Parameters,
+    number: u16,
+) -> impl Iterator<Item = MappingEntry> + use<'_> {
+    let index = direction.mapping() + number;
+    let count = parameters.number_or_zero(index, 0).min(MOST_ENTRIES) as u8;
+    (1..=count).filter_map(move |sub| parameters.number(index, sub)).map(|raw| MappingEntry(raw as u32))
+}
+
+/// The conditions of a write to 1400h.. or 1800h..
+///
+/// # Errors
+/// The abort code for a value that is not possible, or not now.
+pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
+    let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
+    let (parameters, faults) = (&objects.parameters, objects.faults);
+    let cob_id = CobId(parameters.number_or_zero(at.index.0, 1) as u32);
+    let is_valid_and_changes = cob_id.is_valid() && value != parameters.number_or_zero(at.index.0, at.sub.0);
+    let fits = match (at.sub.0, direction) {
+        (1, _) => return check_cob_id(at, cob_id, CobId(value as u32), direction, number, objects),
+        (2, _) => is_transmission_type(direction, value, cob_id, objects),
+        // Where the PDO can't be switched off, its inhibit time changes while it is valid.
+        (3, Direction::Transmit) if is_fixed(at.index.0, parameters) => true,
+        (3, Direction::Transmit) => !is_valid_and_changes || faults.has(Fault::InhibitTimeChangeWhileValid),
+        (6, Direction::Transmit) => {
+            value <= 240 && (!is_valid_and_changes || faults.has(Fault::SyncStartValueChangeWhileValid))
+        }
+        _ => true,
+    };
+    if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
+}
+
+/// Whether the COB-ID can't be written.
+fn is_fixed(index: u16, parameters: &Parameters) -> bool {
+    parameters.entry(Multiplexer::new(index, 1)).is_ok_and(|entry| !entry.writable)
+}
+
+fn is_transmission_type(direction: Direction, value: u64, cob_id: CobId, objects: &Objects) -> bool {
+    let network = &objects.model.sheet().network;
+    let types = match direction {
+        Direction::Receive => &network.rpdo_transmission_types,
+        Direction::Transmit => &network.transmission_types,
+    };
+    let known = types.iter().any(|&(low, high)| (low.into()..=high.into()).contains(&value));
+    let by_rtr = matches!(value, 252 | 253);
+    let possible = cob_id.allows_rtr() || !by_rtr || objects.faults.has(Fault::RtrTypeWithoutRtrAccepted);
+    (known && possible) || objects.faults.has(Fault::ReservedTransmissionTypeAccepted)
+}
+
+/// Whether the COB-ID of a PDO can change so: the CAN-ID only while the PDO is not valid (CiA 301, 7.5.2.35 and
+/// 7.5.2.37), and a PDO without mapping can't become valid.
+fn check_cob_id(
+    at: Multiplexer,
+    old: CobId,
+    new: CobId,
+    direction: Direction,
+    number: u16,
+    objects: &Objects,
+) -> Result<(), AbortCode> {
+    let faults = objects.faults;
+    let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
+    let moved = old.is_valid() && new.is_valid() && new.can_id() != old.can_id();
+    if moved && !reserved && !faults.has(Fault::CobIdChangeWhileValid) {
+        return Err(objects.model.sheet().abort(Rule::CanIdWhileInvalid, at));
+    }
+    let restricted = new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
+    let asks_for_rtr =
+        direction == Direction::Transmit && new.allows_rtr() && !objects.model.sheet().network.rtr && new != old;
+    let is_empty = mapping(direction, &objects.parameters, number).next().is_none();
+    let impossible = new.is_valid()
+        && (restricted
+            || (asks_for_rtr && !faults.has(Fault::RtrBitClearable))
+            || (is_empty && !faults.has(Fault::EmptyPdoValidated)));
+    if reserved || impossible { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+}
+
+/// The conditions of a write to 1600h.. or 1A00h..: only while the PDO is not valid, entries only while sub-index 0
+/// is 0.
+///
+/// # Errors
+/// The abort code for a mapping that is not possible, or not now.
+pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
+    let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
+    let (parameters, faults) = (&objects.parameters, objects.faults);
+    let valid = CobId(parameters.number_or_zero(direction.communication() + number, 1) as u32).is_valid();
+    let in_use = at.sub.0 != 0 && parameters.number_or_zero(at.index.0, 0) != 0;
+    if (valid || in_use) && !faults.has(Fault::MappingChangeWhileValid) {
+        return Err(objects.model.sheet().abort(Rule::MappingWhileDisabled, at));
+    }
+    if at.sub.0 != 0 {
+        return if value == 0 { Ok(()) } else { check_entry(MappingEntry(value as u32), direction, objects) };
+    }
+    check_count(at, value, direction, objects)
+}
+
+/// Sub-index 0 was written: the entries have to exist, to be possible, and to fit into a PDO.
+fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
+    let (parameters, faults) = (&objects.parameters, objects.faults);
+    if faults.has(Fault::MappingCountUnchecked) {
+        return Ok(());
+    }
+    let most = u8::try_from(value).map_err(|_| AbortCode::PDO_LENGTH)?;
+    parameters.number(at.index.0, most).ok_or(AbortCode::PDO_LENGTH)?;
+    let mut bits = 0;
+    for sub in 1..=most {
+        let entry = MappingEntry(parameters.number_or_zero(at.index.0, sub) as u32);
+        check_entry(entry, direction, objects)?;
+        bits += u32::from(entry.bits());
+    }
+    if bits <= 64 || faults.has(Fault::MappingTooLongAccepted) { Ok(()) } else { Err(AbortCode::PDO_LENGTH) }
+}
+
+/// Whether an object can be mapped, with that length.
+fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
+    let faults = objects.faults;
+    if entry.is_dummy() {
+        return check_dummy(entry, direction, objects);
+    }
+    let object = match objects.parameters.entry(entry.object()) {
+        Ok(object) => object,
+        Err(_) if faults.has(Fault::MissingObjectMapped) && entry.0 != 0 => return Ok(()),
+        Err(_) => return Err(AbortCode::NO_OBJECT),
+    };
+    if is_delivered(entry, direction, objects) {
+        return Ok(());
+    }
+    let mappable = match direction {
+        Direction::Receive => object.rpdo_mappable,
+        Direction::Transmit => object.tpdo_mappable,
+    };
+    let bits = object.data_type.bits().unwrap_or(0);
+    let fits = bits == u32::from(entry.bits()) && bits > 0;
+    if fits && (mappable || faults.has(Fault::UnmappableObjectMapped)) { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
+}
+
+/// What is mapped as delivered can be mapped again, a part of an object too.
+fn is_delivered(entry: MappingEntry, direction: Direction, objects: &Objects) -> bool {
+    let indexes = direction.mapping()..direction.mapping() + PDOS;
+    let mut mapped =
+        objects.parameters.entries().iter().filter(|it| indexes.contains(&it.at.index.0) && it.at.sub.0 > 0);
+    mapped.any(|it| it.default_bits() == u64::from(entry.0))
+}
+
+/// Dummies are for RPDOs, of the types that `DummyUsage` of the description allows, in their full length.
+fn check_dummy(entry: MappingEntry, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
+    let description = objects.model.description();
+    let data_type = canvass_analyzer::dictionary::DataType(entry.object().index.0);
+    let allowed = description.dummy_usage.get(&data_type.0).copied().unwrap_or(false);
+    let fits = data_type.bits() == Some(u32::from(entry.bits())) && entry.object().sub.0 == 0;
+    let possible = direction == Direction::Receive && allowed || objects.faults.has(Fault::DummyMappedIntoTpdo);
+    if possible && fits { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
+}

@@ -1,0 +1,183 @@
+//! SYNC: consumed and produced, with or without a counter (1005h, 1006h, 1007h, 1019h).
+
+use super::parameters::Parameters;
+use crate::models::Network;
+use crate::{Fault, Faults};
+use canvass_analyzer::CobId;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::wire::sync::{CAN_ID, Sync as SyncMessage};
+use canvass_traces::{Duration, Timestamp};
+
+/// The SYNC object.
+#[derive(Clone, Debug)]
+pub(super) struct SyncObject {
+    cob_id: CobId,
+    produces: bool,
+    period: Duration,
+    /// The highest counter; 0: no counter.
+    overflow: u8,
+    /// Whether 1019h exists: only then a wrong length is noticed.
+    counts: bool,
+    /// The counter of the next SYNC produced.
+    counter: u8,
+    due: Timestamp,
+    /// Synchronous PDOs may be sent and received for so long after a SYNC; zero: for ever.
+    window: Duration,
+    window_end: Timestamp,
+    is_closed: bool,
+    faults: Faults,
+}
+
+/// The counter goes on after this one without 1019h.
+const FIRST: u8 = 1;
+
+impl SyncObject {
+    /// Neither consumed nor produced.
+    pub const fn new(faults: Faults) -> Self {
+        Self {
+            cob_id: CobId(CobId::INVALID),
+            produces: false,
+            period: Duration::ZERO,
+            overflow: 0,
+            counts: false,
+            counter: FIRST,
+            due: Timestamp::MAX,
+            window: Duration::ZERO,
+            window_end: Timestamp::MAX,
+            is_closed: false,
+            faults,
+        }
+    }
+
+    /// Takes the parameters over; a producer whose parameters have changed begins anew.
+    pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, network: &Network, may_send: bool) {
+        let number = |index| parameters.number_or_zero(index, 0);
+        let before = (self.produces, self.period, self.overflow);
+        // Without 1005h it is the predefined one.
+        self.cob_id = CobId(parameters.number(0x1005, 0).unwrap_or(CAN_ID.into()) as u32);
+        let factor = if self.faults.has(Fault::SyncPeriodDoubled) { 2 } else { 1 };
+        self.period = Duration::from_micros(number(0x1006)).times(factor);
+        self.produces = network.sync_producer && is_producing(number(0x1005)) && self.period > Duration::ZERO;
+        self.counts = parameters.number(0x1019, 0).is_some();
+        self.overflow = number(0x1019) as u8;
+        self.window = Duration::from_micros(number(0x1007));
+        if self.window == Duration::ZERO {
+            self.window_end = Timestamp::MAX;
+            self.is_closed = false;
+        }
+        if before != (self.produces, self.period, self.overflow) {
+            self.restart(now, may_send);
+        }
+    }
+
+    /// Begins to produce anew, or stops: in the NMT states stopped and initialisation no SYNC is sent.
+    pub fn restart(&mut self, now: Timestamp, may_send: bool) {
+        self.due = if self.produces && may_send { now + self.period } else { Timestamp::MAX };
+        if !self.faults.has(Fault::SyncCounterNotReset) {
+            self.counter = if self.faults.has(Fault::SyncCounterFromZero) { 0 } else { FIRST };
+        }
+    }
+
+    /// The CAN-ID on which SYNC is awaited; `None` where there is no 1005h.
+    pub fn can_id(&self) -> Option<u16> {
+        (!self.cob_id.is_extended() && self.cob_id.can_id() != 0).then_some(self.cob_id.can_id() as u16)
+    }
+
+    /// When [`SyncObject::poll`] or [`SyncObject::close`] wants to be called.
+    pub fn timeout(&self) -> Timestamp {
+        self.due.min(self.window_end)
+    }
+
+    /// The SYNC to send, if it is time for one.
+    pub fn poll(&mut self, now: Timestamp) -> Option<SyncMessage> {
+        if now < self.due {
+            return None;
+        }
+        self.due += self.period;
+        if self.overflow == 0 {
+            return Some(SyncMessage { counter: None });
+        }
+        let counter = self.counter;
+        self.counter = if counter >= self.overflow { FIRST } else { counter + 1 };
+        Some(SyncMessage { counter: Some(counter) })
+    }
+
+    /// The CAN-ID that a produced SYNC has.
+    pub const fn own_can_id(&self) -> u16 {
+        self.cob_id.can_id() as u16
+    }
+
+    /// Whether a received SYNC has the length that 1019h asks for.
+    pub fn has_length(&self, len: usize) -> bool {
+        !self.counts || self.faults.has(Fault::SyncLengthUnchecked) || len == usize::from(self.overflow != 0)
+    }
+
+    /// A SYNC was received or sent: the window opens.
+    pub fn open(&mut self, now: Timestamp) {
+        self.is_closed = false;
+        if self.window > Duration::ZERO {
+            self.window_end = now + self.window;
+        }
+    }
+
+    /// Whether the window closes now; says so once.
+    pub fn close(&mut self, now: Timestamp) -> bool {
+        let closes = now >= self.window_end;
+        if closes {
+            self.window_end = Timestamp::MAX;
+            self.is_closed = true;
+        }
+        closes
+    }
+
+    /// Whether it is too late for synchronous PDOs.
+    pub const fn is_closed(&self) -> bool {
+        self.is_closed
+    }
+}
+
+/// 1005h bit 30.
+const fn is_producing(cob_id: u64) -> bool {
+    cob_id & CobId::NO_RTR as u64 != 0
+}
+
+/// The conditions of a write to 1005h: 11 bits, not restricted, bit 30 only where SYNC can be produced, and another
+/// CAN-ID not while it is.
+///
+/// # Errors
+/// "Invalid value" otherwise.
+pub(super) fn check_cob_id(
+    value: u64,
+    parameters: &Parameters,
+    network: &Network,
+    faults: Faults,
+) -> Result<(), AbortCode> {
+    let (old, new) = (CobId(parameters.number_or_zero(0x1005, 0) as u32), CobId(value as u32));
+    let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
+    let impossible = is_producing(value) && !network.sync_producer;
+    let restricted = new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
+    let moved = is_producing(old.0.into()) && new.can_id() != old.can_id() && is_producing(value);
+    let moved = moved && !faults.has(Fault::SyncIdChangeWhileProducing);
+    if reserved || impossible || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+}
+
+/// The conditions of a write to 1006h: not faster than the device can.
+///
+/// # Errors
+/// "Invalid value" otherwise.
+pub(super) fn check_period(value: u64, network: &Network) -> Result<(), AbortCode> {
+    let too_fast = network.sync_producer && (1..u64::from(network.sync_period_least_us)).contains(&value);
+    if too_fast { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+}
+
+/// The conditions of a write to 1019h: 0 or 2 to 240, and only while 1006h is 0.
+///
+/// # Errors
+/// "Invalid value", or "present device state".
+pub(super) fn check_overflow(value: u64, parameters: &Parameters, faults: Faults) -> Result<(), AbortCode> {
+    if parameters.number_or_zero(0x1006, 0) != 0 && !faults.has(Fault::SyncOverflowChangeWhileProducing) {
+        return Err(AbortCode::DEVICE_STATE);
+    }
+    let known = matches!(value, 0 | 2..=240) || faults.has(Fault::SyncOverflowUnchecked);
+    if known { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
+}

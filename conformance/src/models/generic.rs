@@ -1,0 +1,119 @@
+//! A model from a device description alone: what the description does not say is as CiA 301 has it.
+
+use super::sheet::Sheet;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::{DeviceDescription, Setting};
+use canvass_analyzer::wire::lss;
+use toml::{Table, Value};
+
+/// The node-ID where the description is for any.
+const USUAL_NODE: u8 = 1;
+/// The bit rate in kbit/s where the description does not say which ones there are.
+const USUAL_BIT_RATE: u16 = 250;
+
+/// The sheet of a device with the services that its object dictionary shows.
+pub(super) fn sheet(name: &str, description: &DeviceDescription) -> Result<Sheet, toml::de::Error> {
+    let product = &description.device.product_name;
+    let summary = if product.is_empty() { "a device as its description says" } else { product };
+    let mut sheet = Table::new();
+    sheet.insert("id".to_owned(), name.into());
+    sheet.insert("summary".to_owned(), summary.into());
+    sheet.insert("network".to_owned(), network(description).into());
+    sheet.insert("bit_rate".to_owned(), Value::Array(bit_rates(description)));
+    if let Some(encoder) = encoder(description) {
+        sheet.insert("encoder".to_owned(), encoder.into());
+    }
+    sheet.try_into()
+}
+
+fn network(description: &DeviceDescription) -> Table {
+    let commissioning = description.commissioning.as_ref();
+    let node = commissioning.and_then(|set| set.node_id).map_or(USUAL_NODE, |node| node.raw());
+    let known = &description.device.bit_rates;
+    let rate = commissioning.and_then(|set| set.bit_rate).filter(|rate| known.contains(rate));
+    let usual = (known.is_empty() || known.contains(&USUAL_BIT_RATE)).then_some(USUAL_BIT_RATE);
+    let rate = rate.or(usual).or(known.last().copied()).unwrap_or(USUAL_BIT_RATE);
+    let has = |index, sub| description.dictionary.entry(Multiplexer::new(index, sub)).is_ok();
+    let writable = |index| {
+        let entry = description.dictionary.entry(Multiplexer::new(index, 0));
+        entry.is_ok_and(|entry| entry.access.is_writable())
+    };
+    let mut network = Table::new();
+    network.insert("default_node_id".to_owned(), i64::from(node).into());
+    network.insert("default_bit_rate_kbit".to_owned(), i64::from(rate.max(1)).into());
+    network.insert("lss".to_owned(), description.device.lss_supported.into());
+    network.insert("lss_restarts".to_owned(), false.into());
+    network.insert("node_guarding".to_owned(), (has(0x100C, 0) && has(0x100D, 0)).into());
+    network.insert("rtr".to_owned(), allows_rtr(description).into());
+    network.insert("sdo_block_transfer".to_owned(), true.into());
+    network.insert("sync_producer".to_owned(), (writable(0x1005) && writable(0x1006)).into());
+    network.insert("time_consumer".to_owned(), writable(0x1012).into());
+    network
+}
+
+/// Whether a TPDO is delivered with remote frames allowed.
+fn allows_rtr(description: &DeviceDescription) -> bool {
+    let no_rtr = |index| {
+        let default = description.dictionary.entry(Multiplexer::new(index, 1)).ok()?.default.as_ref()?;
+        Some(match default {
+            Setting::Fixed(value) => value.to_raw()? & 1 << 30 != 0,
+            Setting::NodeIdPlus(offset) => offset & 1 << 30 != 0,
+        })
+    };
+    (0x1800..0x1A00).filter_map(no_rtr).any(|no_rtr| !no_rtr)
+}
+
+fn bit_rates(description: &DeviceDescription) -> Vec<Value> {
+    let row = |&kbit: &u16| {
+        let code = lss::BIT_RATES.iter().position(|rate| *rate == Some(u32::from(kbit) * 1_000));
+        let mut row = Table::new();
+        row.insert("kbit".to_owned(), i64::from(kbit).into());
+        if let Some(code) = code {
+            row.insert("lss_code".to_owned(), (code as i64).into());
+        }
+        row.into()
+    };
+    description.device.bit_rates.iter().map(row).collect()
+}
+
+/// Of an encoder (CiA 406), the physical resolution that 6501h and 6502h tell.
+fn encoder(description: &DeviceDescription) -> Option<Table> {
+    let number = |index| {
+        let entry = description.dictionary.entry(Multiplexer::new(index, 0)).ok()?;
+        entry.default.as_ref()?.fixed()?.to_raw()
+    };
+    let has_position = description.dictionary.entry(Multiplexer::new(0x6004, 0)).is_ok();
+    if description.device_profile() != Some(406) || !has_position {
+        return None;
+    }
+    let bits = number(0x6501).map_or(13, |steps| i64::from(steps.max(1).ilog2().min(32)));
+    let mut encoder = Table::new();
+    encoder.insert("single_turn_bits".to_owned(), bits.into());
+    let revolutions = number(0x6502).unwrap_or(1).clamp(1, u64::from(u32::MAX));
+    encoder.insert("revolutions".to_owned(), (revolutions as i64).into());
+    Some(encoder)
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::models::Model;
+
+    #[test]
+    fn a_description_alone_makes_a_device() {
+        let eds = include_bytes!("../../models/kuebler-sendix-58x8.eds");
+        let model = Model::generic("my.eds", eds).unwrap();
+        assert_eq!((model.id(), model.summary()), ("my.eds", "Sendix 5868"));
+        assert_eq!((model.default_node().unwrap().raw(), model.default_bit_rate()), (1, 250_000));
+        let network = &model.sheet().network;
+        assert!(network.lss && network.rtr && network.node_guarding && network.sync_producer);
+        assert_eq!(model.sheet().bit_rates.iter().find(|rate| rate.kbit == 50).unwrap().lss_code, Some(6));
+        let encoder = model.sheet().encoder.unwrap();
+        assert_eq!((encoder.single_turn_bits, encoder.revolutions), (13, 4096));
+    }
+
+    #[test]
+    fn hardly_anything_is_enough() {
+        let model = Model::generic("x", b"[MandatoryObjects]\nSupportedObjects=0\n").unwrap();
+        assert_eq!(model.default_bit_rate(), 250_000);
+    }
+}

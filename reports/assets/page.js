@@ -1,0 +1,35 @@
+// The colours of the page: the system's, or what the reader chose before.
+(() => {
+  const key = 'canvass-theme';
+  const choices = [...document.querySelectorAll('.themes input')];
+  const choose = (theme) => {
+    if (theme) document.documentElement.dataset.theme = theme;
+    else delete document.documentElement.dataset.theme;
+    choices.forEach((choice) => { choice.checked = choice.value === theme; });
+    dispatchEvent(new Event('themechange'));
+  };
+  // Where storage is forbidden, the choice lasts as long as the page.
+  let chosen = '';
+  try { chosen = localStorage.getItem(key) || ''; } catch { /* forbidden */ }
+  if (chosen) choose(chosen);
+  choices.forEach((choice) => choice.addEventListener('change', () => {
+    choose(choice.value);
+    try { localStorage.setItem(key, choice.value); } catch { /* forbidden */ }
+  }));
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => dispatchEvent(new Event('themechange')));
+
+  // The section that is being read is marked in the navigation.
+  const links = [...document.querySelectorAll('nav.sections a')];
+  const sections = links.map((link) => document.getElementById(link.hash.slice(1)));
+  let waiting = false;
+  const mark = () => {
+    waiting = false;
+    const at = sections.findLastIndex((section) => section && section.getBoundingClientRect().top < innerHeight / 3);
+    links.forEach((link, n) => {
+      if (n === at) link.setAttribute('aria-current', 'true');
+      else link.removeAttribute('aria-current');
+    });
+  };
+  const later = () => { if (!waiting) { waiting = true; requestAnimationFrame(mark); } };
+  if (links.length) { addEventListener('scroll', later, { passive: true }); later(); }
+})();

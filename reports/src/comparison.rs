@@ -1,0 +1,346 @@
+//! Two results of `canvass test --format json`: what changed from one release of a firmware to the next.
+//!
+//! Only the members of the contract `canvass/test/1` that are compared are read; a result of a later version with more
+//! of them can be compared too.
+
+use crate::escape::printable;
+use serde::Deserialize;
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+
+/// The name and version of the contract of [`Comparison::json`].
+pub const SCHEMA: &str = "canvass/compare/1";
+
+/// A measured time that changes by less than this share is as before, in percent.
+pub const NOTICEABLE_PERCENT: u64 = 10;
+
+/// A measured time that changes by less is as before, whatever the share: timers and buses jitter.
+const NOTICEABLE_NS: u64 = 1_000_000;
+
+/// A result, as far as it is compared.
+#[derive(Clone, Debug, Deserialize)]
+pub struct TestResult {
+    schema: String,
+    device: BTreeMap<String, Value>,
+    #[serde(default)]
+    dictionary: Vec<Object>,
+    cases: Vec<Case>,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Deserialize)]
+struct Object {
+    index: u16,
+    sub: u8,
+    data: String,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Case {
+    id: String,
+    verdict: String,
+    reason: Option<Reason>,
+    #[serde(default)]
+    measurements: Vec<Measurement>,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Reason {
+    duty: String,
+    expected: String,
+    actual: String,
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Measurement {
+    name: String,
+    unit: String,
+    value: u64,
+}
+
+/// What can't be compared.
+#[derive(Debug, thiserror::Error)]
+pub enum NotAResult {
+    /// No JSON, or not with the members of a result.
+    #[error("expected a result of `canvass test --format json`: {0}")]
+    Unreadable(#[from] serde_json::Error),
+    /// Another document.
+    #[error("expected a document of schema canvass/test/1, found {0}")]
+    Schema(String),
+}
+
+/// Which way something changed.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+pub enum Direction {
+    /// It was better before.
+    Worse,
+    /// It is better now.
+    Better,
+    /// Neither.
+    Other,
+}
+
+impl Direction {
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Worse => "worse",
+            Self::Better => "better",
+            Self::Other => "other",
+        }
+    }
+}
+
+/// One difference. Texts come from the device or a file: they may hold anything.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Change {
+    /// Verdict, timing, identity or dictionary.
+    pub kind: &'static str,
+    /// The case, measurement or object.
+    pub subject: String,
+    /// What it was; `None`: it was not there.
+    pub old: Option<String>,
+    /// What it is; `None`: it is gone.
+    pub new: Option<String>,
+    /// Which way.
+    pub direction: Direction,
+    /// Why a case no longer passes.
+    pub reason: Option<String>,
+}
+
+/// All differences, the worst first.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Comparison {
+    /// Regressions first, then improvements, then the rest.
+    pub changes: Vec<Change>,
+}
+
+impl TestResult {
+    /// Reads a result.
+    ///
+    /// # Errors
+    /// [`NotAResult`].
+    pub fn read(text: &str) -> Result<Self, NotAResult> {
+        let result: Self = serde_json::from_str(text)?;
+        match result.schema.starts_with("canvass/test/") {
+            true => Ok(result),
+            false => Err(NotAResult::Schema(printable(&result.schema).into_owned())),
+        }
+    }
+}
+
+/// From good to bad. A case that is not executed any more says less than one that passes.
+fn badness(verdict: &str) -> usize {
+    const ORDER: [&str; 5] = ["pass", "tolerated", "deviation", "not_applicable", "inconclusive"];
+    ORDER.iter().position(|known| *known == verdict).unwrap_or(ORDER.len())
+}
+
+/// Compares two results.
+pub fn compare(old: &TestResult, new: &TestResult) -> Comparison {
+    let mut changes = verdicts(old, new);
+    changes.extend(timings(old, new));
+    changes.extend(identity(old, new));
+    changes.extend(dictionary(old, new));
+    changes.sort_by_key(|change| change.direction);
+    Comparison { changes }
+}
+
+fn verdicts(old: &TestResult, new: &TestResult) -> Vec<Change> {
+    let by_id = |result: &TestResult| -> BTreeMap<String, Case> {
+        result.cases.iter().map(|case| (case.id.clone(), case.clone())).collect()
+    };
+    pairs(&by_id(old), &by_id(new), |id, old, new| {
+        let direction = match (old, new) {
+            (Some(old), Some(new)) if old.verdict == new.verdict => return None,
+            (Some(old), Some(new)) => match badness(&new.verdict).cmp(&badness(&old.verdict)) {
+                std::cmp::Ordering::Greater => Direction::Worse,
+                std::cmp::Ordering::Less => Direction::Better,
+                std::cmp::Ordering::Equal => Direction::Other,
+            },
+            // A case that is new fails for the first time, or says nothing of what was before.
+            (None, Some(new)) if badness(&new.verdict) >= badness("inconclusive") => Direction::Worse,
+            _ => Direction::Other,
+        };
+        let reason = new.and_then(|case| case.reason.as_ref());
+        let reason =
+            reason.map(|Reason { duty, expected, actual }| format!("{duty}: expected {expected}, found {actual}"));
+        let verdict = |case: Option<&Case>| case.map(|case| case.verdict.clone());
+        Some(Change {
+            kind: "verdict",
+            subject: id.to_owned(),
+            old: verdict(old),
+            new: verdict(new),
+            direction,
+            reason,
+        })
+    })
+}
+
+fn timings(old: &TestResult, new: &TestResult) -> Vec<Change> {
+    let by_name = |result: &TestResult| -> BTreeMap<String, Measurement> {
+        let of_case = |case: &Case| {
+            let id = case.id.clone();
+            case.measurements.clone().into_iter().map(move |m| (format!("{id}: {}", m.name), m))
+        };
+        result.cases.iter().flat_map(of_case).collect()
+    };
+    pairs(&by_name(old), &by_name(new), |name, old, new| {
+        let (old, new) = (old?, new?);
+        let (difference, is_time) = (new.value.abs_diff(old.value), new.unit == "ns");
+        let is_noticeable = difference.saturating_mul(100) > old.value.saturating_mul(NOTICEABLE_PERCENT)
+            && (!is_time || difference > NOTICEABLE_NS);
+        let shown = |m: &Measurement| if is_time { milliseconds(m.value) } else { m.value.to_string() };
+        is_noticeable.then(|| Change {
+            kind: "timing",
+            subject: name.to_owned(),
+            old: Some(shown(old)),
+            new: Some(shown(new)),
+            // A longer or shorter time is wrong only where a case says so, and then its verdict changes.
+            direction: Direction::Other,
+            reason: None,
+        })
+    })
+}
+
+fn milliseconds(nanos: u64) -> String {
+    format!("{}.{:03} ms", nanos / 1_000_000, nanos / 1_000 % 1_000)
+}
+
+fn identity(old: &TestResult, new: &TestResult) -> Vec<Change> {
+    pairs(&old.device, &new.device, |name, old, new| difference("identity", name, old, new, Value::to_string))
+}
+
+fn dictionary(old: &TestResult, new: &TestResult) -> Vec<Change> {
+    let by_address = |result: &TestResult| -> BTreeMap<String, String> {
+        let row = |object: &Object| (format!("{:04X}h:{:02X}", object.index, object.sub), object.data.clone());
+        result.dictionary.iter().map(row).collect()
+    };
+    pairs(&by_address(old), &by_address(new), |at, old, new| difference("dictionary", at, old, new, String::clone))
+}
+
+fn difference<T: PartialEq>(
+    kind: &'static str,
+    subject: &str,
+    old: Option<&T>,
+    new: Option<&T>,
+    shown: impl Fn(&T) -> String,
+) -> Option<Change> {
+    (old != new).then(|| Change {
+        kind,
+        subject: subject.to_owned(),
+        old: old.map(&shown),
+        new: new.map(&shown),
+        direction: Direction::Other,
+        reason: None,
+    })
+}
+
+/// Every key of one of the maps, with what each has for it.
+fn pairs<T>(
+    old: &BTreeMap<String, T>,
+    new: &BTreeMap<String, T>,
+    compare: impl Fn(&str, Option<&T>, Option<&T>) -> Option<Change>,
+) -> Vec<Change> {
+    let gone = old.keys().filter(|key| !new.contains_key(*key));
+    let keys = new.keys().chain(gone);
+    keys.filter_map(|key| compare(key, old.get(key), new.get(key))).collect()
+}
+
+impl Comparison {
+    /// Whether something got worse.
+    pub fn has_regressions(&self) -> bool {
+        self.changes.iter().any(|change| change.direction == Direction::Worse)
+    }
+
+    /// The differences as JSON, `"schema": "canvass/compare/1"`.
+    pub fn json(&self) -> String {
+        let row = |change: &Change| {
+            json!({
+                "kind": change.kind,
+                "subject": change.subject,
+                "old": change.old,
+                "new": change.new,
+                "direction": change.direction.name(),
+                "reason": change.reason,
+            })
+        };
+        let count = |direction| self.changes.iter().filter(|change| change.direction == direction).count();
+        let document = json!({
+            "schema": SCHEMA,
+            "summary": {
+                "worse": count(Direction::Worse),
+                "better": count(Direction::Better),
+                "other": count(Direction::Other),
+            },
+            "changes": self.changes.iter().map(row).collect::<Vec<_>>(),
+        });
+        crate::escape::json(&format!("{document:#}\n")).to_string()
+    }
+
+    /// The differences for people.
+    pub fn text(&self) -> String {
+        let mut text = String::new();
+        for change in &self.changes {
+            let (old, new) = (change.old.as_deref().unwrap_or("-"), change.new.as_deref().unwrap_or("-"));
+            let (subject, old, new) = (printable(&change.subject), printable(old), printable(new));
+            // Writing to a string can't fail.
+            let _ = writeln!(text, "{:6} {:10} {subject}: {old} -> {new}", change.direction.name(), change.kind);
+            if let Some(reason) = &change.reason {
+                let _ = writeln!(text, "                  {}", printable(reason));
+            }
+        }
+        let worse = self.changes.iter().filter(|change| change.direction == Direction::Worse).count();
+        let _ = match (self.changes.len(), worse) {
+            (0, _) => writeln!(text, "no difference"),
+            (all, 0) => writeln!(text, "{all} differences, nothing got worse"),
+            (all, worse) => writeln!(text, "{all} differences, {worse} for the worse"),
+        };
+        text
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn result(verdict: &str, software: &str, period: u64, value: &str) -> TestResult {
+        let text = json!({
+            "schema": "canvass/test/1",
+            "device": { "software_version": software },
+            "dictionary": [{ "index": 0x1017, "sub": 0, "data": value }],
+            "cases": [{
+                "id": "301/heartbeat/period", "verdict": verdict,
+                "reason": if verdict == "fail" { json!({ "duty": "d", "expected": "e", "actual": "a" }) } else { Value::Null },
+                "measurements": [{ "name": "period", "unit": "ns", "value": period }],
+            }],
+        });
+        TestResult::read(&text.to_string()).unwrap()
+    }
+
+    #[test]
+    fn what_a_release_changed() {
+        let old = result("pass", "1.0", 100_000_000, "0000");
+        let worse = compare(&old, &result("fail", "1.1", 120_000_000, "E803"));
+        assert!(worse.has_regressions());
+        let kinds: Vec<_> = worse.changes.iter().map(|change| (change.kind, change.direction)).collect();
+        assert_eq!(kinds[0], ("verdict", Direction::Worse));
+        assert_eq!(kinds.len(), 4);
+        assert!(worse.text().contains("pass -> fail") && worse.text().contains("1017h:00: 0000 -> E803"));
+        let better = compare(&result("fail", "1.0", 100_000_000, "0000"), &old);
+        assert!(!better.has_regressions() && better.changes[0].direction == Direction::Better);
+        assert_eq!(compare(&old, &old).text(), "no difference\n");
+        assert!(compare(&old, &result("pass", "1.0", 100_500_000, "0000")).changes.is_empty(), "jitter");
+    }
+
+    #[test]
+    fn a_case_that_no_longer_runs_got_worse() {
+        let old = result("pass", "1.0", 1, "00");
+        assert!(compare(&old, &result("not_applicable", "1.0", 1, "00")).has_regressions());
+    }
+
+    #[test]
+    fn other_documents_are_refused() {
+        assert!(TestResult::read("{}").is_err());
+        let other = r#"{"schema":"canvass/decode/1","device":{},"cases":[]}"#;
+        assert!(TestResult::read(other).unwrap_err().to_string().contains("canvass/decode/1"));
+    }
+}

@@ -1,0 +1,74 @@
+//! What the page needs beside the findings and figures: frames, and values over time.
+
+use super::buckets::{Buckets, Merge};
+use super::excerpt::Excerpt;
+use super::series::Series;
+use crate::signals::Sampler;
+use canvass_analyzer::findings::Observed;
+use canvass_analyzer::network::Event;
+use canvass_analyzer::wire::emcy::EmcyCode;
+use canvass_analyzer::{Meaning, NodeId};
+use canvass_traces::{ChannelId, Channels, Duration, Record, Timestamp};
+use std::collections::BTreeMap;
+use std::io;
+
+/// Collects it while a capture is read, once, in memory that does not grow with the capture.
+pub struct Collector {
+    pub(super) excerpt: Excerpt,
+    pub(super) sampler: Sampler,
+    pub(super) series: Series,
+    pub(super) emergencies: BTreeMap<(ChannelId, NodeId), Buckets<Emergencies, 256>>,
+}
+
+/// EMCY of one node within a time.
+#[derive(Clone, Copy, Debug)]
+pub struct Emergencies {
+    /// When the first was sent.
+    pub time: Timestamp,
+    /// Its code, or that of the first one that is an error.
+    pub code: EmcyCode,
+    /// How many.
+    pub count: u64,
+}
+
+impl Merge for Emergencies {
+    fn merge(&mut self, later: Self) {
+        self.count += later.count;
+        if self.code.is_reset() {
+            self.code = later.code;
+        }
+    }
+}
+
+impl Default for Collector {
+    fn default() -> Self {
+        Self {
+            excerpt: Excerpt::default(),
+            sampler: Sampler::new(None),
+            series: Series::default(),
+            emergencies: BTreeMap::new(),
+        }
+    }
+}
+
+impl Collector {
+    /// Takes a frame, as the diagnosis has just looked at it.
+    ///
+    /// # Errors
+    /// None that this collector makes: what takes values may write them to a file.
+    pub fn frame(&mut self, record: &Record, channels: &Channels, observed: &Observed<'_>) -> io::Result<()> {
+        self.excerpt.frame(record, observed);
+        for event in observed.bus.events() {
+            if let Event::Emergency(node, emergency) = event
+                && let Some(code) = emergency.emcy.code()
+            {
+                let time = record.timestamp;
+                let new = || Buckets::new(time, Duration::from_millis(10));
+                let buckets = self.emergencies.entry((record.channel, *node)).or_insert_with(new);
+                buckets.add(time, Emergencies { time, code, count: 1 });
+            }
+        }
+        let meaning = Meaning::new(record, &observed.decoded, observed.bus);
+        self.sampler.frame(record, channels, &observed.decoded, &meaning, &mut self.series, &mut Vec::new())
+    }
+}

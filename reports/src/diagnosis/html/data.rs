@@ -1,0 +1,287 @@
+//! What the page's scripts draw, in as few characters as a page of a million frames needs.
+
+use super::MOST_FINDINGS;
+use super::collector::Collector;
+use super::excerpt::{FrameKey, Shown, key_of};
+use super::series::Series;
+use crate::diagnosis::Diagnosed;
+use crate::diagnosis::terminal::who;
+use crate::escape::printable;
+use canvass_analyzer::network::Cause;
+use canvass_analyzer::{NodeId, Service};
+use canvass_traces::{ChannelId, Timestamp};
+use serde::Serialize;
+use std::collections::{BTreeMap, HashMap};
+
+/// All of it. Times are microseconds since the first frame, channels are places in the list of names.
+#[derive(Serialize)]
+pub struct Data {
+    /// From the first to the last frame.
+    span: i64,
+    channels: Vec<String>,
+    services: Vec<&'static str>,
+    nodes: Vec<Node>,
+    buses: Vec<Bus>,
+    signals: Vec<Signal>,
+    findings: Vec<Finding>,
+    frames: Vec<Frame>,
+    /// The meanings of frames, each once.
+    texts: Vec<String>,
+    /// The numbers (from 1) of the findings that a frame proves, by its place in the list.
+    proofs: BTreeMap<usize, Vec<usize>>,
+}
+
+#[derive(Serialize)]
+struct Node {
+    channel: usize,
+    id: u8,
+    name: String,
+    first: i64,
+    last: i64,
+    /// Time, state, and whether a boot-up showed it.
+    states: Vec<(i64, String, bool)>,
+    /// Time of the first, code and name, how many.
+    emergencies: Vec<(i64, String, u64)>,
+}
+
+#[derive(Serialize)]
+struct Bus {
+    channel: usize,
+    /// What a number of the lists means: percent of the bit rate, or kbit/s.
+    unit: &'static str,
+    start: i64,
+    width: i64,
+    mean: Vec<f64>,
+    least: Vec<f64>,
+    most: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct Signal {
+    channel: usize,
+    node: u8,
+    label: String,
+    unit: String,
+    /// Each as the distance to the one before.
+    t: Vec<i64>,
+    v: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct Finding {
+    severity: &'static str,
+    title: &'static str,
+    node: Option<u8>,
+    channel: Option<usize>,
+    t: i64,
+    count: u64,
+}
+
+/// Number among all frames (0: not known), nanoseconds, line or packet, channel, node, service, CAN-ID, data, meaning.
+type Frame = (u64, i64, u64, usize, Option<u8>, i8, String, String, usize);
+
+impl Data {
+    /// Of a diagnosis, with the frames that are shown.
+    pub fn new(
+        diagnosed: &Diagnosed<'_>,
+        collected: &Collector,
+        frames: &[Shown],
+        places: &HashMap<FrameKey, usize>,
+    ) -> Self {
+        let mut names = Names { diagnosed, ids: Vec::new(), start: diagnosed.start().unwrap_or_default() };
+        let mut texts = Texts::default();
+        Self {
+            span: span(diagnosed, &names),
+            services: Service::ALL.map(Service::name).to_vec(),
+            nodes: nodes(diagnosed, collected, &mut names),
+            buses: buses(diagnosed, &mut names),
+            signals: signals(collected, &mut names),
+            findings: findings(diagnosed, &mut names),
+            frames: frames.iter().map(|shown| frame(shown, &mut names, &mut texts)).collect(),
+            texts: texts.list,
+            proofs: proofs(diagnosed, places),
+            channels: names.list(),
+        }
+    }
+}
+
+/// Gives channels their places.
+struct Names<'a> {
+    diagnosed: &'a Diagnosed<'a>,
+    ids: Vec<ChannelId>,
+    start: Timestamp,
+}
+
+impl Names<'_> {
+    fn place(&mut self, channel: ChannelId) -> usize {
+        self.ids.iter().position(|known| *known == channel).unwrap_or_else(|| {
+            self.ids.push(channel);
+            self.ids.len() - 1
+        })
+    }
+
+    fn list(&self) -> Vec<String> {
+        self.ids.iter().map(|id| printable(&self.diagnosed.channel(*id)).into_owned()).collect()
+    }
+
+    /// Nanoseconds since the start, which a stepping clock may leave behind.
+    fn nanos(&self, time: Timestamp) -> i64 {
+        let nanos = i128::from(time.nanos()) - i128::from(self.start.nanos());
+        nanos.clamp(i128::from(i64::MIN), i128::from(i64::MAX)) as i64
+    }
+
+    fn micros(&self, time: Timestamp) -> i64 {
+        self.nanos(time) / 1_000
+    }
+}
+
+/// Gives texts their places.
+#[derive(Default)]
+struct Texts {
+    list: Vec<String>,
+    known: HashMap<String, usize>,
+}
+
+impl Texts {
+    fn place(&mut self, text: &str) -> usize {
+        if let Some(at) = self.known.get(text) {
+            return *at;
+        }
+        let at = self.list.len();
+        self.list.push(printable(text).into_owned());
+        self.known.insert(text.to_owned(), at);
+        at
+    }
+}
+
+fn span(diagnosed: &Diagnosed<'_>, names: &Names<'_>) -> i64 {
+    diagnosed.results.buses.iter().map(|(_, bus)| names.micros(bus.last)).max().unwrap_or(0)
+}
+
+fn nodes(diagnosed: &Diagnosed<'_>, collected: &Collector, names: &mut Names<'_>) -> Vec<Node> {
+    let mut nodes = Vec::new();
+    for (channel, bus) in &diagnosed.results.buses {
+        for (id, node) in bus.nodes.iter().filter(|(_, node)| node.total() > 0) {
+            let states = node.states.iter();
+            let state = |change: &canvass_analyzer::statistics::StateChange| {
+                (names.micros(change.time), change.state.to_string(), change.cause == Cause::BootUp)
+            };
+            let sent = collected.emergencies.get(&(*channel, *id)).into_iter().flat_map(|buckets| buckets.iter());
+            nodes.push(Node {
+                id: id.raw(),
+                name: printable(&who(node)).into_owned(),
+                first: names.micros(node.first),
+                last: names.micros(node.last),
+                states: states.map(state).collect(),
+                emergencies: sent.map(|sent| (names.micros(sent.time), sent.code.to_string(), sent.count)).collect(),
+                channel: names.place(*channel),
+            });
+        }
+    }
+    nodes
+}
+
+fn buses(diagnosed: &Diagnosed<'_>, names: &mut Names<'_>) -> Vec<Bus> {
+    let of_bus = |(channel, bus): &(ChannelId, canvass_analyzer::statistics::BusStatistics)| {
+        let load = &bus.load;
+        let start = load.start()?;
+        let finest = canvass_analyzer::statistics::Load::FINEST;
+        let (unit, full) = bus.bit_rate.map_or(("kbit/s", 1e5), |rate| ("%", f64::from(rate)));
+        let last = load.bins().len().saturating_sub(1);
+        let percent = |bits: u64, within: f64| {
+            let value = if within > 0.0 { bits as f64 * 100.0 / full / within } else { 0.0 };
+            (value * 100.0).round() / 100.0
+        };
+        // The last one ends with the capture.
+        let within = |at: usize| {
+            let width = load.width().nanos() as f64 / 1e9;
+            let rest = bus.last.since(start).nanos() as f64 / 1e9 - last as f64 * width;
+            if at == last { rest.clamp(width.min(0.1), width) } else { width }
+        };
+        let bins = load.bins().iter().enumerate();
+        let extremes = load.extremes();
+        let tenth = finest.nanos() as f64 / 1e9;
+        Some(Bus {
+            channel: names.place(*channel),
+            unit,
+            start: names.micros(start),
+            width: (load.width().nanos() / 1_000) as i64,
+            mean: bins.map(|(at, &bits)| percent(bits, within(at))).collect(),
+            least: extremes.iter().map(|bin| percent(bin.least, tenth)).collect(),
+            most: extremes.iter().map(|bin| percent(bin.most, tenth)).collect(),
+        })
+    };
+    diagnosed.results.buses.iter().filter_map(of_bus).collect()
+}
+
+fn signals(collected: &Collector, names: &mut Names<'_>) -> Vec<Signal> {
+    let columns = collected.sampler.columns().iter().take(Series::MOST).enumerate();
+    let signal = |(at, column): (usize, &crate::signals::Column)| {
+        let points = collected.series.points(at);
+        let mut before = 0;
+        let t = points.iter().map(|point| {
+            let now = names.micros(point.0);
+            now - std::mem::replace(&mut before, now)
+        });
+        Signal {
+            t: t.collect(),
+            v: points.iter().map(|point| point.1).collect(),
+            channel: names.place(column.channel),
+            node: column.node.raw(),
+            label: printable(&column.label).into_owned(),
+            unit: printable(&column.unit).into_owned(),
+        }
+    };
+    columns.map(signal).filter(|signal| !signal.v.is_empty()).collect()
+}
+
+fn findings(diagnosed: &Diagnosed<'_>, names: &mut Names<'_>) -> Vec<Finding> {
+    let found = diagnosed.results.findings.iter().take(MOST_FINDINGS);
+    let finding = |found: &canvass_analyzer::findings::Finding| Finding {
+        severity: found.severity.name(),
+        title: found.rule.title,
+        node: found.node.map(NodeId::raw),
+        channel: found.channel.map(|channel| names.place(channel)),
+        t: names.micros(found.first),
+        count: found.count,
+    };
+    found.map(finding).collect()
+}
+
+fn frame(shown: &Shown, names: &mut Names<'_>, texts: &mut Texts) -> Frame {
+    let mut data: String = if shown.frame.is_remote() {
+        "remote".to_owned()
+    } else {
+        let bytes: Vec<String> = shown.data().iter().map(|byte| format!("{byte:02X}")).collect();
+        bytes.join(" ")
+    };
+    if shown.len > shown.data().len() {
+        data.push_str(&format!(" … ({} bytes)", shown.len));
+    }
+    let service = shown.service.and_then(|service| i8::try_from(service as usize).ok()).unwrap_or(-1);
+    let id = if shown.frame.is_error() { "error".to_owned() } else { shown.frame.id().to_string() };
+    (
+        shown.number,
+        names.nanos(shown.time),
+        shown.place.number,
+        names.place(shown.channel),
+        shown.node.map(NodeId::raw),
+        service,
+        id,
+        data,
+        texts.place(&shown.text),
+    )
+}
+
+fn proofs(diagnosed: &Diagnosed<'_>, places: &HashMap<FrameKey, usize>) -> BTreeMap<usize, Vec<usize>> {
+    let mut proofs: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (at, finding) in diagnosed.results.findings.iter().take(MOST_FINDINGS).enumerate() {
+        for place in finding.evidence.iter().filter_map(|exhibit| places.get(&key_of(exhibit)?)) {
+            let of_frame = proofs.entry(*place).or_default();
+            if of_frame.last() != Some(&(at + 1)) {
+                of_frame.push(at + 1);
+            }
+        }
+    }
+    proofs
+}

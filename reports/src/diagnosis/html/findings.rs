@@ -1,0 +1,125 @@
+//! The findings, each with its frames.
+
+use super::excerpt::{FrameKey, key_of};
+use super::{MOST_FINDINGS, frame_link, text};
+use crate::diagnosis::{Diagnosed, frame, times};
+use canvass_analyzer::findings::{Exhibit, Finding, Severity};
+use maud::{Markup, html};
+use std::collections::HashMap;
+
+/// A finding as a place on the page, by its number from 0.
+pub fn anchor(at: usize) -> String {
+    format!("finding-{}", at + 1)
+}
+
+/// A severity with a sign, so that colour is never all that tells.
+pub fn badge(severity: Severity, count: usize) -> Markup {
+    let (sign, name) = match severity {
+        Severity::Error => ("✕", "Error"),
+        Severity::Warning => ("▲", "Warning"),
+        Severity::Info => ("●", "Hint"),
+    };
+    html! { span.badge.(severity.name()) { span aria-hidden="true" { (sign) " " } (name) @if count != 1 { "s" } } }
+}
+
+/// All findings that are shown, the worst first.
+pub fn section(diagnosed: &Diagnosed<'_>, places: &HashMap<FrameKey, usize>) -> Markup {
+    let all = &diagnosed.results.findings;
+    html! {
+        section aria-labelledby="findings" {
+            h2 #findings { "Findings" }
+            @if all.is_empty() {
+                p.nothing.card { "Nothing of what canvass looks for has happened on this bus." }
+            } @else {
+                div.filter role="search" aria-label="Findings" {
+                    input #finding-text type="search" placeholder="Filter by rule, node or text" aria-label="Filter by rule, node or text";
+                    span #findings-shown role="status" {}
+                }
+            }
+            @for (at, finding) in all.iter().enumerate().take(MOST_FINDINGS) {
+                (article(diagnosed, at, finding, places))
+            }
+            @if all.len() > MOST_FINDINGS { p.hint { (all.len() - MOST_FINDINGS) " more findings are not shown." } }
+            @for (rule, count) in &diagnosed.results.omitted {
+                p.hint { (rule) ": " (count) " more reports are not shown." }
+            }
+        }
+    }
+}
+
+fn article(diagnosed: &Diagnosed<'_>, at: usize, finding: &Finding, places: &HashMap<FrameKey, usize>) -> Markup {
+    let title = format!("title-{}", at + 1);
+    html! {
+        article.finding.card.(finding.severity.name()) id=(anchor(at)) data-severity=(finding.severity.name()) tabindex="-1" aria-labelledby=(title) {
+            header {
+                (badge(finding.severity, 1))
+                h3 id=(title) { (finding.rule.title) }
+                code.rule { (finding.rule.id) }
+            }
+            p.where {
+                @let whom = text(&diagnosed.whom(finding));
+                @if !whom.is_empty() { strong { (whom) } " · " }
+                button.link type="button" data-from=(micros(diagnosed, finding.first)) data-to=(micros(diagnosed, finding.last)) title="Show this time in the plots" {
+                    "at " (diagnosed.since_start(finding.first)) " s"
+                }
+                (times(diagnosed, finding))
+            }
+            p.message { (text(&finding.message)) }
+            (evidence(diagnosed, finding, places))
+            p.advice { strong { "What to do: " } (finding.rule.advice) }
+            details.why {
+                summary { "Why this matters" }
+                p { (finding.rule.what) }
+                p { (finding.rule.why) }
+            }
+        }
+    }
+}
+
+/// Microseconds since the start.
+fn micros(diagnosed: &Diagnosed<'_>, time: canvass_traces::Timestamp) -> u64 {
+    diagnosed.start().map_or(0, |start| time.since(start).nanos() / 1_000)
+}
+
+fn evidence(diagnosed: &Diagnosed<'_>, finding: &Finding, places: &HashMap<FrameKey, usize>) -> Markup {
+    html! {
+        @if !finding.evidence.is_empty() {
+            div.scroll {
+                table.evidence {
+                    caption.unseen { "The frames that prove it" }
+                    thead.unseen { tr {
+                        th scope="col" { "Place" } th scope="col" { "Time [s]" } th scope="col" { "Frame" } th scope="col" { "Meaning" }
+                    } }
+                    tbody { @for exhibit in &finding.evidence { (row(diagnosed, exhibit, places)) } }
+                }
+            }
+        }
+    }
+}
+
+fn row(diagnosed: &Diagnosed<'_>, exhibit: &Exhibit, places: &HashMap<FrameKey, usize>) -> Markup {
+    let at = key_of(exhibit).and_then(|key| places.get(&key));
+    let number = format!("#{}", exhibit.place.number);
+    html! {
+        tr {
+            td.number {
+                @match at {
+                    Some(at) => a.frame href=(frame_link(*at)) title="Show this frame among its neighbours" { (number) },
+                    None => (number),
+                }
+            }
+            td.number { (diagnosed.since_start(exhibit.time)) }
+            td.bytes { (text(&shortened(frame(exhibit)))) }
+            td.text { (text(&exhibit.text)) }
+        }
+    }
+}
+
+/// A frame of CAN XL may have 2048 bytes.
+fn shortened(frame: String) -> String {
+    const MOST: usize = 160;
+    match frame.char_indices().nth(MOST) {
+        Some((at, _)) => format!("{}…", frame.get(..at).unwrap_or_default()),
+        None => frame,
+    }
+}

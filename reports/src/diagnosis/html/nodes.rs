@@ -1,0 +1,212 @@
+//! Each node in figures.
+
+use super::text;
+use crate::diagnosis::Diagnosed;
+use crate::diagnosis::terminal::{nodes as overview, rounded, who};
+use canvass_analyzer::statistics::{BusStatistics, Histogram, NodeStatistics, TestRun};
+use canvass_analyzer::{NodeId, Service};
+use canvass_traces::{ChannelId, Duration};
+use maud::{Markup, html};
+
+/// So many changes of a node's state are listed.
+const STATES: usize = 40;
+/// So many cases of CiA's test tool.
+const CASES: usize = 500;
+
+/// A table of all nodes, and each in full.
+pub fn section(diagnosed: &Diagnosed<'_>) -> Markup {
+    let rows = overview(diagnosed);
+    html! {
+        section aria-labelledby="nodes" {
+            h2 #nodes { "Nodes" }
+            @if let Some((head, rows)) = rows.split_first() {
+                div.card.scroll {
+                    table.nodes {
+                        caption.unseen { "All nodes" }
+                        thead { tr { @for cell in head { th scope="col" { (cell) } } } }
+                        tbody { @for row in rows { tr { @for cell in row { td { (cell) } } } } }
+                    }
+                }
+                @for (channel, bus) in &diagnosed.results.buses {
+                    @for (id, node) in bus.nodes.iter().filter(|(_, node)| node.total() > 0) {
+                        (of_node(diagnosed, (*channel, bus), *id, node))
+                    }
+                }
+            } @else {
+                p.hint { "No node sent anything or was addressed." }
+            }
+            @for (_, bus) in &diagnosed.results.buses { (test_run(diagnosed, &bus.test_run)) }
+        }
+    }
+}
+
+fn of_node(
+    diagnosed: &Diagnosed<'_>,
+    (channel, bus): (ChannelId, &BusStatistics),
+    id: NodeId,
+    node: &NodeStatistics,
+) -> Markup {
+    let seconds = bus.duration().nanos() as f64 / 1e9;
+    let rate = if seconds > 0.0 { format!(", {:.1} frames/s", node.total() as f64 / seconds) } else { String::new() };
+    let all: u64 = bus.bits.iter().sum();
+    let share = node.bits as f64 * 100.0 / all.max(1) as f64;
+    let name = text(&who(node));
+    html! {
+        details.node.card {
+            summary {
+                strong { "Node " (id) }
+                @if diagnosed.results.buses.len() > 1 { " on " (text(&diagnosed.channel(channel))) }
+                span.who { (name) }
+            }
+            div.body {
+                p {
+                    (node.total()) " frames" (rate) ", " (format!("{share:.1}")) " % of all bits, from "
+                    (diagnosed.since_start(node.first)) " to " (diagnosed.since_start(node.last)) " s."
+                    @if let Some(load) = bus.mean_load() { " Load of its own: " (format!("{:.1}", load * share / 100.0)) " %." }
+                }
+                div.columns {
+                    (identity(node))
+                    (services(node))
+                    (responses(node))
+                    (emcy(diagnosed, node))
+                    (states(diagnosed, node))
+                }
+            }
+        }
+    }
+}
+
+fn identity(node: &NodeStatistics) -> Markup {
+    let identity = &node.identity;
+    let [vendor, product, revision, serial] =
+        identity.numbers.map(|number| number.map(|number| format!("{number:08X}h")));
+    let [name, hardware, software] = identity.names.each_ref().map(|name| name.as_deref().map(text));
+    let rows = [
+        ("Name", name),
+        ("Hardware", hardware),
+        ("Software", software),
+        ("Device type", identity.device_type.map(|number| format!("{number:08X}h"))),
+        ("Vendor-ID", vendor),
+        ("Product code", product),
+        ("Revision", revision),
+        ("Serial number", serial),
+    ];
+    html! {
+        @if rows.iter().any(|row| row.1.is_some()) {
+            table {
+                caption { "Identity, as read" }
+                @for (label, value) in rows.iter().filter_map(|(label, value)| Some((label, value.as_ref()?))) {
+                    tr { th scope="row" { (label) } td.text { (value) } }
+                }
+            }
+        }
+    }
+}
+
+fn services(node: &NodeStatistics) -> Markup {
+    let rows: Vec<_> = Service::ALL.into_iter().zip(node.frames).filter(|(_, count)| *count > 0).collect();
+    let most = rows.iter().map(|row| row.1).max().unwrap_or(1);
+    html! {
+        table {
+            caption { "Frames by service" }
+            @for (service, count) in rows {
+                tr {
+                    th scope="row" { (service) }
+                    td.number { (count) }
+                    td { svg.share viewBox="0 0 100 8" aria-hidden="true" preserveAspectRatio="none" {
+                        rect.bar width=(format!("{:.1}", count as f64 * 100.0 / most as f64)) height="8" rx="2" {}
+                    } }
+                }
+            }
+        }
+    }
+}
+
+fn responses(node: &NodeStatistics) -> Markup {
+    let times: &Histogram = &node.responses;
+    let shown = |time: Option<Duration>| time.map(|time| rounded(time).to_string()).unwrap_or_default();
+    html! {
+        @if times.count() > 0 {
+            table {
+                caption { "SDO" }
+                tr { th scope="row" { "completed" } td.number { (node.completed) } }
+                tr { th scope="row" { "aborted" } td.number { (node.aborted) } }
+                tr { th scope="row" { "shortest response" } td.number { (shown(times.min())) } }
+                @for percent in [50, 95, 99] {
+                    tr { th scope="row" { "p" (percent) } td.number { (shown(times.quantile(percent))) } }
+                }
+                tr { th scope="row" { "longest response" } td.number { (shown(times.max())) } }
+            }
+        }
+    }
+}
+
+fn emcy(diagnosed: &Diagnosed<'_>, node: &NodeStatistics) -> Markup {
+    html! {
+        @if !node.emcy.is_empty() {
+            table {
+                caption { "EMCY" }
+                thead { tr { th scope="col" { "Code" } th.number scope="col" { "Count" } th.number scope="col" { "First [s]" } th.number scope="col" { "Last [s]" } } }
+                @for row in &node.emcy {
+                    tr {
+                        td.text { (row.code) }
+                        td.number { (row.count) }
+                        td.number { (diagnosed.since_start(row.first)) }
+                        td.number { (diagnosed.since_start(row.last)) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn states(diagnosed: &Diagnosed<'_>, node: &NodeStatistics) -> Markup {
+    let more = node.states.len().saturating_sub(STATES) as u64 + node.states_omitted;
+    html! {
+        @if !node.states.is_empty() {
+            table {
+                caption { "NMT states (" (node.boot_ups) " boot-ups)" }
+                thead { tr { th.number scope="col" { "From [s]" } th scope="col" { "State" } th scope="col" { "Known from" } } }
+                @for change in node.states.iter().take(STATES) {
+                    tr {
+                        td.number { (diagnosed.since_start(change.time)) }
+                        td { (change.state) }
+                        td { (crate::diagnosis::json::cause(change.cause)) }
+                    }
+                }
+                @if more > 0 { tr { td.gap colspan="3" { (more) " more" } } }
+            }
+        }
+    }
+}
+
+/// The cases that CiA's test tool has marked.
+fn test_run(diagnosed: &Diagnosed<'_>, run: &TestRun) -> Markup {
+    let all = run.cases.len() as u64 + run.omitted;
+    html! {
+        @if !run.cases.is_empty() {
+            details.card.node open {
+                summary { strong { "CiA test run" } span.who { (all) " cases" } }
+                div.body.scroll {
+                    table {
+                        thead { tr {
+                            th.number scope="col" { "Group" } th.number scope="col" { "Case" } th scope="col" { "Verdict" }
+                            th.number scope="col" { "From [s]" } th.number scope="col" { "To [s]" } th.number scope="col" { "Frames" }
+                        } }
+                        @for case in run.cases.iter().take(CASES) {
+                            tr {
+                                td.number { (case.group) }
+                                td.number { (case.case) }
+                                td { (case.verdict.map_or_else(|| "not ended".to_owned(), |verdict| verdict.to_string())) }
+                                td.number { (diagnosed.since_start(case.begin)) }
+                                td.number { (diagnosed.since_start(case.end)) }
+                                td.number { (case.frames) }
+                            }
+                        }
+                    }
+                    @if all > CASES as u64 { p.hint { (all - CASES as u64) " more: canvass diagnose --format json has all." } }
+                }
+            }
+        }
+    }
+}

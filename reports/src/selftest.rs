@@ -1,0 +1,102 @@
+//! The selftest's matrix: which case failed on which fault.
+//!
+//! JSON, `"schema": "canvass/selftest/1"`: `summary` counts; `matrix` has a row for each fault; `models` one for each
+//! model without fault; `vacuous_cases` names the cases that failed on no fault.
+
+use canvass_conformance::case::Case;
+use canvass_conformance::selftest::{FaultRow, Matrix, ModelRow};
+use serde_json::{Value, json};
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+/// The name and version of the contract.
+pub const SCHEMA: &str = "canvass/selftest/1";
+
+/// Writes the document, indented, with a line end.
+///
+/// # Errors
+/// What `out` gives.
+pub fn json(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
+    let document = json!({
+        "schema": SCHEMA,
+        "summary": {
+            "cases": matrix.cases.len(),
+            "models": matrix.models.len(),
+            "faults": matrix.faults.len(),
+            "detected": matrix.detected(),
+            "false_alarms": matrix.false_alarms(),
+            "vacuous_cases": matrix.vacuous_cases().len(),
+        },
+        "matrix": matrix.faults.iter().map(fault).collect::<Vec<_>>(),
+        "models": matrix.models.iter().map(model).collect::<Vec<_>>(),
+        "vacuous_cases": ids(&matrix.vacuous_cases()),
+    });
+    writeln!(out, "{document:#}")
+}
+
+fn ids(cases: &[&'static Case]) -> Vec<&'static str> {
+    cases.iter().map(|case| case.id).collect()
+}
+
+fn fault(row: &FaultRow) -> Value {
+    let missed = row.missed.iter().map(|(case, kind)| json!({ "case": case.id, "verdict": kind.name() }));
+    json!({
+        "fault": row.fault.id(),
+        "model": row.model,
+        "detected": row.is_detected(),
+        "failed": ids(&row.failed),
+        "missed": missed.collect::<Vec<_>>(),
+        "unrelated": ids(&row.unrelated),
+    })
+}
+
+fn model(row: &ModelRow) -> Value {
+    let alarms = row
+        .alarms
+        .iter()
+        .map(|(case, kind, reason)| json!({ "case": case.id, "verdict": kind.name(), "reason": reason.to_string() }));
+    json!({ "model": row.model, "executed": row.executed, "false_alarms": alarms.collect::<Vec<_>>() })
+}
+
+/// The matrix for people: a line for each fault with the cases that failed on it, then what is wrong with the catalogue,
+/// then the counts.
+pub fn text(matrix: &Matrix) -> String {
+    let mut text = String::new();
+    for row in &matrix.faults {
+        let sign = if row.is_detected() { '✓' } else { '✗' };
+        line(&mut text, &format!("{sign} {} on {}", row.fault, row.model));
+        for case in &row.failed {
+            let named = if case.catches.contains(&row.fault) { "" } else { "  (does not name it)" };
+            line(&mut text, &format!("    {}{named}", case.id));
+        }
+    }
+    line(&mut text, "");
+    for row in &matrix.faults {
+        for (case, kind) in &row.missed {
+            line(&mut text, &format!("missed: {} does not fail on {} but ends with {kind}", case.id, row.fault));
+        }
+        for case in &row.unrelated {
+            line(&mut text, &format!("false alarm: {} fails on {}, which is not its matter", case.id, row.fault));
+        }
+    }
+    for row in &matrix.models {
+        for (case, kind, reason) in &row.alarms {
+            line(&mut text, &format!("false alarm: {}: {} ends with {kind}: {reason}", row.model, case.id));
+        }
+    }
+    for case in matrix.vacuous_cases() {
+        line(&mut text, &format!("vacuous: {} fails on no fault", case.id));
+    }
+    let (faults, detected) = (matrix.faults.len(), matrix.detected());
+    let share = (detected * 100).checked_div(faults).unwrap_or(0);
+    line(&mut text, &format!("{detected} of {faults} faults detected ({share} %) by {} cases", matrix.cases.len()));
+    let (alarms, vacuous) = (matrix.false_alarms(), matrix.vacuous_cases().len());
+    let models = matrix.models.len();
+    line(&mut text, &format!("{alarms} false alarms on {models} models and {faults} faults, {vacuous} vacuous cases"));
+    text
+}
+
+fn line(text: &mut String, line: &str) {
+    // Writing to a string can't fail.
+    let _ = writeln!(text, "{line}");
+}

@@ -1,0 +1,173 @@
+//! `canvass doctor`: what this machine can do, and what is missing.
+
+use crate::output::print;
+use crate::status::{Failure, Status};
+use serde_json::json;
+use std::fmt::Write;
+use std::fs;
+use std::path::Path;
+use std::time::{Duration, Instant};
+
+/// Say what this machine can do on live buses, what is missing, and how to get it
+///
+/// Looks at the kernel's CAN support, its CAN interfaces, serial ports, and how precisely programs are woken.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Print a JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+/// Something that was looked at.
+struct Finding {
+    what: &'static str,
+    good: bool,
+    text: String,
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let mut findings = vec![system()];
+        findings.extend(socketcan());
+        findings.push(serial_ports());
+        findings.push(wake_up());
+        findings.push(processors());
+        if self.json {
+            let rows: Vec<_> = findings
+                .iter()
+                .map(|finding| json!({"what": finding.what, "good": finding.good, "text": finding.text}))
+                .collect();
+            print(&format!("{:#}\n", json!({"schema": "canvass/doctor/1", "findings": rows})))?;
+            return Ok(Status::Good);
+        }
+        let mut text = String::new();
+        for finding in &findings {
+            // Writing to a string can't fail.
+            let _ = writeln!(text, "{} {:12} {}", if finding.good { "✔" } else { "✘" }, finding.what, finding.text);
+        }
+        print(&text)?;
+        Ok(Status::Good)
+    }
+}
+
+fn read(path: &str) -> Option<String> {
+    fs::read_to_string(path).ok().map(|text| text.trim().to_owned())
+}
+
+fn system() -> Finding {
+    let release = read("/proc/sys/kernel/osrelease").unwrap_or_else(|| std::env::consts::OS.to_owned());
+    Finding { what: "system", good: true, text: format!("{} {release}", std::env::consts::OS) }
+}
+
+#[cfg(target_os = "linux")]
+fn socketcan() -> Vec<Finding> {
+    use canvass_conformance::bus::socketcan::{Link, SocketCan};
+    let mut findings = Vec::new();
+    let support = SocketCan::support();
+    let good = support.is_ok();
+    let text = match support {
+        Ok(()) => "the kernel has AF_CAN and CAN_RAW".to_owned(),
+        Err(error) => format!("{error}; {}", why_no_can()),
+    };
+    findings.push(Finding { what: "SocketCAN", good, text });
+    let interfaces = Link::can_interfaces();
+    if interfaces.is_empty() {
+        let text = if good {
+            "none; a virtual one: ip link add dev vcan0 type vcan && ip link set vcan0 up".to_owned()
+        } else {
+            "none".to_owned()
+        };
+        findings.push(Finding { what: "interfaces", good: false, text });
+    }
+    for name in interfaces {
+        let link = Link::find(&name).ok().flatten();
+        let good = link.as_ref().is_some_and(|link| link.is_up);
+        let remedy = link.as_ref().filter(|link| !link.is_up).map(|link| format!(": {}", link.up_command(&name)));
+        let text = link.map_or_else(|| "unreadable".to_owned(), |link| link.to_string());
+        findings.push(Finding {
+            what: "interface",
+            good,
+            text: format!("{name}: {text}{}", remedy.unwrap_or_default()),
+        });
+    }
+    if good && let Some(bytes) = read("/proc/sys/net/core/rmem_max").and_then(|text| text.parse::<u64>().ok()) {
+        // A frame takes about 1 KiB of the kernel's queue; root may go beyond the limit.
+        let enough = bytes >= 4 << 20;
+        let remedy = if enough { "" } else { ": sysctl net.core.rmem_max=8388608 (root needs it not)" };
+        let text = format!("holds about {} frames while this program is not woken{remedy}", bytes / 1024);
+        findings.push(Finding { what: "kernel queue", good: enough, text });
+    }
+    findings
+}
+
+#[cfg(not(target_os = "linux"))]
+fn socketcan() -> Vec<Finding> {
+    vec![Finding { what: "SocketCAN", good: false, text: "only Linux has it: use slcan:PORT".to_owned() }]
+}
+
+/// What the files of this machine tell of the reason.
+#[cfg(target_os = "linux")]
+fn why_no_can() -> String {
+    let release = read("/proc/sys/kernel/osrelease").unwrap_or_default();
+    let modules = format!("/lib/modules/{release}");
+    if !Path::new("/proc/modules").exists() {
+        return "this kernel can't load modules, so CAN must be built in".to_owned();
+    }
+    if !Path::new(&modules).exists() {
+        return format!("there are no modules for the running kernel ({modules} does not exist)");
+    }
+    let can = ["can.ko", "can.ko.xz", "can.ko.zst", "can.ko.gz"];
+    let found = can.iter().any(|name| Path::new(&format!("{modules}/kernel/net/can/{name}")).exists());
+    match found {
+        true => "the module can is there and not loaded".to_owned(),
+        false => format!("the running kernel was built without CAN (no net/can/can.ko in {modules})"),
+    }
+}
+
+/// Serial ports that CAN adapters show as.
+fn serial_ports() -> Finding {
+    let entries = fs::read_dir("/dev").into_iter().flatten().flatten();
+    let mut ports: Vec<String> = entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .filter(|name| ["ttyACM", "ttyUSB"].iter().any(|prefix| name.starts_with(prefix)))
+        .map(|name| format!("/dev/{name}"))
+        .collect();
+    ports.sort();
+    let locked = |port: &&String| fs::OpenOptions::new().read(true).write(true).open(port).is_err();
+    let denied: Vec<&String> = ports.iter().filter(locked).collect();
+    let (good, text) = match (&*ports, &*denied) {
+        ([], _) => (true, "none (slcan:tcp://HOST:PORT works all the same)".to_owned()),
+        (_, []) => (true, ports.join(", ")),
+        (_, [first, ..]) => {
+            (false, format!("{first} can't be opened: join its group, usually `usermod -aG dialout $USER`"))
+        }
+    };
+    Finding { what: "serial ports", good, text }
+}
+
+/// How much later than asked for a program is woken: the tester's reaction times can't be better.
+fn wake_up() -> Finding {
+    let asked = Duration::from_millis(1);
+    let mut delays: Vec<Duration> = (0..200)
+        .map(|_| {
+            let begun = Instant::now();
+            std::thread::sleep(asked);
+            begun.elapsed().saturating_sub(asked)
+        })
+        .collect();
+    delays.sort_unstable();
+    let at = |share: usize| delays.get(delays.len() * share / 100).copied().unwrap_or_default();
+    let worst = delays.last().copied().unwrap_or_default();
+    let text = format!(
+        "half of all waits end within {:.0?} of their time, 99 % within {:.0?}, all within {worst:.0?}",
+        at(50),
+        at(99)
+    );
+    Finding { what: "wake-up", good: at(99) < Duration::from_millis(10), text }
+}
+
+fn processors() -> Finding {
+    let n = std::thread::available_parallelism().map_or(1, usize::from);
+    let text = if n > 1 { format!("{n}") } else { "1: receiving and judging share it".to_owned() };
+    Finding { what: "processors", good: n > 1, text }
+}

@@ -1,0 +1,329 @@
+//! `canvass lss`: layer setting services.
+
+use crate::live::Live;
+use crate::output::{diagnostic, print};
+use crate::status::{Failure, Status};
+use anyhow::{Context, Result, anyhow};
+use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, MASTER_CAN_ID, Part, Request, Response, SLAVE_CAN_ID};
+use canvass_analyzer::{NodeId, wire::Wire};
+use canvass_conformance::client::Exchange;
+use canvass_conformance::client::lss::{LssAddress, ScanStep};
+use canvass_traces::{Duration, Record};
+use serde_json::json;
+use std::str::FromStr;
+
+/// Ask for and set node-ID and bit rate by LSS (CiA 305)
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    /// Ask a device for its LSS address and node-ID
+    Inquire {
+        #[command(flatten)]
+        bus: OnBus,
+        #[command(flatten)]
+        which: Which,
+    },
+    /// Give a device a node-ID, a bit rate, or both
+    Configure {
+        #[command(flatten)]
+        bus: OnBus,
+        #[command(flatten)]
+        which: Which,
+        /// The node-ID; none: it shall have none
+        #[arg(long, value_name = "NODE|none", value_parser = parse_node_id)]
+        node_id: Option<u8>,
+        /// The bit rate, such as 250k; it counts once it is activated
+        #[arg(long, value_name = "BITRATE", value_parser = parse_bit_rate)]
+        bit_rate: Option<u8>,
+        /// Store both in non-volatile memory
+        #[arg(long)]
+        store: bool,
+        /// Let all devices change to the bit rate that was set for them, after that many milliseconds of silence
+        #[arg(long, value_name = "MS")]
+        activate: Option<u16>,
+    },
+    /// Find a device without node-ID by Fastscan
+    Fastscan {
+        #[command(flatten)]
+        bus: OnBus,
+        /// Give it that node-ID, and the next ones those that follow, until none is found
+        #[arg(long, value_name = "NODE", value_parser = crate::devices::parse_node)]
+        assign: Option<NodeId>,
+        /// Store the node-IDs in non-volatile memory
+        #[arg(long, requires = "assign")]
+        store: bool,
+    },
+}
+
+#[derive(clap::Args)]
+struct OnBus {
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    bus: String,
+    /// How long to wait for each answer, in milliseconds; a Fastscan waits up to 68 times for every device
+    #[arg(long, value_name = "MS")]
+    timeout: Option<u64>,
+    /// Print a JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(clap::Args)]
+struct Which {
+    /// The device's LSS address; without it all devices are switched to configuration, so there must be only one
+    #[arg(long, value_name = "VENDOR:PRODUCT:REVISION:SERIAL")]
+    address: Option<Address>,
+}
+
+#[derive(Clone, Copy)]
+struct Address(LssAddress);
+
+impl FromStr for Address {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let number = |part: &str| match part.strip_prefix("0x").or_else(|| part.strip_prefix("0X")) {
+            Some(hex) => u32::from_str_radix(hex, 16),
+            None => part.parse(),
+        };
+        let parts: Result<Vec<u32>, _> = text.split(':').map(number).collect();
+        let parts = parts.ok().and_then(|parts| LssAddress::try_from(parts).ok());
+        parts.map(Self).with_context(|| {
+            format!("expected vendor-ID, product code, revision and serial number, such as 0x13:0x1:0x2:0x3, found \"{text}\"")
+        })
+    }
+}
+
+fn parse_node_id(text: &str) -> Result<u8> {
+    if text == "none" { Ok(NO_NODE_ID) } else { crate::devices::parse_node(text).map(NodeId::raw) }
+}
+
+/// The index in table 0 of CiA 305.
+fn parse_bit_rate(text: &str) -> Result<u8> {
+    let number = |digits: &str, factor: u32| digits.parse::<u32>().ok()?.checked_mul(factor);
+    let rate = match text.char_indices().last() {
+        Some((at, 'k' | 'K')) => number(&text[..at], 1_000),
+        Some((at, 'M')) => number(&text[..at], 1_000_000),
+        _ => number(text, 1),
+    };
+    let index = BIT_RATES.iter().position(|known| known.is_some() && *known == rate);
+    index.map(|index| index as u8).with_context(|| {
+        let known: Vec<_> = BIT_RATES.iter().flatten().map(|rate| format!("{}k", rate / 1000)).collect();
+        format!("expected one of {}, found \"{text}\"", known.join(", "))
+    })
+}
+
+/// The node-ID that says "not configured".
+const NO_NODE_ID: u8 = 255;
+/// How long a slave may take to answer; storing takes longest.
+const PATIENCE: Duration = Duration::from_millis(1_000);
+/// How long a slave may take to answer a Fastscan: silence is an answer there, so it costs time each time.
+const SCAN_PATIENCE: Duration = Duration::from_millis(30);
+const WAITING: Request = Request::SwitchGlobal { mode: 0 };
+const CONFIGURATION: Request = Request::SwitchGlobal { mode: 1 };
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        match self.action {
+            Action::Inquire { bus, which } => bus.run(PATIENCE, |master| master.inquire(&which)),
+            Action::Configure { bus, which, node_id, bit_rate, store, activate } => {
+                if node_id.is_none() && bit_rate.is_none() && !store && activate.is_none() {
+                    return Err(anyhow!("nothing to do: say --node-id, --bit-rate, --store or --activate").into());
+                }
+                let wish = Wish { node_id, bit_rate, store, activate };
+                bus.run(PATIENCE, |master| master.configure(&which, wish))
+            }
+            Action::Fastscan { bus, assign, store } => bus.run(SCAN_PATIENCE, |master| master.fastscan(assign, store)),
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Wish {
+    node_id: Option<u8>,
+    bit_rate: Option<u8>,
+    store: bool,
+    activate: Option<u16>,
+}
+
+impl OnBus {
+    fn run(
+        &self,
+        patience: Duration,
+        act: impl FnOnce(&mut Master<'_>) -> Result<(), Failure>,
+    ) -> Result<Status, Failure> {
+        let mut live = Live::open(&self.bus, &[])?;
+        let wanted = [(MASTER_CAN_ID, 0x7FF), (SLAVE_CAN_ID, 0x7FF)];
+        live.bus.only(&wanted).map_err(Failure::unreachable)?;
+        let patience = self.timeout.map_or(patience, Duration::from_millis);
+        let mut observe = |_: &Record| {};
+        let exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe };
+        let mut master = Master { exchange, patience, json: self.json };
+        let acted = act(&mut master);
+        // Whatever happened: no device stays in configuration.
+        let left = master.tell(&WAITING);
+        acted?;
+        left?;
+        live.report_health();
+        Ok(Status::Good)
+    }
+}
+
+struct Master<'a> {
+    exchange: Exchange<'a>,
+    patience: Duration,
+    json: bool,
+}
+
+impl Master<'_> {
+    fn ask(&mut self, request: &Request) -> Result<Response, Failure> {
+        let response = self.exchange.ask(request, self.patience.max(PATIENCE)).map_err(Failure::unreachable)?;
+        response.ok_or_else(|| Failure::unreachable(anyhow!("no device answers to \"{request}\"")))
+    }
+
+    /// Sends what is not answered.
+    fn tell(&mut self, request: &Request) -> Result<(), Failure> {
+        self.exchange.bus.send(&request.to_frame(MASTER_CAN_ID)).map_err(Failure::unreachable)?;
+        // Slaves need not take the next message before they have understood this one.
+        self.exchange.wait_for(Duration::from_millis(5), |_| None::<()>).map_err(Failure::unreachable)?;
+        Ok(())
+    }
+
+    /// Switches the device to configuration.
+    fn select(&mut self, which: &Which) -> Result<(), Failure> {
+        let Some(Address(address)) = which.address else { return self.tell(&CONFIGURATION) };
+        self.tell(&WAITING)?;
+        let [vendor, product, revision, serial] = address;
+        for (part, value) in Part::ALL.into_iter().zip([vendor, product, revision]) {
+            self.tell(&Request::SwitchSelective { part, value })?;
+        }
+        match self.ask(&Request::SwitchSelective { part: Part::SerialNumber, value: serial })? {
+            Response::Switched => Ok(()),
+            other => Err(anyhow!("expected \"{}\", found \"{other}\"", Response::Switched).into()),
+        }
+    }
+
+    fn address(&mut self) -> Result<LssAddress, Failure> {
+        let mut address = LssAddress::default();
+        for (part, slot) in Part::ALL.into_iter().zip(&mut address) {
+            match self.ask(&Request::Inquire { part })? {
+                Response::Part { part: found, value } if found == part => *slot = value,
+                other => return Err(anyhow!("expected the {}, found \"{other}\"", part.name()).into()),
+            }
+        }
+        Ok(address)
+    }
+
+    fn inquire(&mut self, which: &Which) -> Result<(), Failure> {
+        self.select(which)?;
+        let address = self.address()?;
+        let node_id = match self.ask(&Request::InquireNodeId)? {
+            Response::NodeId(node_id) => node_id,
+            other => return Err(anyhow!("expected the node-ID, found \"{other}\"").into()),
+        };
+        self.print(address, Some(node_id))
+    }
+
+    fn configure(&mut self, which: &Which, wish: Wish) -> Result<(), Failure> {
+        self.select(which)?;
+        if let Some(node_id) = wish.node_id {
+            self.configured(ConfigureCommand::NodeId, &Request::ConfigureNodeId { node_id })?;
+        }
+        if let Some(index) = wish.bit_rate {
+            self.configured(ConfigureCommand::BitTiming, &Request::ConfigureBitTiming { table: 0, index })?;
+        }
+        if wish.store {
+            self.configured(ConfigureCommand::Store, &Request::StoreConfiguration)?;
+        }
+        if let Some(delay) = wish.activate {
+            self.tell(&Request::ActivateBitTiming { delay })?;
+            diagnostic(&format!("canvass: all devices change their bit rate in {delay} ms: this interface must too"));
+        }
+        Ok(())
+    }
+
+    /// A configuration that has to succeed.
+    fn configured(&mut self, command: ConfigureCommand, request: &Request) -> Result<(), Failure> {
+        let response = self.ask(request)?;
+        let Response::Configured { command: found, error: 0, .. } = response else {
+            return Err(anyhow!("{request}: the device answers \"{response}\"").into());
+        };
+        if found != command {
+            return Err(anyhow!("{request}: the device answers \"{response}\"").into());
+        }
+        if !self.json {
+            print(&format!("{response}\n"))?;
+        }
+        Ok(())
+    }
+
+    fn fastscan(&mut self, assign: Option<NodeId>, store: bool) -> Result<(), Failure> {
+        let mut next = assign;
+        let mut found = 0;
+        loop {
+            match self.exchange.fastscan(self.patience).map_err(Failure::unreachable)? {
+                ScanStep::Found(address) => {
+                    found += 1;
+                    if let Some(node) = next {
+                        self.configured(ConfigureCommand::NodeId, &Request::ConfigureNodeId { node_id: node.raw() })?;
+                        if store {
+                            self.configured(ConfigureCommand::Store, &Request::StoreConfiguration)?;
+                        }
+                    }
+                    self.print(address, next.map(NodeId::raw))?;
+                    self.tell(&WAITING)?;
+                    let Some(node) = next else { break };
+                    next = NodeId::new(node.raw() + 1);
+                    if next.is_none() {
+                        break;
+                    }
+                }
+                ScanStep::Lost(part) => {
+                    let why = format!("the {} of a device was not confirmed: wait longer with --timeout", part.name());
+                    return Err(Failure::unreachable(anyhow!(why)));
+                }
+                ScanStep::Nobody | ScanStep::Ask(_) => break,
+            }
+        }
+        if found == 0 {
+            return Err(Failure::unreachable(anyhow!("no device without a node-ID was found")));
+        }
+        Ok(())
+    }
+
+    fn print(&self, address: LssAddress, node_id: Option<u8>) -> Result<(), Failure> {
+        let node_id = node_id.filter(|&node_id| node_id != NO_NODE_ID);
+        let [vendor, product, revision, serial] = address;
+        if self.json {
+            let document = json!({
+                "schema": "canvass/lss/1", "vendor_id": vendor, "product_code": product, "revision_number": revision,
+                "serial_number": serial, "node": node_id,
+            });
+            return Ok(print(&format!("{document}\n"))?);
+        }
+        let node_id = node_id.map_or_else(|| "none".to_owned(), |node_id| node_id.to_string());
+        Ok(print(&format!(
+            "vendor-ID {vendor:08X}h, product code {product:08X}h, revision number {revision:08X}h, serial number \
+             {serial:08X}h, node-ID {node_id}\n"
+        ))?)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn addresses_and_bit_rates() {
+        let address: Address = "0x13:2:0xFFFFFFFF:0".parse().unwrap();
+        assert_eq!(address.0, [0x13, 2, u32::MAX, 0]);
+        assert!("1:2:3".parse::<Address>().is_err() && "1:2:3:x".parse::<Address>().is_err());
+        assert_eq!(parse_bit_rate("250k").unwrap(), 3);
+        assert_eq!(parse_bit_rate("1M").unwrap(), 0);
+        assert!(parse_bit_rate("300k").is_err() && parse_bit_rate("").is_err());
+    }
+}

@@ -1,0 +1,56 @@
+//! `canvass monitor`: what is on a bus, in words, as it comes.
+
+#[cfg(feature = "screen")]
+mod screen;
+
+use super::decode::View;
+use crate::inputs::{InputOptions, Inputs};
+use crate::interrupt::Interrupt;
+use crate::live::{open_bus, parse_span};
+use crate::live_reader::LiveReader;
+use crate::output::{Color, Output};
+use crate::status::{Failure, Status};
+use anyhow::anyhow;
+use canvass_traces::Duration;
+#[cfg(feature = "screen")]
+use canvass_traces::Timestamp;
+
+/// Decode a bus as it comes: one annotated line per frame, or one per event
+///
+/// With the options of `canvass decode`. Receiving does not wait for the terminal; what is lost is said. Ends by Ctrl-C
+/// or --for.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    bus: String,
+    /// Fill the terminal with the nodes, their states, rates and last values
+    #[cfg(feature = "screen")]
+    #[arg(long)]
+    screen: bool,
+    /// End after that time, such as 10, 500ms or 1h
+    #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
+    span: Option<Duration>,
+    #[command(flatten)]
+    view: View,
+}
+
+impl Args {
+    pub fn run(self, color: Color) -> Result<Status, Failure> {
+        let bus = open_bus(&self.bus, 0)?.bus;
+        if !bus.is_live() && self.span.is_none() {
+            return Err(anyhow!("on a simulated bus time is virtual: say --for how long").into());
+        }
+        let (output, interrupt) = (Output::default(), Interrupt::watch()?);
+        #[cfg(feature = "screen")]
+        if self.screen {
+            let mut bus = bus;
+            let end = self.span.map_or(Timestamp::MAX, |span| bus.now() + span);
+            screen::show(bus.as_mut(), &mut self.view.network()?, &self.bus, end, &interrupt)?;
+            return Ok(Status::Good);
+        }
+        let reader = LiveReader::new(&self.bus, bus, self.span, &output, &interrupt);
+        let options = InputOptions::default();
+        let inputs = Inputs::live(reader.capture(&self.bus), &options, &output, interrupt);
+        self.view.show(inputs, color, &output)
+    }
+}

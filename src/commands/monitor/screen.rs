@@ -1,0 +1,265 @@
+//! `canvass monitor --screen`: the nodes of a bus at a glance.
+
+use crate::interrupt::Interrupt;
+use anyhow::{Context, Result};
+use canvass_analyzer::network::{Decoded, Event, Network};
+use canvass_analyzer::wire::error_control::State;
+use canvass_analyzer::{Meaning, NodeId, Service};
+use canvass_conformance::bus::{Bus, Health};
+use canvass_reports::escape;
+use canvass_traces::{Duration, Record, Timestamp, bit_length};
+use ratatui::Frame;
+use ratatui::crossterm::event::{self, Event as Key, KeyCode};
+use ratatui::layout::{Constraint, Layout};
+use ratatui::style::{Color, Modifier, Style};
+use ratatui::text::Line;
+use ratatui::widgets::{Block, Paragraph, Row, Table};
+use std::collections::{BTreeMap, VecDeque};
+
+/// What the screen shows.
+#[derive(Default)]
+pub struct Screen {
+    title: String,
+    bit_rate: Option<u32>,
+    /// `None`: frames of no node, such as SYNC.
+    nodes: BTreeMap<Option<NodeId>, NodeRow>,
+    recent: VecDeque<String>,
+    bits: Rate,
+    frames: Rate,
+    health: Health,
+    paused: bool,
+}
+
+/// What is known of a node.
+#[derive(Default)]
+struct NodeRow {
+    state: Option<State>,
+    frames: Rate,
+    last_seen: Timestamp,
+    /// The last meaning of each service, which is what its values are: PDOs, SDO transfers, errors.
+    last: BTreeMap<&'static str, String>,
+}
+
+/// A count, and by how much it grew in the last second.
+#[derive(Default)]
+struct Rate {
+    total: u64,
+    before: u64,
+    per_second: u64,
+}
+
+impl Rate {
+    fn add(&mut self, n: u64) {
+        self.total += n;
+    }
+
+    fn tick(&mut self, span: Duration) {
+        let grown = self.total - self.before;
+        (self.before, self.per_second) = (self.total, grown * 1_000_000_000 / span.0.max(1));
+    }
+}
+
+/// So many of the last frames are kept.
+const RECENT: usize = 200;
+/// How often the screen is drawn.
+const REFRESH: Duration = Duration::from_millis(100);
+/// Over what rates are taken.
+const TICK: Duration = Duration::from_secs(1);
+
+impl Screen {
+    fn new(title: &str, bit_rate: Option<u32>) -> Self {
+        Self { title: title.to_owned(), bit_rate, ..Self::default() }
+    }
+
+    /// Takes in a frame.
+    fn record(&mut self, record: &Record, decoded: &Decoded, network: &Network) {
+        let bits = bit_length(&record.frame).unwrap_or(0);
+        self.bits.add(u64::from(bits));
+        self.frames.add(1);
+        let Some(bus) = network.bus(record.channel) else { return };
+        let row = self.nodes.entry(decoded.node).or_default();
+        row.frames.add(1);
+        row.last_seen = record.timestamp;
+        for event in bus.events() {
+            if let Event::StateChanged(node, change) = event {
+                self.nodes.entry(Some(*node)).or_default().state = Some(change.to);
+            }
+        }
+        let text = Meaning::new(record, decoded, bus).to_string();
+        if self.recent.len() == RECENT {
+            self.recent.pop_front();
+        }
+        self.recent.push_back(format!("{}  {}  {text}", record.timestamp, record.frame));
+        // Heartbeats are told by the state.
+        if !matches!(decoded.service, Service::Heartbeat | Service::Guarding)
+            && let Some(row) = self.nodes.get_mut(&decoded.node)
+        {
+            row.last.insert(decoded.service.name(), text);
+        }
+    }
+
+    fn tick(&mut self, span: Duration, health: Health) {
+        self.bits.tick(span);
+        self.frames.tick(span);
+        self.nodes.values_mut().for_each(|row| row.frames.tick(span));
+        self.health = health;
+    }
+
+    fn draw(&self, frame: &mut Frame<'_>, now: Timestamp) {
+        let rows: Vec<Row<'_>> = self.nodes.iter().map(|(node, row)| row.cells(*node, now)).collect();
+        let height = rows.len() as u16 + 3;
+        let areas = [Constraint::Length(1), Constraint::Max(height), Constraint::Min(3), Constraint::Length(1)];
+        let [head, nodes, recent, foot] = Layout::vertical(areas).areas(frame.area());
+        frame.render_widget(Paragraph::new(self.heading()), head);
+        let widths = [
+            Constraint::Length(5),
+            Constraint::Length(16),
+            Constraint::Length(10),
+            Constraint::Length(7),
+            Constraint::Length(9),
+            Constraint::Min(20),
+        ];
+        let header = Row::new(["node", "state", "frames", "/s", "last", "last values"]).style(Style::new().bold());
+        frame.render_widget(Table::new(rows, widths).header(header).block(Block::bordered().title("nodes")), nodes);
+        let room = usize::from(recent.height.saturating_sub(2));
+        let lines = self.recent.iter().skip(self.recent.len().saturating_sub(room));
+        let lines: Vec<Line<'_>> = lines.map(|line| Line::raw(escape::printable(line))).collect();
+        frame.render_widget(Paragraph::new(lines).block(Block::bordered().title("frames")), recent);
+        frame.render_widget(Paragraph::new("q ends, space holds the screen").style(Style::new().dim()), foot);
+    }
+
+    fn heading(&self) -> Line<'_> {
+        let mut text = format!("{}  {} frames/s, {} in all", self.title, self.frames.per_second, self.frames.total);
+        if let Some(bit_rate) = self.bit_rate {
+            text += &format!(", load {} %", self.bits.per_second * 100 / u64::from(bit_rate.max(1)));
+        }
+        if self.health.lost > 0 {
+            text += &format!(", {} lost", self.health.lost);
+        }
+        if let Some(trouble) = &self.health.trouble {
+            text += &format!(", {trouble}");
+        }
+        if self.paused {
+            text += "  [held]";
+        }
+        let style = if self.health.lost > 0 || self.health.trouble.is_some() { Color::Red } else { Color::Reset };
+        Line::styled(text, Style::new().fg(style).add_modifier(Modifier::BOLD))
+    }
+}
+
+impl NodeRow {
+    fn cells(&self, node: Option<NodeId>, now: Timestamp) -> Row<'_> {
+        let name = node.map_or_else(|| "–".to_owned(), |node| node.to_string());
+        let state = self.state.map(|state| state.to_string()).unwrap_or_default();
+        let age = format!("{:.1} s", now.since(self.last_seen).as_millis() / 1e3);
+        let values: Vec<&str> = self.last.values().map(String::as_str).collect();
+        let color = match self.state {
+            Some(State::OPERATIONAL) => Color::Green,
+            Some(State::STOPPED) => Color::Red,
+            Some(_) => Color::Yellow,
+            None => Color::Reset,
+        };
+        let values = escape::printable(&values.join("; ")).into_owned();
+        let numbers = [self.frames.total.to_string(), self.frames.per_second.to_string()];
+        let [total, rate] = numbers;
+        Row::new([name, state, total, rate, age, values]).style(Style::new().fg(color))
+    }
+}
+
+/// Shows a bus until a key, an interruption or the end.
+pub fn show(
+    bus: &mut dyn Bus,
+    network: &mut Network,
+    title: &str,
+    end: Timestamp,
+    interrupt: &Interrupt,
+) -> Result<()> {
+    let mut terminal = ratatui::try_init().context("--screen needs a terminal")?;
+    let shown = run(&mut terminal, bus, network, title, end, interrupt);
+    // Whatever happened, the terminal is given back as it was.
+    ratatui::restore();
+    shown
+}
+
+fn run(
+    terminal: &mut ratatui::DefaultTerminal,
+    bus: &mut dyn Bus,
+    network: &mut Network,
+    title: &str,
+    end: Timestamp,
+    interrupt: &Interrupt,
+) -> Result<()> {
+    let mut screen = Screen::new(title, bus.bit_rate());
+    let mut ticked = bus.now();
+    while !interrupt.came() && bus.now() < end {
+        let deadline = end.min(bus.now() + REFRESH);
+        while let Some(record) = bus.receive(deadline)? {
+            let decoded = network.handle(&record);
+            if !screen.paused {
+                screen.record(&record, &decoded, network);
+            }
+            if bus.now() >= deadline {
+                break;
+            }
+        }
+        let now = bus.now();
+        if now.since(ticked) >= TICK {
+            screen.tick(now.since(ticked), bus.health());
+            ticked = now;
+        }
+        terminal.draw(|frame| screen.draw(frame, now))?;
+        while event::poll(std::time::Duration::ZERO)? {
+            match event::read()? {
+                Key::Key(key) if matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) => return Ok(()),
+                Key::Key(key) if key.code == KeyCode::Char('c') && !key.modifiers.is_empty() => return Ok(()),
+                Key::Key(key) if key.code == KeyCode::Char(' ') => screen.paused = !screen.paused,
+                _ => {}
+            }
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_conformance::models::Model;
+    use canvass_traces::{ChannelId, parse_frame};
+    use ratatui::Terminal;
+    use ratatui::backend::TestBackend;
+
+    fn drawn(screen: &Screen, now: Timestamp) -> String {
+        let mut terminal = Terminal::new(TestBackend::new(120, 14)).unwrap();
+        terminal.draw(|frame| screen.draw(frame, now)).unwrap();
+        terminal.backend().to_string()
+    }
+
+    #[test]
+    fn nodes_with_state_rate_and_values() {
+        let mut network = Network::new();
+        let model = Model::by_id("kuebler-sendix-58x8").unwrap();
+        network.describe(model.default_node().unwrap(), model.description().clone());
+        let mut screen = Screen::new("can0", Some(250_000));
+        let at = |ms| Timestamp::ZERO + Duration::from_millis(ms);
+        for (ms, text) in [(0, "73F#00"), (100, "000#013F"), (200, "5BF#4300100096010200"), (300, "73F#05")] {
+            let record = Record::new(at(ms), ChannelId(0), parse_frame(text).unwrap().frame);
+            let decoded = network.handle(&record);
+            screen.record(&record, &decoded, &network);
+        }
+        screen.tick(Duration::from_millis(500), Health::default());
+        let text = drawn(&screen, at(1_300));
+        let row = text.lines().find(|line| line.contains("operational")).unwrap_or_else(|| panic!("{text}"));
+        assert!(row.contains("63") && row.contains("1.0 s"), "{text}");
+        assert!(text.contains("can0  8 frames/s, 4 in all, load 0 %"), "{text}");
+        assert!(text.contains("5BF#4300100096010200"), "{text}");
+    }
+
+    #[test]
+    fn what_devices_send_does_not_control_the_terminal() {
+        let mut screen = Screen::new("can0", None);
+        screen.recent.push_back("evil \x1b[2J".to_owned());
+        screen.health.lost = 7;
+        let text = drawn(&screen, Timestamp::ZERO);
+        assert!(!text.contains('\x1b') && text.contains("7 lost"), "{text}");
+    }
+}

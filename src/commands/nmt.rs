@@ -1,0 +1,71 @@
+//! `canvass nmt`: commands of network management.
+
+use super::send::send_and_show;
+use crate::devices::{DeviceArg, parse_node};
+use crate::live::Live;
+use crate::output::Color;
+use crate::status::{Failure, Status};
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::nmt::{self, Nmt};
+use canvass_traces::Duration;
+
+/// Command a node's state, or that of all nodes, and print what comes back, decoded
+#[derive(clap::Args)]
+pub struct Args {
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    bus: String,
+    /// The command
+    #[arg(value_enum)]
+    command: Command,
+    /// The node, or `all`
+    #[arg(value_name = "NODE|all", value_parser = parse_addressed)]
+    node: Addressed,
+    /// How long to listen, in milliseconds
+    #[arg(long, default_value_t = 1_000, value_name = "MS")]
+    wait: u64,
+    /// Which device a node is: a built-in model or an EDS or DCF file
+    #[arg(long, value_name = "NODE=MODEL|FILE")]
+    device: Vec<DeviceArg>,
+}
+
+#[derive(Clone, Copy, clap::ValueEnum)]
+enum Command {
+    /// To operational
+    Start,
+    /// To stopped
+    Stop,
+    /// To pre-operational
+    PreOperational,
+    /// Restart the whole device
+    ResetNode,
+    /// Restart its communication
+    ResetCommunication,
+}
+
+#[derive(Clone, Copy)]
+struct Addressed(u8);
+
+fn parse_addressed(text: &str) -> anyhow::Result<Addressed> {
+    if text.eq_ignore_ascii_case("all") { Ok(Addressed(0)) } else { parse_node(text).map(NodeId::raw).map(Addressed) }
+}
+
+impl Command {
+    const fn specifier(self) -> nmt::Command {
+        match self {
+            Self::Start => nmt::Command::START,
+            Self::Stop => nmt::Command::STOP,
+            Self::PreOperational => nmt::Command::ENTER_PRE_OPERATIONAL,
+            Self::ResetNode => nmt::Command::RESET_NODE,
+            Self::ResetCommunication => nmt::Command::RESET_COMMUNICATION,
+        }
+    }
+}
+
+impl Args {
+    pub fn run(self, color: Color) -> Result<Status, Failure> {
+        let live = Live::open(&self.bus, &self.device)?;
+        let frame = Nmt { command: self.command.specifier(), node: self.node.0 }.to_frame(nmt::CAN_ID);
+        send_and_show(live, &[frame], Duration::from_millis(self.wait), color)
+    }
+}

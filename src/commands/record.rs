@@ -1,0 +1,144 @@
+//! `canvass record`: what is on a bus, into files.
+
+mod outputs;
+
+use crate::interrupt::Interrupt;
+use crate::live::{channel_name, open_bus, parse_span, time_base};
+use crate::output::diagnostic;
+use crate::status::{Failure, Status};
+use anyhow::{Result, anyhow, bail};
+use canvass_conformance::bus::Bus;
+use canvass_traces::{Channels, Duration, Format, Timestamp};
+use outputs::{Outputs, Rotation};
+use std::path::PathBuf;
+
+/// Record what is on a bus into files of any format that canvass writes
+///
+/// Receiving does not wait for the disk. Whatever ends the recorder, all that was recorded up to the last second is
+/// readable. Ends by Ctrl-C, --for or --frames, with status 1 if frames were lost.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    bus: String,
+    /// The files; their endings say the formats, such as .pcapng, .mcap or .log, and .log.gz compresses
+    #[arg(required = true, value_name = "OUT")]
+    out: Vec<PathBuf>,
+    /// The format to write, where the ending does not tell it
+    #[arg(long, value_name = "FORMAT", value_parser = crate::inputs::parse_format)]
+    to: Option<Format>,
+    /// Overwrite existing files
+    #[arg(long)]
+    force: bool,
+    /// Begin the next file after so many bytes, such as 500k, 100M or 2G; files are numbered then: OUT-0001
+    #[arg(long, value_name = "SIZE", value_parser = parse_size)]
+    rotate_size: Option<u64>,
+    /// Begin the next file after that time, such as 10min or 1h
+    #[arg(long, value_name = "SPAN", value_parser = parse_span)]
+    rotate_time: Option<Duration>,
+    /// Keep only the last so many files of each output
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    keep: Option<u32>,
+    /// End after that time, such as 10, 500ms or 1h
+    #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
+    span: Option<Duration>,
+    /// End after so many frames
+    #[arg(long, value_name = "N")]
+    frames: Option<u64>,
+}
+
+/// In bytes.
+fn parse_size(text: &str) -> Result<u64> {
+    let (digits, factor) = match text.char_indices().last() {
+        Some((at, 'k' | 'K')) => (&text[..at], 1_000),
+        Some((at, 'M')) => (&text[..at], 1_000_000),
+        Some((at, 'G')) => (&text[..at], 1_000_000_000),
+        _ => (text, 1),
+    };
+    match digits.parse::<u64>().ok().and_then(|number| number.checked_mul(factor)) {
+        Some(size) if size > 0 => Ok(size),
+        _ => bail!("expected a size such as 500k, 100M or 2G, found \"{text}\""),
+    }
+}
+
+/// How often what was recorded is handed to the system: all but that survives a killed recorder.
+const FLUSH: Duration = Duration::from_millis(250);
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let mut bus = open_bus(&self.bus, 0)?.bus;
+        if !bus.is_live() && self.span.is_none() && self.frames.is_none() {
+            return Err(anyhow!("on a simulated bus time is virtual: say --for how long, or how many --frames").into());
+        }
+        let mut channels = Channels::new();
+        channels.intern(channel_name(&self.bus));
+        let rotation = Rotation { size: self.rotate_size, time: self.rotate_time, keep: self.keep };
+        let mut outputs = Outputs::open(&self.out, self.to, self.force, rotation, time_base(bus.as_ref()))?;
+        let interrupt = Interrupt::watch()?;
+        diagnostic(&format!("canvass: recording {}", self.bus));
+        let recorded = self.record(bus.as_mut(), &channels, &mut outputs, &interrupt);
+        // Also after an error, so that what was written is a valid file.
+        let finished = outputs.finish();
+        let frames = recorded?;
+        finished?;
+        Ok(self.report(bus.as_ref(), frames))
+    }
+
+    fn record(
+        &self,
+        bus: &mut dyn Bus,
+        channels: &Channels,
+        outputs: &mut Outputs,
+        interrupt: &Interrupt,
+    ) -> Result<u64, Failure> {
+        let end = self.span.map_or(Timestamp::MAX, |span| bus.now() + span);
+        let (mut frames, mut flushed, mut told) = (0, bus.now(), bus.health());
+        while !interrupt.came() && bus.now() < end && self.frames.is_none_or(|wanted| frames < wanted) {
+            let deadline = end.min(bus.now() + FLUSH);
+            if let Some(record) = bus.receive(deadline).map_err(Failure::unreachable)? {
+                outputs.write(&record, channels)?;
+                frames += 1;
+            }
+            // Asking for the time at every frame would cost more than writing it.
+            if frames % 64 != 0 && bus.now() < deadline {
+                continue;
+            }
+            let now = bus.now();
+            if now.since(flushed) >= FLUSH {
+                outputs.flush()?;
+                flushed = now;
+                let health = bus.health();
+                if let Some(trouble) = health.since(&told).trouble {
+                    diagnostic(&format!("canvass: {trouble}: recording goes on when it is back"));
+                }
+                told = health;
+            }
+        }
+        Ok(frames)
+    }
+
+    fn report(&self, bus: &dyn Bus, frames: u64) -> Status {
+        let health = bus.health();
+        let plural = if health.interruptions == 1 { "" } else { "s" };
+        let interruptions = match health.interruptions {
+            0 => String::new(),
+            n => format!(", {n} interruption{plural} of the bus"),
+        };
+        diagnostic(&format!("canvass: {frames} frames recorded, {} lost{interruptions}", health.lost));
+        if health.lost > 0 { Status::Findings } else { Status::Good }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_as_typed() {
+        assert_eq!(parse_size("500k").unwrap(), 500_000);
+        assert_eq!(parse_size("2G").unwrap(), 2_000_000_000);
+        assert_eq!(parse_size("17").unwrap(), 17);
+        for wrong in ["", "k", "0", "-1", "1T", "99999999999999999999"] {
+            assert!(parse_size(wrong).is_err(), "{wrong}");
+        }
+    }
+}

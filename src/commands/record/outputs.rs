@@ -1,0 +1,199 @@
+//! The files of a recorder: begun anew when they are long enough, the oldest removed.
+
+use crate::destination::Destination;
+use crate::output::{Output, diagnostic};
+use anyhow::{Context, Result, bail};
+use canvass_traces::{
+    Channels, Duration, Format, Record, Recording, TimeBase, Timestamp, WriteError, WriteOptions, Writer,
+};
+use std::cell::Cell;
+use std::collections::VecDeque;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+use std::rc::Rc;
+
+/// When the next file begins, and how many are kept.
+#[derive(Clone, Copy)]
+pub struct Rotation {
+    /// After so many bytes.
+    pub size: Option<u64>,
+    /// After that time.
+    pub time: Option<Duration>,
+    /// How many files of each output are kept.
+    pub keep: Option<u32>,
+}
+
+impl Rotation {
+    const fn is_on(&self) -> bool {
+        self.size.is_some() || self.time.is_some()
+    }
+}
+
+/// All outputs of a recorder.
+pub struct Outputs(Vec<Series>);
+
+impl Outputs {
+    /// Opens all files before anything is recorded: one that can't be written is known at once.
+    pub fn open(
+        paths: &[PathBuf],
+        format: Option<Format>,
+        force: bool,
+        rotation: Rotation,
+        time_base: TimeBase,
+    ) -> Result<Self> {
+        let series = |path: &PathBuf| Series::open(path, format, force, rotation, time_base);
+        paths.iter().map(series).collect::<Result<_>>().map(Self)
+    }
+
+    /// Writes a frame into all of them.
+    pub fn write(&mut self, record: &Record, channels: &Channels) -> Result<()> {
+        self.0.iter_mut().try_for_each(|series| series.write(record, channels))
+    }
+
+    /// Hands everything to the system, which keeps it even if this program is killed.
+    pub fn flush(&mut self) -> Result<()> {
+        self.0.iter_mut().try_for_each(|series| series.checked(Recording::flush))
+    }
+
+    /// Ends all files.
+    pub fn finish(&mut self) -> Result<()> {
+        self.0.iter_mut().try_for_each(Series::finish)
+    }
+}
+
+/// One output: a file, or several one after the other.
+struct Series {
+    path: PathBuf,
+    format: Option<Format>,
+    force: bool,
+    rotation: Rotation,
+    time_base: TimeBase,
+    number: u32,
+    recording: Recording,
+    /// What was written into the file under way.
+    written: Rc<Cell<u64>>,
+    /// The time of its first frame.
+    begun: Option<Timestamp>,
+    files: VecDeque<PathBuf>,
+}
+
+impl Series {
+    fn open(path: &Path, format: Option<Format>, force: bool, rotation: Rotation, time_base: TimeBase) -> Result<Self> {
+        if rotation.is_on() && path.as_os_str() == "-" {
+            bail!("standard output can't be begun anew: --rotate-size and --rotate-time need a file");
+        }
+        let written = Rc::new(Cell::new(0));
+        let first = if rotation.is_on() { numbered(path, 1) } else { path.to_owned() };
+        let recording = create(&first, format, force, time_base, &written)?;
+        Ok(Self {
+            path: path.to_owned(),
+            format,
+            force,
+            rotation,
+            time_base,
+            number: 1,
+            recording,
+            written,
+            begun: None,
+            files: VecDeque::from([first]),
+        })
+    }
+
+    fn write(&mut self, record: &Record, channels: &Channels) -> Result<()> {
+        if self.is_full(record.timestamp) {
+            self.rotate()?;
+        }
+        self.begun.get_or_insert(record.timestamp);
+        self.checked(|recording| recording.write(record, channels))
+    }
+
+    fn is_full(&self, now: Timestamp) -> bool {
+        self.rotation.size.is_some_and(|size| self.written.get() >= size)
+            || self.rotation.time.zip(self.begun).is_some_and(|(span, begun)| now.since(begun) >= span)
+    }
+
+    fn rotate(&mut self) -> Result<()> {
+        self.checked(Recording::finish)?;
+        self.number += 1;
+        let next = numbered(&self.path, self.number);
+        self.recording = create(&next, self.format, self.force, self.time_base, &self.written)?;
+        self.begun = None;
+        self.files.push_back(next);
+        while self.rotation.keep.is_some_and(|keep| self.files.len() > keep as usize) {
+            if let Some(oldest) = self.files.pop_front() {
+                std::fs::remove_file(&oldest).with_context(|| format!("can't remove {}", oldest.display()))?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(&mut self) -> Result<()> {
+        self.checked(Recording::finish)?;
+        for (loss, frames) in self.recording.losses().iter() {
+            diagnostic(&format!("canvass: {} can't hold {}: {frames} frames", self.path.display(), loss.name()));
+        }
+        Ok(())
+    }
+
+    fn checked(&mut self, act: impl FnOnce(&mut Recording) -> Result<(), WriteError>) -> Result<()> {
+        let path = self.files.back().unwrap_or(&self.path);
+        act(&mut self.recording).with_context(|| path.display().to_string())
+    }
+}
+
+fn create(
+    path: &Path,
+    format: Option<Format>,
+    force: bool,
+    time_base: TimeBase,
+    written: &Rc<Cell<u64>>,
+) -> Result<Recording> {
+    let destination = Destination::new(path, format, force)?;
+    written.set(0);
+    let live = destination.is_stdout();
+    let file: Box<dyn Write> = if live { Box::new(io::stdout()) } else { destination.open(&[], &Output::default())? };
+    let sink = Box::new(Counted { file, written: Rc::clone(written) });
+    // A live file of MCAP has no chunks; one that is flushed four times a second can afford them.
+    let options = WriteOptions { time_base, live, ..WriteOptions::default() };
+    Ok(Recording::create(sink, destination.format, destination.compression, &options)?)
+}
+
+/// `out.log.gz` becomes `out-0001.log.gz`.
+fn numbered(path: &Path, number: u32) -> PathBuf {
+    let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    // A hidden file's dot begins no ending.
+    let at = name.get(1..).and_then(|rest| rest.find('.')).map_or(name.len(), |at| at + 1);
+    let (stem, ending) = name.split_at(at);
+    path.with_file_name(format!("{stem}-{number:04}{ending}"))
+}
+
+/// Counts what is written.
+struct Counted {
+    file: Box<dyn Write>,
+    written: Rc<Cell<u64>>,
+}
+
+impl Write for Counted {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let n = self.file.write(bytes)?;
+        self.written.set(self.written.get() + n as u64);
+        Ok(n)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_stand_before_the_endings() {
+        let shown = |path: &str, number| numbered(Path::new(path), number).display().to_string();
+        assert_eq!(shown("x/out.log.gz", 1), "x/out-0001.log.gz");
+        assert_eq!(shown("out", 12_345), "out-12345");
+        assert_eq!(shown(".hidden.log", 2), ".hidden-0002.log");
+    }
+}

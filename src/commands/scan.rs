@@ -1,0 +1,258 @@
+//! `canvass scan`: which nodes are on a bus, and who they are.
+
+use crate::interrupt::Interrupt;
+use crate::live::{Live, parse_span};
+use crate::output::print;
+use crate::status::{Failure, Status};
+use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
+use canvass_analyzer::wire::{Wire, lss, sdo};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_conformance::bus::BusError;
+use canvass_conformance::client::Exchange;
+use canvass_conformance::client::lss::{LssAddress, ScanStep};
+use canvass_conformance::client::sdo::{Outcome, Transfer};
+use canvass_conformance::models::Model;
+use canvass_reports::escape;
+use canvass_traces::{Duration, Record};
+use serde_json::{Value, json};
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+/// Find the nodes on a bus: by their heartbeats, by SDO and, those without node-ID, by LSS Fastscan
+///
+/// Nothing is changed in any device. Status 3 if nothing is found.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    bus: String,
+    /// Only listen: send nothing
+    #[arg(long)]
+    passive: bool,
+    /// Leave out Fastscan
+    #[arg(long)]
+    no_lss: bool,
+    /// How long to listen for heartbeats
+    #[arg(long, default_value = "1.2s", value_name = "SPAN", value_parser = parse_span)]
+    listen: Duration,
+    /// How long to wait for answers
+    #[arg(long, default_value = "200ms", value_name = "SPAN", value_parser = parse_span)]
+    timeout: Duration,
+    /// How to print the nodes
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum Format {
+    /// A block of lines for each node
+    #[default]
+    Text,
+    /// A JSON object
+    Json,
+}
+
+/// What is known of a node.
+#[derive(Default)]
+struct Found {
+    state: Option<State>,
+    answers: bool,
+    device_type: Option<u32>,
+    identity: [Option<u32>; 4],
+    names: [Option<String>; 3],
+}
+
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+const NAMES: [(u16, &str); 3] = [(0x1008, "name"), (0x1009, "hardware"), (0x100A, "software")];
+const PARTS: [&str; 4] = ["vendor-ID", "product code", "revision number", "serial number"];
+/// How long a slave may take to answer a Fastscan.
+const SCAN_PATIENCE: Duration = Duration::from_millis(30);
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let mut live = Live::open(&self.bus, &[])?;
+        let interrupt = Interrupt::watch()?;
+        let mut nodes = BTreeMap::new();
+        // The simulated device's boot-up, which Live has waited for, was a sign too.
+        nodes.extend(live.simulated_node().map(|node| (node, Found::default())));
+        let unconfigured = self.find(&mut live, &interrupt, &mut nodes).map_err(Failure::unreachable)?;
+        match self.format {
+            Format::Text => print(&text(&nodes, unconfigured))?,
+            Format::Json => print(&format!("{}\n", escape::json(&json(&nodes, unconfigured).to_string())))?,
+        }
+        live.report_health();
+        let found = !nodes.is_empty() || unconfigured.is_some();
+        Ok(if found { Status::Good } else { Status::Unreachable })
+    }
+
+    fn find(
+        &self,
+        live: &mut Live,
+        interrupt: &Interrupt,
+        nodes: &mut BTreeMap<NodeId, Found>,
+    ) -> Result<Option<LssAddress>, BusError> {
+        let mut observe = |_: &Record| {};
+        let mut exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe };
+        listen(&mut exchange, self.listen, nodes)?;
+        if self.passive {
+            return Ok(None);
+        }
+        knock(&mut exchange, self.timeout, nodes)?;
+        for (&node, found) in nodes.iter_mut().filter(|(_, found)| found.answers) {
+            if interrupt.came() {
+                return Ok(None);
+            }
+            ask(&mut exchange, node, self.timeout, found)?;
+        }
+        if self.no_lss || interrupt.came() {
+            return Ok(None);
+        }
+        let step = exchange.fastscan(SCAN_PATIENCE)?;
+        exchange.bus.send(&lss::Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
+        Ok(match step {
+            ScanStep::Found(address) => Some(address),
+            _ => None,
+        })
+    }
+}
+
+/// Who sends heartbeats or boots.
+fn listen(exchange: &mut Exchange<'_>, span: Duration, nodes: &mut BTreeMap<NodeId, Found>) -> Result<(), BusError> {
+    exchange.wait_for(span, |record| {
+        let cob_id = record.frame.cob_id()?;
+        let node = NodeId::of_cob_id(cob_id)?;
+        if cob_id & 0x780 == error_control::CAN_ID_BASE
+            && let Ok(message) = ErrorControl::read(record.frame.data())
+        {
+            nodes.entry(node).or_default().state = Some(message.state);
+        }
+        None::<()>
+    })?;
+    Ok(())
+}
+
+/// Asks all nodes for their device type, all at once: those that are there answer.
+fn knock(exchange: &mut Exchange<'_>, patience: Duration, nodes: &mut BTreeMap<NodeId, Found>) -> Result<(), BusError> {
+    for node in NodeId::all() {
+        let request = sdo::Request::upload(DEVICE_TYPE);
+        exchange.bus.send(&request.to_frame(sdo::REQUEST_BASE + u16::from(node.raw())))?;
+    }
+    exchange.wait_for(patience, |record| {
+        let cob_id = record.frame.cob_id().filter(|cob_id| cob_id & 0x780 == sdo::RESPONSE_BASE)?;
+        nodes.entry(NodeId::of_cob_id(cob_id)?).or_default().answers = true;
+        None::<()>
+    })?;
+    Ok(())
+}
+
+/// Asks a node who it is.
+fn ask(exchange: &mut Exchange<'_>, node: NodeId, patience: Duration, found: &mut Found) -> Result<(), BusError> {
+    let mut read = |index, sub| {
+        let outcome = exchange.transfer(node, Transfer::upload(Multiplexer::new(index, sub)), patience)?;
+        Ok::<_, BusError>(match outcome {
+            Outcome::Uploaded(value) => Some(value),
+            _ => None,
+        })
+    };
+    let number = |value: Option<Vec<u8>>| value.and_then(|value| Some(u32::from_le_bytes(*value.first_chunk()?)));
+    found.device_type = number(read(0x1000, 0)?);
+    for (part, sub) in found.identity.iter_mut().zip(1..) {
+        *part = number(read(0x1018, sub)?);
+    }
+    for (name, (index, _)) in found.names.iter_mut().zip(NAMES) {
+        *name = read(index, 0)?.map(|value| String::from_utf8_lossy(&value).into_owned());
+    }
+    Ok(())
+}
+
+impl Found {
+    /// The built-in model with the same vendor-ID and product code; else one of the same vendor and profile.
+    fn model(&self) -> Option<(&'static Model, bool)> {
+        let [vendor, product, ..] = self.identity;
+        let vendor = vendor?;
+        let of_vendor = || Model::all().iter().filter(move |model| identity(model, 1) == Some(vendor));
+        let same = of_vendor().find(|model| product.is_some() && identity(model, 2) == product);
+        let similar = || of_vendor().find(|model| self.profile().is_some() && profile(model) == self.profile());
+        same.map(|model| (model, true)).or_else(|| similar().map(|model| (model, false)))
+    }
+
+    /// The low word of 1000h.
+    fn profile(&self) -> Option<u16> {
+        self.device_type.map(|device_type| device_type as u16).filter(|&profile| profile > 0)
+    }
+}
+
+fn profile(model: &Model) -> Option<u16> {
+    model.description().device_profile()
+}
+
+fn identity(model: &Model, sub: u8) -> Option<u32> {
+    let device = &model.description().device;
+    let entry = model.description().dictionary.entry(Multiplexer::new(0x1018, sub)).ok();
+    let start = entry.and_then(|entry| entry.start_value(NodeId::MAX)?.to_raw()).map(|raw| raw as u32);
+    start.or(if sub == 1 { device.vendor_number } else { device.product_number })
+}
+
+fn text(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> String {
+    // Writing to a string can't fail.
+    let mut text = String::new();
+    for (node, found) in nodes {
+        let state = found.state.map_or_else(|| "no heartbeat".to_owned(), |state| state.to_string());
+        let state = if found.state == Some(State(0)) { "has just started".to_owned() } else { state };
+        let answers = if found.answers { "" } else { ", does not answer SDOs" };
+        let _ = writeln!(text, "node {node}: {state}{answers}");
+        if let Some(device_type) = found.device_type {
+            let profile = found.profile().map(|profile| format!(", device profile {profile}")).unwrap_or_default();
+            let _ = writeln!(text, "  device type {device_type:08X}h{profile}");
+        }
+        let parts =
+            PARTS.iter().zip(found.identity).filter_map(|(name, value)| Some(format!("{name} {:08X}h", value?)));
+        let parts: Vec<String> = parts.collect();
+        if !parts.is_empty() {
+            let _ = writeln!(text, "  {}", parts.join(", "));
+        }
+        for ((_, name), value) in NAMES.iter().zip(&found.names) {
+            if let Some(value) = value {
+                let _ = writeln!(text, "  {name} {}", escape::printable(value));
+            }
+        }
+        if let Some((model, same)) = found.model() {
+            let how = if same { "" } else { " (same vendor and profile)" };
+            let _ = writeln!(text, "  model {}{how}", model.id());
+        }
+    }
+    if let Some([vendor, product, revision, serial]) = unconfigured {
+        let _ = writeln!(
+            text,
+            "without node-ID: vendor-ID {vendor:08X}h, product code {product:08X}h, revision number {revision:08X}h, \
+             serial number {serial:08X}h (canvass lss fastscan BUS --assign NODE gives it one)"
+        );
+    }
+    if text.is_empty() {
+        text.push_str("nothing was found\n");
+    }
+    text
+}
+
+fn json(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> Value {
+    let row = |(node, found): (&NodeId, &Found)| {
+        let [vendor, product, revision, serial] = found.identity;
+        let [name, hardware, software] = &found.names;
+        json!({
+            "node": node.raw(), "state": found.state.and_then(State::name), "sdo": found.answers,
+            "device_type": found.device_type, "profile": found.profile(), "vendor_id": vendor, "product_code": product,
+            "revision_number": revision, "serial_number": serial, "name": name, "hardware_version": hardware,
+            "software_version": software, "model": found.model().map(|(model, _)| model.id()),
+            "model_exact": found.model().map(|(_, same)| same),
+        })
+    };
+    let unconfigured = unconfigured.map(|[vendor, product, revision, serial]| {
+        json!({
+            "vendor_id": vendor, "product_code": product, "revision_number": revision, "serial_number": serial,
+        })
+    });
+    json!({
+        "schema": "canvass/scan/1",
+        "nodes": nodes.iter().map(row).collect::<Vec<_>>(),
+        "unconfigured": unconfigured,
+    })
+}

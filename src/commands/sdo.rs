@@ -1,0 +1,210 @@
+//! `canvass sdo`: single objects, read and written.
+
+mod object;
+mod value;
+
+use crate::devices::{DeviceArg, describe, parse_node};
+use crate::live::Live;
+use crate::output::{diagnostic, print};
+use crate::status::{Failure, Status};
+use anyhow::anyhow;
+#[cfg(test)]
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_analyzer::network::{Event, Network};
+use canvass_analyzer::{Multiplexer, NodeId, TransferText};
+use canvass_conformance::client::Exchange;
+use canvass_conformance::client::sdo::{Bytes, Mode, Outcome, Transfer};
+use canvass_reports::escape;
+use canvass_traces::{Duration, Record};
+use serde_json::json;
+
+/// Read or write an object of a device
+///
+/// Objects are INDEX:SUB in hexadecimal, such as 1018:01, or names of the device's description. A value is typed by the
+/// description or the standard; --type says it for other objects.
+#[derive(clap::Args)]
+pub struct Args {
+    /// What to do
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    /// Read an object
+    Read(Target),
+    /// Write an object; the device keeps the value until it is reset, or longer if it is told to store
+    Write {
+        #[command(flatten)]
+        target: Target,
+        /// The value: a number, a text, or bytes in hexadecimal
+        #[arg(allow_hyphen_values = true)]
+        value: String,
+        /// In segments, even if it is short
+        #[arg(long)]
+        segmented: bool,
+    },
+}
+
+#[derive(clap::Args)]
+struct Target {
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    bus: String,
+    /// The node
+    #[arg(value_parser = parse_node)]
+    node: NodeId,
+    /// The object: INDEX:SUB in hexadecimal, or a name
+    object: String,
+    /// What the device is: a built-in model or an EDS or DCF file
+    #[arg(long, value_name = "MODEL|FILE")]
+    device: Option<String>,
+    /// The data type: u8 to u64, i8 to i64, f32, f64, bool, string, bytes, or a name such as UNSIGNED32
+    #[arg(long = "type", value_name = "TYPE", value_parser = value::parse_type)]
+    data_type: Option<canvass_analyzer::dictionary::DataType>,
+    /// How long to wait for each response, in milliseconds
+    #[arg(long, default_value_t = 1_000, value_name = "MS")]
+    timeout: u64,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: Format,
+}
+
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum Format {
+    /// One line
+    #[default]
+    Text,
+    /// A JSON object
+    Json,
+}
+
+/// What is shown of a transfer.
+#[derive(Default)]
+struct Shown {
+    object: String,
+    value: String,
+    duration: Duration,
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        match self.action {
+            Action::Read(target) => target.run(None),
+            Action::Write { target, value, segmented } => target.run(Some((&value, segmented))),
+        }
+    }
+}
+
+impl Target {
+    fn run(self, written: Option<(&str, bool)>) -> Result<Status, Failure> {
+        let device = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let devices: Vec<DeviceArg> =
+            device.iter().map(|device| DeviceArg { node: self.node, device: (*device).to_owned() }).collect();
+        let description = device.map(describe).transpose()?;
+        let mut live = Live::open(&self.bus, &devices)?;
+        let model = live.model.filter(|_| live.simulated_node() == Some(self.node));
+        let description = description.as_ref().or_else(|| model.map(|model| model.description()));
+        let address = object::resolve(&self.object, description)?;
+        let data_type = self.data_type.or_else(|| value::known_type(address, description));
+        let transfer = match written {
+            None => Transfer::upload(address),
+            Some((text, segmented)) => {
+                let bytes = value::encode(text, address, data_type)?;
+                Transfer::download(address, &bytes, if segmented { Mode::Segmented } else { Mode::Shortest })
+            }
+        };
+        let (outcome, shown) = self.carry_out(&mut live, transfer)?;
+        live.report_health();
+        self.report(address, data_type, &outcome, &shown)
+    }
+
+    fn carry_out(
+        &self,
+        live: &mut Live,
+        transfer: (Transfer, canvass_analyzer::wire::sdo::Request),
+    ) -> Result<(Outcome, Shown), Failure> {
+        let node = u16::from(self.node.raw());
+        // Only the two directions of this server, however busy the bus is.
+        live.bus.only(&[(0x580 + node, 0x7FF), (0x600 + node, 0x7FF)]).map_err(Failure::unreachable)?;
+        let (network, mut shown) = (&mut live.network, Shown::default());
+        let mut observe = |record: &Record| see(network, record, &mut shown);
+        let mut exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe };
+        let patience = Duration::from_millis(self.timeout);
+        let outcome = exchange.transfer(self.node, transfer, patience).map_err(Failure::unreachable)?;
+        Ok((outcome, shown))
+    }
+
+    fn report(
+        &self,
+        address: Multiplexer,
+        data_type: Option<canvass_analyzer::dictionary::DataType>,
+        outcome: &Outcome,
+        shown: &Shown,
+    ) -> Result<Status, Failure> {
+        let node = self.node;
+        let object = if shown.object.is_empty() { address.to_string() } else { shown.object.clone() };
+        match outcome {
+            Outcome::Silent => Err(Failure::unreachable(anyhow!("node {node} does not answer ({object})"))),
+            Outcome::Aborted(_) | Outcome::Violated(_) => {
+                diagnostic(&format!("canvass: node {node}, {object}: {outcome}"));
+                Ok(Status::Findings)
+            }
+            Outcome::Uploaded(bytes) => {
+                self.print(address, &object, Some((bytes, data_type)), shown)?;
+                Ok(Status::Good)
+            }
+            Outcome::Downloaded => {
+                self.print(address, &object, None, shown)?;
+                Ok(Status::Good)
+            }
+        }
+    }
+
+    fn print(
+        &self,
+        address: Multiplexer,
+        object: &str,
+        read: Option<(&Vec<u8>, Option<canvass_analyzer::dictionary::DataType>)>,
+        shown: &Shown,
+    ) -> std::io::Result<()> {
+        if matches!(self.format, Format::Text) {
+            return print(&match read {
+                None => format!("{object} = {} written\n", shown.value),
+                // Where frames were lost on the way here, the bytes speak for themselves.
+                Some((bytes, _)) if shown.value.is_empty() => format!("{object} = {}\n", Bytes(bytes)),
+                Some(_) => format!("{object} = {}\n", shown.value),
+            });
+        }
+        let bytes = read.map(|(bytes, _)| bytes.iter().map(|byte| format!("{byte:02X}")).collect::<String>());
+        let document = json!({
+            "schema": "canvass/sdo/1",
+            "node": self.node.raw(),
+            "index": address.index.0,
+            "sub": address.sub.0,
+            "object": object,
+            "data": bytes,
+            "value": read.map(|(bytes, data_type)| value::json(bytes, data_type)),
+            "text": shown.value,
+            "duration_ns": shown.duration.nanos(),
+        });
+        print(&format!("{}\n", escape::json(&document.to_string())))
+    }
+}
+
+/// Takes in a frame; remembers what a transfer that ends with it was.
+fn see(network: &mut Network, record: &Record, shown: &mut Shown) {
+    let decoded = network.handle(record);
+    let Some(bus) = network.bus(record.channel) else { return };
+    let transfer = decoded.channel.and_then(|channel| Some((bus.server(channel)?, bus.transfer(channel)?)));
+    if let (true, Some((server, transfer))) = (bus.events().contains(&Event::TransferEnded), transfer) {
+        let text = TransferText::new(bus, server, transfer);
+        *shown =
+            Shown { object: text.object().to_string(), value: text.value().to_string(), duration: transfer.duration() };
+    }
+}
+
+/// What the tests of the parts share.
+#[cfg(test)]
+fn encoder() -> DeviceDescription {
+    canvass_conformance::models::Model::by_id("kuebler-sendix-58x8").unwrap().description().clone()
+}

@@ -1,0 +1,116 @@
+//! `canvass simulate`: a simulated device on a live bus.
+
+use crate::devices::parse_node;
+use crate::interrupt::Interrupt;
+use crate::live::{open_bus, parse_span};
+use crate::output::diagnostic;
+use crate::status::{Failure, Status};
+use anyhow::{Context, Result, anyhow, bail};
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_conformance::bus::{Bus, participate};
+use canvass_conformance::device::{Device, Motion};
+use canvass_conformance::models::Model;
+use canvass_conformance::{Fault, Faults, Machine};
+use canvass_traces::{Direction, Duration, Timestamp};
+use std::path::Path;
+
+/// Simulate a device on a bus, in real time
+///
+/// It takes part in the bus as the device would: boots, answers, sends heartbeats and PDOs, until Ctrl-C.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The device: a built-in model or an EDS or DCF file
+    #[arg(value_name = "MODEL|FILE")]
+    device: String,
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    bus: String,
+    /// Its node-ID; without it that of the model or DCF; none: not configured, to be given one by LSS
+    #[arg(long, value_name = "NODE|none", value_parser = parse_configured)]
+    node: Option<Configured>,
+    /// What its firmware does wrong (`canvass list faults`)
+    #[arg(long, value_delimiter = ',', value_name = "FAULT")]
+    fault: Vec<Fault>,
+    /// How fast its shaft turns, in revolutions per minute; negative: counter-clockwise
+    #[arg(long, value_name = "RPM", allow_hyphen_values = true, value_parser = parse_motion)]
+    motion: Option<i64>,
+    /// The seed of everything that is left to chance
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// Switch it off after that time, such as 10, 500ms or 1h
+    #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
+    span: Option<Duration>,
+}
+
+#[derive(Clone, Copy)]
+struct Configured(Option<NodeId>);
+
+fn parse_configured(text: &str) -> Result<Configured> {
+    if text == "none" { Ok(Configured(None)) } else { parse_node(text).map(Some).map(Configured) }
+}
+
+/// In thousandths of a revolution per minute.
+fn parse_motion(text: &str) -> Result<i64> {
+    let number = text.strip_suffix("rpm").unwrap_or(text).trim_end();
+    match number.parse::<f64>() {
+        Ok(rpm) if rpm.abs() <= 1e6 => Ok((rpm * 1e3).round() as i64),
+        _ => bail!("expected revolutions per minute such as 60 or -0.5, found \"{text}\""),
+    }
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let model = model(&self.device)?;
+        let node = self.node.map_or(model.default_node(), |node| node.0);
+        let faults: Faults = self.fault.iter().copied().collect();
+        let mut bus = open_bus(&self.bus, self.seed)?.bus;
+        if !bus.is_live() && self.span.is_none() {
+            return Err(anyhow!("on a simulated bus time is virtual: say --for how long").into());
+        }
+        let mut device = match self.motion {
+            Some(milli_rpm) => Device::with_motion(&model, node, faults, self.seed, Motion::constant(0, milli_rpm)),
+            None => Device::new(&model, node, faults, self.seed),
+        };
+        let name = node.map_or_else(|| "without node-ID".to_owned(), |node| format!("as node {node}"));
+        diagnostic(&format!("canvass: {} {name} on {}", model.id(), self.bus));
+        self.take_part(bus.as_mut(), &mut device)
+    }
+
+    fn take_part(&self, bus: &mut dyn Bus, device: &mut dyn Machine) -> Result<Status, Failure> {
+        let interrupt = Interrupt::watch()?;
+        let end = self.span.map_or(Timestamp::MAX, |span| Timestamp::ZERO + span);
+        let (mut received, mut told) = (0_u64, None);
+        let done = participate(
+            bus,
+            device,
+            &mut |done, now| {
+                if told != done.trouble {
+                    told.clone_from(&done.trouble);
+                    diagnostic(&format!("canvass: {}", done.trouble.as_deref().unwrap_or_default()));
+                }
+                !interrupt.came() && now < end
+            },
+            &mut |record| received += u64::from(record.direction != Direction::Tx),
+        )
+        .map_err(Failure::unreachable)?;
+        let health = bus.health();
+        let unsent = if done.unsent > 0 { format!(", {} not taken by the bus", done.unsent) } else { String::new() };
+        let lost = if health.lost > 0 { format!(", {} lost", health.lost) } else { String::new() };
+        diagnostic(&format!("canvass: {} frames sent{unsent}, {received} received{lost}", done.sent));
+        Ok(Status::Good)
+    }
+}
+
+/// A built-in model, or one made of a description: what that does not say is as with most devices.
+fn model(device: &str) -> Result<Model> {
+    if let Some(model) = Model::by_id(device) {
+        return Ok(model.clone());
+    }
+    let path = Path::new(device);
+    if !path.exists() {
+        bail!("\"{device}\" is neither a built-in model (`canvass list models`) nor a file");
+    }
+    let bytes = std::fs::read(path).with_context(|| format!("can't read {device}"))?;
+    let description = DeviceDescription::read(&bytes).with_context(|| format!("{device} is no device description"))?;
+    Ok(Model::of_description(description)?)
+}

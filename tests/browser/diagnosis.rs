@@ -1,0 +1,231 @@
+//! The page of `canvass diagnose`.
+
+use crate::captures::{Page, faulty};
+use crate::webdriver::{Browser, Screen};
+
+fn open() -> (Browser, Page) {
+    let page = Page::of(faulty().on("can0"), "machine.log");
+    let browser = Browser::open(&page.path, Screen::Desk);
+    browser.wait("canvass.plots.size >= 2 && document.querySelectorAll('.plot canvas').length >= 2");
+    (browser, page)
+}
+
+/// Seconds that all plots show, which must be the same.
+#[track_caller]
+fn shown(browser: &Browser) -> (f64, f64) {
+    let ranges = browser.run(
+        "const { min, max } = canvass.view.now; \
+         return [[min / 1e6, max / 1e6], ...[...canvass.plots].map((plot) => [plot.range().min, plot.range().max])]",
+    );
+    let ranges = ranges.as_array().unwrap();
+    assert!(ranges.len() >= 3, "timeline, load and a signal: {ranges:?}");
+    let of = |at: usize, end: usize| ranges[at][end].as_f64().unwrap();
+    for at in 1..ranges.len() {
+        for end in [0, 1] {
+            assert!((of(0, end) - of(at, end)).abs() < 1e-9, "not the same time everywhere: {ranges:?}");
+        }
+    }
+    (of(0, 0), of(0, 1))
+}
+
+#[test]
+fn it_renders_without_a_word_or_a_request() {
+    let (browser, _page) = open();
+    for id in ["summary", "timeline", "load", "signals", "responses", "nodes", "findings", "frames"] {
+        assert_eq!(browser.number(&format!("return document.querySelectorAll('h2#{id}').length")), 1.0, "{id}");
+    }
+    // Something is drawn, not only made room for.
+    let inked = "return [...document.querySelectorAll('canvas')].map((canvas) => canvas.getContext('2d') \
+                 .getImageData(0, 0, canvas.width, canvas.height).data.filter((value, n) => n % 4 === 3 && value > 0).length)";
+    for pixels in browser.run(inked).as_array().unwrap() {
+        assert!(pixels.as_f64().unwrap() > 500.0, "an empty plot");
+    }
+    assert!(browser.number("return document.querySelectorAll('.histogram rect.bar').length") >= 2.0);
+    assert!(
+        browser.number("return document.querySelector('.histogram rect.bar').getBoundingClientRect().height") > 1.0
+    );
+    assert!(browser.number("return document.querySelectorAll('.pin').length") >= 3.0);
+    assert_eq!(
+        browser.number("return document.querySelectorAll('.finding').length"),
+        browser.number("return canvass.data.findings.length")
+    );
+    assert!(browser.text("return document.querySelector('h1').textContent").contains("machine.log"));
+    assert!(browser.print().len() > 20_000, "a PDF");
+    browser.is_quiet();
+}
+
+#[test]
+fn plots_zoom_and_pan_together() {
+    let (browser, _page) = open();
+    let (first, last) = shown(&browser);
+    assert!(first < 0.0 && last > 39.9);
+    browser.drag("#signal-plots .u-over", 0.25, 0.5, false);
+    let (zoomed_first, zoomed_last) = shown(&browser);
+    assert!((zoomed_first - 10.0).abs() < 0.5 && (zoomed_last - 20.0).abs() < 0.5, "{zoomed_first} to {zoomed_last}");
+    browser.drag("#load-plots .u-over", 0.5, 0.25, true);
+    let (moved_first, moved_last) = shown(&browser);
+    assert!((moved_first - zoomed_first - 2.5).abs() < 0.3, "{moved_first}");
+    assert!((moved_last - moved_first - (zoomed_last - zoomed_first)).abs() < 1e-6, "moving does not zoom");
+    browser.drag("#lanes .area", 0.4, 0.6, false);
+    let (lane_first, lane_last) = shown(&browser);
+    assert!(lane_last - lane_first < (moved_last - moved_first) * 0.25);
+    browser.press("#signal-plots .plot [role=img]", "-");
+    let (out_first, out_last) = shown(&browser);
+    assert!(out_last - out_first > (lane_last - lane_first) * 1.9);
+    browser.press("#lanes .area", "\u{E014}");
+    assert!(shown(&browser).0 > out_first, "the right arrow goes on");
+    browser.click("[data-view=all]");
+    assert_eq!(shown(&browser), (first, last));
+    browser.click("[data-view=in]");
+    let (in_first, in_last) = shown(&browser);
+    assert!((in_last - in_first) < (last - first) * 0.51);
+    browser.press("#lanes .area", "0");
+    assert_eq!(shown(&browser), (first, last));
+    browser.is_quiet();
+}
+
+#[test]
+fn filters_filter() {
+    let (browser, _page) = open();
+    let rows = || browser.number("return document.querySelectorAll('#frame-rows tr[id]').length");
+    let status = || browser.text("return document.getElementById('frames-shown').textContent");
+    assert_eq!((rows(), status()), (200.0, String::new()));
+    browser.fill("#frame-text", "8110h");
+    assert_eq!(rows(), 1.0);
+    assert!(status().starts_with("1 of "), "{}", status());
+    assert!(browser.text("return document.querySelector('#frame-rows tr[id]').textContent").contains("CAN overrun"));
+    browser.run("document.getElementById('frame-text').value = ''; document.getElementById('frame-text').dispatchEvent(new Event('input'))");
+    browser.run(
+        "const node = document.getElementById('frame-node'); node.value = '1'; node.dispatchEvent(new Event('input'))",
+    );
+    let foreign = "return [...document.querySelectorAll('#frame-rows tr[id]')].filter((row) => row.cells[5].textContent !== '701').length";
+    assert!(rows() > 1.0);
+    assert_eq!(browser.number(foreign), 0.0);
+    browser.run(
+        "const node = document.getElementById('frame-node'); node.value = ''; node.dispatchEvent(new Event('input'))",
+    );
+    browser.click("#frame-proof");
+    assert_eq!(rows(), browser.number("return Object.keys(canvass.data.proofs).length"));
+
+    let findings = || browser.number("return document.querySelectorAll('.finding:not([hidden])').length");
+    let all = findings();
+    browser.click(".tile.error");
+    let errors =
+        browser.number("return canvass.data.findings.filter((finding) => finding.severity === 'error').length");
+    assert!(errors > 0.0 && errors < all);
+    assert_eq!(findings(), errors);
+    browser.click(".tile.error");
+    browser.fill("#finding-text", "6099h");
+    assert_eq!(findings(), 1.0);
+    // A link to a finding that is filtered out shows it.
+    browser.click(".foremost li:first-child a");
+    browser.wait("document.activeElement.id === 'finding-1' && !document.activeElement.hidden");
+    browser.is_quiet();
+}
+
+#[test]
+fn a_finding_leads_to_its_frame() {
+    let (browser, _page) = open();
+    // Whatever was filtered before.
+    browser.fill("#frame-text", "heartbeat");
+    browser.run("document.querySelector('.finding').scrollIntoView({ block: 'center', behavior: 'instant' })");
+    let line = browser.text("return document.querySelector('.finding a.frame').textContent");
+    browser.click(".finding a.frame");
+    browser.wait("document.querySelector('tr.target')");
+    let target = browser.run(
+        "const row = document.querySelector('tr.target'); const box = row.getBoundingClientRect(); \
+         return [`#${row.cells[1].textContent}`, document.activeElement === row, box.top > 0 && box.bottom < innerHeight, \
+                 row.textContent]",
+    );
+    assert_eq!((target[0].as_str(), &target[1], &target[2]), (Some(line.as_str()), &true.into(), &true.into()));
+    assert!(target[3].as_str().unwrap().contains("8110h"), "{target}");
+    // Its neighbours are there, and from the frame a link leads back.
+    assert!(browser.number("return document.querySelectorAll('#frame-rows tr[id]').length") > 20.0);
+    browser.click("tr.target a.proof");
+    browser.wait("document.activeElement.matches('.finding')");
+    assert!(browser.text("return document.activeElement.textContent").contains("8110h"));
+    // The plots go where the finding is.
+    browser.click(".finding:focus button[data-from]");
+    let (first, last) = shown(&browser);
+    assert!(first < 12.0 && last > 12.0 && last - first < 20.0, "{first} to {last}");
+    browser.is_quiet();
+}
+
+#[test]
+fn colours_are_the_systems_or_those_chosen() {
+    let (browser, _page) = open();
+    let paper = || browser.text("return getComputedStyle(document.body).backgroundColor");
+    let (light, ink) = (paper(), browser.text("return canvass.color('--ink')"));
+    browser.click(".themes label:nth-of-type(3)");
+    let dark = paper();
+    assert_ne!(light, dark);
+    assert_ne!(browser.text("return canvass.color('--ink')"), ink, "plots too");
+    browser.click(".themes label:nth-of-type(2)");
+    assert_eq!(paper(), light);
+    browser.is_quiet();
+}
+
+#[test]
+fn hostile_names_stay_text() {
+    const NAME: &str = "<img src=x onerror=owned()>";
+    let mut log = faulty();
+    // A device name in segments, and one in a short answer.
+    log.sdo(200_000, 3, "4008100000000000", "410810001B000000", 500);
+    for (n, segment) in NAME.as_bytes().chunks(7).enumerate() {
+        let bytes: String = segment.iter().map(|byte| format!("{byte:02X}")).collect();
+        let (toggle, last) = (n as u8 & 1, (n + 1) * 7 >= NAME.len());
+        let command = toggle << 4 | if last { (7 - segment.len() as u8) << 1 | 1 } else { 0 };
+        let request = format!("{:02X}00000000000000", 0x60 | toggle << 4);
+        log.sdo(210_000 + n as u64 * 2_000, 3, &request, &format!("{command:02X}{bytes:0<14}"), 500);
+    }
+    let text = log.on("</script><script>owned()</script>\u{202e}").to_owned();
+    let page = Page::of(&text, "<b onmouseover=owned()>&lt;\u{2028}.log");
+    let browser = Browser::open(&page.path, Screen::Desk);
+    browser.wait("canvass.plots.size >= 2");
+    assert!(page.folder().exists());
+    assert_eq!(browser.number("return document.querySelectorAll('img, b, [onerror], [onmouseover]').length"), 0.0);
+    let scripts = browser
+        .number("return [...document.scripts].filter((script) => script.textContent.startsWith('owned')).length");
+    assert_eq!(scripts, 0.0);
+    assert!(
+        browser
+            .text("return document.querySelector('h1').textContent")
+            .contains("<b onmouseover=owned()>&lt;\\u{2028}")
+    );
+    assert!(browser.text("return canvass.data.channels[0]").contains("</script><script>owned()</script>\\u{202E}"));
+    assert!(browser.text("return document.getElementById('nodes').parentElement.textContent").contains(NAME));
+    assert!(browser.text("return document.querySelector('#frame-rows').textContent").contains(NAME));
+    browser.is_quiet();
+}
+
+#[test]
+fn it_fits_a_phone() {
+    let page = Page::of(faulty().on("can0"), "machine.log");
+    let browser = Browser::open(&page.path, Screen::Phone);
+    browser.wait("document.querySelectorAll('.plot canvas').length >= 2");
+    let widths = browser.run("return [document.documentElement.scrollWidth, innerWidth]");
+    assert_eq!(widths[0], widths[1], "the page is wider than the phone");
+    assert_eq!(widths[1], 390);
+    browser.is_quiet();
+}
+
+#[test]
+fn a_healthy_capture_says_so() {
+    let page = Page::of(crate::captures::machine(5).on("can0"), "healthy.log");
+    let browser = Browser::open(&page.path, Screen::Desk);
+    browser.wait("document.querySelectorAll('.plot canvas').length >= 2");
+    assert_eq!(browser.number("return document.querySelectorAll('.finding').length"), 0.0);
+    assert!(browser.text("return document.querySelector('.outcome').textContent").contains("Nothing wrong"));
+    browser.is_quiet();
+}
+
+/// Nothing on it at all, and times that are all zero.
+#[test]
+fn captures_of_nothing_and_without_times() {
+    for log in ["(0.000000) can0 705#05\n", "(0.0) can0 12345678#00\n(0.0) can0 20000004#0000000000000000\n"] {
+        let page = Page::of(log, "odd.log");
+        let browser = Browser::open(&page.path, Screen::Desk);
+        browser.wait("document.querySelectorAll('#frame-rows tr').length > 0");
+        browser.is_quiet();
+    }
+}

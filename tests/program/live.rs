@@ -1,0 +1,176 @@
+//! The commands of live buses: on the simulated bus, and in two processes with an SLCAN connection between them.
+
+use crate::running::{Run, command, run};
+use serde_json::Value;
+use std::io::{BufRead, BufReader};
+use std::process::{Child, Stdio};
+
+const ENCODER: &str = "sim:kuebler-sendix-58x8";
+
+/// A simulated device behind TCP; killed at the end.
+struct Device {
+    child: Child,
+    bus: String,
+}
+
+impl Device {
+    fn start(more: &[&str]) -> Self {
+        // The port is free again once this listener is gone.
+        let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+        let listen = format!("slcan:listen://{address}");
+        let mut child = command(&[&["simulate", "kuebler-sendix-58x8", &listen], more].concat())
+            .stdin(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .unwrap();
+        let mut line = String::new();
+        BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
+        assert!(line.contains("as node 63"), "{line}");
+        let device = Self { child, bus: format!("slcan:tcp://{address}") };
+        // It answers once it has booted.
+        let answers = || run(&["sdo", "read", &device.bus, "63", "1000", "--timeout", "300"]).status == 0;
+        assert!((0..20).any(|_| answers()), "the simulated device boots");
+        device
+    }
+}
+
+impl Drop for Device {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+fn json(run: &Run) -> Value {
+    serde_json::from_str(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}{}", run.stdout, run.stderr))
+}
+
+#[test]
+fn objects_are_read_and_written_by_address_and_name() {
+    let read = run(&["sdo", "read", ENCODER, "63", "position value"]);
+    assert_eq!(read.stdout, "6004h:00 Position value = 19642 steps (863.173828°)\n", "{}", read.stderr);
+    let read = run(&["sdo", "read", ENCODER, "63", "1018:01", "--format", "json"]);
+    let object = json(&read);
+    assert_eq!((&object["schema"], &object["value"]), (&"canvass/sdo/1".into(), &0x13.into()), "{object}");
+    let written = run(&["sdo", "write", ENCODER, "63", "1017", "1000"]);
+    assert_eq!((written.status, &*written.stdout), (0, "1017h:00 Producer heartbeat time = 1000 ms written\n"));
+    let refused = run(&["sdo", "read", ENCODER, "63", "5000"]);
+    assert_eq!(refused.status, 1);
+    assert!(refused.stderr.contains("abort 0602 0000h"), "{}", refused.stderr);
+    let silent = run(&["sdo", "read", ENCODER, "5", "1000"]);
+    assert_eq!((silent.status, silent.stderr.contains("node 5 does not answer")), (3, true));
+    for (object, value, says) in
+        [("1017", "70000", "does not fit"), ("9999", "1", "--type"), ("nonsense", "1", "named")]
+    {
+        let wrong = run(&["sdo", "write", ENCODER, "63", object, value]);
+        assert_eq!((wrong.status, wrong.stderr.contains(says)), (2, true), "{}", wrong.stderr);
+    }
+}
+
+#[test]
+fn scan_says_who_is_there() {
+    let scan = json(&run(&["scan", ENCODER, "--format", "json"]));
+    assert_eq!(scan["nodes"].as_array().unwrap().len(), 1, "{scan}");
+    let node = &scan["nodes"][0];
+    assert_eq!((&node["node"], &node["profile"]), (&63.into(), &406.into()), "{scan}");
+    assert_eq!((&node["model"], &node["model_exact"]), (&"kuebler-sendix-58x8".into(), &true.into()), "{scan}");
+}
+
+#[test]
+fn lss_asks_and_configures() {
+    let address = json(&run(&["lss", "inquire", ENCODER, "--json"]));
+    assert_eq!((&address["vendor_id"], &address["node"]), (&0x13.into(), &63.into()), "{address}");
+    let number = |key: &str| address[key].as_u64().unwrap();
+    let selected = format!("19:{}:{}:{}", number("product_code"), number("revision_number"), number("serial_number"));
+    let configured = run(&["lss", "configure", ENCODER, "--address", &selected, "--node-id", "5"]);
+    assert_eq!(
+        (configured.status, &*configured.stdout),
+        (0, "configure node-ID: successful\n"),
+        "{}",
+        configured.stderr
+    );
+    let other = run(&["lss", "configure", ENCODER, "--address", "1:2:3:4", "--node-id", "5"]);
+    assert_eq!((other.status, other.stderr.contains("no device answers")), (3, true), "{}", other.stderr);
+    assert_eq!(run(&["lss", "fastscan", ENCODER]).status, 3, "it has a node-ID");
+}
+
+#[test]
+fn nmt_commands_and_what_comes_back() {
+    let reset = run(&["nmt", ENCODER, "reset-node", "63"]);
+    assert!(reset.stdout.contains("reset node, node 63") && reset.stdout.contains("boot-up"), "{}", reset.stdout);
+    assert!(run(&["nmt", ENCODER, "stop", "all"]).stdout.contains("000  02 00"));
+    assert_eq!(run(&["nmt", ENCODER, "stop", "128"]).status, 2);
+}
+
+#[test]
+fn monitor_has_the_options_of_decode() {
+    let monitor = run(&["monitor", ENCODER, "--for", "2", "--format", "json", "--node", "63"]);
+    let line = json(&monitor);
+    assert_eq!((&line["schema"], &line["service"]), (&"canvass/decode/1".into(), &"boot-up".into()), "{line}");
+    let events = run(&["monitor", ENCODER, "--for", "2", "--events"]);
+    assert!(events.stdout.contains("boot-up"), "{}{}", events.stdout, events.stderr);
+    assert_eq!(run(&["monitor", ENCODER]).status, 2, "virtual time has no end");
+}
+
+#[test]
+fn record_writes_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a.log", "a.pcapng", "a.mcap", "a.asc", "a.trc", "a.csv", "a.log.gz"] {
+        let path = folder.path().join(name);
+        let path = path.to_str().unwrap();
+        let record = run(&["record", ENCODER, path, "--for", "2"]);
+        assert_eq!(record.status, 0, "{name}: {}", record.stderr);
+        assert!(record.stderr.contains("1 frames recorded, 0 lost"), "{}", record.stderr);
+        assert_eq!(run(&["decode", path]).stdout.lines().count(), 1, "{name}");
+        assert_eq!(run(&["record", ENCODER, path, "--for", "2"]).status, 2, "{name} exists");
+    }
+}
+
+#[test]
+fn a_device_behind_slcan() {
+    let device = Device::start(&["--motion", "60"]);
+    let read = run(&["sdo", "read", &device.bus, "63", "1008", "--device", "kuebler-sendix-58x8"]);
+    assert!(read.stdout.contains("Kuebler Sendix Encoder"), "{}{}", read.stdout, read.stderr);
+    let scan = json(&run(&["scan", &device.bus, "--format", "json", "--no-lss"]));
+    assert_eq!(scan["nodes"][0]["node"], 63, "{scan}");
+    let args =
+        ["test", &device.bus, "--device", "kuebler-sendix-58x8", "--select", "301/sdo/upload", "--format", "json"];
+    let tested = run(&args);
+    let report = json(&tested);
+    assert_eq!(report["summary"]["fail"], 0, "{report:#}");
+    assert!(report["host"]["receive_max_ns"].is_u64(), "a live bus has its host's reaction times: {report:#}");
+}
+
+#[test]
+fn a_faulty_device_behind_slcan_fails() {
+    let device = Device::start(&["--fault", "sdo-toggle-unchecked"]);
+    let case = "301/sdo/download/segment-toggle";
+    let args = ["test", &device.bus, "--device", "kuebler-sendix-58x8", "--select", case, "--format", "json"];
+    let report = json(&run(&args));
+    let verdict = report["cases"][0]["verdict"].as_str().unwrap();
+    // Where this machine is too slow to judge, it says so.
+    assert!(verdict == "fail" || report["cases"][0]["reason"]["duty"] == "the tester's machine keeps up", "{report:#}");
+}
+
+#[test]
+fn buses_that_are_not_there() {
+    for (bus, says) in [
+        ("slcan:/dev/no-such-port", "/dev/no-such-port"),
+        ("slcan:tcp://127.0.0.1:1", "nobody listens there"),
+        ("no-such-can0", "no-such-can0"),
+    ] {
+        let tested = run(&["test", bus, "--node", "5"]);
+        assert_eq!(tested.status, 3, "{bus}: {}", tested.stderr);
+        // A kernel without CAN says that first.
+        assert!(tested.stderr.contains(says) || tested.stderr.contains("no CAN in this kernel"), "{}", tested.stderr);
+    }
+    assert_eq!(run(&["test", "slcan:/dev/x@300k", "--node", "5"]).status, 3);
+}
+
+#[test]
+fn the_doctor_answers() {
+    let doctor = json(&run(&["doctor", "--json"]));
+    let what: Vec<&str> =
+        doctor["findings"].as_array().unwrap().iter().map(|finding| finding["what"].as_str().unwrap()).collect();
+    assert!(what.contains(&"SocketCAN") && what.contains(&"wake-up"), "{what:?}");
+}

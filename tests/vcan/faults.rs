@@ -1,0 +1,168 @@
+//! What happens to a bus: interfaces that go down, processes that die, nodes that babble, users who interrupt.
+
+use crate::interface::Interface;
+use crate::running::{Running, canvass, eventually, run, simulate, text};
+use serde_json::Value;
+use std::process::{Command, Stdio};
+use std::time::Duration;
+
+const MODEL: &str = "kuebler-sendix-58x8";
+
+/// Starts `test` with a few cases that take some seconds.
+fn start_test(bus: &Interface, select: &str, more: &[&str]) -> Running {
+    let args = ["test", bus.name(), "--device", MODEL, "--format", "json", "--select", select];
+    Running::start(canvass(&[&args[..], more].concat()))
+}
+
+fn parsed(stdout: &str) -> Value {
+    serde_json::from_str(stdout).unwrap_or_else(|error| panic!("the report is complete: {error}: {stdout}"))
+}
+
+fn count(report: &Value, verdict: &str) -> u64 {
+    report["summary"][verdict].as_u64().unwrap()
+}
+
+fn reads(bus: &Interface, object: &str) -> String {
+    let output = run(&["sdo", "read", bus.name(), "63", object]);
+    format!("{}{}", text(&output.stdout), text(&output.stderr))
+}
+
+#[test]
+fn an_interface_goes_down_and_up_during_test_and_simulate() {
+    let bus = Interface::new("vdown");
+    let device = simulate(MODEL, bus.name(), &[]);
+    let test = start_test(&bus, "301/nmt", &[]);
+    std::thread::sleep(Duration::from_secs(6));
+    bus.down();
+    std::thread::sleep(Duration::from_millis(500));
+    bus.up();
+    let ended = test.finish();
+    let report = parsed(&ended.stdout);
+    assert_eq!(count(&report, "fail"), 0, "{report:#}");
+    assert!(count(&report, "error") >= 1, "{report:#}");
+    assert!(count(&report, "pass") >= 1, "it goes on when the bus is back: {report:#}");
+    let said = |case: &Value| case["reason"]["actual"].as_str().unwrap_or_default().contains("vdown");
+    assert!(report["cases"].as_array().unwrap().iter().any(said), "{report:#}");
+    assert!(ended.status == 1, "{}", ended.stderr);
+    // The device lives on.
+    assert!(reads(&bus, "1000").contains("1000h:00"));
+    assert_eq!(device.interrupt().status, 0);
+}
+
+#[test]
+fn an_interface_goes_down_and_up_during_record() {
+    let bus = Interface::new("vrecdown");
+    let path = std::env::temp_dir().join("canvass-recdown.log");
+    let mut record = Running::start(canvass(&["record", bus.name(), path.to_str().unwrap(), "--force"]));
+    record.says("recording");
+    let send = |id: &str| assert!(Command::new("cansend").args([bus.name(), id]).status().unwrap().success());
+    send("101#01");
+    std::thread::sleep(Duration::from_millis(300));
+    bus.down();
+    let told = record.says("went down");
+    assert!(told.contains("recording goes on"), "{told}");
+    bus.up();
+    std::thread::sleep(Duration::from_millis(300));
+    send("102#02");
+    std::thread::sleep(Duration::from_millis(300));
+    let ended = record.interrupt();
+    assert!(ended.stderr.contains("2 frames recorded, 0 lost, 1 interruption of the bus"), "{}", ended.stderr);
+    let recorded = std::fs::read_to_string(path).unwrap();
+    assert!(recorded.contains("101#01") && recorded.contains("102#02"), "{recorded}");
+}
+
+#[test]
+fn a_removed_interface_is_found_again() {
+    let bus = Interface::new("vremoved");
+    let path = std::env::temp_dir().join("canvass-removed.log");
+    let mut record = Running::start(canvass(&["record", bus.name(), path.to_str().unwrap(), "--force"]));
+    record.says("recording");
+    drop(bus);
+    std::thread::sleep(Duration::from_millis(300));
+    let bus = Interface::new("vremoved");
+    std::thread::sleep(Duration::from_millis(500));
+    assert!(Command::new("cansend").args([bus.name(), "103#03"]).status().unwrap().success());
+    std::thread::sleep(Duration::from_millis(500));
+    let ended = record.interrupt();
+    assert!(std::fs::read_to_string(path).unwrap().contains("103#03"), "{}", ended.stderr);
+}
+
+#[test]
+fn a_device_that_dies_fails_nothing() {
+    let bus = Interface::new("vdies");
+    let device = simulate(MODEL, bus.name(), &[]);
+    let test = start_test(&bus, "301/sdo", &[]);
+    std::thread::sleep(Duration::from_secs(8));
+    device.kill();
+    let ended = test.finish();
+    let report = parsed(&ended.stdout);
+    assert_eq!(count(&report, "fail"), 0, "{report:#}");
+    assert!(count(&report, "inconclusive") >= 2, "{report:#}");
+    assert_eq!(ended.status, 1);
+}
+
+#[test]
+fn a_babbling_node_is_not_the_devices_fault() {
+    let bus = Interface::new("vbabble");
+    let _device = simulate(MODEL, bus.name(), &[]);
+    let mut cangen = Command::new("cangen");
+    // A bus of 1 Mbit/s carries about 8 000 of these in a second.
+    cangen.args(["-g", "0.1", "-I", "001", "-L", "8", "-i", bus.name()]).stdin(Stdio::null());
+    let _babbler = Running::start(cangen);
+    let ended = start_test(&bus, "301/sdo/upload", &[]).finish();
+    let report = parsed(&ended.stdout);
+    assert_eq!(count(&report, "fail"), 0, "{report:#}");
+    println!("babbling: {} host {}", report["summary"], report["host"]);
+}
+
+#[test]
+fn ctrl_c_restores_the_device_and_writes_the_report() {
+    let bus = Interface::new("vctrlc");
+    let _device = simulate(MODEL, bus.name(), &[]);
+    assert!(text(&run(&["nmt", bus.name(), "start", "63", "--wait", "50"]).stdout).contains("000"));
+    let test = start_test(&bus, "301/heartbeat", &[]);
+    std::thread::sleep(Duration::from_secs(9));
+    let ended = test.interrupt();
+    let report = parsed(&ended.stdout);
+    assert_eq!(report["cancelled"], true, "{report:#}");
+    assert_eq!(count(&report, "fail"), 0);
+    assert_eq!(ended.status, 1, "{}", ended.stderr);
+    // The heartbeat time that the case had set is 0 again, as delivered.
+    let time = reads(&bus, "1017");
+    assert!(time.contains("= 0"), "{time}");
+}
+
+/// Own frames are told from those of others on the same machine.
+#[test]
+fn own_frames_are_told_from_others() {
+    let bus = Interface::new("vown");
+    let _device = simulate(MODEL, bus.name(), &[]);
+    let report = parsed(&start_test(&bus, "301/sdo/upload", &[]).finish().stdout);
+    let frames: Vec<&Value> =
+        report["cases"].as_array().unwrap().iter().flat_map(|case| case["evidence"].as_array().unwrap()).collect();
+    let direction = |id: u64| -> Vec<&str> {
+        let of = frames.iter().filter(|frame| frame["id"] == id);
+        of.map(|frame| frame["direction"].as_str().unwrap()).collect()
+    };
+    let (requests, responses) = (direction(0x63F), direction(0x5BF));
+    assert!(!requests.is_empty() && requests.iter().all(|direction| *direction == "tx"), "{requests:?}");
+    assert!(!responses.is_empty() && responses.iter().all(|direction| *direction == "rx"), "{responses:?}");
+}
+
+#[test]
+fn errors_name_the_remedy() {
+    let said = |bus: &str| {
+        let output = run(&["test", bus, "--node", "5"]);
+        assert_eq!(output.status.code(), Some(3));
+        text(&output.stderr)
+    };
+    let bus = Interface::new("verrors");
+    bus.down();
+    assert!(said(bus.name()).contains("verrors is down: ip link set verrors up"), "{}", said(bus.name()));
+    assert!(said("no-such-can").contains("there is no interface no-such-can"));
+    assert!(said("lo").contains("lo is no CAN interface"), "{}", said("lo"));
+    eventually("the interface comes up", || {
+        bus.up();
+        said(bus.name()).contains("does not answer")
+    });
+}

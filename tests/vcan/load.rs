@@ -1,0 +1,62 @@
+//! Load: nothing is lost that the kernel delivered, and what it dropped is counted.
+
+use crate::interface::Interface;
+use crate::running::{Running, canvass, run, text};
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// The frames sent on an interface, by the kernel's count.
+fn sent(interface: &str) -> u64 {
+    let path = format!("/sys/class/net/{interface}/statistics/tx_packets");
+    std::fs::read_to_string(path).unwrap().trim().parse().unwrap()
+}
+
+fn number_before(text: &str, words: &str) -> u64 {
+    let at = text.find(words).unwrap_or_else(|| panic!("expected \"{words}\" in {text}"));
+    text[..at].split_whitespace().last().unwrap().parse().unwrap()
+}
+
+/// cangen at full speed into three formats at once.
+fn load(interface: &'static str, span: Duration) {
+    let bus = Interface::new(interface);
+    let folder = std::env::temp_dir();
+    let outputs = ["pcapng", "mcap", "log"].map(|ending| folder.join(format!("{interface}.{ending}")));
+    let outputs = outputs.map(|path| path.display().to_string());
+    let [pcapng, mcap, log] = &outputs;
+    let mut record = Running::start(canvass(&["record", bus.name(), pcapng, mcap, log, "--force"]));
+    record.says("recording");
+    let begun = Instant::now();
+    let mut cangen = Command::new("cangen");
+    cangen.args(["-g", "0", "-I", "123", "-L", "0", "-i", bus.name()]).stdin(Stdio::null());
+    let cangen = Running::start(cangen);
+    std::thread::sleep(span);
+    cangen.kill();
+    let took = begun.elapsed();
+    let sent = sent(bus.name());
+    std::thread::sleep(Duration::from_secs(2));
+    let ended = record.interrupt();
+    let (recorded, lost) = (number_before(&ended.stderr, " frames recorded"), number_before(&ended.stderr, " lost"));
+    println!(
+        "load: {sent} frames in {took:?}, {:.0} frames/s; {}",
+        sent as f64 / took.as_secs_f64(),
+        ended.stderr.trim()
+    );
+    assert_eq!(recorded + lost, sent, "every frame is recorded or counted as lost: {}", ended.stderr);
+    for output in &outputs {
+        let quality = run(&["decode", output, "--node", "127", "--quality", "json", "--quality-out", "-"]);
+        let quality: serde_json::Value = serde_json::from_slice(&quality.stdout)
+            .unwrap_or_else(|error| panic!("{output}: {error}: {}", text(&quality.stderr)));
+        assert_eq!(quality["total"]["frames"], recorded, "{output}");
+    }
+}
+
+#[test]
+fn a_short_load() {
+    load("vload", Duration::from_secs(4));
+}
+
+#[test]
+#[ignore = "a minute of the highest load: cargo xtask vcan-load"]
+fn load_for_a_minute() {
+    load("vminute", Duration::from_secs(60));
+}

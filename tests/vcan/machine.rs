@@ -1,0 +1,25 @@
+//! What `doctor` says of this machine.
+
+use crate::interface::Interface;
+use crate::running::{run, text};
+
+#[test]
+fn the_doctor_sees_interfaces() {
+    let bus = Interface::new("vdoctor");
+    let said = text(&run(&["doctor"]).stdout);
+    assert!(said.contains("✔ SocketCAN    the kernel has AF_CAN and CAN_RAW"), "{said}");
+    assert!(said.contains("✔ interface    vdoctor: vcan, up"), "{said}");
+    bus.down();
+    let said = text(&run(&["doctor"]).stdout);
+    assert!(said.contains("✘ interface    vdoctor: vcan, down") && said.contains("ip link set vdoctor up"), "{said}");
+}
+
+/// What it said before the modules were loaded, where this kernel was booted for the tests.
+#[test]
+fn the_doctor_says_why_there_is_no_can() {
+    let Ok(folder) = std::env::var("CANVASS_VCAN_OUT") else { return };
+    let said = std::fs::read_to_string(format!("{folder}/doctor-without-can")).unwrap();
+    assert!(said.contains("✘ SocketCAN    no CAN in this kernel: modprobe can can-raw"), "{said}");
+    // This machine's files hold no modules of Debian's kernel.
+    assert!(said.contains("there are no modules for the running kernel (/lib/modules/"), "{said}");
+}

@@ -1,0 +1,25 @@
+//! The program on real SocketCAN: interfaces, processes, and what happens to them.
+//!
+//! `cargo xtask vcan` runs these tests, on this machine's kernel if it has vcan, else on Debian's kernel in QEMU. Each test
+//! has an interface of its own, so that they run at the same time.
+
+#[cfg(test)]
+mod can_utils;
+#[cfg(test)]
+mod crash;
+#[cfg(test)]
+mod faults;
+#[cfg(test)]
+mod interface;
+#[cfg(test)]
+mod load;
+#[cfg(test)]
+mod machine;
+#[cfg(test)]
+mod python;
+#[cfg(test)]
+mod running;
+#[cfg(test)]
+mod serial;
+#[cfg(test)]
+mod verdicts;

@@ -1,0 +1,126 @@
+//! A capture of every format and variant: the samples that other tools wrote, shapes that they have written elsewhere, and
+//! compressed ones.
+
+use canvass_traces::{Capture, Damage, Format, ReadOptions, Record, Source};
+use std::io::Write;
+use std::path::Path;
+
+/// A capture, as it is before it is damaged.
+pub struct Sample {
+    pub name: String,
+    pub bytes: Vec<u8>,
+    pub format: Format,
+    pub frames: Vec<Record>,
+    /// Compressed as a whole.
+    pub compressed: bool,
+}
+
+/// Rows that no sample file has.
+const ROWS: &[(&str, &str)] = &[
+    (
+        "minimon.csv",
+        "ASCII Trace IXXAT MiniMon V3  Version: 1.1.4.4533\r\nDate: 28.01.2025\r\nStart time: 10:47:15\r\n\
+         Baudrate: 250 kbit/s\r\n\"Time\";\"Identifier (hex)\";\"Format\";\"Flags\";\"Data (hex)\"\r\n\
+         \"10:47:15.23\";\"83\";\"Std\";\"\";\"00 00 00 00 08 \"\r\n\"10:47:15.24\";\"701\";\"Std\";\"\";\"05 \"\r\n\
+         \"10:47:15.24\";\"18FF1234\";\"Ext\";\"\";\"01 02 03 04 05 06 07 08 \"\r\n\"10:47:16.00\";\"80\";\"Std\";\"\";\"\"\r\n",
+    ),
+    (
+        "1.0.trc",
+        ";####\r\n;\r\n     1)     17535  00000100  8  00 11 22 33 44 55 66 77 \r\n     2)     17540  FFFFFFFF  4  00 00 00 08 \r\n\
+         \u{20}    3)     17545  0701  1  05 \r\n",
+    ),
+    (
+        "1.1.trc",
+        ";$FILEVERSION=1.1\r\n;$STARTTIME=44548.6028595139\r\n;---+--\r\n\
+         \u{20}    1)     17535.4  Tx     00000100  8  00 00 00 00 00 00 00 01 \r\n\
+         \u{20}    2)     17540.3  Warng  FFFFFFFF  4  00 00 00 08  BUSHEAVY \r\n\
+         \u{20}    3)     19295.4  Rx         0000  1  02 \r\n     4)     19468.9  Tx         0000  8  RTR\r\n",
+    ),
+    (
+        "2.0.trc",
+        ";$FILEVERSION=2.0\n;$STARTTIME=44548.6028595139\n;$COLUMNS=N,O,T,I,d,l,D\n\
+         \u{20}     1     17535.400 DT 00000100 Tx 8  00 00 00 00 00 00 00 00\n\
+         \u{20}     2     17540.300 ST          Rx    00 00 00 08\n\
+         \u{20}     3     17541.300 FB     0100 Rx 12 00 01 02 03 04 05 06 07 08 09 0A 0B\n",
+    ),
+    (
+        "everything.log",
+        "(1700000000.000000001)     can0 701#05 R\n(1700000000.000100000) vcan-long 18FF1234#0102030405060708_C T\n\
+         DROPCOUNT: dropped 3 CAN frames on 'can0' socket (total drops 3)\n(1700000000.000200000)     can0 123#R4\n\
+         (1700000000.000300000)     can0 123##5000102030405060708090A0B\n(1700000000.000400000)     can0 20000080#0000000000000000\n\
+         (1700000000.000500000)     can0 00123#81:00:12345678#112233\n",
+    ),
+    (
+        "relative.asc",
+        "date Tue Nov 14 12:00:00.000 2023\r\nbase dec  timestamps relative\r\nBegin TriggerBlock\r\n\
+         \u{20}  0.100000 1  1793             Rx   d 1 05\r\n   0.100000 1  419361332x       Tx   d 2 01 255 Length = 0 BitCount = 0\r\n\
+         \u{20}  0.000100 1  ErrorFrame\r\n   0.000200 2  256             Rx   r 3\r\nEnd TriggerBlock\r\n",
+    ),
+];
+
+/// Samples that are compressed as a whole too.
+const COMPRESSED: [&str; 3] = ["python-can.log", "tcpdump-ns.pcap", "ros2-plain.mcap"];
+
+/// All samples whose name or format `chosen` wants.
+pub fn samples(chosen: impl Fn(&Sample) -> bool) -> Vec<Sample> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("samples");
+    let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let path = entry.unwrap().path();
+        let name = path.file_name().unwrap().to_string_lossy().into_owned();
+        if !name.ends_with(".frames") && !name.ends_with(".md") && !name.ends_with(".py") {
+            files.push((name, std::fs::read(&path).unwrap()));
+        }
+    }
+    files.sort();
+    let compressed = COMPRESSED.iter().flat_map(|wanted| {
+        let plain = &files.iter().find(|file| file.0 == *wanted).unwrap().1;
+        [(format!("{wanted}.gz"), gzip(plain)), (format!("{wanted}.zst"), zstd::encode_all(&plain[..], 3).unwrap())]
+    });
+    let compressed: Vec<_> = compressed.collect();
+    let rows = ROWS.iter().map(|(name, rows)| ((*name).to_owned(), rows.as_bytes().to_vec()));
+    files.into_iter().chain(rows).chain(compressed).map(|(name, bytes)| sample(name, bytes)).filter(chosen).collect()
+}
+
+fn sample(name: String, bytes: Vec<u8>) -> Sample {
+    let capture = open(&bytes).unwrap_or_else(|| panic!("{name}"));
+    let format = capture.format();
+    let frames: Vec<_> = capture.filter_map(Result::ok).collect();
+    assert!(!frames.is_empty(), "{name}");
+    let compressed = name.ends_with(".gz") || name.ends_with(".zst");
+    Sample { name, bytes, format, frames, compressed }
+}
+
+fn gzip(plain: &[u8]) -> Vec<u8> {
+    let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    gzip.write_all(plain).unwrap();
+    gzip.finish().unwrap()
+}
+
+/// A capture of these bytes, if they are of a known format.
+pub fn open(bytes: &[u8]) -> Option<Capture> {
+    Capture::from_source("test", Source::from_bytes(bytes), &ReadOptions::default()).ok()
+}
+
+/// All that is read; `None` if the bytes are of no known format.
+pub fn read(bytes: &[u8]) -> Option<(Vec<Record>, Vec<Damage>)> {
+    let mut capture = open(bytes)?;
+    let (mut frames, mut damages) = (Vec::new(), Vec::new());
+    for item in capture.by_ref() {
+        match item {
+            Ok(record) => frames.push(record),
+            Err(damage) => damages.push(damage),
+        }
+    }
+    assert!(capture.next().is_none(), "the end is the end");
+    Some((frames, damages))
+}
+
+/// Every format has a sample: none is forgotten.
+#[test]
+fn every_format_has_a_sample() {
+    let samples = samples(|_| true);
+    for format in Format::all() {
+        assert!(samples.iter().any(|sample| sample.format == format), "{format}");
+    }
+}

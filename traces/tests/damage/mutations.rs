@@ -1,0 +1,121 @@
+//! 10 000 random changes of every capture: whatever it has become, reading it ends, with no more frames than bytes can
+//! make, and without a panic.
+
+use crate::corpus::{Sample, read, samples};
+use canvass_traces::{Format, ReadOptions, Source};
+
+const MUTATIONS: u64 = 10_000;
+
+/// Xorshift: the same changes everywhere.
+struct Random(u64);
+
+impl Random {
+    fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+}
+
+/// Numbers that lengths and counts go wrong with.
+const ODD: [u32; 8] = [0, 1, 0x7F, 0xFF, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF];
+
+/// Changes bytes in one of the ways that files go wrong; gives how many more frames that may make.
+fn mutate(bytes: &mut Vec<u8>, random: &mut Random) -> usize {
+    let at = random.below(bytes.len());
+    let length = random.below(64).min(bytes.len() - at);
+    match random.below(7) {
+        0 => bytes[at] = random.next() as u8,
+        1 => bytes[at] ^= 1 << random.below(8),
+        2 => bytes.insert(at, random.next() as u8),
+        3 => drop(bytes.drain(at..at + length)),
+        4 => bytes.truncate(at + 1),
+        5 => {
+            let odd = ODD[random.below(ODD.len())].to_le_bytes();
+            for (place, byte) in bytes[at..].iter_mut().zip(odd) {
+                *place = byte;
+            }
+        }
+        _ => {
+            let twice = bytes[at..at + length].to_vec();
+            bytes.splice(at..at, twice);
+            return length / 4 + 1;
+        }
+    }
+    1
+}
+
+fn survive(sample: &Sample) {
+    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    for n in 0..MUTATIONS {
+        let mut bytes = sample.bytes.clone();
+        let mut more = 4;
+        for _ in 0..=random.below(4) {
+            if !bytes.is_empty() {
+                more += mutate(&mut bytes, &mut random);
+            }
+        }
+        // Now and then also as the format that it no longer looks like.
+        let read = match n % 8 {
+            0 => Some(read_as(sample.format, &bytes)),
+            _ => read(&bytes).map(|(frames, damages)| (frames.len(), damages.len())),
+        };
+        let Some((frames, damages)) = read else { continue };
+        if !sample.compressed {
+            assert!(frames <= sample.frames.len() + more, "{} mutation {n}: {frames} frames", sample.name);
+            assert!(damages <= bytes.len() + 1, "{} mutation {n}: {damages} damages", sample.name);
+        }
+    }
+}
+
+fn read_as(format: Format, bytes: &[u8]) -> (usize, usize) {
+    let reader = format.open(Source::from_bytes(bytes), &ReadOptions::default());
+    reader.fold((0, 0), |(frames, damages), item| match item {
+        Ok(_) => (frames + 1, damages),
+        Err(_) => (frames, damages + 1),
+    })
+}
+
+fn survive_all(formats: &[Format]) {
+    samples(|sample| !sample.compressed && formats.contains(&sample.format)).iter().for_each(survive);
+}
+
+#[test]
+fn candump() {
+    survive_all(&[Format::Candump, Format::CandumpConsole]);
+}
+
+#[test]
+fn asc_and_trc() {
+    survive_all(&[Format::Asc, Format::Trc]);
+}
+
+#[test]
+fn tables() {
+    survive_all(&[Format::PythonCanCsv, Format::MiniMon]);
+}
+
+#[test]
+fn pcap() {
+    survive_all(&[Format::Pcap, Format::Pcapng]);
+}
+
+#[test]
+fn mcap() {
+    survive_all(&[Format::Mcap]);
+}
+
+#[test]
+fn blf() {
+    survive_all(&[Format::Blf]);
+}
+
+#[test]
+fn compressed() {
+    samples(|sample| sample.compressed).iter().for_each(survive);
+}

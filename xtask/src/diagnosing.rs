@@ -1,0 +1,50 @@
+//! How long a diagnosis takes: beside decoding the same frames, and of hours of a healthy bus.
+
+use crate::bench::{best, capture};
+use crate::measure::release;
+use anyhow::{Result, ensure};
+use std::fs::File;
+use std::process::Command;
+
+/// Hours of a bus of eight nodes that is half full.
+const HEALTHY: &str = "10000000";
+const HEALTHY_CAPTURE: &str = "target/bench/machine.pcap";
+
+/// Diagnoses the frames that the other benchmarks decode, and a healthy machine.
+///
+/// # Errors
+/// If anything is found in the healthy machine, as far as a program can't be run or says something unexpected.
+pub fn diagnosing() -> Result<()> {
+    println!("\ndiagnosing, processor time");
+    let canvass = release("canvass");
+    for format in ["candump", "pcap"] {
+        let path = capture(format);
+        let decoding = best(&[&canvass, "decode", "--format", "text", &path], None)?.cpu;
+        let diagnosis = best(&[&canvass, "diagnose", "--fail-on", "never", &path], None)?;
+        let ratio = diagnosis.cpu / decoding;
+        println!("{format}: {:.2} s, {ratio:.2} times the time of decoding to text", diagnosis.cpu);
+        if format == "pcap" {
+            let tshark = best(&["tshark", "-n", "-d", "can.subdissector,canopen", "-r", &path], None)?.cpu;
+            println!("{format}: {:.1} times as fast as one line a frame of tshark", tshark / diagnosis.cpu);
+        }
+    }
+    healthy(&canvass)
+}
+
+fn healthy(canvass: &str) -> Result<()> {
+    let written = Command::new(release("examples/machine"))
+        .args(["pcap", HEALTHY])
+        .stdout(File::create(HEALTHY_CAPTURE)?)
+        .status()?;
+    ensure!(written.success(), "the traffic of a healthy machine could not be made: {written}");
+    let output = Command::new(canvass).args(["diagnose", HEALTHY_CAPTURE]).output()?;
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    let nothing = text.lines().any(|line| line == "0 errors, 0 warnings, 0 hints");
+    ensure!(nothing, "something was found in a healthy machine:\n{text}");
+    let cost = best(&[canvass, "diagnose", HEALTHY_CAPTURE], None)?;
+    println!("{HEALTHY} frames of a healthy machine: {:.2} s, {:.1} MiB", cost.cpu, cost.memory as f64 / 1024.0);
+    if let Some(first) = text.lines().next() {
+        println!("  {first}");
+    }
+    Ok(())
+}
