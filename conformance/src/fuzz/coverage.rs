@@ -271,7 +271,10 @@ impl Coverage {
                 match state {
                     SdoState::BlockDownload => {
                         block_transfer
-                            && matches!(command, Command::BlockSegment | Command::Abort | Command::Short | Command::Extended)
+                            && matches!(
+                                command,
+                                Command::BlockSegment | Command::Abort | Command::Short | Command::Extended
+                            )
                     }
                     _ => command != Command::BlockSegment && (block_transfer || !in_blocks),
                 }
@@ -282,7 +285,8 @@ impl Coverage {
     /// The combinations of LSS state and command. What stores, changes the bit rate or the node-ID only where that is
     /// allowed.
     pub fn lss_pairs(changes: bool) -> impl Iterator<Item = (LssState, LssCommand)> {
-        let pairs = LssState::ALL.iter().flat_map(|&state| LssCommand::ALL.iter().map(move |&command| (state, command)));
+        let pairs =
+            LssState::ALL.iter().flat_map(|&state| LssCommand::ALL.iter().map(move |&command| (state, command)));
         pairs.filter(move |&(state, command)| {
             changes
                 || state != LssState::Configuration

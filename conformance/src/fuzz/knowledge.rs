@@ -153,8 +153,11 @@ impl Services {
     fn new(description: Option<&DeviceDescription>, sheet: Option<&Sheet>) -> Self {
         let network = sheet.map(|sheet| &sheet.network);
         let storage = sheet.map(|sheet| &sheet.storage);
-        let mut bus_objects: Vec<Multiplexer> =
-            network.into_iter().flat_map(|network| [network.node_id_object, network.bit_rate_object]).flatten().collect();
+        let mut bus_objects: Vec<Multiplexer> = network
+            .into_iter()
+            .flat_map(|network| [network.node_id_object, network.bit_rate_object])
+            .flatten()
+            .collect();
         bus_objects.extend(storage.into_iter().flat_map(|storage| storage.bus_save_object));
         bus_objects.extend(storage.into_iter().flat_map(|storage| storage.bus_objects.iter().copied()));
         Self {
@@ -202,7 +205,11 @@ impl Known {
                 Some(value) => value.encode(entry.data_type).map_or(0, |bytes| bytes.len()),
                 None => 0,
             },
-            power_on: entry.start_value(node).as_ref().and_then(Value::to_raw).filter(|_| entry.data_type.bytes().is_some()),
+            power_on: entry
+                .start_value(node)
+                .as_ref()
+                .and_then(Value::to_raw)
+                .filter(|_| entry.data_type.bytes().is_some()),
         })
     }
 

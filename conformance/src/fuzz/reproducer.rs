@@ -1,4 +1,4 @@
-//! What is handed over of a violation: a log that can be replayed, and a ready test.
+//! What is handed over of a violation: a log that can be replayed.
 
 use super::stimulus::{Sequence, Start, Stimulus, Then};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -18,7 +18,7 @@ pub fn candump(sequence: &Sequence) -> String {
             nanos % 1_000_000_000 / 1_000,
             compact(&stimulus.frame)
         );
-        now = now + wait_after(stimulus);
+        now += wait_after(stimulus);
         text
     })
 }
@@ -69,18 +69,6 @@ fn compact(frame: &Frame) -> String {
     })
 }
 
-/// A test of Rust that replays the sequence on that simulated bus and demands that nothing is wrong.
-pub fn rust_test(name: &str, address: &str, sequence: &Sequence) -> String {
-    let log = candump(sequence);
-    let lines: String = log.lines().map(|line| format!("        {line}\n")).collect();
-    format!(
-        "#[test]\nfn {name}() {{\n    let log = \"\\\n{}\";\n    \
-         let replay = canvass_conformance::fuzz::campaign::replay_log({address:?}, log).unwrap();\n    \
-         assert_eq!(replay, None);\n}}\n",
-        lines.replace('\n', "\\n\\\n")
-    )
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -129,7 +117,7 @@ mod tests {
             let mut now = Timestamp::ZERO;
             let frames: Vec<(Timestamp, Frame)> = stimuli.iter().map(|stimulus| {
                 let at = now;
-                now = now + wait_after(stimulus);
+                now += wait_after(stimulus);
                 (at, stimulus.frame)
             }).collect();
             for ((_, frame), stimulus) in frames.iter().zip(&stimuli) {

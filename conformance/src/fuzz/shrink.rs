@@ -23,11 +23,19 @@ pub struct SequenceTree {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Step {
     /// Leave out that many frames from there on.
-    Remove { length: usize, from: usize },
+    Remove {
+        length: usize,
+        from: usize,
+    },
     /// Wait no longer than needed after that frame.
-    Settle { at: usize },
+    Settle {
+        at: usize,
+    },
     /// Set that byte of that frame to 0.
-    Zero { at: usize, byte: usize },
+    Zero {
+        at: usize,
+        byte: usize,
+    },
     Done,
 }
 

@@ -138,7 +138,8 @@ impl Script<'_> {
             1 => {
                 let sub = self.dice.below(5) as u8;
                 let bit_check = self.dice.below(34) as u8;
-                let id = address.get(usize::from(sub)).copied().unwrap_or(0) ^ u32::from(self.dice.flip()) << (bit_check & 31);
+                let id = address.get(usize::from(sub)).copied().unwrap_or(0)
+                    ^ u32::from(self.dice.flip()) << (bit_check & 31);
                 self.lss(scan(id, bit_check, sub, sub));
             }
             2 => {

@@ -153,8 +153,8 @@ impl Script<'_> {
 
     /// Limits that the present value exceeds make the device report an error.
     fn provoke(&mut self) {
-        let Some(known) = self.object_where(|known| known.writable && matches!(known.at.index.0, 0x2120 | 0x6401 | 0x6402))
-            .cloned()
+        let Some(known) =
+            self.object_where(|known| known.writable && matches!(known.at.index.0, 0x2120 | 0x6401 | 0x6402)).cloned()
         else {
             return self.short_pdos();
         };

@@ -70,7 +70,14 @@ impl Script<'_> {
         let restricted = self.dice.one_of([0, 1, 0x7F, 0x101, 0x180, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF]);
         let other = 0x181 + self.dice.below(0x400) as u32;
         let flags = own & 0x4000_0000;
-        let value = self.dice.one_of([own, own ^ 1 << 31, restricted | flags, restricted | flags, other | flags, other | flags]);
+        let value = self.dice.one_of([
+            own,
+            own ^ 1 << 31,
+            restricted | flags,
+            restricted | flags,
+            other | flags,
+            other | flags,
+        ]);
         self.parameter(index, 1, value);
         self.sdo(Request::upload(Multiplexer::new(index, 1)));
     }

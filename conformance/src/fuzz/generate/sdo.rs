@@ -1,9 +1,9 @@
 //! SDO dialogues: right ones, and ones with something wrong.
 
-use super::Script;
 use super::super::coverage::{Command, SdoState};
 use super::super::knowledge::Known;
 use super::super::stimulus::Then;
+use super::Script;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Payload, REQUEST_BASE, Request, Segment, crc16};
@@ -223,7 +223,10 @@ impl Script<'_> {
                 data[..chunk.len()].copy_from_slice(chunk);
                 let sequence = (n - mistake) as u8 + 1;
                 let last = n + 1 == count;
-                self.block_segment(BlockSegment { sequence, last, data }, if last { Then::Settle } else { Then::AtOnce });
+                self.block_segment(
+                    BlockSegment { sequence, last, data },
+                    if last { Then::Settle } else { Then::AtOnce },
+                );
             }
         }
         (count * 7 - value.len()).min(7) as u8

@@ -34,7 +34,9 @@ enum Awaited {
     Anything,
     Exactly(Response),
     /// Configure bit timing: success or refusal by what the device supports.
-    Timing { supported: Option<bool> },
+    Timing {
+        supported: Option<bool>,
+    },
 }
 
 /// Whether the slave is in configuration.
@@ -156,7 +158,8 @@ impl Slave {
                 (Awaited::Anything, effect)
             }
             awaited if !works && matches!(request, Request::SwitchGlobal { .. }) => {
-                self.mode = if matches!(request, Request::SwitchGlobal { mode: 0 }) { Mode::Waiting } else { Mode::Unsure };
+                self.mode =
+                    if matches!(request, Request::SwitchGlobal { mode: 0 }) { Mode::Waiting } else { Mode::Unsure };
                 (awaited, effect)
             }
             awaited => (awaited, effect),
@@ -166,7 +169,7 @@ impl Slave {
     fn answer(&mut self, request: Request, knowledge: &Knowledge) -> (Awaited, Effect) {
         let nothing = |awaited| (awaited, Effect::Nothing);
         match request {
-            Request::SwitchGlobal { mode } => return self.switch(mode, knowledge.node.raw()),
+            Request::SwitchGlobal { mode } => self.switch(mode, knowledge.node.raw()),
             Request::SwitchSelective { part, value } => nothing(self.select(part as u8, value, knowledge)),
             Request::IdentifyRemote { bound, value } => nothing(self.identify(bound as u8, value, knowledge)),
             Request::IdentifyNonConfigured => {
@@ -391,12 +394,7 @@ impl Slave {
     ///
     /// # Errors
     /// [`Violation`] if the slave must not send it now.
-    pub fn answered(
-        &mut self,
-        now: Timestamp,
-        frame: &Frame,
-        coverage: &mut Coverage,
-    ) -> Result<(), Violation> {
+    pub fn answered(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
         let response = Response::read(frame.data()).ok().filter(|_| frame.len() == 8);
         let awaited = self.awaited;
         let fits = match (awaited, response) {
@@ -466,7 +464,9 @@ fn timing_fits(supported: Option<bool>, actual: Response) -> bool {
         (Some(false), Response::Configured { command: ConfigureCommand::BitTiming, error, .. }) => {
             matches!(error, 1 | 255)
         }
-        (None, Response::Configured { command: ConfigureCommand::BitTiming, error, .. }) => matches!(error, 0 | 1 | 255),
+        (None, Response::Configured { command: ConfigureCommand::BitTiming, error, .. }) => {
+            matches!(error, 0 | 1 | 255)
+        }
         _ => false,
     }
 }

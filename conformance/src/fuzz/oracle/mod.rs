@@ -110,7 +110,9 @@ impl Oracle {
                 self.sdo.asked(now, frame, served, &self.knowledge, &mut self.belief, coverage);
                 Ok(())
             }
-            id if self.belief.is_sync(id) => self.pdo.synchronised(now, frame, &self.nmt, &self.belief, &self.knowledge),
+            id if self.belief.is_sync(id) => {
+                self.pdo.synchronised(now, frame, &self.nmt, &self.belief, &self.knowledge)
+            }
             _ => {
                 // It may be a PDO that the device receives: mapped objects may have changed.
                 self.belief.forget_outputs();
@@ -172,7 +174,8 @@ impl Oracle {
                 match can_id {
                     Some(id) if id == sdo_wire::RESPONSE_BASE + node => {
                         let served = self.nmt.serves_sdo();
-                        let lost = self.sdo.answered(now, frame, served, &self.knowledge, &mut self.belief, coverage)?;
+                        let lost =
+                            self.sdo.answered(now, frame, served, &self.knowledge, &mut self.belief, coverage)?;
                         self.blind |= lost;
                         if let Some(change) = self.belief.take_change() {
                             self.nmt.configured(now, change);

@@ -107,7 +107,9 @@ impl Slave {
         match self.phase {
             Phase::Operational => Served::Yes,
             Phase::Unsure | Phase::Running => Served::Unsure,
-            _ if matches!(self.before, Phase::Operational | Phase::Running) && now < self.changed + GRACE => Served::Unsure,
+            _ if matches!(self.before, Phase::Operational | Phase::Running) && now < self.changed + GRACE => {
+                Served::Unsure
+            }
             _ => Served::No,
         }
     }

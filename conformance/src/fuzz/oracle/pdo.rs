@@ -35,22 +35,18 @@ pub(super) struct Pdos {
 
 impl Pdos {
     pub fn new(knowledge: &Knowledge) -> Self {
-        let parameters =
-            knowledge.entries().iter().filter(|known| (0x1800..0x1A00).contains(&known.at.index.0) && known.at.sub.0 == 1);
-        let seen = |index| Seen {
-            index,
-            last: None,
-            since: Timestamp::ZERO,
-            syncs: 0,
-            open: 0,
-            due: Timestamp::MAX,
-        };
+        let parameters = knowledge
+            .entries()
+            .iter()
+            .filter(|known| (0x1800..0x1A00).contains(&known.at.index.0) && known.at.sub.0 == 1);
+        let seen = |index| Seen { index, last: None, since: Timestamp::ZERO, syncs: 0, open: 0, due: Timestamp::MAX };
         Self { seen: parameters.map(|known| seen(known.at.index.0)).collect() }
     }
 
     pub fn reset(&mut self) {
         for seen in &mut self.seen {
-            *seen = Seen { index: seen.index, last: None, since: Timestamp::ZERO, syncs: 0, open: 0, due: Timestamp::MAX };
+            *seen =
+                Seen { index: seen.index, last: None, since: Timestamp::ZERO, syncs: 0, open: 0, due: Timestamp::MAX };
         }
     }
 

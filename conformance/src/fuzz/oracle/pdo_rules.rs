@@ -48,7 +48,8 @@ fn pdo_identifier(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Bel
         return Some((codes::REFUSED, "a restricted CAN-ID"));
     }
     let old = CobId(belief.number(knowledge, at.index.0, 1)? as u32);
-    let changes = old.is_valid() && new.is_valid() && (old.can_id() != new.can_id() || old.is_extended() != new.is_extended());
+    let changes =
+        old.is_valid() && new.is_valid() && (old.can_id() != new.can_id() || old.is_extended() != new.is_extended());
     changes.then_some((codes::REFUSED, "the CAN-ID changes only while the PDO is invalid"))
 }
 
@@ -89,9 +90,10 @@ fn consumer(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -
     if !(1..=127).contains(&node) || time == 0 {
         return None;
     }
-    let twice = knowledge.entries().iter().filter(|known| known.at.index.0 == 0x1016 && known.at.sub.0 > 0).any(|known| {
-        let other = belief.number(knowledge, 0x1016, known.at.sub.0).unwrap_or(0);
-        known.at.sub != at.sub && other >> 16 & 0xFF == node && other & 0xFFFF != 0
-    });
+    let twice =
+        knowledge.entries().iter().filter(|known| known.at.index.0 == 0x1016 && known.at.sub.0 > 0).any(|known| {
+            let other = belief.number(knowledge, 0x1016, known.at.sub.0).unwrap_or(0);
+            known.at.sub != at.sub && other >> 16 & 0xFF == node && other & 0xFFFF != 0
+        });
     twice.then_some((DOUBLE, "the node is watched already"))
 }

@@ -119,7 +119,9 @@ impl Awaited {
                 writing.text(&format!("confirmation of the last segment with toggle bit {}", u8::from(*toggle)))
             }
             Self::Segment { toggle } => format!("the next segment with toggle bit {}", u8::from(*toggle)),
-            Self::ConfirmBlock { sequence, .. } => format!("confirmation of the block up to sequence number {sequence}"),
+            Self::ConfirmBlock { sequence, .. } => {
+                format!("confirmation of the block up to sequence number {sequence}")
+            }
             Self::ConfirmEnd { at, writing } => writing.text(&format!("confirmation of the block download to {at}")),
             Self::Block => "the segments of the block, numbered from 1".to_owned(),
             Self::EndOfBlocks(_) => "the end of the block upload with its checksum".to_owned(),

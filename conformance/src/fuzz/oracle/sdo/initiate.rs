@@ -50,9 +50,7 @@ impl Server {
         self.state = State::Idle;
         self.data.clear();
         match payload {
-            Payload::Expedited(value) => {
-                Awaited::Write { at, writing: writing(at, value.data(), knowledge, belief) }
-            }
+            Payload::Expedited(value) => Awaited::Write { at, writing: writing(at, value.data(), knowledge, belief) },
             Payload::ExpeditedUnsized(value) => {
                 let size = knowledge.entry(at).and_then(|known| known.size).unwrap_or(4).min(4);
                 let mut writing = writing(at, &value[..size], knowledge, belief);
@@ -170,12 +168,7 @@ fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
 }
 
 /// What may be said to that value.
-pub(super) fn writing(
-    at: Multiplexer,
-    value: &[u8],
-    knowledge: &Knowledge,
-    belief: &Belief,
-) -> Writing {
+pub(super) fn writing(at: Multiplexer, value: &[u8], knowledge: &Knowledge, belief: &Belief) -> Writing {
     let entry = knowledge.position(at);
     let raw = (value.len() <= 8).then(|| value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte)));
     let mut writing = Writing { entry, raw, must: CodeSet::NONE, may: codes::REFUSED, why: "", pdo_rule: false };

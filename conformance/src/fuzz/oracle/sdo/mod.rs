@@ -16,9 +16,9 @@ use crate::fuzz::Knowledge;
 use crate::fuzz::coverage::{Answer, Command, Coverage, SdoState};
 use crate::fuzz::property::Property;
 use awaited::Awaited;
+use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{BlockSegment, Request};
-use canvass_analyzer::Multiplexer;
 use canvass_traces::{Duration, Frame, Timestamp};
 
 /// The longest value whose bytes are followed; of longer ones only the length is judged.
@@ -49,15 +49,43 @@ pub(in crate::fuzz) struct Server {
 enum State {
     Idle,
     /// The server takes segments.
-    Download { at: Multiplexer, entry: Option<usize>, toggle: bool, announced: Option<u32> },
+    Download {
+        at: Multiplexer,
+        entry: Option<usize>,
+        toggle: bool,
+        announced: Option<u32>,
+    },
     /// The server sends segments.
-    Upload { at: Multiplexer, entry: Option<usize>, toggle: bool, announced: Option<u32> },
+    Upload {
+        at: Multiplexer,
+        entry: Option<usize>,
+        toggle: bool,
+        announced: Option<u32>,
+    },
     /// The server takes the segments of a block.
-    BlockDownload { at: Multiplexer, entry: Option<usize>, announced: Option<u32>, size: u8, sequence: u8, crc: bool },
+    BlockDownload {
+        at: Multiplexer,
+        entry: Option<usize>,
+        announced: Option<u32>,
+        size: u8,
+        sequence: u8,
+        crc: bool,
+    },
     /// The last segment has come; the end of the transfer follows.
-    BlockDownloadEnd { at: Multiplexer, entry: Option<usize>, announced: Option<u32>, crc: bool },
+    BlockDownloadEnd {
+        at: Multiplexer,
+        entry: Option<usize>,
+        announced: Option<u32>,
+        crc: bool,
+    },
     /// The server waits for the start.
-    BlockUploadReady { at: Multiplexer, entry: Option<usize>, announced: Option<u32>, size: u8, crc: bool },
+    BlockUploadReady {
+        at: Multiplexer,
+        entry: Option<usize>,
+        announced: Option<u32>,
+        size: u8,
+        crc: bool,
+    },
     /// The server sends a block, or waits for its confirmation once it has sent the last segment of it.
     BlockUpload(block::Upload),
     /// The server has announced the end.
@@ -223,8 +251,9 @@ impl Server {
 
     /// The transfer ends; a download has no effect.
     fn give_up(&mut self, belief: &mut Belief) {
-        if let State::Download { entry, .. } | State::BlockDownload { entry, .. } | State::BlockDownloadEnd { entry, .. } =
-            self.state
+        if let State::Download { entry, .. }
+        | State::BlockDownload { entry, .. }
+        | State::BlockDownloadEnd { entry, .. } = self.state
         {
             belief.aborted = entry;
         }

@@ -61,13 +61,7 @@ impl Server {
         })
     }
 
-    fn judge(
-        &mut self,
-        frame: &Frame,
-        knowledge: &Knowledge,
-        belief: &mut Belief,
-        coverage: &mut Coverage,
-    ) -> Judged {
+    fn judge(&mut self, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief, coverage: &mut Coverage) -> Judged {
         if frame.len() != 8 {
             return Err(instead(Property::LegalSdo, "an SDO response of eight bytes", shown(frame)));
         }
@@ -191,7 +185,9 @@ impl Server {
                 }
                 _ => Err(refused()),
             },
-            Awaited::ConfirmSegment { toggle, last } => self.segment_answered(toggle, last, response, frame, knowledge, belief),
+            Awaited::ConfirmSegment { toggle, last } => {
+                self.segment_answered(toggle, last, response, frame, knowledge, belief)
+            }
             Awaited::Segment { toggle } => match response {
                 Response::UploadSegment(segment) if segment.toggle == toggle => {
                     self.segment_came(segment, frame, knowledge, belief)
@@ -208,7 +204,13 @@ impl Server {
                 }
                 Response::Abort(abort) => {
                     self.give_up(belief);
-                    let codes = codes::SEQUENCE.or(codes::REFUSED).or(codes::TOO_LONG).or(codes::TOO_SHORT).or(codes::READ_ONLY).or(codes::NO_OBJECT).or(codes::NO_SUB_INDEX);
+                    let codes = codes::SEQUENCE
+                        .or(codes::REFUSED)
+                        .or(codes::TOO_LONG)
+                        .or(codes::TOO_SHORT)
+                        .or(codes::READ_ONLY)
+                        .or(codes::NO_OBJECT)
+                        .or(codes::NO_SUB_INDEX);
                     check_abort(abort, codes, None)
                 }
                 _ => Err(refused()),
@@ -275,13 +277,7 @@ impl Server {
         self.state = State::Upload { at: reading.at, entry: reading.entry, toggle: false, announced };
     }
 
-    fn segment_came(
-        &mut self,
-        segment: Segment,
-        frame: &Frame,
-        knowledge: &Knowledge,
-        belief: &mut Belief,
-    ) -> Judged {
+    fn segment_came(&mut self, segment: Segment, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief) -> Judged {
         let State::Upload { at, entry, toggle, announced } = self.state else { return Ok(()) };
         if self.data.len() < LONGEST {
             self.data.extend_from_slice(segment.data());

@@ -9,12 +9,7 @@ use crate::fuzz::Knowledge;
 use canvass_analyzer::wire::sdo::Segment;
 
 impl Server {
-    pub(super) fn download_segment(
-        &mut self,
-        segment: Segment,
-        knowledge: &Knowledge,
-        belief: &mut Belief,
-    ) -> Awaited {
+    pub(super) fn download_segment(&mut self, segment: Segment, knowledge: &Knowledge, belief: &mut Belief) -> Awaited {
         let State::Download { at, entry, toggle, announced } = self.state else {
             return self.refuse(codes::COMMAND, "a download segment without its transfer", belief);
         };
