@@ -140,7 +140,7 @@ impl PcapReader {
         if packet.captured != packet.original || file.link != LinkType::SocketCan {
             return None;
         }
-        let frame = socketcan::full_frame(rest.get(..packet.captured as usize)?)?;
+        let frame = socketcan::common_frame(rest.get(..packet.captured as usize)?)?;
         self.number += 1;
         let mut record = Record::new(packet.timestamp(file), file.channel, frame);
         record.place = self.place();

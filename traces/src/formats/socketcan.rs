@@ -76,14 +76,16 @@ pub(crate) struct Seen {
     pub(crate) interface: Option<u32>,
 }
 
-/// A classical data frame of eight bytes in a packet of link type 227: most of what there is, so it has a way of
-/// its own, which gives the same as [`decode`].
+/// A classical data frame in a packet of link type 227, with its bytes alone or in the eight of a socket: most of what
+/// there is, so it has a way of its own, which gives the same as [`decode`].
 #[inline]
-pub(crate) fn full_frame(packet: &[u8]) -> Option<Frame> {
-    let &[a, b, c, d, 8, 0, 0, 0, ref data @ ..] = packet else { return None };
-    let id = u32::from_be_bytes([a, b, c, d]);
-    let data: [u8; 8] = data.try_into().ok()?;
-    (id & (REMOTE | ERROR) == 0).then(|| Frame::full(can_id(id), data))
+pub(crate) fn common_frame(packet: &[u8]) -> Option<Frame> {
+    let &[a, b, c, d, len @ 0..=8, 0, 0, 0, ref data @ ..] = packet else { return None };
+    let (id, len) = (u32::from_be_bytes([a, b, c, d]), usize::from(len));
+    if id & (REMOTE | ERROR) != 0 || data.len() != len && data.len() != 8 {
+        return None;
+    }
+    Frame::new(can_id(id), data.get(..len)?)
 }
 
 /// The frame in a whole packet; `order` is that of the file or section.
@@ -339,10 +341,17 @@ mod tests {
     fn the_short_way_gives_the_same() {
         for packet in [*b"\0\0\x06\x3F\x08\0\0\0\x40\0\x60\0\0\0\0\0", *b"\x98\xFE\xCA\x01\x08\0\0\0abcdefgh"] {
             let whole = decode(LinkType::SocketCan, Endianness::Big, &packet).unwrap().record.frame;
-            assert_eq!(full_frame(&packet), Some(whole));
+            assert_eq!(common_frame(&packet), Some(whole));
+        }
+        for len in 0..=8_u8 {
+            let filled = [0, 0, 6, 0x3F, len, 0, 0, 0, 0xA1, 0xA2, 0xA3, 0xA4, 0xA5, 0xA6, 0xA7, 0xA8];
+            for packet in [&filled[..], &filled[..8 + usize::from(len)]] {
+                let whole = decode(LinkType::SocketCan, Endianness::Big, packet).unwrap().record.frame;
+                assert_eq!(common_frame(packet), Some(whole), "{packet:02X?}");
+            }
         }
         for other in [&b"\x40\0\x07\x01\x08\0\0\0abcdefgh"[..], b"\0\0\x07\x01\x08\0\0\0abcdefg", &[0; FD_SIZE]] {
-            assert_eq!(full_frame(other), None);
+            assert_eq!(common_frame(other), None);
         }
     }
 

@@ -334,7 +334,7 @@ impl Frames<'_> {
                 self.latest.unwrap_or_default()
             }
         };
-        let common = if link == LinkType::SocketCan { socketcan::full_frame(packet.data) } else { None };
+        let common = if link == LinkType::SocketCan { socketcan::common_frame(packet.data) } else { None };
         if let Some(frame) = common {
             let record = Record::new(timestamp, interface.channel, frame);
             return Ok(record.at(place.number, place.offset));
