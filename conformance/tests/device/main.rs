@@ -17,3 +17,4 @@ mod sdo;
 mod services;
 mod tables;
 mod timing;
+mod unusual;
