@@ -5,7 +5,7 @@
 //! its length, including its closing zero, and its bytes.
 
 use super::plan::Layout;
-use super::run::{Placed, Run};
+use super::run::{Extent, Run};
 use crate::damage::Flaw;
 
 /// The bytes behind the header.
@@ -47,23 +47,23 @@ impl<'a> Layout<'a> for Cdr<'a> {
     fn number(&mut self, size: usize) -> Option<u64> {
         self.align(size);
         let bytes = self.bytes(size)?;
-        Some(self.placed(bytes))
+        self.placed(bytes, size)
     }
 
     #[inline]
-    fn placed(&self, bytes: &[u8]) -> u64 {
-        match (bytes, self.little) {
-            (&[byte], _) => u64::from(byte),
-            (&[a, b, c, d], true) => u64::from(u32::from_le_bytes([a, b, c, d])),
-            (_, true) => bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)),
-            (_, false) => bytes.iter().fold(0, |number, &byte| number << 8 | u64::from(byte)),
-        }
+    fn placed(&self, bytes: &[u8], size: usize) -> Option<u64> {
+        Some(match (size, self.little) {
+            (1, _) => u64::from(*bytes.first()?),
+            (4, true) => u64::from(u32::from_le_bytes(*bytes.first_chunk()?)),
+            (_, true) => bytes.get(..size)?.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)),
+            (_, false) => bytes.get(..size)?.iter().fold(0, |number, &byte| number << 8 | u64::from(byte)),
+        })
     }
 
     #[inline]
-    fn run<'r>(&mut self, run: &'r Run) -> Option<(&'a [u8], &'r [Placed])> {
+    fn run<'r>(&mut self, run: &'r Run) -> Option<(&'a [u8], &'r Extent)> {
         self.align(run.align);
-        Some((self.bytes(run.aligned.len)?, &run.aligned.values))
+        Some((self.bytes(run.aligned.len)?, &run.aligned))
     }
 
     fn skip_numbers(&mut self, size: usize, count: usize) -> Option<()> {

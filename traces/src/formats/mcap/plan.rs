@@ -4,7 +4,7 @@
 
 use super::fields::{Role, Shape, Values};
 use super::ros_definition::{Count, Definitions, Field, Kind, Message};
-use super::run::{self, Placed, Run};
+use super::run::{self, Extent, Run};
 use crate::damage::Flaw;
 use crate::{Record, Timestamp};
 use std::borrow::Cow;
@@ -25,9 +25,9 @@ pub(crate) trait Layout<'a> {
     /// That many bytes.
     fn bytes(&mut self, count: usize) -> Option<&'a [u8]>;
     /// The bytes of a run of numbers and where each of them stands in it.
-    fn run<'r>(&mut self, run: &'r Run) -> Option<(&'a [u8], &'r [Placed])>;
-    /// The number in the bytes of such a place.
-    fn placed(&self, bytes: &[u8]) -> u64;
+    fn run<'r>(&mut self, run: &'r Run) -> Option<(&'a [u8], &'r Extent)>;
+    /// The number of that size that the bytes begin with.
+    fn placed(&self, bytes: &[u8], size: usize) -> Option<u64>;
 }
 
 /// A step through a message's bytes.
@@ -209,7 +209,7 @@ impl Step {
     }
 
     #[inline]
-    fn read<'a>(&self, layout: &mut impl Layout<'a>, values: &mut Values<'a>) -> Option<()> {
+    pub(crate) fn read<'a>(&self, layout: &mut impl Layout<'a>, values: &mut Values<'a>) -> Option<()> {
         match self {
             Self::Number { size, signed, role } => {
                 let number = layout.number(*size)?;

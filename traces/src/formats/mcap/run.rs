@@ -4,6 +4,7 @@ use super::fields::{Role, Values};
 use super::plan::{Layout, Step, sign_extended};
 use super::ros_definition::Count;
 use std::borrow::Cow;
+use std::ops::Range;
 
 /// Numbers and arrays of fixed size, one behind the other.
 #[derive(Clone, Debug)]
@@ -22,15 +23,17 @@ pub(crate) struct Run {
 pub(crate) struct Extent {
     /// In bytes.
     pub(crate) len: usize,
-    /// Those that have a role.
-    pub(crate) values: Vec<Placed>,
+    /// Those numbers that have a role.
+    values: Vec<Placed>,
+    /// Where the frame's data stands.
+    data: Option<Range<usize>>,
 }
 
-/// A value with a role in its place in a run.
+/// A number with a role in its place in a run.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Placed {
+struct Placed {
     at: usize,
-    len: usize,
+    size: usize,
     role: Role,
     signed: bool,
 }
@@ -91,15 +94,13 @@ impl Run {
     /// Sets the values that have a role.
     #[inline]
     pub(crate) fn read<'a>(&self, layout: &mut impl Layout<'a>, values: &mut Values<'a>) -> Option<()> {
-        let (bytes, placed) = layout.run(self)?;
-        for &Placed { at, len, role, signed } in placed {
-            let bytes = bytes.get(at..at + len)?;
-            if role == Role::Data {
-                values.data = Cow::Borrowed(bytes);
-                continue;
-            }
-            let number = layout.placed(bytes);
-            values.set(role, if signed { sign_extended(number, len) } else { number as i64 });
+        let (bytes, extent) = layout.run(self)?;
+        for &Placed { at, size, role, signed } in &extent.values {
+            let number = layout.placed(bytes.get(at..)?, size)?;
+            values.set(role, if signed { sign_extended(number, size) } else { number as i64 });
+        }
+        if let Some(data) = &extent.data {
+            values.data = Cow::Borrowed(bytes.get(data.clone())?);
         }
         Some(())
     }
@@ -107,10 +108,68 @@ impl Run {
 
 impl Extent {
     fn push(&mut self, part: &Part) {
-        let len = part.size * part.count;
-        if let Some(role) = part.role {
-            self.values.push(Placed { at: self.len, len, role, signed: part.signed });
+        let end = self.len + part.size * part.count;
+        match part.role {
+            Some(Role::Data) => self.data = Some(self.len..end),
+            Some(role) => self.values.push(Placed { at: self.len, size: part.size, role, signed: part.signed }),
+            None => {}
         }
-        self.len += len;
+        self.len = end;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::cdr::Cdr;
+    use super::super::ros1::Ros1;
+    use super::*;
+    use proptest::prelude::*;
+
+    fn steps() -> impl Strategy<Value = Vec<Step>> {
+        let roles = [Role::Id, Role::Dlc, Role::Extended, Role::Remote, Role::Seconds, Role::Nanoseconds];
+        let sizes = prop::sample::select(vec![1_usize, 2, 4, 8]);
+        let number = (sizes.clone(), any::<bool>(), prop::option::of(prop::sample::select(roles.to_vec())))
+            .prop_map(|(size, signed, role)| Step::Number { size, signed, role });
+        let numbers = (sizes, 1..5_usize).prop_map(|(size, n)| Step::Numbers { size, count: Count::Array(n) });
+        let data = prop::sample::select(vec![Count::Array(8), Count::Array(64), Count::Sequence(None)]);
+        let text = Just(Step::Text { wide: false });
+        prop::collection::vec(prop_oneof![4 => number, 1 => numbers, 1 => data.prop_map(Step::Data), 1 => text], 1..12)
+    }
+
+    fn read<'a>(steps: &[Step], mut layout: impl Layout<'a>) -> Option<String> {
+        let mut values = Values::default();
+        steps.iter().try_for_each(|step| step.read(&mut layout, &mut values))?;
+        Some(format!("{values:?}"))
+    }
+
+    proptest! {
+        #[test]
+        fn joined_or_not_the_values_are_the_same(
+            steps in steps(),
+            representation in prop::sample::select(vec![0_u8, 1, 6, 7]),
+            body in prop::collection::vec(prop_oneof![3 => 0..3_u8, 1 => any::<u8>()], 0..200),
+        ) {
+            let runs = joined(steps.clone());
+            let message = [&[0, representation, 0, 0][..], &body].concat();
+            let cdr = || Cdr::new(&message).unwrap();
+            prop_assert_eq!(read(&runs, cdr()), read(&steps, cdr()));
+            prop_assert_eq!(read(&runs, Ros1(&body)), read(&steps, Ros1(&body)));
+        }
+    }
+
+    #[test]
+    fn a_frame_of_ros_is_two_runs_around_a_text() {
+        let number = |size, role| Step::Number { size, signed: false, role: Some(role) };
+        let steps = vec![
+            number(4, Role::Seconds),
+            number(4, Role::Nanoseconds),
+            Step::Text { wide: false },
+            number(4, Role::Id),
+            number(1, Role::Remote),
+            number(1, Role::Dlc),
+            Step::Data(Count::Array(8)),
+        ];
+        let runs = joined(steps);
+        assert!(matches!(&runs[..], [Step::Run(_), Step::Text { .. }, Step::Run(_)]), "{runs:?}");
     }
 }

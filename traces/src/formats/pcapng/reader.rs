@@ -6,7 +6,7 @@ use super::block::{
 };
 use super::interface::{self, Interface};
 use super::usual;
-use crate::formats::socketcan::{self, LINK_TYPES, LinkType};
+use crate::formats::socketcan::{self, LINK_TYPES};
 use crate::{Channels, Damage, DamageKind, Direction, Place, ReadOptions, Reader, Record, Source, SourceError};
 use crate::{TimeBase, Timestamp};
 use nom::number::Endianness;
