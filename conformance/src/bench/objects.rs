@@ -101,7 +101,7 @@ impl Bench<'_> {
     }
 
     fn scratch_of(&mut self, candidate: &Candidate) -> Result<Option<Scratch>, Verdict> {
-        if !self.is_described_as_writable(candidate.multiplexer) {
+        if !self.can_write(candidate.multiplexer)? {
             return Ok(None);
         }
         let Outcome::Uploaded(value) = self.upload(candidate.multiplexer)?.outcome else { return Ok(None) };

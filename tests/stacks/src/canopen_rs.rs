@@ -34,6 +34,8 @@ pub struct CanopenRs {
     stored_node: u8,
     node: Node<CAPACITY>,
     outbox: VecDeque<Frame>,
+    /// A reset starts the CAN controller anew.
+    emptied: bool,
     heartbeat: Option<Heartbeat>,
     /// What each PDO sent last: one of type 254 or 255 is sent when its values change.
     sent: [Option<TxFrame>; TPDOS],
@@ -59,7 +61,7 @@ impl CanopenRs {
 
     fn with_stored_node(stored_node: u8) -> Self {
         let node = Node::new(placeholder(), ObjectDictionary::new());
-        Self { stored_node, node, outbox: VecDeque::new(), heartbeat: None, sent: [None; TPDOS] }
+        Self { stored_node, node, outbox: VecDeque::new(), emptied: false, heartbeat: None, sent: [None; TPDOS] }
     }
 
     /// Makes the node: with that node-ID, or, if it is none, with LSS alone.
@@ -71,6 +73,7 @@ impl CanopenRs {
         }
         self.node = Node::new(id.unwrap_or_else(placeholder), objects);
         self.outbox.clear();
+        self.emptied = true;
         self.heartbeat = None;
         self.sent = [None; TPDOS];
         match id {
@@ -214,7 +217,12 @@ impl Stack for CanopenRs {
     }
 
     fn transmit(&mut self) -> Option<Frame> {
+        self.emptied = false;
         self.outbox.pop_front()
+    }
+
+    fn has_emptied_mailboxes(&self) -> bool {
+        self.emptied
     }
 
     fn wake(&self) -> Option<Timestamp> {

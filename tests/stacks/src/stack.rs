@@ -17,6 +17,12 @@ pub trait Stack: Send {
     /// The next frame to send.
     fn transmit(&mut self) -> Option<Frame>;
 
+    /// Whether the CAN controller's mailboxes were emptied since [`Stack::transmit`] was called last: a frame that waits
+    /// for the bus is then not sent any more.
+    fn has_emptied_mailboxes(&self) -> bool {
+        false
+    }
+
     /// When [`Stack::tick`] wants to be called next.
     fn wake(&self) -> Option<Timestamp>;
 
@@ -151,6 +157,10 @@ impl<S: Stack> Machine for StackDevice<S> {
         }
     }
 
+    fn withdraws(&self, _: &Frame) -> bool {
+        self.dead_since.is_none() && self.stack.has_emptied_mailboxes()
+    }
+
     fn power_cycle(&mut self, now: Timestamp) {
         self.switched_on = now;
         self.starting = true;
@@ -210,7 +220,7 @@ mod tests {
         bus.send(&frame(1, &[1])).unwrap();
         bus.send(&remote).unwrap();
         bus.send(&frame(2, &[2])).unwrap();
-        assert_eq!(heard(&mut bus), ["001#01", "001#01", "002#02", "705#R1"]);
+        assert_eq!(heard(&mut bus), ["001#01", "001#01", "705#R1", "002#02"]);
         let deaths = memorial.deaths();
         assert_eq!((deaths.len(), deaths[0].frame, &*deaths[0].reason), (1, Some(remote), "no remote frames"));
         bus.power_cycle(0);
