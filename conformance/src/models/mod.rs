@@ -3,12 +3,16 @@
 
 mod annotations;
 mod deviations;
+#[cfg(test)]
+mod documentation;
+mod emergency;
 mod generic;
 mod quirks;
 mod recognition;
 mod rules;
 mod sheet;
 
+pub use emergency::Emergency;
 pub use quirks::Quirks;
 pub use rules::{Check, Link, LinkKind, Rule};
 pub use sheet::{
