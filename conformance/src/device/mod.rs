@@ -179,6 +179,11 @@ impl Device {
         self.phase.state()
     }
 
+    /// Whether the non-volatile memory is being written: power-off would lose that.
+    pub fn is_storing(&self) -> bool {
+        self.store.timeout() < Timestamp::MAX
+    }
+
     /// The bit rate that the device would use, in kbit/s: LMT sets it. The simulated bus has one of its own.
     pub const fn bit_rate_kbit(&self) -> u32 {
         self.lmt.bit_rate_kbit()
