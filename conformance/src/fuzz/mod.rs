@@ -20,6 +20,7 @@ mod property;
 pub mod reproducer;
 mod shrink;
 mod stimulus;
+pub mod storm;
 
 pub use generate::{Dialogues, Target, UnknownTarget};
 pub use knowledge::{Knowledge, Known, Patience, Services};

@@ -231,7 +231,7 @@ impl SdoServer {
         if stray && matches!(transfer, Transfer::Idle) && objects.faults.has(Fault::SdoStraySegmentSilent) {
             return Next::silence(Transfer::Idle);
         }
-        // A request that names an object is refused for that one, whatever was under way.
+        // A request that names an object is about that one, whatever transfer it interrupts.
         let named = request.multiplexer().or(transfer.object()).or(match *request {
             Request::Unknown { tail: [low, high, sub, ..], .. } => Some(Multiplexer::from_bytes([low, high, sub])),
             _ => None,

@@ -20,7 +20,7 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::{lss as lss_wire, sdo as sdo_wire};
 use canvass_traces::{CanId, Duration, Frame};
-use dice::Dice;
+pub(super) use dice::Dice;
 use proptest::strategy::{NewTree, Strategy};
 use proptest::test_runner::TestRunner;
 use std::collections::BTreeSet;
