@@ -22,6 +22,14 @@ struct Seen {
     open: u8,
     /// The answer to a SYNC is overdue then.
     due: Timestamp,
+    /// Whether the device has counted the same: a SYNC that it may or may not have understood leaves that open.
+    in_step: bool,
+}
+
+impl Seen {
+    const fn new(index: u16) -> Self {
+        Self { index, last: None, since: Timestamp::ZERO, syncs: 0, open: 0, due: Timestamp::MAX, in_step: true }
+    }
 }
 
 /// All TPDOs.
@@ -36,14 +44,12 @@ impl Pdos {
             .entries()
             .iter()
             .filter(|known| (0x1800..0x1A00).contains(&known.at.index.0) && known.at.sub.0 == 1);
-        let seen = |index| Seen { index, last: None, since: Timestamp::ZERO, syncs: 0, open: 0, due: Timestamp::MAX };
-        Self { seen: parameters.map(|known| seen(known.at.index.0)).collect() }
+        Self { seen: parameters.map(|known| Seen::new(known.at.index.0)).collect() }
     }
 
     pub fn reset(&mut self) {
         for seen in &mut self.seen {
-            *seen =
-                Seen { index: seen.index, last: None, since: Timestamp::ZERO, syncs: 0, open: 0, due: Timestamp::MAX };
+            *seen = Seen::new(seen.index);
         }
     }
 
@@ -87,12 +93,13 @@ impl Pdos {
                 let open = seen.open;
                 seen.begin(now);
                 seen.open = open.saturating_add(1);
+                seen.in_step = false;
                 continue;
             }
             let parameters = Parameters::of(seen.index, belief, knowledge);
             seen.syncs += 1;
             match parameters.transmission {
-                Some(kind @ 1..=240) if parameters.is_plain() => {
+                Some(kind @ 1..=240) if parameters.is_plain() && (seen.in_step || kind == 1) => {
                     let due = seen.syncs.is_multiple_of(u64::from(kind));
                     if due {
                         seen.open();
@@ -198,6 +205,7 @@ impl Seen {
         self.syncs = 0;
         self.due = Timestamp::MAX;
         self.open = 1;
+        self.in_step = true;
     }
 
     fn open(&mut self) {
