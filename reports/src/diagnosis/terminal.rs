@@ -61,7 +61,7 @@ pub fn summary(diagnosed: &Diagnosed<'_>) -> Vec<String> {
     lines
 }
 
-/// `12000 frames in 30 s, 4 nodes (1, 3, 4, 6), 500 kbit/s, load 4 % (peak 7 %)`.
+/// `12000 frames in 30 s, 4 nodes (1, 3, 4, 6), 500 kbit/s (inferred), load 4.0 % (peak 7.0 %)`.
 fn of_bus(bus: &BusStatistics) -> String {
     let present: Vec<String> =
         bus.nodes.iter().filter(|(_, node)| node.present).map(|(id, _)| id.to_string()).collect();
@@ -70,12 +70,12 @@ fn of_bus(bus: &BusStatistics) -> String {
         1 => format!("1 node ({})", present.join(", ")),
         n => format!("{n} nodes ({})", present.join(", ")),
     };
-    let rate = bus.bit_rate.map(|rate| format!(", {} kbit/s", f64::from(rate) / 1000.0)).unwrap_or_default();
+    let rate = bus.bit_rate_text().unwrap_or_else(|| "bit rate not known (see --bit-rate)".to_owned());
     let load = match (bus.mean_load(), bus.peak_load()) {
         (Some(mean), Some((_, peak))) => format!(", load {mean:.1} % (peak {peak:.1} %)"),
         _ => String::new(),
     };
-    format!("{} frames in {}, {nodes}{rate}{load}", bus.total(), rounded(bus.duration()))
+    format!("{} frames in {}, {nodes}, {rate}{load}", bus.total(), rounded(bus.duration()))
 }
 
 /// A time that nobody wants to the last digit.

@@ -1,5 +1,5 @@
 use crate::findings::rhythm::Rhythm;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
@@ -7,6 +7,7 @@ use crate::message::{Message, Service};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sync, Service::Nmt],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(SyncMissing { percent: thresholds.get(&METADATA, "percent"), rhythm: Rhythm::default() })
     }),

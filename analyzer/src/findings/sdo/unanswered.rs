@@ -1,6 +1,6 @@
 use super::pending::{Pending, Step};
 use crate::NodeId;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Service;
@@ -12,6 +12,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sdo],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(Unanswered {
             wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),
