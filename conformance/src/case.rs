@@ -129,12 +129,14 @@ impl Level {
 pub enum Need {
     /// The device shows its NMT state: by heartbeat (1017h) or by node guarding (100Ch).
     VisibleState,
-    /// The heartbeat producer, 1017h.
+    /// A heartbeat producer whose period can be set, 1017h.
     Heartbeat,
     /// An object that can be written without consequence, and read back.
     ScratchObject,
     /// A value of more than four bytes that can be read: it comes in segments.
     SegmentedUpload,
+    /// TPDO 1, switched on: 1800h and 1A00h.
+    Tpdo,
     /// A TPDO with an event timer, 1800h:05.
     EventTimer,
     /// A device name, hardware or software version: 1008h, 1009h, 100Ah.
@@ -237,6 +239,7 @@ impl Need {
             Self::Heartbeat => "the heartbeat producer (1017h)",
             Self::ScratchObject => "an object that can be written and read back without consequence",
             Self::SegmentedUpload => "a readable value of more than four bytes",
+            Self::Tpdo => "a TPDO that is switched on (1800h, 1A00h)",
             Self::EventTimer => "a TPDO with an event timer (1800h:05)",
             Self::Name => "a device name or version (1008h, 1009h or 100Ah)",
             Self::Lss => "layer setting services (LSS)",

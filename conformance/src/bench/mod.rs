@@ -70,6 +70,7 @@ pub struct Bench<'a> {
 pub(crate) struct Knowledge {
     features: BTreeMap<Need, Result<(), String>>,
     starts_by_itself: Option<bool>,
+    heartbeats: Option<state::Heartbeats>,
 }
 
 /// What a case leaves behind for its report.

@@ -124,7 +124,11 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 255)?;
     operational(bench)?;
     proven(bench, &subject)?;
+    // Some devices take PDO parameters in pre-operational only.
+    bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+    bench.listen(bench.timing().reaction)?;
     bench.pdo_off(RPDO)?;
+    operational(bench)?;
     send(bench, &subject, &subject.other)?;
     expect_value(bench, subject.mapped.at, &subject.before, "an RPDO that is switched off has no effect")
 }

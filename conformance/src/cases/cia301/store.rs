@@ -30,7 +30,7 @@ fn wrong_signature(bench: &mut Bench<'_>) -> Judged {
 fn persists(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[2, 1, 4])?;
     bench.write(scratch.multiplexer, &scratch.other)?;
-    bench.write(STORE, b"save")?;
+    bench.download(STORE, b"save")?.expect_confirmation()?;
     bench.note("1010h was written twice: the device's non-volatile memory has done two more cycles");
     let stored = bench.reset(Command::RESET_NODE).and_then(|()| bench.read(scratch.multiplexer));
     // Whatever came of it, the device gets its old value back.

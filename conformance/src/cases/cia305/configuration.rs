@@ -170,18 +170,15 @@ fn table(bench: &mut Bench<'_>) -> Judged {
     });
     let current = bench.bit_rate();
     configure(bench)?;
-    let mut wrong = None;
+    let (mut wrong, mut refused) = (None, 0);
     for index in (0..=8_u8).filter(|&index| index != 5) {
         let known = BIT_RATES.get(usize::from(index)).copied().flatten();
         let has = known.is_some_and(|rate| rates.contains(&rate));
         let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
         let right = match answer {
             Some(Response::Configured { command: ConfigureCommand::BitTiming, error, .. }) => {
-                if has {
-                    error == 0
-                } else {
-                    error == 1
-                }
+                refused += usize::from(error == 1);
+                if has { error == 0 } else { error == 1 }
             }
             _ => false,
         };
@@ -190,8 +187,11 @@ fn table(bench: &mut Bench<'_>) -> Judged {
         }
     }
     leave_bit_rate(bench, current)?;
+    // Who has one bit rate only has nothing to configure, and may refuse that one too.
+    let is_fixed = rates.len() == 1 && refused == 8;
     match wrong {
         None => Ok(Verdict::Pass),
+        Some(_) if is_fixed => Ok(Verdict::Pass),
         Some((index, has, answer)) => {
             let expected = if has { "success" } else { "error 1" };
             expect(&format!("bit timing {index} of table 0"), expected, answer, |_| false)
@@ -308,7 +308,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
         return Err(Verdict::NotApplicable(reason));
     };
     // The rate that is in use: nobody has to follow.
-    bench.write(crate::bench::state::HEARTBEAT_TIME, &20_u16.to_le_bytes())?;
+    bench.show_state()?;
     configure(bench)?;
     let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     if !answer.is_some_and(|answer| is_done(answer, ConfigureCommand::BitTiming)) {

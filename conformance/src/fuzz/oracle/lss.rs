@@ -154,6 +154,9 @@ impl Slave {
         let request = Request::read(frame.data()).ok().filter(|_| frame.len() == 8);
         let Some(request) = request else {
             self.mode = Mode::Unsure;
+            // A slave may fill up what is too short, and take it for a part of an address.
+            self.selected = None;
+            self.identified = None;
             return (Awaited::Anything, Effect::Nothing);
         };
         self.property = Property::LegalLss;

@@ -83,9 +83,10 @@ impl Pdos {
         let understood = frame.len() == usize::from(counter != 0);
         for seen in &mut self.seen {
             if nmt.phase() != Phase::Operational || !understood {
-                // Whether it counts is not known.
-                seen.open();
+                // Whether it counts is not known; what came before it may still be answered.
+                let open = seen.open;
                 seen.begin(now);
+                seen.open = open.saturating_add(1);
                 continue;
             }
             let parameters = Parameters::of(seen.index, belief, knowledge);
@@ -213,9 +214,7 @@ impl Seen {
         knowledge: &Knowledge,
     ) -> Result<(), Violation> {
         let jitter = knowledge.patience.jitter;
-        let wrong = |rule, expected: String, actual: String| {
-            Err(violation(Property::Pdo, rule, expected, actual, now))
-        };
+        let wrong = |rule, expected: String, actual: String| Err(violation(Property::Pdo, rule, expected, actual, now));
         if nmt.serves_pdo(now) == Served::No {
             let expected = "no PDO outside operational".to_owned();
             return wrong("PDO outside operational", expected, format!("{frame} in {:?}", nmt.phase()));
