@@ -197,4 +197,12 @@ fn the_doctor_answers() {
     let what: Vec<&str> =
         doctor["findings"].as_array().unwrap().iter().map(|finding| finding["what"].as_str().unwrap()).collect();
     assert!(what.contains(&"SocketCAN") && what.contains(&"wake-up"), "{what:?}");
+    let socketcan =
+        doctor["findings"].as_array().unwrap().iter().find(|finding| finding["what"] == "SocketCAN").unwrap();
+    if socketcan["good"] == false {
+        // Whatever lacks, it is named.
+        let text = socketcan["text"].as_str().unwrap();
+        let reasons = ["CONFIG_CAN", "/proc/modules", "/lib/modules/", "modprobe can-raw", "permission"];
+        assert!(reasons.iter().any(|reason| text.contains(reason)), "{text}");
+    }
 }

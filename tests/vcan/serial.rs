@@ -2,7 +2,7 @@
 
 use crate::interface::ip;
 use crate::python::{python, script};
-use crate::running::{Running, canvass, eventually, run, simulate, text};
+use crate::running::{Running, brief, canvass, eventually, run, simulate, text};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -37,7 +37,7 @@ fn over_tcp() {
     let bus = "slcan:tcp://127.0.0.1:20711@250k";
     let tested = run(&["test", bus, "--device", MODEL, "--select", "301/sdo/upload", "--format", "json"]);
     let report: serde_json::Value = serde_json::from_slice(&tested.stdout).unwrap();
-    assert_eq!(tested.status.code(), Some(0), "{report:#}");
+    assert_eq!(tested.status.code(), Some(0), "{}", brief(&report));
     assert_eq!(device.interrupt().status, 0);
 }
 

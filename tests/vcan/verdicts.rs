@@ -2,7 +2,7 @@
 //! case.
 
 use crate::interface::Interface;
-use crate::running::{run, simulate, text};
+use crate::running::{brief, run, simulate, text};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
@@ -127,5 +127,5 @@ fn a_faulty_device_fails_on_vcan_too() {
     let bus = Interface::new("vfaulty");
     let _device = simulate("kuebler-sendix-58x8", bus.name(), &["--fault", "sdo-toggle-unchecked"]);
     let found = report(&[bus.name(), "--device", "kuebler-sendix-58x8", "--select", "301/sdo/download/segment-toggle"]);
-    assert_eq!(verdicts(&found)["301/sdo/download/segment-toggle"], "fail", "{found}");
+    assert_eq!(verdicts(&found)["301/sdo/download/segment-toggle"], "fail", "{}", brief(&found));
 }
