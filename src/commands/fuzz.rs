@@ -15,7 +15,6 @@ use canvass_analyzer::NodeId;
 use canvass_conformance::case::Touch;
 use canvass_conformance::fuzz::campaign::{self, FuzzError, Outcome, Plan};
 use canvass_conformance::fuzz::coverage::LssReach;
-use canvass_conformance::fuzz::ground::Ground;
 use canvass_conformance::fuzz::{Knowledge, Start, Target};
 use canvass_reports::fuzz::{Render, Run, Words, html, json, junit, markdown, text};
 use canvass_traces::Duration;
@@ -156,14 +155,7 @@ impl Args {
         Ok(outcome)
     }
 
-    fn result(
-        &self,
-        device: &Device,
-        knowledge: Knowledge,
-        plan: &Plan,
-        outcome: Outcome,
-        cancelled: bool,
-    ) -> Run {
+    fn result(&self, device: &Device, knowledge: Knowledge, plan: &Plan, outcome: Outcome, cancelled: bool) -> Run {
         let words =
             outcome.violations.iter().map(|found| Words::of(found, &mut || Box::new(device.decoder()))).collect();
         Run {

@@ -3,6 +3,7 @@
 //! clock.
 
 pub mod detection;
+pub mod faults_page;
 pub mod html;
 pub mod json;
 pub mod junit;
@@ -145,7 +146,9 @@ fn reliability(found: &Found, dead: bool) -> &'static str {
     match (found.confirmed, dead) {
         (true, _) => "comes back whenever the sequence is repeated",
         (false, true) => "the device did not come back after it: these are its last frames",
-        (false, false) => "was seen once and did not come back when the sequence was repeated: its whole trace is shown",
+        (false, false) => {
+            "was seen once and did not come back when the sequence was repeated: its whole trace is shown"
+        }
     }
 }
 
