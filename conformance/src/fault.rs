@@ -6,8 +6,12 @@ use std::str::FromStr;
 /// The model on which a fault shows where its row names no other.
 const USUAL_MODEL: &str = "kuebler-sendix-58x8";
 
+/// Why most faults are no matter of the fuzzer.
+const VALUE: &str = "shows in what a value means, which the conformance cases judge: the dialogue is right";
+
 /// Defines the faults: one row each, so that name, variant and text can't drift apart. `on "MODEL"` names a model on
-/// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it.
+/// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it, `because "..."` why it does
+/// not, where that is not the usual reason.
 macro_rules! faults {
     ($($variant:ident = $id:literal $($key:ident $($argument:literal)?)*: $summary:literal,)*) => {
         /// One defect of a firmware. Each is a switch of its own; they can be combined.
@@ -40,12 +44,20 @@ macro_rules! faults {
             pub const fn is_fuzzed(self) -> bool {
                 match self { $(Self::$variant => faults!(@fuzz $($key $($argument)?)*),)* }
             }
+
+            /// Why the fuzzer does not claim to find it; `None`: it does.
+            pub const fn unfuzzed(self) -> Option<&'static str> {
+                match self { $(Self::$variant => faults!(@unfuzzed $($key $($argument)?)*),)* }
+            }
         }
     };
-    (@model $(fuzz)?) => { None };
-    (@model on $model:literal $(fuzz)?) => { Some($model) };
-    (@fuzz $(on $model:literal)?) => { false };
+    (@model $(fuzz)? $(because $why:literal)?) => { None };
+    (@model on $model:literal $(fuzz)? $(because $why:literal)?) => { Some($model) };
+    (@fuzz $(on $model:literal)? $(because $why:literal)?) => { false };
     (@fuzz $(on $model:literal)? fuzz) => { true };
+    (@unfuzzed $(on $model:literal)?) => { Some(VALUE) };
+    (@unfuzzed $(on $model:literal)? because $why:literal) => { Some($why) };
+    (@unfuzzed $(on $model:literal)? fuzz) => { None };
 }
 
 faults! {

@@ -176,6 +176,25 @@ fn a_faulty_device_behind_slcan_fails() {
     assert!(verdict == "fail" || report["cases"][0]["reason"]["duty"] == "the tester's machine keeps up", "{report:#}");
 }
 
+/// On a bus in real time: found, repeated after a reset, made small, and the device left as it was.
+#[test]
+fn a_violation_behind_slcan_is_confirmed_and_small() {
+    let device = Device::start(&["--fault", "sdo-toggle-unchecked"]);
+    let args =
+        ["fuzz", &device.bus, "--device", "kuebler-sendix-58x8", "--target", "sdo", "--seed", "3", "--for", "100s"];
+    let fuzzed = run(&[&args[..], &["--stop-at-first", "--shrink-budget", "40", "--format", "json"]].concat());
+    let report = json(&fuzzed);
+    assert_eq!(fuzzed.status, 1, "{report:#}");
+    let violation = &report["violations"][0];
+    // Where this machine is too slow to be sure, it says so.
+    if violation["confirmed"] == true {
+        assert!(violation["rule"].as_str().unwrap().contains("toggle"), "{violation:#}");
+        assert!(violation["frames"].as_array().unwrap().len() <= 8, "{violation:#}");
+    }
+    assert!(!violation["evidence"].as_array().unwrap().is_empty(), "{violation:#}");
+    assert_eq!(run(&["sdo", "read", &device.bus, "63", "1000"]).status, 0, "the device is well");
+}
+
 #[test]
 fn buses_that_are_not_there() {
     for (bus, says) in [

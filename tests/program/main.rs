@@ -11,6 +11,8 @@ mod diagnose;
 #[cfg(test)]
 mod events;
 #[cfg(test)]
+mod fuzz;
+#[cfg(test)]
 mod hostile;
 #[cfg(test)]
 mod live;

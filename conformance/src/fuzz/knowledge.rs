@@ -42,6 +42,8 @@ pub struct Services {
     pub block_transfer: Option<bool>,
     /// Objects whose writing changes node-ID, bit rate or what is stored.
     pub bus_objects: Vec<Multiplexer>,
+    /// The object that stores them.
+    pub bus_save_object: Option<Multiplexer>,
     /// Values act and persist at once: writing them wears the memory out.
     pub persist_at_once: Vec<Multiplexer>,
 }
@@ -192,6 +194,7 @@ impl Services {
             guarding: network.map(|network| network.node_guarding),
             block_transfer: network.map(|network| network.sdo_block_transfer),
             bus_objects,
+            bus_save_object: storage.and_then(|storage| storage.bus_save_object),
             persist_at_once: storage.map(|storage| storage.persist_at_once.clone()).unwrap_or_default(),
         }
     }
