@@ -1,8 +1,9 @@
 //! The program, end to end.
 
 #[cfg(test)]
-mod conformance;
+mod ci_page;
 #[cfg(test)]
+mod conformance;
 mod contract;
 #[cfg(test)]
 mod decode;

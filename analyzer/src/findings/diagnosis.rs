@@ -236,9 +236,12 @@ impl BusWatch {
         let gaps = self.quality.gaps.count;
         self.quality.record(record);
         let steps_back = self.now.since(record.timestamp) > DISORDER;
+        // A pause of a single node is its own, unless it is very long; of several at once it is the recorder's or the
+        // bus's.
+        const SWITCHED_OFF: Duration = Duration::from_secs(60);
+        let switched_off = record.timestamp.since(self.now) > SWITCHED_OFF;
+        let silent = self.quality.gaps.count > gaps && (self.facts.present > 1 || switched_off);
         self.now = record.timestamp;
-        // A pause of a single node is its own; of several at once it is the recorder's or the bus's.
-        let silent = self.quality.gaps.count > gaps && self.facts.present > 1;
         if steps_back || silent {
             self.interrupted();
             self.next_tick = self.now + Diagnosis::TICK;

@@ -78,6 +78,17 @@ fn of_bus(bus: &BusStatistics) -> String {
     format!("{} frames in {}, {nodes}, {rate}{load}", bus.total(), rounded(bus.duration()))
 }
 
+/// `507 / 884 / 899 / 899 µs`: the unit is said once where all have the same.
+fn joined(times: Vec<String>) -> String {
+    let unit = times.last().and_then(|last| last.split_once(' ')).map(|(_, unit)| format!(" {unit}"));
+    let bare: Option<Vec<&str>> =
+        unit.as_ref().and_then(|unit| times.iter().map(|time| time.strip_suffix(unit)).collect());
+    match (bare, unit) {
+        (Some(bare), Some(unit)) => format!("{}{unit}", bare.join(" / ")),
+        _ => times.join(" / "),
+    }
+}
+
 /// A time that nobody wants to the last digit.
 pub(super) fn rounded(time: Duration) -> Duration {
     let unit = match time.nanos() {
@@ -157,8 +168,7 @@ fn of_node(id: NodeId, node: &NodeStatistics, bus: &BusStatistics) -> Vec<String
     let shown = [times.quantile(50), times.quantile(95), times.quantile(99), times.max()];
     let response = match times.max() {
         Some(max) if max > Duration::ZERO => {
-            let shown: Vec<String> = shown.into_iter().flatten().map(|time| rounded(time).to_string()).collect();
-            shown.join(" / ")
+            joined(shown.into_iter().flatten().map(|time| rounded(time).to_string()).collect())
         }
         _ => String::new(),
     };

@@ -26,6 +26,9 @@ pub fn check(at: usize, source: &SourceQuality<'_>, thresholds: &Thresholds, sin
     let report = Report::at(first.time).source(at).place(first.time, first.place);
     sink.report(report, || {
         let (count, largest) = (steps.count, steps.largest);
-        format!("{}: the clock steps back {count} times, by at most {largest}", name(source))
+        match count {
+            1 => format!("{}: the clock steps back by {largest}", name(source)),
+            _ => format!("{}: the clock steps back {count} times, by at most {largest}", name(source)),
+        }
     });
 }

@@ -16,7 +16,7 @@ pub const RULE: Definition = Definition {
 static METADATA: Metadata = Metadata {
     id: "pdo/sync-missing",
     severity: Severity::Error,
-    title: "A SYNC message is missing",
+    title: "a SYNC message is missing",
     what: "SYNC has kept a period, and then at least one was left out. Pauses around NMT commands are not counted, as \
            masters stop SYNC for a restart.",
     why: "Synchronous PDOs are not sent and outputs are not updated in that cycle; drives in interpolated modes stop.",

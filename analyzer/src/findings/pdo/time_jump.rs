@@ -17,7 +17,7 @@ pub const RULE: Definition = Definition {
 static METADATA: Metadata = Metadata {
     id: "pdo/time-jump",
     severity: Severity::Warning,
-    title: "The time in TIME jumps",
+    title: "the time in TIME jumps",
     what: "Between two TIME messages the time of day has gone on by more or less than the clock of the capture.",
     why: "Devices that log events or synchronise clocks take over the jump.",
     advice: "The producer's clock was set, or there are two producers. A step of an hour is a producer that sends local \

@@ -55,6 +55,11 @@ impl Rule for ProtocolViolation {
                 Violation::Unexpected => {
                     format!("{} {side} that does not belong here{object}", what(context.message()))
                 }
+                Violation::Multiplexer(_) => {
+                    let transfer = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel));
+                    let asked = transfer.map(|transfer| format!(", asked was {}", transfer.multiplexer));
+                    format!("{side}: {violation}{}", asked.unwrap_or_default())
+                }
                 other => format!("{side}: {other}{object}"),
             }
         });
