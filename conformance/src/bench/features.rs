@@ -81,16 +81,13 @@ impl Bench<'_> {
             Need::Lss => self.lss(),
             Need::Lmt => self.lmt()?,
             Need::HeartbeatConsumer => self.heartbeat_consumer()?,
-            Need::Monitoring => {
-                let guarded = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
-                match guarded {
-                    true => Ok(()),
-                    false if self.watches_once_stored() => {
-                        Err("the device watches other nodes only once that is stored, as its manual says".to_owned())
-                    }
-                    false => self.heartbeat_consumer()?,
+            Need::Monitoring => match self.can_be_guarded()? {
+                true => Ok(()),
+                false if self.watches_once_stored() => {
+                    Err("the device watches other nodes only once that is stored, as its manual says".to_owned())
                 }
-            }
+                false => self.heartbeat_consumer()?,
+            },
             Need::Guarding => match (self.has(GUARD_TIME)?, self.heartbeats()?) {
                 (false, _) => absent("100Ch"),
                 (true, Heartbeats::Fixed(_)) => {
@@ -276,6 +273,15 @@ impl Bench<'_> {
             Ok(()) if !self.has(EVENT_TIMER)? => Err(format!("the device has no {EVENT_TIMER}")),
             met => met,
         })
+    }
+
+    /// Whether life guarding can be set, and is not kept off by a heartbeat that can't be ended.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub(crate) fn can_be_guarded(&mut self) -> Result<bool, Verdict> {
+        let is_settable = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
+        Ok(is_settable && !matches!(self.heartbeats()?, Heartbeats::Fixed(_)))
     }
 
     /// Whether the manual says that entries of 1016h act only once they are stored.

@@ -174,14 +174,14 @@ fn remote_type(bench: &mut Bench<'_>) -> Judged {
 
 /// The inhibit time of a PDO that is valid can't be changed: abort 0609 0030h.
 #[case(id = "301/pdo/inhibit-time/valid", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
-       needs = [Tpdo], catches = [InhibitTimeChangeWhileValid])]
+       needs = [EventTimer], catches = [InhibitTimeChangeWhileValid])]
 fn inhibit_time_valid(bench: &mut Bench<'_>) -> Judged {
     while_valid(bench, 3, &500_u16.to_le_bytes())
 }
 
 /// The SYNC start value of a PDO that is valid can't be changed: abort 0609 0030h.
 #[case(id = "301/pdo/sync-start/valid", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
-       needs = [Tpdo], catches = [SyncStartValueChangeWhileValid])]
+       needs = [EventTimer], catches = [SyncStartValueChangeWhileValid])]
 fn sync_start_valid(bench: &mut Bench<'_>) -> Judged {
     while_valid(bench, 6, &[3])
 }

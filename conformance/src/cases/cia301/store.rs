@@ -97,7 +97,11 @@ struct Two {
 }
 
 fn two(bench: &mut Bench<'_>) -> Result<Two, Verdict> {
-    let communication = bench.scratch(&[2, 1, 4])?;
+    let found = bench.scratch_objects()?.into_iter().find(|scratch| scratch.multiplexer.index.0 < 0x2000);
+    let Some(communication) = found else {
+        let reason = Reason::new("a communication parameter can be written without consequence", "one", "none");
+        return Err(Verdict::NotApplicable(reason));
+    };
     let Some(application) = bench.application_scratch()? else {
         let reason = Reason::new("an application object can be written without consequence", "one", "none");
         return Err(Verdict::NotApplicable(reason));

@@ -107,10 +107,22 @@ fn trigger(bench: &mut Bench<'_>) -> Result<Trigger, Verdict> {
         return cyclic_tpdo(bench).map(Trigger::Timer);
     }
     if !(1..=240).contains(&bench.read_number(TRANSMISSION_TYPE)?) {
-        bench.write(TRANSMISSION_TYPE, &[1])?;
+        set_type(bench, 1)?;
     }
     let can_id = CobId(bench.read_number(TPDO_COB_ID)?).can_id() & 0x7FF;
     Ok(Trigger::Sync(can_id as u16, bench.sync_id()?))
+}
+
+/// Sets the transmission type; some devices of DS-301 V3.0 have a fixed one.
+fn set_type(bench: &mut Bench<'_>, transmission_type: u8) -> Result<(), Verdict> {
+    let attempt = bench.download(TRANSMISSION_TYPE, &[transmission_type])?;
+    match attempt.abort() {
+        Some(code) => {
+            let duty = format!("TPDO 1 can have transmission type {transmission_type}");
+            Err(Verdict::NotApplicable(Reason::new(duty, "confirmation", format!("abort {code}"))))
+        }
+        None => attempt.expect_confirmation().map(|_| ()).map_err(Verdict::as_inconclusive),
+    }
 }
 
 impl Trigger {
@@ -147,7 +159,7 @@ fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
     for cycle in [1_u8, 3] {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
         bench.listen(bench.timing().reaction)?;
-        bench.write(TRANSMISSION_TYPE, &[cycle])?;
+        set_type(bench, cycle)?;
         bench.command(Command::START)?;
         bench.listen(bench.timing().reaction)?;
         let mut sent = 0;

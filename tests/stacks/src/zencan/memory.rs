@@ -109,6 +109,10 @@ pub fn as_after_power_on() {
     }
     for pdo in NODE_STATE.rpdos().iter().chain(NODE_STATE.tpdos()) {
         pdo.buffered_value.store(None);
+        // The count of SYNCs begins anew with a PDO of type 1; the node then sets what it sets.
+        pdo.set_valid(true);
+        pdo.set_transmission_type(1);
+        pdo.sync_update();
         for parameter in &pdo.mapping_params {
             parameter.store(None);
         }
