@@ -120,6 +120,8 @@ impl Knowledge {
         };
         for known in &mut knowledge.entries {
             known.persists = knowledge.services.persist_at_once.contains(&known.at);
+            // Node-ID and bit rate are what LSS, switches or the last start made them.
+            known.stable &= !knowledge.services.bus_objects.contains(&known.at);
         }
         if let Some(sheet) = sheet {
             for value in &sheet.values {

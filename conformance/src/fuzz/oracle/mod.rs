@@ -184,6 +184,8 @@ impl Oracle {
                             self.sdo.answered(now, frame, served, &self.knowledge, &mut self.belief, coverage)?;
                         self.blind |= lost;
                         if let Some(change) = self.belief.take_change() {
+                            // A device that stops on an error does so without a word.
+                            self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;
                             self.nmt.configured(now, change);
                             self.pdo.configured(now, change);
                         }
@@ -191,10 +193,15 @@ impl Oracle {
                     }
                     Some(id) if self.belief.is_emcy(id, self.knowledge.node) => {
                         self.emcy.came(now, frame, &self.nmt)?;
-                        self.nmt.erred(now, &self.belief, &self.knowledge);
+                        if self.nmt.erred(now, &self.belief, &self.knowledge) == nmt::Change::State {
+                            self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
+                            self.pdo.state_changed(now, &self.nmt);
+                        }
                         Ok(())
                     }
                     Some(id) if self.belief.is_produced(id) => Ok(()),
+                    // It may be the first frame of a configuration that is not confirmed yet.
+                    _ if self.sdo.is_writing() => Ok(()),
                     _ => self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge),
                 }
             }

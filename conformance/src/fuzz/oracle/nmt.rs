@@ -161,7 +161,8 @@ impl Slave {
 
     /// An NMT frame of the fuzzer.
     pub fn commanded(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Change {
-        if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
+        let boots = self.phase == Phase::Booting;
+        if self.phase == Phase::Unconfigured || boots && self.announces {
             return Change::None;
         }
         let Ok(message) = Nmt::read(frame.data()) else { return Change::None };
@@ -184,6 +185,10 @@ impl Slave {
         }
         if let Change::Reset(_) = change {
             self.boots(now, knowledge);
+        } else if boots {
+            // It may have come too early to be obeyed.
+            self.boot_due = Timestamp::MAX;
+            self.enter(now, Phase::Unsure);
         }
         change
     }
@@ -266,7 +271,10 @@ impl Slave {
             }
             Some(_) => self.check_heartbeat(now, message)?,
             // It may be either.
-            None => (self.period, self.toggle) = (None, None),
+            None => {
+                (self.period, self.toggle) = (None, None);
+                (self.guard_open, self.guard_due) = (0, Timestamp::MAX);
+            }
         }
         self.check_state(now, message)
     }
@@ -285,17 +293,17 @@ impl Slave {
     }
 
     /// The device has reported an error: 1029h says where it goes then.
-    pub fn erred(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) {
+    pub fn erred(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) -> Change {
         if self.phase != Phase::Operational {
-            return;
+            return Change::None;
         }
         let behaviour = belief.number(knowledge, 0x1029, 1);
         let exists = knowledge.entry(Multiplexer::new(0x1029, 1)).is_some();
         match behaviour {
-            Some(1) => {}
-            Some(0) => _ = self.enter(now, Phase::Running),
-            None if !exists && knowledge.is_described() => _ = self.enter(now, Phase::Running),
-            _ => _ = self.enter(now, Phase::Unsure),
+            Some(1) => Change::None,
+            Some(0) => self.enter(now, Phase::Running),
+            None if !exists && knowledge.is_described() => self.enter(now, Phase::Running),
+            _ => self.enter(now, Phase::Unsure),
         }
     }
 

@@ -65,13 +65,16 @@ impl Pdos {
 
     /// An object was written.
     pub fn configured(&mut self, now: Timestamp, (at, _): (Multiplexer, u64)) {
-        let communication = (0x1000..0x1400).contains(&at.index.0) && at.index.0 != 0x1019 && at.index.0 != 0x1005;
+        let communication = (0x1000..0x1400).contains(&at.index.0);
         for seen in &mut self.seen {
             // A device may begin anew with all PDOs when one is configured, or go on.
             if !communication {
                 let in_step = seen.in_step && !seen.heard;
                 seen.begin(now);
                 seen.in_step = in_step;
+            }
+            if communication {
+                (seen.last, seen.since) = (None, now);
             }
             if matches!(at.index.0, 0x1005 | 0x1019) {
                 seen.in_step = false;
@@ -297,6 +300,8 @@ struct Parameters {
     inhibit: Option<Duration>,
     event_timer: Option<Duration>,
     start_value: u64,
+    /// The window after a SYNC in which synchronous PDOs are sent has no end.
+    open_window: bool,
     /// Whether something is mapped: a PDO that carries nothing is not sent.
     mapped: bool,
 }
@@ -310,13 +315,17 @@ impl Parameters {
             inhibit: number(3).map(|raw| Duration::from_micros(raw * 100)),
             event_timer: number(5).map(Duration::from_millis),
             start_value: number(6).unwrap_or(0),
+            open_window: match knowledge.entry(Multiplexer::new(0x1007, 0)) {
+                Some(_) => belief.number(knowledge, 0x1007, 0) == Some(0),
+                None => true,
+            },
             mapped: belief.number(knowledge, index + 0x200, 0).is_some_and(|count| (1..=64).contains(&count)),
         }
     }
 
     /// Whether the PDO exists and follows every n-th SYNC from the first on.
     fn is_plain(&self) -> bool {
-        self.mapped && self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
+        self.mapped && self.open_window && self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
     }
 
     /// The time between two, for a PDO with an event timer.
