@@ -56,7 +56,7 @@ fn most_encoder_cases_apply_to_the_usual_model() {
     let applies = |case: &&'static Case| selftest::judge(case, model, Faults::NONE).verdict.kind() == Kind::Pass;
     let (applied, left_out): (Vec<_>, Vec<_>) = cases.partition(applies);
     let left_out: Vec<&str> = left_out.iter().map(|case| case.id).collect();
-    assert!(applied.len() > 25 && left_out.len() < 16, "{} apply, not {left_out:?}", applied.len());
+    assert!(applied.len() > 50 && left_out.len() < 24, "{} apply, not {left_out:?}", applied.len());
 }
 
 /// Without a description the device itself is asked; what can't be known is not applicable, and nothing fails.
@@ -102,98 +102,11 @@ fn every_demand_is_justified_by_a_fault() {
     assert_eq!(catalogue::cases().into_iter().find(is_idle).map(|case| case.id), None);
 }
 
-/// Faults whose case is still to be written.
-const AWAITING: &[Fault] = &[
-    Fault::NmtResetCommunicationRestoresAll,
-    Fault::NmtCommandLost,
-    Fault::ExtendedFrameObeyed,
-    Fault::BootUpSometimesMissing,
-    Fault::EmcyBeforeBootUp,
-    Fault::SdoAnsweredBeforeBootUp,
-    Fault::StartUpIgnored,
-    Fault::HeartbeatTimerRounded,
-    Fault::HeartbeatBurst,
-    Fault::HeartbeatLateAfterBootUp,
-    Fault::HeartbeatStateLate,
-    Fault::LifeTimeFactorIgnored,
-    Fault::HeartbeatConsumerStartsAtOnce,
-    Fault::HeartbeatConsumerNotRearmed,
-    Fault::HeartbeatConsumerFirstOnly,
-    Fault::ErrorBehaviourUnchecked,
-    Fault::ErrorBehaviourLeavesStopped,
-    Fault::RpdoInPreOperational,
-    Fault::RpdoLengthUnchecked,
-    Fault::LongRpdoIgnored,
-    Fault::SynchronousRpdoActsAtOnce,
-    Fault::RpdoDeadlineIgnored,
-    Fault::RpdoReceivedWhenInvalid,
-    Fault::RpdoRangeUnchecked,
-    Fault::RemoteFrameTakenAsRpdo,
-    Fault::EventTimerOffByOne,
-    Fault::InhibitTimeInMilliseconds,
-    Fault::AcyclicTpdoWithoutEvent,
-    Fault::SyncStartValueIgnored,
-    Fault::SyncCountNotReset,
-    Fault::RemoteFrameAnsweredWhenNotAllowed,
-    Fault::RtrTypeSampledAtOnce,
-    Fault::RtrTypeWithoutRtrAccepted,
-    Fault::RtrBitClearable,
-    Fault::InhibitTimeChangeWhileValid,
-    Fault::SyncStartValueChangeWhileValid,
-    Fault::EmptyPdoValidated,
-    Fault::MappingCountUnchecked,
-    Fault::MissingObjectMapped,
-    Fault::DummyMappedIntoTpdo,
-    Fault::SyncPeriodDoubled,
-    Fault::SyncWhenStopped,
-    Fault::SyncCounterNotReset,
-    Fault::SyncCounterFromZero,
-    Fault::SyncOverflowUnchecked,
-    Fault::SyncOverflowChangeWhileProducing,
-    Fault::SyncIdChangeWhileProducing,
-    Fault::SyncLengthUnchecked,
-    Fault::TimeIgnored,
-    Fault::TimeIdChangeWhileValid,
-    Fault::TimeReservedBitsSet,
-    Fault::SdoChannelIdChangeWhileValid,
-    Fault::EmcyInhibitTimeIgnored,
-    Fault::EmcyLostWhenInhibited,
-    Fault::EmcyLostWhenStopped,
-    Fault::EmcyIdChangeWhileValid,
-    Fault::EmcySentWhenInvalid,
-    Fault::EmcyRegisterZero,
-    Fault::ErrorHistoryReversed,
-    Fault::ErrorHistoryOverflows,
-    Fault::ErrorHistoryNonZeroAccepted,
-    Fault::ErrorHistoryEmptyReadsZero,
-    Fault::RestoreSignatureUnchecked,
-    Fault::RestoreWithoutEffect,
-    Fault::StoreLosesGroup,
-    Fault::StoreGroupIgnored,
-    Fault::StoreTornByReset,
-    Fault::LssSelectiveThreeParts,
-    Fault::LssSelectiveAnyOrder,
-    Fault::LssIdentifyRangeExclusive,
-    Fault::LssNonConfiguredAnswered,
-    Fault::LssReservedModeWaits,
-    Fault::LssBitTimingUnchecked,
-    Fault::LssBitTimingWrongCode,
-    Fault::LssStoreNotPersistent,
-    Fault::LssNodeIdAtOnce,
-    Fault::LssActivatesAtOnce,
-    Fault::FastscanEarlyMatch,
-    Fault::FastscanHangs,
-    Fault::FastscanAnsweredWhenConfigured,
-    Fault::UnconfiguredNodeBoots,
-    Fault::WatchdogResetUnderLoad,
-    Fault::SdoMemoryLeak,
-];
-
 /// No fault goes unnoticed.
 #[test]
 fn every_fault_is_named_by_a_case() {
     let named: BTreeSet<Fault> = catalogue::cases().iter().flat_map(|case| case.catches).copied().collect();
-    let awaited = |fault: &&Fault| !named.contains(fault) && !AWAITING.contains(fault);
-    let idle: Vec<&str> = Fault::ALL.iter().filter(awaited).map(|fault| fault.id()).collect();
+    let unnamed = Fault::ALL.iter().filter(|fault| !named.contains(fault));
+    let idle: Vec<&str> = unnamed.map(|fault| fault.id()).collect();
     assert!(idle.is_empty(), "{idle:?}");
 }

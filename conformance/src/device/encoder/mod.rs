@@ -2,11 +2,12 @@
 //!
 //! ```text
 //! shaft --> raw (2160h, 600Bh, 600Ch)
-//!       --> position (6000h to 6004h, 6509h) --> work area (6400h)
+//!       --> position (6000h to 6004h, 6008h, 6509h) --> work area (6400h), cams (6300h)
 //!       --> speed (6030h) --> acceleration (6040h) --> jerk (6050h)
 //! wire, tilt --> draw_wire (6020h, 5000h)
 //! ```
 
+mod cams;
 mod diagnosis;
 mod draw_wire;
 mod operating;
@@ -25,6 +26,7 @@ use crate::{Fault, Faults};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Timestamp;
+use std::cell::Cell;
 
 /// An encoder.
 #[derive(Clone, Debug)]
@@ -33,6 +35,8 @@ pub(super) struct Encoder {
     motion: Motion,
     /// What the preset adds to the position (6509h); of an inclinometer its zero point, in hundredths of a degree.
     offset: i64,
+    /// The cams that were active when they were last looked at, for their hysteresis.
+    cams: Cell<u8>,
     /// When 6003h was written last.
     preset_at: Option<Timestamp>,
     faults: Faults,
@@ -42,7 +46,7 @@ impl Encoder {
     /// The encoder of that model, if it is one.
     pub fn new(model: &Model, motion: Motion, faults: Faults) -> Option<Self> {
         let sheet = model.sheet().encoder?;
-        Some(Self { sheet, motion, offset: 0, preset_at: None, faults })
+        Some(Self { sheet, motion, offset: 0, cams: Cell::new(0), preset_at: None, faults })
     }
 
     /// How the shaft moves from now on.
@@ -74,8 +78,9 @@ impl Encoder {
         }
         match at.index.0 {
             0x2160..=0x2162 | 0x600B | 0x600C => self.raw_value(now, at),
-            0x6004 | 0x6509 => self.position_value(now, at, parameters),
+            0x6004 | 0x6008 | 0x6509 => self.position_value(now, at, parameters),
             0x6030..=0x605F => self.speed_value(now, at, parameters),
+            0x6300 => self.cam_states(now, at.sub.0, parameters),
             0x6400 => self.work_area(now, at.sub.0, parameters),
             0x6500..=0x650B => self.diagnosis_value(now, at, parameters),
             _ => None,
