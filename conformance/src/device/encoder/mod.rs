@@ -27,7 +27,6 @@ use cams::Cams;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Timestamp;
-use std::cell::Cell;
 
 /// An encoder.
 #[derive(Clone, Debug)]
