@@ -207,6 +207,12 @@ pub enum Need {
     SpeedParameters,
     /// The acceleration 6040h.
     Acceleration,
+    /// The jerk 6050h, with the acceleration 6040h.
+    Jerk,
+    /// Cams: 6300h, 6301h, 6302h, 6310h and 6320h.
+    Cams,
+    /// The position in 64 bits, 6008h.
+    HighPrecision,
     /// The shaft turns, or the wire moves, while the case runs.
     TurningShaft,
     /// Two redundant channels of the position in TPDO 1: 6020h twice in 1A00h.
@@ -215,6 +221,8 @@ pub enum Need {
     Inclinometer,
     /// Store parameters, 1010h:01.
     Store,
+    /// Verify configuration, 1020h.
+    VerifyConfiguration,
     /// The SDO server knows block uploads.
     BlockUpload,
     /// The SDO server knows block downloads.
@@ -275,10 +283,14 @@ impl Need {
             Self::Speed => "a speed (6030h)",
             Self::SpeedParameters => "a speed with parameters (6030h, 6031h)",
             Self::Acceleration => "an acceleration (6040h)",
+            Self::Jerk => "a jerk (6050h) and an acceleration (6040h)",
+            Self::Cams => "cams (6300h to 6302h, 6310h, 6320h)",
+            Self::HighPrecision => "a position in 64 bits (6008h)",
             Self::TurningShaft => "a shaft that turns while the case runs",
             Self::RedundantChannels => "two redundant channels of the position (6020h twice in 1A00h)",
             Self::Inclinometer => "the inclinometer of Kübler's draw-wire encoders (3003h to 3010h, 5000h)",
             Self::Store => "store parameters (1010h:01)",
+            Self::VerifyConfiguration => "verify configuration (1020h)",
             Self::BlockUpload => "SDO block uploads",
             Self::BlockDownload => "SDO block downloads",
             Self::BlockCrc => "a CRC in SDO block downloads",

@@ -1,7 +1,7 @@
 //! Interfaces with a controller and a bit rate: `can0` and `can1`, which QEMU emulates on one bus.
 
 use crate::interface::ip;
-use crate::running::{run, simulate, text};
+use crate::running::{eventually, run, simulate, text};
 use serde_json::Value;
 
 const MODEL: &str = "reference-301";
@@ -49,10 +49,11 @@ fn a_bit_rate_is_asked_for_known_and_changed() {
     // The device goes to another bit rate, and its interface with it.
     let changed = run(&["lss", "configure", "can0", "--bit-rate", "500k", "--activate", "100"]);
     assert!(changed.status.success(), "{}", text(&changed.stderr));
-    crate::running::eventually("the interface of the device has 500 kbit/s", || bit_rate("can1") == "500000");
+    eventually("the interface of the device has 500 kbit/s", || bit_rate("can1") == "500000");
     up("can0", "500000");
-    let read = text(&run(&["sdo", "read", "can0", "10", "1000"]).stdout);
-    assert!(read.contains("1000h:00"), "{read}");
+    // The device is silent for the delay once more.
+    let reads = || text(&run(&["sdo", "read", "can0", "10", "1000"]).stdout).contains("1000h:00");
+    eventually("the device answers at 500 kbit/s", reads);
     let ended = device.interrupt();
     assert!(ended.status == 0 && !ended.stderr.contains("went down"), "{}", ended.stderr);
     ip(&["link", "set", "can0", "down"]);

@@ -2,8 +2,8 @@
 
 use crate::interface::ip;
 use crate::python::{python, script};
-use crate::running::{Running, canvass, eventually, run, simulate, text};
-use std::process::{Command, Stdio};
+use crate::running::{Running, brief, canvass, run, simulate, text};
+use std::process::Command;
 use std::time::Duration;
 
 const MODEL: &str = "kuebler-sendix-58x8";
@@ -37,7 +37,7 @@ fn over_tcp() {
     let bus = "slcan:tcp://127.0.0.1:20711@250k";
     let tested = run(&["test", bus, "--device", MODEL, "--select", "301/sdo/upload", "--format", "json"]);
     let report: serde_json::Value = serde_json::from_slice(&tested.stdout).unwrap();
-    assert_eq!(tested.status.code(), Some(0), "{report:#}");
+    assert_eq!(tested.status.code(), Some(0), "{}", brief(&report));
     assert_eq!(device.interrupt().status, 0);
 }
 
@@ -50,16 +50,14 @@ fn with_the_kernels_driver() {
     }
     let (_line, a, b) = pty_pair("kernel");
     let device = simulate(MODEL, &format!("slcan:{a}"), &[]);
-    let mut attach = Command::new("slcan_attach");
-    let _attached = Running::start({
-        attach.args(["-w", &b]).stdin(Stdio::null());
-        attach
-    });
-    eventually("the interface is there", || std::path::Path::new("/sys/class/net/slcan0").exists());
+    let attach = |args: &[&str]| assert!(Command::new("slcan_attach").args(args).status().unwrap().success());
+    // The other end of the line keeps the port open, and so the interface there.
+    attach(&["-n", "slcan0", &b]);
     ip(&["link", "set", "slcan0", "up", "type", "can", "bitrate", "250000"]);
     let said = sdo("slcan0");
     assert!(said.contains("Kuebler Sendix Encoder"), "{said}");
     assert_eq!(device.interrupt().status, 0);
+    attach(&["-d", &b]);
 }
 
 /// python-can's slcan as a program at our adapter's end, and as an adapter's user at ours.

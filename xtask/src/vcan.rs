@@ -50,8 +50,17 @@ pub fn test(load: bool) -> Result<()> {
 
 /// Builds the program and its tests.
 fn build() -> Result<Built> {
-    let args =
-        ["test", "--locked", "--features", "vcan", "--test", "vcan", "--no-run", "--message-format", "json-render-diagnostics"];
+    let args = [
+        "test",
+        "--locked",
+        "--features",
+        "vcan",
+        "--test",
+        "vcan",
+        "--no-run",
+        "--message-format",
+        "json-render-diagnostics",
+    ];
     eprintln!("$ cargo {}", args.join(" "));
     // An emulated processor is slow; what others wrote is optimised anyway.
     let optimised = ("CARGO_PROFILE_DEV_OPT_LEVEL", "1");

@@ -142,6 +142,9 @@ impl Bench<'_> {
             | Need::Speed
             | Need::SpeedParameters
             | Need::Acceleration
+            | Need::Jerk
+            | Need::Cams
+            | Need::HighPrecision
             | Need::TurningShaft
             | Need::RedundantChannels
             | Need::Inclinometer => self.of_encoder(need)?,
@@ -151,6 +154,9 @@ impl Bench<'_> {
                 } else {
                     absent("1010h:01")
                 }
+            }
+            Need::VerifyConfiguration => {
+                self.all_writable(&[Multiplexer::new(0x1020, 1), Multiplexer::new(0x1020, 2)])?
             }
             Need::BlockUpload => self.block_upload_feature()?,
             Need::BlockDownload => self.block_download_feature()?.map(|_| ()),

@@ -3,6 +3,7 @@
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]
 
+mod allocations;
 mod encoder;
 mod errors;
 mod nmt;

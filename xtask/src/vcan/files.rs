@@ -32,7 +32,7 @@ pub fn archive(kernel: &Kernel, built: &Built, names: &[Vec<String>], settings: 
         fs::create_dir_all(stage.join(folder))?;
     }
     let mut files = Files::default();
-    files.add(&found("busybox")?);
+    fs::copy(found("busybox")?, stage.join("bin/busybox"))?;
     for program in PROGRAMS {
         files.add_program(&if program == "python" { root.join(PYTHON) } else { found(program)? })?;
     }

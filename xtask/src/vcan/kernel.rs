@@ -15,7 +15,8 @@ pub struct Kernel {
 }
 
 /// The modules, those that others need first: SocketCAN, virtual interfaces, a controller that QEMU emulates, SLCAN.
-const MODULES: [&str; 6] = ["can", "can-raw", "can-dev", "vcan", "kvaser_pci", "slcan"];
+/// python-can sends heartbeats by can-bcm.
+const MODULES: [&str; 7] = ["can", "can-raw", "can-bcm", "can-dev", "vcan", "kvaser_pci", "slcan"];
 
 impl Kernel {
     /// Debian's newest, fetched by apt-get the first time.

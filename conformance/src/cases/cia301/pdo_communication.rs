@@ -22,14 +22,18 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
     Ok(verdict)
 }
 
-/// Restricted CAN-IDs are refused for PDOs and SYNC with abort 0609 0030h. A sample of the 797 is written.
+/// Restricted CAN-IDs are refused for PDOs and SYNC with abort 0609 0030h.
+///
+/// A sample of the 797 is written; with `--exhaustive` all of them.
 #[case(id = "301/pdo/cob-id/restricted", clause = "CiA 301 7.3.5", confidence = Attested, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
     let own = bench.read_number(TPDO_COB_ID)?;
     bench.write(TPDO_COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
-    for can_id in [0x000_u32, 0x001, 0x07F, 0x101, 0x17F, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF] {
+    let sample = vec![0x000_u32, 0x001, 0x07F, 0x101, 0x17F, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF];
+    let all = || (0..=0x7FF).filter(|&id| CobId(id).is_restricted()).collect();
+    for can_id in if bench.options().exhaustive { all() } else { sample } {
         let value = own & !(0x7FF | CobId::INVALID) | can_id;
         let attempt = bench.download(TPDO_COB_ID, &value.to_le_bytes())?;
         verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);

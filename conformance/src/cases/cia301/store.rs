@@ -243,3 +243,41 @@ fn restores(bench: &mut Bench<'_>) -> Result<(), Verdict> {
     }
     Err(Verdict::NotApplicable(Reason::new("defaults can be restored", "1011h:01", "the device has no 1011h:01")))
 }
+
+/// A device whose 1010h:01 says that it does not store on command (bit 0 is 0) refuses "save".
+#[case(id = "301/store/not-supported", clause = "CiA 301 7.5.2.13", confidence = Derived, level = Must,
+       needs = [Store], touches = [Nvm], catches = [StoreCapabilityDenied])]
+fn not_supported(bench: &mut Bench<'_>) -> Judged {
+    let value = bench.read_number(STORE)?;
+    if value & 1 != 0 {
+        let reason =
+            Reason::new("the device does not store on command", "bit 0 of 1010h:01 clear", format!("{value:08X}h"));
+        return Err(Verdict::NotApplicable(reason));
+    }
+    let mut attempt = bench.download(STORE, b"save")?;
+    attempt.what = "\"save\" to a device that does not store on command".to_owned();
+    let strict = [
+        AbortCode::NOT_TRANSFERRED,
+        AbortCode::LOCAL_CONTROL,
+        AbortCode::DEVICE_STATE,
+        AbortCode::READ_ONLY,
+        AbortCode::UNSUPPORTED_ACCESS,
+    ];
+    attempt.expect_abort(&strict, &[AbortCode::GENERAL])
+}
+
+/// "save" in operational is carried out, or refused with abort 0800 0022h. Which of the two is noted.
+#[case(id = "301/store/operational", clause = "CiA 301 7.5.2.13", confidence = Derived, level = May,
+       needs = [Store], touches = [Nvm], catches = [StoreSilentWhenOperational, SdoSilentWhenOperational])]
+fn operational(bench: &mut Bench<'_>) -> Judged {
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction)?;
+    let mut attempt = bench.download(STORE, b"save")?;
+    attempt.what = "\"save\" in operational".to_owned();
+    bench.note(format!("\"save\" in operational: {}", attempt.outcome));
+    bench.listen(canvass_traces::Duration::from_millis(100))?;
+    match attempt.abort() {
+        Some(_) => attempt.expect_abort(&[AbortCode::DEVICE_STATE], &[AbortCode::GENERAL, AbortCode::NOT_TRANSFERRED]),
+        None => attempt.expect_confirmation(),
+    }
+}

@@ -250,3 +250,24 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
     }
     attempt.expect_abort(&[strict], &[AbortCode::INVALID_VALUE, AbortCode::READ_ONLY, AbortCode::GENERAL])
 }
+
+/// The synchronous counter overflow value that was stored is there after reset node. The old one is stored again.
+#[case(id = "301/sync/overflow-stored", clause = "CiA 301 7.5.2.22", confidence = Derived, level = Must,
+       needs = [SyncCounter, Store], touches = [Nvm], catches = [StoreWithoutEffect], cct = "6.8")]
+fn overflow_stored(bench: &mut Bench<'_>) -> Judged {
+    const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+    bench.write(PERIOD, &0_u32.to_le_bytes())?;
+    let before = bench.read(OVERFLOW)?;
+    let other = if before == [10] { [20] } else { [10] };
+    bench.write(OVERFLOW, &other)?;
+    bench.write(STORE, b"save")?;
+    let stored = bench.reset(Command::RESET_NODE).and_then(|()| bench.read(OVERFLOW));
+    // Whatever came of it, the device gets its old value back.
+    bench.write(OVERFLOW, &before)?;
+    bench.write(STORE, b"save")?;
+    let stored = stored?;
+    demand(stored == other, || {
+        let duty = "1019h has its stored value after reset node";
+        Reason::new(duty, Bytes(&other).to_string(), Bytes(&stored).to_string())
+    })
+}

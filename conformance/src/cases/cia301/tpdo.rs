@@ -50,7 +50,7 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
         _ => Duration::ZERO,
     });
     let longest = gaps.max();
-    let limit = PERIOD + bench.timing().tolerance(PERIOD);
+    let limit = PERIOD + bench.tolerance(PERIOD);
     demand(heard.len() as u64 >= PERIODS && longest.is_some_and(|gap| gap <= limit), || {
         let actual = match longest {
             Some(gap) => format!("{} TPDOs, up to {gap} apart", heard.len()),
@@ -195,7 +195,7 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
         _ => None,
     });
     let shortest = gaps.min();
-    let limit = INHIBIT.nanos() - bench.timing().tolerance(INHIBIT).nanos();
+    let limit = INHIBIT.nanos().saturating_sub(bench.tolerance(INHIBIT).nanos());
     demand(shortest.is_some_and(|gap| gap.nanos() >= limit), || {
         let actual = shortest.map_or_else(|| "fewer than two TPDOs".to_owned(), |gap| format!("{gap}"));
         Reason::new("TPDOs are at least the inhibit time apart", INHIBIT.to_string(), actual)

@@ -29,6 +29,24 @@ fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Verdict> {
     bench.listen(Duration::from_millis(1_000)).map(|_| ())
 }
 
+/// Gives the device its own node-ID and the bit rate of the bus back, and stores them where something else is stored.
+pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Verdict> {
+    let own = bench.node().raw();
+    let rate = BIT_RATES.iter().position(|rate| rate.is_some() && *rate == bench.bit_rate());
+    configure(bench)?;
+    set_node_id(bench, own)?;
+    if let Some(index) = rate.and_then(|index| u8::try_from(index).ok()) {
+        exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
+    }
+    if stored {
+        exchange(bench, Request::StoreConfiguration)?;
+        bench.listen(Duration::from_millis(200))?;
+    }
+    wait(bench)?;
+    bench.command_all(Command::RESET_COMMUNICATION)?;
+    bench.wait_for_boot_up().map(|_| ())
+}
+
 /// A message of that node, whatever its content, within the time that the device has to boot.
 fn boots_as(bench: &mut Bench<'_>, node: u8) -> Result<bool, Verdict> {
     let id = error_control::CAN_ID_BASE + u16::from(node);

@@ -11,10 +11,10 @@ use canvass_analyzer::wire::lss::{self, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_traces::Duration;
 
-const RESET: u8 = 0x80;
+pub(super) const RESET: u8 = 0x80;
 
 /// Runs `test` while the device has no node-ID; gives it its own back afterwards, whatever came of it.
-fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'_>, [u32; 4]) -> Judged) -> Judged {
+pub(super) fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'_>, [u32; 4]) -> Judged) -> Judged {
     let address = address(bench)?;
     configure(bench)?;
     let answer = exchange(bench, Request::ConfigureNodeId { node_id: 255 })?;
@@ -38,7 +38,7 @@ fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'_>, [u32; 4
         ))),
     };
     // What happened in the case counts, not that the device can't be configured after it.
-    let configured = give_back(bench);
+    let configured = bench.uncancelled(give_back);
     judged.and_then(|verdict| configured.map(|()| verdict))
 }
 
@@ -53,7 +53,13 @@ fn give_back(bench: &mut Bench<'_>) -> Result<(), Verdict> {
     bench.listen(Duration::from_millis(1_000)).map(|_| ())
 }
 
-fn scan(bench: &mut Bench<'_>, id: u32, bit_check: u8, sub: u8, next: u8) -> Result<Option<Response>, Verdict> {
+pub(super) fn scan(
+    bench: &mut Bench<'_>,
+    id: u32,
+    bit_check: u8,
+    sub: u8,
+    next: u8,
+) -> Result<Option<Response>, Verdict> {
     exchange(bench, Request::Fastscan { id, bit_check, sub, next })
 }
 

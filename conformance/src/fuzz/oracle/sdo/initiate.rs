@@ -36,7 +36,7 @@ impl Server {
         }
         if !(1..=127).contains(&block_size) {
             // Which of two reasons a server finds first is its own affair.
-            let codes = codes::BLOCK_SIZE.or(reading.must).or(not_supported(knowledge));
+            let codes = codes::BLOCK_SIZE.or(reading.must).or(reading.may).or(not_supported(knowledge));
             return refused(at, codes, "a block size outside 1 to 127");
         }
         Awaited::BlockRead { reading, block_size, threshold, crc }
