@@ -7,6 +7,7 @@ use canvass_stacks::canopen_rs::{CanopenRs, EDS, NODE};
 /// All are its own, and in `docs/peers.md`.
 const EXPECTED: &Expected = &[
     ("301/dictionary/highest-sub-index", Fail, NO_SUB_INDEX),
+    ("301/dictionary/structure", Fail, NO_SUB_INDEX),
     ("301/pdo/reserved-entry", Fail, NO_SUB_INDEX),
     ("301/sdo/download/segmented-missing", Fail, NO_SUB_INDEX),
     ("301/sdo/upload/no-sub-index", Fail, NO_SUB_INDEX),
@@ -33,6 +34,7 @@ const EXPECTED: &Expected = &[
     ("301/rpdo/cob-id/valid", Fail, PDO_PARAMETERS),
     ("301/rpdo/mapping/valid", Fail, PDO_PARAMETERS),
     ("301/rpdo/reserved-type", Fail, PDO_PARAMETERS),
+    ("301/state/stopped/running-upload", Fail, "a transfer goes on after stopped"),
     ("301/rpdo/synchronous", Fail, "an RPDO acts when it comes, whatever its transmission type"),
     ("301/tpdo/acyclic", Fail, EVERY_SYNC),
     ("301/tpdo/sync-count-restarts", Fail, EVERY_SYNC),
@@ -43,6 +45,7 @@ const EXPECTED: &Expected = &[
     ("305/bit-timing/table", Fail, BIT_TIMING),
     ("305/fastscan/out-of-range", Fail, "bit checks 32 to 127 and 129 to 255 begin a Fastscan"),
     ("305/identify/at-bounds", Fail, IDENTIFY),
+    ("305/identify/halving", Fail, IDENTIFY),
     ("305/identify/within", Fail, IDENTIFY),
     ("305/unconfigured/identify", Fail, "the search for slaves without node-ID (4Ch) is not answered"),
     ("305/switch-global/reserved-mode", Fail, "every mode but 1 leads to waiting"),
