@@ -32,6 +32,9 @@ fn suite(run: &Run, cases: &[CaseReport]) -> TestSuite {
     let [name, _, software] = &run.info.device.names;
     suite.add_property(("device", printable(name.as_deref().unwrap_or_default()).as_ref()));
     suite.add_property(("software", printable(software.as_deref().unwrap_or_default()).as_ref()));
+    if let Some(host) = &run.summary.host {
+        suite.add_property(("host", super::host::sentence(host).as_str()));
+    }
     let nanos = cases.iter().map(|report| report.duration.nanos()).sum();
     suite.set_time(std::time::Duration::from_nanos(nanos));
     suite.add_test_cases(cases.iter().map(test_case));
