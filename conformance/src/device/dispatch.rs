@@ -165,6 +165,10 @@ impl Device {
         self.beside_sdo = Timestamp::ZERO;
         self.wake = match self.phase {
             Phase::Unconfigured => self.activation_timeout(),
+            // What services still waited for at the reset is settled when they start again.
+            Phase::Initialising { until } => {
+                until.min(self.activation_timeout()).min(self.emcy_timeout()).min(self.next_of_sdo())
+            }
             _ if self.silent_until > Timestamp::ZERO => self.silent_until,
             _ => {
                 self.beside_sdo = self.next_beside_sdo();
@@ -202,12 +206,8 @@ impl Device {
         self.activation.as_ref().map_or(Timestamp::MAX, |activation| activation.timeout())
     }
 
-    /// The next event of all services but SDO.
+    /// The next event of all services but SDO, while they work.
     fn next_beside_sdo(&self) -> Timestamp {
-        let boot = match self.phase {
-            Phase::Initialising { until } => until,
-            _ => Timestamp::MAX,
-        };
         let services = [
             self.activation_timeout(),
             self.heartbeat.timeout(),
@@ -219,7 +219,7 @@ impl Device {
             self.sync.timeout(),
             self.objects.clock.timeout(),
         ];
-        let next = services.into_iter().fold(boot, Timestamp::min);
+        let next = services.into_iter().fold(Timestamp::MAX, Timestamp::min);
         let next = self.tpdos.iter().fold(next, |next, tpdo| next.min(tpdo.timeout()));
         self.rpdos.iter().fold(next, |next, rpdo| next.min(rpdo.timeout()))
     }
@@ -389,7 +389,8 @@ impl Machine for Device {
         self.go_on_with_activation(now);
         match self.phase {
             Phase::Initialising { until } if now >= until => self.boot_up(now),
-            Phase::Initialising { .. } | Phase::Unconfigured => {}
+            Phase::Initialising { .. } => self.expire_sdo(now),
+            Phase::Unconfigured => {}
             _ if now < self.silent_until => {}
             _ => {
                 if self.silent_until > Timestamp::ZERO {
