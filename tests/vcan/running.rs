@@ -1,5 +1,6 @@
 //! Processes that run beside a test.
 
+use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
 use std::process::{Child, ChildStderr, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -14,6 +15,14 @@ pub fn canvass(args: &[&str]) -> Command {
 /// Runs it to its end.
 pub fn run(args: &[&str]) -> Output {
     canvass(args).output().unwrap()
+}
+
+/// What a report of `test` says of each case, in one line each, for the message of a test that fails.
+pub fn brief(report: &Value) -> String {
+    let cases = report["cases"].as_array().into_iter().flatten();
+    let lines = cases.map(|case| format!("{} {} {}", case["verdict"], case["id"], case["reason"]));
+    let lines: Vec<String> = lines.filter(|line| !line.starts_with("\"not_applicable")).collect();
+    format!("{}\n{}", report["summary"], lines.join("\n"))
 }
 
 pub fn text(bytes: &[u8]) -> String {
@@ -45,6 +54,13 @@ impl Running {
             }
             all += &line;
         }
+    }
+
+    /// Waits for the n-th line on standard output that holds one of these words.
+    pub fn prints(&mut self, words: &[&str], n: usize) {
+        let stdout = BufReader::new(self.child.stdout.take().unwrap());
+        let lines = stdout.lines().map(Result::unwrap).filter(|line| words.iter().any(|words| line.contains(words)));
+        assert_eq!(lines.take(n).count(), n, "lines with one of {words:?}");
     }
 
     pub fn signal(&self, signal: &str) {

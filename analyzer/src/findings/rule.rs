@@ -3,6 +3,7 @@
 use super::context::{Context, Scene};
 use super::finding::Severity;
 use super::sink::Sink;
+use crate::NodeId;
 use crate::message::Service;
 use std::collections::BTreeMap;
 
@@ -45,8 +46,21 @@ pub struct Definition {
     pub metadata: &'static Metadata,
     /// The services whose frames it is shown.
     pub services: &'static [Service],
+    /// Frames that it is shown beside these.
+    pub also: Also,
     /// Its state for one bus; `None` for a rule about whole captures.
     pub make: Option<Make>,
+}
+
+/// Frames of which only some are worth a rule's while: so that the others cost it nothing.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Also {
+    /// No others.
+    Nothing,
+    /// Those with values of an encoder's objects, be it in a TPDO or an SDO transfer.
+    EncoderValues,
+    /// TPDOs of whose communication parameters the capture has shown something.
+    KnownTpdos,
 }
 
 /// Makes a rule's state for one bus.
@@ -59,6 +73,9 @@ pub trait Rule {
 
     /// Time has gone on: called at most every [`super::Diagnosis::TICK`], before the frame that shows it.
     fn tick(&mut self, _scene: &Scene<'_>, _sink: &mut Sink<'_>) {}
+
+    /// The parameters of a node's TPDOs may have changed with the frame that comes next, or are known with it.
+    fn reconfigured(&mut self, _node: NodeId, _scene: &Scene<'_>) {}
 
     /// Frames may be missing here, or the clock has stepped: what was waited for may have come unseen.
     fn interrupted(&mut self) {}

@@ -422,3 +422,32 @@ impl Machine for Device {
             || self.service_of(pending).is_some_and(|service| !self.phase.serves(service, self.faults))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Faults;
+    use crate::models::Model;
+    use canvass_traces::{CanId, Duration};
+
+    /// A heartbeat that is awaited when a reset comes is not waited for during initialisation: what is due then can't be
+    /// served, and the device would be woken without end.
+    #[test]
+    fn nothing_wakes_a_device_that_initialises() {
+        let model = Model::by_id("reference-301").unwrap();
+        let mut device = Device::new(model, NodeId::new(10), Faults::NONE, 0);
+        let frame = |id, data: &[u8]| Frame::new(CanId::standard_masked(id), data).unwrap();
+        let booted = device.poll_timeout().unwrap();
+        device.handle_timeout(booted);
+        // Node 11 is awaited every 50 ms, and heard once.
+        device.handle(booted, &frame(0x60A, &[0x23, 0x16, 0x10, 0x01, 50, 0, 11, 0]));
+        device.handle(booted, &frame(0x70B, &[5]));
+        let reset = booted + Duration::from_millis(1);
+        device.handle(reset, &frame(0, &[0x81, 10]));
+        let next = device.poll_timeout().unwrap();
+        assert!(next > reset + Duration::from_millis(50), "{next}");
+        device.handle_timeout(next);
+        assert_eq!(std::iter::from_fn(|| device.poll_transmit(next)).last(), Some(frame(0x70A, &[0])));
+        assert!(device.poll_timeout().is_none_or(|later| later > next && later < Timestamp::MAX));
+    }
+}

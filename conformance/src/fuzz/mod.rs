@@ -9,10 +9,12 @@
 
 pub mod campaign;
 pub mod coverage;
+pub mod detection;
 mod execute;
 mod generate;
 pub mod ground;
 mod knowledge;
+pub mod limits;
 mod oracle;
 mod property;
 pub mod reproducer;

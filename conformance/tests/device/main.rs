@@ -18,3 +18,4 @@ mod sdo;
 mod services;
 mod tables;
 mod timing;
+mod unusual;

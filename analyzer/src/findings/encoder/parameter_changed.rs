@@ -1,12 +1,14 @@
-use super::operands::each;
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
-use crate::message::Service;
 use crate::wire::error_control::State;
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::Sdo], make: Some(|_| Box::new(ParameterChanged)) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[],
+    also: Also::EncoderValues,
+    make: Some(|_| Box::new(ParameterChanged)),
+};
 
 static METADATA: Metadata = Metadata {
     id: "encoder/parameter-changed",
@@ -24,7 +26,7 @@ struct ParameterChanged;
 
 impl Rule for ParameterChanged {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        each(context, |operand| {
+        for operand in &context.news().operands {
             let state = context.scene.bus.node(operand.node).and_then(|node| node.state);
             let operational = state.is_some_and(|state| state.0 == State::OPERATIONAL);
             let moves_position = matches!(operand.object.index.0, 0x6000..=0x6003);
@@ -35,6 +37,6 @@ impl Rule for ParameterChanged {
                     format!("{} was set to {} in operational", operand.object, operand.raw)
                 });
             }
-        });
+        }
     }
 }

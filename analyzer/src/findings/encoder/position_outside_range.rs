@@ -1,5 +1,5 @@
-use super::operands::{Kind, each, kind};
-use crate::findings::rule::{Definition, Metadata, Rule};
+use super::operands::{Kind, kind};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
@@ -7,7 +7,8 @@ use crate::{Multiplexer, NodeId};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Pdo, Service::Sdo, Service::BootUp],
+    services: &[Service::BootUp],
+    also: Also::EncoderValues,
     make: Some(|_| Box::new(PositionOutsideRange { nodes: vec![Scaling::default(); 128] })),
 };
 
@@ -53,7 +54,7 @@ impl Rule for PositionOutsideRange {
             }
             return;
         }
-        each(context, |operand| {
+        for operand in &context.news().operands {
             let scaling = &mut self.nodes[usize::from(operand.node.raw())];
             match operand.object.index.0 {
                 // 6500h shows what of 6000h is in force.
@@ -62,7 +63,7 @@ impl Rule for PositionOutsideRange {
                 0x6004 if !operand.written => {
                     let scaled = || scaling.range.filter(|_| scaling.on == Some(true));
                     let physical = || physical_range(context, operand.node).filter(|_| scaling.on == Some(false));
-                    let Some(range) = scaled().or_else(physical) else { return };
+                    let Some(range) = scaled().or_else(physical) else { continue };
                     if operand.raw >= range {
                         let report = Report::at(context.now()).node(operand.node).measure(operand.raw);
                         sink.report(report.evidence(context.evidence()), || {
@@ -72,6 +73,6 @@ impl Rule for PositionOutsideRange {
                 }
                 _ => {}
             }
-        });
+        }
     }
 }

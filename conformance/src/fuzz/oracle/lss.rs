@@ -55,6 +55,8 @@ pub(super) struct Slave {
     /// The active node-ID is "none".
     unconfigured: bool,
     pending: Option<u8>,
+    /// It began without node-ID and was given one, which a reset may take away again.
+    given: bool,
     timing_changed: bool,
     /// Parts of the address that have matched in order; `None`: the order was another one.
     selected: Option<u8>,
@@ -75,6 +77,7 @@ impl Slave {
             mode: Mode::Waiting,
             unconfigured: false,
             pending: None,
+            given: false,
             timing_changed: false,
             selected: Some(0),
             identified: Some(0),
@@ -94,6 +97,11 @@ impl Slave {
     /// A reset of the NMT slave: whether LSS goes on in its mode, the standard leaves open.
     pub fn reset_communication(&mut self) {
         *self = Self { mode: Mode::Unsure, unconfigured: self.unconfigured, ..Self::new() };
+    }
+
+    /// Whether a reset gives the device another node-ID than it has.
+    pub fn moves(&self, knowledge: &Knowledge) -> bool {
+        self.pending.is_some_and(|node| node != knowledge.node.raw()) || self.timing_changed || self.given
     }
 
     /// The state, for the statistics.
@@ -127,7 +135,7 @@ impl Slave {
         if overlaps {
             self.mode = Mode::Unsure;
         }
-        if awaited == Awaited::Nothing {
+        if matches!(awaited, Awaited::Nothing | Awaited::Anything) {
             coverage.lss(self.asked.0, self.asked.1, false);
         }
         let required = matches!(awaited, Awaited::Exactly(_) | Awaited::Timing { .. });
@@ -138,6 +146,8 @@ impl Slave {
 
     fn judge(&mut self, frame: &Frame, knowledge: &Knowledge, phase: Phase) -> (Awaited, Effect) {
         let works = match (knowledge.services.lss, phase) {
+            // LMT, the elder service, speaks on the same identifiers and is not modelled.
+            _ if knowledge.services.lmt => return (Awaited::Anything, Effect::Lost),
             (Some(false), _) => return (Awaited::Nothing, Effect::Nothing),
             (_, Phase::Booting) => return (Awaited::Anything, Effect::Lost),
             (None, _) => false,
@@ -147,6 +157,9 @@ impl Slave {
         let request = Request::read(frame.data()).ok().filter(|_| frame.len() == 8);
         let Some(request) = request else {
             self.mode = Mode::Unsure;
+            // A slave may fill up what is too short, and take it for a part of an address.
+            self.selected = None;
+            self.identified = None;
             return (Awaited::Anything, Effect::Nothing);
         };
         self.property = Property::LegalLss;
@@ -169,7 +182,7 @@ impl Slave {
     fn answer(&mut self, request: Request, knowledge: &Knowledge) -> (Awaited, Effect) {
         let nothing = |awaited| (awaited, Effect::Nothing);
         match request {
-            Request::SwitchGlobal { mode } => self.switch(mode, knowledge.node.raw()),
+            Request::SwitchGlobal { mode } => self.switch(mode, knowledge),
             Request::SwitchSelective { part, value } => nothing(self.select(part as u8, value, knowledge)),
             Request::IdentifyRemote { bound, value } => nothing(self.identify(bound as u8, value, knowledge)),
             Request::IdentifyNonConfigured => {
@@ -198,7 +211,8 @@ impl Slave {
         }
     }
 
-    fn switch(&mut self, mode: u8, node: u8) -> (Awaited, Effect) {
+    fn switch(&mut self, mode: u8, knowledge: &Knowledge) -> (Awaited, Effect) {
+        let node = knowledge.node.raw();
         self.rule = "switch state global";
         self.selected = Some(0);
         match mode {
@@ -206,12 +220,21 @@ impl Slave {
                 let left = self.mode != Mode::Waiting;
                 self.mode = Mode::Waiting;
                 match self.pending {
-                    Some(own) if own == node && self.unconfigured && left => {
+                    Some(own)
+                        if own == node
+                            && left
+                            && (self.unconfigured || knowledge.services.lss_restarts == Some(true)) =>
+                    {
+                        self.given |= self.unconfigured;
                         self.unconfigured = false;
                         self.pending = None;
                         (Awaited::Nothing, Effect::Boots)
                     }
-                    // When a configured device takes its new node-ID over is left open.
+                    // CiA 305: at the next reset communication.
+                    Some(_) if !self.unconfigured && knowledge.services.lss_restarts == Some(false) => {
+                        (Awaited::Nothing, Effect::Nothing)
+                    }
+                    // When a configured device takes its new node-ID over depends on the device.
                     Some(_) if left => (Awaited::Nothing, Effect::Lost),
                     _ => (Awaited::Nothing, Effect::Nothing),
                 }
@@ -356,7 +379,7 @@ impl Slave {
             Request::ConfigureNodeId { node_id } => {
                 let valid = matches!(node_id, 1..=127 | NONE);
                 if valid {
-                    self.pending = (node_id != knowledge.node.raw() || self.unconfigured).then_some(node_id);
+                    self.pending = Some(node_id);
                 }
                 done(ConfigureCommand::NodeId, u8::from(!valid))
             }
