@@ -15,9 +15,17 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
     let number = |n: usize, usual: u64| args.get(n).map_or(Ok(usual), |text| text.parse::<u64>());
     match args.first().map(String::as_str) {
-        Some("models") => models(number(1, 100_000)?, number(2, 0)?, args.get(3).map_or("all", |name| name), args.get(4..).unwrap_or(&[])),
+        Some("models") => models(
+            number(1, 100_000)?,
+            number(2, 0)?,
+            args.get(3).map_or("all", |name| name),
+            args.get(4..).unwrap_or(&[]),
+        ),
         Some("faults") => faults(number(1, 10)?, number(2, 0)?, args.get(3..).unwrap_or(&[])),
-        _ => Err("usage: soak models EXCHANGES [SEED] [TARGET] [MODEL...] | soak faults SECONDS [SEED] [FAULT...]".into()),
+        _ => {
+            Err("usage: soak models EXCHANGES [SEED] [TARGET] [MODEL...] | soak faults SECONDS [SEED] [FAULT...]"
+                .into())
+        }
     }
 }
 
@@ -28,8 +36,15 @@ fn models(exchanges: u64, seed: u64, target: &str, named: &[String]) -> Result<(
         let begun = Instant::now();
         let outcome = fuzz(model, Faults::NONE, target, seed, &mut |done| done < exchanges)?;
         let rate = outcome.executions as f64 / begun.elapsed().as_secs_f64();
-        writeln!(out, "{:24} {:>9} exchanges, {rate:.0}/s, sdo {:?} lss {:?}, {} violations", model.id(), outcome.executions,
-            outcome.coverage.sdo_share(model.sheet().network.sdo_block_transfer), outcome.coverage.lss_share(&LssReach::of(model.sheet().network.lss, &Touch::ALL.into_iter().collect())), outcome.violations.len())?;
+        writeln!(
+            out,
+            "{:24} {:>9} exchanges, {rate:.0}/s, sdo {:?} lss {:?}, {} violations",
+            model.id(),
+            outcome.executions,
+            outcome.coverage.sdo_share(model.sheet().network.sdo_block_transfer),
+            outcome.coverage.lss_share(&LssReach::of(model.sheet().network.lss, &Touch::ALL.into_iter().collect())),
+            outcome.violations.len()
+        )?;
         for found in &outcome.violations {
             show(&mut out, found)?;
         }
@@ -45,8 +60,17 @@ fn faults(seconds: u64, seed: u64, named: &[String]) -> Result<(), Box<dyn std::
         match &trial.found {
             Some(detected) => {
                 let violation = &detected.found.violation;
-                writeln!(out, "+ {} {:?} {} frames {} {} | {} | {}", fault, detected.elapsed, detected.found.sequence.stimuli.len(),
-                    violation.property, violation.rule, violation.expected, violation.actual)?;
+                writeln!(
+                    out,
+                    "+ {} {:?} {} frames {} {} | {} | {}",
+                    fault,
+                    detected.elapsed,
+                    detected.found.sequence.stimuli.len(),
+                    violation.property,
+                    violation.rule,
+                    violation.expected,
+                    violation.actual
+                )?;
                 if !named.is_empty() {
                     show(&mut out, &detected.found)?;
                 }
@@ -60,7 +84,11 @@ fn faults(seconds: u64, seed: u64, named: &[String]) -> Result<(), Box<dyn std::
 
 fn show(out: &mut impl Write, found: &Found) -> std::io::Result<()> {
     let violation = &found.violation;
-    writeln!(out, "  {} {} (confirmed {}): expected {}, got {}", violation.property, violation.rule, found.confirmed, violation.expected, violation.actual)?;
+    writeln!(
+        out,
+        "  {} {} (confirmed {}): expected {}, got {}",
+        violation.property, violation.rule, found.confirmed, violation.expected, violation.actual
+    )?;
     write!(out, "{:?}\n{}", found.sequence.start, reproducer::candump(&found.sequence))?;
     for record in found.evidence.iter().rev().take(40).rev() {
         writeln!(out, "    {} {:?} {}", record.timestamp, record.direction, record.frame)?;

@@ -156,14 +156,7 @@ impl Args {
         Ok(outcome)
     }
 
-    fn result(
-        &self,
-        device: &Device,
-        knowledge: Knowledge,
-        plan: &Plan,
-        outcome: Outcome,
-        cancelled: bool,
-    ) -> Run {
+    fn result(&self, device: &Device, knowledge: Knowledge, plan: &Plan, outcome: Outcome, cancelled: bool) -> Run {
         let words =
             outcome.violations.iter().map(|found| Words::of(found, &mut || Box::new(device.decoder()))).collect();
         Run {

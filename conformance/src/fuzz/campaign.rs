@@ -146,7 +146,8 @@ pub fn run(
         if campaign.sequences.is_multiple_of(REFOCUS) {
             let coverage = &campaign.executor.coverage;
             dialogues.focus = least_exercised(coverage, &knowledge);
-            dialogues.lss_focus = Coverage::lss_pairs(&reach).min_by_key(|&(state, command)| coverage.lss_count(state, command));
+            dialogues.lss_focus =
+                Coverage::lss_pairs(&reach).min_by_key(|&(state, command)| coverage.lss_count(state, command));
         }
         // The strategy always makes a sequence.
         let Ok(tree) = dialogues.new_tree(&mut runner) else { return Ok(campaign.outcome()) };

@@ -34,7 +34,9 @@ pub struct Storm {
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Broken {
     /// Off and on again, and asked for its device type.
-    #[error("{model}: expected an answer to the device type after {frames} frames and power-on, found none (seed {seed})")]
+    #[error(
+        "{model}: expected an answer to the device type after {frames} frames and power-on, found none (seed {seed})"
+    )]
     Silent {
         /// The model.
         model: String,
@@ -44,7 +46,9 @@ pub enum Broken {
         seed: u64,
     },
     /// It asked to be woken again and again.
-    #[error("{model}: expected that time goes on after {frames} frames, found {WAKES} wake-ups in {pause} (seed {seed})")]
+    #[error(
+        "{model}: expected that time goes on after {frames} frames, found {WAKES} wake-ups in {pause} (seed {seed})"
+    )]
     Restless {
         /// The model.
         model: String,
@@ -291,8 +295,8 @@ impl Sky<'_> {
     /// LSS and LMT.
     fn layer_setting(&mut self) -> Frame {
         let known = [
-            0x04, 0x04, 0x11, 0x13, 0x15, 0x17, 0x40, 0x41, 0x42, 0x43, 0x46, 0x47, 0x48, 0x49, 0x4A, 0x4B, 0x4C, 0x51, 0x5A,
-            0x5B, 0x5C, 0x5D, 0x5E, 0x01, 0x02, 0x03, 0x05, 0x06, 0x07, 0x08, 0x24, 0x25, 0x26,
+            0x04, 0x04, 0x11, 0x13, 0x15, 0x17, 0x40, 0x41, 0x42, 0x43, 0x46, 0x47, 0x48, 0x49, 0x4A, 0x4B, 0x4C, 0x51,
+            0x5A, 0x5B, 0x5C, 0x5D, 0x5E, 0x01, 0x02, 0x03, 0x05, 0x06, 0x07, 0x08, 0x24, 0x25, 0x26,
         ];
         let command = if self.dice.one_in(8) { self.dice.byte() } else { self.dice.one_of(known) };
         let own = self.dice.below(4) as u8 + 1;

@@ -4,10 +4,10 @@ use crate::rig::{Rig, model};
 use canvass_analyzer::NodeId;
 use canvass_conformance::bus::{Bus, SimulatedBus};
 use canvass_conformance::device::{Device, Motion};
-use canvass_conformance::{Fault, Faults};
-use canvass_traces::{CanId, Duration, Frame};
 use canvass_conformance::fuzz::storm::storm;
 use canvass_conformance::models::Model;
+use canvass_conformance::{Fault, Faults};
+use canvass_traces::{CanId, Duration, Frame};
 use proptest::prelude::*;
 
 /// Frames that mean something to the device more often than chance would have it.

@@ -23,7 +23,11 @@ fn kuebler() {
             assert_eq!(set(&mut bench, true), [""; 0], "{section} {model}: once");
             let register = u32::from_str_radix(&bytes[4..6], 16).unwrap();
             assert_eq!(bench.read_from(63, 0x1001, 0), Ok(register), "{section} {model}");
-            assert_eq!(bench.read_from(63, 0x1003, 1).map(|entry| entry & 0xFFFF), Ok(code.into()), "{section} {model}");
+            assert_eq!(
+                bench.read_from(63, 0x1003, 1).map(|entry| entry & 0xFFFF),
+                Ok(code.into()),
+                "{section} {model}"
+            );
             assert_eq!(set(&mut bench, false), ["0BF#0000000000000000"], "{section} {model}");
             assert_eq!(bench.read_from(63, 0x1001, 0), Ok(0), "{section} {model}");
             sent += 1;
@@ -43,7 +47,11 @@ fn error_behaviour_by_class() {
             bench.ask("000#013F");
             bench.device.set_error(bench.now, EmcyCode(code), true);
             let sent = bench.run(110);
-            assert_eq!(sent.last(), Some(&format!("73F#{state}")), "{code:04X}h, 1029h:{sub:02X} = {behaviour}: {sent:?}");
+            assert_eq!(
+                sent.last(),
+                Some(&format!("73F#{state}")),
+                "{code:04X}h, 1029h:{sub:02X} = {behaviour}: {sent:?}"
+            );
         }
     }
 }

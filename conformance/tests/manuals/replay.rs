@@ -230,8 +230,7 @@ fn all_printed_frames_of_kuebler_are_replayed() {
             continue;
         }
         let frame = frame(id, bytes);
-        let excused =
-            NOT_PRINTED.iter().any(|(where_, begins, _)| where_ == section && frame.starts_with(*begins));
+        let excused = NOT_PRINTED.iter().any(|(where_, begins, _)| where_ == section && frame.starts_with(*begins));
         if !excused && !replayed.contains(&frame) {
             missing.push(format!("{section}: {frame}"));
         }

@@ -22,17 +22,27 @@ pub fn text(table: &Table) -> String {
         });
         let frames = row.median_frames().map_or_else(|| "-".to_owned(), |frames| frames.to_string());
         let most = row.most_frames().map_or_else(|| "-".to_owned(), |frames| frames.to_string());
-        line(&mut text, &format!(
-            "{sign} {:44} {found}/{seeds} {times} ms {frames:>3} {most:>3} frames  {}",
-            row.fault.id(),
-            shown.unwrap_or_default()
-        ));
+        line(
+            &mut text,
+            &format!(
+                "{sign} {:44} {found}/{seeds} {times} ms {frames:>3} {most:>3} frames  {}",
+                row.fault.id(),
+                shown.unwrap_or_default()
+            ),
+        );
     }
     let good = table.rows.iter().filter(|row| row.is_good(table.limit)).count();
     line(&mut text, &format!("{good} of {} faults found with every seed", table.rows.len()));
     if let (Some(time), Some(frames)) = (table.median_time(), table.median_frames()) {
-        line(&mut text, &format!("median {} ms and {frames} frames; longest {} ms, most frames {}",
-            milliseconds(Some(time)), milliseconds(table.longest_time()), table.most_frames().unwrap_or(0)));
+        line(
+            &mut text,
+            &format!(
+                "median {} ms and {frames} frames; longest {} ms, most frames {}",
+                milliseconds(Some(time)),
+                milliseconds(table.longest_time()),
+                table.most_frames().unwrap_or(0)
+            ),
+        );
     }
     text
 }

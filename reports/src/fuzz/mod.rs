@@ -145,7 +145,9 @@ fn reliability(found: &Found, dead: bool) -> &'static str {
     match (found.confirmed, dead) {
         (true, _) => "comes back whenever the sequence is repeated",
         (false, true) => "the device did not come back after it: these are its last frames",
-        (false, false) => "was seen once and did not come back when the sequence was repeated: its whole trace is shown",
+        (false, false) => {
+            "was seen once and did not come back when the sequence was repeated: its whole trace is shown"
+        }
     }
 }
 

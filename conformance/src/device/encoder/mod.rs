@@ -23,10 +23,10 @@ use super::motion::Motion;
 use super::parameters::Parameters;
 use crate::models::{self, EncoderKind, Model};
 use crate::{Fault, Faults};
+use cams::Cams;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Timestamp;
-use cams::Cams;
 
 /// An encoder.
 #[derive(Clone, Debug)]

@@ -213,9 +213,7 @@ impl Seen {
         knowledge: &Knowledge,
     ) -> Result<(), Violation> {
         let jitter = knowledge.patience.jitter;
-        let wrong = |rule, expected: String, actual: String| {
-            Err(violation(Property::Pdo, rule, expected, actual, now))
-        };
+        let wrong = |rule, expected: String, actual: String| Err(violation(Property::Pdo, rule, expected, actual, now));
         if nmt.serves_pdo(now) == Served::No {
             let expected = "no PDO outside operational".to_owned();
             return wrong("PDO outside operational", expected, format!("{frame} in {:?}", nmt.phase()));
