@@ -129,12 +129,14 @@ impl Level {
 pub enum Need {
     /// The device shows its NMT state: by heartbeat (1017h) or by node guarding (100Ch).
     VisibleState,
-    /// The heartbeat producer, 1017h.
+    /// A heartbeat producer whose period can be set, 1017h.
     Heartbeat,
     /// An object that can be written without consequence, and read back.
     ScratchObject,
     /// A value of more than four bytes that can be read: it comes in segments.
     SegmentedUpload,
+    /// TPDO 1, switched on: 1800h and 1A00h.
+    Tpdo,
     /// A TPDO with an event timer, 1800h:05.
     EventTimer,
     /// A device name, hardware or software version: 1008h, 1009h, 100Ah.
@@ -205,6 +207,12 @@ pub enum Need {
     SpeedParameters,
     /// The acceleration 6040h.
     Acceleration,
+    /// The jerk 6050h, with the acceleration 6040h.
+    Jerk,
+    /// Cams: 6300h, 6301h, 6302h, 6310h and 6320h.
+    Cams,
+    /// The position in 64 bits, 6008h.
+    HighPrecision,
     /// The shaft turns, or the wire moves, while the case runs.
     TurningShaft,
     /// Two redundant channels of the position in TPDO 1: 6020h twice in 1A00h.
@@ -213,6 +221,8 @@ pub enum Need {
     Inclinometer,
     /// Store parameters, 1010h:01.
     Store,
+    /// Verify configuration, 1020h.
+    VerifyConfiguration,
     /// The SDO server knows block uploads.
     BlockUpload,
     /// The SDO server knows block downloads.
@@ -237,6 +247,7 @@ impl Need {
             Self::Heartbeat => "the heartbeat producer (1017h)",
             Self::ScratchObject => "an object that can be written and read back without consequence",
             Self::SegmentedUpload => "a readable value of more than four bytes",
+            Self::Tpdo => "a TPDO that is switched on (1800h, 1A00h)",
             Self::EventTimer => "a TPDO with an event timer (1800h:05)",
             Self::Name => "a device name or version (1008h, 1009h or 100Ah)",
             Self::Lss => "layer setting services (LSS)",
@@ -272,10 +283,14 @@ impl Need {
             Self::Speed => "a speed (6030h)",
             Self::SpeedParameters => "a speed with parameters (6030h, 6031h)",
             Self::Acceleration => "an acceleration (6040h)",
+            Self::Jerk => "a jerk (6050h) and an acceleration (6040h)",
+            Self::Cams => "cams (6300h to 6302h, 6310h, 6320h)",
+            Self::HighPrecision => "a position in 64 bits (6008h)",
             Self::TurningShaft => "a shaft that turns while the case runs",
             Self::RedundantChannels => "two redundant channels of the position (6020h twice in 1A00h)",
             Self::Inclinometer => "the inclinometer of Kübler's draw-wire encoders (3003h to 3010h, 5000h)",
             Self::Store => "store parameters (1010h:01)",
+            Self::VerifyConfiguration => "verify configuration (1020h)",
             Self::BlockUpload => "SDO block uploads",
             Self::BlockDownload => "SDO block downloads",
             Self::BlockCrc => "a CRC in SDO block downloads",

@@ -103,6 +103,16 @@ pub fn select(selectors: &[Selector]) -> Result<Vec<&'static Case>, Selector> {
     Ok(cases)
 }
 
+/// What was probably meant by a selector that selects nothing: the family whose name begins most like it.
+pub fn nearest(selector: &Selector) -> Option<&'static str> {
+    let text = selector.to_string();
+    let common = |family: &str| family.bytes().zip(text.bytes()).take_while(|(a, b)| a == b).count();
+    let best =
+        cases().into_iter().map(Case::family).max_by_key(|family| (common(family), std::cmp::Reverse(family.len())))?;
+    // The standard alone is no hint.
+    (common(best) > 4).then_some(best)
+}
+
 /// Whether `text` is `prefix` or goes on after it with a separator.
 fn is_prefix(prefix: &str, text: &str, separator: char) -> bool {
     text.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with(separator))
@@ -158,6 +168,8 @@ mod tests {
         assert_eq!(selected("CiA 301 7.2.8"), selected("7.2.8"));
         assert!(selected("CiA 305 7.2.8").is_empty());
         assert!("".parse::<Selector>().is_err());
+        assert_eq!(nearest(&Selector::Prefix("301/heartbeet".to_owned())), Some("301/heartbeat"));
+        assert_eq!(nearest(&Selector::Prefix("nonsense".to_owned())), None);
         let idle = select(&["301/sod".parse().unwrap()]).map(|cases| cases.len());
         assert_eq!(idle, Err(Selector::Prefix("301/sod".to_owned())));
     }

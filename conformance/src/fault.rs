@@ -6,8 +6,12 @@ use std::str::FromStr;
 /// The model on which a fault shows where its row names no other.
 const USUAL_MODEL: &str = "kuebler-sendix-58x8";
 
+/// Why most faults are no matter of the fuzzer.
+const VALUE: &str = "shows in what a value means, which the conformance cases judge: the dialogue is right";
+
 /// Defines the faults: one row each, so that name, variant and text can't drift apart. `on "MODEL"` names a model on
-/// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it.
+/// which the fault shows, where it is not the usual one; `fuzz` says that the fuzzer finds it, `because "..."` why it does
+/// not, where that is not the usual reason.
 macro_rules! faults {
     ($($variant:ident = $id:literal $($key:ident $($argument:literal)?)*: $summary:literal,)*) => {
         /// One defect of a firmware. Each is a switch of its own; they can be combined.
@@ -40,12 +44,20 @@ macro_rules! faults {
             pub const fn is_fuzzed(self) -> bool {
                 match self { $(Self::$variant => faults!(@fuzz $($key $($argument)?)*),)* }
             }
+
+            /// Why the fuzzer does not claim to find it; `None`: it does.
+            pub const fn unfuzzed(self) -> Option<&'static str> {
+                match self { $(Self::$variant => faults!(@unfuzzed $($key $($argument)?)*),)* }
+            }
         }
     };
-    (@model $(fuzz)?) => { None };
-    (@model on $model:literal $(fuzz)?) => { Some($model) };
-    (@fuzz $(on $model:literal)?) => { false };
+    (@model $(fuzz)? $(because $why:literal)?) => { None };
+    (@model on $model:literal $(fuzz)? $(because $why:literal)?) => { Some($model) };
+    (@fuzz $(on $model:literal)? $(because $why:literal)?) => { false };
     (@fuzz $(on $model:literal)? fuzz) => { true };
+    (@unfuzzed $(on $model:literal)?) => { Some(VALUE) };
+    (@unfuzzed $(on $model:literal)? because $why:literal) => { Some($why) };
+    (@unfuzzed $(on $model:literal)? fuzz) => { None };
 }
 
 faults! {
@@ -402,6 +414,62 @@ faults! {
     AngleRangeIgnored = "angle-range-ignored" on "kuebler-c100": "3004h does not change the range of the angle.",
     RedundantAngleSame = "redundant-angle-same" on "kuebler-c100": "The second angle does not run opposite to the first one.",
     ZeroPointIgnored = "zero-point-ignored" on "kuebler-c100": "3010h does not make the angle zero.",
+    EdsLineWithoutSense = "eds-line-without-sense" on "reference-301": "The EDS has a line that is neither section, field nor comment.",
+    EdsSectionTwice = "eds-section-twice" on "reference-301": "The EDS has a section twice.",
+    EdsSubIndexMissing = "eds-sub-index-missing" on "reference-301": "The EDS does not describe sub-index 0 of 1018h.",
+    EdsFieldTwice = "eds-field-twice" on "reference-301": "The EDS has a field twice in a section.",
+    EdsDataTypeMissing = "eds-data-type-missing" on "reference-301": "The EDS gives 1017h no data type.",
+    EdsNumberUnreadable = "eds-number-unreadable" on "reference-301": "The EDS writes a hexadecimal number with h behind it.",
+    EdsFloatDefault = "eds-float-default" on "reference-301": "The EDS gives an integer a default with a decimal point.",
+    EdsSubNumberWrong = "eds-sub-number-wrong" on "reference-301": "The EDS counts more sub-indexes of 1018h than it describes.",
+    EdsPdoCountWrong = "eds-pdo-count-wrong" on "reference-301": "The EDS counts more TPDOs than it describes.",
+    EdsDateWrong = "eds-date-wrong" on "reference-301": "The EDS has its creation date with the year first.",
+    EdsBooleanWrong = "eds-boolean-wrong" on "reference-301": "The EDS has a 2 where there can be 0 or 1.",
+    EdsObjectListedTwice = "eds-object-listed-twice" on "reference-301": "The EDS lists an object twice and another one not at all.",
+    EdsAccessTypeUnknown = "eds-access-type-unknown" on "reference-301": "The EDS gives 1001h an access type that does not exist.",
+    EdsVendorNumberDiffers = "eds-vendor-number-differs" on "reference-301": "The EDS has another vendor number in DeviceInfo than in 1018h:01.",
+    EdsDefaultBeyondLimit = "eds-default-beyond-limit" on "reference-301": "The EDS has a default below its low limit.",
+    EdsMappingWrong = "eds-mapping-wrong" on "reference-301": "The EDS maps an object with a length that it does not have.",
+    EdsCobIdTwice = "eds-cob-id-twice" on "reference-301": "The EDS gives two TPDOs the same COB-ID.",
+    EdsDataTypeWrong = "eds-data-type-wrong" on "reference-301": "The EDS gives 1017h another data type than CiA 301 does.",
+    UndescribedObject = "undescribed-object" on "reference-301": "The device has an object, 200Ah, that its description does not name.",
+    StructureEntryWrong = "structure-entry-wrong" on "reference-301": "Sub-index FFh of 1018h exists, but does not tell the structure of the object.",
+    ParameterDriftsAtReset = "parameter-drifts-at-reset" on "reference-301": "1015h is one more after every reset.",
+    SdoRefusalAlternates = "sdo-refusal-alternates" on "reference-301": "A download to a sub-index that does not exist is refused now for this reason, now as read-only.",
+    LimitsSwappedWrongCode = "limits-swapped-wrong-code" on "reference-406": "A maximum below its minimum is refused with abort 0601 0002h.",
+    MappingLengthUnchecked = "mapping-length-unchecked" on "reference-406": "Mapping entries take any number of bits of an object.",
+    EmptyEntryMapped = "empty-entry-mapped" on "reference-301": "Sub-index 0 of a mapping counts entries that are 0.",
+    MappingFailureWedges = "mapping-failure-wedges" on "reference-301": "After a refused mapping no mapping can be switched on until a reset.",
+    SyncWindowIgnored = "sync-window-ignored" on "reference-301": "1007h has no effect: synchronous TPDOs are sent however late.",
+    SyncRememberedOverStart = "sync-remembered-over-start" on "reference-301": "A SYNC in pre-operational causes a TPDO at the start.",
+    SdoTransferSurvivesStop = "sdo-transfer-survives-stop" on "reference-301": "A transfer goes on after the device was stopped.",
+    SdoTransferSurvivesReset = "sdo-transfer-survives-reset" on "reference-301": "A transfer goes on after a reset.",
+    ConfigurationDateKept = "configuration-date-kept" on "reference-301": "1020h is not cleared when a parameter changes.",
+    ConfigurationDateLost = "configuration-date-lost" on "reference-301": "1020h is 0 after a reset, although it was stored.",
+    HighestPositionWrong = "highest-position-wrong": "650Ah:03 is half of what the encoder can show.",
+    HighPrecisionWithoutPreset = "high-precision-without-preset" on "reference-406": "6008h does not follow the preset.",
+    SecondTpdoMissing = "second-tpdo-missing": "TPDO 2 is never sent.",
+    PresetStopsCounting = "preset-stops-counting": "After a preset the position stands still for a while.",
+    JerkShowsSpeed = "jerk-shows-speed" on "reference-406": "6050h shows the speed instead of how the acceleration changes.",
+    ProfileErrorIgnored = "profile-error-ignored": "1029h:02 has no effect.",
+    ProfileErrorAlwaysLeaves = "profile-error-always-leaves": "With 1029h:02 = 1 an error of the sensor leads to pre-operational all the same.",
+    SyncTpdoLate = "sync-tpdo-late" on "reference-301": "Synchronous TPDOs come 30 ms after SYNC.",
+    SdoResponseSlow = "sdo-response-slow" on "reference-301": "Every hundred and fiftieth SDO response takes 1.2 s.",
+    CamStuck = "cam-stuck" on "reference-406": "6300h stays 0.",
+    CamHighLimitIgnored = "cam-high-limit-ignored" on "reference-406": "A cam has no high limit.",
+    CamEnableIgnored = "cam-enable-ignored" on "reference-406": "6301h has no effect: every cam is active.",
+    CamPolarityIgnored = "cam-polarity-ignored" on "reference-406": "6302h has no effect.",
+    CamHysteresisIgnored = "cam-hysteresis-ignored" on "reference-406": "6330h has no effect.",
+    FastscanYieldsToOthers = "fastscan-yields-to-others" on "reference-301": "A slave that hears another one answer takes no further part in Fastscan.",
+    LssNodeIdStoredAtOnce = "lss-node-id-stored-at-once" on "reference-301": "A node-ID configured by LSS outlives reset node without having been stored.",
+    NmtLongFrameMisread = "nmt-long-frame-misread" on "reference-301": "Of an NMT frame of four bytes or more the second two are obeyed.",
+    HeartbeatConsumerWatchesEveryone = "heartbeat-consumer-watches-everyone" on "reference-301": "An entry of 1016h whose node-ID does not exist watches every node.",
+    HeartbeatConsumerCrashes = "heartbeat-consumer-crashes" on "reference-301": "A heartbeat of no byte or of two stops the firmware.",
+    GuardingAnsweredUnsupported = "guarding-answered-unsupported" on "kuebler-c100": "Guarding requests are answered although there is no 100Ch.",
+    StoreCapabilityDenied = "store-capability-denied" on "reference-301": "1010h:01 says that the device does not store on command, although it does.",
+    StoreSilentWhenOperational = "store-silent-when-operational" on "reference-301": "\"save\" is not answered in operational.",
+    SynchronousRpdoRefused = "synchronous-rpdo-refused" on "reference-301": "RPDOs take no synchronous transmission type.",
+    SdoBlockAbortIgnored = "sdo-block-abort-ignored" on "reference-301": "An abort of the client does not end a block download.",
 }
 
 /// A set of faults, one bit for each.

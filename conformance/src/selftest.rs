@@ -132,7 +132,7 @@ fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<Fa
     let named = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
     let relatives: BTreeSet<&str> = named.map(chapter).collect();
     let mut row = FaultRow { fault, model: model.id(), failed: Vec::new(), missed: Vec::new(), unrelated: Vec::new() };
-    let target = Target::of(model, node_of(model));
+    let target = Target::with_faults(model, node_of(model), fault.into());
     let mut knowledge = Knowledge::default();
     for (n, &case) in cases.iter().enumerate() {
         if !extent.contains(fault, n, case) {
@@ -168,8 +168,7 @@ fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
 
 /// Runs one case, with everything allowed, on a new device of that model with those faults.
 pub fn judge(case: &'static Case, model: &'static Model, faults: Faults) -> CaseReport {
-    let node = node_of(model);
-    let target = Target::of(model, node);
+    let target = Target::with_faults(model, node_of(model), faults);
     judge_target(case, model, faults, &target)
 }
 

@@ -56,7 +56,7 @@ fn most_encoder_cases_apply_to_the_usual_model() {
     let applies = |case: &&'static Case| selftest::judge(case, model, Faults::NONE).verdict.kind() == Kind::Pass;
     let (applied, left_out): (Vec<_>, Vec<_>) = cases.partition(applies);
     let left_out: Vec<&str> = left_out.iter().map(|case| case.id).collect();
-    assert!(applied.len() > 25 && left_out.len() < 16, "{} apply, not {left_out:?}", applied.len());
+    assert!(applied.len() > 50 && left_out.len() < 24, "{} apply, not {left_out:?}", applied.len());
 }
 
 /// Without a description the device itself is asked; what can't be known is not applicable, and nothing fails.
@@ -106,6 +106,7 @@ fn every_demand_is_justified_by_a_fault() {
 #[test]
 fn every_fault_is_named_by_a_case() {
     let named: BTreeSet<Fault> = catalogue::cases().iter().flat_map(|case| case.catches).copied().collect();
-    let idle: Vec<&str> = Fault::ALL.iter().filter(|fault| !named.contains(fault)).map(|fault| fault.id()).collect();
+    let unnamed = Fault::ALL.iter().filter(|fault| !named.contains(fault));
+    let idle: Vec<&str> = unnamed.map(|fault| fault.id()).collect();
     assert!(idle.is_empty(), "{idle:?}");
 }

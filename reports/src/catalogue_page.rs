@@ -34,9 +34,12 @@ explained nothing in a run, is reported: waivers must not outlive what they are 
 Where the standards say nothing, a case does not fail a device; what it does is a note in the report: SDO requests of
 fewer than eight bytes (`301/sdo/frame/short`), whether unfinished transfers are ended (`301/sdo/transfer/silent-client`),
 whether a block upload switches to a normal one (`301/sdo/block-upload/switch`), whether RPDOs and SYNC of a wrong length
-are reported by EMCY (`301/rpdo/too-short`, `301/sync/wrong-length`), and whether a new node-ID restarts the device at
-once (`305/node-id/pending`). NMT frames of three to eight bytes, two PDOs with one CAN-ID, mapping entries shorter than
-their object, and which of several reasons wins in a refusal are not judged: stacks in the field differ, and none is wrong.
+are reported by EMCY (`301/rpdo/too-short`, `301/sync/wrong-length`), whether a new node-ID restarts the device at once
+(`305/node-id/pending`), whether NMT frames of three to eight bytes are obeyed (`301/nmt/long-frame`), whether malformed
+heartbeats count as a sign of life (`301/heartbeat-consumer/malformed`), whether an object can be mapped with fewer bits than
+it has (`301/pdo/mapping/other-length`), which of several reasons wins in a refusal (`301/sdo/download/several-reasons`),
+and which parameters are not the defaults of the description (`301/dictionary/after-reset`). Two PDOs with one CAN-ID are
+not judged: stacks in the field differ, and none is wrong.
 ";
 
 /// The page.

@@ -68,7 +68,14 @@ fn case(case: &Case) -> String {
 fn fault(fault: Fault) -> String {
     let caught = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
     let caught: Vec<&str> = caught.map(|case| case.id).collect();
-    rows(fault.id(), fault.summary(), &[("caught by", list(&caught, ToString::to_string))])
+    rows(
+        fault.id(),
+        fault.summary(),
+        &[
+            ("caught by", list(&caught, ToString::to_string)),
+            ("fuzzer", fault.unfuzzed().map_or("finds it".to_owned(), |why| format!("does not look for it: {why}"))),
+        ],
+    )
 }
 
 fn model(model: &Model) -> String {

@@ -15,7 +15,6 @@ use canvass_analyzer::NodeId;
 use canvass_conformance::case::Touch;
 use canvass_conformance::fuzz::campaign::{self, FuzzError, Outcome, Plan};
 use canvass_conformance::fuzz::coverage::LssReach;
-use canvass_conformance::fuzz::ground::Ground;
 use canvass_conformance::fuzz::{Knowledge, Start, Target};
 use canvass_reports::fuzz::{Render, Run, Words, html, json, junit, markdown, text};
 use canvass_traces::Duration;

@@ -10,6 +10,7 @@ use canvass_conformance::fuzz::Property;
 use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, catalogue};
 use canvass_reports::catalogue_page;
+use canvass_reports::fuzz::faults_page;
 use canvass_traces::Format;
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -48,17 +49,19 @@ enum ListFormat {
     Text,
     /// An array of objects with `id` and `summary`
     Json,
-    /// The catalogue of cases as a page
+    /// The catalogue of cases, or the faults with what the fuzzer makes of them, as a page
     Markdown,
 }
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         if matches!(self.format, ListFormat::Markdown) {
-            if !matches!(self.what, What::Cases) {
-                return Err(anyhow!("--format markdown is for cases: say text or json").into());
-            }
-            print(&catalogue_page::markdown(&catalogue::cases()))?;
+            let page = match self.what {
+                What::Cases => catalogue_page::markdown(&catalogue::cases()),
+                What::Faults => faults_page::page(),
+                _ => return Err(anyhow!("--format markdown is for cases and faults: say text or json").into()),
+            };
+            print(&page)?;
             return Ok(Status::Good);
         }
         let rows = match self.what {
@@ -109,6 +112,7 @@ fn faults() -> Vec<Value> {
             "summary": fault.summary(),
             "model": fault.model(),
             "fuzz": fault.is_fuzzed(),
+            "unfuzzed": fault.unfuzzed(),
         })
     };
     Fault::ALL.iter().map(row).collect()

@@ -1,13 +1,17 @@
 //! `canvass selftest`: whether the cases detect what they are for.
 
+use crate::live::parse_span;
 use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_conformance::Fault;
 use canvass_conformance::catalogue::{Selector, select};
+use canvass_conformance::fuzz::detection::{Limit, Row, Table, detect};
 use canvass_conformance::models::Model;
 use canvass_conformance::selftest::{self, Extent};
+use canvass_reports::fuzz::detection;
 use canvass_reports::selftest::{json, text};
+use canvass_traces::Duration;
 
 /// Test the tester: run the cases against firmware with known faults
 ///
@@ -21,6 +25,15 @@ pub struct Args {
     /// Which faults; without it those that the cases name
     #[arg(long, value_name = "FAULT", value_delimiter = ',')]
     fault: Vec<Fault>,
+    /// Test the fuzzer instead: how fast it finds each fault that it claims to find, with five seeds
+    #[arg(long, conflicts_with = "select")]
+    fuzz: bool,
+    /// With --fuzz: how many seeds
+    #[arg(long, value_name = "N", default_value_t = 5, requires = "fuzz")]
+    seeds: u64,
+    /// With --fuzz: the time in which every seed has to find a fault
+    #[arg(long = "within", value_name = "SPAN", default_value = "10s", value_parser = parse_span, requires = "fuzz")]
+    within: Duration,
     /// How to print the matrix
     #[arg(long, value_enum, default_value_t)]
     format: MatrixFormat,
@@ -37,6 +50,9 @@ enum MatrixFormat {
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
+        if self.fuzz {
+            return self.fuzz();
+        }
         let cases = select(&self.select)
             .map_err(|idle| Failure::unreachable(anyhow!("no case was executed: --select {idle} selects none")))?;
         let faults = match (self.fault.is_empty(), self.select.is_empty()) {
@@ -51,5 +67,24 @@ impl Args {
             MatrixFormat::Json => json(&matrix, &mut std::io::stdout().lock())?,
         }
         Ok(if matrix.is_good() { Status::Good } else { Status::Findings })
+    }
+
+    /// Each claimed fault with each seed, one after the other: the times are those of one core.
+    fn fuzz(self) -> Result<Status, Failure> {
+        let claimed = || Fault::ALL.iter().copied().filter(|fault| fault.is_fuzzed()).collect();
+        let faults: Vec<Fault> = if self.fault.is_empty() { claimed() } else { self.fault };
+        let limit = std::time::Duration::from_nanos(self.within.nanos());
+        let mut rows = Vec::with_capacity(faults.len());
+        for fault in faults {
+            let trials = (1..=self.seeds).map(|seed| detect(fault, seed, Limit { exchanges: u64::MAX, time: limit }));
+            rows.push(Row { fault, trials: trials.collect::<Result<_, _>>().map_err(Failure::unreachable)? });
+        }
+        let table = Table { rows, limit };
+        match self.format {
+            MatrixFormat::Table => print(&detection::text(&table))?,
+            MatrixFormat::Json => print(&format!("{:#}\n", detection::json(&table)))?,
+        }
+        let good = table.rows.iter().all(|row| row.is_good(table.limit));
+        Ok(if good { Status::Good } else { Status::Findings })
     }
 }

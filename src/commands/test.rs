@@ -14,7 +14,7 @@ use canvass_analyzer::NodeId;
 use canvass_conformance::bench::{Bench, Decoder, Deviation, Evidence, Options, Target, Timing};
 use canvass_conformance::bus::Opened;
 use canvass_conformance::case::{Case, Touch};
-use canvass_conformance::catalogue::{Selector, select};
+use canvass_conformance::catalogue::{Selector, nearest, select};
 use canvass_conformance::models::Model;
 use canvass_conformance::runner::{CaseReport, Plan, RunEvent, run};
 use canvass_conformance::waiver::Waivers;
@@ -70,6 +70,9 @@ pub struct Args {
     /// The seed of everything that is left to chance
     #[arg(long, default_value_t = 0)]
     seed: u64,
+    /// Try everything where cases try samples: every index, every restricted CAN-ID (takes minutes on a live bus)
+    #[arg(long)]
+    exhaustive: bool,
     /// Only say which cases would run, and how long that would take
     #[arg(long)]
     dry_run: bool,
@@ -127,8 +130,9 @@ impl Args {
 
     fn cases(&self) -> Result<Vec<&'static Case>, Failure> {
         select(&self.select).map_err(|idle| {
+            let meant = nearest(&idle).map(|family| format!(" (is {family} meant?)")).unwrap_or_default();
             Failure::unreachable(anyhow!(
-                "no case was executed: --select {idle} selects none, see `canvass list cases`"
+                "no case was executed: --select {idle} selects none{meant}, see `canvass list cases`"
             ))
         })
     }
@@ -138,7 +142,12 @@ impl Args {
         for timeout in &self.timeout {
             timeout.set(&mut timing);
         }
-        Options { allow: self.allow.iter().copied().collect(), timing, repeat: self.repeat }
+        Options {
+            allow: self.allow.iter().copied().collect(),
+            timing,
+            repeat: self.repeat,
+            exhaustive: self.exhaustive,
+        }
     }
 
     fn waivers(&self) -> Result<Waivers, Failure> {
@@ -155,7 +164,10 @@ impl Args {
         let node = node.ok_or_else(|| anyhow!("which node? Say --node N (canvass scan {} finds it)", self.bus))?;
         let (model, description) = match (named, model) {
             (Some(device), _) => (device.to_owned(), Some(describe(device)?)),
-            (None, Some(model)) => (model.id().to_owned(), Some(model.description().clone())),
+            (None, Some(model)) => {
+                let faults = opened.devices.first().map(|device| device.faults).unwrap_or_default();
+                (model.id().to_owned(), Some(model.description_with(faults)))
+            }
             (None, None) => (String::new(), None),
         };
         let manual = Model::by_id(&model).map(|model| model.deviations().to_vec()).unwrap_or_default();

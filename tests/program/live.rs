@@ -4,31 +4,42 @@ use crate::running::{Run, command, run};
 use serde_json::Value;
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Stdio};
+use std::sync::Mutex;
 
 const ENCODER: &str = "sim:kuebler-sendix-58x8";
 
 /// A simulated device behind TCP; killed at the end.
-struct Device {
+pub struct Device {
     child: Child,
-    bus: String,
+    pub bus: String,
 }
 
 impl Device {
     fn start(more: &[&str]) -> Self {
+        Self::of("kuebler-sendix-58x8", more)
+    }
+
+    /// A device of that model, with its node-ID of delivery.
+    pub fn of(model: &str, more: &[&str]) -> Self {
+        // Until the device listens nobody else may be given its port.
+        static STARTING: Mutex<()> = Mutex::new(());
+        let starting = STARTING.lock().unwrap();
         // The port is free again once this listener is gone.
         let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
         let listen = format!("slcan:listen://{address}");
-        let mut child = command(&[&["simulate", "kuebler-sendix-58x8", &listen], more].concat())
+        let mut child = command(&[&["simulate", model, &listen], more].concat())
             .stdin(Stdio::null())
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
         let mut line = String::new();
         BufReader::new(child.stderr.take().unwrap()).read_line(&mut line).unwrap();
-        assert!(line.contains("as node 63"), "{line}");
+        let node =
+            line.split(" as node ").nth(1).and_then(|rest| rest.split(' ').next()).unwrap_or_else(|| panic!("{line}"));
+        drop(starting);
         let device = Self { child, bus: format!("slcan:tcp://{address}") };
         // It answers once it has booted.
-        let answers = || run(&["sdo", "read", &device.bus, "63", "1000", "--timeout", "300"]).status == 0;
+        let answers = || run(&["sdo", "read", &device.bus, node, "1000", "--timeout", "300"]).status == 0;
         assert!((0..20).any(|_| answers()), "the simulated device boots");
         device
     }
@@ -174,6 +185,25 @@ fn a_faulty_device_behind_slcan_fails() {
     let verdict = report["cases"][0]["verdict"].as_str().unwrap();
     // Where this machine is too slow to judge, it says so.
     assert!(verdict == "fail" || report["cases"][0]["reason"]["duty"] == "the tester's machine keeps up", "{report:#}");
+}
+
+/// On a bus in real time: found, repeated after a reset, made small, and the device left as it was.
+#[test]
+fn a_violation_behind_slcan_is_confirmed_and_small() {
+    let device = Device::start(&["--fault", "sdo-toggle-unchecked"]);
+    let args =
+        ["fuzz", &device.bus, "--device", "kuebler-sendix-58x8", "--target", "sdo", "--seed", "3", "--for", "100s"];
+    let fuzzed = run(&[&args[..], &["--stop-at-first", "--shrink-budget", "40", "--format", "json"]].concat());
+    let report = json(&fuzzed);
+    assert_eq!(fuzzed.status, 1, "{report:#}");
+    let violation = &report["violations"][0];
+    // Where this machine is too slow to be sure, it says so.
+    if violation["confirmed"] == true {
+        assert!(violation["rule"].as_str().unwrap().contains("toggle"), "{violation:#}");
+        assert!(violation["frames"].as_array().unwrap().len() <= 8, "{violation:#}");
+    }
+    assert!(!violation["evidence"].as_array().unwrap().is_empty(), "{violation:#}");
+    assert_eq!(run(&["sdo", "read", &device.bus, "63", "1000"]).status, 0, "the device is well");
 }
 
 #[test]

@@ -1,8 +1,9 @@
 //! The program, end to end.
 
 #[cfg(test)]
-mod conformance;
+mod ci_page;
 #[cfg(test)]
+mod conformance;
 mod contract;
 #[cfg(test)]
 mod decode;
@@ -11,7 +12,11 @@ mod diagnose;
 #[cfg(test)]
 mod events;
 #[cfg(test)]
+mod fuzz;
+#[cfg(test)]
 mod hostile;
+#[cfg(test)]
+mod killed;
 #[cfg(test)]
 mod live;
 #[cfg(test)]

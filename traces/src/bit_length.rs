@@ -26,8 +26,8 @@ pub fn bit_length(frame: &Frame) -> Option<u32> {
         return None;
     }
     let header = Header::of(frame);
-    let data = u64::from_be_bytes(frame.bytes());
     let data_bits = 8 * frame.data().len() as u32;
+    let data = u64::from_be_bytes(frame.bytes());
     let data = if data_bits == 0 { 0 } else { data >> (64 - data_bits) };
     let unprotected = u128::from(header.bits) << data_bits | u128::from(data);
     let len = header.len + data_bits;
@@ -64,19 +64,18 @@ fn crc15(stream: u128, len: u32) -> u16 {
     bytes.zip(&CRC_TABLES).fold(0, |crc, (&byte, table)| crc ^ table[usize::from(byte)])
 }
 
-/// The number of stuff bits that the `len` lowest bits of `stream` get.
+/// The number of stuff bits that the `len` lowest bits of `stream` get, at most 120.
 fn stuff_bits(stream: u128, len: u32) -> u32 {
-    let mut run = Run::START;
+    // Whole bytes are looked up: what fills up the first one alternates, gets no stuff bits, and ends with another bit
+    // than the dominant one of SOF; so the run that counts begins with SOF, as it does on the bus.
+    const ALTERNATING: u128 = 0x55;
+    let first = stream >> (len - 1) & 1;
+    let filled = stream | (ALTERNATING << first & 0xFF) << len;
+    let mut state = 0;
     let mut stuffed = 0;
-    let whole = len / 8;
-    for n in (whole * 8..len).rev() {
-        let (next, added) = run.after(stream >> n & 1 != 0);
-        run = next;
-        stuffed += u32::from(added);
-    }
-    for &byte in lowest_bytes(&stream.to_be_bytes(), whole) {
-        let step = STUFF_TABLE[run.number()][usize::from(byte)];
-        run = Run::of_number(step >> 4);
+    for &byte in lowest_bytes(&filled.to_be_bytes(), len.div_ceil(8)) {
+        let step = STUFF_TABLE[usize::from(state << 8 | u16::from(byte)) & (STUFF_TABLE.len() - 1)];
+        state = u16::from(step >> 4);
         stuffed += u32::from(step & 0xF);
     }
     stuffed
@@ -96,8 +95,6 @@ struct Run {
 }
 
 impl Run {
-    const START: Self = Self { bit: false, len: 0 };
-
     /// The run after one more bit, and whether a stuff bit was added behind it.
     const fn after(self, bit: bool) -> (Self, bool) {
         let len = if self.bit == bit { self.len + 1 } else { 1 };
@@ -137,27 +134,24 @@ const CRC_TABLES: [[u16; 256]; 13] = {
     tables
 };
 
-/// By run and byte: the run after the byte in the upper four bits, the stuff bits in the lower four.
-const STUFF_TABLE: [[u8; 256]; 16] = {
-    let mut table = [[0; 256]; 16];
-    let mut number = 0;
-    while number < 16 {
-        let mut byte = 0;
-        while byte < 256 {
-            // Runs of 5 to 7 don't occur; their rows only make the table square.
-            let mut run = Run::of_number(if number & 7 > 4 { 0 } else { number as u8 });
-            let mut stuffed = 0;
-            let mut bit = 8;
-            while bit > 0 {
-                bit -= 1;
-                let (next, added) = run.after(byte >> bit & 1 != 0);
-                run = next;
-                stuffed += added as u8;
-            }
-            table[number][byte] = (run.number() as u8) << 4 | stuffed;
-            byte += 1;
+/// By run (upper four bits) and byte: the run after the byte in the upper four bits, the stuff bits in the lower four.
+const STUFF_TABLE: [u8; 16 * 256] = {
+    let mut table = [0; 16 * 256];
+    let mut at = 0;
+    while at < table.len() {
+        let (number, byte) = (at >> 8, at & 0xFF);
+        // Runs of 5 to 7 don't occur; their rows only make the table square.
+        let mut run = Run::of_number(if number & 7 > 4 { 0 } else { number as u8 });
+        let mut stuffed = 0;
+        let mut bit = 8;
+        while bit > 0 {
+            bit -= 1;
+            let (next, added) = run.after(byte >> bit & 1 != 0);
+            run = next;
+            stuffed += added as u8;
         }
-        number += 1;
+        table[at] = (run.number() as u8) << 4 | stuffed;
+        at += 1;
     }
     table
 };

@@ -5,11 +5,13 @@ use crate::run::run;
 use anyhow::{Context, Result, bail};
 use std::process::{Command, Stdio};
 
-/// Builds, measures and prints: SDO exchanges with one device, and a day of a network.
+/// Builds, measures and prints: SDO exchanges with one device, fuzzing, and a day of a network.
 pub fn simulation() -> Result<()> {
     println!("\nsimulated bus, one thread");
     run("cargo", &["build", "--release", "--locked", "--package", "canvass-conformance", "--examples"])?;
     run(&release("examples/bus_speed"), &[])?;
+    println!("fuzzing, its reference models included, processor time");
+    run(&release("examples/soak"), &["models", "1000000", "1", "all", "reference-301", "kuebler-sendix-58x8"])?;
     let (frames, bus_seconds, nanos) = day()?;
     let seconds = nanos / 1e9;
     println!(

@@ -24,6 +24,8 @@ pub struct Scene<'a> {
     pub quality: &'a Quality,
     /// The bit rate in bit/s, where the user said it, or the frames until now have shown it.
     pub bit_rate: Option<u32>,
+    /// Whether it is inferred: then it may become another one.
+    pub is_inferred: bool,
 }
 
 /// A frame, understood, and what is known around it.
@@ -60,7 +62,11 @@ impl Scene<'_> {
     /// How far a measured interval may be off because times are coarse: two steps of the clock. That all times are
     /// multiples of something proves nothing, as long as no two frames have the same time.
     pub fn slack(&self) -> Duration {
-        if is_coarse(self.quality) { self.resolution().times(2) } else { Duration::ZERO }
+        if self.quality.simultaneous > 0 && is_coarse(self.quality) {
+            self.resolution().times(2)
+        } else {
+            Duration::ZERO
+        }
     }
 
     /// The largest power of ten that divides all times.

@@ -4,7 +4,7 @@ use super::context::{Context, Scene, Seen};
 use super::facts::Facts;
 use super::finding::Finding;
 use super::registry;
-use super::rule::{Definition, Rule, Thresholds};
+use super::rule::{Also, Definition, Rule, Thresholds};
 use super::sink::{Findings, Reported, Sink};
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
@@ -66,6 +66,10 @@ struct BusWatch {
     rules: Vec<(&'static Definition, Box<dyn Rule>)>,
     /// The places of the rules that want frames of a service.
     by_service: [Vec<u8>; Service::ALL.len()],
+    /// Those of the rules that want values of encoders.
+    of_encoder_values: Vec<u8>,
+    /// Those of the rules that want TPDOs whose parameters are known.
+    of_known_tpdos: Vec<u8>,
     facts: Facts,
     quality: Quality,
     statistics: Statistics,
@@ -192,8 +196,14 @@ impl BusWatch {
     fn new(first: &Record, thresholds: &Thresholds, bit_rate: Option<u32>) -> Self {
         let mut rules = Vec::new();
         let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
+        let (mut of_encoder_values, mut of_known_tpdos) = (Vec::new(), Vec::new());
         for definition in registry::all() {
             let Some(make) = definition.make else { continue };
+            match definition.also {
+                Also::Nothing => {}
+                Also::EncoderValues => of_encoder_values.push(rules.len() as u8),
+                Also::KnownTpdos => of_known_tpdos.push(rules.len() as u8),
+            }
             for service in definition.services {
                 by_service[*service as usize].push(rules.len() as u8);
             }
@@ -203,6 +213,8 @@ impl BusWatch {
             channel: first.channel,
             rules,
             by_service,
+            of_encoder_values,
+            of_known_tpdos,
             facts: Facts::default(),
             quality: Quality::default(),
             statistics: Statistics::default(),
@@ -224,9 +236,12 @@ impl BusWatch {
         let gaps = self.quality.gaps.count;
         self.quality.record(record);
         let steps_back = self.now.since(record.timestamp) > DISORDER;
+        // A pause of a single node is its own, unless it is very long; of several at once it is the recorder's or the
+        // bus's.
+        const SWITCHED_OFF: Duration = Duration::from_secs(60);
+        let switched_off = record.timestamp.since(self.now) > SWITCHED_OFF;
+        let silent = self.quality.gaps.count > gaps && (self.facts.present > 1 || switched_off);
         self.now = record.timestamp;
-        // A pause of a single node is its own; of several at once it is the recorder's or the bus's.
-        let silent = self.quality.gaps.count > gaps && self.facts.present > 1;
         if steps_back || silent {
             self.interrupted();
             self.next_tick = self.now + Diagnosis::TICK;
@@ -295,6 +310,7 @@ impl BusWatch {
             facts: &self.facts,
             quality: &self.quality,
             bit_rate: self.bit_rate,
+            is_inferred: self.said_bit_rate.is_none(),
         };
         for (definition, rule) in &mut self.rules {
             act(rule.as_mut(), &scene, &mut Sink::of(findings, definition.metadata, &scene));
@@ -312,6 +328,7 @@ impl BusWatch {
             facts: &self.facts,
             quality: &self.quality,
             bit_rate: self.bit_rate,
+            is_inferred: self.said_bit_rate.is_none(),
         };
         if let Some(node) = reconfigured {
             self.rules.iter_mut().for_each(|(_, rule)| rule.reconfigured(node, &scene));
@@ -320,19 +337,36 @@ impl BusWatch {
         let previous = id.and_then(|id| self.latest.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F)));
         let previous = previous.and_then(Option::as_ref);
         let context = Context { scene, record, bits, decoded, previous };
-        for &at in &self.by_service[decoded.service as usize] {
+        let news = &self.facts.news;
+        let wanted: [&[u8]; 3] = [
+            &self.by_service[decoded.service as usize],
+            if news.operands.is_empty() { &[] } else { &self.of_encoder_values },
+            if news.tpdo.is_known() { &self.of_known_tpdos } else { &[] },
+        ];
+        let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus: Some((bus, self.channel)) };
+        for &at in wanted.into_iter().flatten() {
             if let Some((definition, rule)) = self.rules.get_mut(usize::from(at)) {
-                rule.frame(&context, &mut Sink::of(findings, definition.metadata, &scene));
+                sink.rule = definition.metadata;
+                rule.frame(&context, &mut sink);
             }
         }
-        let seen = id.map(|_| context.seen());
         self.statistics.frame(record, bits, decoded, bus);
         self.facts.note(self.now, decoded, bus);
-        if let (Some(id), Some(seen)) = (id, seen)
-            && let Some(page) = self.latest.get_mut(usize::from(id >> 7))
-        {
-            let page = page.get_or_insert_with(|| (0..128).map(|_| None).collect());
-            page[usize::from(id & 0x7F)] = Some(seen);
+        if let Some(id) = id {
+            self.keep(id, record, decoded);
+        }
+    }
+
+    /// Keeps a frame as the latest with its CAN-ID.
+    fn keep(&mut self, id: u16, record: &Record, decoded: &Decoded) {
+        let Some(page) = self.latest.get_mut(usize::from(id >> 7)) else { return };
+        let page = page.get_or_insert_with(|| (0..128).map(|_| None).collect());
+        match &mut page[usize::from(id & 0x7F)] {
+            Some(seen) => {
+                seen.record.clone_from(record);
+                seen.decoded = *decoded;
+            }
+            free => *free = Some(Seen { record: record.clone(), decoded: *decoded }),
         }
     }
 

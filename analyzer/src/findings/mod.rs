@@ -29,5 +29,5 @@ pub use diagnosis::{Diagnosis, Observed, Results, SourceQuality};
 pub use facts::{Facts, NodeFacts, is_from_node};
 pub use finding::{Exhibit, Finding, Severity};
 pub use registry::{all, find};
-pub use rule::{Definition, Make, Metadata, Rule, Threshold, ThresholdError, Thresholds};
+pub use rule::{Also, Definition, Make, Metadata, Rule, Threshold, ThresholdError, Thresholds};
 pub use sink::{Report, Reported, Sink};

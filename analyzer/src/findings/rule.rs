@@ -46,8 +46,21 @@ pub struct Definition {
     pub metadata: &'static Metadata,
     /// The services whose frames it is shown.
     pub services: &'static [Service],
+    /// Frames that it is shown beside these.
+    pub also: Also,
     /// Its state for one bus; `None` for a rule about whole captures.
     pub make: Option<Make>,
+}
+
+/// Frames of which only some are worth a rule's while: so that the others cost it nothing.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Also {
+    /// No others.
+    Nothing,
+    /// Those with values of an encoder's objects, be it in a TPDO or an SDO transfer.
+    EncoderValues,
+    /// TPDOs of whose communication parameters the capture has shown something.
+    KnownTpdos,
 }
 
 /// Makes a rule's state for one bus.

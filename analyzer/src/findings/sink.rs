@@ -60,7 +60,7 @@ pub struct Report<'e> {
     severity: Option<Severity>,
     source: Option<usize>,
     place: Option<(Timestamp, Place)>,
-    counts: bool,
+    times: u64,
     evidence: [Option<Evidence<'e>>; 4],
 }
 
@@ -75,7 +75,7 @@ impl<'e> Report<'e> {
             severity: None,
             source: None,
             place: None,
-            counts: true,
+            times: 1,
             evidence: [None; 4],
         }
     }
@@ -112,7 +112,12 @@ impl<'e> Report<'e> {
 
     /// Adds words to a finding that was reported; it does not happen once more.
     pub const fn amend(self) -> Self {
-        Self { counts: false, ..self }
+        Self { times: 0, ..self }
+    }
+
+    /// Something that has happened so often since it was last reported.
+    pub const fn times(self, times: u64) -> Self {
+        Self { times, ..self }
     }
 
     /// A frame that proves it; at most four, in the order of time.
@@ -148,7 +153,7 @@ impl<'a> Sink<'a> {
         };
         match self.findings.index.get(&key) {
             Some(&at) => self.repeat(at, &report, message),
-            None if report.counts => self.add(key, &report, message),
+            None if report.times > 0 => self.add(key, &report, message),
             None => {}
         }
     }
@@ -158,10 +163,10 @@ impl<'a> Sink<'a> {
         let (Some(finding), Some(worst)) = (self.findings.list.get_mut(at), self.findings.measures.get_mut(at)) else {
             return;
         };
-        finding.count += u64::from(report.counts);
+        finding.count += report.times;
         finding.last = finding.last.max(report.time);
         finding.severity = finding.severity.max(report.severity.unwrap_or(self.rule.severity));
-        if report.measure > *worst || !report.counts {
+        if report.measure > *worst || report.times == 0 {
             *worst = report.measure.max(*worst);
             finding.message = message();
             self.findings.reported.push(Reported { finding: at, rule: self.rule.id });
@@ -192,7 +197,7 @@ impl<'a> Sink<'a> {
             source: report.source,
             first: report.time,
             last: report.time,
-            count: 1,
+            count: report.times,
             message: message(),
             evidence: exhibits(report, self.bus.map(|bus| bus.0)).collect(),
         };

@@ -4,7 +4,7 @@ use super::cob_ids::{CobIds, Source, Use};
 use super::event::{Change, Emergency, Event};
 use super::layer_setting::LayerSetting;
 use super::node::{Cause, Node};
-use super::sdo::{Channel, ChannelIndex, Step, Transfer};
+use super::sdo::{Channel, ChannelIndex, Step, Transfer, Violation};
 use super::srdo_pairs::SrdoPairs;
 use super::{Candidates, Decoded, configured, learning};
 use crate::NodeId;
@@ -335,7 +335,10 @@ impl Bus {
         }
         if step.ended {
             self.events.push(Event::TransferEnded);
-            learning::from_transfer(self, index);
+            // An answer about another object says nothing about the one that was asked for.
+            if !matches!(step.violation, Some(Violation::Multiplexer(_))) {
+                learning::from_transfer(self, index);
+            }
         }
         Decoded {
             object: own_object(&step.message).or(object),

@@ -4,10 +4,17 @@
 //! stamps is then the number of bits of the second frame, taken at the bit rate. Such pairs agree on one of the usual
 //! bit rates; all other pairs are further apart and agree on nothing.
 
+use super::peak::Peak;
 use canvass_traces::{Duration, Timestamp};
 
-/// The bit rates that CANopen buses have, in bit/s.
-const RATES: [u32; 9] = [10_000, 20_000, 50_000, 100_000, 125_000, 250_000, 500_000, 800_000, 1_000_000];
+/// The bit rates that CANopen buses have, in bit/s, the fastest first.
+pub const RATES: [u32; 9] = [1_000_000, 800_000, 500_000, 250_000, 125_000, 100_000, 50_000, 20_000, 10_000];
+
+/// The time of a bit at each of them, in nanoseconds.
+const BIT_TIMES: [u64; RATES.len()] = [1_000, 1_250, 2_000, 4_000, 8_000, 10_000, 20_000, 50_000, 100_000];
+
+/// Between each two of these times, in nanoseconds.
+const BETWEEN: [u32; RATES.len() - 1] = [1_120, 1_600, 3_000, 6_000, 9_000, 15_000, 35_000, 75_000];
 
 /// Infers the bit rate.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -23,18 +30,20 @@ impl BitRate {
     const CLEAR: u32 = 4;
 
     /// Takes a frame with its bits, intermission included.
+    #[inline]
     pub fn frame(&mut self, now: Timestamp, bits: u32) {
         let Some(last) = self.last.replace(now) else { return };
         let elapsed = now.since(last).nanos();
         // No frame of 44 to 160 bits takes less or more at these rates.
-        if !(40_000..=20_000_000).contains(&elapsed) {
+        if bits == 0 || !(40_000..=20_000_000).contains(&elapsed) {
             return;
         }
-        for (rate, votes) in RATES.iter().zip(&mut self.votes) {
-            let exact = u64::from(bits) * 1_000_000_000 / u64::from(*rate);
-            if exact.abs_diff(elapsed) <= 1_500 + exact / 500 {
-                *votes = votes.saturating_add(1);
-            }
+        let bit_time = elapsed as u32 / bits;
+        // The only one that it can be: what is tolerated is far less than they are apart.
+        let nearest = BETWEEN.iter().filter(|between| bit_time > **between).count();
+        let exact = u64::from(bits) * BIT_TIMES[nearest];
+        if exact.abs_diff(elapsed) <= 1_500 + exact / 500 {
+            self.votes[nearest] = self.votes[nearest].saturating_add(1);
         }
     }
 
@@ -43,13 +52,18 @@ impl BitRate {
         self.last = None;
     }
 
-    /// The bit rate, if enough frames agree and times are fine enough: `slack` is how far they may be off.
-    pub fn inferred(&self, slack: Duration) -> Option<u32> {
+    /// The bit rate, if enough frames agree and times are fine enough: `slack` is how far they may be off. One at which
+    /// `fullest`, the most bits that came within [`Peak::WINDOW`], don't fit is wrong: then it is the next one at which
+    /// they do.
+    pub fn inferred(&self, slack: Duration, fullest: u64) -> Option<u32> {
         const FINE: Duration = Duration::from_micros(20);
         let (best, votes) = RATES.iter().zip(self.votes).max_by_key(|row| row.1)?;
         let second = RATES.iter().zip(self.votes).filter(|row| row.0 != best).map(|row| row.1).max().unwrap_or(0);
         let clear = votes >= Self::ENOUGH && votes / Self::CLEAR >= second;
-        (slack < FINE && clear).then_some(*best)
+        if slack >= FINE || !clear {
+            return None;
+        }
+        RATES.into_iter().rev().find(|rate| rate >= best && fullest <= Peak::most(*rate))
     }
 }
 
@@ -69,8 +83,8 @@ mod tests {
             }
             rate.frame(now, bits);
         }
-        assert_eq!(rate.inferred(Duration::from_micros(2)), Some(250_000));
-        assert_eq!(rate.inferred(Duration::from_millis(1)), None, "times are too coarse");
+        assert_eq!(rate.inferred(Duration::from_micros(2), 24_000), Some(250_000));
+        assert_eq!(rate.inferred(Duration::from_millis(1), 24_000), None, "times are too coarse");
     }
 
     #[test]
@@ -79,6 +93,34 @@ mod tests {
         for n in 0..500_u64 {
             rate.frame(Timestamp(n * 10_000_000 + n * n % 97 * 1000), 111);
         }
-        assert_eq!(rate.inferred(Duration::from_micros(2)), None);
+        assert_eq!(rate.inferred(Duration::from_micros(2), 0), None);
+    }
+
+    #[test]
+    fn what_does_not_fit_on_the_bus_shows_a_higher_one() {
+        let mut rate = BitRate::default();
+        for n in 0..100 {
+            // Always the same pause happens to be the length of a frame at half the bit rate.
+            rate.frame(Timestamp(n * 4_000 * 120), 120);
+        }
+        let slack = Duration::from_micros(2);
+        assert_eq!(rate.inferred(slack, 25_000), Some(250_000));
+        assert_eq!(rate.inferred(slack, 25_120), Some(250_000), "a frame has begun before the window");
+        assert_eq!(rate.inferred(slack, 26_000), Some(500_000));
+        assert_eq!(rate.inferred(slack, 51_000), Some(800_000));
+        assert_eq!(rate.inferred(slack, 110_000), None, "no bus carries that");
+    }
+
+    #[test]
+    fn each_rate_votes_for_itself() {
+        for (at, bit_time) in BIT_TIMES.into_iter().enumerate() {
+            for bits in [47_u64, 111, 163] {
+                let mut rate = BitRate::default();
+                for n in 0..=20 {
+                    rate.frame(Timestamp(1 + n * (bits * bit_time + 1_400)), bits as u32);
+                }
+                assert_eq!(rate.inferred(Duration::ZERO, 0), Some(RATES[at]), "{bits} bits of {bit_time} ns");
+            }
+        }
     }
 }

@@ -42,6 +42,8 @@ pub struct BusStatistics {
     pub last: Timestamp,
     /// The bit rate in bit/s, as said or inferred.
     pub bit_rate: Option<u32>,
+    /// Whether it was inferred.
+    pub is_inferred: bool,
     /// Bits over time.
     pub load: Load,
     /// The fullest moment.
@@ -98,7 +100,8 @@ impl Statistics {
     /// The bit rate in bit/s as far as the frames show it.
     pub fn inferred_bit_rate(&self) -> Option<u32> {
         let slack = if self.fine > 0 { Duration::from_micros(2) } else { Duration::from_millis(1) };
-        self.bit_rate.inferred(slack)
+        let fullest = self.peak.best().map_or(0, |best| best.1);
+        self.bit_rate.inferred(slack, fullest)
     }
 
     /// A command to all nodes has changed the states of those that are there.
@@ -125,14 +128,15 @@ impl Statistics {
     /// The figures; the bit rate is the one that was said, or inferred.
     pub fn finish(self, now: Timestamp, bit_rate: Option<u32>) -> BusStatistics {
         let first = self.first.unwrap_or(now);
-        let bit_rate = bit_rate.or_else(|| self.inferred_bit_rate());
+        let inferred = if bit_rate.is_none() { self.inferred_bit_rate() } else { None };
         let nodes = NodeId::all().zip(self.nodes.into_iter().skip(1));
         BusStatistics {
             frames: self.frames,
             bits: self.bits,
             first,
             last: self.last,
-            bit_rate,
+            bit_rate: bit_rate.or(inferred),
+            is_inferred: inferred.is_some(),
             load: self.load,
             peak: self.peak,
             peaks: self.peaks,
@@ -152,6 +156,12 @@ impl BusStatistics {
     /// All frames.
     pub fn total(&self) -> u64 {
         self.frames.iter().sum()
+    }
+
+    /// The bit rate in words, and whether it was inferred: `500 kbit/s (inferred)`.
+    pub fn bit_rate_text(&self) -> Option<String> {
+        let inferred = if self.is_inferred { " (inferred)" } else { "" };
+        self.bit_rate.map(|rate| format!("{} kbit/s{inferred}", f64::from(rate) / 1000.0))
     }
 
     /// The mean load in percent, where the bit rate is known.

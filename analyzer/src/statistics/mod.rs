@@ -10,7 +10,7 @@ mod node;
 mod peak;
 mod test_run;
 
-pub use bit_rate::BitRate;
+pub use bit_rate::{BitRate, RATES};
 pub use bus::{BusStatistics, Statistics};
 pub use histogram::Histogram;
 pub use load::{Extremes, Load};

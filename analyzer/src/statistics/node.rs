@@ -3,7 +3,7 @@
 use super::histogram::Histogram;
 use super::peak::Peak;
 use crate::message::{Message, Service};
-use crate::network::sdo::{ChannelIndex, Direction, Outcome, Transfer};
+use crate::network::sdo::{ChannelIndex, Direction, Outcome, Transfer, Violation};
 use crate::network::{Bus, Cause, Decoded, Event, OpenErrors};
 use crate::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
 use crate::wire::error_control::State;
@@ -230,7 +230,10 @@ impl NodeStatistics {
         match transfer.outcome {
             Outcome::Complete => {
                 self.completed += 1;
-                self.identify(transfer);
+                // An answer about another object says nothing about the one that was asked for.
+                if !matches!(decoded.violation, Some(Violation::Multiplexer(_))) {
+                    self.identify(transfer);
+                }
             }
             Outcome::Aborted(..) => self.aborted += 1,
             _ => {}

@@ -37,10 +37,18 @@ impl Peak {
         if fuller && self.bits > 0 { Some((self.begin, self.bits)) } else { self.best }
     }
 
+    /// How many bits a window can hold at a bit rate: one frame may have begun before it.
+    pub const fn most(bit_rate: u32) -> u64 {
+        const LONGEST_FRAME: u64 = 160;
+        Self::WINDOW.nanos() / 1_000 * bit_rate as u64 / 1_000_000 + LONGEST_FRAME
+    }
+
     /// The begin of the fullest window and its load in percent of what fits at that bit rate.
     pub fn percent(&self, bit_rate: u32) -> Option<(Timestamp, f64)> {
         let (at, bits) = self.best()?;
-        Some((at, Load::percent(bits, Self::WINDOW, bit_rate)))
+        let percent = Load::percent(bits, Self::WINDOW, bit_rate);
+        // What is beyond 100 % only because of the frame that has begun before is a full bus.
+        Some((at, if bits <= Self::most(bit_rate) { percent.min(100.0) } else { percent }))
     }
 }
 
@@ -61,5 +69,7 @@ mod tests {
         }
         assert_eq!(peak.best(), Some((Timestamp(77_000_000_000), 12_500)));
         assert_eq!(peak.percent(250_000), Some((Timestamp(77_000_000_000), 50.0)));
+        assert_eq!(peak.percent(124_900), Some((Timestamp(77_000_000_000), 100.0)));
+        assert_eq!(peak.percent(100_000), Some((Timestamp(77_000_000_000), 125.0)));
     }
 }

@@ -1,4 +1,5 @@
-use crate::traffic::{Traffic, diagnose, machine};
+use crate::traffic::{Traffic, diagnose, frame, machine};
+use canvass_traces::{INTERMISSION, bit_length};
 
 #[test]
 fn a_full_bus() {
@@ -146,4 +147,50 @@ fn a_device_that_was_replaced() {
     let mut traffic = machine();
     traffic.sdo(20_200, 4, "4018100400000000", "4318100401000000");
     traffic.sdo(15_000, 4, "4018100400000000", "4318100402000000").only(&[]);
+}
+
+/// Frames that come without a pause, all of the same length, at half the bit rate: the pause between them is as long as
+/// they are. When there are more of them, they would not fit.
+#[test]
+fn an_inferred_bit_rate_fits_the_frames() {
+    let mut traffic = Traffic::default();
+    let bits = u64::from(bit_length(&frame("3A1#0123456789ABCDEF")).unwrap() + INTERMISSION);
+    for n in 0..300 {
+        traffic.micros(n * bits * 4, "3A1#0123456789ABCDEF");
+    }
+    assert_eq!(traffic.results().buses[0].1.bit_rate, Some(250_000));
+    // More of them, at times that agree on nothing.
+    for n in 0..7_000 {
+        traffic.micros(500_000 + n * bits * 5 / 2 + n * n % 7, "3A1#0123456789ABCDEF");
+    }
+    let bus = &traffic.results().buses[0].1;
+    assert_eq!((bus.bit_rate, bus.is_inferred), (Some(500_000), true));
+    assert!(bus.peak_load().is_some_and(|(_, percent)| percent <= 100.0), "{:?}", bus.peak_load());
+    let said = diagnose(&traffic.records(), |diagnosis| diagnosis.set_bit_rate(250_000));
+    let load = said.findings.iter().find(|finding| finding.rule.id == "bus/load").expect("the load");
+    assert!(load.message.contains("the bit rate is another"), "{}", load.message);
+}
+
+#[test]
+fn nothing_of_canopen() {
+    let mut traffic = Traffic::default();
+    traffic.every(0, 5_000, 10, |n| format!("18FEF100#{n:016X}")).every(3, 5_000, 50, |n| format!("011#{n:04X}"));
+    let found = traffic.only(&["bus/no-canopen", "bus/unknown-ids"]);
+    let own = found.iter().find(|finding| finding.rule.id == "bus/no-canopen").unwrap();
+    assert!(own.message.contains("500 CAN FD, CAN XL or with 29-bit identifiers, 100 with"), "{}", own.message);
+    // One heartbeat is something.
+    traffic.at(6_000, "705#05").only(&["bus/unknown-ids"]);
+}
+
+/// One node, and a recorder that was off for three days.
+#[test]
+fn days_without_a_frame_are_no_missing_heartbeats() {
+    const DAYS: u64 = 3 * 86_400_000;
+    let mut traffic = Traffic::default();
+    traffic.every(0, 20_000, 100, |_| "705#05".to_owned()).every(DAYS, DAYS + 20_000, 100, |_| "705#05".to_owned());
+    traffic.only(&["capture/gaps"]);
+    // A second is its own.
+    let mut second = Traffic::default();
+    second.every(0, 20_000, 100, |_| "705#05".to_owned()).every(21_000, 30_000, 100, |_| "705#05".to_owned());
+    second.finds_among(&["nodes/heartbeat-missing", "capture/gaps"], "nodes/heartbeat-missing", Some(5), 19_900);
 }

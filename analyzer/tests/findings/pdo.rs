@@ -1,4 +1,4 @@
-use crate::traffic::{END, hex, machine};
+use crate::traffic::{END, Traffic, hex, machine};
 
 #[test]
 fn a_pdo_shorter_than_its_mapping() {
@@ -119,4 +119,22 @@ fn a_silent_store() {
     let mut guarded = machine();
     guarded.at(15_050, "606#2310100173617665").at(18_050, "586#6010100100000000");
     guarded.remove(|ms, frame| (15_051..18_050).contains(&ms) && frame.cob_id() == Some(0x706)).only(&[]);
+}
+
+/// A device that fills its TPDOs up to 8 bytes with zeros, and one that does so once.
+#[test]
+fn a_pdo_that_is_filled_up() {
+    let filled = |last: &'static str| {
+        let mut traffic = Traffic::default();
+        traffic.sdo(100, 4, "40001A0000000000", "4F001A0001000000").sdo(110, 4, "40001A0100000000", "43001A0120000460");
+        traffic.at(200, "000#0104");
+        traffic.every(300, 5_000, 20, |n| format!("184#{:02X}00000000000000", n & 0xFF)).at(5_007, last);
+        traffic
+    };
+    filled("184#0100000000000000").only(&[]);
+    filled("184#0100000000000001").finds("pdo/length", Some(4), 5_007);
+    let mut once = machine();
+    once.remove(|ms, frame| ms == 15_000 && frame.cob_id() == Some(0x183)).micros(15_000_400, "183#0000000000000000");
+    let found = once.results().findings;
+    assert!(found.iter().any(|finding| finding.rule.id == "pdo/length"), "{found:?}");
 }

@@ -92,3 +92,22 @@ fn storing_in_every_second() {
     }
     traffic.finds("sdo/store-wear", Some(3), 463);
 }
+
+/// Two masters ask on the same channel at the same moment: each takes the answer to the other for its own.
+#[test]
+fn two_clients_on_one_channel() {
+    let mut traffic = machine();
+    traffic.at(15_100, "603#4004600000000000").at(15_101, "603#4000100000000000");
+    traffic.at(15_103, "583#4304600001000000").at(15_104, "583#4300100096010200");
+    let results = traffic.results();
+    let message = |rule: &str| {
+        let found = results.findings.iter().find(|finding| finding.rule.id == rule).unwrap();
+        found.message.clone()
+    };
+    assert!(message("sdo/unanswered").contains("as if two clients used this channel"), "{}", message("sdo/unanswered"));
+    let stale = message("sdo/protocol-violation");
+    assert!(stale.contains("6004h:00, asked was 1000h:00"), "{stale}");
+    // What the wrong answer says is not taken for 1000h.
+    let node = results.buses[0].1.nodes.iter().find(|node| node.0.raw() == 3).unwrap();
+    assert_ne!(node.1.identity.device_type, Some(1));
+}

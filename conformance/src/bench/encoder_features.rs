@@ -29,6 +29,9 @@ impl Bench<'_> {
             Need::Speed => self.all(&[(0x6030, 1)]),
             Need::SpeedParameters => self.all(&[(0x6030, 1), (0x6031, 4)]),
             Need::Acceleration => self.all(&[(0x6030, 1), (0x6040, 1)]),
+            Need::Jerk => self.all(&[(0x6040, 1), (0x6050, 1)]),
+            Need::Cams => self.all(&[(0x6300, 1), (0x6301, 1), (0x6302, 1), (0x6310, 1), (0x6320, 1)]),
+            Need::HighPrecision => self.all(&[(0x6008, 0)]),
             Need::RedundantChannels => self.redundant_channels(),
             _ => self.of_kuebler(&[(0x3003, 0), (0x3004, 0), (0x3005, 0), (0x3010, 0), (0x5000, 0)]),
         }
@@ -65,12 +68,16 @@ impl Bench<'_> {
     /// A device that stores a preset at once wears its memory, and keeps a position that is not its own if the run ends in
     /// the middle.
     fn volatile_preset(&self) -> Result<(), String> {
-        let persists = Model::by_id(&self.target.model)
-            .is_some_and(|model| model.sheet().storage.persist_at_once.contains(&PRESET));
+        let persists = self.keeps_presets();
         if persists && !self.options.allow.contains(&Touch::Nvm) {
             return Err(format!("the device stores a preset at once: say --allow {}", Touch::Nvm));
         }
         Ok(())
+    }
+
+    /// Whether the device stores a preset as soon as it is written, as its manual says.
+    pub(crate) fn keeps_presets(&self) -> bool {
+        Model::by_id(&self.target.model).is_some_and(|model| model.sheet().storage.persist_at_once.contains(&PRESET))
     }
 
     pub(super) fn turning_shaft(&mut self) -> Result<Result<(), String>, Verdict> {

@@ -4,7 +4,7 @@ use super::Bench;
 use super::objects::{EVENT_TIMER, TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
 use super::pdo::RPDO;
 use super::sdo::number;
-use super::state::{GUARD_TIME, HEARTBEAT_TIME};
+use super::state::{GUARD_TIME, Heartbeats};
 use crate::case::{Need, Touch};
 use crate::client::Outcome;
 use crate::models::Model;
@@ -50,17 +50,17 @@ impl Bench<'_> {
     fn find_out(&mut self, need: Need) -> Result<Result<(), String>, Verdict> {
         let absent = |what: &str| Err(format!("the device has no {what}"));
         Ok(match need {
-            Need::VisibleState => match self.has(HEARTBEAT_TIME)? || self.has(GUARD_TIME)? {
+            Need::VisibleState => match self.heartbeats()? != Heartbeats::None || self.has(GUARD_TIME)? {
                 true => Ok(()),
-                false => absent("1017h and no 100Ch"),
+                false => Err("the device has no 1017h that is not 0, and no 100Ch".to_owned()),
             },
-            Need::Heartbeat => {
-                if self.has(HEARTBEAT_TIME)? {
-                    Ok(())
-                } else {
-                    absent("1017h")
+            Need::Heartbeat => match self.heartbeats()? {
+                Heartbeats::Settable => Ok(()),
+                Heartbeats::Fixed(period) => {
+                    Err(format!("the period is fixed: 1017h is {period} and can't be written"))
                 }
-            }
+                Heartbeats::None => Err("the device has no 1017h that can be written".to_owned()),
+            },
             Need::ScratchObject => match self.scratch_objects()?.is_empty() {
                 true => absent("object that can be written without consequence"),
                 false => Ok(()),
@@ -69,6 +69,7 @@ impl Bench<'_> {
                 .long_object(8)?
                 .map(|_| ())
                 .ok_or_else(|| "no object that was found gives more than 7 bytes".to_owned()),
+            Need::Tpdo => self.tpdo()?,
             Need::EventTimer => self.event_timer()?,
             Need::Name => {
                 if self.names()?.is_empty() {
@@ -80,23 +81,20 @@ impl Bench<'_> {
             Need::Lss => self.lss(),
             Need::Lmt => self.lmt()?,
             Need::HeartbeatConsumer => self.heartbeat_consumer()?,
-            Need::Monitoring => {
-                let guarded = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
-                match guarded {
-                    true => Ok(()),
-                    false if self.watches_once_stored() => {
-                        Err("the device watches other nodes only once that is stored, as its manual says".to_owned())
-                    }
-                    false => self.heartbeat_consumer()?,
+            Need::Monitoring => match self.can_be_guarded()? {
+                true => Ok(()),
+                false if self.watches_once_stored() => {
+                    Err("the device watches other nodes only once that is stored, as its manual says".to_owned())
                 }
-            }
-            Need::Guarding => {
-                if self.has(GUARD_TIME)? {
-                    Ok(())
-                } else {
-                    absent("100Ch")
+                false => self.heartbeat_consumer()?,
+            },
+            Need::Guarding => match (self.has(GUARD_TIME)?, self.heartbeats()?) {
+                (false, _) => absent("100Ch"),
+                (true, Heartbeats::Fixed(_)) => {
+                    Err("its heartbeat can't be switched off (1017h), and goes before guarding".to_owned())
                 }
-            }
+                (true, _) => Ok(()),
+            },
             Need::ErrorHistory => {
                 if self.has(Multiplexer::new(0x1003, 0))? {
                     Ok(())
@@ -144,6 +142,9 @@ impl Bench<'_> {
             | Need::Speed
             | Need::SpeedParameters
             | Need::Acceleration
+            | Need::Jerk
+            | Need::Cams
+            | Need::HighPrecision
             | Need::TurningShaft
             | Need::RedundantChannels
             | Need::Inclinometer => self.of_encoder(need)?,
@@ -153,6 +154,9 @@ impl Bench<'_> {
                 } else {
                     absent("1010h:01")
                 }
+            }
+            Need::VerifyConfiguration => {
+                self.all_writable(&[Multiplexer::new(0x1020, 1), Multiplexer::new(0x1020, 2)])?
             }
             Need::BlockUpload => self.block_upload_feature()?,
             Need::BlockDownload => self.block_download_feature()?.map(|_| ()),
@@ -260,14 +264,30 @@ impl Bench<'_> {
         Ok(if produces { Ok(()) } else { Err("bit 30 of 1005h can't be set".to_owned()) })
     }
 
-    fn event_timer(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn tpdo(&mut self) -> Result<Result<(), String>, Verdict> {
         let Outcome::Uploaded(cob_id) = self.upload(TPDO_COB_ID)?.outcome else {
             return Ok(Err(format!("the device has no {TPDO_COB_ID}")));
         };
         if !CobId(number(&cob_id)).is_valid() {
             return Ok(Err(format!("TPDO 1 is switched off ({TPDO_COB_ID} is {})", CobId(number(&cob_id)))));
         }
-        Ok(if self.has(EVENT_TIMER)? { Ok(()) } else { Err(format!("the device has no {EVENT_TIMER}")) })
+        self.all_there(&[TPDO_MAPPED])
+    }
+
+    fn event_timer(&mut self) -> Result<Result<(), String>, Verdict> {
+        Ok(match self.tpdo()? {
+            Ok(()) if !self.has(EVENT_TIMER)? => Err(format!("the device has no {EVENT_TIMER}")),
+            met => met,
+        })
+    }
+
+    /// Whether life guarding can be set, and is not kept off by a heartbeat that can't be ended.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub(crate) fn can_be_guarded(&mut self) -> Result<bool, Verdict> {
+        let is_settable = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
+        Ok(is_settable && !matches!(self.heartbeats()?, Heartbeats::Fixed(_)))
     }
 
     /// Whether the manual says that entries of 1016h act only once they are stored.

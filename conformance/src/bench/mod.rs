@@ -59,6 +59,8 @@ pub struct Bench<'a> {
     measurements: Vec<Measurement>,
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
+    /// The case did not come to its own end, nor to the putting right that belongs to it.
+    ended_early: bool,
     foreign: Foreign,
     /// The device left the bus and did not come back.
     gone: bool,
@@ -70,6 +72,7 @@ pub struct Bench<'a> {
 pub(crate) struct Knowledge {
     features: BTreeMap<Need, Result<(), String>>,
     starts_by_itself: Option<bool>,
+    heartbeats: Option<state::Heartbeats>,
 }
 
 /// What a case leaves behind for its report.
@@ -106,6 +109,7 @@ impl<'a> Bench<'a> {
             notes: Vec::new(),
             measurements: Vec::new(),
             restoring: false,
+            ended_early: false,
             foreign: Foreign::default(),
             gone: false,
             knowledge: Knowledge::default(),
@@ -167,6 +171,21 @@ impl<'a> Bench<'a> {
         self.bus.bit_rate()
     }
 
+    /// By how much a frame can be late, or another early after it, through nobody's fault: one frame of the longest is on
+    /// the wire when it is due, and its own length. Where the bit rate is not known, that of 125 kbit/s.
+    pub fn bus_delay(&self) -> Duration {
+        /// A 29-bit frame of eight bytes with all its stuff bits, and the intermission.
+        const LONGEST: u64 = 160;
+        const USUAL_BIT_RATE: u32 = 125_000;
+        let bit_rate = u64::from(self.bit_rate().unwrap_or(USUAL_BIT_RATE).max(1));
+        Duration::from_nanos(2 * LONGEST * 1_000_000_000 / bit_rate)
+    }
+
+    /// By how much a single period may differ: what the user tolerates, and what the bus itself takes.
+    pub fn tolerance(&self, period: Duration) -> Duration {
+        self.timing().tolerance(period) + self.bus_delay()
+    }
+
     /// What was on the bus since the case began.
     pub fn evidence(&self) -> &Evidence {
         &self.evidence
@@ -214,6 +233,9 @@ impl<'a> Bench<'a> {
     /// Ends a case: puts back what it changed and hands over what it left behind.
     pub(crate) fn finish(&mut self) -> Remains {
         self.restore();
+        if std::mem::take(&mut self.ended_early) {
+            self.store_again();
+        }
         let notes = self.watch.emergencies().map(|(at, emcy)| format!("EMCY at {at} s: {emcy}"));
         let notes: Vec<String> = notes.collect::<Vec<_>>().into_iter().chain(self.notes.drain(..)).collect();
         let measurements = std::mem::take(&mut self.measurements);

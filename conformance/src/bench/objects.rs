@@ -60,6 +60,9 @@ const CANDIDATES: [Candidate; 9] = [
     candidate(0x6200, 0, DataType::UNSIGNED16, [100, 200]),
 ];
 
+/// For devices that have none of them: nothing is sent before the device is operational.
+const LAST_CANDIDATE: Candidate = candidate(0x1800, 2, DataType::UNSIGNED8, [1, 2]);
+
 impl Bench<'_> {
     /// The scratch objects that the device has, best first, with their values of now.
     ///
@@ -70,11 +73,35 @@ impl Bench<'_> {
         for candidate in &CANDIDATES {
             found.extend(self.scratch_of(candidate)?);
         }
+        if found.is_empty() {
+            found.extend(self.received_objects()?);
+            found.extend(self.scratch_of(&LAST_CANDIDATE)?);
+        }
         Ok(found)
     }
 
+    /// Values that RPDOs carry are made to be written: one of each length.
+    fn received_objects(&mut self) -> Result<Vec<Scratch>, Verdict> {
+        let mut found: Vec<Scratch> = Vec::new();
+        for mapped in self.rpdo_objects() {
+            let bytes = usize::from(mapped.bits / 8);
+            let is_known = found.iter().any(|scratch| scratch.value.len() == bytes);
+            if bytes <= 4 && !is_known && self.is_described_as_writable(mapped.at) {
+                found.extend(self.flipped(mapped.at)?);
+            }
+        }
+        Ok(found)
+    }
+
+    /// An object with its value of now, and one that differs from it in its lowest bit.
+    fn flipped(&mut self, at: Multiplexer) -> Result<Option<Scratch>, Verdict> {
+        let Outcome::Uploaded(value) = self.upload(at)?.outcome else { return Ok(None) };
+        let other = value.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
+        Ok(Some(Scratch { multiplexer: at, value, other }))
+    }
+
     fn scratch_of(&mut self, candidate: &Candidate) -> Result<Option<Scratch>, Verdict> {
-        if !self.is_described_as_writable(candidate.multiplexer) {
+        if !self.can_write(candidate.multiplexer)? {
             return Ok(None);
         }
         let Outcome::Uploaded(value) = self.upload(candidate.multiplexer)?.outcome else { return Ok(None) };
@@ -165,9 +192,7 @@ impl Bench<'_> {
             self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= 0x6000);
         for mapped in profile.into_iter().chain(own) {
             if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
-                let value = self.read(mapped.at)?;
-                let other = value.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
-                return Ok(Some(Scratch { multiplexer: mapped.at, value, other }));
+                return self.flipped(mapped.at);
             }
         }
         Ok(None)

@@ -85,14 +85,18 @@ impl Bench<'_> {
         self.write(pdo.parameter(1), &(cob_id.0 & !CobId::INVALID).to_le_bytes())
     }
 
-    /// Changes communication parameters while the PDO is off. On again, it has its old CAN-ID.
+    /// Changes communication parameters while the PDO is off. On again, it has its old CAN-ID. A timer that the device
+    /// does not have is off: 0 is not written to it.
     ///
     /// # Errors
     /// [`Verdict::Inconclusive`] if the device refuses it.
     pub fn set_pdo(&mut self, pdo: Pdo, parameters: &[(u8, &[u8])]) -> Result<(), Verdict> {
         let cob_id = self.pdo_off(pdo)?;
         for (sub, value) in parameters {
-            self.write(pdo.parameter(*sub), value)?;
+            let is_off = *sub > 2 && value.iter().all(|&byte| byte == 0);
+            if !is_off || self.has(pdo.parameter(*sub))? {
+                self.write(pdo.parameter(*sub), value)?;
+            }
         }
         self.pdo_on(pdo, cob_id)
     }

@@ -1,6 +1,7 @@
 //! The device is left as it was found.
 
 use super::Bench;
+use crate::case::{Case, Need, Touch};
 use crate::client::sdo::{Bytes, Mode, Outcome};
 use crate::verdict::Verdict;
 use canvass_analyzer::Multiplexer;
@@ -32,9 +33,47 @@ impl Bench<'_> {
         Ok(())
     }
 
+    /// Acts to the end, even if the user has cancelled: what a case puts back is not left half-way.
+    pub(crate) fn uncancelled<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+        let before = std::mem::replace(&mut self.restoring, true);
+        let result = act(self);
+        self.restoring = before;
+        result
+    }
+
+    /// Cleans up after a case that was cancelled, or could not go on: it has not come to what it does at its end. The
+    /// node-ID and bit rate are the device's own again; what is stored follows in [`Bench::finish`].
+    pub(crate) fn rescue(&mut self, case: &Case) {
+        self.ended_early = true;
+        let touches = case.touches.iter().any(|touch| matches!(touch, Touch::NodeId | Touch::BitRate | Touch::Nvm));
+        let stored = self.watch.has_stored();
+        // What can fail here shows in the answers of the device, which are compared after the run.
+        let _ = self.uncancelled(|bench| match () {
+            () if !touches => Ok(()),
+            () if case.needs.contains(&Need::Lss) => crate::cases::cia305::rescue(bench, stored),
+            () if case.needs.contains(&Need::Lmt) => crate::cases::ds205::rescue(bench),
+            () => Ok(()),
+        });
+    }
+
+    /// The values that are in use again are also those that are stored, if the case stored others.
+    pub(super) fn store_again(&mut self) {
+        const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+        if !self.watch.has_stored() {
+            return;
+        }
+        self.uncancelled(|bench| {
+            if matches!(bench.answers(), Ok(true)) && matches!(bench.has(STORE), Ok(true)) {
+                // A device that refuses it has refused the case's own, too.
+                let _ = bench.download_as(STORE, b"save", Mode::Shortest);
+                let _ = bench.listen(bench.timing().reaction);
+            }
+        });
+    }
+
     /// Puts back what the case changed, the last change first; also after a failure and after Ctrl-C.
     pub(super) fn restore(&mut self) {
-        self.restoring = true;
+        let before = std::mem::replace(&mut self.restoring, true);
         let changes = std::mem::take(&mut self.changes);
         if !changes.is_empty()
             && let Err(verdict) = self.wake()
@@ -52,7 +91,7 @@ impl Bench<'_> {
             let value = Bytes(&change.original);
             self.notes.push(format!("{} could not be set back to {value}", change.multiplexer));
         }
-        self.restoring = false;
+        self.restoring = before;
     }
 
     /// Only in stopped the SDO server must not answer.

@@ -22,14 +22,50 @@ const LONGEST_HEARTBEAT: Duration = Duration::from_millis(1_100);
 /// How many periods without a heartbeat mean that there is none.
 const PERIODS: u64 = 4;
 
+/// What the heartbeat producer of a device can do.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Heartbeats {
+    /// There is none, or it is off for good.
+    None,
+    /// 1017h can be written.
+    Settable,
+    /// 1017h can't be written: the period is that of the device.
+    Fixed(Duration),
+}
+
 impl Bench<'_> {
+    /// What the device's heartbeat producer can do. Found out once.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub(crate) fn heartbeats(&mut self) -> Result<Heartbeats, Verdict> {
+        if let Some(known) = self.knowledge.heartbeats {
+            return Ok(known);
+        }
+        let found = if !self.has(HEARTBEAT_TIME)? {
+            Heartbeats::None
+        } else if self.can_write(HEARTBEAT_TIME)? {
+            Heartbeats::Settable
+        } else {
+            match self.read_number(HEARTBEAT_TIME)? {
+                0 => Heartbeats::None,
+                milliseconds => Heartbeats::Fixed(Duration::from_millis(u64::from(milliseconds))),
+            }
+        };
+        self.knowledge.heartbeats = Some(found);
+        Ok(found)
+    }
+
     /// Makes the device show its state: lets it send heartbeats, where it can. Works only where SDOs work, so
-    /// before the device is stopped; a reset ends it.
+    /// before the device is stopped; a reset ends it. One with a fixed period shows it by itself.
     ///
     /// # Errors
     /// [`Verdict::Inconclusive`] if the device has a heartbeat producer but does not take the time.
     pub fn show_state(&mut self) -> Result<(), Verdict> {
-        if self.has(HEARTBEAT_TIME)? { self.write(HEARTBEAT_TIME, &PERIOD_MS.to_le_bytes()) } else { Ok(()) }
+        match self.heartbeats()? {
+            Heartbeats::Settable => self.write(HEARTBEAT_TIME, &PERIOD_MS.to_le_bytes()),
+            Heartbeats::Fixed(_) | Heartbeats::None => Ok(()),
+        }
     }
 
     /// Ends the heartbeats of the device, a stored time too: only then guarding is answered.
@@ -37,7 +73,7 @@ impl Bench<'_> {
     /// # Errors
     /// [`Verdict::Inconclusive`] if the device has a heartbeat producer but does not take the time.
     pub fn prefer_guarding(&mut self) -> Result<(), Verdict> {
-        if self.has(HEARTBEAT_TIME)? && self.read_number(HEARTBEAT_TIME)? != 0 {
+        if self.heartbeats()? == Heartbeats::Settable && self.read_number(HEARTBEAT_TIME)? != 0 {
             self.write(HEARTBEAT_TIME, &[0, 0])?;
         }
         Ok(())
@@ -48,11 +84,13 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::wait_for`].
     pub fn state(&mut self) -> Result<Option<State>, Verdict> {
-        if self.has(HEARTBEAT_TIME)? {
-            self.drain()?;
-            return self.wait_for_state(Duration::from_millis(u64::from(PERIOD_MS)).times(PERIODS));
-        }
-        self.guard()
+        let period = match self.heartbeats()? {
+            Heartbeats::Settable => Duration::from_millis(u64::from(PERIOD_MS)),
+            Heartbeats::Fixed(period) => period,
+            Heartbeats::None => return self.guard(),
+        };
+        self.drain()?;
+        self.wait_for_state(period.times(PERIODS))
     }
 
     /// Asks for the state by node guarding.

@@ -1,5 +1,6 @@
 //! What is tested, and under which conditions.
 
+use crate::Faults;
 use crate::case::{Case, Touch};
 use crate::catalogue;
 use crate::models::Model;
@@ -60,6 +61,8 @@ pub struct Options {
     pub timing: Timing,
     /// How often each case runs; 0 and 1: once.
     pub repeat: u32,
+    /// Whether cases that try samples try everything: every index, every restricted CAN-ID.
+    pub exhaustive: bool,
 }
 
 /// How long to wait for what. CiA 301 gives no numbers for any of these: all are the tester's.
@@ -116,10 +119,15 @@ impl Target {
 
     /// A device of a built-in model: its description, and what its manual says that it does otherwise.
     pub fn of(model: &Model, node: NodeId) -> Self {
+        Self::with_faults(model, node, Faults::NONE)
+    }
+
+    /// As [`Target::of`], from a maker whose description has those faults; those of the firmware change nothing here.
+    pub fn with_faults(model: &Model, node: NodeId, faults: Faults) -> Self {
         Self {
             node,
             model: model.id().to_owned(),
-            description: Some(model.description().clone()),
+            description: Some(model.description_with(faults)),
             deviations: model.deviations().to_vec(),
         }
     }

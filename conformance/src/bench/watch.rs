@@ -26,6 +26,8 @@ pub struct Watch {
     provoked: bool,
     others: BTreeSet<NodeId>,
     stores: u32,
+    /// The case has stored something.
+    stored: bool,
 }
 
 impl Watch {
@@ -39,6 +41,7 @@ impl Watch {
             provoked: false,
             others: BTreeSet::new(),
             stores: 0,
+            stored: false,
         }
     }
 
@@ -56,7 +59,9 @@ impl Watch {
     pub fn observe(&mut self, record: &Record) {
         let Some(cob_id) = record.frame.cob_id() else { return };
         if record.direction == Direction::Tx {
-            self.stores += u32::from(is_store(cob_id, record.data(), self.node));
+            let stores = is_store(cob_id, record.data(), self.node);
+            self.stores += u32::from(stores);
+            self.stored |= stores;
             return;
         }
         let Some(node) = NodeId::of_cob_id(cob_id) else { return };
@@ -108,6 +113,11 @@ impl Watch {
         self.stores
     }
 
+    /// Whether the device was told to write its non-volatile memory in this case.
+    pub fn has_stored(&self) -> bool {
+        self.stored
+    }
+
     /// The other nodes that were heard since the start of the run.
     pub fn others(&self) -> &BTreeSet<NodeId> {
         &self.others
@@ -118,6 +128,7 @@ impl Watch {
         self.restarted = None;
         self.emergencies.clear();
         self.provoked = false;
+        self.stored = false;
     }
 }
 

@@ -115,7 +115,7 @@ fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<Opened, BusError> {
             simulated.set_bit_rate(other);
         }
         bus.attach(Box::new(simulated));
-        devices.push(Attached { model, node });
+        devices.push(Attached { model, node, faults: device.faults });
     }
     let model = devices.first().map(|device| device.model);
     Ok(Opened { bus: Box::new(bus), model, devices })

@@ -61,6 +61,8 @@ pub struct Attached {
     pub model: &'static Model,
     /// Its node-ID; `None` while it has none.
     pub node: Option<NodeId>,
+    /// What is wrong with its firmware or its description.
+    pub faults: Faults,
 }
 
 /// The endings of device descriptions.

@@ -1,6 +1,7 @@
 //! The cases, by standard.
 
 mod cia301;
-mod cia305;
+pub(crate) mod cia305;
+mod cia306;
 mod cia406;
 pub(crate) mod ds205;

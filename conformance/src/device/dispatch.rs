@@ -204,10 +204,10 @@ impl Device {
 
     /// The next event of all services but SDO.
     fn next_beside_sdo(&self) -> Timestamp {
-        let boot = match self.phase {
-            Phase::Initialising { until } => until,
-            _ => Timestamp::MAX,
-        };
+        // Timers of the time before the reset are not served any more: to be woken by them would be for nothing.
+        if let Phase::Initialising { until } = self.phase {
+            return self.activation_timeout().min(until);
+        }
         let services = [
             self.activation_timeout(),
             self.heartbeat.timeout(),
@@ -219,7 +219,7 @@ impl Device {
             self.sync.timeout(),
             self.objects.clock.timeout(),
         ];
-        let next = services.into_iter().fold(boot, Timestamp::min);
+        let next = services.into_iter().fold(Timestamp::MAX, Timestamp::min);
         let next = self.tpdos.iter().fold(next, |next, tpdo| next.min(tpdo.timeout()));
         self.rpdos.iter().fold(next, |next, rpdo| next.min(rpdo.timeout()))
     }
@@ -419,5 +419,34 @@ impl Machine for Device {
         silent
             || self.is_too_late(pending)
             || self.service_of(pending).is_some_and(|service| !self.phase.serves(service, self.faults))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::Faults;
+    use crate::models::Model;
+    use canvass_traces::{CanId, Duration};
+
+    /// A heartbeat that is awaited when a reset comes is not waited for during initialisation: what is due then can't be
+    /// served, and the device would be woken without end.
+    #[test]
+    fn nothing_wakes_a_device_that_initialises() {
+        let model = Model::by_id("reference-301").unwrap();
+        let mut device = Device::new(model, NodeId::new(10), Faults::NONE, 0);
+        let frame = |id, data: &[u8]| Frame::new(CanId::standard_masked(id), data).unwrap();
+        let booted = device.poll_timeout().unwrap();
+        device.handle_timeout(booted);
+        // Node 11 is awaited every 50 ms, and heard once.
+        device.handle(booted, &frame(0x60A, &[0x23, 0x16, 0x10, 0x01, 50, 0, 11, 0]));
+        device.handle(booted, &frame(0x70B, &[5]));
+        let reset = booted + Duration::from_millis(1);
+        device.handle(reset, &frame(0, &[0x81, 10]));
+        let next = device.poll_timeout().unwrap();
+        assert!(next > reset + Duration::from_millis(50), "{next}");
+        device.handle_timeout(next);
+        assert_eq!(std::iter::from_fn(|| device.poll_transmit(next)).last(), Some(frame(0x70A, &[0])));
+        assert!(device.poll_timeout().is_none_or(|later| later > next && later < Timestamp::MAX));
     }
 }

@@ -36,7 +36,7 @@ impl HeartbeatConsumer {
         let at_once = faults.has(Fault::HeartbeatConsumerStartsAtOnce);
         self.watched.extend(entries.map(|entry| {
             let (node, time) = split(entry);
-            let in_use = (1..=127).contains(&node);
+            let in_use = (1..=127).contains(&node) || faults.has(Fault::HeartbeatConsumerWatchesEveryone);
             let time = if in_use { Duration::from_millis(time) } else { Duration::ZERO };
             let due = if at_once && time > Duration::ZERO { now + time } else { Timestamp::MAX };
             Watched { node, time, due, lost: false }
@@ -46,7 +46,9 @@ impl HeartbeatConsumer {
     /// An error control message of that node came; whether the node was missing.
     pub fn on_heartbeat(&mut self, now: Timestamp, node: u8, faults: Faults) -> bool {
         let mut back = false;
-        for watched in self.watched.iter_mut().filter(|watched| watched.node == node) {
+        let everyone = faults.has(Fault::HeartbeatConsumerWatchesEveryone);
+        let concerns = |watched: &&mut Watched| watched.node == node || everyone && !(1..=127).contains(&watched.node);
+        for watched in self.watched.iter_mut().filter(concerns) {
             if watched.time > Duration::ZERO && !(watched.lost && faults.has(Fault::HeartbeatConsumerNotRearmed)) {
                 watched.due = now + watched.time;
                 back |= std::mem::take(&mut watched.lost);

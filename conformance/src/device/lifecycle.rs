@@ -59,7 +59,9 @@ impl Device {
         self.activation = None;
         self.heartbeat.stop();
         self.guarding.reset(self.faults);
-        self.sdo.boot();
+        if !self.faults.has(Fault::SdoTransferSurvivesReset) {
+            self.sdo.boot();
+        }
         self.second_sdos.iter_mut().for_each(SecondSdo::reset);
         self.objects.errors.reset();
         self.objects.written.clear();
@@ -74,6 +76,7 @@ impl Device {
             self.store.tear(&self.objects.parameters, node);
         }
         self.store.load(groups, &mut self.objects.parameters, self.objects.encoder.as_mut(), node);
+        self.spoil_parameters();
         self.objects.settle_links(groups);
         self.show_node_id();
         self.phase = match self.node {
@@ -85,6 +88,17 @@ impl Device {
         if self.node.is_some() && self.faults.has(Fault::EmcyBeforeBootUp) {
             let none = Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]);
             push(&mut self.outbox, none.to_frame(emcy::CAN_ID_BASE + u16::from(node.raw())));
+        }
+    }
+
+    /// What a faulty firmware makes of what it has loaded.
+    fn spoil_parameters(&mut self) {
+        if self.faults.has(Fault::ConfigurationDateLost) {
+            self.objects.parameters.set_number(0x1020, 1, 0);
+            self.objects.parameters.set_number(0x1020, 2, 0);
+        }
+        if self.faults.has(Fault::ParameterDriftsAtReset) {
+            self.objects.parameters.set_number(0x1015, 0, u64::from(self.resets));
         }
     }
 
@@ -140,7 +154,7 @@ impl Device {
         if !phase.receives_pdos(self.faults) {
             self.rpdos.iter_mut().for_each(Rpdo::stop);
         }
-        if !phase.serves(Service::Sdo, self.faults) {
+        if !phase.serves(Service::Sdo, self.faults) && !self.faults.has(Fault::SdoTransferSurvivesStop) {
             self.sdo.reset();
             self.second_sdos.iter_mut().for_each(SecondSdo::reset);
         }
@@ -180,6 +194,10 @@ impl Device {
     }
 
     fn reset_node(&mut self, now: Timestamp) {
+        if self.faults.has(Fault::LssNodeIdStoredAtOnce) {
+            self.take_pending_node_id();
+            return self.initialise(now, Groups::ALL);
+        }
         self.lss.pending = Default::default();
         let model = self.objects.model.clone();
         let (network, quirks) = (&model.sheet().network, &model.sheet().quirks);

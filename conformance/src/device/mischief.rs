@@ -3,7 +3,11 @@
 //! They stand between the bus and the services, which know nothing of them: a firmware has such faults in its drivers,
 //! in its tables and in the glue between a stack and an application.
 
+mod layer_setting;
+mod tables;
+
 use crate::{Fault, Faults};
+use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
 use canvass_analyzer::wire::{Wire, emcy, error_control, lss, nmt, sync};
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -31,6 +35,14 @@ pub(super) struct Mischief {
     beats: u32,
     /// SYNC messages in and out.
     syncs: u32,
+    /// By what the master has said.
+    operational: bool,
+    /// Another LSS slave has answered.
+    yielded: bool,
+    /// A mapping was refused since the last reset.
+    mapping_refused: bool,
+    /// Refusals of downloads to sub-indexes that don't exist.
+    refusals: u32,
 }
 
 /// What becomes of a frame that came in.
@@ -55,6 +67,9 @@ const MINE: &[Fault] = &[
     Fault::ExtendedBitAccepted,
     Fault::FastscanIgnoresBits,
     Fault::FastscanUnanswered,
+    Fault::FastscanYieldsToOthers,
+    Fault::GuardingAnsweredUnsupported,
+    Fault::HeartbeatConsumerCrashes,
     Fault::HeartbeatConsumerLate,
     Fault::HeartbeatConsumerNotRestarted,
     Fault::HeartbeatConsumerNotStopped,
@@ -75,7 +90,9 @@ const MINE: &[Fault] = &[
     Fault::LssSwitchGlobalIgnored,
     Fault::LssUnknownAnswered,
     Fault::MappingDirectionUnchecked,
+    Fault::MappingFailureWedges,
     Fault::MappingProcedureRefused,
+    Fault::NmtLongFrameMisread,
     Fault::PdoIdNotPredefined,
     Fault::RpdoBytesReversed,
     Fault::RpdoIgnored,
@@ -85,9 +102,14 @@ const MINE: &[Fault] = &[
     Fault::SdoChannelsShareTransfer,
     Fault::SdoExtendedAnswered,
     Fault::SdoOtherNodeAnswered,
+    Fault::SdoRefusalAlternates,
     Fault::SdoRemoteAnswered,
     Fault::SdoServerIdWrong,
+    Fault::SecondTpdoMissing,
+    Fault::StoreCapabilityDenied,
     Fault::StoreCapabilityWrong,
+    Fault::StoreSilentWhenOperational,
+    Fault::StructureEntryWrong,
     Fault::SyncAlwaysCounts,
     Fault::SyncIdWrong,
     Fault::SyncNotStopped,
@@ -100,6 +122,7 @@ const MINE: &[Fault] = &[
     Fault::TpdoRemoteIgnored,
     Fault::TpdoTooLong,
     Fault::UnconfiguredNodeIdWaits,
+    Fault::UndescribedObject,
 ];
 
 /// The CAN-ID that a master moves PDOs to: no predefined object has it.
@@ -118,6 +141,10 @@ impl Mischief {
             muted: false,
             beats: 0,
             syncs: 0,
+            operational: false,
+            yielded: false,
+            mapping_refused: false,
+            refusals: 0,
         }
     }
 
@@ -153,7 +180,12 @@ impl Mischief {
                     pass(*frame)
                 }
             }
+            lss::SLAVE_CAN_ID => {
+                self.yielded = true;
+                pass(*frame)
+            }
             _ if id & 0x780 == error_control::CAN_ID_BASE => {
+                self.muted |= frame.len() != 1 && self.has(Fault::HeartbeatConsumerCrashes);
                 self.beats = self.beats.saturating_add(1);
                 let late = self.beats > 1 && self.has(Fault::HeartbeatConsumerNotRestarted);
                 if late { Incoming::Lost } else { pass(*frame) }
@@ -177,6 +209,9 @@ impl Mischief {
             // Its data is what was in the buffer: zeros, a segment of no transfer.
             return pass(Frame::full(frame.id(), [0; 8]));
         }
+        if id == error_control::CAN_ID_BASE + own && self.has(Fault::GuardingAnsweredUnsupported) {
+            return Incoming::Answered(ErrorControl::heartbeat(State::PRE_OPERATIONAL).to_frame(id));
+        }
         let deaf = self.has(Fault::TpdoRemoteIgnored) || self.has(Fault::RtrBitClearable);
         if id == 0x180 + own && deaf { Incoming::Lost } else { pass(*frame) }
     }
@@ -185,12 +220,24 @@ impl Mischief {
         if matches!(frame.data(), [0x81 | 0x82, ..]) {
             self.muted = false;
             self.beats = 0;
+            self.mapping_refused = false;
         }
-        pass(*frame)
+        self.operational = matches!(frame.data(), [0x01, ..]);
+        match frame.data() {
+            [_, _, command, node, ..] if self.has(Fault::NmtLongFrameMisread) => {
+                pass(Frame::new(frame.id(), &[*command, *node]).unwrap_or(*frame))
+            }
+            _ => pass(*frame),
+        }
     }
 
     fn on_sdo(&mut self, frame: &Frame, own: u16) -> Incoming {
         let response_id = sdo::RESPONSE_BASE + own;
+        if let Ok(Request::InitiateUpload { multiplexer }) = Request::read(frame.data())
+            && let Some(response) = self.surplus(multiplexer)
+        {
+            return Incoming::Answered(response.to_frame(response_id));
+        }
         let Ok(Request::InitiateDownload { multiplexer, payload }) = Request::read(frame.data()) else {
             self.download = None;
             return pass(*frame);
@@ -203,6 +250,9 @@ impl Mischief {
             return Incoming::Answered(Response::abort(multiplexer, code).to_frame(response_id));
         }
         let (index, sub) = (multiplexer.index.0, multiplexer.sub.0);
+        if index == 0x1010 && self.operational && self.has(Fault::StoreSilentWhenOperational) {
+            return Incoming::Lost;
+        }
         let ignored = index == 0x1016 && value & 0xFFFF == 0 && self.has(Fault::HeartbeatConsumerNotStopped)
             || index == 0x1006 && value == 0 && self.has(Fault::SyncNotStopped);
         if ignored {
@@ -223,54 +273,14 @@ impl Mischief {
         if is_mapping && at.sub.0 == 0 && value != 0 && self.has(Fault::MappingProcedureRefused) {
             return Some(AbortCode::NOT_MAPPABLE);
         }
+        if is_mapping && at.sub.0 == 0 && value != 0 && self.mapping_refused {
+            return Some(AbortCode::DEVICE_STATE);
+        }
         if at.index.0 == 0x1600 && at.sub.0 > 0 && value >> 16 < 0x20 && self.has(Fault::DummyRefused) {
             return Some(AbortCode::NOT_MAPPABLE);
         }
         let same = at == Multiplexer::new(0x1800, 1) && value >> 31 == 0 && self.cob_id == Some(value);
         (same && self.has(Fault::SameCobIdRefused)).then_some(AbortCode::INVALID_VALUE)
-    }
-
-    fn on_lss(&mut self, frame: &Frame, node: Option<NodeId>, address: [u32; 4]) -> Incoming {
-        let mut bytes = frame.bytes();
-        self.request = bytes;
-        let answer =
-            |data: [u8; 8]| Incoming::Answered(Frame::full(CanId::standard_masked(u32::from(lss::SLAVE_CAN_ID)), data));
-        let command = bytes[0];
-        match command {
-            0x04 if self.has(Fault::LssSwitchGlobalIgnored) => return Incoming::Lost,
-            0x04 => {
-                self.configuring = bytes[1] == 1;
-                self.muted |= !self.configuring && node.is_none() && self.has(Fault::UnconfiguredNodeIdWaits);
-            }
-            0x43 if self.configuring && self.has(Fault::LssSelectiveInConfiguration) => {
-                return answer([0x44, 0, 0, 0, 0, 0, 0, 0]);
-            }
-            0x11 if self.configuring && self.has(Fault::LssNodeIdWithoutEffect) && bytes[1] != 255 => {
-                return answer([0x11, 0, 0, 0, 0, 0, 0, 0]);
-            }
-            0x51 if self.has(Fault::FastscanUnanswered) => return Incoming::Lost,
-            0x40..=0x43
-                if self.has(Fault::LssSelectiveMismatchIgnored)
-                    && bytes[1..5] != address[usize::from(command - 0x40)].to_le_bytes() =>
-            {
-                return Incoming::Lost;
-            }
-            0x40..=0x42 if self.has(Fault::LssSelectiveSerialOnly) => {
-                put(&mut bytes, address[usize::from(command - 0x40)]);
-            }
-            0x46..=0x4B if self.has(Fault::LssIdentifyUnchecked) => {
-                let part = usize::from(command - 0x46);
-                put(&mut bytes, address[if part < 2 { part } else { part / 2 + 1 }]);
-            }
-            0x51 if self.has(Fault::FastscanIgnoresBits) && bytes[5] != 0x80 => {
-                let part = usize::from(bytes[6]);
-                put(&mut bytes, address.get(part).copied().unwrap_or_default());
-            }
-            0x11 | 0x13 | 0x15 | 0x17 | 0x40..=0x43 | 0x46..=0x4C | 0x51 | 0x5A..=0x5E => {}
-            _ if self.has(Fault::LssUnknownAnswered) => return answer([command, 0, 0, 0, 0, 0, 0, 0]),
-            _ => {}
-        }
-        pass(Frame::new(frame.id(), bytes.get(..frame.len()).unwrap_or(&bytes)).unwrap_or(*frame))
     }
 
     /// A frame that the device sends; `None`: it does not go out.
@@ -288,6 +298,7 @@ impl Mischief {
             }
             FREE if self.has(Fault::TpdoKeepsCanId) => Some(with_id(&frame, 0x180 + own)),
             _ if id == sdo::RESPONSE_BASE + own => Some(self.sdo_response(frame)),
+            _ if id == 0x280 + own && self.has(Fault::SecondTpdoMissing) => None,
             _ if id == 0x180 + own => self.tpdo(frame),
             _ if id == emcy::CAN_ID_BASE + own && self.has(Fault::HeartbeatConsumerSilent) => {
                 (!frame.data().starts_with(&[0x30, 0x81])).then_some(frame)
@@ -306,23 +317,6 @@ impl Mischief {
         Some(if self.has(Fault::TpdoBytesReversed) { reversed(&frame) } else { frame })
     }
 
-    fn lss_response(&self, frame: Frame) -> Option<Frame> {
-        let mut bytes = frame.bytes();
-        let searched = matches!(self.request[0], 0x46..=0x4C);
-        match bytes[0] {
-            0x44 if self.has(Fault::LssSelectiveUnanswered) => return None,
-            0x17 if self.has(Fault::LssStoreUnanswered) => return None,
-            0x4F | 0x50 if searched && self.has(Fault::LssIdentifyUnanswered) => return None,
-            0x11 if self.has(Fault::LssNodeIdRefused) => bytes[1] = 1,
-            0x13 if self.has(Fault::LssBitTimingRefused) => bytes[1] = 1,
-            0x5A..=0x5D if self.has(Fault::LssInquirySwapped) => bytes[1..5].reverse(),
-            0x5E if self.has(Fault::LssNodeIdInquiredWrong) => bytes[1] = bytes[1].wrapping_add(1),
-            _ => {}
-        }
-        let len = if self.has(Fault::LssShortResponse) { 5 } else { frame.len() };
-        Frame::new(frame.id(), bytes.get(..len).unwrap_or(&bytes))
-    }
-
     fn sdo_response(&mut self, frame: Frame) -> Frame {
         self.writing = false;
         let id = frame.id().as_standard().unwrap_or_default();
@@ -330,6 +324,7 @@ impl Mischief {
             Ok(Response::Abort(abort)) if self.forgives(abort.multiplexer, abort.code) => {
                 Response::InitiateDownload { multiplexer: abort.multiplexer }.to_frame(id)
             }
+            Ok(Response::Abort(abort)) => self.refused(abort.multiplexer, abort.code, frame),
             Ok(Response::InitiateUpload { multiplexer, payload }) => {
                 let Some(bytes) = payload.value() else { return frame };
                 let value = bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
@@ -344,32 +339,17 @@ impl Mischief {
         }
     }
 
-    /// Whether a download that must be refused is confirmed.
-    fn forgives(&self, at: Multiplexer, code: AbortCode) -> bool {
-        let Some((asked, value)) = self.download.filter(|(asked, _)| *asked == at) else { return false };
-        let is_extended = value & 1 << 29 != 0;
-        let is_mapping = matches!(asked.index.0, 0x1600..0x1800 | 0x1A00..0x1C00);
-        match (asked.index.0, asked.sub.0) {
-            (0x1800, 1) if !is_extended => value & 0x1FFF_F800 != 0 && self.has(Fault::CanIdTooHighAccepted),
-            (0x1800, 1) => self.has(Fault::ExtendedBitAccepted),
-            (0x1005, 0) => value & 1 << 30 != 0 && self.has(Fault::SyncProducerBitAccepted),
-            _ => is_mapping && code == AbortCode::NOT_MAPPABLE && self.has(Fault::MappingDirectionUnchecked),
+    /// A download was refused, for the reason that the server gives or for another one.
+    fn refused(&mut self, at: Multiplexer, code: AbortCode, frame: Frame) -> Frame {
+        let is_mapping = matches!(at.index.0, 0x1600..0x1800 | 0x1A00..0x1C00);
+        self.mapping_refused |= is_mapping && self.download.is_some() && self.has(Fault::MappingFailureWedges);
+        let is_download = self.download.is_some_and(|(asked, _)| asked == at);
+        if !is_download || code != AbortCode::NO_SUB_INDEX || !self.has(Fault::SdoRefusalAlternates) {
+            return frame;
         }
-    }
-
-    /// What an object reads as in a firmware whose tables are wrong.
-    fn planted(&self, at: Multiplexer, value: u32) -> u32 {
-        match (at.index.0, at.sub.0) {
-            (0x1003, 0) if self.has(Fault::ErrorHistoryNotKept) => 0,
-            (0x1005, 0) if self.has(Fault::SyncIdWrong) => value ^ 0x1,
-            (0x1012, 0) if self.has(Fault::TimeIdWrong) => value ^ 0x1,
-            (0x1014, 0) if self.has(Fault::EmcyIdWrong) => value ^ 0x1,
-            (0x1200, 1) if self.has(Fault::SdoServerIdWrong) => value ^ 0x80,
-            (0x1800, 1) if self.has(Fault::PdoIdNotPredefined) => value ^ 0x40,
-            (0x1A00, 1) if self.has(Fault::DefaultMappingWrong) => value ^ 0x18,
-            (0x1010, 1) if self.has(Fault::StoreCapabilityWrong) => u32::from_le_bytes(*b"save"),
-            _ => value,
-        }
+        self.refusals = self.refusals.wrapping_add(1);
+        let code = if self.refusals.is_multiple_of(2) { AbortCode::READ_ONLY } else { code };
+        Response::abort(at, code).to_frame(frame.id().as_standard().unwrap_or_default())
     }
 }
 

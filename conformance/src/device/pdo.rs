@@ -99,6 +99,9 @@ fn is_transmission_type(direction: Direction, value: u64, cob_id: CobId, objects
     };
     let known = types.iter().any(|&(low, high)| (low.into()..=high.into()).contains(&value));
     let by_rtr = matches!(value, 252 | 253);
+    if direction == Direction::Receive && value <= 240 && objects.faults.has(Fault::SynchronousRpdoRefused) {
+        return false;
+    }
     let possible = cob_id.allows_rtr() || !by_rtr || objects.faults.has(Fault::RtrTypeWithoutRtrAccepted);
     (known && possible) || objects.faults.has(Fault::ReservedTransmissionTypeAccepted)
 }
@@ -160,6 +163,9 @@ fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Obje
     let mut bits = 0;
     for sub in 1..=most {
         let entry = MappingEntry(parameters.number_or_zero(at.index.0, sub) as u32);
+        if entry.0 == 0 && faults.has(Fault::EmptyEntryMapped) {
+            continue;
+        }
         check_entry(entry, direction, objects)?;
         bits += u32::from(entry.bits());
     }
@@ -185,7 +191,8 @@ fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
         Direction::Transmit => object.tpdo_mappable,
     };
     let bits = object.data_type.bits().unwrap_or(0);
-    let fits = bits == u32::from(entry.bits()) && bits > 0;
+    let unchecked = faults.has(Fault::MappingLengthUnchecked) && entry.bits() > 0;
+    let fits = (bits == u32::from(entry.bits()) || unchecked) && bits > 0;
     if fits && (mappable || faults.has(Fault::UnmappableObjectMapped)) { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
 }
 

@@ -108,7 +108,8 @@ impl Device {
     /// 1020h: date and time of the configuration are gone as soon as it is changed.
     fn forget_verification(&mut self, at: Multiplexer) {
         let is_command = StoreCommand::of(at, &self.objects.model.sheet().storage).is_some();
-        if !matches!(at.index.0, 0x1003 | 0x1020) && !is_command {
+        let kept = self.faults.has(Fault::ConfigurationDateKept);
+        if !matches!(at.index.0, 0x1003 | 0x1020) && !is_command && !kept {
             self.objects.parameters.set_number(0x1020, 1, 0);
             self.objects.parameters.set_number(0x1020, 2, 0);
         }
@@ -166,8 +167,15 @@ impl Device {
         let Some(sub) = condition.behaviour().filter(|_| !self.faults.has(Fault::ErrorBehaviourIgnored)) else {
             return;
         };
+        if sub == 2 && self.faults.has(Fault::ProfileErrorIgnored) {
+            return;
+        }
         let leaves_stopped = self.phase == Phase::Stopped && self.faults.has(Fault::ErrorBehaviourLeavesStopped);
-        match self.objects.parameters.number(0x1029, sub).or((sub == 1).then_some(0)) {
+        let behaviour = match self.objects.parameters.number(0x1029, sub) {
+            Some(1) if sub == 2 && self.faults.has(Fault::ProfileErrorAlwaysLeaves) => Some(0),
+            behaviour => behaviour.or((sub == 1).then_some(0)),
+        };
+        match behaviour {
             Some(0) if self.phase == Phase::Operational || leaves_stopped => self.enter(now, Phase::PreOperational),
             Some(2) if self.phase.is_running() => self.enter(now, Phase::Stopped),
             _ => {}

@@ -60,7 +60,8 @@ impl SyncObject {
         self.produces = network.sync_producer && is_producing(number(0x1005)) && self.period > Duration::ZERO;
         self.counts = parameters.number(0x1019, 0).is_some();
         self.overflow = number(0x1019) as u8;
-        self.window = Duration::from_micros(number(0x1007));
+        let ignored = self.faults.has(Fault::SyncWindowIgnored);
+        self.window = if ignored { Duration::ZERO } else { Duration::from_micros(number(0x1007)) };
         if self.window == Duration::ZERO {
             self.window_end = Timestamp::MAX;
             self.is_closed = false;

@@ -11,6 +11,9 @@ use canvass_traces::{CanId, Duration, Frame, Timestamp};
 /// How often the device looks whether a mapped value has changed.
 const SAMPLING: Duration = Duration::from_millis(1);
 
+/// How late synchronous TPDOs of a faulty firmware are.
+const LATE: Duration = Duration::from_millis(30);
+
 /// One TPDO.
 #[derive(Clone, Debug)]
 pub(super) struct Tpdo {
@@ -35,6 +38,8 @@ pub(super) struct Tpdo {
     waiting: bool,
     /// The SYNC with the start value has not come yet.
     awaits_start: bool,
+    /// A SYNC came before the start, for a firmware that does not forget it.
+    remembered: bool,
     /// SYNCs since the last transmission.
     syncs: u8,
     last: Option<Frame>,
@@ -69,6 +74,7 @@ impl Tpdo {
             inhibited_until: Timestamp::ZERO,
             waiting: false,
             awaits_start: false,
+            remembered: false,
             syncs: 0,
             last: None,
             sampled: None,
@@ -130,6 +136,9 @@ impl Tpdo {
         self.waiting = false;
         self.inhibited_until = Timestamp::ZERO;
         self.arm(now, objects);
+        if std::mem::take(&mut self.remembered) && self.is_synchronous() {
+            return self.transmit(now, objects);
+        }
         if !self.is_event_driven() {
             return None;
         }
@@ -201,6 +210,7 @@ impl Tpdo {
     /// A SYNC came, with a counter where the producer counts.
     pub fn on_sync(&mut self, now: Timestamp, counter: Option<u8>, objects: &Objects) -> Option<Frame> {
         if !self.is_active() {
+            self.remembered = !self.running && objects.faults.has(Fault::SyncRememberedOverStart);
             return None;
         }
         if self.awaits_start && self.is_synchronous() {
@@ -226,6 +236,10 @@ impl Tpdo {
                     return None;
                 }
                 self.syncs = 0;
+                if objects.faults.has(Fault::SyncTpdoLate) {
+                    (self.waiting, self.inhibited_until) = (true, now + LATE);
+                    return None;
+                }
                 self.transmit(now, objects)
             }
         }

@@ -42,6 +42,8 @@ pub struct Services {
     pub block_transfer: Option<bool>,
     /// Objects whose writing changes node-ID, bit rate or what is stored.
     pub bus_objects: Vec<Multiplexer>,
+    /// The object that stores them.
+    pub bus_save_object: Option<Multiplexer>,
     /// Values act and persist at once: writing them wears the memory out.
     pub persist_at_once: Vec<Multiplexer>,
 }
@@ -118,6 +120,8 @@ impl Knowledge {
         };
         for known in &mut knowledge.entries {
             known.persists = knowledge.services.persist_at_once.contains(&known.at);
+            // Node-ID and bit rate are what LSS, switches or the last start made them.
+            known.stable &= !knowledge.services.bus_objects.contains(&known.at);
         }
         if let Some(sheet) = sheet {
             for value in &sheet.values {
@@ -192,6 +196,7 @@ impl Services {
             guarding: network.map(|network| network.node_guarding),
             block_transfer: network.map(|network| network.sdo_block_transfer),
             bus_objects,
+            bus_save_object: storage.and_then(|storage| storage.bus_save_object),
             persist_at_once: storage.map(|storage| storage.persist_at_once.clone()).unwrap_or_default(),
         }
     }

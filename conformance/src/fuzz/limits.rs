@@ -60,6 +60,7 @@ pub fn writing(at: Multiplexer, knowledge: &Knowledge, allow: &BTreeSet<Touch>) 
         0x1010 => unless(Touch::Nvm),
         0x1011 => unless(Touch::FactoryDefaults),
         0x1F50..=0x1F57 => Some(Forbidden::Program),
+        _ if services.bus_save_object == Some(at) => unless(Touch::Nvm),
         _ if services.bus_objects.contains(&at) => unless(Touch::NodeId).or(unless(Touch::BitRate)),
         _ if services.persist_at_once.contains(&at) => unless(Touch::Nvm),
         _ => None,

@@ -2,6 +2,7 @@
 //! cannot say.
 
 mod annotations;
+mod damage;
 mod deviations;
 #[cfg(test)]
 mod documentation;
@@ -150,6 +151,12 @@ impl Model {
     /// The device description.
     pub fn description(&self) -> &DeviceDescription {
         &self.description
+    }
+
+    /// The text of its EDS, of a built-in model.
+    fn eds_text(&self) -> Option<&'static str> {
+        let position = Self::all().iter().position(|model| model.id() == self.id())?;
+        FILES.get(position).map(|(eds, _)| *eds)
     }
 
     /// Where the manual says that the device differs from the standard, as far as cases judge it.

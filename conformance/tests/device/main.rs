@@ -3,6 +3,7 @@
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]
 
+mod allocations;
 mod encoder;
 mod errors;
 mod nmt;
@@ -17,3 +18,4 @@ mod sdo;
 mod services;
 mod tables;
 mod timing;
+mod unusual;

@@ -1,8 +1,9 @@
 //! Faults of a firmware that show in a capture.
 
-use crate::machine::{Machine, shown};
+use crate::machine::{Machine, frame, shown};
 use canvass_conformance::Fault;
 use canvass_conformance::models::Model;
+use canvass_traces::Record;
 
 /// What a master does so that the fault shows, and the rule that must find it.
 type Row = (Fault, fn(&mut Machine), &'static str);
@@ -127,4 +128,43 @@ fn without_their_fault_nothing_is_found() {
         let findings = machine.findings(false);
         assert!(findings.is_empty(), "{fault}: {:#?}", findings.iter().map(shown).collect::<Vec<_>>());
     }
+}
+
+/// Both channels of a draw-wire encoder are two and a half metres further all of a sudden. A download just before it
+/// tells why: then nothing is said.
+#[test]
+fn a_draw_wire_jumps() {
+    const FURTHER: u16 = 25_000;
+    let mut machine = Machine::new(Model::by_id("kuebler-c100").unwrap(), canvass_conformance::Faults::NONE);
+    machine.read(0x1000, 0);
+    machine.command(0x01);
+    machine.run(5_000);
+    assert!(machine.findings(true).is_empty());
+    let id = 0x180 + u16::from(machine.node.raw());
+    let tpdos: Vec<usize> =
+        (0..machine.records.len()).filter(|&at| machine.records[at].frame.cob_id() == Some(id)).collect();
+    let (first, end) = (tpdos[20], tpdos[25]);
+    machine.records.truncate(end);
+    let channels = |record: &Record| {
+        let bytes = record.frame.bytes();
+        [u16::from_le_bytes([bytes[0], bytes[1]]), u16::from_le_bytes([bytes[2], bytes[3]])]
+    };
+    let forwards = channels(&machine.records[first])[0] < FURTHER;
+    for at in tpdos.into_iter().filter(|at| (first..end).contains(at)) {
+        let [a, b] = channels(&machine.records[at]);
+        let [a, b] = if forwards { [a + FURTHER, b - FURTHER] } else { [a - FURTHER, b + FURTHER] };
+        machine.records[at].frame = frame(id, &[a.to_le_bytes(), b.to_le_bytes()].concat());
+    }
+    let findings = machine.findings(true);
+    let [finding] = findings.as_slice() else { panic!("{:#?}", findings.iter().map(shown).collect::<Vec<_>>()) };
+    assert_eq!((finding.rule.id, finding.node), ("encoder/position-jump", Some(machine.node)));
+    assert_eq!(finding.first, machine.records[first].timestamp);
+    let dialogue = [(0x600, [0x2F, 0x03, 0x30, 0x00, 0x01, 0, 0, 0]), (0x580, [0x60, 0x03, 0x30, 0x00, 0, 0, 0, 0])];
+    for (at, (base, bytes)) in (first..).zip(dialogue) {
+        let mut record = machine.records[first - 1].clone();
+        record.frame = frame(base + u16::from(machine.node.raw()), &bytes);
+        machine.records.insert(at, record);
+    }
+    let findings = machine.findings(true);
+    assert!(findings.is_empty(), "{:#?}", findings.iter().map(shown).collect::<Vec<_>>());
 }

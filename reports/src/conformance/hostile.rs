@@ -105,8 +105,6 @@ fn the_page_runs_no_foreign_script() {
 fn junit_stays_xml() {
     let xml = rendered(junit::render);
     assert!(!acts(&xml));
-    let read = quick_junit::Report::deserialize_from_str(&xml).unwrap();
-    assert_eq!((read.tests, read.failures, read.errors), (7, 1, 2));
     // An XML parser that knows nothing of JUnit must get to the end, too.
     let mut reader = quick_xml::Reader::from_str(&xml);
     while reader.read_event().unwrap() != quick_xml::events::Event::Eof {}

@@ -1,91 +1,159 @@
 //! The result as JUnit XML, for continuous integration.
 //!
 //! A *fail* is a failure; *error* and *inconclusive* are errors, because nothing is known where something should be;
-//! *not applicable* is skipped; *tolerated* and *deviation* pass, with their reason in the output.
+//! *not applicable* is skipped; *tolerated* and *deviation* pass, with their reason in the suite's output.
+//!
+//! There are two schemas of JUnit files that tools validate against: that of Ant's JUnit task (`JUnit.xsd`) and that of
+//! Jenkins (`junit-10.xsd`). The document keeps to what both allow: `reports/tests/junit.xsd`. So cases have no properties
+//! and no output of their own: clause, requirement and frames stand in the text of a failure.
 
 use super::{Run, authority, cct_forecast, name_in_family, repetitions};
 use crate::escape::printable;
 use canvass_conformance::runner::CaseReport;
-use canvass_conformance::verdict::{Kind, Reason, Verdict};
-use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
+use canvass_conformance::verdict::Kind;
+use canvass_traces::{Duration, Timestamp};
+use quick_xml::Writer;
+use quick_xml::events::{BytesDecl, BytesText, Event};
 use std::io::{self, Write};
+
+type Xml<'a> = Writer<&'a mut dyn Write>;
 
 /// Writes the document.
 ///
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    let mut report = Report::new("canvass test");
-    report.set_time(run.summary.duration.into());
-    for chunk in run.cases.chunk_by(|a, b| a.case.family() == b.case.family()) {
-        report.add_test_suite(suite(run, chunk));
-    }
-    report.serialize(&mut *out).map_err(io::Error::other)
+    let mut xml: Xml<'_> = Writer::new_with_indent(out, b' ', 2);
+    xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
+    xml.create_element("testsuites").write_inner_content(|xml| {
+        let suites = run.cases.chunk_by(|a, b| a.case.family() == b.case.family());
+        suites.enumerate().try_for_each(|(number, cases)| suite(xml, run, number, cases))
+    })?;
+    writeln!(xml.into_inner())
 }
 
-fn suite(run: &Run, cases: &[CaseReport]) -> TestSuite {
-    let name = cases.first().map_or("", |report| report.case.family());
-    let mut suite = TestSuite::new(name);
-    suite.add_property(("node", run.info.node.to_string().as_str()));
-    suite.add_property(("bus", printable(&run.info.bus).as_ref()));
-    suite.add_property(("model", printable(&run.info.model).as_ref()));
-    let [name, _, software] = &run.info.device.names;
-    suite.add_property(("device", printable(name.as_deref().unwrap_or_default()).as_ref()));
-    suite.add_property(("software", printable(software.as_deref().unwrap_or_default()).as_ref()));
-    if let Some(host) = &run.summary.host {
-        suite.add_property(("host", super::host::sentence(host).as_str()));
-    }
-    let nanos = cases.iter().map(|report| report.duration.nanos()).sum();
-    suite.set_time(std::time::Duration::from_nanos(nanos));
-    suite.add_test_cases(cases.iter().map(test_case));
-    suite
-}
-
-fn test_case(report: &CaseReport) -> TestCase {
-    let mut case = TestCase::new(name_in_family(report.case.id), status(&report.verdict));
-    case.set_classname(report.case.family().replace('/', "."));
-    case.set_time(report.duration.into());
-    case.add_property(("clause", report.case.clause.to_string().as_str()));
-    case.add_property(("requirement", printable(report.case.requirement).as_ref()));
-    case.add_property(("verdict", report.verdict.kind().name()));
-    if let Some(forecast) = cct_forecast(report) {
-        case.add_property(("cct_forecast", forecast));
-    }
-    let output = output(report);
-    if !output.is_empty() {
-        case.set_system_out(output);
-    }
-    case
-}
-
-fn status(verdict: &Verdict) -> TestCaseStatus {
-    let mut status = match verdict.kind() {
-        Kind::Pass | Kind::Tolerated | Kind::Deviation => return TestCaseStatus::success(),
-        Kind::Fail => TestCaseStatus::non_success(NonSuccessKind::Failure),
-        Kind::Error | Kind::Inconclusive => TestCaseStatus::non_success(NonSuccessKind::Error),
-        Kind::NotApplicable => TestCaseStatus::skipped(),
+fn suite(xml: &mut Xml<'_>, run: &Run, number: usize, cases: &[CaseReport]) -> io::Result<()> {
+    let family = cases.first().map_or("", |report| report.case.family());
+    let count = |kinds: &[Kind]| {
+        let ended = cases.iter().filter(|report| kinds.contains(&report.verdict.kind()));
+        ended.count().to_string()
     };
-    status.set_type(verdict.kind().name());
-    if let Some(Reason { duty, expected, actual }) = verdict.reason() {
-        status.set_message(printable(&format!("{duty}: expected {expected}, found {actual}")));
-    }
-    status
+    let nanos = cases.iter().map(|report| report.duration.nanos()).sum();
+    xml.create_element("testsuite")
+        .with_attributes([
+            ("name", family),
+            ("package", "canvass"),
+            ("id", &number.to_string()),
+            ("timestamp", &date_time(began(cases))),
+            ("hostname", "localhost"),
+            ("tests", &cases.len().to_string()),
+            ("failures", &count(&[Kind::Fail])),
+            ("errors", &count(&[Kind::Error, Kind::Inconclusive])),
+            ("skipped", &count(&[Kind::NotApplicable])),
+            ("time", &seconds(Duration::from_nanos(nanos))),
+        ])
+        .write_inner_content(|xml| {
+            properties(xml, run)?;
+            cases.iter().try_for_each(|report| test_case(xml, report))?;
+            let remarks: Vec<String> = cases.iter().flat_map(remarks).collect();
+            xml.create_element("system-out").write_text_content(BytesText::new(&remarks.join("\n")))?;
+            xml.create_element("system-err").write_empty().map(|_| ())
+        })
+        .map(|_| ())
 }
 
-/// What a person looks at when a case did not simply pass.
-fn output(report: &CaseReport) -> String {
-    let mut lines: Vec<String> = Vec::new();
-    if let Verdict::Tolerated(reason) | Verdict::Deviation { reason, .. } = &report.verdict {
-        lines.push(format!("{}: {reason}", report.verdict.kind()));
-    }
-    lines.extend(report.verdict.documented().map(|text| format!("{}: {text}", authority(report).to_lowercase())));
+fn properties(xml: &mut Xml<'_>, run: &Run) -> io::Result<()> {
+    let [name, _, software] = &run.info.device.names;
+    let text = |text: &Option<String>| printable(text.as_deref().unwrap_or_default()).into_owned();
+    let host = run.summary.host.as_ref().map(|host| ("host", super::host::sentence(host)));
+    let properties = [
+        ("node", run.info.node.to_string()),
+        ("bus", printable(&run.info.bus).into_owned()),
+        ("model", printable(&run.info.model).into_owned()),
+        ("device", text(name)),
+        ("software", text(software)),
+        ("seed", run.info.seed.to_string()),
+    ];
+    xml.create_element("properties")
+        .write_inner_content(|xml| {
+            properties.iter().chain(&host).try_for_each(|(name, value)| {
+                let property = xml.create_element("property").with_attributes([("name", *name), ("value", value)]);
+                property.write_empty().map(|_| ())
+            })
+        })
+        .map(|_| ())
+}
+
+fn test_case(xml: &mut Xml<'_>, report: &CaseReport) -> io::Result<()> {
+    let classname = report.case.family().replace('/', ".");
+    let case = xml.create_element("testcase").with_attributes([
+        ("name", name_in_family(report.case.id)),
+        ("classname", &classname),
+        ("time", &seconds(report.duration)),
+    ]);
+    let element = match report.verdict.kind() {
+        Kind::Pass | Kind::Tolerated | Kind::Deviation => return case.write_empty().map(|_| ()),
+        Kind::Fail => "failure",
+        Kind::Error | Kind::Inconclusive => "error",
+        Kind::NotApplicable => "skipped",
+    };
+    let message = report.verdict.reason().map(|reason| printable(&reason.to_string()).into_owned()).unwrap_or_default();
+    case.write_inner_content(|xml| {
+        let outcome = xml.create_element(element).with_attribute(("message", message.as_str()));
+        if element == "skipped" {
+            return outcome.write_empty().map(|_| ());
+        }
+        let outcome = outcome.with_attribute(("type", report.verdict.kind().name()));
+        outcome.write_text_content(BytesText::new(&details(report))).map(|_| ())
+    })
+    .map(|_| ())
+}
+
+/// What a person looks at when a case failed.
+fn details(report: &CaseReport) -> String {
+    let mut lines = vec![
+        report.case.id.to_owned(),
+        format!("{} ({})", report.case.clause, report.case.level.name()),
+        printable(report.case.requirement).into_owned(),
+    ];
+    lines.extend(cct_forecast(report).map(|forecast| format!("forecast for CiA's test tool: {forecast}")));
     lines.extend(repetitions(report));
     lines.extend(report.notes.iter().map(|note| format!("note: {note}")));
-    if matches!(report.verdict.kind(), Kind::Fail | Kind::Error | Kind::Inconclusive) {
-        for exhibit in report.evidence.frames() {
-            let record = &exhibit.record;
-            lines.push(format!("({}) {} {}", record.timestamp, record.frame, exhibit.text));
-        }
+    for exhibit in report.evidence.frames() {
+        let record = &exhibit.record;
+        lines.push(format!("({}) {} {}", record.timestamp, record.frame, exhibit.text));
     }
     lines.iter().map(|line| printable(line).into_owned()).collect::<Vec<_>>().join("\n")
+}
+
+/// What is to be said of a case that did not simply pass, and did not fail.
+fn remarks(report: &CaseReport) -> Vec<String> {
+    if matches!(report.verdict.kind(), Kind::Fail | Kind::Error | Kind::Inconclusive) {
+        return Vec::new();
+    }
+    let mut remarks = Vec::new();
+    if let (Kind::Tolerated | Kind::Deviation, Some(reason)) = (report.verdict.kind(), report.verdict.reason()) {
+        remarks.push(format!("{}: {reason}", report.verdict.kind()));
+    }
+    remarks.extend(report.verdict.documented().map(|text| format!("{}: {text}", authority(report).to_lowercase())));
+    remarks.extend(repetitions(report));
+    remarks.extend(report.notes.iter().map(|note| format!("note: {note}")));
+    remarks.iter().map(|remark| printable(&format!("{}: {remark}", report.case.id)).into_owned()).collect()
+}
+
+/// When the first of the frames came: of a simulated bus since its power-on, so that the same run gives the same bytes.
+fn began(cases: &[CaseReport]) -> Timestamp {
+    let first = cases.iter().find_map(|report| report.evidence.frames().next());
+    first.map_or(Timestamp::ZERO, |exhibit| exhibit.record.timestamp)
+}
+
+/// Date and time of day in UTC to the second, without a time zone, as the schemas want it.
+fn date_time(at: Timestamp) -> String {
+    let seconds = i64::try_from(at.nanos() / 1_000_000_000).unwrap_or(0);
+    let at = jiff::Timestamp::from_second(seconds).unwrap_or(jiff::Timestamp::UNIX_EPOCH);
+    at.strftime("%Y-%m-%dT%H:%M:%S").to_string()
+}
+
+fn seconds(span: Duration) -> String {
+    format!("{}.{:03}", span.nanos() / 1_000_000_000, span.nanos() / 1_000_000 % 1_000)
 }

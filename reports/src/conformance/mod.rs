@@ -12,6 +12,8 @@ pub mod terminal;
 
 #[cfg(test)]
 mod hostile;
+#[cfg(test)]
+mod junit_schema;
 
 use canvass_conformance::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_conformance::verdict::{Authority, Kind};
@@ -153,7 +155,8 @@ fn outcome(summary: &Summary) -> String {
         1 => "; the device's non-volatile memory was written once".to_owned(),
         count => format!("; the device's non-volatile memory was written {count} times"),
     };
-    format!("Of {} cases {good}{cancelled}{flaky}{stores}", summary.total())
+    let plural = if summary.total() == 1 { "" } else { "s" };
+    format!("Of {} case{plural} {good}{cancelled}{flaky}{stores}", summary.total())
 }
 
 /// Milliseconds with three digits since `start`: what a person compares.

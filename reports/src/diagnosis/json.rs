@@ -206,6 +206,7 @@ fn bus(channel: &str, bus: &BusStatistics) -> Value {
         "copies": bus.copies,
         "bits": bus.bits.iter().sum::<u64>(),
         "bit_rate": bus.bit_rate,
+        "bit_rate_inferred": bus.is_inferred,
         "first_t": bus.first.nanos(),
         "last_t": bus.last.nanos(),
         "load_percent": bus.mean_load(),

@@ -61,7 +61,7 @@ pub fn summary(diagnosed: &Diagnosed<'_>) -> Vec<String> {
     lines
 }
 
-/// `12000 frames in 30 s, 4 nodes (1, 3, 4, 6), 500 kbit/s, load 4 % (peak 7 %)`.
+/// `12000 frames in 30 s, 4 nodes (1, 3, 4, 6), 500 kbit/s (inferred), load 4.0 % (peak 7.0 %)`.
 fn of_bus(bus: &BusStatistics) -> String {
     let present: Vec<String> =
         bus.nodes.iter().filter(|(_, node)| node.present).map(|(id, _)| id.to_string()).collect();
@@ -70,12 +70,23 @@ fn of_bus(bus: &BusStatistics) -> String {
         1 => format!("1 node ({})", present.join(", ")),
         n => format!("{n} nodes ({})", present.join(", ")),
     };
-    let rate = bus.bit_rate.map(|rate| format!(", {} kbit/s", f64::from(rate) / 1000.0)).unwrap_or_default();
+    let rate = bus.bit_rate_text().unwrap_or_else(|| "bit rate not known (see --bit-rate)".to_owned());
     let load = match (bus.mean_load(), bus.peak_load()) {
         (Some(mean), Some((_, peak))) => format!(", load {mean:.1} % (peak {peak:.1} %)"),
         _ => String::new(),
     };
-    format!("{} frames in {}, {nodes}{rate}{load}", bus.total(), rounded(bus.duration()))
+    format!("{} frames in {}, {nodes}, {rate}{load}", bus.total(), rounded(bus.duration()))
+}
+
+/// `507 / 884 / 899 / 899 µs`: the unit is said once where all have the same.
+fn joined(times: Vec<String>) -> String {
+    let unit = times.last().and_then(|last| last.split_once(' ')).map(|(_, unit)| format!(" {unit}"));
+    let bare: Option<Vec<&str>> =
+        unit.as_ref().and_then(|unit| times.iter().map(|time| time.strip_suffix(unit)).collect());
+    match (bare, unit) {
+        (Some(bare), Some(unit)) => format!("{}{unit}", bare.join(" / ")),
+        _ => times.join(" / "),
+    }
 }
 
 /// A time that nobody wants to the last digit.
@@ -157,8 +168,7 @@ fn of_node(id: NodeId, node: &NodeStatistics, bus: &BusStatistics) -> Vec<String
     let shown = [times.quantile(50), times.quantile(95), times.quantile(99), times.max()];
     let response = match times.max() {
         Some(max) if max > Duration::ZERO => {
-            let shown: Vec<String> = shown.into_iter().flatten().map(|time| rounded(time).to_string()).collect();
-            shown.join(" / ")
+            joined(shown.into_iter().flatten().map(|time| rounded(time).to_string()).collect())
         }
         _ => String::new(),
     };

@@ -3,6 +3,7 @@
 //! clock.
 
 pub mod detection;
+pub mod faults_page;
 pub mod html;
 pub mod json;
 pub mod junit;

@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity, is_from_node};
 use crate::message::Service;
@@ -7,6 +7,7 @@ use canvass_traces::{Duration, Timestamp};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::BootUp, Service::Heartbeat, Service::Emcy, Service::Pdo, Service::Sdo],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(BeforeBootUp {
             grace: Duration::from_millis(thresholds.get(&METADATA, "grace")),

@@ -1,5 +1,5 @@
 use super::interleaving::Interleaving;
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
@@ -13,6 +13,7 @@ use canvass_traces::{Duration, Timestamp};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo],
+    also: Also::Nothing,
     make: Some(|_| Box::new(DuplicateNodeId::default())),
 };
 

@@ -1,18 +1,21 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Service;
+use crate::statistics::RATES;
 use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &Service::ALL,
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(Load {
             percent: thresholds.get(&METADATA, "percent"),
             window: Duration::from_millis(thresholds.get(&METADATA, "window").max(1)),
             begin: None,
             bits: 0,
+            full: RATES.into_iter().map(|rate| Full { rate, ..Full::default() }).collect(),
         })
     }),
 };
@@ -23,7 +26,8 @@ static METADATA: Metadata = Metadata {
     title: "the bus is nearly full",
     what: "The bits of all frames within a window, with their stuff bits and the pauses between frames, fill more \
            than the given share of it. The bit rate is the one that was said, or is inferred from frames that follow \
-           each other without a pause; where neither is possible, nothing is said.",
+           each other without a pause; where neither is possible, nothing is said. An inferred bit rate is never one at which \
+           the frames of a tenth of a second would not have fitted.",
     why: "What is sent with a high CAN-ID waits until nothing more important is sent. At a high load answers come \
           late, PDOs lose their cycle, and controllers with small buffers lose frames.",
     advice: "See in the statistics which node and service takes most. Lengthen event timers, set inhibit times, send \
@@ -39,10 +43,50 @@ struct Load {
     window: Duration,
     begin: Option<Timestamp>,
     bits: u64,
+    /// Which windows would be too full at each bit rate: which one it is may be known only at the end.
+    full: Vec<Full>,
+}
+
+/// The windows that are too full at a bit rate.
+#[derive(Default)]
+struct Full {
+    rate: u32,
+    count: u64,
+    first: Timestamp,
+    last: Timestamp,
+    /// The fullest: percent, and the frame that ended it.
+    worst: Option<(u64, Seen)>,
+}
+
+impl Full {
+    fn window(&mut self, (bits, begin, elapsed): (u64, Timestamp, Duration), percent: u64, end: &Seen) {
+        let most = u128::from(self.rate) * u128::from(elapsed.nanos()) / 1_000_000_000;
+        let load = (u128::from(bits) * 100 / most.max(1)) as u64;
+        if load <= percent {
+            return;
+        }
+        self.first = if self.count == 0 { begin } else { self.first };
+        (self.last, self.count) = (begin, self.count + 1);
+        if self.worst.as_ref().is_none_or(|worst| load > worst.0) {
+            self.worst = Some((load, end.clone()));
+        }
+    }
+}
+
+impl Load {
+    /// A window is over; one that is longer than asked for has had a pause in it: its load is lower all the same.
+    fn judge(&mut self, begin: Timestamp, elapsed: Duration, end: &Seen, scene: &Scene<'_>) {
+        if let Some(rate) = scene.bit_rate.filter(|rate| self.full.iter().all(|full| full.rate != *rate)) {
+            self.full.push(Full { rate, ..Full::default() });
+        }
+        for full in &mut self.full {
+            full.window((self.bits, begin, elapsed), self.percent, end);
+        }
+    }
 }
 
 impl Rule for Load {
-    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+    fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let (bits, now) = (context.bits, context.now());
         let begin = *self.begin.get_or_insert(now);
         let elapsed = now.since(begin);
@@ -50,22 +94,29 @@ impl Rule for Load {
             self.bits += u64::from(bits);
             return;
         }
-        // A window that is longer than asked for has had a pause in it: its load is lower all the same.
-        if let Some(rate) = context.scene.bit_rate {
-            let most = u128::from(rate) * u128::from(elapsed.nanos()) / 1_000_000_000;
-            let load = (u128::from(self.bits) * 100 / most.max(1)) as u64;
-            if load > self.percent {
-                sink.report(Report::at(begin).measure(load).evidence(context.evidence()), || {
-                    let length = self.window;
-                    format!("{load} % of {} kbit/s within {length}, which ends here", f64::from(rate) / 1000.0)
-                });
-            }
-        }
+        self.judge(begin, elapsed, &context.seen(), &context.scene);
         (self.begin, self.bits) = (Some(now), u64::from(bits));
     }
 
     fn interrupted(&mut self) {
         self.begin = None;
         self.bits = 0;
+    }
+
+    fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let full = self.full.iter().find(|full| Some(full.rate) == scene.bit_rate);
+        let Some((full, (load, end))) = full.and_then(|full| Some((full, full.worst.as_ref()?))) else { return };
+        let message = || {
+            let (rate, length) = (f64::from(full.rate) / 1000.0, self.window);
+            let inferred = if scene.is_inferred { " (inferred)" } else { "" };
+            // One frame may have begun before the window.
+            let wrong =
+                if *load > 101 && !scene.is_inferred { ": more than fits, the bit rate is another" } else { "" };
+            format!("up to {load} % of {rate} kbit/s{inferred} within {length}{wrong}")
+        };
+        sink.report(Report::at(full.first).measure(*load).evidence(end.evidence()), message);
+        if full.count > 1 {
+            sink.report(Report::at(full.last).times(full.count - 1), message);
+        }
     }
 }

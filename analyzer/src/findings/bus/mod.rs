@@ -4,6 +4,7 @@ mod before_boot_up;
 mod duplicate_node_id;
 mod interleaving;
 mod load;
+mod no_canopen;
 mod overlapping_cob_id;
 mod restricted_cob_id;
 mod two_producers;
@@ -19,6 +20,7 @@ pub static RULES: &[Definition] = &[
     duplicate_node_id::RULE,
     before_boot_up::RULE,
     unknown_ids::RULE,
+    no_canopen::RULE,
 ];
 
 /// The objects that hold the COB-ID of something that a node sends or serves.

@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
@@ -10,6 +10,7 @@ use std::collections::BTreeMap;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sdo, Service::BootUp],
+    also: Also::Nothing,
     make: Some(|_| Box::new(OverlappingCobId::default())),
 };
 

@@ -1,14 +1,18 @@
 use super::is_cob_id;
 use crate::CobId;
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
 use crate::network::Event;
 use crate::network::sdo::{Direction, Outcome};
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::Sdo], make: Some(|_| Box::new(RestrictedCobId)) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Sdo],
+    also: Also::Nothing,
+    make: Some(|_| Box::new(RestrictedCobId)),
+};
 
 static METADATA: Metadata = Metadata {
     id: "bus/restricted-cob-id",

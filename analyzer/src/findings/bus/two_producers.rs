@@ -1,7 +1,7 @@
 use super::interleaving::Interleaving;
 use crate::NodeId;
 use crate::findings::pdo::TPDOS;
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
@@ -10,7 +10,8 @@ use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Sync, Service::Time, Service::Pdo, Service::Nmt],
+    services: &[Service::Sync, Service::Time, Service::Nmt],
+    also: Also::KnownTpdos,
     make: Some(|_| Box::new(TwoProducers::default())),
 };
 

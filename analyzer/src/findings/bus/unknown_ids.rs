@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
@@ -6,6 +6,7 @@ use crate::message::{Message, Service};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Unknown],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(UnknownIds { least: thresholds.get(&METADATA, "frames"), ids: [0; 128], seen: 0, first: None })
     }),

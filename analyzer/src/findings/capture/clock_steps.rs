@@ -1,11 +1,11 @@
 use super::name;
 use crate::findings::Severity;
 use crate::findings::diagnosis::SourceQuality;
-use crate::findings::rule::{Definition, Metadata, Threshold, Thresholds};
+use crate::findings::rule::{Also, Definition, Metadata, Threshold, Thresholds};
 use crate::findings::sink::{Report, Sink};
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition { metadata: &METADATA, services: &[], make: None };
+pub const RULE: Definition = Definition { metadata: &METADATA, services: &[], also: Also::Nothing, make: None };
 
 static METADATA: Metadata = Metadata {
     id: "capture/clock-steps",
@@ -26,6 +26,9 @@ pub fn check(at: usize, source: &SourceQuality<'_>, thresholds: &Thresholds, sin
     let report = Report::at(first.time).source(at).place(first.time, first.place);
     sink.report(report, || {
         let (count, largest) = (steps.count, steps.largest);
-        format!("{}: the clock steps back {count} times, by at most {largest}", name(source))
+        match count {
+            1 => format!("{}: the clock steps back by {largest}", name(source)),
+            _ => format!("{}: the clock steps back {count} times, by at most {largest}", name(source)),
+        }
     });
 }

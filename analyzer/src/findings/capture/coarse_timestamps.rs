@@ -2,11 +2,11 @@ use super::name;
 use crate::findings::Severity;
 use crate::findings::context::is_coarse;
 use crate::findings::diagnosis::SourceQuality;
-use crate::findings::rule::{Definition, Metadata, Threshold, Thresholds};
+use crate::findings::rule::{Also, Definition, Metadata, Threshold, Thresholds};
 use crate::findings::sink::{Report, Sink};
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition { metadata: &METADATA, services: &[], make: None };
+pub const RULE: Definition = Definition { metadata: &METADATA, services: &[], also: Also::Nothing, make: None };
 
 static METADATA: Metadata = Metadata {
     id: "capture/coarse-timestamps",

@@ -1,9 +1,9 @@
 use crate::findings::Severity;
-use crate::findings::rule::{Definition, Metadata};
+use crate::findings::rule::{Also, Definition, Metadata};
 use crate::findings::sink::{Report, Sink};
 use canvass_traces::{Place, Timestamp};
 
-pub const RULE: Definition = Definition { metadata: &METADATA, services: &[], make: None };
+pub const RULE: Definition = Definition { metadata: &METADATA, services: &[], also: Also::Nothing, make: None };
 
 static METADATA: Metadata = Metadata {
     id: "capture/copies",

@@ -1,10 +1,10 @@
 use super::name;
 use crate::findings::Severity;
 use crate::findings::diagnosis::SourceQuality;
-use crate::findings::rule::{Definition, Metadata, Thresholds};
+use crate::findings::rule::{Also, Definition, Metadata, Thresholds};
 use crate::findings::sink::{Report, Sink};
 
-pub const RULE: Definition = Definition { metadata: &METADATA, services: &[], make: None };
+pub const RULE: Definition = Definition { metadata: &METADATA, services: &[], also: Also::Nothing, make: None };
 
 static METADATA: Metadata = Metadata {
     id: "capture/damaged",

@@ -1,11 +1,15 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
 use crate::wire::error_frame::ErrorFrame;
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::ErrorFrame], make: Some(|_| Box::new(ErrorPassive)) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::ErrorFrame],
+    also: Also::Nothing,
+    make: Some(|_| Box::new(ErrorPassive)),
+};
 
 static METADATA: Metadata = Metadata {
     id: "capture/error-passive",

@@ -1,10 +1,14 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::{Message, Service};
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::Emcy], make: Some(|_| Box::new(Contradiction)) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Emcy],
+    also: Also::Nothing,
+    make: Some(|_| Box::new(Contradiction)),
+};
 
 static METADATA: Metadata = Metadata {
     id: "emcy/contradiction",

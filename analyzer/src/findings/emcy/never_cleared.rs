@@ -1,5 +1,5 @@
 use crate::NodeId;
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
@@ -8,6 +8,7 @@ use crate::network::OpenErrors;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Emcy, Service::BootUp],
+    also: Also::Nothing,
     make: Some(|_| Box::new(NeverCleared { nodes: (0..128).map(|_| OpenErrors::default()).collect() })),
 };
 

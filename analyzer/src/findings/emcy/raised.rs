@@ -1,5 +1,5 @@
 use crate::NodeId;
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
@@ -10,6 +10,7 @@ use canvass_traces::{Duration, Timestamp};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Emcy, Service::BootUp, Service::Sdo],
+    also: Also::Nothing,
     make: Some(|_| {
         Box::new(Raised { nodes: (0..128).map(|_| OpenErrors::default()).collect(), register_read: vec![None; 128] })
     }),

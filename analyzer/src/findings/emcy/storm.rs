@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
@@ -7,6 +7,7 @@ use canvass_traces::{Duration, Timestamp};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Emcy],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(Storm {
             times: thresholds.get(&METADATA, "times").max(1),

@@ -1,10 +1,10 @@
-use super::operands::SERVICES;
 use crate::dictionary::names::{ENCODER_PROFILE, bit_name};
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 
-pub const RULE: Definition = Definition { metadata: &METADATA, services: SERVICES, make: Some(|_| Box::new(Alarm)) };
+pub const RULE: Definition =
+    Definition { metadata: &METADATA, services: &[], also: Also::EncoderValues, make: Some(|_| Box::new(Alarm)) };
 
 static METADATA: Metadata = Metadata {
     id: "encoder/alarm",

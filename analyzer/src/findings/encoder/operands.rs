@@ -2,14 +2,11 @@
 
 use crate::dictionary::names::ENCODER_PROFILE;
 use crate::findings::Context;
-use crate::message::{Message, PdoNumber, Service};
+use crate::message::{Message, PdoNumber};
 use crate::network::sdo::{Direction, Outcome};
 use crate::network::{Bus, Decoded, Event, Layout, Signal};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Record;
-
-/// The services in which values come by.
-pub const SERVICES: &[Service] = &[Service::Pdo, Service::Sdo];
 
 /// A value of an object.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -40,11 +37,8 @@ pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec
     let Some(node) = decoded.node else { return };
     match decoded.message {
         Message::Pdo(number @ PdoNumber::Transmit(_)) => {
-            let Some(known) = bus.node(node) else { return };
-            let Some(layout) = known.known_layout(number) else { return };
-            if known.profile(node) != Some(ENCODER_PROFILE) {
-                return;
-            }
+            let encoder = bus.node(node).filter(|known| known.profile(node) == Some(ENCODER_PROFILE));
+            let Some(layout) = encoder.and_then(|known| known.known_layout(number)) else { return };
             let payload = record.frame.data();
             let operand = |signal: &Signal| {
                 let raw = signal.raw(payload)?;

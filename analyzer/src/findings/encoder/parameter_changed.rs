@@ -1,11 +1,14 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
-use crate::message::Service;
 use crate::wire::error_control::State;
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::Sdo], make: Some(|_| Box::new(ParameterChanged)) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[],
+    also: Also::EncoderValues,
+    make: Some(|_| Box::new(ParameterChanged)),
+};
 
 static METADATA: Metadata = Metadata {
     id: "encoder/parameter-changed",

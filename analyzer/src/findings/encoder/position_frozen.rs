@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::Service;
@@ -6,7 +6,8 @@ use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Pdo, Service::BootUp, Service::Nmt],
+    services: &[Service::BootUp, Service::Nmt],
+    also: Also::EncoderValues,
     make: Some(|thresholds| {
         Box::new(PositionFrozen {
             speed: thresholds.get(&METADATA, "speed"),

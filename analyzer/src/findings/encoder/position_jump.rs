@@ -1,14 +1,15 @@
-use super::operands::{Kind, kind};
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use super::operands::{Kind, Operand, kind};
+use crate::Multiplexer;
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Seen, Severity};
 use crate::message::{Message, Service};
-use crate::{Multiplexer, NodeId};
 use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Pdo, Service::Sdo, Service::BootUp, Service::Nmt],
+    services: &[Service::BootUp, Service::Nmt],
+    also: Also::EncoderValues,
     make: Some(|thresholds| {
         Box::new(PositionJump {
             speed: thresholds.get(&METADATA, "speed"),
@@ -24,9 +25,10 @@ static METADATA: Metadata = Metadata {
     id: "encoder/position-jump",
     severity: Severity::Error,
     title: "a position jumps as no shaft can",
-    what: "Between two PDOs the position (6004h) changes by more than the highest speed allows in that time. The \
+    what: "Between two PDOs the position (6004h, or 6020h of the first channel) changes by more than the highest speed allows in that time. The \
            measuring units per revolution are those of 6001h or 6501h where they are known, else the given resolution is \
-           taken; of linear devices 6501h is the length of a step, and without it nothing is said. \
+           taken; of linear devices 6501h is the length of a step, and of 6020h the description tells the unit; without them nothing \
+           is said. \
            The end of the range, and the second after a preset, a write of any parameter or a restart are not counted.",
     why: "The device has lost its position for a moment or for good, two devices send on one CAN-ID, or the PDO carries \
           something else than is believed.",
@@ -65,9 +67,14 @@ struct Axis {
 
 impl Axis {
     /// How far the shaft has turned, the shorter way round if the range is known; at its end if that is likely.
-    fn distance(&self, from: u64, to: u64, allowed: u64) -> u64 {
-        let direct = from.abs_diff(to);
+    fn distance(&self, from: u64, position: &Operand, allowed: u64) -> u64 {
+        let (to, direct) = (position.raw, from.abs_diff(position.raw));
         match self.range {
+            // A channel of a draw-wire encoder has no range but its bits: a little below its zero it is at their end.
+            _ if is_channel(position) => {
+                let whole = 1_u64.checked_shl(u32::from(position.bits)).unwrap_or(0);
+                direct.min(whole.wrapping_sub(direct))
+            }
             Some(range) if range > from.max(to) => direct.min(range - direct),
             // Where the range ends is not known: a fall from near the highest to near 0 and back may be its end.
             _ if from.max(to).saturating_add(allowed) >= self.highest && from.min(to) <= allowed => 0,
@@ -76,17 +83,34 @@ impl Axis {
     }
 }
 
+/// Whether it is the position of one channel (6020h) of an encoder with several.
+const fn is_channel(position: &Operand) -> bool {
+    position.object.index.0 == 0x6020
+}
+
+/// Far more than any number of units.
+const NO_LIMIT: u128 = u128::MAX >> 64;
+
 impl PositionJump {
     /// How far the position can get in a second.
-    fn units_a_second(&self, per_revolution: Option<u64>, node: NodeId, context: &Context<'_>) -> u128 {
-        // A step of the sensor: of a revolution, or in nanometres.
+    fn units_a_second(&self, position: &Operand, per_revolution: Option<u64>, context: &Context<'_>) -> u128 {
+        let node = position.node;
         let known = context.scene.bus.node(node);
+        let linear = |millimetres: f64| (self.linear_speed as f64 / millimetres) as u128;
+        if is_channel(position) {
+            let described = known.and_then(|known| known.description.as_deref());
+            let annotated = || described?.annotations.get(position.object)?.unit.clone();
+            let unit = known.and_then(|known| known.scale(node, position.object)).or_else(annotated);
+            return match unit.filter(|unit| unit.factor > 0.0) {
+                Some(unit) if unit.symbol == "mm" => linear(unit.factor),
+                Some(unit) if unit.symbol == "°" => (self.speed as f64 * 6.0 / unit.factor) as u128,
+                _ => NO_LIMIT,
+            };
+        }
+        // A step of the sensor: of a revolution, or in nanometres.
         let step = known.and_then(|known| known.certain(node, Multiplexer::new(0x6501, 0))).map(u64::from);
         match kind(context, node) {
-            Some(Kind::Linear) => {
-                let millimetres = u128::from(self.linear_speed);
-                step.filter(|&step| step > 0).map_or(u128::MAX >> 64, |step| millimetres * 1_000_000 / u128::from(step))
-            }
+            Some(Kind::Linear) => step.filter(|&step| step > 0).map_or(NO_LIMIT, |step| linear(step as f64 / 1e6)),
             _ => {
                 let units = per_revolution.or(step).unwrap_or(self.resolution);
                 u128::from(units) * u128::from(self.speed) / 60
@@ -94,32 +118,29 @@ impl PositionJump {
         }
     }
 
-    fn moved(&mut self, position: u64, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Some(node) = context.node() else { return };
+    fn moved(&mut self, position: &Operand, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let node = position.node;
         let axis = &mut self.nodes[usize::from(node.raw())];
-        let last = axis.last.replace((position, context.now()));
-        let highest = axis.highest;
-        axis.highest = highest.max(position);
-        let Some((before, at)) = last else { return };
+        let last = axis.last.replace((position.raw, context.now()));
+        let before_this = *axis;
+        axis.highest = axis.highest.max(position.raw);
+        let Some((before, at)) = last.filter(|last| last.0 != position.raw) else { return };
         let facts = context.scene.facts.node(node);
         if NodeFacts::is_recent(facts.last_download, context.now(), Duration::from_secs(1)) {
             return;
         }
         // PDOs wait for the bus, and recorders for the processor.
         let elapsed = context.now().since(at) + context.scene.slack() + Duration::from_millis(5);
-        let per_revolution = axis.per_revolution;
-        let a_second = self.units_a_second(per_revolution, node, context);
+        let a_second = self.units_a_second(position, before_this.per_revolution, context);
         let allowed = a_second * u128::from(elapsed.nanos()) / 1_000_000_000;
         let allowed = u64::try_from(allowed).unwrap_or(u64::MAX).max(self.least);
-        let axis = &self.nodes[usize::from(node.raw())];
-        let known = Axis { highest, ..*axis };
-        let distance = known.distance(before, position, allowed);
+        let distance = before_this.distance(before, position, allowed);
         if distance > allowed {
             let report = Report::at(context.now()).node(node).measure(distance);
             let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
             sink.report(report, || {
                 let within = context.now().since(at);
-                format!("from {before} to {position} within {within}: {allowed} units are possible")
+                format!("from {before} to {} within {within}: {allowed} units are possible", position.raw)
             });
         }
     }
@@ -141,7 +162,9 @@ impl Rule for PositionJump {
         for operand in &context.news().operands {
             let axis = &mut self.nodes[usize::from(operand.node.raw())];
             match operand.object.index.0 {
-                0x6004 if context.decoded.service == Service::Pdo => position = Some(operand.raw),
+                0x6004 if context.decoded.service == Service::Pdo => position = Some(operand),
+                // Of several channels the first one.
+                0x6020 if context.decoded.service == Service::Pdo => position = position.or(Some(operand)),
                 0x6001 => axis.per_revolution = Some(operand.raw),
                 0x6002 => axis.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw }),
                 _ => {}

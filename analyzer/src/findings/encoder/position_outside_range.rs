@@ -1,5 +1,5 @@
 use super::operands::{Kind, kind};
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
@@ -7,7 +7,8 @@ use crate::{Multiplexer, NodeId};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Pdo, Service::Sdo, Service::BootUp],
+    services: &[Service::BootUp],
+    also: Also::EncoderValues,
     make: Some(|_| Box::new(PositionOutsideRange { nodes: vec![Scaling::default(); 128] })),
 };
 

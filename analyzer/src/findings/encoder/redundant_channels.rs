@@ -1,6 +1,6 @@
 use super::operands::{Kind, is_encoder, kind, layout};
 use crate::NodeId;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
@@ -10,6 +10,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Pdo, Service::BootUp],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(RedundantChannels {
             tolerance: thresholds.get(&METADATA, "tolerance"),
@@ -53,7 +54,7 @@ struct RedundantChannels {
 
 /// The two channels in a PDO; whether a mapping says that they are positions, or only their place does.
 fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
-    if *context.message() != Message::Pdo(PdoNumber::Transmit(1)) || !is_encoder(context, node) {
+    if !is_encoder(context, node) {
         return None;
     }
     let payload = context.record.frame.data();
@@ -87,6 +88,10 @@ impl RedundantChannels {
 impl Rule for RedundantChannels {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
+        let first = *context.message() == Message::Pdo(PdoNumber::Transmit(1));
+        if !first && context.decoded.service != Service::BootUp {
+            return;
+        }
         let known = &mut self.nodes[usize::from(node.raw())];
         if context.decoded.service == Service::BootUp {
             *known = Channels::default();

@@ -1,10 +1,10 @@
 use super::alarm::tell_bits;
-use super::operands::SERVICES;
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::Sink;
 use crate::findings::{Context, Severity};
 
-pub const RULE: Definition = Definition { metadata: &METADATA, services: SERVICES, make: Some(|_| Box::new(Warning)) };
+pub const RULE: Definition =
+    Definition { metadata: &METADATA, services: &[], also: Also::EncoderValues, make: Some(|_| Box::new(Warning)) };
 
 static METADATA: Metadata = Metadata {
     id: "encoder/warning",

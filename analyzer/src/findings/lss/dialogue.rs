@@ -1,11 +1,15 @@
 use super::exchange::{SERVICES, Sender, answer_to, command, own_command, sender, wants_answer, words};
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use canvass_traces::Duration;
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: SERVICES, make: Some(|_| Box::new(Dialogue::default())) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    also: Also::Nothing,
+    make: Some(|_| Box::new(Dialogue::default())),
+};
 
 static METADATA: Metadata = Metadata {
     id: "lss/dialogue",

@@ -1,12 +1,16 @@
 use super::exchange::{SERVICES, Sender, Setting, configured, is_leave, sender, words};
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Message;
 use crate::wire::lss::Request;
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: SERVICES, make: Some(|_| Box::new(NotStored::default())) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    also: Also::Nothing,
+    make: Some(|_| Box::new(NotStored::default())),
+};
 
 static METADATA: Metadata = Metadata {
     id: "lss/not-stored",

@@ -1,10 +1,14 @@
 use super::exchange::{SERVICES, Sender, configured, own_command, sender, words};
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: SERVICES, make: Some(|_| Box::new(Refused { request: None })) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: SERVICES,
+    also: Also::Nothing,
+    make: Some(|_| Box::new(Refused { request: None })),
+};
 
 static METADATA: Metadata = Metadata {
     id: "lss/refused",

@@ -1,5 +1,5 @@
 use super::exchange::{SERVICES, Setting, configured};
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sdo::Wear;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Severity};
@@ -7,6 +7,7 @@ use crate::findings::{Context, Scene, Severity};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: SERVICES,
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(StoreWear { limits: Wear::limits(&METADATA, thresholds), stores: Wear::default() })
     }),

@@ -1,5 +1,5 @@
 use super::exchange::{SERVICES, Sender, command, is_store, sender, wants_answer, words};
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use canvass_traces::Duration;
@@ -7,6 +7,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: SERVICES,
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(Unanswered {
             wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),

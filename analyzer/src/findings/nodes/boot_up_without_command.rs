@@ -1,11 +1,15 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Seen, Severity};
 use crate::message::Service;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::BootUp], make: Some(|_| Box::new(BootUpWithoutCommand)) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::BootUp],
+    also: Also::Nothing,
+    make: Some(|_| Box::new(BootUpWithoutCommand)),
+};
 
 static METADATA: Metadata = Metadata {
     id: "nodes/boot-up-without-command",

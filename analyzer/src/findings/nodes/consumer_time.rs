@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
@@ -9,6 +9,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo],
+    also: Also::Nothing,
     make: Some(|_| {
         Box::new(ConsumerTime {
             consumers: Vec::new(),

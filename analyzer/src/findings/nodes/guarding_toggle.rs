@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
@@ -6,6 +6,7 @@ use crate::message::{Message, Service};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Guarding, Service::BootUp, Service::Nmt],
+    also: Also::Nothing,
     make: Some(|_| Box::new(GuardingToggle { nodes: vec![None; 128], asked: vec![false; 128] })),
 };
 

@@ -1,5 +1,5 @@
 use crate::NodeId;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
@@ -8,6 +8,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Guarding, Service::BootUp, Service::Heartbeat],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(GuardingUnanswered {
             wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),

@@ -88,8 +88,11 @@ impl Heartbeats {
 
     /// The next beat of a node, or of all where it is 0, ends no interval.
     fn pause(&mut self, node: u8) {
-        let named = self.nodes.iter_mut().enumerate().filter(|(id, _)| node == 0 || usize::from(node) == *id);
-        named.for_each(|(_, rhythm)| rhythm.pause());
+        match self.nodes.get_mut(usize::from(node)) {
+            Some(rhythm) if node != 0 => rhythm.pause(),
+            _ if node == 0 => self.nodes.iter_mut().for_each(Rhythm::pause),
+            _ => {}
+        }
     }
 
     /// The next beats end no intervals.

@@ -1,6 +1,6 @@
 use crate::NodeId;
 use crate::findings::rhythm::Jitter;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Severity};
 use crate::message::Service;
@@ -9,6 +9,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Heartbeat],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(HeartbeatJitter {
             percent: thresholds.get(&METADATA, "percent"),

@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::Service;
@@ -7,6 +7,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Heartbeat],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(HeartbeatLate {
             percent: thresholds.get(&METADATA, "percent"),

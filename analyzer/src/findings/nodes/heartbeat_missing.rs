@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold, Thresholds};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold, Thresholds};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::Service;
@@ -6,6 +6,7 @@ use crate::message::Service;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Heartbeat],
+    also: Also::Nothing,
     make: Some(|thresholds| Box::new(HeartbeatMissing { percent: percent(thresholds) })),
 };
 

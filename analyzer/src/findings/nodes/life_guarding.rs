@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
@@ -9,6 +9,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Guarding, Service::BootUp, Service::Heartbeat, Service::Nmt],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(LifeGuarding {
             percent: thresholds.get(&METADATA, "percent").max(1),
@@ -77,8 +78,11 @@ impl LifeGuarding {
     }
 
     fn forget(&mut self, node: u8) {
-        let named = self.nodes.iter_mut().enumerate().filter(|(id, _)| node == 0 || usize::from(node) == *id);
-        named.for_each(|(_, guarded)| *guarded = None);
+        match self.nodes.get_mut(usize::from(node)) {
+            Some(guarded) if node != 0 => *guarded = None,
+            _ if node == 0 => self.nodes.fill_with(|| None),
+            _ => {}
+        }
     }
 }
 

@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Evidence, Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
@@ -9,6 +9,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Nmt],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         let wait = Duration::from_millis(thresholds.get(&METADATA, "wait"));
         Box::new(NoBootUp { wait, resets: (0..128).map(|_| None).collect() })

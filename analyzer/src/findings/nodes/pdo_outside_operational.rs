@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
@@ -9,6 +9,7 @@ use canvass_traces::{Duration, Timestamp};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Pdo, Service::Nmt, Service::Heartbeat, Service::Guarding, Service::BootUp],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(PdoOutsideOperational {
             grace: Duration::from_millis(thresholds.get(&METADATA, "grace")),

@@ -1,5 +1,5 @@
 use super::boot_up_without_command::is_explained;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
@@ -8,6 +8,7 @@ use canvass_traces::{Duration, Timestamp};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::BootUp],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(RepeatedResets {
             times: thresholds.get(&METADATA, "times").max(1),

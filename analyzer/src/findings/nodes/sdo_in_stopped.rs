@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::{Message, Service};
@@ -9,6 +9,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sdo],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(SdoInStopped { grace: Duration::from_millis(thresholds.get(&METADATA, "grace")) })
     }),

@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
@@ -7,6 +7,7 @@ use crate::wire::error_control::State;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Nmt, Service::Heartbeat, Service::Guarding, Service::BootUp],
+    also: Also::Nothing,
     make: Some(|_| Box::new(StateLost { nodes: vec![None; 128] })),
 };
 

@@ -1,19 +1,23 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::{Message, PdoNumber, Service};
 use crate::{Multiplexer, NodeId};
-use std::collections::BTreeSet;
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::Pdo], make: Some(|_| Box::new(Length::default())) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Pdo],
+    also: Also::Nothing,
+    make: Some(|_| Box::new(Length::default())),
+};
 
 static METADATA: Metadata = Metadata {
     id: "pdo/length",
     severity: Severity::Error,
     title: "a PDO is not as long as its mapping says",
     what: "The mapping, as the SDO traffic or the device description shows it, fills more or fewer bytes than the PDO \
-           has. A received PDO may be longer than the mapping of the node that receives it. Where only the description \
+           has. A received PDO may be longer than the mapping of the node that receives it, and some devices fill a TPDO \
+           up to 8 bytes with zeros: one that has always been so is not reported. Where only the description \
            tells the mapping and the PDO never fits it, another mapping was set before the capture began: this is only \
            worth knowing.",
     why: "A consumer that checks the length drops the PDO and sends EMCY 8210h; one that does not takes other values \
@@ -23,10 +27,32 @@ static METADATA: Metadata = Metadata {
     thresholds: &[],
 };
 
-#[derive(Default)]
 struct Length {
-    /// The PDOs that have once been as long as their mapping.
-    fitted: BTreeSet<(NodeId, PdoNumber)>,
+    /// By node, a bit for each PDO that has once been as long as its mapping.
+    fitted: Box<[u64]>,
+}
+
+impl Default for Length {
+    fn default() -> Self {
+        Self { fitted: vec![0; 128].into() }
+    }
+}
+
+/// The bit of a PDO; TPDOs and RPDOs beyond the 32nd have none.
+const fn bit(number: PdoNumber) -> u64 {
+    match number {
+        PdoNumber::Transmit(number @ 1..=32) => 1 << (number - 1),
+        PdoNumber::Receive(number @ 1..=32) => 1 << (number + 31),
+        _ => 0,
+    }
+}
+
+impl Length {
+    /// Whether a TPDO of 8 bytes has nothing but zeros behind its mapping, and was never as long as that.
+    fn fills_up(&self, node: NodeId, number: PdoNumber, mapped: usize, context: &Context<'_>) -> bool {
+        let fitted = self.fitted[usize::from(node.raw())] & bit(number) != 0;
+        !fitted && context.record.frame.bytes().iter().skip(mapped).all(|&byte| byte == 0)
+    }
 }
 
 impl Rule for Length {
@@ -38,19 +64,18 @@ impl Rule for Length {
         let fits = match number {
             PdoNumber::Transmit(tpdo) => {
                 let pads = known.description.as_ref().is_some_and(|description| description.settings.pads(*tpdo));
-                mapped == found || pads && found == 8
+                mapped == found || found == 8 && mapped < 8 && (pads || self.fills_up(node, *number, mapped, context))
             }
             PdoNumber::Receive(_) => mapped <= found,
         };
         // Which mapping is in force is certain only where the capture shows it.
-        let shown = known.certain(node, Multiplexer::new(number.mapping_index(), 0)).is_some();
+        let shown = || known.certain(node, Multiplexer::new(number.mapping_index(), 0)).is_some();
+        let (fitted, bit) = (&mut self.fitted[usize::from(node.raw())], bit(*number));
         if fits {
-            if !shown {
-                self.fitted.insert((node, *number));
-            }
+            *fitted |= if mapped == found { bit } else { 0 };
             return;
         }
-        let default = !shown && !self.fitted.contains(&(node, *number));
+        let default = !shown() && *fitted & bit == 0;
         let detail = u64::from(number.communication_index()) << 8 | found as u64;
         let report = Report::at(context.now()).node(node).detail(detail).evidence(context.evidence());
         let report = if default { report.severity(Severity::Info) } else { report };

@@ -23,6 +23,13 @@ pub struct Parameters {
     pub event_timer: Option<Duration>,
 }
 
+impl Parameters {
+    /// Whether anything is known.
+    pub const fn is_known(&self) -> bool {
+        self.transmission_type.is_some() || self.inhibit.is_some() || self.event_timer.is_some()
+    }
+}
+
 /// The parameters of all TPDOs of a bus.
 pub struct AllParameters {
     nodes: Box<[[Parameters; TPDOS]]>,

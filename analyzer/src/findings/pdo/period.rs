@@ -1,6 +1,6 @@
 use super::parameters::TPDOS;
 use crate::NodeId;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
@@ -10,7 +10,8 @@ use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Pdo, Service::Sdo, Service::Nmt],
+    services: &[Service::Sdo, Service::Nmt],
+    also: Also::KnownTpdos,
     make: Some(|thresholds| {
         Box::new(Period {
             percent: thresholds.get(&METADATA, "percent"),

@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
@@ -7,6 +7,7 @@ use canvass_traces::{Duration, Timestamp};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sync, Service::Nmt],
+    also: Also::Nothing,
     make: Some(|_| Box::new(SyncCounter { last: None, overflow: None })),
 };
 

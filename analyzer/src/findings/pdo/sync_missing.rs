@@ -1,5 +1,5 @@
 use crate::findings::rhythm::Rhythm;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
@@ -7,6 +7,7 @@ use crate::message::{Message, Service};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sync, Service::Nmt],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(SyncMissing { percent: thresholds.get(&METADATA, "percent"), rhythm: Rhythm::default() })
     }),
@@ -15,7 +16,7 @@ pub const RULE: Definition = Definition {
 static METADATA: Metadata = Metadata {
     id: "pdo/sync-missing",
     severity: Severity::Error,
-    title: "A SYNC message is missing",
+    title: "a SYNC message is missing",
     what: "SYNC has kept a period, and then at least one was left out. Pauses around NMT commands are not counted, as \
            masters stop SYNC for a restart.",
     why: "Synchronous PDOs are not sent and outputs are not updated in that cycle; drives in interpolated modes stop.",

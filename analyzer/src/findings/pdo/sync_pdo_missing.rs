@@ -1,6 +1,6 @@
 use super::parameters::TPDOS;
 use crate::NodeId;
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
@@ -8,7 +8,8 @@ use crate::wire::error_control::State;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Sync, Service::Pdo, Service::Nmt],
+    services: &[Service::Sync, Service::Nmt],
+    also: Also::KnownTpdos,
     make: Some(|_| Box::new(SyncPdoMissing { since: vec![[None; TPDOS]; 128].into(), synchronous: Vec::new() })),
 };
 

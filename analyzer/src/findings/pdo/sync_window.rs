@@ -1,5 +1,5 @@
 use crate::Multiplexer;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
@@ -7,7 +7,8 @@ use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Sync, Service::Pdo],
+    services: &[Service::Sync],
+    also: Also::KnownTpdos,
     make: Some(|thresholds| {
         Box::new(SyncWindow { tolerance: Duration::from_micros(thresholds.get(&METADATA, "tolerance")), sync: None })
     }),

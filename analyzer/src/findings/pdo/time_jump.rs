@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
@@ -8,6 +8,7 @@ use canvass_traces::{Duration, Timestamp};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Time],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(TimeJump { most: Duration::from_millis(thresholds.get(&METADATA, "most")), last: None })
     }),
@@ -16,7 +17,7 @@ pub const RULE: Definition = Definition {
 static METADATA: Metadata = Metadata {
     id: "pdo/time-jump",
     severity: Severity::Warning,
-    title: "The time in TIME jumps",
+    title: "the time in TIME jumps",
     what: "Between two TIME messages the time of day has gone on by more or less than the clock of the capture.",
     why: "Devices that log events or synchronise clocks take over the jump.",
     advice: "The producer's clock was set, or there are two producers. A step of an hour is a producer that sends local \

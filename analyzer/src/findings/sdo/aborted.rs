@@ -1,12 +1,16 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::{Message, Service};
 use crate::network::sdo::{Direction, Side};
 use crate::wire::sdo::{Abort, AbortCode, Request, Response};
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[Service::Sdo], make: Some(|_| Box::new(Aborted)) };
+pub const RULE: Definition = Definition {
+    metadata: &METADATA,
+    services: &[Service::Sdo],
+    also: Also::Nothing,
+    make: Some(|_| Box::new(Aborted)),
+};
 
 static METADATA: Metadata = Metadata {
     id: "sdo/aborted",

@@ -1,5 +1,5 @@
 use super::pending::Step;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Service;
@@ -8,6 +8,7 @@ use canvass_traces::Duration;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sdo],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(Late {
             answer: Duration::from_millis(thresholds.get(&METADATA, "answer")),

@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
@@ -8,6 +8,7 @@ use crate::wire::sdo::{Request, Response};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sdo],
+    also: Also::Nothing,
     make: Some(|_| Box::new(ProtocolViolation::default())),
 };
 
@@ -53,6 +54,11 @@ impl Rule for ProtocolViolation {
             match violation {
                 Violation::Unexpected => {
                     format!("{} {side} that does not belong here{object}", what(context.message()))
+                }
+                Violation::Multiplexer(_) => {
+                    let transfer = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel));
+                    let asked = transfer.map(|transfer| format!(", asked was {}", transfer.multiplexer));
+                    format!("{side}: {violation}{}", asked.unwrap_or_default())
                 }
                 other => format!("{side}: {other}{object}"),
             }

@@ -1,6 +1,6 @@
 use super::pending::Step;
 use crate::NodeId;
-use crate::findings::rule::{Definition, Metadata, Rule};
+use crate::findings::rule::{Also, Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Service;
@@ -8,6 +8,7 @@ use crate::message::Service;
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sdo],
+    also: Also::Nothing,
     make: Some(|_| Box::new(Retries { first: (0..128).map(|_| None).collect() })),
 };
 

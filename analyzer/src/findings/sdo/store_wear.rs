@@ -1,4 +1,4 @@
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold, Thresholds};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold, Thresholds};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Service;
@@ -9,6 +9,7 @@ use crate::{Multiplexer, NodeId};
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sdo],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(StoreWear {
             limits: Wear::limits(&METADATA, thresholds),

@@ -1,17 +1,19 @@
 use super::pending::{Pending, Step};
 use crate::NodeId;
-use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::Service;
+use crate::message::{Message, Service};
 use crate::network::Cause;
 use crate::network::sdo::ChannelIndex;
 use crate::wire::error_control::State;
+use crate::wire::sdo::Request;
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sdo],
+    also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(Unanswered {
             wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),
@@ -32,13 +34,17 @@ static METADATA: Metadata = Metadata {
            are a scan for nodes, and not reported.",
     why: "The client waits for its time-out and then usually aborts; start-up of the machine is delayed or fails.",
     advice: "See whether the node sends anything else at that time: heartbeats that go on point to a busy or hung SDO \
-             server, silence to a node that is off or has another node-ID.",
+             server, silence to a node that is off or has another \
+             node-ID. Two clients on one channel take each other's answers: give the second one a channel of its own (1201h).",
     thresholds: &[
         Threshold { name: "wait", default: 2000, unit: "ms", meaning: "time to answer" },
         Threshold { name: "store", default: 10_000, unit: "ms", meaning: "time to answer 1010h, 1011h, 1F50h, 1F51h" },
         Threshold { name: "scan", default: 4, unit: "", meaning: "so many silent nodes make it a scan" },
     ],
 };
+
+/// No client gives up so soon.
+const TWO_CLIENTS: Duration = Duration::from_millis(5);
 
 struct Unanswered {
     wait: Duration,
@@ -79,7 +85,12 @@ impl Rule for Unanswered {
             && told.is_none()
         {
             let waited = context.now().since(pending.since);
-            tell(&mut self.absent, pending, &format!("the client gave up after {waited}"), &context.scene, sink);
+            let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
+            let why = match waited < TWO_CLIENTS && !aborts {
+                true => format!("another one followed after {waited}, as if two clients used this channel"),
+                false => format!("the client gave up after {waited}"),
+            };
+            tell(&mut self.absent, pending, &why, &context.scene, sink);
         }
     }
 

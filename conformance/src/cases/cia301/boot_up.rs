@@ -100,15 +100,16 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
     bench.drain()?;
     bench.command(Command::RESET_NODE)?;
     let deadline = bench.now() + bench.timing().boot_up;
-    let mut early = None;
-    // The reset itself takes a while to be seen; some devices have started by then.
-    let begun = bench.listen(Duration::from_millis(5))?;
-    let mut booted = begun.iter().any(|record| record.frame.cob_id() == Some(0x700 + response_id % 0x80));
+    let error_control = 0x700 + response_id % 0x80;
+    // The reset itself takes a while to be seen; a quick device has started by then.
+    let at_once = bench
+        .wait_for(Duration::from_millis(5), |record| (record.frame.cob_id() == Some(error_control)).then_some(()))?;
+    let (mut booted, mut early) = (at_once.is_some(), None);
     while !booted && early.is_none() && bench.now() < deadline {
         bench.send_request(&Request::upload(Multiplexer::new(0x1000, 0)))?;
         let seen = bench.wait_for(Duration::from_millis(5), |record| {
             let id = record.frame.cob_id();
-            let is_boot_up = id == Some(0x700 + response_id % 0x80);
+            let is_boot_up = id == Some(error_control);
             (is_boot_up || id == Some(response_id)).then_some((is_boot_up, record.frame))
         })?;
         match seen {
@@ -143,7 +144,7 @@ fn self_start(bench: &mut Bench<'_>) -> Judged {
     });
     // Whatever came of it, the device gets its old value back.
     bench.write(START_UP, &before.to_le_bytes())?;
-    bench.write(crate::bench::state::HEARTBEAT_TIME, &[0, 0])?;
+    bench.prefer_guarding()?;
     bench.write(STORE, b"save")?;
     bench.reset(Command::RESET_NODE)?;
     let state = state?;

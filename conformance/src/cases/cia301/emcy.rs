@@ -50,7 +50,7 @@ pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Resul
 /// some devices watch nodes only once that is stored.
 pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Verdict> {
     bench.expect_emergencies();
-    let monitored = if bench.can_write(GUARD_TIME)? && bench.can_write(LIFE_TIME_FACTOR)? {
+    let monitored = if bench.can_be_guarded()? {
         bench.write(GUARD_TIME, &GUARD_MS.to_le_bytes())?;
         bench.write(LIFE_TIME_FACTOR, &[FACTOR])?;
         Monitored::Master

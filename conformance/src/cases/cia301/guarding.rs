@@ -120,3 +120,17 @@ fn error_control(bench: &mut Bench<'_>) -> Judged {
         Reason::new("the device has error control", "1017h:00, or 100Ch:00 and 100Dh:00", actual)
     })
 }
+
+/// A device without guard time, 100Ch, does not answer remote frames for its error control message.
+#[case(id = "301/guarding/not-supported", clause = "CiA 301 7.2.8.3.2.1", confidence = Attested, level = Should,
+       needs = [Heartbeat, Description], catches = [GuardingAnsweredUnsupported])]
+fn not_supported(bench: &mut Bench<'_>) -> Judged {
+    if bench.has(GUARD_TIME)? {
+        return Err(Verdict::NotApplicable(Reason::new("the device has no node guarding", "no 100Ch", "100Ch")));
+    }
+    bench.prefer_guarding()?;
+    let answer = answer(bench)?;
+    demand(answer.is_none(), || {
+        Reason::new("without 100Ch a guarding request is not answered", "silence", shown(answer))
+    })
+}

@@ -176,3 +176,51 @@ fn count(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(multiplexer, &before)?;
     Ok(verdict)
 }
+
+/// An entry for a node-ID that does not exist, 0 or 128 to 255, watches nobody, or is refused with abort 0609 0030h.
+#[case(id = "301/heartbeat-consumer/no-node", clause = "CiA 301 7.5.2.19", confidence = Derived, level = Should,
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerWatchesEveryone])]
+fn no_node(bench: &mut Bench<'_>) -> Judged {
+    bench.expect_emergencies();
+    let node = neighbour(bench)?;
+    let mut verdict = Verdict::Pass;
+    for unused in [0_u8, 128, 255] {
+        // Some take another node only after the entry was erased.
+        bench.write(WATCHED, &entry(0, 0))?;
+        let attempt = bench.download(WATCHED, &entry(unused, CONSUMER_MS))?;
+        if attempt.abort().is_some() {
+            let tolerated = [AbortCode::VALUE_TOO_HIGH, AbortCode::PARAMETER_INCOMPATIBLE, AbortCode::GENERAL];
+            verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &tolerated)?);
+            continue;
+        }
+        attempt.expect_confirmation()?;
+        beat(bench, node)?;
+        let heard = emergencies(bench, CONSUMER_TIME.times(3))?;
+        demand(heard.is_empty(), || {
+            Reason::new(format!("an entry for node-ID {unused} watches nobody"), "no EMCY", shown(&heard))
+        })?;
+    }
+    Ok(verdict)
+}
+
+/// Heartbeats of a watched node that have another length, or bit 7 set, and its boot-up message, do not disturb the
+/// device. Whether they count as a sign of life is noted: CiA 301 does not say.
+#[case(id = "301/heartbeat-consumer/malformed", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = May,
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerCrashes])]
+fn malformed(bench: &mut Bench<'_>) -> Judged {
+    let node = watch(bench)?;
+    let cob_id = error_control::CAN_ID_BASE + u16::from(node);
+    let messages: [(&str, &[u8]); 4] =
+        [("of no byte", &[]), ("of two bytes", &[5, 0]), ("with bit 7", &[0x85]), ("of a boot-up", &[0])];
+    for (what, data) in messages {
+        beat(bench, node)?;
+        let mut heard = Vec::new();
+        for _ in 0..4 {
+            heard.extend(emergencies(bench, Duration::from_millis(100))?);
+            bench.send_bytes(cob_id, data)?;
+        }
+        bench.note(format!("a heartbeat {what} {}", if heard.is_empty() { "counts" } else { "does not count" }));
+        bench.upload(ERROR_REGISTER)?.value()?;
+    }
+    Ok(Verdict::Pass)
+}

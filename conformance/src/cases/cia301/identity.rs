@@ -48,7 +48,7 @@ fn lss_address(bench: &mut Bench<'_>) -> Judged {
 
 /// The device type 1000h names the device profile and is that of the description.
 #[case(id = "301/identity/device-type", clause = "CiA 301 7.5.2.1", confidence = Derived, level = Must,
-       needs = [Description], catches = [DeviceTypeProfileWrong], cct = "2.1")]
+       needs = [Description], catches = [DeviceTypeProfileWrong, DeviceTypeTurnsWrong], cct = "2.1")]
 fn device_type(bench: &mut Bench<'_>) -> Judged {
     let value = bench.upload(DEVICE_TYPE)?.value()?;
     demand(value.len() == 4, || Reason::new("1000h is an UNSIGNED32", "4 bytes", Bytes(&value).to_string()))?;

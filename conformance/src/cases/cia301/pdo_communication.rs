@@ -12,7 +12,7 @@ const FREE: u32 = 0x6A0;
 
 /// The CAN-ID of a PDO that is valid can't be changed: abort 0609 0030h, and the COB-ID stays.
 #[case(id = "301/pdo/cob-id/valid", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [CobIdChangeWhileValid])]
+       needs = [Tpdo, DynamicMapping], catches = [CobIdChangeWhileValid])]
 fn valid(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read(TPDO_COB_ID)?;
     let other = crate::bench::sdo::number(&before) & !0x7FF | FREE;
@@ -22,20 +22,25 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
     Ok(verdict)
 }
 
-/// Restricted CAN-IDs are refused for PDOs and SYNC with abort 0609 0030h. A sample of the 797 is written.
+/// Restricted CAN-IDs are refused for PDOs and SYNC with abort 0609 0030h.
+///
+/// A sample of the 797 is written; with `--exhaustive` all of them.
 #[case(id = "301/pdo/cob-id/restricted", clause = "CiA 301 7.3.5", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [RestrictedCanIdAccepted], cct = "8.10")]
+       needs = [Tpdo, DynamicMapping], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
     let own = bench.read_number(TPDO_COB_ID)?;
     bench.write(TPDO_COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
-    for can_id in [0x000_u32, 0x001, 0x07F, 0x101, 0x17F, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF] {
+    let sample = vec![0x000_u32, 0x001, 0x07F, 0x101, 0x17F, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF];
+    let all = || (0..=0x7FF).filter(|&id| CobId(id).is_restricted()).collect();
+    for can_id in if bench.options().exhaustive { all() } else { sample } {
         let value = own & !(0x7FF | CobId::INVALID) | can_id;
         let attempt = bench.download(TPDO_COB_ID, &value.to_le_bytes())?;
         verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
     }
     let sync = Multiplexer::new(0x1005, 0);
-    if bench.has(sync)? {
+    // A COB-ID that can't be changed at all is no matter of which one it is.
+    if bench.can_write(sync)? {
         for can_id in [0x001_u32, 0x101, 0x601, 0x701] {
             let attempt = bench.download(sync, &can_id.to_le_bytes())?;
             let tolerated = [AbortCode::GENERAL, AbortCode::READ_ONLY];
@@ -47,7 +52,7 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
 
 /// The reserved transmission types 241 to 251 are refused with abort 0609 0030h.
 #[case(id = "301/pdo/transmission-type/reserved", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [ReservedTransmissionTypeAccepted])]
+       needs = [Tpdo, DynamicMapping], catches = [ReservedTransmissionTypeAccepted])]
 fn reserved_type(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
     let before = bench.read(TRANSMISSION_TYPE)?;

@@ -23,7 +23,7 @@ fn open_mapping(bench: &mut Bench<'_>) -> Result<(), Verdict> {
 
 /// The mapping of a PDO that is valid can't be changed, and stays as it is.
 #[case(id = "301/pdo/mapping/valid", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MappingChangeWhileValid], cct = "3.24")]
+       needs = [Tpdo, DynamicMapping], catches = [MappingChangeWhileValid], cct = "3.24")]
 fn valid(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read(TPDO_MAPPED)?;
     let attempt = bench.download(TPDO_MAPPED, &[0])?;
@@ -34,7 +34,7 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
 
 /// A mapping of more than 64 bits is refused with abort 0604 0042h.
 #[case(id = "301/pdo/mapping/too-long", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MappingTooLongAccepted], cct = "3.26")]
+       needs = [Tpdo, DynamicMapping], catches = [MappingTooLongAccepted], cct = "3.26")]
 fn too_long(bench: &mut Bench<'_>) -> Judged {
     let entry = bench.read(TPDO_FIRST_ENTRY)?;
     let bits = u32::from(entry.first().copied().unwrap_or_default());
@@ -64,7 +64,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
 
 /// An object that is not for PDOs can't be mapped: abort 0604 0041h.
 #[case(id = "301/pdo/mapping/unmappable", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [UnmappableObjectMapped], cct = "3.29")]
+       needs = [Tpdo, DynamicMapping], catches = [UnmappableObjectMapped], cct = "3.29")]
 fn unmappable(bench: &mut Bench<'_>) -> Judged {
     open_mapping(bench)?;
     // The device type, 32 bits.

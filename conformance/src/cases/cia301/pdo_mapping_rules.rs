@@ -29,7 +29,7 @@ fn refused(bench: &mut Bench<'_>, pdo: Pdo, entry: u32, strict: &[AbortCode], to
 
 /// The mapping as delivered names objects that exist, are for PDOs, have the length that it says, and fit into 8 bytes.
 #[case(id = "301/pdo/mapping/default", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, Description], catches = [DefaultMappingWrong], cct = "3.21")]
+       needs = [Tpdo, Description], catches = [DefaultMappingWrong], cct = "3.21")]
 fn default(bench: &mut Bench<'_>) -> Judged {
     for number in 1..=4_u16 {
         for pdo in [TPDO.numbered(number), RPDO.numbered(number)] {
@@ -72,7 +72,7 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
 
 /// The mapping that a PDO has can be written again, in the five steps of CiA 301.
 #[case(id = "301/pdo/mapping/procedure", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MappingProcedureRefused], cct = "3.22")]
+       needs = [Tpdo, DynamicMapping], catches = [MappingProcedureRefused], cct = "3.22")]
 fn procedure(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let own = bench.pdo_cob_id(TPDO)?;
@@ -110,15 +110,23 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
         return Err(Verdict::NotApplicable(reason));
     };
     bench.set_mapping(TPDO, &[second, changeable])?;
-    bench.set_pdo(TPDO, &[(2, &[255]), (5, &100_u16.to_le_bytes())])?;
+    let has_timer = bench.has(TPDO.parameter(5))?;
+    match has_timer {
+        true => bench.set_pdo(TPDO, &[(2, &[255]), (5, &100_u16.to_le_bytes())])?,
+        false => bench.set_pdo(TPDO, &[(2, &[1])])?,
+    }
     bench.write(changeable.at, &other)?;
     let can_id = (bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16;
+    let sync_id = bench.sync_id()?;
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction)?;
+    if !has_timer {
+        bench.send_bytes(sync_id, &[])?;
+    }
     let heard = bench.frames_of(can_id, Duration::from_millis(300))?;
     let length = usize::from((second.bits + changeable.bits) / 8);
     let Some(last) = heard.last() else {
-        let reason = Reason::new("TPDO 1 is sent", "one every 100 ms", "none in 300 ms");
+        let reason = Reason::new("TPDO 1 is sent", "one every 100 ms, or with SYNC", "none in 300 ms");
         return Err(Verdict::Inconclusive(reason));
     };
     let found = last.data().get(usize::from(second.bits / 8)..).unwrap_or_default();
@@ -131,7 +139,7 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
 
 /// The entries of a mapping can't be changed while sub-index 0 counts them.
 #[case(id = "301/pdo/mapping/entry-in-use", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MappingChangeWhileValid], cct = "3.23")]
+       needs = [Tpdo, DynamicMapping], catches = [MappingChangeWhileValid], cct = "3.23")]
 fn entry_in_use(bench: &mut Bench<'_>) -> Judged {
     bench.pdo_off(TPDO)?;
     let before = bench.read(TPDO.entry(1))?;
@@ -143,7 +151,7 @@ fn entry_in_use(bench: &mut Bench<'_>) -> Judged {
 
 /// More objects than the mapping has entries are refused with abort 0604 0042h.
 #[case(id = "301/pdo/mapping/count", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MappingCountUnchecked], cct = "3.25")]
+       needs = [Tpdo, DynamicMapping], catches = [MappingCountUnchecked], cct = "3.25")]
 fn count(bench: &mut Bench<'_>) -> Judged {
     bench.open_mapping(TPDO)?;
     let mut verdict = Verdict::Pass;
@@ -165,14 +173,14 @@ fn count(bench: &mut Bench<'_>) -> Judged {
 
 /// An object that does not exist can't be mapped: abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
+       needs = [Tpdo, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
     refused(bench, TPDO, 0xFFFF_0020, &[AbortCode::NO_OBJECT, AbortCode::NOT_MAPPABLE], &[AbortCode::GENERAL])
 }
 
 /// A sub-index that an object does not have can't be mapped: abort 0609 0011h, 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing-sub-index", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
+       needs = [Tpdo, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
 fn missing_sub_index(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let Some(first) = before.first() else {
@@ -186,7 +194,7 @@ fn missing_sub_index(bench: &mut Bench<'_>) -> Judged {
 
 /// Dummy entries, which fill gaps in RPDOs, can't be mapped into a TPDO: abort 0604 0041h.
 #[case(id = "301/pdo/mapping/dummy-in-tpdo", clause = "CiA 301 7.4.7.1", confidence = Attested, level = Should,
-       needs = [EventTimer, DynamicMapping], catches = [DummyMappedIntoTpdo])]
+       needs = [Tpdo, DynamicMapping], catches = [DummyMappedIntoTpdo])]
 fn dummy_in_tpdo(bench: &mut Bench<'_>) -> Judged {
     let tolerated = [AbortCode::NO_OBJECT, AbortCode::GENERAL];
     refused(bench, TPDO, 0x0005_0008, &[AbortCode::NOT_MAPPABLE], &tolerated)
@@ -241,7 +249,7 @@ fn rpdo_object_in_tpdo(bench: &mut Bench<'_>) -> Judged {
 
 /// Every object that the description lets a TPDO carry can be mapped.
 #[case(id = "301/pdo/mapping/every-tpdo-object", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
-       needs = [EventTimer, DynamicMapping, Description], catches = [MappingProcedureRefused], cct = "3.30")]
+       needs = [Tpdo, DynamicMapping, Description], catches = [MappingProcedureRefused], cct = "3.30")]
 fn every_tpdo_object(bench: &mut Bench<'_>) -> Judged {
     let objects = bench.tpdo_objects();
     every_object(bench, TPDO, &objects)

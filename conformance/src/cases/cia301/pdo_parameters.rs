@@ -28,7 +28,7 @@ fn predefined(bench: &mut Bench<'_>) -> Result<Vec<(Pdo, u32)>, Verdict> {
 
 /// Sub-index 0 of a communication parameter names its highest sub-index, 2 to 6, and can't be written.
 #[case(id = "301/pdo/parameter-count", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
-       needs = [EventTimer], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "3.1")]
+       needs = [Tpdo], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "3.1")]
 fn parameter_count(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
     for (pdo, _) in predefined(bench)? {
@@ -46,7 +46,7 @@ fn parameter_count(bench: &mut Bench<'_>) -> Judged {
 
 /// The first four PDOs of either direction have their predefined CAN-IDs as delivered, or are switched off.
 #[case(id = "301/pdo/cob-id/predefined", clause = "CiA 301 7.3.3", confidence = Attested, level = Must,
-       needs = [EventTimer], catches = [PdoIdNotPredefined], cct = "3.1")]
+       needs = [Tpdo], catches = [PdoIdNotPredefined], cct = "3.1")]
 fn cob_id_predefined(bench: &mut Bench<'_>) -> Judged {
     let node = u32::from(bench.node().raw());
     for (pdo, base) in predefined(bench)? {
@@ -93,7 +93,7 @@ fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
 
 /// Writing the COB-ID that a PDO has already is confirmed.
 #[case(id = "301/pdo/cob-id/same", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
-       needs = [EventTimer, DynamicMapping], catches = [SameCobIdRefused])]
+       needs = [Tpdo, DynamicMapping], catches = [SameCobIdRefused])]
 fn cob_id_same(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read(TPDO.parameter(1))?;
     bench.download(TPDO.parameter(1), &own)?.expect_confirmation()?;
@@ -102,7 +102,7 @@ fn cob_id_same(bench: &mut Bench<'_>) -> Judged {
 
 /// An 11-bit frame can't have a CAN-ID above 7FFh: such a COB-ID is refused with abort 0609 0030h.
 #[case(id = "301/pdo/cob-id/too-high", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
-       needs = [EventTimer, DynamicMapping], catches = [CanIdTooHighAccepted])]
+       needs = [Tpdo, DynamicMapping], catches = [CanIdTooHighAccepted])]
 fn cob_id_too_high(bench: &mut Bench<'_>) -> Judged {
     let own = bench.pdo_off(TPDO)?;
     let wrong = own.0 & 0x4000_0000 | 0x0000_0812;
@@ -159,7 +159,7 @@ fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
 
 /// The transmission types 252 and 253, which need remote frames, are refused for a PDO without them: abort 0609 0030h.
 #[case(id = "301/pdo/transmission-type/remote", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
-       needs = [EventTimer, DynamicMapping], catches = [RtrTypeWithoutRtrAccepted])]
+       needs = [Tpdo, DynamicMapping], catches = [RtrTypeWithoutRtrAccepted])]
 fn remote_type(bench: &mut Bench<'_>) -> Judged {
     let own = bench.pdo_off(TPDO)?;
     let without = own.0 | CobId::NO_RTR | CobId::INVALID;
@@ -201,7 +201,7 @@ fn while_valid(bench: &mut Bench<'_>, sub: u8, other: &[u8]) -> Judged {
 
 /// Sub-index 4 of a communication parameter is reserved: reading it is refused with abort 0609 0011h.
 #[case(id = "301/pdo/reserved-entry", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
-       needs = [EventTimer], catches = [SdoWrongCodeForNoSubIndex, SdoUnknownAbortCode])]
+       needs = [Tpdo], catches = [SdoWrongCodeForNoSubIndex, SdoUnknownAbortCode])]
 fn reserved_entry(bench: &mut Bench<'_>) -> Judged {
     bench.upload(TPDO.parameter(4))?.expect_abort(&[AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])
 }

@@ -124,7 +124,11 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 255)?;
     operational(bench)?;
     proven(bench, &subject)?;
+    // Some devices take PDO parameters in pre-operational only.
+    bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+    bench.listen(bench.timing().reaction)?;
     bench.pdo_off(RPDO)?;
+    operational(bench)?;
     send(bench, &subject, &subject.other)?;
     expect_value(bench, subject.mapped.at, &subject.before, "an RPDO that is switched off has no effect")
 }
@@ -348,4 +352,21 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     bench.listen(AFTER_PDO)?;
     expect_value(bench, first.at, &changed, "the first object of an RPDO has its first bytes")?;
     expect_value(bench, second.at, &before[1], "the second object of an RPDO has the bytes behind them")
+}
+
+/// A device with SYNC takes the synchronous transmission types 0, 1, 2 and 240 for an RPDO.
+#[case(id = "301/rpdo/synchronous-types", clause = "CiA 301 7.5.2.35", confidence = Attested, level = Should,
+       needs = [Rpdo, Sync], catches = [SynchronousRpdoRefused])]
+fn synchronous_types(bench: &mut Bench<'_>) -> Judged {
+    if !bench.can_write(RPDO.parameter(2))? {
+        let reason = Reason::new("the transmission type of RPDO 1 can be changed", "1400h:02", "not writable");
+        return Err(Verdict::NotApplicable(reason));
+    }
+    bench.pdo_off(RPDO)?;
+    for kind in [0_u8, 1, 2, 240] {
+        let mut attempt = bench.download(RPDO.parameter(2), &[kind])?;
+        attempt.what = format!("transmission type {kind} of RPDO 1");
+        attempt.expect_confirmation()?;
+    }
+    Ok(Verdict::Pass)
 }

@@ -30,7 +30,7 @@ fn wrong_signature(bench: &mut Bench<'_>) -> Judged {
 fn persists(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[2, 1, 4])?;
     bench.write(scratch.multiplexer, &scratch.other)?;
-    bench.write(STORE, b"save")?;
+    bench.download(STORE, b"save")?.expect_confirmation()?;
     bench.note("1010h was written twice: the device's non-volatile memory has done two more cycles");
     let stored = bench.reset(Command::RESET_NODE).and_then(|()| bench.read(scratch.multiplexer));
     // Whatever came of it, the device gets its old value back.
@@ -97,7 +97,11 @@ struct Two {
 }
 
 fn two(bench: &mut Bench<'_>) -> Result<Two, Verdict> {
-    let communication = bench.scratch(&[2, 1, 4])?;
+    let found = bench.scratch_objects()?.into_iter().find(|scratch| scratch.multiplexer.index.0 < 0x2000);
+    let Some(communication) = found else {
+        let reason = Reason::new("a communication parameter can be written without consequence", "one", "none");
+        return Err(Verdict::NotApplicable(reason));
+    };
     let Some(application) = bench.application_scratch()? else {
         let reason = Reason::new("an application object can be written without consequence", "one", "none");
         return Err(Verdict::NotApplicable(reason));
@@ -238,4 +242,42 @@ fn restores(bench: &mut Bench<'_>) -> Result<(), Verdict> {
         return Ok(());
     }
     Err(Verdict::NotApplicable(Reason::new("defaults can be restored", "1011h:01", "the device has no 1011h:01")))
+}
+
+/// A device whose 1010h:01 says that it does not store on command (bit 0 is 0) refuses "save".
+#[case(id = "301/store/not-supported", clause = "CiA 301 7.5.2.13", confidence = Derived, level = Must,
+       needs = [Store], touches = [Nvm], catches = [StoreCapabilityDenied])]
+fn not_supported(bench: &mut Bench<'_>) -> Judged {
+    let value = bench.read_number(STORE)?;
+    if value & 1 != 0 {
+        let reason =
+            Reason::new("the device does not store on command", "bit 0 of 1010h:01 clear", format!("{value:08X}h"));
+        return Err(Verdict::NotApplicable(reason));
+    }
+    let mut attempt = bench.download(STORE, b"save")?;
+    attempt.what = "\"save\" to a device that does not store on command".to_owned();
+    let strict = [
+        AbortCode::NOT_TRANSFERRED,
+        AbortCode::LOCAL_CONTROL,
+        AbortCode::DEVICE_STATE,
+        AbortCode::READ_ONLY,
+        AbortCode::UNSUPPORTED_ACCESS,
+    ];
+    attempt.expect_abort(&strict, &[AbortCode::GENERAL])
+}
+
+/// "save" in operational is carried out, or refused with abort 0800 0022h. Which of the two is noted.
+#[case(id = "301/store/operational", clause = "CiA 301 7.5.2.13", confidence = Derived, level = May,
+       needs = [Store], touches = [Nvm], catches = [StoreSilentWhenOperational, SdoSilentWhenOperational])]
+fn operational(bench: &mut Bench<'_>) -> Judged {
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction)?;
+    let mut attempt = bench.download(STORE, b"save")?;
+    attempt.what = "\"save\" in operational".to_owned();
+    bench.note(format!("\"save\" in operational: {}", attempt.outcome));
+    bench.listen(canvass_traces::Duration::from_millis(100))?;
+    match attempt.abort() {
+        Some(_) => attempt.expect_abort(&[AbortCode::DEVICE_STATE], &[AbortCode::GENERAL, AbortCode::NOT_TRANSFERRED]),
+        None => attempt.expect_confirmation(),
+    }
 }

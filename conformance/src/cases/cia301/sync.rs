@@ -196,7 +196,7 @@ fn cob_id(bench: &mut Bench<'_>) -> Judged {
 
 /// A consumer that expects a counter takes SYNC of another length than one byte for wrong: it sends no TPDO.
 #[case(id = "301/sync/wrong-length", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
-       needs = [SyncCounter, EventTimer, DynamicMapping], catches = [SyncLengthUnchecked])]
+       needs = [SyncCounter, Tpdo, DynamicMapping], catches = [SyncLengthUnchecked])]
 fn wrong_length(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     bench.write(PERIOD, &0_u32.to_le_bytes())?;
@@ -235,6 +235,8 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
         return Err(Verdict::NotApplicable(reason));
     }
     let own = bench.read_number(COB_ID)?;
+    // Where nothing of 1005h can be changed, that is the reason to refuse.
+    let strict = if bench.can_write(COB_ID)? { AbortCode::INVALID_VALUE } else { AbortCode::READ_ONLY };
     let attempt = bench.download(COB_ID, &(own | PRODUCES).to_le_bytes())?;
     if attempt.abort().is_none() {
         // A producer, then: it must produce.
@@ -246,5 +248,26 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, "SYNC, or abort 0609 0030h", "confirmation, but no SYNC")
         });
     }
-    attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::READ_ONLY, AbortCode::GENERAL])
+    attempt.expect_abort(&[strict], &[AbortCode::INVALID_VALUE, AbortCode::READ_ONLY, AbortCode::GENERAL])
+}
+
+/// The synchronous counter overflow value that was stored is there after reset node. The old one is stored again.
+#[case(id = "301/sync/overflow-stored", clause = "CiA 301 7.5.2.22", confidence = Derived, level = Must,
+       needs = [SyncCounter, Store], touches = [Nvm], catches = [StoreWithoutEffect], cct = "6.8")]
+fn overflow_stored(bench: &mut Bench<'_>) -> Judged {
+    const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+    bench.write(PERIOD, &0_u32.to_le_bytes())?;
+    let before = bench.read(OVERFLOW)?;
+    let other = if before == [10] { [20] } else { [10] };
+    bench.write(OVERFLOW, &other)?;
+    bench.write(STORE, b"save")?;
+    let stored = bench.reset(Command::RESET_NODE).and_then(|()| bench.read(OVERFLOW));
+    // Whatever came of it, the device gets its old value back.
+    bench.write(OVERFLOW, &before)?;
+    bench.write(STORE, b"save")?;
+    let stored = stored?;
+    demand(stored == other, || {
+        let duty = "1019h has its stored value after reset node";
+        Reason::new(duty, Bytes(&other).to_string(), Bytes(&stored).to_string())
+    })
 }

@@ -6,7 +6,6 @@ use crate::case;
 use crate::verdict::{Judged, Reason, Verdict, demand};
 use canvass_analyzer::CobId;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_analyzer::wire::sync;
 use canvass_traces::{Duration, Record};
 
 const PERIOD_MS: u16 = 100;
@@ -51,7 +50,7 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
         _ => Duration::ZERO,
     });
     let longest = gaps.max();
-    let limit = PERIOD + bench.timing().tolerance(PERIOD);
+    let limit = PERIOD + bench.tolerance(PERIOD);
     demand(heard.len() as u64 >= PERIODS && longest.is_some_and(|gap| gap <= limit), || {
         let actual = match longest {
             Some(gap) => format!("{} TPDOs, up to {gap} apart", heard.len()),
@@ -64,50 +63,108 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
 
 /// In pre-operational no TPDO is sent, even where its event timer runs.
 #[case(id = "301/state/pre-operational/tpdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
-       needs = [EventTimer], catches = [TpdoInPreOperational], cct = "9.2")]
+       needs = [Tpdo], catches = [TpdoInPreOperational], cct = "9.2")]
 fn pre_operational(bench: &mut Bench<'_>) -> Judged {
     silent_unless_operational(bench, Command::ENTER_PRE_OPERATIONAL)
 }
 
 /// In stopped no TPDO is sent, even where its event timer runs.
 #[case(id = "301/state/stopped/tpdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
-       needs = [EventTimer], catches = [TpdoWhenStopped], cct = "9.4")]
+       needs = [Tpdo], catches = [TpdoWhenStopped], cct = "9.4")]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     silent_unless_operational(bench, Command::STOP)
 }
 
 /// Sees that the TPDO comes in operational, then that it does not after `command`.
 fn silent_unless_operational(bench: &mut Bench<'_>, command: Command) -> Judged {
-    let cob_id = cyclic_tpdo(bench)?;
+    let trigger = trigger(bench)?;
     bench.command(Command::START)?;
-    let running = tpdos(bench, cob_id, PERIOD.times(3))?;
-    demand(!running.is_empty(), || Reason::new("TPDO 1 is sent in operational", "one every 100 ms", "none in 300 ms"))
-        .map_err(Verdict::as_inconclusive)?;
+    let running = trigger.listen(bench, 3)?;
+    demand(!running.is_empty(), || {
+        Reason::new("TPDO 1 is sent in operational", format!("one {}", trigger.text()), "none in three")
+    })
+    .map_err(Verdict::as_inconclusive)?;
     bench.command(command)?;
     // One may be on its way.
     bench.listen(bench.timing().reaction)?;
-    let heard = tpdos(bench, cob_id, PERIOD.times(5))?;
+    let heard = trigger.listen(bench, 5)?;
     demand(heard.is_empty(), || {
         let duty = format!("after {command} TPDO 1 is not sent");
-        Reason::new(duty, "silence for 500 ms", format!("{} TPDOs", heard.len()))
+        Reason::new(duty, format!("none {}", trigger.text()), format!("{} TPDOs", heard.len()))
     })
+}
+
+/// What makes TPDO 1, with that CAN-ID, be sent.
+enum Trigger {
+    /// Its event timer.
+    Timer(u16),
+    /// SYNC with the second CAN-ID: the device has no event timer.
+    Sync(u16, u16),
+}
+
+fn trigger(bench: &mut Bench<'_>) -> Result<Trigger, Verdict> {
+    if bench.has(EVENT_TIMER)? {
+        return cyclic_tpdo(bench).map(Trigger::Timer);
+    }
+    if !(1..=240).contains(&bench.read_number(TRANSMISSION_TYPE)?) {
+        set_type(bench, 1)?;
+    }
+    let can_id = CobId(bench.read_number(TPDO_COB_ID)?).can_id() & 0x7FF;
+    Ok(Trigger::Sync(can_id as u16, bench.sync_id()?))
+}
+
+/// Sets the transmission type; some devices of DS-301 V3.0 have a fixed one.
+fn set_type(bench: &mut Bench<'_>, transmission_type: u8) -> Result<(), Verdict> {
+    let attempt = bench.download(TRANSMISSION_TYPE, &[transmission_type])?;
+    match attempt.abort() {
+        Some(code) => {
+            let duty = format!("TPDO 1 can have transmission type {transmission_type}");
+            Err(Verdict::NotApplicable(Reason::new(duty, "confirmation", format!("abort {code}"))))
+        }
+        None => attempt.expect_confirmation().map(|_| ()).map_err(Verdict::as_inconclusive),
+    }
+}
+
+impl Trigger {
+    /// The TPDOs of that many periods or SYNCs.
+    fn listen(&self, bench: &mut Bench<'_>, times: u64) -> Result<Vec<Record>, Verdict> {
+        match *self {
+            Self::Timer(can_id) => tpdos(bench, can_id, PERIOD.times(times)),
+            Self::Sync(can_id, sync_id) => {
+                let mut heard = Vec::new();
+                for _ in 0..times {
+                    bench.send_bytes(sync_id, &[])?;
+                    heard.extend(tpdos(bench, can_id, bench.timing().reaction)?);
+                }
+                Ok(heard)
+            }
+        }
+    }
+
+    const fn text(&self) -> &'static str {
+        match self {
+            Self::Timer(_) => "every 100 ms",
+            Self::Sync(..) => "with each SYNC",
+        }
+    }
 }
 
 /// A TPDO of transmission type n is sent once for every n SYNCs.
 #[case(id = "301/tpdo/sync-cycle", clause = "CiA 301 7.2.2.2", confidence = Known, level = Must,
-       needs = [EventTimer], catches = [SyncCycleIgnored], cct = "6.3")]
+       needs = [Tpdo], catches = [SyncCycleIgnored], cct = "6.3")]
 fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
     const CYCLES: usize = 4;
     let cob_id = (CobId(bench.read_number(TPDO_COB_ID)?).can_id() & 0x7FF) as u16;
+    let sync_id = bench.sync_id()?;
     for cycle in [1_u8, 3] {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
         bench.listen(bench.timing().reaction)?;
-        bench.write(TRANSMISSION_TYPE, &[cycle])?;
+        set_type(bench, cycle)?;
         bench.command(Command::START)?;
         bench.listen(bench.timing().reaction)?;
         let mut sent = 0;
         for _ in 0..CYCLES * usize::from(cycle) {
-            bench.send_bytes(sync::CAN_ID, &[])?;
+            bench.send_bytes(sync_id, &[])?;
             sent += tpdos(bench, cob_id, Duration::from_millis(20))?.len();
         }
         demand(sent == CYCLES, || {
@@ -138,7 +195,7 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
         _ => None,
     });
     let shortest = gaps.min();
-    let limit = INHIBIT.nanos() - bench.timing().tolerance(INHIBIT).nanos();
+    let limit = INHIBIT.nanos().saturating_sub(bench.tolerance(INHIBIT).nanos());
     demand(shortest.is_some_and(|gap| gap.nanos() >= limit), || {
         let actual = shortest.map_or_else(|| "fewer than two TPDOs".to_owned(), |gap| format!("{gap}"));
         Reason::new("TPDOs are at least the inhibit time apart", INHIBIT.to_string(), actual)

@@ -1,6 +1,7 @@
 //! CiA 305: layer setting services. All of them address every LSS slave on the bus, so the device must be alone.
 
 mod configuration;
+mod crowd;
 mod dialogue;
 mod fastscan;
 mod identify;
@@ -11,6 +12,15 @@ use crate::case;
 use crate::verdict::{Judged, Reason, Verdict, demand};
 use canvass_analyzer::wire::lss::{ConfigureCommand, Part, Request, Response};
 use dialogue::{configure, exchange, shown};
+
+/// After a case that could not go on: the device has its own node-ID and the bit rate of the bus again, stored if the
+/// case stored others.
+///
+/// # Errors
+/// As [`Bench::wait_for`]; [`Verdict::Inconclusive`] if no slave answers.
+pub(crate) fn rescue(bench: &mut Bench<'_>, stored: bool) -> Result<(), Verdict> {
+    configuration::restore(bench, stored)
+}
 
 /// In waiting the slave answers no inquiry; in configuration it does.
 #[case(id = "305/waiting/inquiries", clause = "CiA 305 6.5", confidence = Attested, level = Must,

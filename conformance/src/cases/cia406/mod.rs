@@ -3,7 +3,10 @@
 //! The shaft must be at rest: cases that depend on it see that first. Those about speed need one that turns.
 
 mod alarms;
+mod cams;
+mod consistency;
 mod draw_wire;
+mod error_behaviour;
 mod identification;
 mod limit_switch;
 mod operating;

@@ -66,15 +66,15 @@ fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Verdict> {
 
 /// Writing a preset makes the position that value, at rest.
 #[case(id = "406/preset/position", clause = "CiA 406", confidence = Unknown, level = Must,
-       needs = [Encoder], catches = [PresetIgnored])]
+       needs = [Encoder, VolatilePreset], catches = [PresetIgnored])]
 fn preset(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
-    let before = position_at_rest(bench)?;
-    let wanted = (before + 1_000) % range;
-    bench.write(PRESET, &wanted.to_le_bytes())?;
-    let position = bench.read_number(POSITION)?;
-    demand(is_near(position, wanted, range), || {
-        Reason::new("after a preset 6004h has its value", format!("{wanted}"), format!("{position}"))
+    let wanted = (position_at_rest(bench)? + 1_000) % range;
+    super::preset::with_preset(bench, wanted, |bench, _| {
+        let position = bench.read_number(POSITION)?;
+        demand(is_near(position, wanted, range), || {
+            Reason::new("after a preset 6004h has its value", format!("{wanted}"), format!("{position}"))
+        })
     })
 }
 

@@ -34,9 +34,9 @@ pub(super) fn with_preset(
     act: impl FnOnce(&mut Bench<'_>, u32) -> Judged,
 ) -> Judged {
     let before = position_at_rest(bench)?;
-    let set = bench.download(PRESET, &wanted.to_le_bytes())?.expect_confirmation();
+    let set = bench.download(PRESET, &wanted.to_le_bytes()).and_then(|attempt| attempt.expect_confirmation());
     let judged = set.and_then(|_| act(bench, before));
-    bench.download(PRESET, &before.to_le_bytes())?;
+    bench.uncancelled(|bench| bench.download(PRESET, &before.to_le_bytes()))?;
     judged
 }
 
@@ -142,7 +142,7 @@ fn stored(bench: &mut Bench<'_>) -> Judged {
         })
     });
     // The position of before is back, and stored again.
-    save(bench)?;
+    bench.uncancelled(save)?;
     judged
 }
 

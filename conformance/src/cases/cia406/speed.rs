@@ -154,3 +154,20 @@ fn acceleration(bench: &mut Bench<'_>) -> Judged {
     let acceleration = signed(bench, ACCELERATION)?;
     demand(acceleration.abs() <= 2, || Reason::new("6040h is 0 at constant speed", "0", format!("{acceleration}")))
 }
+
+/// At constant speed the jerk 6050h is 0, as the acceleration is.
+#[case(id = "406/jerk/constant-speed", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, Jerk, TurningShaft], catches = [JerkShowsSpeed])]
+fn jerk(bench: &mut Bench<'_>) -> Judged {
+    const JERK: Multiplexer = Multiplexer::new(0x6050, 1);
+    let first = signed(bench, ACCELERATION)?;
+    bench.listen(Duration::from_secs(1))?;
+    let second = signed(bench, ACCELERATION)?;
+    if first.abs().max(second.abs()) > 2 {
+        let reason =
+            Reason::new("the shaft turns at constant speed", "an acceleration of 0", format!("{first}, {second}"));
+        return Err(Verdict::NotApplicable(reason));
+    }
+    let jerk = signed(bench, JERK)?;
+    demand(jerk.abs() <= 2, || Reason::new("6050h is 0 at constant speed", "0", format!("{jerk}")))
+}

@@ -19,7 +19,7 @@ fn error_of(response: Option<Response>, of: ConfigureCommand) -> Option<u8> {
 }
 
 /// Leaves the node-ID that the device has as the one configured last.
-fn configure_own(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+pub(super) fn configure_own(bench: &mut Bench<'_>) -> Result<(), Verdict> {
     let node_id = bench.node().raw();
     exchange(bench, Request::ConfigureNmtAddress { node_id }).map(|_| ())
 }
@@ -70,7 +70,7 @@ fn not_at_once(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Sets the bit rate that the bus has as the one configured last, where it is known.
-fn configure_own_rate(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+pub(super) fn configure_own_rate(bench: &mut Bench<'_>) -> Result<(), Verdict> {
     if let Some(index) = bench.bit_rate().and_then(index_of) {
         exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     }

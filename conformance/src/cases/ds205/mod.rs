@@ -79,6 +79,18 @@ fn other(value: Seven) -> Seven {
     Seven([a, b, c, d, e, f, last])
 }
 
+/// After a case that could not go on: the node-ID and the bit rate in use are those that are configured.
+///
+/// # Errors
+/// As [`Bench::wait_for`].
+pub(crate) fn rescue(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+    in_configuration(bench, |bench| {
+        configuration::configure_own(bench)?;
+        configuration::configure_own_rate(bench).map(|()| Verdict::Pass)
+    })
+    .map(|_| ())
+}
+
 /// Whether the bus has an LMT slave: it is asked in configuration, and led back.
 ///
 /// # Errors

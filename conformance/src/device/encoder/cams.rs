@@ -2,6 +2,7 @@
 //! channel; low limit, high limit and hysteresis of cam N (6310h, 6320h, 6330h + N - 1).
 
 use super::Encoder;
+use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_traces::Timestamp;
 use std::cell::Cell;
@@ -18,23 +19,32 @@ impl Encoder {
     /// 6300h: a cam is active from its low to its high limit, both included; once active it stays so until the position
     /// is farther outside than its hysteresis.
     pub(super) fn cam_state(&self, now: Timestamp, channel: u8, parameters: &Parameters) -> Option<u64> {
-        let enabled = parameters.number(0x6301, channel).filter(|_| channel > 0)?;
+        let slot = usize::from(channel.checked_sub(1)?);
+        let register = |index| parameters.number_or_zero(index, channel) as u8;
+        let enabled = if self.faults.has(Fault::CamEnableIgnored) { u8::MAX } else { register(0x6301) };
+        let polarity = if self.faults.has(Fault::CamPolarityIgnored) { 0 } else { register(0x6302) };
         let position = self.position(now, parameters) as i64;
         let mut memory = self.cams.0.get();
-        let before = memory.get(usize::from(channel) - 1).copied().unwrap_or(0);
-        let signed = |index| parameters.number_or_zero(index, channel) as u32 as i32;
-        let is_active = |cam: u16| {
-            let was_active = before >> cam & 1 != 0;
-            let slack = if was_active { parameters.number_or_zero(0x6330 + cam, channel) as i64 } else { 0 };
-            let (low, high) = (i64::from(signed(0x6310 + cam)), i64::from(signed(0x6320 + cam)));
-            low <= high && (low - slack..=high + slack).contains(&position)
-        };
+        let before = memory.get(slot).copied().unwrap_or(0);
+        let is_active = |cam| self.is_inside(position, cam, channel, before >> cam & 1 != 0, parameters);
         let active = (0..CAMS).filter(|&cam| enabled >> cam & 1 != 0 && is_active(cam));
         let active = active.fold(0_u8, |bits, cam| bits | 1 << cam);
-        if let Some(slot) = memory.get_mut(usize::from(channel) - 1) {
+        if let Some(slot) = memory.get_mut(slot) {
             *slot = active;
         }
         self.cams.0.set(memory);
-        Some((u64::from(active) ^ parameters.number_or_zero(0x6302, channel)) & enabled)
+        Some(if self.faults.has(Fault::CamStuck) { 0 } else { ((active ^ polarity) & enabled).into() })
+    }
+
+    /// Whether the position lies in a cam; one that is active ends only beyond its hysteresis.
+    fn is_inside(&self, position: i64, cam: u16, channel: u8, was_active: bool, parameters: &Parameters) -> bool {
+        let limit = |index: u16| i64::from(parameters.number_or_zero(index + cam, channel) as u32 as i32);
+        let (low, high) = (limit(0x6310), limit(0x6320));
+        let hysteresis = match was_active && !self.faults.has(Fault::CamHysteresisIgnored) {
+            true => parameters.number_or_zero(0x6330 + cam, channel) as i64,
+            false => 0,
+        };
+        let below = position <= high + hysteresis || self.faults.has(Fault::CamHighLimitIgnored);
+        low <= high && position >= low - hysteresis && below
     }
 }

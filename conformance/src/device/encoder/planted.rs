@@ -22,6 +22,8 @@ pub(in crate::device) fn plant(parameters: &mut Parameters, faults: Faults) {
     wrong(Fault::DeviceTypeTurnsWrong, at(0x1000), SINGLE_TURN | profile, parameters);
     wrong(Fault::RevolutionsZero, at(0x6502), 0, parameters);
     wrong(Fault::ProfileVersionUnset, at(0x6507), 0xFFFF_FFFF, parameters);
+    let half = parameters.number_or_zero(0x650A, 3) / 2;
+    wrong(Fault::HighestPositionWrong, Multiplexer::new(0x650A, 3), half, parameters);
     let alarms = parameters.number_or_zero(0x6504, 0) | RESERVED_ALARM;
     wrong(Fault::ReservedAlarmBitSet, at(0x6504), alarms, parameters);
     let serial = parameters.number_or_zero(0x650B, 0) + 1;

@@ -15,17 +15,29 @@ use canvass_traces::{Duration, Timestamp};
 
 /// How long the faulty firmware shows nonsense after a preset.
 const GLITCH: Duration = Duration::from_millis(30);
+/// How long the position of a faulty firmware stands still after a preset.
+const STANDSTILL: Duration = Duration::from_millis(400);
 
 impl Encoder {
     pub(super) fn position_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         match (at.index.0, at.sub.0) {
             (0x6004, 0) if self.is_glitching(now) => Some(self.position_without_preset(now, parameters)),
-            (0x6004 | 0x6008, 0) => Some(self.position(now, parameters)),
+            (0x6004, 0) => Some(self.position(self.counted_until(now), parameters)),
+            (0x6008, 0) if self.faults.has(Fault::HighPrecisionWithoutPreset) => {
+                Some(self.position_without_preset(now, parameters))
+            }
+            (0x6008, 0) => Some(self.position(now, parameters)),
             (0x6509, 0) if self.faults.has(Fault::OffsetNotReported) => Some(0),
             (0x6509, 0) if self.faults.has(Fault::OffsetSignWrong) => Some(self.offset.wrapping_neg() as u64),
             (0x6509, 0) => Some(self.offset as u64),
             _ => None,
         }
+    }
+
+    /// When a faulty firmware counted last.
+    fn counted_until(&self, now: Timestamp) -> Timestamp {
+        let stands = self.preset_at.filter(|_| self.faults.has(Fault::PresetStopsCounting));
+        stands.filter(|&at| now.since(at) < STANDSTILL).unwrap_or(now)
     }
 
     fn is_glitching(&self, now: Timestamp) -> bool {

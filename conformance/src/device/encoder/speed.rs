@@ -29,6 +29,7 @@ impl Encoder {
             (0x6030, 1) => self.shown_speed(now, parameters),
             (0x6040, 1) if self.faults.has(Fault::AccelerationShowsSpeed) => self.shown_speed(now, parameters),
             (0x6040, 1) => self.acceleration(now, parameters),
+            (0x6050, 1) if self.faults.has(Fault::JerkShowsSpeed) => self.shown_speed(now, parameters),
             (0x6050, 1) => self.jerk(now, parameters),
             _ => return None,
         };

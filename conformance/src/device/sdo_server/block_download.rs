@@ -47,6 +47,11 @@ pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, object
 }
 
 impl BlockDownload {
+    /// Whether a segment has come.
+    pub const fn has_begun(&self) -> bool {
+        self.sequence > 0
+    }
+
     /// A segment of the block.
     pub fn on_segment(mut self, segment: BlockSegment, faults: Faults) -> Next {
         if segment.sequence == 0 {

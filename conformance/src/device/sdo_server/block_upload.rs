@@ -49,8 +49,8 @@ pub(super) fn initiate(
     }
     let block_size = block_size.clamp(1, BlockSegment::MAX);
     let bytes = reading.bytes();
-    // Up to the threshold a normal upload is shorter.
-    if bytes.len() <= usize::from(threshold) {
+    // Up to the threshold a normal upload is shorter; without one the client wants blocks, also of nothing.
+    if threshold > 0 && bytes.len() <= usize::from(threshold) {
         if objects.faults.has(Fault::SdoBlockSwitchTruncates) {
             return upload::begin(object, bytes.get(1..).unwrap_or_default());
         }

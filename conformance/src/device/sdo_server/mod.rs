@@ -190,6 +190,12 @@ impl SdoServer {
             Request::Abort(abort) if objects.faults.has(Fault::SdoAbortAnswered) => {
                 Next::abort(abort.multiplexer, AbortCode::GENERAL)
             }
+            Request::Abort(_)
+                if matches!(&transfer, Transfer::BlockDownload(download) if download.has_begun())
+                    && faults.has(Fault::SdoBlockAbortIgnored) =>
+            {
+                Next::silence(transfer)
+            }
             Request::Abort(_) if faults.has(Fault::SdoAbortIgnored) => Next::silence(transfer),
             Request::Abort(_) => Next::silence(Transfer::Idle),
             request => match (transfer, request) {
@@ -273,7 +279,12 @@ impl SdoServer {
     fn due(&mut self, now: Timestamp, objects: &Objects) -> Timestamp {
         let free = self.answers.back().map_or(now, |(due, ..)| now.max(*due));
         let storing = objects.written.iter().any(|(at, _)| objects.takes_long(*at));
-        let extra = if storing { self.timing.store() } else { Duration::ZERO };
+        let slow = self.requests.is_multiple_of(SLOW_EVERY) && objects.faults.has(Fault::SdoResponseSlow);
+        let extra = match (storing, slow) {
+            (true, _) => self.timing.store(),
+            (_, true) => SLOW,
+            _ => Duration::ZERO,
+        };
         let jitter = self.chance.below(self.timing.sdo_response_jitter_us);
         free + self.timing.sdo_response() + Duration::from_micros(jitter) + extra
     }
@@ -340,6 +351,10 @@ impl SdoServer {
     }
 }
 
+/// Every so many responses are slow, and by how much, where [`Fault::SdoResponseSlow`].
+const SLOW_EVERY: u32 = 150;
+const SLOW: Duration = Duration::from_millis(1_200);
+
 /// So many requests are answered and the one after them is not, where [`Fault::SdoResponseLost`].
 const LOST_EVERY: u32 = 100;
 
@@ -350,6 +365,7 @@ fn faulty_code(code: AbortCode, faults: Faults) -> AbortCode {
             (Fault::SdoLengthWrongCode, AbortCode::INVALID_VALUE)
         }
         AbortCode::VALUE_TOO_HIGH | AbortCode::VALUE_TOO_LOW => (Fault::SdoRangeWrongCode, AbortCode::READ_ONLY),
+        AbortCode::MAXIMUM_BELOW_MINIMUM => (Fault::LimitsSwappedWrongCode, AbortCode::READ_ONLY),
         AbortCode::TOGGLE => (Fault::SdoToggleWrongCode, AbortCode::COMMAND_SPECIFIER),
         AbortCode::COMMAND_SPECIFIER => (Fault::SdoCommandWrongCode, AbortCode::GENERAL),
         AbortCode::CRC => (Fault::SdoBlockCrcWrongCode, AbortCode::GENERAL),

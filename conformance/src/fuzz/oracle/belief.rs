@@ -157,6 +157,7 @@ impl Belief {
     /// Something was written, but nobody knows what.
     pub fn forget(&mut self) {
         self.writes += 1;
+        self.bus_changed = true;
         self.values.iter_mut().for_each(|held| held.raw = None);
         (self.sync, self.emcy, self.time) = (None, None, None);
     }
@@ -166,7 +167,7 @@ impl Belief {
         self.change.take()
     }
 
-    /// Whether node-ID, bit rate or stored values were changed: what a reset brings is then not known.
+    /// Whether node-ID, bit rate or stored values were changed, or may have been: what a reset brings is then not known.
     pub fn bus_changed(&self) -> bool {
         self.bus_changed
     }

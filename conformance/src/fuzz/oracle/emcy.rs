@@ -42,7 +42,9 @@ impl Watch {
             return Err(violation(Property::Silent, "EMCY in stopped", expected, format!("{frame}"), now));
         }
         let bytes = frame.bytes();
-        let repeated = self.last.is_some_and(|(at, before)| before == bytes && now.since(at) < SAME_EVENT);
+        // Several errors can be gone at the same time.
+        let is_reset = bytes[..2] == [0, 0];
+        let repeated = !is_reset && self.last.is_some_and(|(at, before)| before == bytes && now.since(at) < SAME_EVENT);
         self.last = Some((now, bytes));
         if repeated {
             let expected = "one EMCY for one event";

@@ -55,6 +55,8 @@ pub(super) struct Slave {
     /// The active node-ID is "none".
     unconfigured: bool,
     pending: Option<u8>,
+    /// It began without node-ID and was given one, which a reset may take away again.
+    given: bool,
     timing_changed: bool,
     /// Parts of the address that have matched in order; `None`: the order was another one.
     selected: Option<u8>,
@@ -75,6 +77,7 @@ impl Slave {
             mode: Mode::Waiting,
             unconfigured: false,
             pending: None,
+            given: false,
             timing_changed: false,
             selected: Some(0),
             identified: Some(0),
@@ -98,7 +101,7 @@ impl Slave {
 
     /// Whether a reset gives the device another node-ID than it has.
     pub fn moves(&self, knowledge: &Knowledge) -> bool {
-        self.pending.is_some_and(|node| node != knowledge.node.raw()) || self.timing_changed
+        self.pending.is_some_and(|node| node != knowledge.node.raw()) || self.timing_changed || self.given
     }
 
     /// The state, for the statistics.
@@ -154,6 +157,9 @@ impl Slave {
         let request = Request::read(frame.data()).ok().filter(|_| frame.len() == 8);
         let Some(request) = request else {
             self.mode = Mode::Unsure;
+            // A slave may fill up what is too short, and take it for a part of an address.
+            self.selected = None;
+            self.identified = None;
             return (Awaited::Anything, Effect::Nothing);
         };
         self.property = Property::LegalLss;
@@ -219,6 +225,7 @@ impl Slave {
                             && left
                             && (self.unconfigured || knowledge.services.lss_restarts == Some(true)) =>
                     {
+                        self.given |= self.unconfigured;
                         self.unconfigured = false;
                         self.pending = None;
                         (Awaited::Nothing, Effect::Boots)

@@ -58,7 +58,7 @@ impl Oracle {
     pub fn new(knowledge: Arc<Knowledge>) -> Self {
         Self {
             belief: Belief::new(&knowledge),
-            nmt: nmt::Slave::new(knowledge.patience.jitter),
+            nmt: nmt::Slave::new(knowledge.patience.jitter, knowledge.services.boot_up_message),
             sdo: sdo::Server::new(),
             lss: lss::Slave::new(),
             pdo: pdo::Pdos::new(&knowledge),
@@ -132,11 +132,13 @@ impl Oracle {
     }
 
     fn sent_nmt(&mut self, now: Timestamp, frame: &Frame) -> Result<(), Violation> {
+        // What is being written may be written before the command acts, or not.
+        let writing = self.sdo.is_writing();
         match self.nmt.commanded(now, frame, &self.knowledge) {
             nmt::Change::None => {}
             nmt::Change::State => {
                 self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
-                self.pdo.state_changed(now, self.nmt.phase());
+                self.pdo.state_changed(now, &self.nmt);
             }
             nmt::Change::Reset(what) => {
                 self.blind |= self.belief.bus_changed() || self.lss.moves(&self.knowledge);
@@ -146,6 +148,9 @@ impl Oracle {
                 self.pdo.reset();
                 self.emcy.reset();
             }
+        }
+        if writing && self.nmt.serves_sdo() != Served::Yes {
+            self.belief.forget();
         }
         Ok(())
     }
@@ -165,7 +170,7 @@ impl Oracle {
             Some(id) if id == error_control::CAN_ID_BASE + node => {
                 let change = self.nmt.shown(now, frame, &self.belief, &self.knowledge)?;
                 if change == nmt::Change::State {
-                    self.pdo.state_changed(now, self.nmt.phase());
+                    self.pdo.state_changed(now, &self.nmt);
                 }
                 Ok(())
             }
@@ -179,13 +184,24 @@ impl Oracle {
                             self.sdo.answered(now, frame, served, &self.knowledge, &mut self.belief, coverage)?;
                         self.blind |= lost;
                         if let Some(change) = self.belief.take_change() {
+                            // A device that stops on an error does so without a word.
+                            self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;
                             self.nmt.configured(now, change);
                             self.pdo.configured(now, change);
                         }
                         Ok(())
                     }
-                    Some(id) if self.belief.is_emcy(id, self.knowledge.node) => self.emcy.came(now, frame, &self.nmt),
+                    Some(id) if self.belief.is_emcy(id, self.knowledge.node) => {
+                        self.emcy.came(now, frame, &self.nmt)?;
+                        if self.nmt.erred(now, &self.belief, &self.knowledge) == nmt::Change::State {
+                            self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
+                            self.pdo.state_changed(now, &self.nmt);
+                        }
+                        Ok(())
+                    }
                     Some(id) if self.belief.is_produced(id) => Ok(()),
+                    // It may be the first frame of a configuration that is not confirmed yet.
+                    _ if self.sdo.is_writing() => Ok(()),
                     _ => self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge),
                 }
             }
@@ -226,6 +242,7 @@ impl Oracle {
 
     /// Nothing has come for a while.
     pub const fn quiet(&mut self) {
+        self.nmt.quiet();
         self.sdo.quiet();
     }
 
@@ -238,7 +255,7 @@ impl Oracle {
             return Ok(());
         }
         self.expire(now)?;
-        self.nmt.finish(now)?;
+        self.nmt.finish(now, &self.belief, &self.knowledge)?;
         self.pdo.finish(now, &self.nmt, &self.belief, &self.knowledge)
     }
 

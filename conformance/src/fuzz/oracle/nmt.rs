@@ -51,8 +51,8 @@ pub(in crate::fuzz) struct Slave {
     guard_due: Timestamp,
     /// Guarding requests that may be answered.
     guard_open: u8,
-    /// The toggle bit of the next answer.
-    toggle: bool,
+    /// The toggle bit of the next answer; `None`: not known.
+    toggle: Option<bool>,
     last_heartbeat: Option<Timestamp>,
     /// The period of the heartbeat, once it was written; `None`: not known.
     period: Option<Duration>,
@@ -61,12 +61,15 @@ pub(in crate::fuzz) struct Slave {
     jitter: Duration,
     /// How long frames of the time before a command may come.
     grace: Duration,
+    /// The device says when it has booted.
+    announces: bool,
 }
 
 impl Slave {
-    pub fn new(jitter: Duration) -> Self {
+    pub fn new(jitter: Duration, announces: bool) -> Self {
         Self {
             jitter,
+            announces,
             grace: Duration(jitter.nanos() + GRACE.nanos()),
             phase: Phase::Unsure,
             before: Phase::Unsure,
@@ -74,7 +77,7 @@ impl Slave {
             boot_due: Timestamp::MAX,
             guard_due: Timestamp::MAX,
             guard_open: 0,
-            toggle: false,
+            toggle: Some(false),
             last_heartbeat: None,
             period: None,
             period_since: Timestamp::ZERO,
@@ -83,12 +86,17 @@ impl Slave {
 
     /// The device has booted, or waits for a node-ID.
     pub fn start(&mut self, now: Timestamp, start: Start) {
-        *self = Self::new(self.jitter);
+        *self = Self::new(self.jitter, self.announces);
         self.phase = match start {
             Start::Configured => Phase::Running,
             Start::Unconfigured => Phase::Unconfigured,
         };
         self.changed = now;
+    }
+
+    /// Whether the device has certainly not been operational before the last change.
+    pub fn comes_from_rest(&self) -> bool {
+        !matches!(self.before, Phase::Operational | Phase::Running | Phase::Unsure)
     }
 
     /// Where the device is.
@@ -105,6 +113,8 @@ impl Slave {
     pub fn serves_sdo(&self) -> Served {
         match self.phase {
             Phase::PreOperational | Phase::Operational | Phase::Running => Served::Yes,
+            // Without a boot-up message nobody can tell when initialisation ends.
+            Phase::Booting if !self.announces => Served::Unsure,
             Phase::Unconfigured | Phase::Booting | Phase::Stopped => Served::No,
             Phase::Unsure => Served::Unsure,
         }
@@ -144,14 +154,15 @@ impl Slave {
         self.boot_due = now + knowledge.patience.boot;
         self.guard_due = Timestamp::MAX;
         self.guard_open = 0;
-        self.toggle = false;
+        self.toggle = self.announces.then_some(false);
         self.last_heartbeat = None;
         self.period = None;
     }
 
     /// An NMT frame of the fuzzer.
     pub fn commanded(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Change {
-        if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
+        let boots = self.phase == Phase::Booting;
+        if self.phase == Phase::Unconfigured || boots && self.announces {
             return Change::None;
         }
         let Ok(message) = Nmt::read(frame.data()) else { return Change::None };
@@ -174,6 +185,10 @@ impl Slave {
         }
         if let Change::Reset(_) = change {
             self.boots(now, knowledge);
+        } else if boots {
+            // It may have come too early to be obeyed.
+            self.boot_due = Timestamp::MAX;
+            self.enter(now, Phase::Unsure);
         }
         change
     }
@@ -184,9 +199,8 @@ impl Slave {
             return;
         }
         self.guard_open = self.guard_open.saturating_add(1);
-        let heartbeat = belief.number(knowledge, 0x1017, 0).unwrap_or(0) != 0;
         let known = self.phase != Phase::Unsure;
-        if knowledge.services.guarding == Some(true) && !heartbeat && known {
+        if knowledge.services.guarding == Some(true) && produces_heartbeat(belief, knowledge) == Some(false) && known {
             self.guard_due = now + knowledge.patience.answer;
         }
     }
@@ -197,6 +211,9 @@ impl Slave {
             self.period = Some(Duration::from_millis(change.1));
             self.period_since = now;
             self.last_heartbeat = None;
+            // A request of the moment before may have come too late.
+            self.guard_due = Timestamp::MAX;
+            self.guard_open = 0;
         }
     }
 
@@ -234,22 +251,30 @@ impl Slave {
             return Err(violation(Property::NmtState, "length of error control", expected, format!("{frame}"), now));
         };
         let message = ErrorControl { toggle: byte & 0x80 != 0, state: State(byte & 0x7F) };
-        if self.phase == Phase::Booting {
+        if self.phase == Phase::Booting && self.announces {
             return self.booted(now, message);
         }
-        if message.is_boot_up() {
+        if self.phase == Phase::Booting {
+            self.boot_due = Timestamp::MAX;
+            self.enter(now, Phase::Unsure);
+        }
+        if message.is_boot_up() && self.announces {
             let expected = "no boot-up message: nobody reset the device";
             let property = Property::NoRestart;
             return Err(violation(property, "boot-up without reset", expected, "a boot-up message", now));
         }
-        let heartbeat = belief.number(knowledge, 0x1017, 0);
-        let guarding = self.guard_open > 0 && heartbeat.unwrap_or(0) == 0;
-        if guarding {
-            self.guard_open -= 1;
-            self.guard_due = Timestamp::MAX;
-            self.check_toggle(now, message)?;
-        } else {
-            self.check_heartbeat(now, message)?;
+        match produces_heartbeat(belief, knowledge) {
+            Some(false) if self.guard_open > 0 => {
+                self.guard_open -= 1;
+                self.guard_due = Timestamp::MAX;
+                self.check_toggle(now, message)?;
+            }
+            Some(_) => self.check_heartbeat(now, message)?,
+            // It may be either.
+            None => {
+                (self.period, self.toggle) = (None, None);
+                (self.guard_open, self.guard_due) = (0, Timestamp::MAX);
+            }
         }
         self.check_state(now, message)
     }
@@ -267,13 +292,33 @@ impl Slave {
         Ok(self.enter(now, Phase::Running))
     }
 
+    /// The device has reported an error: 1029h says where it goes then.
+    pub fn erred(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) -> Change {
+        if self.phase != Phase::Operational {
+            return Change::None;
+        }
+        let behaviour = belief.number(knowledge, 0x1029, 1);
+        let exists = knowledge.entry(Multiplexer::new(0x1029, 1)).is_some();
+        match behaviour {
+            Some(1) => Change::None,
+            Some(0) => self.enter(now, Phase::Running),
+            None if !exists && knowledge.is_described() => self.enter(now, Phase::Running),
+            _ => self.enter(now, Phase::Unsure),
+        }
+    }
+
+    /// Nothing has come for a while: nobody answers earlier guarding requests any more.
+    pub const fn quiet(&mut self) {
+        self.guard_open = 0;
+    }
+
     fn check_toggle(&mut self, now: Timestamp, message: ErrorControl) -> Result<(), Violation> {
-        if message.toggle != self.toggle {
-            let expected = format!("the toggle bit {}", u8::from(self.toggle));
+        let before = self.toggle.replace(!message.toggle);
+        if let Some(toggle) = before.filter(|&toggle| toggle != message.toggle) {
+            let expected = format!("the toggle bit {}", u8::from(toggle));
             let actual = format!("{}", u8::from(message.toggle));
             return Err(violation(Property::NmtState, "toggle bit of guarding", expected, actual, now));
         }
-        self.toggle = !self.toggle;
         Ok(())
     }
 
@@ -359,7 +404,10 @@ impl Slave {
     ///
     /// # Errors
     /// [`Violation`] if they are.
-    pub fn finish(&mut self, now: Timestamp) -> Result<(), Violation> {
+    pub fn finish(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) -> Result<(), Violation> {
+        if produces_heartbeat(belief, knowledge).is_none() {
+            return Ok(());
+        }
         let Some(period) = self.period.filter(|period| *period > Duration(0)) else { return Ok(()) };
         let last = self.last_heartbeat.unwrap_or(self.period_since);
         let running = !matches!(self.phase, Phase::Unconfigured | Phase::Booting);
@@ -374,5 +422,15 @@ impl Slave {
     /// By how much a heartbeat may be off.
     fn tolerance(&self, period: Duration) -> Duration {
         Duration((period.nanos() / 10).max(self.jitter.nanos()))
+    }
+}
+
+/// Whether the device produces heartbeats; `None`: not known.
+fn produces_heartbeat(belief: &Belief, knowledge: &Knowledge) -> Option<bool> {
+    let exists = knowledge.entry(Multiplexer::new(0x1017, 0)).is_some();
+    match belief.number(knowledge, 0x1017, 0) {
+        Some(period) => Some(period != 0),
+        None if exists || !knowledge.is_described() => None,
+        None => Some(false),
     }
 }

@@ -18,6 +18,10 @@ struct Seen {
     since: Timestamp,
     /// SYNC messages since then.
     syncs: u64,
+    /// Whether the device has counted the same: a SYNC that it may or may not have understood leaves that open.
+    in_step: bool,
+    /// A SYNC came while the device may have been operational.
+    heard: bool,
     /// How many SYNC messages and remote frames may still be answered.
     open: u8,
     /// The answer to a SYNC is overdue then.
@@ -36,14 +40,12 @@ impl Pdos {
             .entries()
             .iter()
             .filter(|known| (0x1800..0x1A00).contains(&known.at.index.0) && known.at.sub.0 == 1);
-        let seen = |index| Seen { index, last: None, since: Timestamp::ZERO, syncs: 0, open: 0, due: Timestamp::MAX };
-        Self { seen: parameters.map(|known| seen(known.at.index.0)).collect() }
+        Self { seen: parameters.map(|known| Seen::new(known.at.index.0)).collect() }
     }
 
     pub fn reset(&mut self) {
         for seen in &mut self.seen {
-            *seen =
-                Seen { index: seen.index, last: None, since: Timestamp::ZERO, syncs: 0, open: 0, due: Timestamp::MAX };
+            *seen = Seen::new(seen.index);
         }
     }
 
@@ -51,18 +53,31 @@ impl Pdos {
         self.seen.iter().map(|seen| seen.due).min().filter(|due| *due < Timestamp::MAX)
     }
 
-    /// Another NMT state: timers and counters begin anew.
-    pub fn state_changed(&mut self, now: Timestamp, _: Phase) {
-        self.seen.iter_mut().for_each(|seen| seen.begin(now));
+    /// Another NMT state: timers and counters begin anew, if it is one.
+    pub fn state_changed(&mut self, now: Timestamp, nmt: &Slave) {
+        let from_rest = nmt.comes_from_rest();
+        for seen in &mut self.seen {
+            seen.begin(now);
+            seen.heard &= !from_rest;
+            seen.in_step = !seen.heard;
+        }
     }
 
     /// An object was written.
     pub fn configured(&mut self, now: Timestamp, (at, _): (Multiplexer, u64)) {
-        let communication = (0x1000..0x1800).contains(&at.index.0) && at.index.0 != 0x1019 && at.index.0 != 0x1005;
+        let communication = (0x1000..0x1400).contains(&at.index.0);
         for seen in &mut self.seen {
-            let own = at.index.0 == seen.index || at.index.0 == seen.index + 0x200;
-            if own || !communication && !(0x1800..0x2000).contains(&at.index.0) {
+            // A device may begin anew with all PDOs when one is configured, or go on.
+            if !communication {
+                let in_step = seen.in_step && !seen.heard;
                 seen.begin(now);
+                seen.in_step = in_step;
+            }
+            if communication {
+                (seen.last, seen.since) = (None, now);
+            }
+            if matches!(at.index.0, 0x1005 | 0x1019) {
+                seen.in_step = false;
             }
         }
     }
@@ -81,17 +96,22 @@ impl Pdos {
     ) -> Result<(), Violation> {
         let counter = belief.number(knowledge, 0x1019, 0).unwrap_or(0);
         let understood = frame.len() == usize::from(counter != 0);
+        let rests = !matches!(nmt.phase(), Phase::Operational | Phase::Running | Phase::Unsure);
         for seen in &mut self.seen {
+            if rests {
+                continue;
+            }
+            seen.heard = true;
             if nmt.phase() != Phase::Operational || !understood {
                 // Whether it counts is not known.
                 seen.open();
-                seen.begin(now);
+                seen.in_step = false;
                 continue;
             }
             let parameters = Parameters::of(seen.index, belief, knowledge);
             seen.syncs += 1;
             match parameters.transmission {
-                Some(kind @ 1..=240) if parameters.is_plain() => {
+                Some(kind @ 1..=240) if parameters.is_plain() && (seen.in_step || kind == 1) => {
                     let due = seen.syncs.is_multiple_of(u64::from(kind));
                     if due {
                         seen.open();
@@ -191,10 +211,24 @@ impl Pdos {
 }
 
 impl Seen {
+    const fn new(index: u16) -> Self {
+        Self {
+            index,
+            last: None,
+            since: Timestamp::ZERO,
+            syncs: 0,
+            in_step: true,
+            heard: false,
+            open: 0,
+            due: Timestamp::MAX,
+        }
+    }
+
     fn begin(&mut self, now: Timestamp) {
         self.last = None;
         self.since = now;
         self.syncs = 0;
+        self.in_step = true;
         self.due = Timestamp::MAX;
         self.open = 1;
     }
@@ -229,7 +263,7 @@ impl Seen {
         let asked = self.open > 0;
         self.open = self.open.saturating_sub(1);
         self.due = Timestamp::MAX;
-        if let (Some(kind @ 1..=240), true) = (parameters.transmission, parameters.is_plain())
+        if let (Some(kind @ 1..=240), true) = (parameters.transmission, parameters.is_plain() && self.in_step)
             && !asked
             && nmt.phase() == Phase::Operational
         {
@@ -266,6 +300,10 @@ struct Parameters {
     inhibit: Option<Duration>,
     event_timer: Option<Duration>,
     start_value: u64,
+    /// The window after a SYNC in which synchronous PDOs are sent has no end.
+    open_window: bool,
+    /// Whether something is mapped: a PDO that carries nothing is not sent.
+    mapped: bool,
 }
 
 impl Parameters {
@@ -277,17 +315,23 @@ impl Parameters {
             inhibit: number(3).map(|raw| Duration::from_micros(raw * 100)),
             event_timer: number(5).map(Duration::from_millis),
             start_value: number(6).unwrap_or(0),
+            open_window: match knowledge.entry(Multiplexer::new(0x1007, 0)) {
+                Some(_) => belief.number(knowledge, 0x1007, 0) == Some(0),
+                None => true,
+            },
+            mapped: belief.number(knowledge, index + 0x200, 0).is_some_and(|count| (1..=64).contains(&count)),
         }
     }
 
     /// Whether the PDO exists and follows every n-th SYNC from the first on.
     fn is_plain(&self) -> bool {
-        self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
+        self.mapped && self.open_window && self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
     }
 
     /// The time between two, for a PDO with an event timer.
     fn period(&self) -> Option<Duration> {
-        let cyclic = matches!(self.transmission, Some(254 | 255)) && self.cob_id.is_some_and(CobId::is_valid);
+        let cyclic =
+            self.mapped && matches!(self.transmission, Some(254 | 255)) && self.cob_id.is_some_and(CobId::is_valid);
         let timer = self.event_timer.filter(|timer| cyclic && timer.nanos() > 0)?;
         Some(timer.max(self.inhibit?))
     }

@@ -118,7 +118,7 @@ fn is_from(frame: &Frame, node: NodeId) -> bool {
 /// ```
 /// use canvass_conformance::fuzz::reproducer::replay;
 ///
-/// let log = b"(0000000000.000000) can0 601#4000100000000000\n";
+/// let log = b"(0000000000.000000) can0 60A#4000100000000000\n";
 /// assert_eq!(replay("sim:reference-301", None, None, log).unwrap(), None);
 /// ```
 pub fn replay(

@@ -84,7 +84,7 @@ fn facts(diagnosed: &Diagnosed<'_>, name: &str, bus: &BusStatistics) -> Markup {
     let present: Vec<String> =
         bus.nodes.iter().filter(|(_, node)| node.present).map(|(id, _)| id.to_string()).collect();
     let nodes = if present.is_empty() { "none sent anything".to_owned() } else { present.join(", ") };
-    let rate = bus.bit_rate.map_or_else(|| "not known".to_owned(), |rate| format!("{} kbit/s", f64::from(rate) / 1e3));
+    let rate = bus.bit_rate_text().unwrap_or_else(|| "not known".to_owned());
     let utc = diagnosed.captures.iter().all(|capture| capture.time_base == TimeBase::Utc);
     html! {
         (fact("Channel", name))

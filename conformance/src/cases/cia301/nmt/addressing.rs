@@ -95,3 +95,33 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     }
     bench.expect_state(State::OPERATIONAL, "20 commands back to back, the last of which was start remote node")
 }
+
+/// An NMT frame of more than two bytes is obeyed or ignored, but its surplus bytes are not taken for a command. Which of
+/// the two is noted: CiA 301 does not say.
+#[case(id = "301/nmt/long-frame", clause = "CiA 301", confidence = Unknown, level = May, needs = [VisibleState],
+       catches = [NmtLongFrameMisread])]
+fn long_frame(bench: &mut Bench<'_>) -> Judged {
+    let node = bench.node().raw();
+    let mut seen = Vec::new();
+    for length in 3..=8_usize {
+        bench.reach(State::PRE_OPERATIONAL)?;
+        // Start, and then the command that resets this node.
+        let bytes = [Command::START.0, node, Command::RESET_NODE.0, node, 0x81, node, 0x81, node];
+        bench.send_bytes(0, bytes.get(..length).unwrap_or(&bytes))?;
+        bench.listen(bench.timing().reaction)?;
+        let state = bench.state()?;
+        demand(matches!(state, Some(State::PRE_OPERATIONAL | State::OPERATIONAL)), || {
+            let duty = format!("an NMT frame of {length} bytes does what its first two say, or nothing");
+            let actual = state.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
+            Reason::new(duty, "operational or pre-operational", actual)
+        })?;
+        if state == Some(State::OPERATIONAL) {
+            seen.push(length.to_string());
+        }
+    }
+    bench.note(match seen.is_empty() {
+        true => "NMT frames of 3 to 8 bytes are ignored".to_owned(),
+        false => format!("NMT frames of {} bytes are obeyed", seen.join(", ")),
+    });
+    Ok(Verdict::Pass)
+}

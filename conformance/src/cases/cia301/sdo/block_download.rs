@@ -55,7 +55,8 @@ fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Jud
 
 /// A block download without CRC is taken, and the value can be read back.
 #[case(id = "301/sdo/block-download/complete", clause = "CiA 301 7.2.4.3.9", confidence = Known, level = Must,
-       needs = [BlockDownload], catches = [SdoBlockPaddingKept, SdoBlockEndSilent, SdoBlockSizeZeroOffered, SdoBlockCountOffByOne], cct = "2.21")]
+       needs = [BlockDownload], cct = "2.21",
+       catches = [SdoBlockPaddingKept, SdoBlockEndSilent, SdoBlockSizeZeroOffered, SdoBlockCountOffByOne])]
 fn complete(bench: &mut Bench<'_>) -> Judged {
     let scratch = subject(bench)?;
     let manner = DownloadManner { crc: false, ..DownloadManner::right(&scratch.other) };
@@ -263,4 +264,43 @@ fn block_ends(bench: &mut Bench<'_>) -> Judged {
         has_value(bench, multiplexer, &value)?;
     }
     Ok(Verdict::Pass)
+}
+
+/// An abort of the client ends a block download wherever it stands: before the first segment, in a block, before the
+/// end. It is not answered, the object keeps its value, and the next transfer works.
+#[case(id = "301/sdo/block-download/client-abort", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+       needs = [BlockDownload], catches = [SdoAbortAnswered, SdoBlockAbortIgnored])]
+fn client_abort(bench: &mut Bench<'_>) -> Judged {
+    let scratch = subject(bench)?;
+    let multiplexer = scratch.multiplexer;
+    let mut last = [0; 8];
+    last[0] = 0x81;
+    last.iter_mut().skip(1).zip(&scratch.other).for_each(|(to, from)| *to = *from);
+    let begin =
+        Request::InitiateBlockDownload { multiplexer, crc: false, size: u32::try_from(scratch.other.len()).ok() };
+    let mut first = last;
+    first[0] = 0x01;
+    let places = [("before the first segment", None), ("in a block", Some(first)), ("before the end", Some(last))];
+    for (place, segment) in places {
+        let reply = bench.exchange(&begin, format!("block download to {multiplexer}"))?;
+        let is_start = |response: &Response| matches!(response, Response::InitiateBlockDownload { .. });
+        reply.expect("the start of a block download", is_start).map_err(Verdict::as_inconclusive)?;
+        if let Some(segment) = segment {
+            bench.send_message(segment)?;
+            bench.listen(bench.timing().reaction)?;
+        }
+        let abort = Request::abort(multiplexer, AbortCode::GENERAL);
+        let what = format!("abort of the client {place} of a block download");
+        bench.send_unanswered(&abort, what)?.expect_silence()?;
+        let stray = bench.exchange(&Request::UploadSegment { toggle: false }, "a segment request after the abort")?;
+        demand(stray.abort().is_some() || stray.response.is_none(), || {
+            Reason::new(format!("the transfer is over after an abort {place}"), "abort 0504 0001h", stray.actual())
+        })?;
+        let now = bench.upload(multiplexer)?.value()?;
+        demand(now == scratch.value, || {
+            let duty = format!("{multiplexer} keeps its value after an abort {place}");
+            Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&now).to_string())
+        })?;
+    }
+    bench.upload(DEVICE_TYPE)?.value().map(|_| Verdict::Pass)
 }

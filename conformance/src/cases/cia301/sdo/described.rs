@@ -36,7 +36,7 @@ fn is_plain(entry: &Entry) -> bool {
 
 /// Every object that the description calls constant or read-only refuses to be written with abort 0601 0002h.
 #[case(id = "301/sdo/download/every-read-only", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       needs = [Description], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode, HeartbeatConsumerNotStopped], cct = "4.3")]
+       needs = [Description], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode, HeartbeatConsumerNotStopped, PositionWritable], cct = "4.3")]
 fn every_read_only(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
     let objects = described(bench, |_, entry| {

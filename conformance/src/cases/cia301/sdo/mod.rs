@@ -7,6 +7,7 @@ mod command;
 mod described;
 mod expedited;
 mod frames;
+mod refusals;
 mod segmented_download;
 mod segmented_upload;
 mod sequence;

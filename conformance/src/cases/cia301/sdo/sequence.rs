@@ -196,7 +196,7 @@ const REQUESTS: usize = 600;
 
 /// Of many requests in a row every one is answered in time. Median, 95th percentile and maximum are reported.
 #[case(id = "301/sdo/timing/responses", clause = "CiA 301 7.2.4.2", confidence = Known, level = Must,
-       catches = [SdoResponseLost, SdoMemoryLeak])]
+       catches = [SdoResponseLost, SdoMemoryLeak, SdoResponseSlow])]
 fn responses(bench: &mut Bench<'_>) -> Judged {
     let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
     let mut times = Vec::with_capacity(REQUESTS);

@@ -34,8 +34,9 @@ pub(super) enum Awaited {
     ConfirmEnd { at: Multiplexer, writing: Writing },
     /// The segments of a block.
     Block,
-    /// The end of a block upload.
-    EndOfBlocks(block::Upload),
+    /// The end of a block upload. `odd_size`: the confirmation of the last block asked for a next one of a size that
+    /// does not exist, which may be refused.
+    EndOfBlocks { upload: block::Upload, odd_size: bool },
 }
 
 /// What may be said to a request to read.
@@ -92,7 +93,7 @@ impl Awaited {
             Self::ConfirmBlock { .. } => "download of a block",
             Self::ConfirmEnd { .. } => "end of a block download",
             Self::Block => "upload of a block",
-            Self::EndOfBlocks(_) => "end of a block upload",
+            Self::EndOfBlocks { .. } => "end of a block upload",
         }
     }
 
@@ -124,7 +125,7 @@ impl Awaited {
             }
             Self::ConfirmEnd { at, writing } => writing.text(&format!("confirmation of the block download to {at}")),
             Self::Block => "the segments of the block, numbered from 1".to_owned(),
-            Self::EndOfBlocks(_) => "the end of the block upload with its checksum".to_owned(),
+            Self::EndOfBlocks { .. } => "the end of the block upload with its checksum".to_owned(),
         }
     }
 }

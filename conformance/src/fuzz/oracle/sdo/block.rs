@@ -122,7 +122,7 @@ impl Server {
         if upload.complete && sequence == upload.sequence {
             // The size of a next block has no meaning any more.
             self.state = State::BlockUploadEnd;
-            return Awaited::EndOfBlocks(upload);
+            return Awaited::EndOfBlocks { upload, odd_size: !(1..=127).contains(&block_size) };
         }
         if !(1..=127).contains(&block_size) {
             self.state = State::Idle;

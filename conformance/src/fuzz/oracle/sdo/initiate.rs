@@ -29,11 +29,14 @@ impl Server {
         match knowledge.services.block_transfer {
             Some(false) => return refused(at, codes::COMMAND, "block transfers are not supported"),
             Some(true) => {}
-            None => reading.may = reading.may.or(codes::COMMAND),
+            None => {
+                reading.may = reading.may.or(codes::COMMAND);
+                reading.must = with_command(reading.must);
+            }
         }
         if !(1..=127).contains(&block_size) {
             // Which of two reasons a server finds first is its own affair.
-            let codes = codes::BLOCK_SIZE.or(reading.must).or(not_supported(knowledge));
+            let codes = codes::BLOCK_SIZE.or(reading.must).or(reading.may).or(not_supported(knowledge));
             return refused(at, codes, "a block size outside 1 to 127");
         }
         Awaited::BlockRead { reading, block_size, threshold, crc }
@@ -86,6 +89,9 @@ impl Server {
         }
         let mut writing = announced(at, size, knowledge);
         writing.may = writing.may.or(not_supported(knowledge));
+        if knowledge.services.block_transfer.is_none() {
+            writing.must = with_command(writing.must);
+        }
         Awaited::BeginBlockDownload { at, writing, announced: size, crc }
     }
 }
@@ -97,6 +103,11 @@ fn refused(at: Multiplexer, codes: CodeSet, why: &'static str) -> Awaited {
 /// What a server without block transfers says, where it is not known whether it is one.
 fn not_supported(knowledge: &Knowledge) -> CodeSet {
     if knowledge.services.block_transfer.is_none() { codes::COMMAND } else { CodeSet::NONE }
+}
+
+/// A server without block transfers may say so before it looks for the object.
+fn with_command(must: CodeSet) -> CodeSet {
+    if must.is_empty() { must } else { must.or(codes::COMMAND) }
 }
 
 /// What may be said to a request to read that object.

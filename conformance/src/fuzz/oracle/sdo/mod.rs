@@ -39,6 +39,8 @@ pub(in crate::fuzz) struct Server {
     /// For coverage: where the request found the server.
     asked_in: SdoState,
     command: Command,
+    /// The object that the last request named.
+    named: Option<Multiplexer>,
 }
 
 /// The state of the transfer.
@@ -117,6 +119,7 @@ impl Server {
             data: Vec::with_capacity(256),
             asked_in: SdoState::Idle,
             command: Command::Abort,
+            named: None,
         }
     }
 
@@ -195,6 +198,18 @@ impl Server {
         matches!(self.state, State::Unsure | State::BlockDownload { .. })
     }
 
+    /// Whether a value is on its way that may be written already.
+    pub fn is_writing(&self) -> bool {
+        self.overlapped
+            || matches!(
+                self.awaited,
+                Awaited::Anything
+                    | Awaited::Write { .. }
+                    | Awaited::ConfirmSegment { last: Some(_), .. }
+                    | Awaited::ConfirmEnd { .. }
+            )
+    }
+
     /// Whether an answer may come that need not come.
     pub fn is_open(&self) -> bool {
         self.overlapped || self.awaited == Awaited::Anything
@@ -222,7 +237,8 @@ impl Server {
             return self.block_segment(segment, knowledge);
         }
         let Ok(request) = Request::read(frame.data()) else { return Awaited::Anything };
-        if self.state == State::Unsure && !matches!(request, Request::Abort(_)) {
+        self.named = request.multiplexer();
+        if self.state == State::Unsure && frame.bytes()[0] != 0x80 {
             // It may be taken for the segment of a block download that nobody knows of. The answer tells.
             return Awaited::Anything;
         }

@@ -112,7 +112,7 @@ impl Server {
         }
         match awaited {
             Awaited::Nothing => Err(unsolicited(frame)),
-            Awaited::Anything => self.anything_came(response, belief),
+            Awaited::Anything => self.anything_came(response, frame, belief),
             Awaited::Abort { codes, at, .. } => match response {
                 Response::Abort(abort) => check_abort(abort, codes, at),
                 _ => Err(refused()),
@@ -228,17 +228,26 @@ impl Server {
                 }
                 _ => Err(refused()),
             },
-            Awaited::EndOfBlocks(upload) => match response {
+            Awaited::EndOfBlocks { upload, odd_size } => match response {
                 Response::EndBlockUpload { unused, crc } => self.blocks_end(upload, unused, crc, knowledge, belief),
+                Response::Abort(abort) if odd_size => {
+                    self.state = State::Idle;
+                    check_abort(abort, codes::BLOCK_SIZE.or(codes::COMMAND), None)
+                }
                 _ => Err(refused()),
             },
         }
     }
 
-    /// An answer that nobody can foretell says at least where the server is now.
-    fn anything_came(&mut self, response: Response, belief: &mut Belief) -> Judged {
+    /// An answer that nobody can foretell says at least where the server is now, if it can't be the segment of a block.
+    fn anything_came(&mut self, response: Response, frame: &Frame, belief: &mut Belief) -> Judged {
         self.state = match response {
-            Response::Abort(_) | Response::InitiateUpload { payload: Payload::Expedited(_), .. } => State::Idle,
+            Response::Abort(_) if frame.bytes()[0] == 0x80 => State::Idle,
+            Response::InitiateUpload { payload: Payload::Expedited(_), multiplexer }
+                if self.named == Some(multiplexer) =>
+            {
+                State::Idle
+            }
             _ => State::Unsure,
         };
         if let Response::InitiateDownload { .. } | Response::DownloadSegment { .. } | Response::EndBlockDownload =
@@ -368,7 +377,7 @@ impl Server {
             self.data.extend_from_slice(&segment.data);
         }
         let received = self.data.len() as u32;
-        if upload.announced.is_some_and(|size| received >= size.saturating_add(7)) {
+        if upload.announced.is_some_and(|size| received >= size.max(1).saturating_add(7)) {
             let expected = format!("no more segments than {} bytes need", upload.announced.unwrap_or(0));
             return Err(instead(Property::LegalSdo, expected, shown(frame)));
         }

@@ -1,0 +1,96 @@
+//! The synchronous window (1007h), and which SYNC counts after the start.
+
+use crate::bench::Bench;
+use crate::bench::pdo::TPDO;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_traces::{Duration, Record};
+
+const WINDOW: Multiplexer = Multiplexer::new(0x1007, 0);
+const WINDOW_US: u32 = 5_000;
+/// A CAN-ID that nobody uses and that goes before every PDO.
+const IN_THE_WAY: u16 = 0x07F;
+/// So many full frames take 8 ms at 1 Mbit/s, and longer at every other bit rate.
+const FRAMES: usize = 70;
+
+fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Verdict> {
+    let none = 0_u16.to_le_bytes();
+    bench.set_pdo(TPDO, &[(2, &[1])])?;
+    if bench.can_write(TPDO.parameter(5))? {
+        bench.write(TPDO.parameter(5), &none)?;
+    }
+    Ok((bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16)
+}
+
+fn count(heard: &[Record], can_id: u16) -> usize {
+    heard.iter().filter(|record| record.frame.cob_id() == Some(can_id)).count()
+}
+
+/// A synchronous TPDO that does not get onto the bus within the synchronous window, 1007h, is not sent any more.
+#[case(id = "301/sync/window", clause = "CiA 301 7.5.2.7", confidence = Derived, level = Should,
+       needs = [EventTimer, Sync, DynamicMapping], catches = [SyncWindowIgnored])]
+fn window(bench: &mut Bench<'_>) -> Judged {
+    if !bench.can_write(WINDOW)? {
+        return Err(Verdict::NotApplicable(Reason::new("the device has a synchronous window", "1007h", "none")));
+    }
+    let can_id = synchronous(bench)?;
+    let sync = bench.sync_id()?;
+    bench.write(WINDOW, &WINDOW_US.to_le_bytes())?;
+    bench.command(Command::START)?;
+    bench.listen(Duration::from_millis(100))?;
+    bench.drain()?;
+    bench.send_bytes(sync, &[])?;
+    let free = bench.listen(Duration::from_millis(50))?;
+    demand(count(&free, can_id) == 1, || {
+        let duty = "with a free bus TPDO 1 comes within the window of 5 ms";
+        Reason::new(duty, "one TPDO", format!("{}", count(&free, can_id)))
+    })
+    .map_err(Verdict::as_inconclusive)?;
+    bench.send_bytes(sync, &[])?;
+    for _ in 0..FRAMES {
+        bench.send_bytes(IN_THE_WAY, &[0xFF; 8])?;
+    }
+    let heard = bench.listen(Duration::from_millis(200))?;
+    let late = count(&heard, can_id);
+    if late == 1 && !is_behind_the_crowd(bench, can_id) {
+        // The bus was free between two frames of the tester: it came in time.
+        let reason = Reason::new("the bus is busy while the window is open", "no gap", "a TPDO came through at once");
+        return Err(Verdict::Inconclusive(reason));
+    }
+    demand(late == 0, || {
+        let duty = "a TPDO that could not be sent within 1007h = 5000 µs is not sent at all";
+        Reason::new(duty, "none", format!("{late}"))
+    })
+}
+
+/// Whether the last TPDO came after the last frame that was in its way.
+fn is_behind_the_crowd(bench: &Bench<'_>, can_id: u16) -> bool {
+    let last = |id: u16| {
+        let of_id = bench.evidence().frames().filter(|exhibit| exhibit.record.frame.cob_id() == Some(id));
+        of_id.last().map(|exhibit| exhibit.record.timestamp)
+    };
+    last(can_id) > last(IN_THE_WAY)
+}
+
+/// A SYNC in pre-operational does not count: after the start the first synchronous TPDO follows the next SYNC.
+#[case(id = "301/sync/before-start", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+       needs = [EventTimer, Sync, DynamicMapping], catches = [SyncRememberedOverStart, TpdoInPreOperational])]
+fn before_start(bench: &mut Bench<'_>) -> Judged {
+    let can_id = synchronous(bench)?;
+    let sync = bench.sync_id()?;
+    bench.drain()?;
+    bench.send_bytes(sync, &[])?;
+    let before = bench.listen(Duration::from_millis(50))?;
+    bench.command(Command::START)?;
+    let started = bench.listen(Duration::from_millis(100))?;
+    bench.send_bytes(sync, &[])?;
+    let after = bench.listen(Duration::from_millis(50))?;
+    let found = [&before, &started, &after].map(|heard| count(heard, can_id));
+    demand(found == [0, 0, 1], || {
+        let duty = "TPDO 1 of type 1 follows the first SYNC in operational";
+        let actual = format!("{} in pre-operational, {} after the start, {} after SYNC", found[0], found[1], found[2]);
+        Reason::new(duty, "0 in pre-operational, 0 after the start, 1 after SYNC", actual)
+    })
+}

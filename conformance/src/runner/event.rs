@@ -1,0 +1,89 @@
+//! What happens in a run: every report is made from it.
+
+use super::summary::Summary;
+use crate::bench::{Evidence, Measurement};
+use crate::case::Case;
+use crate::verdict::{Kind, Verdict};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::Duration;
+
+/// What happens in a run, in this order: one [`RunEvent::RunStarted`], for each case a [`RunEvent::CaseStarted`] and a
+/// [`RunEvent::CaseFinished`], any number of [`RunEvent::Noticed`], one [`RunEvent::RunFinished`].
+#[derive(Debug)]
+pub enum RunEvent<'a> {
+    /// The device was reached; cases follow.
+    RunStarted(&'a RunInfo),
+    /// A case begins.
+    CaseStarted {
+        /// The case.
+        case: &'static Case,
+        /// Its number, from 1.
+        number: usize,
+        /// How many cases there are.
+        of: usize,
+    },
+    /// A case has ended.
+    CaseFinished(&'a CaseReport),
+    /// Something about the run as a whole that a person should know.
+    Noticed(&'a str),
+    /// All cases have ended, or the user has cancelled.
+    RunFinished(&'a Summary),
+}
+
+/// What is tested.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct RunInfo {
+    /// The bus, as the user addressed it.
+    pub bus: String,
+    /// The bit rate in bit/s, where it is known.
+    pub bit_rate: Option<u32>,
+    /// The node-ID.
+    pub node: NodeId,
+    /// The model id or path of the description; empty if none was given.
+    pub model: String,
+    /// What the device says about itself.
+    pub device: DeviceIdentity,
+    /// The seed of everything random in the run.
+    pub seed: u64,
+    /// How many cases were selected.
+    pub cases: usize,
+    /// The object dictionary before the first case, as far as it could be read: what the bench reads.
+    pub dictionary: Vec<(Multiplexer, Vec<u8>)>,
+}
+
+/// What a device says about itself. The texts come from the device: they may hold anything.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct DeviceIdentity {
+    /// 1000h.
+    pub device_type: Option<u32>,
+    /// 1018h:01 to 04: vendor-ID, product code, revision number, serial number.
+    pub identity: [Option<u32>; 4],
+    /// 1008h, 1009h, 100Ah: name, hardware version, software version.
+    pub names: [Option<String>; 3],
+}
+
+/// The outcome of one case.
+#[derive(Clone, Debug)]
+pub struct CaseReport {
+    /// The case.
+    pub case: &'static Case,
+    /// How it ended.
+    pub verdict: Verdict,
+    /// The frames that were on the bus.
+    pub evidence: Evidence,
+    /// What else was noticed.
+    pub notes: Vec<String>,
+    /// What was measured, whatever the verdict.
+    pub measurements: Vec<Measurement>,
+    /// How each repetition ended; one where the case ran once.
+    pub outcomes: Vec<Kind>,
+    /// How long it took on the clock of the bus, with the way to the precondition and back.
+    pub duration: Duration,
+}
+
+impl CaseReport {
+    /// Whether repetitions ended differently.
+    pub fn is_flaky(&self) -> bool {
+        self.outcomes.windows(2).any(|pair| pair.first() != pair.last())
+    }
+}

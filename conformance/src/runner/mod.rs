@@ -1,0 +1,254 @@
+//! Runs cases one after the other and says what happens: every report is made from its events.
+
+mod blame;
+mod event;
+mod one_case;
+mod summary;
+
+pub use event::{CaseReport, DeviceIdentity, RunEvent, RunInfo};
+pub use one_case::run_case;
+pub use summary::{HostTiming, Summary};
+
+use crate::bench::{Bench, objects};
+use crate::case::{Case, Need};
+use crate::verdict::Verdict;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::Duration;
+
+/// Why a run says nothing about the device.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+pub enum RunError {
+    /// No case was executed: a test that tests nothing is no success.
+    #[error("no case was executed: {reason}")]
+    NothingToRun {
+        /// Why not.
+        reason: String,
+    },
+    /// The device does not answer.
+    #[error("node {node} does not answer: expected an SDO response or a boot-up message within {waited}")]
+    Unreachable {
+        /// The node-ID that was asked.
+        node: NodeId,
+        /// How long.
+        waited: Duration,
+    },
+    /// The bus failed before the first case.
+    #[error("{0}")]
+    Bus(String),
+}
+
+/// Everything that a run needs beside its bench.
+#[derive(Debug)]
+pub struct Plan<'a> {
+    /// The cases, in the order in which they run: see [`crate::catalogue::select`].
+    pub cases: &'a [&'static Case],
+    /// The bus, as the user addressed it.
+    pub bus: &'a str,
+    /// The bit rate in bit/s, where it is known.
+    pub bit_rate: Option<u32>,
+    /// The seed of everything random in the run.
+    pub seed: u64,
+}
+
+/// Runs the cases of a plan. `report` gets every event.
+///
+/// # Errors
+/// [`RunError`] if nothing was learned about the device. Where cases had been selected and the device was reached,
+/// the events are complete all the same.
+pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEvent<'_>)) -> Result<Summary, RunError> {
+    if plan.cases.is_empty() {
+        return Err(RunError::NothingToRun { reason: "none was selected".to_owned() });
+    }
+    let started = bench.now();
+    let was_operational = reach_device(bench)?;
+    let info = RunInfo {
+        bus: plan.bus.to_owned(),
+        bit_rate: plan.bit_rate,
+        node: bench.node(),
+        model: bench.target().model.clone(),
+        device: identify(bench),
+        seed: plan.seed,
+        cases: plan.cases.len(),
+        dictionary: bench.dump(),
+    };
+    report(&RunEvent::RunStarted(&info));
+    let mut summary = Summary::default();
+    let mut undescribed = 0;
+    for (at, &case) in plan.cases.iter().enumerate() {
+        if bench.is_cancelled() {
+            break;
+        }
+        report(&RunEvent::CaseStarted { case, number: at + 1, of: plan.cases.len() });
+        let finished = repeat_case(bench, case);
+        summary.add(finished.verdict.kind());
+        summary.flaky += usize::from(finished.is_flaky());
+        undescribed += usize::from(lacks_description(bench, &finished));
+        report(&RunEvent::CaseFinished(&finished));
+    }
+    summary.cancelled = bench.is_cancelled();
+    bench.leave(was_operational);
+    for notice in bench.put_back_dictionary(&info.dictionary) {
+        report(&RunEvent::Noticed(&notice));
+    }
+    if undescribed > 0 {
+        report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));
+    }
+    summary.stores = bench.stores();
+    summary.duration = bench.now().since(started);
+    summary.host = bench.is_live().then(|| HostTiming::of(&bench.health()));
+    report(&RunEvent::RunFinished(&summary));
+    if summary.executed() == 0 {
+        let reason = format!("of {} cases none could be judged", summary.total());
+        return Err(RunError::NothingToRun { reason });
+    }
+    Ok(summary)
+}
+
+/// Whether a case could not be judged because nobody has described the device.
+fn lacks_description(bench: &Bench<'_>, report: &CaseReport) -> bool {
+    let open = matches!(report.verdict, Verdict::NotApplicable(_));
+    let named = report.verdict.reason().is_some_and(|reason| reason.actual.contains("description"));
+    open && bench.target().description.is_none() && (named || report.case.needs.contains(&Need::Description))
+}
+
+fn without_description(cases: usize, found: usize) -> String {
+    let plural = if cases == 1 { "" } else { "s" };
+    format!(
+        "no description of the device was given: its communication objects were looked for, {found} values were found, \
+         and {cases} case{plural} could not be judged; --device MODEL or --device FILE.eds describes it"
+    )
+}
+
+/// Sees that the device is there; says whether it was operational.
+fn reach_device(bench: &mut Bench<'_>) -> Result<bool, RunError> {
+    let bus =
+        |verdict: Verdict| RunError::Bus(verdict.reason().map(|reason| reason.actual.clone()).unwrap_or_default());
+    bench.begin();
+    let was_operational = bench.is_operational().map_err(bus)?;
+    if bench.answers().map_err(bus)? {
+        return Ok(was_operational);
+    }
+    // Stopped, or with a server that does not work: a reset shows whether anyone is there.
+    match bench.reset(Command::RESET_NODE) {
+        Ok(()) => Ok(was_operational),
+        Err(verdict @ Verdict::Error(_)) => Err(bus(verdict)),
+        Err(_) => Err(RunError::Unreachable { node: bench.node(), waited: bench.timing().boot_up }),
+    }
+}
+
+fn identify(bench: &mut Bench<'_>) -> DeviceIdentity {
+    let mut number = |index, sub| bench.read_number(Multiplexer::new(index, sub)).ok();
+    let device_type = number(0x1000, 0);
+    let identity = [1, 2, 3, 4].map(|sub| number(0x1018, sub));
+    let names = objects::NAMES.map(|name| {
+        let value = bench.read(name).ok()?;
+        Some(String::from_utf8_lossy(&value).into_owned())
+    });
+    DeviceIdentity { device_type, identity, names }
+}
+
+/// Runs a case as often as the options say. The report is that of the worst outcome, the first of them.
+fn repeat_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
+    let started = bench.now();
+    let mut worst = run_case(bench, case);
+    for _ in 1..bench.options().repeat.max(1) {
+        if bench.is_cancelled() {
+            break;
+        }
+        let next = run_case(bench, case);
+        let kind = next.verdict.kind();
+        let outcomes = std::mem::take(&mut worst.outcomes);
+        if kind.badness() > worst.verdict.kind().badness() {
+            worst = next;
+        }
+        worst.outcomes = outcomes;
+        worst.outcomes.push(kind);
+    }
+    worst.duration = bench.now().since(started);
+    worst
+}
+
+#[cfg(test)]
+mod tests {
+    use super::one_case::documented;
+    use super::*;
+    use crate::bench::Deviation;
+    use crate::case::{Clause, Confidence, Level, Touch};
+    use crate::scripted::{table, with_bench};
+    use crate::verdict::{Judged, Kind, Reason};
+
+    /// A device that answers only when its device type is read or it is reset.
+    const ROWS: &[(&str, &str)] = &[("63F#4000100000000000", "5BF#4300100096010200"), ("000#813F", "73F#00")];
+
+    const fn test_case(id: &'static str, run: fn(&mut Bench<'_>) -> Judged) -> Case {
+        let clause = Clause { standard: "CiA 301", section: None, confidence: Confidence::Unknown };
+        let (needs, touches, catches) = (&[], &[], &[]);
+        Case { id, requirement: "A test.", clause, level: Level::Must, needs, touches, catches, cct: None, run }
+    }
+
+    static PASSES: Case = test_case("test/passes", |_| Ok(Verdict::Pass));
+    static PANICS: Case = test_case("test/panics", |_| panic!("out of luck"));
+    static TOUCHES: Case = Case { touches: &[Touch::Nvm], ..test_case("test/touches", |_| Ok(Verdict::Pass)) };
+    static RESETS: Case = test_case("test/resets", |bench| {
+        // After the start that the bench commanded is over.
+        bench.listen(Duration::from_secs(1))?;
+        // The script takes the raw frame for a command; the bench did not give it.
+        let node = bench.node().raw();
+        bench.send_bytes(0, &[0x81, node])?;
+        bench.wait_for_boot_up()?;
+        Ok(Verdict::Pass)
+    });
+
+    fn run_cases(rows: &'static [(&str, &str)], cases: &[&'static Case]) -> (Result<Summary, RunError>, Vec<String>) {
+        let mut events = Vec::new();
+        let result = with_bench(table(rows), |bench| {
+            let plan = Plan { cases, bus: "sim:test", bit_rate: None, seed: 0 };
+            run(bench, &plan, &mut |event| match event {
+                RunEvent::RunStarted(info) => events.push(format!("{:?}", info.device.device_type)),
+                RunEvent::CaseFinished(report) => {
+                    let reason = report.verdict.reason().map(|reason| reason.actual.clone()).unwrap_or_default();
+                    events.push(format!("{}: {} {reason}", report.case.id, report.verdict.kind()));
+                }
+                _ => {}
+            })
+        });
+        (result, events)
+    }
+
+    #[test]
+    fn a_panic_is_an_error_and_the_run_goes_on() {
+        let (summary, events) = run_cases(ROWS, &[&PANICS, &PASSES]);
+        assert_eq!(events, ["Some(131478)", "test/panics: error out of luck", "test/passes: pass "]);
+        let summary = summary.unwrap();
+        assert_eq!((summary.count(Kind::Error), summary.count(Kind::Pass), summary.is_good()), (1, 1, false));
+    }
+
+    #[test]
+    fn what_was_not_allowed_is_not_done_and_nothing_executed_is_an_error() {
+        let (result, events) = run_cases(ROWS, &[&TOUCHES]);
+        assert_eq!(events[1], "test/touches: not applicable not allowed: it writes non-volatile memory (--allow nvm)");
+        assert!(matches!(result, Err(RunError::NothingToRun { .. })));
+        assert!(matches!(run_cases(ROWS, &[]).0, Err(RunError::NothingToRun { .. })));
+    }
+
+    #[test]
+    fn a_restart_fails_a_case_that_passed() {
+        let (_, events) = run_cases(ROWS, &[&RESETS]);
+        assert!(events[1].starts_with("test/resets: fail a boot-up message"), "{events:?}");
+    }
+
+    #[test]
+    fn a_device_that_is_not_there_is_no_failure_of_a_device() {
+        let (result, events) = run_cases(&[], &[&PASSES]);
+        assert!(matches!(result, Err(RunError::Unreachable { .. })) && events.is_empty());
+    }
+
+    #[test]
+    fn a_documented_failure_is_a_deviation() {
+        let deviations = [Deviation::of_manual("test/*", "manual, 5.1")];
+        let verdict = documented(Verdict::Fail(Reason::default()), &PASSES, &deviations);
+        assert_eq!(verdict.documented(), Some("manual, 5.1"));
+        assert_eq!(documented(Verdict::Pass, &PASSES, &deviations), Verdict::Pass);
+    }
+}

@@ -1,0 +1,61 @@
+//! Every fault that the fuzzer claims to find.
+
+use canvass_conformance::Fault;
+use canvass_conformance::fuzz::detection::{Limit, detect};
+use std::time::Duration;
+
+const SEED: u64 = 1;
+
+/// Ten seconds of one core in an optimised build are millions of exchanges. In a test a fault gets fewer of them, and
+/// as much time as the slowest machine needs for these.
+const LIMIT: Limit = Limit { exchanges: 400_000, time: Duration::from_secs(120) };
+
+/// Frames of the longest minimal sequence.
+const LONGEST: usize = 8;
+
+#[test]
+fn at_least_eighty_faults_are_claimed() {
+    let claimed = Fault::ALL.iter().filter(|fault| fault.is_fuzzed()).count();
+    assert!(claimed >= 80, "{claimed}");
+    // What is not claimed has a reason.
+    for fault in Fault::ALL {
+        assert_eq!(fault.is_fuzzed(), fault.unfuzzed().is_none(), "{fault}");
+    }
+}
+
+/// Of the faults those of this share; several tests run at the same time.
+fn share(number: usize, of: usize) {
+    let mut lengths = Vec::new();
+    for (n, &fault) in Fault::ALL.iter().filter(|fault| fault.is_fuzzed()).enumerate() {
+        if n % of != number {
+            continue;
+        }
+        let trial = detect(fault, SEED, LIMIT).unwrap();
+        let found = trial.found.unwrap_or_else(|| panic!("{fault}: nothing after {} exchanges", trial.exchanges)).found;
+        assert!(found.confirmed, "{fault}: {:?} does not come back", found.violation);
+        assert!(found.sequence.stimuli.len() <= LONGEST, "{fault}: {:?} by {:?}", found.violation, found.sequence);
+        lengths.push(found.sequence.stimuli.len());
+    }
+    lengths.sort_unstable();
+    assert!(lengths[lengths.len() / 2] <= 3, "{lengths:?}");
+}
+
+#[test]
+fn claimed_faults_are_found_1() {
+    share(0, 4);
+}
+
+#[test]
+fn claimed_faults_are_found_2() {
+    share(1, 4);
+}
+
+#[test]
+fn claimed_faults_are_found_3() {
+    share(2, 4);
+}
+
+#[test]
+fn claimed_faults_are_found_4() {
+    share(3, 4);
+}

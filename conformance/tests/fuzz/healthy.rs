@@ -1,0 +1,25 @@
+//! No false alarm: `soak models 5000000` does the same at length.
+
+use canvass_conformance::Faults;
+use canvass_conformance::fuzz::detection::fuzz;
+use canvass_conformance::fuzz::{Target, reproducer};
+use canvass_conformance::models::Model;
+
+const EXCHANGES: u64 = 6_000;
+
+#[test]
+fn healthy_models_violate_nothing() {
+    for (seed, model) in (0..).zip(Model::all()) {
+        for target in Target::ALL {
+            let exchanges = if target == Target::All { EXCHANGES } else { EXCHANGES / 4 };
+            let outcome = fuzz(model, Faults::NONE, target, seed, &mut |done| done < exchanges).unwrap();
+            let alarms: Vec<_> = outcome
+                .violations
+                .iter()
+                .map(|found| format!("{:?}\n{}", found.violation, reproducer::candump(&found.sequence)))
+                .collect();
+            assert!(alarms.is_empty(), "{} {target} {alarms:#?}", model.id());
+            assert!(outcome.executions >= exchanges);
+        }
+    }
+}

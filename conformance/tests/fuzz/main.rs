@@ -1,0 +1,9 @@
+//! The fuzzer: it finds what it says it finds, nothing on healthy devices, and says honestly what it can't repeat.
+#![cfg(test)]
+
+mod coverage;
+mod faults;
+mod grounds;
+mod healthy;
+mod limits;
+mod reproduced;

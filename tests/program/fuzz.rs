@@ -1,0 +1,119 @@
+//! `canvass fuzz` as a user meets it.
+
+use crate::running::{Run, run};
+use serde_json::Value;
+
+const HEALTHY: &str = "sim:reference-301";
+const FAULTY: &str = "sim:reference-301+sdo-toggle-unchecked";
+
+fn json(run: &Run) -> Value {
+    serde_json::from_str(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}{}", run.stdout, run.stderr))
+}
+
+#[test]
+fn the_same_seed_is_the_same_run_byte_for_byte() {
+    for format in ["table", "json", "junit", "html", "markdown"] {
+        let once = || run(&["fuzz", FAULTY, "--seed", "11", "--runs", "60", "--format", format]);
+        let (first, second) = (once(), once());
+        assert_eq!(first.status, 1, "{}", first.stderr);
+        assert_eq!(first.stdout, second.stdout, "{format}");
+    }
+    let other = run(&["fuzz", FAULTY, "--seed", "12", "--runs", "60", "--format", "json"]);
+    let same = run(&["fuzz", FAULTY, "--seed", "11", "--runs", "60", "--format", "json"]);
+    assert_ne!(json(&other)["executions"], json(&same)["executions"]);
+}
+
+#[test]
+fn a_healthy_device_violates_nothing() {
+    let fuzzed = run(&["fuzz", HEALTHY, "--seed", "1", "--runs", "200", "--format", "json"]);
+    let report = json(&fuzzed);
+    assert_eq!((fuzzed.status, &report["violations"]), (0, &Value::Array(Vec::new())), "{report:#}");
+    assert_eq!((&report["schema"], &report["seed"]), (&"canvass/fuzz/1".into(), &1.into()));
+    assert!(report["executions"].as_u64().unwrap() > 1_000, "{report:#}");
+    let sdo = &report["coverage"]["sdo"];
+    assert!(sdo["reached"].as_u64().unwrap() > 50 && sdo["reachable"].as_u64().unwrap() > 100, "{sdo:#}");
+}
+
+#[test]
+fn a_violation_is_handed_over_to_be_repeated() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (regressions, page) = (file("regressions.log"), format!("html={}", file("fuzz.html")));
+    let args =
+        ["fuzz", FAULTY, "--target", "sdo", "--seed", "3", "--runs", "400", "--stop-at-first", "--format", "json"];
+    let fuzzed = run(&[&args[..], &["--regressions", &regressions, "--report", &page]].concat());
+    let report = json(&fuzzed);
+    assert_eq!(fuzzed.status, 1, "{report:#}");
+    let violation = &report["violations"][0];
+    assert_eq!((&violation["property"], &violation["confirmed"]), (&"PROP-02".into(), &true.into()), "{violation:#}");
+    let frames = violation["frames"].as_array().unwrap();
+    assert!((1..=8).contains(&frames.len()), "{violation:#}");
+    assert!(frames.iter().all(|frame| frame["id"].is_u64() && frame["text"].is_string()), "{violation:#}");
+    assert!(violation["test"].as_str().unwrap().contains("#[test]"));
+    assert!(std::fs::read_to_string(file("fuzz.html")).unwrap().contains("PROP-02"));
+
+    // The log alone shows it again, on this device and not on a healthy one.
+    let log = file("violation.log");
+    std::fs::write(&log, violation["log"].as_str().unwrap()).unwrap();
+    let replayed = run(&["fuzz", FAULTY, "--replay", &log, "--format", "json"]);
+    assert_eq!((replayed.status, &json(&replayed)["violations"][0]["rule"]), (1, &violation["rule"]));
+    assert_eq!(run(&["fuzz", HEALTHY, "--replay", &log]).status, 0);
+    assert_eq!(run(&["decode", &log]).status, 0, "it is a capture as any other");
+
+    // The next run tries it first, and does not note it again.
+    let noted = std::fs::read_to_string(&regressions).unwrap();
+    assert!(noted.starts_with("# canvass fuzz: PROP-02"), "{noted}");
+    let again = ["fuzz", FAULTY, "--seed", "99", "--runs", "1", "--format", "json", "--regressions", &regressions];
+    let next = json(&run(&again));
+    assert_eq!(next["violations"][0]["rule"], violation["rule"], "{next:#}");
+    assert_eq!(std::fs::read_to_string(&regressions).unwrap(), noted);
+}
+
+#[test]
+fn what_is_not_allowed_is_not_sent() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("store.log");
+    std::fs::write(&log, "(1.000000) can0 60A#2310100173617665\n").unwrap();
+    let log = log.to_str().unwrap();
+    let refused = run(&["fuzz", HEALTHY, "--replay", log]);
+    assert_eq!((refused.status, refused.stderr.contains("--allow nvm")), (2, true), "{}", refused.stderr);
+    let allowed = run(&["fuzz", HEALTHY, "--replay", log, "--allow", "nvm"]);
+    assert_eq!(allowed.status, 0, "{}{}", allowed.stdout, allowed.stderr);
+}
+
+#[test]
+fn mistakes_have_their_status() {
+    for (args, status, says) in [
+        (&["fuzz", "sim:no-such-model"][..], 2, "kuebler-sendix-58x8"),
+        (&["fuzz", HEALTHY, "--target", "nonsense"], 2, "sync-emcy"),
+        (&["fuzz", HEALTHY, "--for", "soon"], 2, "10"),
+        (&["fuzz", HEALTHY, "--replay", "/no/such/file"], 2, "can't read"),
+        (&["fuzz", HEALTHY, "--report", "html=/no/such/folder/x.html"], 2, "can't write"),
+        (&["fuzz", "sim:reference-301+reference-406"], 2, "one simulated device"),
+        (&["fuzz", "slcan:/dev/no-such-port", "--node", "5"], 3, "/dev/no-such-port"),
+    ] {
+        let ended = run(args);
+        assert_eq!(ended.status, status, "{args:?}: {}", ended.stderr);
+        assert!(ended.stderr.contains(says), "{args:?}: {}", ended.stderr);
+    }
+}
+
+#[test]
+fn properties_are_listed_and_explained() {
+    let listed = run(&["list", "properties", "--format", "json"]);
+    let listed: Value = serde_json::from_str(&listed.stdout).unwrap();
+    let ids: Vec<&str> = listed.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap()).collect();
+    assert_eq!((ids.len(), ids[0], ids[14]), (15, "PROP-01", "PROP-15"));
+    for id in ids {
+        assert!(run(&["explain", id]).stdout.starts_with(id));
+    }
+    assert!(run(&["explain", "PROP-05"]).stdout.contains("abort"));
+}
+
+/// `docs/fuzz-faults.md` is what the program prints.
+#[test]
+fn the_page_of_faults_is_current() {
+    let printed = run(&["list", "faults", "--format", "markdown"]).stdout;
+    let page = std::fs::read_to_string(format!("{}/docs/fuzz-faults.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
+    assert!(page == printed, "run: canvass list faults --format markdown > docs/fuzz-faults.md");
+}

@@ -1,0 +1,238 @@
+//! What any stack needs to be a device on the simulated bus.
+
+use canvass_conformance::Machine;
+use canvass_traces::{Duration, Frame, Timestamp};
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A stack with the application that its documentation asks for. Time counts from switching on.
+pub trait Stack: Send {
+    /// The supply comes on, for the first time or again: only what is stored is as before.
+    fn switch_on(&mut self);
+
+    /// A frame of another participant.
+    fn handle(&mut self, now: Timestamp, frame: &Frame);
+
+    /// The next frame to send.
+    fn transmit(&mut self) -> Option<Frame>;
+
+    /// Whether the CAN controller's mailboxes were emptied since [`Stack::transmit`] was called last: a frame that waits
+    /// for the bus is then not sent any more.
+    fn has_emptied_mailboxes(&self) -> bool {
+        false
+    }
+
+    /// When [`Stack::tick`] wants to be called next.
+    fn wake(&self) -> Option<Timestamp>;
+
+    /// The time of [`Stack::wake`] has come.
+    fn tick(&mut self, now: Timestamp);
+}
+
+/// A stack that panicked.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Death {
+    /// On the clock of the bus.
+    pub at: Timestamp,
+    /// What it was handed last, if it was a frame.
+    pub frame: Option<Frame>,
+    /// The message of the panic.
+    pub reason: String,
+}
+
+/// Where the deaths of a device are kept, oldest first: the device itself belongs to the bus.
+#[derive(Clone, Default, Debug)]
+pub struct Memorial(Arc<Mutex<Vec<Death>>>);
+
+impl Memorial {
+    /// What it died of, each time.
+    pub fn deaths(&self) -> Vec<Death> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+
+    fn add(&self, death: Death) {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).push(death);
+    }
+}
+
+/// A stack as a participant of the simulated bus. One that panics is silent from then on: until it is switched off and
+/// on, or until its watchdog restarts it, if it has one.
+pub struct StackDevice<S> {
+    stack: S,
+    switched_on: Timestamp,
+    /// It wants to be asked what it has to send at its start.
+    starting: bool,
+    dead_since: Option<Timestamp>,
+    watchdog: Option<Duration>,
+    memorial: Memorial,
+}
+
+impl<S: Stack> StackDevice<S> {
+    /// The stack, switched on at time 0.
+    pub fn new(stack: S) -> Self {
+        let mut device = Self {
+            stack,
+            switched_on: Timestamp::ZERO,
+            starting: true,
+            dead_since: None,
+            watchdog: None,
+            memorial: Memorial::default(),
+        };
+        device.power_cycle(Timestamp::ZERO);
+        device
+    }
+
+    /// With a watchdog that switches it off and on so long after it died, as most devices in the field have one.
+    #[must_use]
+    pub fn with_watchdog(mut self, after: Duration) -> Self {
+        self.watchdog = Some(after);
+        self
+    }
+
+    /// With its deaths kept together with those of others.
+    #[must_use]
+    pub fn remembered_in(mut self, memorial: &Memorial) -> Self {
+        self.memorial = memorial.clone();
+        self
+    }
+
+    /// Where its deaths will be found.
+    pub fn memorial(&self) -> Memorial {
+        self.memorial.clone()
+    }
+
+    fn own(&self, now: Timestamp) -> Timestamp {
+        Timestamp(now.since(self.switched_on).0)
+    }
+
+    /// Calls the stack, unless it is dead.
+    fn alive<T>(&mut self, now: Timestamp, frame: Option<&Frame>, call: impl FnOnce(&mut S) -> T) -> Option<T> {
+        if self.dead_since.is_some() {
+            return None;
+        }
+        // A stack that has panicked is not called again before it is made anew.
+        match catch_unwind(AssertUnwindSafe(|| call(&mut self.stack))) {
+            Ok(result) => Some(result),
+            Err(panic) => {
+                self.dead_since = Some(now);
+                self.memorial.add(Death { at: now, frame: frame.copied(), reason: message(&*panic) });
+                None
+            }
+        }
+    }
+}
+
+fn message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic without words".to_owned())
+}
+
+impl<S: Stack> Machine for StackDevice<S> {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        let own = self.own(now);
+        self.alive(now, Some(frame), |stack| stack.handle(own, frame));
+    }
+
+    fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+        self.alive(now, None, Stack::transmit).flatten()
+    }
+
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        match self.dead_since {
+            Some(died) => self.watchdog.map(|after| died + after),
+            None if self.starting => Some(self.switched_on),
+            None => self.stack.wake().map(|own| self.switched_on + own.since(Timestamp::ZERO)),
+        }
+    }
+
+    fn handle_timeout(&mut self, now: Timestamp) {
+        match (self.dead_since, self.watchdog) {
+            (Some(died), Some(after)) if now >= died + after => self.power_cycle(now),
+            _ => {
+                self.starting = false;
+                let own = self.own(now);
+                self.alive(now, None, |stack| stack.tick(own));
+            }
+        }
+    }
+
+    fn withdraws(&self, _: &Frame) -> bool {
+        self.dead_since.is_none() && self.stack.has_emptied_mailboxes()
+    }
+
+    fn power_cycle(&mut self, now: Timestamp) {
+        self.switched_on = now;
+        self.starting = true;
+        self.dead_since = None;
+        self.alive(now, None, Stack::switch_on);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_conformance::bus::{Bus, SimulatedBus};
+    use canvass_traces::CanId;
+
+    /// Says its name when it is switched on, repeats what it hears, and dies of remote frames.
+    #[derive(Default)]
+    struct Parrot(Vec<Frame>);
+
+    impl Stack for Parrot {
+        fn switch_on(&mut self) {
+            self.0 = vec![frame(0x705, &[0])];
+        }
+
+        fn handle(&mut self, _: Timestamp, heard: &Frame) {
+            assert!(!heard.is_remote(), "no remote frames");
+            self.0.push(*heard);
+        }
+
+        fn transmit(&mut self) -> Option<Frame> {
+            self.0.pop()
+        }
+
+        fn wake(&self) -> Option<Timestamp> {
+            None
+        }
+
+        fn tick(&mut self, _: Timestamp) {}
+    }
+
+    fn frame(id: u32, data: &[u8]) -> Frame {
+        Frame::new(CanId::standard(id).unwrap(), data).unwrap()
+    }
+
+    fn heard(bus: &mut SimulatedBus) -> Vec<String> {
+        let deadline = bus.now() + Duration::from_millis(100);
+        std::iter::from_fn(|| bus.receive(deadline).unwrap()).map(|record| record.frame.to_string()).collect()
+    }
+
+    #[test]
+    fn a_stack_that_panics_is_silent_and_its_reason_is_kept() {
+        let device = StackDevice::new(Parrot::default());
+        let memorial = device.memorial();
+        let mut bus = SimulatedBus::new(1_000_000);
+        bus.attach(Box::new(device));
+        assert_eq!(heard(&mut bus), ["705#00"]);
+        let remote = Frame::remote(CanId::standard(0x705).unwrap(), 1).unwrap();
+        bus.send(&frame(1, &[1])).unwrap();
+        bus.send(&remote).unwrap();
+        bus.send(&frame(2, &[2])).unwrap();
+        assert_eq!(heard(&mut bus), ["001#01", "001#01", "705#R1", "002#02"]);
+        let deaths = memorial.deaths();
+        assert_eq!((deaths.len(), deaths[0].frame, &*deaths[0].reason), (1, Some(remote), "no remote frames"));
+        bus.power_cycle(0);
+        assert_eq!(heard(&mut bus), ["705#00"]);
+    }
+
+    #[test]
+    fn a_watchdog_restarts_it() {
+        let mut bus = SimulatedBus::new(1_000_000);
+        bus.attach(Box::new(StackDevice::new(Parrot::default()).with_watchdog(Duration::from_millis(50))));
+        heard(&mut bus);
+        bus.send(&Frame::remote(CanId::standard(0x705).unwrap(), 0).unwrap()).unwrap();
+        assert_eq!(heard(&mut bus).last().map(String::as_str), Some("705#00"));
+    }
+}

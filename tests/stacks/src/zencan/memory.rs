@@ -1,0 +1,178 @@
+//! What the application of the device with `zencan-node` keeps: its non-volatile memory, and the state of its statics
+//! at power-on.
+
+use super::node::{NODE_STATE, OD_TABLE};
+use std::convert::Infallible;
+use std::sync::atomic::{AtomicU8, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, OnceLock, PoisonError};
+use zencan_node::common::messages::CanMessage;
+use zencan_node::object_dict::{ODEntry, find_object};
+use zencan_node::priority_queue::PriorityQueue;
+use zencan_node::{Callbacks, NodeMbox, SDO_BUFFER_SIZE, restore_stored_comm_objects, restore_stored_objects};
+
+/// Non-volatile.
+pub struct Memory {
+    /// 255: none.
+    node: AtomicU8,
+    objects: Mutex<Vec<u8>>,
+}
+
+impl Memory {
+    /// With nothing stored but a node-ID.
+    pub fn new(node: u8) -> Self {
+        Self { node: AtomicU8::new(node), objects: Mutex::default() }
+    }
+
+    /// The node-ID to start with.
+    pub fn node_id(&self) -> zencan_node::common::NodeId {
+        let raw = self.node.load(Ordering::Relaxed);
+        zencan_node::common::NodeId::new(raw).unwrap_or(zencan_node::common::NodeId::Unconfigured)
+    }
+
+    fn objects(&self) -> MutexGuard<'_, Vec<u8>> {
+        self.objects.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+/// What the node calls: each closure owns its share of the memory.
+pub fn callbacks(memory: &Arc<Memory>) -> Callbacks<'static> {
+    const fn is_shareable<T: Send + Sync>() {}
+    const { is_shareable::<Memory>() };
+    let (node, objects, app, comms) = (memory.clone(), memory.clone(), memory.clone(), memory.clone());
+    let store_node = move |id: zencan_node::common::NodeId| node.node.store(id.into(), Ordering::Relaxed);
+    let store_objects = move |reader: &mut dyn zencan_node::embedded_io::Read<Error = Infallible>, size: usize| {
+        let mut bytes = vec![0; size];
+        let Ok(read) = reader.read(&mut bytes);
+        bytes.truncate(read);
+        *objects.objects() = bytes;
+    };
+    let reset_app = move |table: &'static [ODEntry<'static>]| {
+        set_defaults(0..=0xFFFF);
+        restore_stored_objects(table, &app.objects());
+    };
+    let reset_comms = move |table: &'static [ODEntry<'static>]| {
+        set_defaults(0x1000..=0x1FFF);
+        restore_stored_comm_objects(table, &comms.objects());
+    };
+    Callbacks {
+        store_node_config: Some(Box::leak(Box::new(store_node))),
+        store_objects: Some(Box::leak(Box::new(store_objects))),
+        reset_app: Some(Box::leak(Box::new(reset_app))),
+        reset_comms: Some(Box::leak(Box::new(reset_comms))),
+        ..Callbacks::default()
+    }
+}
+
+/// PDO parameters the node resets itself.
+const PDO_PARAMETERS: std::ops::RangeInclusive<u16> = 0x1400..=0x1BFF;
+
+/// A writable object's value when the process began.
+struct StartValue {
+    index: u16,
+    sub: u8,
+    value: Vec<u8>,
+}
+
+/// Before anybody has written them, the statics hold the defaults.
+fn defaults() -> &'static [StartValue] {
+    static DEFAULTS: OnceLock<Vec<StartValue>> = OnceLock::new();
+    DEFAULTS.get_or_init(|| {
+        let subs = OD_TABLE.iter().filter(|entry| !PDO_PARAMETERS.contains(&entry.index) && entry.index != 0x1010);
+        let subs = subs.flat_map(|entry| (0..=entry.data.max_sub_number()).map(move |sub| (entry, sub)));
+        let writable =
+            subs.filter(|(entry, sub)| entry.data.access_type(*sub).is_ok_and(|access| access.is_writable()));
+        let default = |(entry, sub): (&ODEntry<'static>, u8)| {
+            let mut value = vec![0; entry.data.read_size(sub).ok()?];
+            // One that can't be read by SDO is zero.
+            let _ = entry.data.read(sub, 0, &mut value);
+            Some(StartValue { index: entry.index, sub, value })
+        };
+        writable.filter_map(default).collect()
+    })
+}
+
+/// "The application should also do whatever is appropriate to reset its state": the node leaves that to it.
+fn set_defaults(range: std::ops::RangeInclusive<u16>) {
+    for default in defaults().iter().filter(|default| range.contains(&default.index)) {
+        if let Some(object) = find_object(&OD_TABLE, default.index) {
+            // A default is a value of the object's own.
+            let _ = object.write(default.sub, &default.value);
+        }
+    }
+}
+
+/// Brings the statics to what they are when a processor starts.
+pub fn as_after_power_on() {
+    set_defaults(0..=0xFFFF);
+    for entry in &OD_TABLE {
+        entry.data.clear_events();
+    }
+    for pdo in NODE_STATE.rpdos().iter().chain(NODE_STATE.tpdos()) {
+        pdo.buffered_value.store(None);
+        // The count of SYNCs begins anew with a PDO of type 1; the node then sets what it sets.
+        pdo.set_valid(true);
+        pdo.set_transmission_type(1);
+        pdo.sync_update();
+        for parameter in &pdo.mapping_params {
+            parameter.store(None);
+        }
+    }
+}
+
+/// A mailbox as `zencan-build` makes it, new: the generated one keeps what was under way.
+pub fn mailbox() -> &'static NodeMbox {
+    let queue: &'static PriorityQueue<4, CanMessage> = Box::leak(Box::new(PriorityQueue::new()));
+    let buffer = Box::leak(Box::new([0; SDO_BUFFER_SIZE]));
+    Box::leak(Box::new(NodeMbox::new(NODE_STATE.rpdos(), NODE_STATE.tpdos(), queue, buffer)))
+}
+
+/// The objects that can be mapped, those that TPDOs send as delivered first.
+const MAPPABLE: [(u16, u8); 5] = [(0x2100, 1), (0x2100, 2), (0x2200, 1), (0x2200, 2), (0x2200, 3)];
+
+/// Values of [`MAPPABLE`].
+pub type Parts = [u32; MAPPABLE.len()];
+
+/// The values that TPDOs can carry.
+pub fn tpdo_values() -> Parts {
+    MAPPABLE.map(|(index, sub)| {
+        let mut bytes = [0; 4];
+        // What is shorter leaves zeros.
+        let _ = find_object(&OD_TABLE, index).map(|object| object.read(sub, 0, &mut bytes));
+        u32::from_le_bytes(bytes)
+    })
+}
+
+/// Tells the node which values have changed.
+pub fn set_event_flags(now: &Parts, before: &Parts) {
+    for ((index, sub), _) in MAPPABLE.iter().zip(now.iter().zip(before)).filter(|(_, (now, before))| now != before) {
+        if let Some(object) = find_object(&OD_TABLE, *index) {
+            // All of them have flags.
+            let _ = object.set_event_flag(*sub);
+        }
+    }
+}
+
+/// The statics are in use; whoever wants them waits until this is dropped.
+pub struct Occupied(());
+
+static IN_USE: Mutex<bool> = Mutex::new(false);
+static FREED: Condvar = Condvar::new();
+
+impl Occupied {
+    /// Waits until nobody uses them.
+    pub fn wait() -> Self {
+        let mut in_use = IN_USE.lock().unwrap_or_else(PoisonError::into_inner);
+        while *in_use {
+            in_use = FREED.wait(in_use).unwrap_or_else(PoisonError::into_inner);
+        }
+        *in_use = true;
+        Self(())
+    }
+}
+
+impl Drop for Occupied {
+    fn drop(&mut self) {
+        *IN_USE.lock().unwrap_or_else(PoisonError::into_inner) = false;
+        FREED.notify_one();
+    }
+}

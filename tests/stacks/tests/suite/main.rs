@@ -1,0 +1,129 @@
+//! The whole suite, with everything allowed, on devices whose stacks others wrote.
+//!
+//! What is not *pass*, *tolerated* or *not applicable* stands in `canopen_rs.rs` and `zencan.rs` with its reason: a
+//! change of a case or of a stack shows at once.
+
+#![cfg(test)]
+
+mod canopen_rs;
+mod description;
+mod zencan;
+
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_conformance::Machine;
+use canvass_conformance::bench::{Bench, Decoder, Options, Target};
+use canvass_conformance::bus::SimulatedBus;
+use canvass_conformance::case::Touch;
+use canvass_conformance::catalogue;
+use canvass_conformance::runner::{CaseReport, Plan, RunEvent, Summary, run};
+use canvass_conformance::verdict::Kind;
+use canvass_stacks::{Memorial, Stack, StackDevice};
+use canvass_traces::Duration;
+use std::fmt::Write;
+use std::sync::atomic::AtomicBool;
+
+const BIT_RATE: u32 = 500_000;
+
+/// A stack that panics is restarted, as most devices in the field are: the cases after it can be judged.
+const WATCHDOG: Duration = Duration::from_millis(100);
+
+/// A device on the simulated bus, and what is known of it.
+struct Peer {
+    machine: Box<dyn Machine>,
+    memorial: Memorial,
+    eds: &'static str,
+    node: NodeId,
+}
+
+impl Peer {
+    fn new<S: Stack + 'static>(stack: S, eds: &'static str, node: u8) -> Self {
+        let device = StackDevice::new(stack).with_watchdog(WATCHDOG);
+        let memorial = device.memorial();
+        Self { machine: Box::new(device), memorial, eds, node: NodeId::new(node).unwrap() }
+    }
+
+    fn target(&self) -> Target {
+        let description = Some(DeviceDescription::read(self.eds.as_bytes()).unwrap());
+        Target { node: self.node, model: String::new(), description, deviations: Vec::new() }
+    }
+}
+
+/// What a run of the suite came to.
+struct Outcome {
+    reports: Vec<CaseReport>,
+    notices: Vec<String>,
+    summary: Summary,
+    memorial: Memorial,
+}
+
+/// Runs the cases whose ids begin so.
+fn judge(peer: Peer, described: bool, begin: &str) -> Outcome {
+    let mut target = peer.target();
+    if !described {
+        target.description = None;
+    }
+    let mut bus = SimulatedBus::new(BIT_RATE);
+    bus.attach(peer.machine);
+    let options = Options { allow: Touch::ALL.into(), ..Options::default() };
+    let (mut decoder, cancel) = (Decoder::new(&target), AtomicBool::new(false));
+    let mut bench = Bench::new(&mut bus, &target, &options, &mut decoder, &cancel);
+    let cases: Vec<_> = catalogue::cases().into_iter().filter(|case| case.id.starts_with(begin)).collect();
+    let plan = Plan { cases: &cases, bus: "sim:stack", bit_rate: Some(BIT_RATE), seed: 0 };
+    let (mut reports, mut notices) = (Vec::new(), Vec::new());
+    let summary = run(&mut bench, &plan, &mut |event| match event {
+        RunEvent::CaseFinished(report) => reports.push((*report).clone()),
+        RunEvent::Noticed(notice) => notices.push((*notice).to_owned()),
+        _ => {}
+    });
+    assert_eq!(reports.len(), cases.len(), "the run came to its end");
+    Outcome { reports, notices, summary: summary.unwrap(), memorial: peer.memorial }
+}
+
+/// What the suite must find: the cases that do not end well, and how they end.
+type Expected = [(&'static str, Kind, &'static str)];
+
+/// Demands that the run found what is expected, and nothing else.
+fn expect(outcome: &Outcome, expected: &Expected) {
+    let is_good = |kind: Kind| matches!(kind, Kind::Pass | Kind::Tolerated | Kind::NotApplicable);
+    let mut wrong = String::new();
+    for report in &outcome.reports {
+        let kind = report.verdict.kind();
+        let known = expected.iter().find(|(id, ..)| *id == report.case.id).map(|(_, kind, _)| *kind);
+        if known.unwrap_or(Kind::Pass) != kind && !(known.is_none() && is_good(kind)) {
+            writeln!(wrong, "{}", describe(report)).unwrap();
+        }
+    }
+    let ids: Vec<&str> = outcome.reports.iter().map(|report| report.case.id).collect();
+    for (id, ..) in expected.iter().filter(|(id, ..)| !ids.contains(id)) {
+        writeln!(wrong, "{id}: no such case").unwrap();
+    }
+    let counts: Vec<String> = Kind::ALL.map(|kind| format!("{kind} {}", outcome.summary.count(kind))).into();
+    assert!(wrong.is_empty(), "differs from what is known of this stack ({}):\n{wrong}", counts.join(", "));
+}
+
+fn describe(report: &CaseReport) -> String {
+    let reason = report.verdict.reason().map(ToString::to_string).unwrap_or_default();
+    let frames: Vec<String> = report
+        .evidence
+        .frames()
+        .map(|exhibit| format!("  ({}) {}  {}", exhibit.record.timestamp, exhibit.record.frame, exhibit.text))
+        .collect();
+    let tail = &frames[frames.len().saturating_sub(12)..];
+    format!("{}: {}: {reason} {:?}\n{}", report.case.id, report.verdict.kind(), report.notes, tail.join("\n"))
+}
+
+/// A run in which hardly anything applies would find nothing either.
+fn passed(outcome: &Outcome) -> usize {
+    outcome.summary.count(Kind::Pass)
+}
+
+/// Everything that two runs must have in common, down to the frames and their times.
+fn trace(outcome: &Outcome) -> Vec<String> {
+    let of_case = |report: &CaseReport| {
+        let frames =
+            report.evidence.frames().map(|exhibit| format!("{} {}", exhibit.record.timestamp, exhibit.record.frame));
+        format!("{}: {:?}: {}", report.case.id, report.verdict, frames.collect::<Vec<_>>().join(", "))
+    };
+    outcome.reports.iter().map(of_case).collect()
+}

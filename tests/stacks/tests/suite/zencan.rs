@@ -1,0 +1,107 @@
+//! `zencan-node` 0.0.5.
+
+use super::{Expected, Outcome, Peer, expect, judge, passed, trace};
+use canvass_conformance::verdict::Kind::{Fail, Inconclusive};
+use canvass_stacks::zencan::{EDS, NODE, Zencan};
+
+/// All are its own, and in `docs/peers.md`.
+const EXPECTED: &Expected = &[
+    ("301/boot-up/every-time", Fail, BOOT_UP),
+    ("301/boot-up/reset-communication", Fail, BOOT_UP),
+    ("301/boot-up/reset-node", Fail, BOOT_UP),
+    ("301/boot-up/silent-before", Fail, BOOT_UP),
+    ("301/nmt/broadcast/reset-communication", Fail, BOOT_UP),
+    ("301/nmt/broadcast/reset-node", Fail, BOOT_UP),
+    ("301/nmt/operational/reset-communication", Fail, BOOT_UP),
+    ("301/nmt/operational/reset-node", Fail, BOOT_UP),
+    ("301/nmt/pre-operational/reset-communication", Fail, BOOT_UP),
+    ("301/nmt/pre-operational/reset-node", Fail, BOOT_UP),
+    ("301/nmt/stopped/reset-communication", Fail, BOOT_UP),
+    ("301/nmt/stopped/reset-node", Fail, BOOT_UP),
+    ("305/unconfigured/boots", Fail, BOOT_UP),
+    ("301/dictionary/described", Fail, "1010h:00 can't be read"),
+    ("301/pdo/cob-id/restricted", Fail, PDO_PARAMETERS),
+    ("301/pdo/cob-id/too-high", Fail, PDO_PARAMETERS),
+    ("301/pdo/cob-id/valid", Fail, PDO_PARAMETERS),
+    ("301/pdo/mapping/count", Fail, PDO_PARAMETERS),
+    ("301/pdo/mapping/entry-in-use", Fail, PDO_PARAMETERS),
+    ("301/pdo/mapping/too-long", Fail, PDO_PARAMETERS),
+    ("301/pdo/mapping/unmappable", Fail, PDO_PARAMETERS),
+    ("301/pdo/mapping/valid", Fail, PDO_PARAMETERS),
+    ("301/pdo/transmission-type/remote", Fail, PDO_PARAMETERS),
+    ("301/pdo/transmission-type/reserved", Fail, PDO_PARAMETERS),
+    ("301/rpdo/cob-id/valid", Fail, PDO_PARAMETERS),
+    ("301/rpdo/mapping/valid", Fail, PDO_PARAMETERS),
+    ("301/rpdo/reserved-type", Fail, PDO_PARAMETERS),
+    ("301/tpdo/remote-triggered", Fail, "transmission type 253 is taken, and remote frames not answered"),
+    ("301/sdo/abort/unanswered", Fail, "an abort without a transfer is answered by an abort"),
+    ("301/sdo/block-download/read-only", Fail, LATE),
+    ("301/sdo/block-upload/missing", Fail, LATE),
+    ("301/sdo/download/segmented-read-only", Fail, LATE),
+    ("301/sdo/block-download/segment-lost", Fail, REPEATED),
+    ("301/sdo/block-download/segments-swapped", Fail, REPEATED),
+    ("301/sdo/block-download/sequence-zero", Fail, "a segment with sequence number 0 is passed over"),
+    ("301/sdo/block-upload/all-lost", Fail, CRC),
+    ("301/sdo/block-upload/part-lost", Fail, CRC),
+    ("301/sdo/block-upload/restart", Fail, BUSY),
+    ("301/sdo/block-upload/too-much-confirmed", Fail, "segments may be confirmed that were never sent"),
+    ("301/sdo/block-upload/wrong-block-size", Fail, BLOCK_SIZE),
+    ("301/sdo/block-upload/wrong-next-size", Fail, BLOCK_SIZE),
+    ("301/sdo/command/unknown", Fail, UNKNOWN),
+    ("301/sdo/command/unknown-first", Fail, UNKNOWN),
+    ("301/sdo/download/confirmation-toggle", Fail, "every segment but the last is taken for 7 bytes"),
+    ("301/sdo/transfer/abandoned-download", Fail, BUSY),
+    ("301/sdo/transfer/restart", Fail, BUSY),
+    ("301/state/stopped/sdo", Fail, "SDOs are answered in stopped"),
+    ("301/store/wrong-signature", Fail, SIGNATURE),
+    ("301/store/all", Inconclusive, SIGNATURE),
+    ("301/store/persists", Fail, SIGNATURE),
+    ("301/store/reset-at-once", Inconclusive, SIGNATURE),
+    ("305/fastscan/early-match", Fail, "a match that goes back to an earlier part ends Fastscan"),
+    ("305/fastscan/out-of-range", Fail, "bit check 32 is a panic"),
+    ("305/identify/at-bounds", Fail, IDENTIFY),
+    ("305/identify/within", Fail, IDENTIFY),
+    ("305/unconfigured/identify", Fail, "the search for slaves without node-ID (4Ch) is not answered"),
+    ("305/unconfigured/silent", Fail, "a node without node-ID still answers SDOs at its old one"),
+    ("305/node-id/inquired-pending", Fail, NODE_ID),
+    ("305/node-id/pending", Fail, NODE_ID),
+    ("305/node-id/invalid", Fail, "node-IDs 0 and 128 to 254 are taken"),
+    ("305/switch-selective/order", Fail, "the parts of the address may come in any order"),
+];
+
+const BOOT_UP: &str = "the first message is 7Fh, not the boot-up message";
+const PDO_PARAMETERS: &str = "PDO parameters are stored with few checks";
+const LATE: &str = "the start of the transfer is confirmed, and only its end refused";
+const REPEATED: &str = "what is sent again after a lost segment goes to the wrong place";
+const CRC: &str = "the CRC counts what is sent again";
+const BLOCK_SIZE: &str = "block sizes 0 and above 127 are taken";
+const UNKNOWN: &str = "unknown command specifiers are not answered";
+const BUSY: &str = "a new transfer is refused while another one is open";
+const SIGNATURE: &str = "the signature of 1010h is expected the wrong way round";
+const IDENTIFY: &str = "identify remote slave (46h to 4Bh) is not answered";
+const NODE_ID: &str = "a new node-ID is in force at once";
+
+fn peer() -> Peer {
+    Peer::new(Zencan::new(), EDS, NODE)
+}
+
+#[test]
+fn fails_what_is_documented() {
+    let outcome = judge(peer(), true, "");
+    expect(&outcome, EXPECTED);
+    assert!(passed(&outcome) >= 153, "{} passed", passed(&outcome));
+    assert_eq!(outcome.notices, Vec::<String>::new());
+    let deaths: Vec<_> = outcome.memorial.deaths().into_iter().map(|death| death.reason).collect();
+    assert_eq!(deaths, ["attempt to shift left with overflow"]);
+}
+
+fn half(begin: &str) -> Outcome {
+    judge(peer(), true, begin)
+}
+
+#[test]
+fn runs_the_same_each_time() {
+    for begin in ["301/sdo/", "305/"] {
+        assert_eq!(trace(&half(begin)), trace(&half(begin)), "{begin}");
+    }
+}
