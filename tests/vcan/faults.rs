@@ -148,7 +148,7 @@ fn babble(interface: &'static str, gap: &str, select: &str) -> Value {
 /// A bus of 1 Mbit/s carries about 8 000 of these frames in a second.
 #[test]
 fn a_babbling_node_is_not_the_devices_fault() {
-    babble("vbabble", "0.1", "301/sdo/upload,301/heartbeat/period");
+    babble("vbabble", "0.1", "301/sdo/upload/expedited,301/sdo/upload/segmented,301/heartbeat/period");
 }
 
 /// No real bus carries as much: frames are lost on this machine, and that is said.
