@@ -7,6 +7,7 @@ mod destination;
 mod devices;
 mod inputs;
 mod interrupt;
+mod kept_device;
 mod live;
 mod live_reader;
 mod output;

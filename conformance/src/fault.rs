@@ -136,6 +136,7 @@ faults! {
     SdoBlockCrcWrongCode = "sdo-block-crc-wrong-code" on "reference-301": "A wrong CRC is refused with abort 0800 0000h.",
     SdoBlockWrittenBeforeCheck = "sdo-block-written-before-check" on "reference-301": "The value of a block download is written before its CRC is checked.",
     SdoBlockSizeMismatchAccepted = "sdo-block-size-mismatch-accepted" on "reference-301": "A block download of another size than announced is accepted.",
+    SdoBlockCountOffByOne = "sdo-block-count-off-by-one" on "reference-301": "The confirmation of a downloaded block counts one segment too few.",
     SdoBlockEndSilent = "sdo-block-end-silent" on "reference-301": "The end of a block download is not confirmed.",
     SdoSegmentLengthWrong = "sdo-segment-length-wrong" on "reference-301": "The last segment of an upload announces one byte too few.",
     SdoUnusedBytesNotZero = "sdo-unused-bytes-not-zero": "Reserved bytes of SDO responses hold old data.",

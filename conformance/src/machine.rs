@@ -8,6 +8,12 @@ pub trait Machine: Send {
     /// A frame of another participant was on the bus; it ended at `now`.
     fn handle(&mut self, now: Timestamp, frame: &Frame);
 
+    /// Whether [`Machine::handle`] would do nothing with this frame, as with most of a bus: it need not be called then.
+    fn ignores(&self, frame: &Frame) -> bool {
+        let _ = frame;
+        false
+    }
+
     /// The next frame to send, if there is one. The bus asks whenever it can take a frame, until there is none, and
     /// sends each as arbitration allows.
     fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame>;

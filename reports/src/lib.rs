@@ -7,6 +7,7 @@
 //! - [`diagnosis`]: what was wrong in a capture;
 //! - [`events`]: what the frames brought about, one line or one JSON object each;
 //! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
+//! - [`fuzz`]: the reports of a run of the fuzzer;
 //! - [`quality`]: what captures hold and lack;
 //! - [`selftest`]: which faults the cases detect;
 //! - [`signals`]: the values of PDOs as columns over time.
@@ -18,6 +19,7 @@ pub mod decode;
 pub mod diagnosis;
 pub mod escape;
 pub mod events;
+pub mod fuzz;
 mod page;
 mod push;
 pub mod quality;

@@ -1,11 +1,13 @@
 //! `canvass doctor`: what this machine can do, and what is missing.
 
+#[cfg(target_os = "linux")]
+mod kernel;
+
 use crate::output::print;
 use crate::status::{Failure, Status};
 use serde_json::json;
 use std::fmt::Write;
 use std::fs;
-use std::path::Path;
 use std::time::{Duration, Instant};
 
 /// Say what this machine can do on live buses, what is missing, and how to get it
@@ -61,13 +63,14 @@ fn system() -> Finding {
 
 #[cfg(target_os = "linux")]
 fn socketcan() -> Vec<Finding> {
-    use canvass_conformance::bus::socketcan::{Link, SocketCan};
+    use canvass_conformance::bus::socketcan::{Link, SocketCan, SocketCanError};
     let mut findings = Vec::new();
     let support = SocketCan::support();
     let good = support.is_ok();
     let text = match support {
         Ok(()) => "the kernel has AF_CAN and CAN_RAW".to_owned(),
-        Err(error) => format!("{error}; {}", why_no_can()),
+        Err(SocketCanError::NoCan) => kernel::why_no_can(),
+        Err(error) => error.to_string(),
     };
     findings.push(Finding { what: "SocketCAN", good, text });
     let interfaces = Link::can_interfaces();
@@ -105,25 +108,6 @@ fn socketcan() -> Vec<Finding> {
     vec![Finding { what: "SocketCAN", good: false, text: "only Linux has it: use slcan:PORT".to_owned() }]
 }
 
-/// What the files of this machine tell of the reason.
-#[cfg(target_os = "linux")]
-fn why_no_can() -> String {
-    let release = read("/proc/sys/kernel/osrelease").unwrap_or_default();
-    let modules = format!("/lib/modules/{release}");
-    if !Path::new("/proc/modules").exists() {
-        return "this kernel can't load modules, so CAN must be built in".to_owned();
-    }
-    if !Path::new(&modules).exists() {
-        return format!("there are no modules for the running kernel ({modules} does not exist)");
-    }
-    let can = ["can.ko", "can.ko.xz", "can.ko.zst", "can.ko.gz"];
-    let found = can.iter().any(|name| Path::new(&format!("{modules}/kernel/net/can/{name}")).exists());
-    match found {
-        true => "the module can is there and not loaded".to_owned(),
-        false => format!("the running kernel was built without CAN (no net/can/can.ko in {modules})"),
-    }
-}
-
 /// Serial ports that CAN adapters show as.
 fn serial_ports() -> Finding {
     let entries = fs::read_dir("/dev").into_iter().flatten().flatten();
@@ -159,11 +143,20 @@ fn wake_up() -> Finding {
     let at = |share: usize| delays.get(delays.len() * share / 100).copied().unwrap_or_default();
     let worst = delays.last().copied().unwrap_or_default();
     let text = format!(
-        "half of all waits end within {:.0?} of their time, 99 % within {:.0?}, all within {worst:.0?}",
-        at(50),
-        at(99)
+        "half of all waits end within {} of their time, 99 % within {}, all within {}",
+        shown(at(50)),
+        shown(at(99)),
+        shown(worst)
     );
     Finding { what: "wake-up", good: at(99) < Duration::from_millis(10), text }
+}
+
+fn shown(span: Duration) -> String {
+    if span < Duration::from_millis(1) {
+        format!("{} µs", span.as_micros())
+    } else {
+        format!("{:.1} ms", span.as_secs_f64() * 1e3)
+    }
 }
 
 fn processors() -> Finding {

@@ -1,4 +1,4 @@
-//! `canvass explain`: one case, fault, rule, model or format in full.
+//! `canvass explain`: one case, fault, rule, property, model or format in full.
 
 use crate::output::print;
 use crate::status::{Failure, Status};
@@ -8,10 +8,11 @@ use canvass_conformance::case::Case;
 use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, catalogue};
 use canvass_reports::diagnosis;
+use canvass_reports::fuzz::properties;
 use canvass_traces::Format;
 use std::fmt::Write;
 
-/// Explain a case, a fault, a rule, a model or a capture format in full
+/// Explain a case, a fault, a rule, a property, a model or a capture format in full
 #[derive(clap::Args)]
 pub struct Args {
     /// The id, as `canvass list` shows it
@@ -25,11 +26,12 @@ impl Args {
             .map(case)
             .or_else(|| id.parse().ok().map(fault))
             .or_else(|| findings::find(id).map(|rule| diagnosis::explain(rule.metadata)))
+            .or_else(|| id.parse().ok().map(properties::explain))
             .or_else(|| Model::by_id(id).map(model))
             .or_else(|| Format::by_id(id).map(format))
             .ok_or_else(|| {
                 anyhow!(
-                    "nothing is called \"{id}\": `canvass list cases|models|faults|rules|formats` shows what there is"
+                    "nothing is called \"{id}\": `canvass list cases|models|faults|rules|properties|formats` shows what there is"
                 )
             })?;
         print(&text)?;

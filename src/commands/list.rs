@@ -6,6 +6,7 @@ use anyhow::anyhow;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::{self, Metadata, Threshold};
 use canvass_conformance::case::Case;
+use canvass_conformance::fuzz::Property;
 use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, catalogue};
 use canvass_reports::catalogue_page;
@@ -13,7 +14,7 @@ use canvass_traces::Format;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// List cases, models, faults, rules or formats
+/// List cases, models, faults, rules, properties or formats
 #[derive(clap::Args)]
 pub struct Args {
     /// What to list
@@ -34,6 +35,8 @@ enum What {
     Faults,
     /// Rules of `canvass diagnose`
     Rules,
+    /// Properties of `canvass fuzz`
+    Properties,
     /// Capture formats
     Formats,
 }
@@ -63,6 +66,7 @@ impl Args {
             What::Models => models(),
             What::Faults => faults(),
             What::Rules => rules(),
+            What::Properties => properties(),
             What::Formats => formats(),
         };
         match self.format {
@@ -128,6 +132,10 @@ fn rules() -> Vec<Value> {
         })
     };
     findings::all().map(|definition| row(definition.metadata)).collect()
+}
+
+fn properties() -> Vec<Value> {
+    Property::ALL.iter().map(|property| json!({ "id": property.id(), "summary": property.title() })).collect()
 }
 
 fn formats() -> Vec<Value> {

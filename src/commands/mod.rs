@@ -8,6 +8,7 @@ mod decode_events;
 pub mod diagnose;
 pub mod doctor;
 pub mod explain;
+pub mod fuzz;
 pub mod list;
 pub mod lss;
 pub mod man;

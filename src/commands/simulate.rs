@@ -2,25 +2,25 @@
 
 use crate::devices::parse_node;
 use crate::interrupt::Interrupt;
+use crate::kept_device::KeptDevice;
 use crate::live::{open_bus, parse_span};
 use crate::output::diagnostic;
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
-use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_conformance::bus::{Bus, participate};
-use canvass_conformance::device::{Device, Motion};
+use canvass_conformance::device::{Device, Motion, MotionSpec};
 use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, Faults, Machine};
 use canvass_traces::{Direction, Duration, Timestamp};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// Simulate a device on a bus, in real time
 ///
 /// It takes part in the bus as the device would: boots, answers, sends heartbeats and PDOs, until Ctrl-C.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The device: a built-in model or an EDS or DCF file
+    /// The device: a built-in model, or a device description (EDS, DCF, XDD, XDC)
     #[arg(value_name = "MODEL|FILE")]
     device: String,
     /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
@@ -31,9 +31,12 @@ pub struct Args {
     /// What its firmware does wrong (`canvass list faults`)
     #[arg(long, value_delimiter = ',', value_name = "FAULT")]
     fault: Vec<Fault>,
-    /// How fast its shaft turns, in revolutions per minute; negative: counter-clockwise
-    #[arg(long, value_name = "RPM", allow_hyphen_values = true, value_parser = parse_motion)]
-    motion: Option<i64>,
+    /// How its shaft moves: revolutions per minute, or still, mm/s=N, sine=AMPLITUDE,PERIOD, ramp=RPM,SECONDS, csv=FILE
+    #[arg(long, value_name = "MOTION", allow_hyphen_values = true, value_parser = parse_motion)]
+    motion: Option<MotionSpec>,
+    /// What it stores: taken from this file if it is there, and kept in it
+    #[arg(long, value_name = "FILE")]
+    memory: Option<PathBuf>,
     /// The seed of everything that is left to chance
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -49,12 +52,12 @@ fn parse_configured(text: &str) -> Result<Configured> {
     if text == "none" { Ok(Configured(None)) } else { parse_node(text).map(Some).map(Configured) }
 }
 
-/// In thousandths of a revolution per minute.
-fn parse_motion(text: &str) -> Result<i64> {
+/// A number alone is revolutions per minute.
+fn parse_motion(text: &str) -> Result<MotionSpec> {
     let number = text.strip_suffix("rpm").unwrap_or(text).trim_end();
     match number.parse::<f64>() {
-        Ok(rpm) if rpm.abs() <= 1e6 => Ok((rpm * 1e3).round() as i64),
-        _ => bail!("expected revolutions per minute such as 60 or -0.5, found \"{text}\""),
+        Ok(_) => Ok(format!("rpm={number}").parse()?),
+        Err(_) => Ok(text.parse()?),
     }
 }
 
@@ -67,13 +70,29 @@ impl Args {
         if !bus.is_live() && self.span.is_none() {
             return Err(anyhow!("on a simulated bus time is virtual: say --for how long").into());
         }
-        let mut device = match self.motion {
-            Some(milli_rpm) => Device::with_motion(&model, node, faults, self.seed, Motion::constant(0, milli_rpm)),
+        let device = match self.motion()? {
+            Some(motion) => Device::with_motion(&model, node, faults, self.seed, motion),
             None => Device::new(&model, node, faults, self.seed),
         };
+        let mut device = KeptDevice::new(device, self.memory.as_deref())?;
+        // A memory may hold another one.
+        let node = device.node();
         let name = node.map_or_else(|| "without node-ID".to_owned(), |node| format!("as node {node}"));
         diagnostic(&format!("canvass: {} {name} on {}", model.id(), self.bus));
-        self.take_part(bus.as_mut(), &mut device)
+        let status = self.take_part(bus.as_mut(), &mut device)?;
+        device.keep()?;
+        Ok(status)
+    }
+
+    fn motion(&self) -> Result<Option<Motion>> {
+        Ok(match &self.motion {
+            None => None,
+            Some(MotionSpec::Known(motion)) => Some(motion.clone()),
+            Some(MotionSpec::File(path)) => {
+                let text = std::fs::read_to_string(path).with_context(|| format!("can't read {path}"))?;
+                Some(MotionSpec::from_csv(&text).with_context(|| format!("{path} is no motion"))?)
+            }
+        })
     }
 
     fn take_part(&self, bus: &mut dyn Bus, device: &mut dyn Machine) -> Result<Status, Failure> {
@@ -101,7 +120,7 @@ impl Args {
     }
 }
 
-/// A built-in model, or one made of a description: what that does not say is as with most devices.
+/// A built-in model, or one made of a description alone.
 fn model(device: &str) -> Result<Model> {
     if let Some(model) = Model::by_id(device) {
         return Ok(model.clone());
@@ -111,6 +130,5 @@ fn model(device: &str) -> Result<Model> {
         bail!("\"{device}\" is neither a built-in model (`canvass list models`) nor a file");
     }
     let bytes = std::fs::read(path).with_context(|| format!("can't read {device}"))?;
-    let description = DeviceDescription::read(&bytes).with_context(|| format!("{device} is no device description"))?;
-    Ok(Model::of_description(description)?)
+    Model::generic(device, &bytes).with_context(|| format!("{device} is no device description"))
 }

@@ -2,7 +2,7 @@
 
 mod forecast;
 mod recorder;
-mod reports;
+pub mod reports;
 mod timing;
 
 use crate::devices::{describe, parse_node};

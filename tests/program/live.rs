@@ -87,6 +87,30 @@ fn scan_says_who_is_there() {
     assert_eq!((&node["model"], &node["model_exact"]), (&"kuebler-sendix-58x8".into(), &true.into()), "{scan}");
 }
 
+/// Any device description makes a device, every motion is taken, and what is stored outlives the program.
+#[test]
+fn a_device_of_a_description_keeps_its_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (eds, memory, csv) = (path("my.eds"), path("memory.toml"), path("course.csv"));
+    let reference = concat!(env!("CARGO_MANIFEST_DIR"), "/conformance/models/reference-406.eds");
+    std::fs::copy(reference, &eds).unwrap();
+    std::fs::write(&csv, "0,0\n1,5\n").unwrap();
+    let simulate = |more: &[&str]| {
+        let fixed = ["simulate", &eds, "sim:reference-301", "--node", "9", "--for", "1s", "--memory", &memory];
+        run(&[&fixed, more].concat())
+    };
+    for motion in ["60", "-0.5", "rpm=60", "still", "sine=2,10", "ramp=600,5", &format!("csv={csv}")] {
+        let done = simulate(&["--motion", motion]);
+        assert_eq!((done.status, done.stderr.contains("as node 9")), (0, true), "{motion}: {}", done.stderr);
+    }
+    assert!(std::fs::read_to_string(&memory).unwrap().contains("model = "));
+    assert_eq!(simulate(&["--motion", "fast"]).status, 2);
+    std::fs::write(&memory, "model = \"another\"\noffset = 0\n").unwrap();
+    let foreign = simulate(&[]);
+    assert_eq!((foreign.status, foreign.stderr.contains("another")), (2, true), "{}", foreign.stderr);
+}
+
 #[test]
 fn lss_asks_and_configures() {
     let address = json(&run(&["lss", "inquire", ENCODER, "--json"]));

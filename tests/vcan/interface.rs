@@ -36,7 +36,15 @@ impl Drop for Interface {
     }
 }
 
-fn ip(args: &[&str]) {
+/// The frames sent on an interface, by the kernel's count.
+pub fn transmitted(interface: &str) -> u64 {
+    let path = format!("/sys/class/net/{interface}/statistics/tx_packets");
+    std::fs::read_to_string(path).unwrap().trim().parse().unwrap()
+}
+
+/// Runs iproute2; gives what it printed.
+pub fn ip(args: &[&str]) -> String {
     let output = Command::new("ip").args(args).output().unwrap();
     assert!(output.status.success(), "ip {}: {}", args.join(" "), String::from_utf8_lossy(&output.stderr));
+    String::from_utf8_lossy(&output.stdout).into_owned()
 }

@@ -19,7 +19,7 @@ fn the_doctor_sees_interfaces() {
 fn the_doctor_says_why_there_is_no_can() {
     let Ok(folder) = std::env::var("CANVASS_VCAN_OUT") else { return };
     let said = std::fs::read_to_string(format!("{folder}/doctor-without-can")).unwrap();
-    assert!(said.contains("✘ SocketCAN    no CAN in this kernel: modprobe can can-raw"), "{said}");
-    // This machine's files hold no modules of Debian's kernel.
-    assert!(said.contains("there are no modules for the running kernel (/lib/modules/"), "{said}");
+    // The machine has Debian's modules elsewhere, and loads them itself.
+    let why = "✘ SocketCAN    no CAN is loaded, and the modules of kernel ";
+    assert!(said.contains(why) && said.contains("-amd64 does not exist): install them"), "{said}");
 }

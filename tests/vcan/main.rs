@@ -1,10 +1,13 @@
 //! The program on real SocketCAN: interfaces, processes, and what happens to them.
 //!
 //! `cargo xtask vcan` runs these tests, on this machine's kernel if it has vcan, else on Debian's kernel in QEMU. Each test
-//! has an interface of its own, so that they run at the same time.
+//! has an interface of its own, so that they can run at the same time. In QEMU the clock counts instructions: what takes
+//! time there are not waits but work.
 
 #[cfg(test)]
 mod can_utils;
+#[cfg(test)]
+mod controllers;
 #[cfg(test)]
 mod crash;
 #[cfg(test)]

@@ -47,6 +47,14 @@ impl Running {
         }
     }
 
+    /// Waits for a line on standard output that holds one of these words.
+    pub fn prints(&mut self, words: &[&str]) -> String {
+        let stdout = BufReader::new(self.child.stdout.take().unwrap());
+        let mut lines = stdout.lines().map(Result::unwrap);
+        let line = lines.find(|line| words.iter().any(|words| line.contains(words)));
+        line.unwrap_or_else(|| panic!("expected one of {words:?}"))
+    }
+
     pub fn signal(&self, signal: &str) {
         let status = Command::new("kill").args([signal, &self.child.id().to_string()]).status().unwrap();
         assert!(status.success());

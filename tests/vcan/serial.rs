@@ -1,7 +1,9 @@
 //! SLCAN over a pty pair and over TCP, between two of ours and with python-can.
 
+use crate::interface::ip;
 use crate::python::{python, script};
-use crate::running::{Running, canvass, run, simulate, text};
+use crate::running::{Running, canvass, eventually, run, simulate, text};
+use std::process::{Command, Stdio};
 use std::time::Duration;
 
 const MODEL: &str = "kuebler-sendix-58x8";
@@ -36,6 +38,27 @@ fn over_tcp() {
     let tested = run(&["test", bus, "--device", MODEL, "--select", "301/sdo/upload", "--format", "json"]);
     let report: serde_json::Value = serde_json::from_slice(&tested.stdout).unwrap();
     assert_eq!(tested.status.code(), Some(0), "{report:#}");
+    assert_eq!(device.interrupt().status, 0);
+}
+
+/// The kernel's own SLCAN driver as the program at our adapter's end. It sets the bit rate and opens the channel.
+#[test]
+fn with_the_kernels_driver() {
+    if std::env::var_os("CANVASS_VCAN_OUT").is_none() {
+        // Another machine may have interfaces of its own, and no such driver.
+        return;
+    }
+    let (_line, a, b) = pty_pair("kernel");
+    let device = simulate(MODEL, &format!("slcan:{a}"), &[]);
+    let mut attach = Command::new("slcan_attach");
+    let _attached = Running::start({
+        attach.args(["-w", &b]).stdin(Stdio::null());
+        attach
+    });
+    eventually("the interface is there", || std::path::Path::new("/sys/class/net/slcan0").exists());
+    ip(&["link", "set", "slcan0", "up", "type", "can", "bitrate", "250000"]);
+    let said = sdo("slcan0");
+    assert!(said.contains("Kuebler Sendix Encoder"), "{said}");
     assert_eq!(device.interrupt().status, 0);
 }
 

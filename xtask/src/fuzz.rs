@@ -1,17 +1,31 @@
 //! Coverage-guided fuzzing of what reads bytes, for a fixed time.
 
 use crate::run::{is_there, run};
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
 use std::process::Command;
+use std::sync::Mutex;
 
-/// A target under `fuzz/`, how long it runs, and where real inputs lie that it begins from.
-const TARGETS: [(&str, u32, &[&str]); 4] = [
-    ("description", 60, &["analyzer/tests/eds", "conformance/models"]),
-    ("capture", 30, &["traces/samples"]),
-    ("network", 15, &[]),
-    ("filter", 15, &[]),
-];
+/// How long each target runs, in seconds.
+const SECONDS: u32 = 30;
+
+/// A description has many more paths than the others.
+const LONG: (&str, u32) = ("description", 60);
+
+/// So many at the same time: the machines of CI have two processors.
+const AT_ONCE: usize = 2;
+
+/// Where real inputs lie that a target begins from.
+fn seeds(target: &str) -> &'static [&'static str] {
+    match target {
+        "description" | "model" => &["analyzer/tests/eds", "conformance/models"],
+        "waivers" => &["fuzz/seeds/waivers"],
+        "slcan" => &["fuzz/seeds/slcan"],
+        "reproducer" => &["traces/samples", "fuzz/seeds/reproducer"],
+        "wire" | "filter" | "motion" => &[],
+        _ => &["traces/samples"],
+    }
+}
 
 /// Runs every target. Needs a nightly toolchain for its sanitizers; without one the property tests, which every run
 /// has, must do.
@@ -24,24 +38,48 @@ pub fn fuzz() -> Result<()> {
         run("cargo", &["install", "cargo-fuzz", "--locked", "--quiet"])?;
     }
     run("cargo", &["+nightly", "fuzz", "build"])?;
-    TARGETS.iter().try_for_each(|(target, seconds, seeds)| run_target(target, *seconds, seeds))
+    let targets = targets()?;
+    let next = Mutex::new(targets.into_iter());
+    let failed = Mutex::new(Vec::new());
+    std::thread::scope(|scope| {
+        for _ in 0..AT_ONCE {
+            scope.spawn(|| {
+                while let Some(target) = next.lock().ok().and_then(|mut next| next.next()) {
+                    if let (Err(error), Ok(mut failed)) = (run_target(&target), failed.lock()) {
+                        failed.push(error.to_string());
+                    }
+                }
+            });
+        }
+    });
+    let failed = failed.into_inner().unwrap_or_default();
+    if failed.is_empty() { Ok(()) } else { bail!("{}", failed.join("\n")) }
 }
 
-fn run_target(target: &str, seconds: u32, seeds: &[&str]) -> Result<()> {
+/// The names of all targets, by what cargo-fuzz finds.
+fn targets() -> Result<Vec<String>> {
+    let output = Command::new("cargo").args(["+nightly", "fuzz", "list"]).output().context("can't run cargo fuzz")?;
+    let names: Vec<String> = String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect();
+    ensure!(!names.is_empty(), "cargo fuzz knows no targets");
+    Ok(names)
+}
+
+fn run_target(target: &str) -> Result<()> {
     // The first folder takes what the fuzzer finds; the others it only reads.
     let found = format!("fuzz/corpus/{target}");
     std::fs::create_dir_all(&found)?;
-    let folders = seeds.iter().filter(|folder| Path::new(folder).is_dir());
+    let folders = seeds(target).iter().filter(|folder| Path::new(folder).is_dir());
+    let seconds = if target == LONG.0 { LONG.1 } else { SECONDS };
     let time = format!("-max_total_time={seconds}");
-    eprintln!("$ cargo +nightly fuzz run {target} for {seconds} s");
     let output = Command::new("cargo")
         .args(["+nightly", "fuzz", "run", target, &found])
         .args(folders)
         .args(["--", &time, "-rss_limit_mb=4096", "-print_final_stats=1"])
         .output()?;
     let log = String::from_utf8_lossy(&output.stderr);
-    let last: Vec<&str> = log.lines().rev().take(if output.status.success() { 8 } else { 80 }).collect();
-    last.iter().rev().for_each(|line| eprintln!("{line}"));
+    let last: Vec<&str> = log.lines().rev().take(if output.status.success() { 3 } else { 80 }).collect();
+    let last: Vec<&str> = last.into_iter().rev().collect();
+    eprintln!("$ cargo +nightly fuzz run {target} for {seconds} s\n{}", last.join("\n"));
     ensure!(output.status.success(), "the fuzz target {target} found an input that breaks it, see above");
     Ok(())
 }

@@ -1,7 +1,8 @@
 //! `cargo xtask ci`: everything that must pass, with all its set-up. `cargo xtask peers`: of these, the tests that
 //! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo
 //! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
-//! memory`: what it needs for captures of gigabytes.
+//! memory`: what it needs for captures of gigabytes. `cargo xtask storm`: ten million random frames for each simulated
+//! device.
 
 mod bench;
 mod browser;
@@ -14,6 +15,7 @@ mod packages;
 mod peers;
 mod run;
 mod simulation;
+mod storm;
 mod vcan;
 
 use anyhow::{Result, bail};
@@ -29,10 +31,13 @@ fn main() -> Result<()> {
         Some("bench") => bench::bench(),
         Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
+        Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(false),
         Some("vcan-load") => vcan::test(true),
         _ => {
-            bail!("usage: cargo xtask ci | fuzz | peers | browser | vcan | bench [--instructions] | memory | vcan-load")
+            bail!(
+                "usage: cargo xtask ci | fuzz | storm | peers | browser | vcan | bench [--instructions] | memory | vcan-load"
+            )
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What a rule sees.
 
-use super::facts::Facts;
+use super::facts::{Facts, News};
 use super::sink::Evidence;
 use crate::NodeId;
 use crate::message::Message;
@@ -92,8 +92,13 @@ impl<'a> Context<'a> {
     }
 
     /// Whether an NMT command changes the state of some node, so that what was periodic may begin anew.
-    pub fn begins_anew(&self) -> bool {
-        matches!(self.message(), Message::Nmt(nmt) if !self.scene.facts.is_repeated(*nmt))
+    pub const fn begins_anew(&self) -> bool {
+        self.scene.facts.news.begins_anew
+    }
+
+    /// What the frame means to several rules.
+    pub const fn news(&self) -> &'a News {
+        &self.scene.facts.news
     }
 
     /// What it says.

@@ -273,6 +273,7 @@ impl BusWatch {
     }
 
     fn interrupted(&mut self) {
+        self.facts.interrupted();
         for (_, rule) in &mut self.rules {
             rule.interrupted();
         }
@@ -302,6 +303,7 @@ impl BusWatch {
 
     fn frame(&mut self, record: &Record, bits: u32, decoded: &Decoded, network: &Network, findings: &mut Findings) {
         let Some(bus) = network.bus(self.channel) else { return };
+        let reconfigured = self.facts.follow(record, decoded, bus);
         let scene = Scene {
             now: self.now,
             start: self.start,
@@ -311,6 +313,9 @@ impl BusWatch {
             quality: &self.quality,
             bit_rate: self.bit_rate,
         };
+        if let Some(node) = reconfigured {
+            self.rules.iter_mut().for_each(|(_, rule)| rule.reconfigured(node, &scene));
+        }
         let id = latest_id(record);
         let previous = id.and_then(|id| self.latest.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F)));
         let previous = previous.and_then(Option::as_ref);

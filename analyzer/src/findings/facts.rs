@@ -1,5 +1,10 @@
 //! What the nodes of a bus have done, as many rules want to know it.
 
+use super::encoder::{self, Operand};
+use super::nodes::Heartbeats;
+use super::pdo::{AllParameters, Parameters};
+use super::rhythm::Interval;
+use super::sdo::{Requests, Step};
 use crate::NodeId;
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::sdo::{Direction, Outcome};
@@ -7,7 +12,7 @@ use crate::network::{Bus, Decoded, Event};
 use crate::wire::lss;
 use crate::wire::nmt::{Command, Nmt};
 use crate::wire::sdo::Request;
-use canvass_traces::{Duration, Timestamp};
+use canvass_traces::{Duration, Record, Timestamp};
 
 /// What all nodes of a bus have done so far.
 pub struct Facts {
@@ -18,6 +23,29 @@ pub struct Facts {
     pub present: u8,
     /// Whether a request of an SDO client was seen.
     pub has_sdo_client: bool,
+    /// The communication parameters of TPDOs, after the frame.
+    pub tpdos: AllParameters,
+    /// The heartbeats and their periods, after the frame.
+    pub heartbeats: Heartbeats,
+    /// The SDO requests that wait for an answer, after the frame.
+    pub requests: Requests,
+    /// What the frame means to several rules.
+    pub news: News,
+}
+
+/// What a frame means to several rules: worked out once for all of them.
+#[derive(Default)]
+pub struct News {
+    /// Whether it is an NMT command that changes the state of some node, so that what was periodic may begin anew.
+    pub begins_anew: bool,
+    /// Of a TPDO: its parameters, as far as they are known.
+    pub tpdo: Parameters,
+    /// Of a heartbeat: the interval that it ends.
+    pub heartbeat: Option<Interval>,
+    /// Of an SDO message: what it does to the requests that wait.
+    pub request: Step,
+    /// The values of an encoder's objects in it.
+    pub operands: Vec<Operand>,
 }
 
 /// What a node has done so far.
@@ -44,7 +72,16 @@ pub struct NodeFacts {
 
 impl Default for Facts {
     fn default() -> Self {
-        Self { nodes: vec![NodeFacts::default(); 128].into(), layer_setting: None, present: 0, has_sdo_client: false }
+        Self {
+            nodes: vec![NodeFacts::default(); 128].into(),
+            layer_setting: None,
+            present: 0,
+            has_sdo_client: false,
+            tpdos: AllParameters::default(),
+            heartbeats: Heartbeats::default(),
+            requests: Requests::default(),
+            news: News::default(),
+        }
     }
 }
 
@@ -107,7 +144,42 @@ impl Facts {
         &mut self.nodes[usize::from(id.raw())]
     }
 
-    /// Takes the next frame.
+    /// Takes the next frame before the rules see it, and returns the node whose TPDO parameters may have changed.
+    pub(super) fn follow(&mut self, record: &Record, decoded: &Decoded, bus: &Bus) -> Option<NodeId> {
+        let now = record.timestamp;
+        let begins_anew = matches!(decoded.message, Message::Nmt(nmt) if !self.is_repeated(nmt));
+        let (mut tpdo, mut heartbeat, mut request) = (Parameters::default(), None, Step::None);
+        let reconfigured = self.tpdos.frame(decoded, bus);
+        match decoded.service {
+            Service::Pdo => {
+                if let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (decoded.node, decoded.message) {
+                    tpdo = self.tpdos.of(node, number);
+                }
+            }
+            Service::Heartbeat => {
+                let facts = decoded.node.map(|node| &self.nodes[usize::from(node.raw())]);
+                heartbeat = facts.and_then(|facts| self.heartbeats.beat(now, decoded, facts));
+            }
+            Service::Sdo | Service::BootUp | Service::Nmt => {
+                request = self.requests.frame(record, decoded);
+                self.heartbeats.other(decoded, begins_anew, bus);
+            }
+            Service::Lss | Service::Lmt => self.heartbeats.other(decoded, begins_anew, bus),
+            _ => {}
+        }
+        encoder::collect(record, decoded, bus, &mut self.news.operands);
+        let operands = std::mem::take(&mut self.news.operands);
+        self.news = News { begins_anew, tpdo, heartbeat, request, operands };
+        reconfigured
+    }
+
+    /// Frames may be missing here, or the clock has stepped.
+    pub(super) fn interrupted(&mut self) {
+        self.heartbeats.interrupted();
+        self.requests.interrupted();
+    }
+
+    /// Takes the frame after the rules have seen it.
     pub(super) fn note(&mut self, now: Timestamp, decoded: &Decoded, bus: &Bus) {
         match decoded.message {
             Message::Nmt(nmt) => self.commanded(now, nmt.command, nmt.node),
@@ -143,7 +215,7 @@ impl Facts {
 
     /// Whether an NMT command repeats what the nodes that it names were told last, so that it changes nothing: some
     /// masters send it again and again.
-    pub fn is_repeated(&self, nmt: Nmt) -> bool {
+    fn is_repeated(&self, nmt: Nmt) -> bool {
         let resets = matches!(nmt.command, Command::RESET_NODE | Command::RESET_COMMUNICATION);
         let named = self.nodes.iter().enumerate().filter(|(id, _)| nmt.node == 0 || usize::from(nmt.node) == *id);
         let mut present = named.map(|(_, facts)| facts).filter(|facts| facts.first_seen.is_some());

@@ -3,6 +3,7 @@
 use super::context::{Context, Scene};
 use super::finding::Severity;
 use super::sink::Sink;
+use crate::NodeId;
 use crate::message::Service;
 use std::collections::BTreeMap;
 
@@ -59,6 +60,9 @@ pub trait Rule {
 
     /// Time has gone on: called at most every [`super::Diagnosis::TICK`], before the frame that shows it.
     fn tick(&mut self, _scene: &Scene<'_>, _sink: &mut Sink<'_>) {}
+
+    /// The parameters of a node's TPDOs may have changed with the frame that comes next, or are known with it.
+    fn reconfigured(&mut self, _node: NodeId, _scene: &Scene<'_>) {}
 
     /// Frames may be missing here, or the clock has stepped: what was waited for may have come unseen.
     fn interrupted(&mut self) {}

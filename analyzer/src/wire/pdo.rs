@@ -91,6 +91,12 @@ pub fn insert(payload: &mut [u8], offset: usize, bits: u8, value: u64) -> bool {
     if bits > 64 || end > payload.len() * 8 {
         return false;
     }
+    // Nearly all objects are whole bytes at whole bytes.
+    if offset % 8 == 0 && bits % 8 == 0 {
+        let bytes = value.to_le_bytes();
+        payload[offset / 8..end / 8].copy_from_slice(&bytes[..usize::from(bits / 8)]);
+        return true;
+    }
     for (n, bit) in (offset..end).enumerate() {
         let mask = 1 << (bit % 8);
         payload[bit / 8] = payload[bit / 8] & !mask | ((value >> n & 1) as u8) << (bit % 8);

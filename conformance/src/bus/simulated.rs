@@ -22,6 +22,8 @@ pub struct SimulatedBus {
     on_wire: Option<OnWire>,
     /// The earliest timeout of all participants.
     next_timeout: Timestamp,
+    /// Whether a participant has a frame in arbitration.
+    contended: bool,
 }
 
 struct Participant {
@@ -62,6 +64,7 @@ impl SimulatedBus {
             outgoing: VecDeque::with_capacity(64),
             on_wire: None,
             next_timeout: Timestamp::MAX,
+            contended: false,
         }
     }
 
@@ -79,7 +82,7 @@ impl SimulatedBus {
             participant.machine.power_cycle(self.now);
             participant.settle(self.now);
         }
-        self.find_next_timeout();
+        self.survey();
     }
 
     /// The time that so many bits take.
@@ -97,11 +100,16 @@ impl SimulatedBus {
                 participant.timeout = participant.timeout.max(self.now + Duration(1));
             }
         }
-        self.find_next_timeout();
+        self.survey();
     }
 
-    fn find_next_timeout(&mut self) {
-        self.next_timeout = self.participants.iter().map(|p| p.timeout).min().unwrap_or(Timestamp::MAX);
+    /// What the participants wait for, so that not each step has to ask them all.
+    fn survey(&mut self) {
+        (self.next_timeout, self.contended) = (Timestamp::MAX, false);
+        for participant in &self.participants {
+            self.next_timeout = self.next_timeout.min(participant.timeout);
+            self.contended |= participant.pending.is_some();
+        }
     }
 
     /// The sender whose identifier wins the bus now, if any wants it.
@@ -129,24 +137,24 @@ impl SimulatedBus {
             let end = self.now + Self::bits(bit_length(&frame).unwrap_or(0), bit_rate);
             self.on_wire = Some(OnWire { frame, sender, end, bit_rate });
         }
-        self.find_next_timeout();
+        if sender != Sender::Tester {
+            self.survey();
+        }
     }
 
     /// Gives a frame that has ended to everyone but its sender.
     fn deliver(&mut self, sent: OnWire) -> Option<Record> {
         self.now = sent.end;
         self.free_from = sent.end + Self::bits(INTERMISSION, sent.bit_rate);
-        let mut next_timeout = Timestamp::MAX;
         let usual = self.bit_rate;
         for (n, participant) in self.participants.iter_mut().enumerate() {
             let understands = participant.bit_rate().unwrap_or(usual) == sent.bit_rate;
-            if understands && sent.sender != Sender::Participant(n) {
+            if understands && sent.sender != Sender::Participant(n) && !participant.machine.ignores(&sent.frame) {
                 participant.machine.handle(self.now, &sent.frame);
                 participant.settle(self.now);
             }
-            next_timeout = next_timeout.min(participant.timeout);
         }
-        self.next_timeout = next_timeout;
+        self.survey();
         let direction = if sent.sender == Sender::Tester { Direction::Tx } else { Direction::Rx };
         let understood = sent.bit_rate == self.bit_rate;
         understood.then(|| Record::new(self.now, ChannelId(0), sent.frame).with_direction(direction))
@@ -197,7 +205,7 @@ impl SimulatedBus {
     }
 
     fn someone_waits(&self) -> bool {
-        !self.outgoing.is_empty() || self.participants.iter().any(|p| p.pending.is_some())
+        self.contended || !self.outgoing.is_empty()
     }
 }
 
@@ -260,7 +268,7 @@ impl Bus for SimulatedBus {
     }
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
-        if bit_length(frame).is_none() {
+        if frame.is_error() || frame.is_fd() || frame.is_xl() {
             let reason = "expected a classical data or remote frame";
             return Err(BusError::Unsendable { frame: *frame, reason });
         }

@@ -160,7 +160,8 @@ fn node(text: &str) -> Result<GivenNode, String> {
 }
 
 impl SimulatedDevice {
-    fn given_id(&self) -> Option<NodeId> {
+    /// The node-ID, if one was given that is none for a device that waits for LSS.
+    pub fn given_id(&self) -> Option<NodeId> {
         match self.node {
             Some(GivenNode::Id(node)) => Some(node),
             _ => None,
@@ -182,7 +183,7 @@ impl SimulatedDevice {
     ///
     /// # Errors
     /// [`BusError::Address`] if the file can't be read.
-    pub(super) fn motion(&self) -> Result<Option<Motion>, BusError> {
+    pub fn motion(&self) -> Result<Option<Motion>, BusError> {
         Ok(match &self.motion {
             None => None,
             Some(MotionSpec::Known(motion)) => Some(motion.clone()),

@@ -15,7 +15,8 @@ use canvass_analyzer::wire::{error_control, lss, sdo};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{Frame, Timestamp};
 
-const READ_ERROR_REGISTER: Request = Request::upload(Multiplexer::new(0x1001, 0));
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
+const READ_ERROR_REGISTER: Request = Request::upload(ERROR_REGISTER);
 
 impl Device {
     fn on_data(&mut self, now: Timestamp, route: Route, can_id: u16, frame: &Frame) {
@@ -160,34 +161,59 @@ impl Device {
         while let Some(frame) = self.poll_emcy(now) {
             push(&mut self.outbox, frame);
         }
-        if let Some(node) = self.node {
-            while let Some(frame) = self.sdo.poll(now, node) {
-                push(&mut self.outbox, frame);
+        self.send_answers(now);
+        self.beside_sdo = Timestamp::ZERO;
+        self.wake = match self.phase {
+            Phase::Unconfigured => self.activation_timeout(),
+            _ if self.silent_until > Timestamp::ZERO => self.silent_until,
+            _ => {
+                self.beside_sdo = self.next_beside_sdo();
+                self.beside_sdo.min(self.next_of_sdo())
             }
-            for channel in &mut self.second_sdos {
-                while let Some(frame) = channel.poll(now, node) {
-                    push(&mut self.outbox, frame);
-                }
-            }
-        }
-        self.wake = self.next_event();
+        };
     }
 
-    fn next_event(&self) -> Timestamp {
-        let activation = self.activation.as_ref().map_or(Timestamp::MAX, |activation| activation.timeout());
+    /// As [`Device::settle`], after something that concerned the SDO servers alone.
+    fn settle_sdo(&mut self, now: Timestamp) {
+        if self.beside_sdo == Timestamp::ZERO {
+            return self.settle(now);
+        }
+        self.send_answers(now);
+        self.wake = self.beside_sdo.min(self.next_of_sdo());
+    }
+
+    fn send_answers(&mut self, now: Timestamp) {
+        let Some(node) = self.node else { return };
+        while let Some(frame) = self.sdo.poll(now, node) {
+            push(&mut self.outbox, frame);
+        }
+        for channel in &mut self.second_sdos {
+            while let Some(frame) = channel.poll(now, node) {
+                push(&mut self.outbox, frame);
+            }
+        }
+    }
+
+    fn next_of_sdo(&self) -> Timestamp {
+        self.second_sdos.iter().fold(self.sdo.timeout(), |next, channel| next.min(channel.timeout()))
+    }
+
+    fn activation_timeout(&self) -> Timestamp {
+        self.activation.as_ref().map_or(Timestamp::MAX, |activation| activation.timeout())
+    }
+
+    /// The next event of all services but SDO.
+    fn next_beside_sdo(&self) -> Timestamp {
         let boot = match self.phase {
             Phase::Initialising { until } => until,
-            Phase::Unconfigured => return activation,
-            _ if self.silent_until > Timestamp::ZERO => return self.silent_until,
             _ => Timestamp::MAX,
         };
         let services = [
-            activation,
+            self.activation_timeout(),
             self.heartbeat.timeout(),
             self.consumer.timeout(),
             self.guarding.timeout(),
             self.store.timeout(),
-            self.sdo.timeout(),
             self.emcy_timeout(),
             self.shaft_due,
             self.sync.timeout(),
@@ -195,8 +221,7 @@ impl Device {
         ];
         let next = services.into_iter().fold(boot, Timestamp::min);
         let next = self.tpdos.iter().fold(next, |next, tpdo| next.min(tpdo.timeout()));
-        let next = self.rpdos.iter().fold(next, |next, rpdo| next.min(rpdo.timeout()));
-        self.second_sdos.iter().fold(next, |next, channel| next.min(channel.timeout()))
+        self.rpdos.iter().fold(next, |next, rpdo| next.min(rpdo.timeout()))
     }
 
     /// The producers of this device whose time has come.
@@ -221,6 +246,12 @@ impl Device {
                 push(&mut self.outbox, frame);
             }
         }
+    }
+
+    /// Transfers whose client says nothing any more end.
+    fn expire_sdo(&mut self, now: Timestamp) {
+        self.sdo.expire(now, &self.objects);
+        self.second_sdos.iter_mut().for_each(|channel| channel.expire(now, &self.objects));
     }
 
     /// What is awaited of others and did not come.
@@ -293,6 +324,9 @@ impl Device {
         }
         if self.overload.on_frame(now, self.faults) {
             self.restart(now);
+        } else if route == Route::Sdo && is_plain_upload(frame) {
+            self.on_sdo(now, frame);
+            return self.settle_sdo(now);
         } else {
             self.on_data(now, route, can_id, frame);
         }
@@ -300,7 +334,19 @@ impl Device {
     }
 }
 
+/// Whether a request does nothing but read: initiate upload or upload segment, and not the error register, reading which
+/// may acknowledge an error.
+fn is_plain_upload(frame: &Frame) -> bool {
+    let [command, low, high, ..] = frame.bytes();
+    matches!(command >> 5, 2 | 3) && u16::from_le_bytes([low, high]) != ERROR_REGISTER.index.0
+}
+
 impl Machine for Device {
+    fn ignores(&self, frame: &Frame) -> bool {
+        let is_others = |can_id| self.routes.of(can_id) == Route::Others;
+        !self.mischief.is_active() && frame.cob_id().is_some_and(is_others)
+    }
+
     fn handle(&mut self, now: Timestamp, frame: &Frame) {
         if !self.mischief.is_active() {
             self.receive(now, frame);
@@ -336,6 +382,10 @@ impl Machine for Device {
     }
 
     fn handle_timeout(&mut self, now: Timestamp) {
+        if now < self.beside_sdo {
+            self.expire_sdo(now);
+            return self.settle_sdo(now);
+        }
         self.go_on_with_activation(now);
         match self.phase {
             Phase::Initialising { until } if now >= until => self.boot_up(now),
@@ -348,8 +398,7 @@ impl Machine for Device {
                 if let Some(node) = self.node {
                     self.store.finish(now, &self.objects.parameters, self.objects.encoder.as_ref(), node);
                 }
-                self.sdo.expire(now, &self.objects);
-                self.second_sdos.iter_mut().for_each(|channel| channel.expire(now, &self.objects));
+                self.expire_sdo(now);
                 self.produce(now);
                 self.miss(now);
             }

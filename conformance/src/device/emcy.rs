@@ -32,6 +32,8 @@ pub(super) enum Condition {
     SyncLength,
     /// A parameter that was to be stored is out of its limits (6503h bit 13).
     Parameter,
+    /// Something of the hardware, by its EMCY code, as the model's sheet describes it.
+    Hardware { code: EmcyCode, register: u8, bytes: [u8; 5] },
 }
 
 impl Condition {
@@ -48,6 +50,7 @@ impl Condition {
             Self::SyncLength => (7, 0),
             Self::Parameter => (8, 0),
             Self::Position => (9, 0),
+            Self::Hardware { code, .. } => (10, code.0),
         }
     }
 
@@ -61,6 +64,7 @@ impl Condition {
             Self::RpdoTooLong { .. } => EmcyCode::PDO_LENGTH_EXCEEDED,
             Self::RpdoLate { .. } => EmcyCode::RPDO_TIMEOUT,
             Self::SyncLength => EmcyCode::SYNC_LENGTH,
+            Self::Hardware { code, .. } => code,
         }
     }
 
@@ -74,6 +78,9 @@ impl Condition {
 
     /// The bits of the error register. Bit 0 is always among them, as far as the device has it.
     fn register(self, quirks: &Quirks) -> u8 {
+        if let Self::Hardware { register: documented @ 1.., .. } = self {
+            return documented;
+        }
         let is_alarm = matches!(self, Self::Parameter | Self::Position);
         let profile = if is_alarm { ErrorRegister::PROFILE.0 } else { 0 };
         // Whatever its code is, a lost master is an error of communication.
@@ -91,6 +98,12 @@ impl Condition {
         match self {
             Self::Guarding | Self::Heartbeat { .. } => Some(1),
             Self::Temperature { .. } | Self::Overspeed => Some(2),
+            // Temperature and sensors are of the profile, communication is communication, the rest the manufacturer's.
+            Self::Hardware { code, .. } => Some(match code.0 {
+                0x4000..0x5000 | 0x5050..0x5060 | 0xFF00 => 2,
+                0x8000..0x9000 => 1,
+                _ => 3,
+            }),
             _ => None,
         }
     }
@@ -98,6 +111,7 @@ impl Condition {
     /// Bytes 3 to 7.
     const fn manufacturer(self) -> [u8; 5] {
         match self {
+            Self::Hardware { bytes, .. } => bytes,
             // Sensor error register, temperature, low and high threshold, sensor version.
             Self::Temperature { now, low, high } => [0x80, now, low, high, 0x2E],
             Self::RpdoTooShort { rpdo } | Self::RpdoTooLong { rpdo } | Self::RpdoLate { rpdo } => {

@@ -43,7 +43,10 @@ use crate::Faults;
 use crate::models::Model;
 use bit_rate::Activation;
 use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::emcy::EmcyCode;
+use canvass_analyzer::wire::error_control::State;
 use canvass_traces::{Frame, Timestamp};
+use emcy::Condition;
 use guarding::NodeGuarding;
 use heartbeat::HeartbeatProducer;
 use heartbeat_consumer::HeartbeatConsumer;
@@ -104,6 +107,8 @@ pub struct Device {
     outbox: VecDeque<Frame>,
     /// When something happens next.
     wake: Timestamp,
+    /// When the next thing happens that is no answer to an SDO request; [`Timestamp::ZERO`]: that is not known.
+    beside_sdo: Timestamp,
 }
 
 /// More frames than that don't wait: a device that can't get rid of its frames loses them.
@@ -156,6 +161,7 @@ impl Device {
             hangs: false,
             outbox: VecDeque::with_capacity(LONGEST_OUTBOX),
             wake: Timestamp::MAX,
+            beside_sdo: Timestamp::ZERO,
             objects,
         };
         device.initialise(Timestamp::ZERO, Groups::ALL);
@@ -168,9 +174,29 @@ impl Device {
         self.node
     }
 
+    /// The NMT state; boot-up also stands for a device that has no node-ID.
+    pub const fn state(&self) -> State {
+        self.phase.state()
+    }
+
+    /// Whether the non-volatile memory is being written: power-off would lose that.
+    pub fn is_storing(&self) -> bool {
+        self.store.timeout() < Timestamp::MAX
+    }
+
     /// The bit rate that the device would use, in kbit/s: LMT sets it. The simulated bus has one of its own.
     pub const fn bit_rate_kbit(&self) -> u32 {
         self.lmt.bit_rate_kbit()
+    }
+
+    /// Something in the hardware breaks, or works again: the error with that EMCY code. Error register and
+    /// manufacturer-specific bytes are those of the model's sheet, where it lists the code.
+    pub fn set_error(&mut self, now: Timestamp, code: EmcyCode, present: bool) {
+        let listed = self.objects.model.sheet().emergencies.iter().find(|emergency| emergency.code() == code);
+        let (register, bytes) = listed.map_or((0, [0; 5]), |listed| (listed.register(), listed.manufacturer()));
+        self.report(now, Condition::Hardware { code, register, bytes }, present);
+        self.after_change(now);
+        self.settle(now);
     }
 
     /// Lets the shaft move so from now on; the position at time 0 is part of the motion.

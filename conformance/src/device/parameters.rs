@@ -4,12 +4,15 @@ use crate::models::Model;
 use canvass_analyzer::dictionary::{DataType, Entry, Setting, Value};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Multiplexer, NodeId};
+use std::sync::Arc;
 
 /// All entries of the object dictionary, by rising address.
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     /// The addresses alone, so that a search touches few cache lines.
     keys: Vec<u32>,
+    /// Where the keys of each sixteen indexes begin, so that a search is short.
+    sections: Arc<[u16]>,
     entries: Vec<Parameter>,
 }
 
@@ -73,7 +76,8 @@ impl Parameters {
     pub fn new(model: &Model, node: NodeId) -> Self {
         let entries: Vec<Parameter> =
             model.description().dictionary.entries().filter_map(|(at, entry)| Parameter::new(at, entry)).collect();
-        let mut parameters = Self { keys: entries.iter().map(|entry| key(entry.at)).collect(), entries };
+        let mut parameters = Self { keys: Vec::new(), sections: [].into(), entries };
+        parameters.find_keys();
         for value in &model.sheet().values {
             let number = value.value.as_integer().map(|number| number as u64);
             let content = match (number, value.value.as_str()) {
@@ -102,7 +106,15 @@ impl Parameters {
     /// Removes an entry, or a whole object where `sub` is `None`, as if the firmware had none.
     pub fn remove(&mut self, index: u16, sub: Option<u8>) {
         self.entries.retain(|entry| entry.at.index.0 != index || sub.is_some_and(|sub| entry.at.sub.0 != sub));
+        self.find_keys();
+    }
+
+    fn find_keys(&mut self) {
         self.keys = self.entries.iter().map(|entry| key(entry.at)).collect();
+        let begin = |section: u32| self.keys.partition_point(|key| key >> SECTION < section);
+        // Far fewer entries than an index of 16 bits can name: a description with more has none of these sections.
+        let sections = (0..=SECTIONS).map(|section| u16::try_from(begin(section)).ok());
+        self.sections = sections.collect::<Option<_>>().unwrap_or_default();
     }
 
     /// Gives an entry another data type, as if the firmware had it so.
@@ -143,7 +155,9 @@ impl Parameters {
     }
 
     fn position(&self, at: Multiplexer) -> Result<usize, AbortCode> {
-        self.keys.binary_search(&key(at)).map_err(|insertion| {
+        let (first, keys) = self.section(key(at));
+        let found = keys.binary_search(&key(at)).map(|n| first + n).map_err(|n| first + n);
+        found.map_err(|insertion| {
             let neighbours = [insertion.checked_sub(1), Some(insertion)];
             let mut indexes = neighbours.into_iter().flatten().filter_map(|n| self.entries.get(n));
             match indexes.any(|entry| entry.at.index == at.index) {
@@ -151,6 +165,17 @@ impl Parameters {
                 false => AbortCode::NO_OBJECT,
             }
         })
+    }
+
+    /// The keys among which that one is, if it is there, and the position of the first.
+    fn section(&self, key: u32) -> (usize, &[u32]) {
+        let section = (key >> SECTION) as usize;
+        let bounds = self.sections.get(section).zip(self.sections.get(section + 1));
+        let slice = bounds.and_then(|(&first, &end)| {
+            let first = usize::from(first);
+            Some((first, self.keys.get(first..usize::from(end))?))
+        });
+        slice.unwrap_or((0, &self.keys))
     }
 
     /// The number at that address; `None` if there is none.
@@ -190,6 +215,10 @@ impl Parameters {
         &mut self.entries
     }
 }
+
+/// A section has the keys that are equal but for these lowest bits: sixteen indexes.
+const SECTION: u32 = 8 + 4;
+const SECTIONS: u32 = 1 << (16 - 4);
 
 const fn key(at: Multiplexer) -> u32 {
     (at.index.0 as u32) << 8 | at.sub.0 as u32

@@ -1,14 +1,14 @@
 //! A run of the fuzzer: sequences until its time is over, each violation once, made small.
 
-use super::coverage::{Command, Coverage, SdoState};
-use super::execute::Executor;
+use super::coverage::{Command, Coverage, LssReach, SdoState};
+use super::execute::{DEATH, Executor};
 use super::generate::{Dialogues, Target};
-use super::ground::{Ground, is_reachable, learn};
+use super::ground::{Ground, Live, learn};
 use super::oracle::Violation;
 use super::shrink::SequenceTree;
 use super::stimulus::Sequence;
 use super::{Knowledge, Property};
-use crate::bus::BusError;
+use crate::bus::{Bus, BusError};
 use crate::case::Touch;
 use canvass_traces::Record;
 use proptest::strategy::{Strategy, ValueTree};
@@ -31,6 +31,13 @@ pub struct Plan {
     pub stop_at_first: bool,
     /// Sequences of earlier runs, tried first.
     pub regressions: Vec<Sequence>,
+    /// Try only those.
+    pub only_regressions: bool,
+}
+
+/// What a simulated device may be done to without being asked: it is alone on its bus, and a new one for each sequence.
+pub fn harmless() -> BTreeSet<Touch> {
+    BTreeSet::from([Touch::OtherNodes, Touch::NodeId, Touch::BitRate])
 }
 
 /// A violation with the shortest sequence that shows it.
@@ -68,6 +75,10 @@ pub struct Outcome {
     pub sequences: u64,
     /// What was exercised.
     pub coverage: Coverage,
+    /// Sequences that say nothing, because frames were lost on this machine or the bus was interrupted.
+    pub unjudged: u64,
+    /// Whether the device did not come back after a reset: the run ended with that.
+    pub dead: bool,
     /// Each violation once.
     pub violations: Vec<Found>,
 }
@@ -99,16 +110,17 @@ pub fn run(
     plan: &Plan,
     go_on: &mut dyn FnMut(Progress<'_>) -> bool,
 ) -> Result<Outcome, FuzzError> {
-    if !is_reachable(ground, &knowledge)? {
+    if !learn(ground, &mut knowledge)? {
         return Err(FuzzError::Unreachable(knowledge.node));
     }
-    learn(ground, &mut knowledge)?;
     let knowledge = Arc::new(knowledge);
     let mut campaign = Campaign {
         executor: Executor::new(Arc::clone(&knowledge)),
         seen: BTreeSet::new(),
         violations: Vec::new(),
         sequences: 0,
+        last: None,
+        dead: false,
         plan,
     };
     for sequence in &plan.regressions {
@@ -117,17 +129,25 @@ pub fn run(
             return Ok(campaign.outcome());
         }
     }
+    if plan.only_regressions {
+        return Ok(campaign.outcome());
+    }
     let mut dialogues = Dialogues {
         target: plan.target,
         allow: plan.allow.clone(),
         unconfigured: ground.has_unconfigured() && knowledge.services.lss == Some(true),
         focus: None,
+        lss_focus: None,
         knowledge: Arc::clone(&knowledge),
     };
+    let reach = LssReach::of(dialogues.unconfigured, &plan.allow);
     let mut runner = TestRunner::new_with_rng(Config::default(), rng(plan.seed));
     loop {
         if campaign.sequences.is_multiple_of(REFOCUS) {
-            dialogues.focus = least_exercised(&campaign.executor.coverage, &knowledge);
+            let coverage = &campaign.executor.coverage;
+            dialogues.focus = least_exercised(coverage, &knowledge);
+            dialogues.lss_focus =
+                Coverage::lss_pairs(&reach).min_by_key(|&(state, command)| coverage.lss_count(state, command));
         }
         // The strategy always makes a sequence.
         let Ok(tree) = dialogues.new_tree(&mut runner) else { return Ok(campaign.outcome()) };
@@ -136,6 +156,23 @@ pub fn run(
             return Ok(campaign.outcome());
         }
     }
+}
+
+/// Fuzzes the device on any bus, live or in this process; it is reset before each sequence. See [`run`].
+///
+/// A device in this process that panics is reported as dead; the bus must then give a new one after the next reset, or
+/// the run ends.
+///
+/// # Errors
+/// As [`run`].
+pub fn campaign(
+    bus: &mut dyn Bus,
+    knowledge: Knowledge,
+    plan: &Plan,
+    go_on: &mut dyn FnMut(Progress<'_>) -> bool,
+) -> Result<Outcome, FuzzError> {
+    let mut ground = Live::new(bus, &knowledge);
+    run(&mut ground, knowledge, plan, go_on)
 }
 
 /// Runs one sequence, as it is, and says what it shows.
@@ -147,7 +184,9 @@ pub fn replay(
     mut knowledge: Knowledge,
     sequence: &Sequence,
 ) -> Result<(Option<Violation>, Vec<Record>), FuzzError> {
-    learn(ground, &mut knowledge)?;
+    if !learn(ground, &mut knowledge)? {
+        return Err(FuzzError::Unreachable(knowledge.node));
+    }
     let mut executor = Executor::new(Arc::new(knowledge));
     let violation = executor.run(ground, sequence, true)?;
     Ok((violation, executor.evidence))
@@ -159,6 +198,9 @@ struct Campaign<'a> {
     seen: BTreeSet<(Property, &'static str)>,
     violations: Vec<Found>,
     sequences: u64,
+    /// On a device that is reset: the last sequence and its frames. A device that does not come back died of them.
+    last: Option<(Sequence, Vec<Record>)>,
+    dead: bool,
     plan: &'a Plan,
 }
 
@@ -167,23 +209,54 @@ impl Campaign<'_> {
         self.sequences += 1;
         let sequence = tree.current();
         let keep = !ground.is_repeatable();
-        let Some(violation) = self.executor.run(ground, &sequence, keep)? else { return Ok(()) };
-        if !self.seen.insert((violation.property, violation.rule)) {
+        let shown = self.executor.run(ground, &sequence, keep)?;
+        let evidence = std::mem::take(&mut self.executor.evidence);
+        let Some(violation) = shown else {
+            self.last = keep.then_some((sequence, evidence));
+            return Ok(());
+        };
+        if violation.rule == DEATH && evidence.is_empty() && keep {
+            self.bury(violation);
             return Ok(());
         }
-        let first = std::mem::take(&mut self.executor.evidence);
+        if !self.seen.insert((violation.property, violation.rule)) {
+            self.last = keep.then_some((sequence, evidence));
+            return Ok(());
+        }
         let found = match self.confirm(ground, &sequence, &violation)? {
-            true => self.shrink(ground, &mut tree, violation)?,
-            false => Found { violation, sequence, evidence: first, confirmed: false },
+            Confirmed::Again => self.shrink(ground, &mut tree, violation)?,
+            Confirmed::No => Found { violation, sequence, evidence, confirmed: false },
+            Confirmed::Dead => {
+                self.dead = true;
+                Found { violation, sequence, evidence, confirmed: false }
+            }
         };
         self.violations.push(found);
         Ok(())
     }
 
+    /// The device did not come back after the last sequence: that one and its frames are what is known of its end.
+    fn bury(&mut self, violation: Violation) {
+        self.dead = true;
+        let (sequence, evidence) = self.last.take().unwrap_or_default();
+        self.violations.push(Found { violation, sequence, evidence, confirmed: false });
+    }
+
     /// Whether the sequence shows the same violation again.
-    fn confirm(&mut self, ground: &mut dyn Ground, sequence: &Sequence, as_in: &Violation) -> Result<bool, BusError> {
-        let again = self.executor.run(ground, sequence, false)?;
-        Ok(again.is_some_and(|violation| is_same(&violation, as_in)))
+    fn confirm(
+        &mut self,
+        ground: &mut dyn Ground,
+        sequence: &Sequence,
+        as_in: &Violation,
+    ) -> Result<Confirmed, BusError> {
+        let is_repeatable = ground.is_repeatable();
+        let again = self.executor.run(ground, sequence, !is_repeatable)?;
+        let is_dead = |violation: &Violation| violation.rule == DEATH && self.executor.evidence.is_empty();
+        Ok(match again {
+            Some(violation) if is_same(&violation, as_in) => Confirmed::Again,
+            Some(violation) if !is_repeatable && is_dead(&violation) => Confirmed::Dead,
+            _ => Confirmed::No,
+        })
     }
 
     fn shrink(
@@ -196,8 +269,14 @@ impl Campaign<'_> {
         let mut tries = 0;
         while more && tries < self.plan.shrink_budget {
             tries += 1;
-            let shows = self.confirm(ground, &tree.current(), &violation)?;
-            more = if shows { tree.simplify() } else { tree.complicate() };
+            more = match self.confirm(ground, &tree.current(), &violation)? {
+                Confirmed::Again => tree.simplify(),
+                Confirmed::No => tree.complicate(),
+                Confirmed::Dead => {
+                    self.dead = true;
+                    break;
+                }
+            };
         }
         let sequence = tree.best().clone();
         // Once more with its frames, and with the words for this sequence.
@@ -216,17 +295,29 @@ impl Campaign<'_> {
             violations: self.violations.len(),
         };
         let enough = self.plan.stop_at_first && !self.violations.is_empty();
-        !go_on(progress) || enough || self.violations.len() >= MOST_VIOLATIONS
+        !go_on(progress) || enough || self.dead || self.violations.len() >= MOST_VIOLATIONS
     }
 
     fn outcome(self) -> Outcome {
         Outcome {
             executions: self.executor.executions,
             sequences: self.sequences,
+            unjudged: self.executor.unjudged,
+            dead: self.dead,
             coverage: self.executor.coverage,
             violations: self.violations,
         }
     }
+}
+
+/// What became of a repetition.
+enum Confirmed {
+    /// The same violation.
+    Again,
+    /// Another one, or none.
+    No,
+    /// The device does not come back any more.
+    Dead,
 }
 
 fn is_same(one: &Violation, other: &Violation) -> bool {

@@ -1,8 +1,10 @@
 //! What a run has exercised: state × command × class of the answer, of the SDO server and the LSS slave.
 
 use super::Knowledge;
+use crate::case::Touch;
 use canvass_analyzer::wire::sdo::Response;
 use canvass_traces::Frame;
+use std::collections::BTreeSet;
 
 /// Defines an enum with a name for each variant and a list of all.
 macro_rules! classes {
@@ -233,6 +235,29 @@ impl Default for Coverage {
     }
 }
 
+/// What a run can reach of LSS.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct LssReach {
+    /// The device can be had without node-ID.
+    pub unconfigured: bool,
+    /// What nobody has allowed.
+    pub forbidden: Vec<LssCommand>,
+}
+
+impl LssReach {
+    /// What is left where only that is allowed.
+    pub fn of(unconfigured: bool, allow: &BTreeSet<Touch>) -> Self {
+        let needs = [
+            (LssCommand::ConfigureNodeId, Touch::NodeId),
+            (LssCommand::ConfigureBitTiming, Touch::BitRate),
+            (LssCommand::ActivateBitTiming, Touch::BitRate),
+            (LssCommand::Store, Touch::Nvm),
+        ];
+        let forbidden = needs.into_iter().filter(|(_, touch)| !allow.contains(touch)).map(|(command, _)| command);
+        Self { unconfigured, forbidden: forbidden.collect() }
+    }
+}
+
 impl Coverage {
     /// A request to the SDO server and the class of its answer.
     pub const fn sdo(&mut self, state: SdoState, command: Command, answer: Answer) {
@@ -282,16 +307,21 @@ impl Coverage {
         )
     }
 
-    /// The combinations of LSS state and command. What stores, changes the bit rate or the node-ID only where that is
-    /// allowed.
-    pub fn lss_pairs(changes: bool) -> impl Iterator<Item = (LssState, LssCommand)> {
+    /// The combinations of LSS state and command that can be reached.
+    pub fn lss_pairs(reach: &LssReach) -> impl Iterator<Item = (LssState, LssCommand)> {
         let pairs =
             LssState::ALL.iter().flat_map(|&state| LssCommand::ALL.iter().map(move |&command| (state, command)));
         pairs.filter(move |&(state, command)| {
-            changes
-                || state != LssState::Configuration
-                || !matches!(command, LssCommand::ActivateBitTiming | LssCommand::Store)
+            let has_state = reach.unconfigured || !matches!(state, LssState::Unconfigured | LssState::Scanning);
+            has_state && !reach.forbidden.contains(&command)
         })
+    }
+
+    /// How many combinations of state and command were seen, of SDO and LSS.
+    pub fn exercised(&self) -> usize {
+        let sdo = self.sdo.iter().flatten().filter(|answers| answers.iter().any(|&count| count > 0)).count();
+        let lss = self.lss.iter().flatten().filter(|answers| answers.iter().any(|&count| count > 0)).count();
+        sdo + lss
     }
 
     /// How many of the reachable SDO pairs were seen, and how many there are.
@@ -301,9 +331,21 @@ impl Coverage {
     }
 
     /// How many of the reachable LSS pairs were seen, and how many there are.
-    pub fn lss_share(&self, changes: bool) -> (usize, usize) {
-        let pairs: Vec<_> = Self::lss_pairs(changes).collect();
+    pub fn lss_share(&self, reach: &LssReach) -> (usize, usize) {
+        let pairs: Vec<_> = Self::lss_pairs(reach).collect();
         (pairs.iter().filter(|&&(state, command)| self.lss_count(state, command) > 0).count(), pairs.len())
+    }
+
+    /// All LSS combinations that were seen: state, command, whether it was answered, how often.
+    pub fn lss_rows(&self) -> impl Iterator<Item = (LssState, LssCommand, bool, u64)> {
+        LssState::ALL.iter().flat_map(move |&state| {
+            LssCommand::ALL.iter().flat_map(move |&command| {
+                [false, true].into_iter().filter_map(move |answered| {
+                    let count = self.lss[state as usize][command as usize][usize::from(answered)];
+                    (count > 0).then_some((state, command, answered, count))
+                })
+            })
+        })
     }
 
     /// All SDO combinations that were seen: state, command, answer, how often.

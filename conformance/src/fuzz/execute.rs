@@ -1,18 +1,21 @@
 //! Runs one sequence and holds every frame against the reference models.
 
 use super::coverage::Coverage;
-use super::ground::Ground;
+use super::ground::{Ground, Readiness};
 use super::oracle::{Oracle, Violation};
 use super::property::Property;
-use super::stimulus::{Sequence, Stimulus, Then};
+use super::stimulus::{Sequence, Start, Stimulus, Then};
 use crate::bus::BusError;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::sdo::{REQUEST_BASE, Request};
+use canvass_analyzer::wire::lss;
+use canvass_analyzer::wire::sdo::{AbortCode, REQUEST_BASE, RESPONSE_BASE, Request};
 use canvass_traces::{Direction, Frame, Record, Timestamp};
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use super::Knowledge;
+use super::{Knowledge, Patience};
 
 /// The most frames of a sequence that are kept as evidence.
 const LONGEST_EVIDENCE: usize = 1_000;
@@ -31,7 +34,21 @@ pub(super) struct Executor {
     keep: bool,
     /// Own frames that were handed over and have not been on the bus.
     outstanding: usize,
+    /// Sequences that say nothing, because the way to the device failed.
+    pub unjudged: u64,
     probe: Frame,
+    abort: Frame,
+    /// The CAN-ID of SDO responses.
+    response: u16,
+}
+
+/// The rule that a device breaks that does nothing any more.
+pub(super) const DEATH: &str = "device death";
+
+/// What a panic says.
+fn panicked(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<String>().map(String::as_str).or_else(|| panic.downcast_ref::<&str>().copied());
+    format!("its program panicked: {}", text.unwrap_or("without a word"))
 }
 
 /// Why a sequence ended early.
@@ -62,6 +79,9 @@ impl Executor {
             evidence: Vec::new(),
             keep: false,
             outstanding: 0,
+            unjudged: 0,
+            response: RESPONSE_BASE + node,
+            abort: Request::abort(Multiplexer::new(0, 0), AbortCode::GENERAL).to_frame(REQUEST_BASE + node),
             probe: Request::upload(Multiplexer::new(0x1000, 0)).to_frame(REQUEST_BASE + node),
             knowledge,
         }
@@ -80,12 +100,45 @@ impl Executor {
         self.keep = keep;
         self.evidence.clear();
         self.outstanding = 0;
-        ground.begin(sequence.start)?;
-        self.oracle.start(ground.bus().now(), sequence.start);
-        match self.steps(ground, sequence) {
+        // A device in this process can panic. What is left of it is not used any more: the next start makes it anew.
+        let ended = catch_unwind(AssertUnwindSafe(|| self.attempt(ground, sequence)));
+        match ended.unwrap_or_else(|panic| Err(Stop::Violation(self.death(&panicked(&*panic))))) {
             Ok(()) => Ok(None),
             Err(Stop::Violation(violation)) => Ok(Some(violation)),
             Err(Stop::Bus(error)) => Err(error),
+        }
+    }
+
+    fn attempt(&mut self, ground: &mut dyn Ground, sequence: &Sequence) -> Result<(), Stop> {
+        if sequence.start == Start::Unconfigured && !ground.has_unconfigured() {
+            self.unjudged += 1;
+            return Ok(());
+        }
+        if ground.begin(sequence.start)? == Readiness::Dead {
+            return Err(Stop::Violation(self.death("neither a boot-up message nor an answer after repeated resets")));
+        }
+        let before = ground.bus().health();
+        self.oracle.start(ground.bus().now(), sequence.start);
+        let ended = self.steps(ground, sequence);
+        if let Err(Stop::Violation(_)) = &ended {
+            let trouble = ground.bus().health().since(&before);
+            if trouble.lost > 0 || trouble.interruptions > 0 {
+                // Frames are missing that the device may have sent.
+                self.unjudged += 1;
+                return Ok(());
+            }
+        }
+        ended
+    }
+
+    /// The device does nothing any more.
+    fn death(&self, actual: &str) -> Violation {
+        Violation {
+            property: Property::Responsive,
+            rule: DEATH,
+            expected: "a device that lives".to_owned(),
+            actual: actual.to_owned(),
+            at: self.evidence.last().map_or(Timestamp::ZERO, |record| record.timestamp),
         }
     }
 
@@ -104,6 +157,10 @@ impl Executor {
     fn probe(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
         if !self.oracle.serves_sdo() {
             return Ok(());
+        }
+        if self.oracle.is_in_blocks() {
+            // There a request to read can't be told from a segment.
+            self.step(ground, &Stimulus::settle(self.abort))?;
         }
         match self.step(ground, &Stimulus::settle(self.probe)) {
             Err(Stop::Violation(violation)) if violation.actual == "no answer" => {
@@ -127,17 +184,17 @@ impl Executor {
         }
     }
 
-    /// Until what is due has come, or nothing has come for a while where nothing is due.
+    /// Until what is due has come, or no answer has come for a while where none is due.
     fn settle(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
-        let quiet = self.knowledge.patience.quiet;
+        let Patience { quiet, answer, .. } = self.knowledge.patience;
         let mut was_due = false;
         let mut until = Timestamp::MAX;
         loop {
             let due = self.oracle.due();
             let deadline = match due {
-                _ if self.outstanding > 0 => ground.bus().now() + self.knowledge.patience.answer,
+                _ if self.outstanding > 0 => ground.bus().now() + answer,
                 Some(due) => due,
-                None if was_due => return Ok(()),
+                None if was_due && !self.oracle.is_open() => return Ok(()),
                 None => {
                     if until == Timestamp::MAX {
                         until = ground.bus().now() + quiet;
@@ -146,18 +203,20 @@ impl Executor {
                 }
             };
             was_due |= due.is_some();
-            if self.receive(ground, deadline)? {
-                // Several answers may be under way.
-                until = Timestamp::MAX;
-                continue;
-            }
-            self.oracle.expire(ground.bus().now())?;
-            if self.outstanding > 0 {
-                // The bus does not take the frame: nothing can be said about the device.
-                self.outstanding = 0;
-            } else if due.is_none() {
-                self.oracle.quiet();
-                return Ok(());
+            match self.receive(ground, deadline)? {
+                // Several answers may be under way; heartbeats and PDOs come all the time.
+                Received::Answer => until = Timestamp::MAX,
+                Received::Other => {}
+                Received::Nothing => {
+                    self.oracle.expire(ground.bus().now())?;
+                    if self.outstanding > 0 {
+                        // The bus does not take the frame: nothing can be said about the device.
+                        self.outstanding = 0;
+                    } else if due.is_none() {
+                        self.oracle.quiet();
+                        return Ok(());
+                    }
+                }
             }
         }
     }
@@ -166,7 +225,7 @@ impl Executor {
     fn pass(&mut self, ground: &mut dyn Ground, until: Timestamp) -> Result<(), Stop> {
         loop {
             let deadline = self.oracle.due().unwrap_or(until).min(until);
-            if !self.receive(ground, deadline)? {
+            if self.receive(ground, deadline)? == Received::Nothing {
                 self.oracle.expire(ground.bus().now())?;
                 if ground.bus().now() >= until {
                     self.oracle.quiet();
@@ -177,10 +236,10 @@ impl Executor {
     }
 
     /// The next frame, if there is one until the deadline.
-    fn receive(&mut self, ground: &mut dyn Ground, deadline: Timestamp) -> Result<bool, Stop> {
-        let Some(record) = ground.bus().receive(deadline)? else { return Ok(false) };
+    fn receive(&mut self, ground: &mut dyn Ground, deadline: Timestamp) -> Result<Received, Stop> {
+        let Some(record) = ground.bus().receive(deadline)? else { return Ok(Received::Nothing) };
         if record.frame.is_error() {
-            return Ok(true);
+            return Ok(Received::Other);
         }
         let (now, frame, own) = (record.timestamp, record.frame, record.direction == Direction::Tx);
         if self.keep && self.evidence.len() < LONGEST_EVIDENCE {
@@ -189,9 +248,21 @@ impl Executor {
         if own {
             self.outstanding = self.outstanding.saturating_sub(1);
             self.oracle.sent(now, &frame, &mut self.coverage)?;
-        } else {
-            self.oracle.received(now, &frame, &mut self.coverage)?;
+            return Ok(Received::Answer);
         }
-        Ok(true)
+        self.oracle.received(now, &frame, &mut self.coverage)?;
+        let id = frame.cob_id();
+        let is_answer = id == Some(self.response) || id == Some(lss::SLAVE_CAN_ID);
+        Ok(if is_answer { Received::Answer } else { Received::Other })
     }
+}
+
+/// What was received.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Received {
+    Nothing,
+    /// An own frame, or one with which servers and slaves answer.
+    Answer,
+    /// What comes by itself.
+    Other,
 }

@@ -28,6 +28,12 @@ pub struct Services {
     pub lss: Option<bool>,
     /// LSS does not work in operational.
     pub lss_not_in_operational: bool,
+    /// A node-ID that LSS configured acts when the slave leaves configuration, by a restart; else at the next reset.
+    pub lss_restarts: Option<bool>,
+    /// It has an LMT slave, whose frames have the CAN-IDs of LSS.
+    pub lmt: bool,
+    /// TPDOs that are filled up to eight bytes, by their number from 1.
+    pub padded_tpdos: Vec<u16>,
     /// The rows of table 0 that configure bit timing accepts.
     pub lss_bit_rates: Option<Vec<u8>>,
     /// It answers node guarding.
@@ -49,6 +55,9 @@ pub struct Patience {
     pub quiet: Duration,
     /// From a reset to the boot-up message.
     pub boot: Duration,
+    /// By how much times may be off that are measured here: timers tick in milliseconds, and the computer that
+    /// measures them is late sometimes.
+    pub jitter: Duration,
 }
 
 impl Default for Patience {
@@ -58,6 +67,7 @@ impl Default for Patience {
             answer: Duration::from_millis(1_000),
             quiet: Duration::from_millis(20),
             boot: Duration::from_millis(5_000),
+            jitter: Duration::from_millis(50),
         }
     }
 }
@@ -81,6 +91,8 @@ pub struct Known {
     pub limits: (Option<i128>, Option<i128>),
     /// What was written is what is read, until somebody writes it again.
     pub stable: bool,
+    /// It keeps what was written over a reset.
+    pub persists: bool,
     /// It can be mapped into a TPDO.
     pub tpdo_mappable: bool,
     /// How many bytes a value of variable length usually has.
@@ -104,6 +116,9 @@ impl Knowledge {
             patience: Patience::default(),
             entries,
         };
+        for known in &mut knowledge.entries {
+            known.persists = knowledge.services.persist_at_once.contains(&known.at);
+        }
         if let Some(sheet) = sheet {
             for value in &sheet.values {
                 let raw = value.value.as_integer().map(|number| number as u64);
@@ -166,13 +181,18 @@ impl Services {
             lss_not_in_operational: network.is_some_and(|network| {
                 !network.lss_states.is_empty() && !network.lss_states.iter().any(|state| state == "operational")
             }),
+            lss_restarts: network.map(|network| network.lss_restarts),
+            lmt: network.is_some_and(|network| network.lmt),
+            padded_tpdos: network
+                .map(|network| network.padded_tpdos.iter().map(|&number| u16::from(number)).collect())
+                .unwrap_or_default(),
             lss_bit_rates: sheet
                 .map(|sheet| sheet.bit_rates.iter().filter_map(|rate| rate.lss_code).collect::<Vec<u8>>())
                 .filter(|rates| !rates.is_empty()),
             guarding: network.map(|network| network.node_guarding),
             block_transfer: network.map(|network| network.sdo_block_transfer),
             bus_objects,
-            persist_at_once: Vec::new(),
+            persist_at_once: storage.map(|storage| storage.persist_at_once.clone()).unwrap_or_default(),
         }
     }
 }
@@ -200,6 +220,7 @@ impl Known {
             stable: entry.access.is_readable()
                 && (constant || entry.access.is_writable())
                 && !has_a_life_of_its_own(at),
+            persists: false,
             tpdo_mappable: entry.pdo_mappable && entry.access.allows_tpdo(),
             usual_length: match entry.start_value(node) {
                 Some(value) => value.encode(entry.data_type).map_or(0, |bytes| bytes.len()),

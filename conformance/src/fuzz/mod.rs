@@ -9,15 +9,18 @@
 
 pub mod campaign;
 pub mod coverage;
+pub mod detection;
 mod execute;
 mod generate;
 pub mod ground;
 mod knowledge;
+pub mod limits;
 mod oracle;
 mod property;
 pub mod reproducer;
 mod shrink;
 mod stimulus;
+pub mod storm;
 
 pub use generate::{Dialogues, Target, UnknownTarget};
 pub use knowledge::{Knowledge, Known, Patience, Services};

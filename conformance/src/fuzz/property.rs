@@ -59,8 +59,10 @@ properties! {
     /// The NMT state that heartbeats and guarding show is the one that the commands lead to; heartbeats come in time.
     NmtState = "PROP-08" "the NMT state follows the commands",
     /// PDOs, SYNC and TIME are sent only on identifiers that the device was told to use, only in operational, with
-    /// the length of their mapping, and not faster than their inhibit time and event timer allow.
-    PdoTransmission = "PROP-09" "PDOs as configured",
+    /// the length of their mapping, and not faster than their inhibit time and event timer allow. Configurations that
+    /// CiA 301 forbids are refused: identifiers change only while the PDO is invalid, restricted identifiers and
+    /// reserved transmission types don't exist, mappings change only while they are disabled and hold 64 bits at most.
+    Pdo = "PROP-09" "PDOs as configured",
     /// The LSS slave answers exactly as CiA 305 demands in its state, whatever is interleaved.
     LegalLss = "PROP-10" "every LSS response is legal in its state",
     /// Fastscan identifies, and switches to configuration, only after all 128 bits of the address have matched.
@@ -69,10 +71,11 @@ properties! {
     EmcyRate = "PROP-12" "no storm of EMCY messages",
     /// No boot-up message without a reset: the device did not restart by itself.
     NoRestart = "PROP-13" "no restart by itself",
-    /// The configuration of PDOs is accepted and refused as CiA 301 demands: identifiers only while invalid, no
-    /// restricted identifiers, no reserved transmission types, mappings only while disabled and of 64 bits at most.
-    PdoConfiguration = "PROP-14" "illegal PDO configurations are refused",
-    /// For every accepted scaling the position lies in the measuring range.
+    /// After a reset every object that was not stored has the value of power-on again: what a sequence wrote leaves no
+    /// trace. Reset node brings all back, reset communication 1000h to 1FFFh.
+    Restored = "PROP-14" "a reset brings the values back",
+    /// For every scaling (6000h, 6001h, 6002h) and preset (6003h) that the device has accepted, the position 6004h lies
+    /// in the measuring range: from 0 to 6002h - 1.
     PositionInRange = "PROP-15" "the position stays in its range",
 }
 

@@ -4,12 +4,16 @@
 mod annotations;
 mod damage;
 mod deviations;
+#[cfg(test)]
+mod documentation;
+mod emergency;
 mod generic;
 mod quirks;
 mod recognition;
 mod rules;
 mod sheet;
 
+pub use emergency::Emergency;
 pub use quirks::Quirks;
 pub use rules::{Check, Link, LinkKind, Rule};
 pub use sheet::{
@@ -109,30 +113,6 @@ impl Model {
     pub fn generic(name: &str, bytes: &[u8]) -> Result<Self, ModelError> {
         let description = DeviceDescription::read(bytes)?;
         let sheet = generic::sheet(name, &description)?;
-        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
-    }
-
-    /// A model of which only the description is known: what that does not say is as with most devices.
-    ///
-    /// # Errors
-    /// [`ModelError`] if the description contradicts itself.
-    pub fn of_description(description: DeviceDescription) -> Result<Self, ModelError> {
-        let device = &description.device;
-        let commissioning = description.commissioning.as_ref();
-        let node = commissioning.and_then(|commissioning| commissioning.node_id);
-        let rate = commissioning.and_then(|commissioning| commissioning.bit_rate).unwrap_or(250);
-        let name = if device.product_name.is_empty() { "device" } else { &device.product_name };
-        let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
-        let node = node.map(|node| format!("default_node_id = {node}\n")).unwrap_or_default();
-        let text = format!(
-            "id = {}\nsummary = {}\n[network]\ndefault_bit_rate_kbit = {rate}\n{node}lss = {}\nnode_guarding = {}\n\
-             sdo_block_transfer = true\n",
-            quoted(name),
-            quoted(&device.vendor_name),
-            device.lss_supported,
-            description.dictionary.object(canvass_analyzer::Index(0x100C)).is_some(),
-        );
-        let sheet = toml::from_str(&text)?;
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
     }
 

@@ -1,5 +1,6 @@
 //! The sheet of a device model, as its TOML file lays it out.
 
+use super::emergency::Emergency;
 use super::quirks::Quirks;
 use super::recognition::Recognition;
 use super::rules::{Check, Link, Rule};
@@ -43,6 +44,9 @@ pub struct Sheet {
     /// Values that are refused.
     #[serde(default, rename = "check")]
     pub checks: Vec<Check>,
+    /// The EMCY messages of its manual.
+    #[serde(default, rename = "emergency")]
+    pub emergencies: Vec<Emergency>,
     /// The LMT address, where there is an LMT slave.
     pub lmt: Option<LmtAddress>,
     /// What it does otherwise than the standards.

@@ -2,12 +2,61 @@
 
 use crate::rig::{Rig, model};
 use canvass_conformance::device::Motion;
+use canvass_conformance::models::Model;
 use proptest::prelude::*;
 
 fn moving(milli_rpm: i64) -> Rig {
     let mut rig = Rig::powered(model(), Some(63), Default::default(), Motion::constant(0, milli_rpm));
     rig.run(300);
     rig
+}
+
+fn reference() -> Rig {
+    let model = Model::by_id("reference-406").unwrap();
+    let mut rig = Rig::powered(model, Some(63), Default::default(), Motion::still(0x4CBA));
+    rig.run(300);
+    rig
+}
+
+/// 6300h: two cams that overlap, with hysteresis and polarity.
+#[test]
+fn cams() {
+    let mut rig = reference();
+    for (index, value) in [(0x6310, 100), (0x6320, 200), (0x6311, 150), (0x6321, 300)] {
+        assert_eq!(rig.write(index, 1, value, 4), "ok");
+    }
+    assert_eq!((rig.write(0x6330, 1, 10, 2), rig.write(0x6301, 1, 0b11, 1)), ("ok".to_owned(), "ok".to_owned()));
+    let mut at = |position| {
+        rig.write(0x6003, 0, position, 4);
+        rig.read(0x6300, 1)
+    };
+    let states = [99, 100, 149, 150, 200, 210, 211, 201, 300, 301].map(|position| at(position).unwrap());
+    assert_eq!(states, [0, 1, 1, 3, 3, 3, 2, 2, 2, 0]);
+    assert_eq!(rig.write(0x6302, 1, 0b101, 1), "ok");
+    assert_eq!(rig.read(0x6300, 1), Ok(1), "inverted where enabled");
+    assert_eq!(rig.write(0x6301, 1, 0, 1), "ok");
+    assert_eq!(rig.read(0x6300, 1), Ok(0));
+}
+
+/// 6009h sets what 6008h and 6004h show.
+#[test]
+fn high_precision() {
+    let mut rig = reference();
+    rig.dialogue(&[
+        ("2109600008000000", "6009600000000000"),
+        ("00E8030000000000", "2000000000000000"),
+        ("1D00000000000000", "3000000000000000"),
+        ("4008600000000000", "4108600008000000"),
+        ("6000000000000000", "00E8030000000000"),
+        ("7000000000000000", "1D00000000000000"),
+    ]);
+    assert_eq!(rig.read(0x6004, 0), Ok(1000));
+    assert_eq!(rig.read(0x600C, 0), Ok(0x4CBA));
+    rig.dialogue(&[
+        ("2109600008000000", "6009600000000000"),
+        ("0000000002000000", "2000000000000000"),
+        ("1D00000000000000", "8009600030000906"),
+    ]);
 }
 
 #[test]

@@ -4,6 +4,8 @@ use crate::rig::{Rig, model};
 use canvass_analyzer::NodeId;
 use canvass_conformance::bus::{Bus, SimulatedBus};
 use canvass_conformance::device::{Device, Motion};
+use canvass_conformance::fuzz::storm::storm;
+use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, Faults};
 use canvass_traces::{CanId, Duration, Frame};
 use proptest::prelude::*;
@@ -54,6 +56,17 @@ fn faults() -> impl Strategy<Value = Faults> {
     ]
 }
 
+/// `cargo xtask storm` does the same with ten million frames for each model.
+#[test]
+fn a_storm_breaks_no_model_and_reaches_every_state() {
+    for (seed, model) in (0..).zip(Model::all()) {
+        let done = storm(model, 60_000, seed).unwrap_or_else(|broken| panic!("{broken}"));
+        assert!(done.frames >= 60_000 && done.by_state.iter().sum::<u64>() == done.frames);
+        assert!(done.by_state.iter().all(|count| *count > 300), "{}: {:?}", model.id(), done.by_state);
+        assert_eq!(storm(model, 2_000, seed), storm(model, 2_000, seed), "{}: repeatable", model.id());
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(300))]
 
@@ -82,7 +95,7 @@ proptest! {
     fn any_frames_to_any_model(
         frames in prop::collection::vec((frame(), 0_u64..20_000), 0..60), faults in faults(), state in 0_u8..5,
     ) {
-        for model in canvass_conformance::models::Model::all() {
+        for model in Model::all() {
             let node = (state != 4).then(|| NodeId::new(63).unwrap());
             let mut bus = SimulatedBus::new(1_000_000);
             bus.attach(Box::new(Device::with_motion(model, node, faults, 3, Motion::constant(0, 77_777))));

@@ -143,6 +143,26 @@ fn command_specifiers() {
     }
 }
 
+/// A block transfer that the device does not have, in the middle of another transfer: the abort names what the client
+/// asked for, and the transfer that it interrupts is over.
+#[test]
+fn a_refused_block_transfer_names_its_own_object() {
+    let mut rig = Rig::new();
+    rig.dialogue(&[
+        // An upload in segments is under way.
+        ("4008100000000000", "4108100016000000"),
+        ("A000600014000000", "8000600001000405"),
+        ("6000000000000000", "8000000001000405"),
+        // And a download.
+        ("2140210104000000", "6040210100000000"),
+        ("C217100002000000", "8017100001000405"),
+        ("0B11000000000000", "8000000001000405"),
+    ]);
+    assert_eq!(rig.read(0x2140, 1), Ok(0));
+    // What names no object is about the transfer under way.
+    rig.dialogue(&[("4008100000000000", "4108100016000000"), ("A300000000000000", "8008100001000405")]);
+}
+
 /// The same device with a server that knows blocks.
 fn with_blocks() -> Rig {
     let eds = include_str!("../../models/kuebler-sendix-58x8.eds");

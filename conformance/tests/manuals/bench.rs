@@ -107,12 +107,17 @@ impl Bench {
 
     /// Reads any value from node 1, in segments where the device gives it so.
     pub fn read_bytes(&mut self, index: u16, sub: u8) -> Result<Vec<u8>, u32> {
+        self.read_bytes_from(1, index, sub)
+    }
+
+    pub fn read_bytes_from(&mut self, node: u8, index: u16, sub: u8) -> Result<Vec<u8>, u32> {
         let [low, high] = index.to_le_bytes();
+        let (prefix, node) = (format!("{:03X}#", 0x580 + u16::from(node)), 0x600 + u16::from(node));
         let answer = |bench: &mut Self, request: &str| {
-            let sent = bench.ask(request);
-            parse(sent.iter().find(|frame| frame.starts_with("581#")).expect("a response"))
+            let sent = bench.ask(&format!("{node:03X}#{request}"));
+            parse(sent.iter().find(|frame| frame.starts_with(&prefix)).expect("a response"))
         };
-        let first = answer(self, &format!("601#40{low:02X}{high:02X}{sub:02X}00000000"));
+        let first = answer(self, &format!("40{low:02X}{high:02X}{sub:02X}00000000"));
         match first.bytes()[0] {
             0x80 => return Err(number(&first)),
             0x41 => {}
@@ -120,7 +125,7 @@ impl Bench {
         }
         let (mut value, mut toggle) = (Vec::new(), 0x60);
         loop {
-            let segment = answer(self, &format!("601#{toggle:02X}00000000000000"));
+            let segment = answer(self, &format!("{toggle:02X}00000000000000"));
             let command = segment.bytes()[0];
             value.extend_from_slice(&segment.bytes()[1..8 - usize::from(command >> 1 & 7)]);
             if command & 1 != 0 {

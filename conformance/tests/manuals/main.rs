@@ -5,8 +5,10 @@
 
 mod bench;
 mod dictionary;
+mod emergencies;
 mod hostile;
 mod lika;
 mod lmt;
+mod printed;
 mod replay;
 mod tr;

@@ -11,13 +11,15 @@
 //!     send CAN-ID BYTES            a frame that the manual does not print
 //!     wait MILLISECONDS
 //!     power                        off and on
+//!     error CODE                   that error of the hardware comes
 //!     answers BYTES; REASON        the device answers this instead
 //!     skip REASON                  the device can't send or be sent this
 //! ```
 
 use crate::bench::{Bench, parse};
+use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_conformance::device::Motion;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// So long a printed frame is waited for, in milliseconds.
 const PATIENCE: u64 = 6_000;
@@ -49,6 +51,11 @@ impl Replay {
                 self.send(id, bytes);
             }
             "wait" => self.heard.extend(self.bench.run(rest.parse().unwrap())),
+            "error" => {
+                let code = EmcyCode(u16::from_str_radix(rest, 16).unwrap());
+                self.bench.device.set_error(self.bench.now, code, true);
+                self.heard.extend(self.bench.run(50));
+            }
             "power" => self.heard = self.bench.power_cycle(),
             other => panic!("no action is called {other:?}"),
         }
@@ -168,14 +175,67 @@ fn play(rows: &str, text: &str, model: &str) -> (usize, usize) {
 fn lika_ax58() {
     let rows = include_str!("../../../analyzer/tests/manuals/lika-ax58.txt");
     let played = play(rows, include_str!("lika-ax58.script"), "lika-ax58");
-    assert_eq!(played, (66, 6), "frames of the device that were printed and seen, rows that it can't send");
+    assert_eq!(played, (67, 5), "frames of the device that were printed and seen, rows that it can't send");
 }
 
 #[test]
 fn tr_electronic() {
     let rows = include_str!("../../../analyzer/tests/manuals/tr-electronic.txt");
     let played = play(rows, include_str!("tr-electronic.script"), "tr-c65");
-    assert_eq!(played, (80, 11), "frames of the device that were printed and seen, rows that it can't send");
+    assert_eq!(played, (81, 10), "frames of the device that were printed and seen, rows that it can't send");
+}
+
+/// Rows of the analyzer's tables whose frames Kübler's manuals don't print as such, by section and how they begin.
+const NOT_PRINTED: &[(&str, &str, &str)] = &[
+    ("5.2.1.1", "3BF#", "the speed is printed as LSB and MSB: replayed with a shaft that rests"),
+    ("5.2.7", "5BF#60036001", "6003h has no sub-index 01: an erratum, replayed with its abort"),
+    ("5.3.7.2", "5BF#80", "the command byte 80h alone is printed"),
+    ("5.2.3.2", "584#80", "the command byte 80h alone is printed"),
+    ("5.3.8", "", "the table of CAN-IDs: contents are not printed; the device's own are replayed for nodes 1 and 127"),
+    ("5.5.20", "5BF#60052101", "2105h has no sub-index 01: an erratum, replayed with its abort"),
+    ("5.5.45", "0BF#004209", "overspeed, by the device's own measurement: tests of the encoder"),
+    ("5.7.4", "3BF#", "values of a shaft that turns; replayed with one that rests"),
+    ("5.7.5", "18B#", "the CAN-ID before the change"),
+    ("5.7.6", "7E4#5E00", "inquire node-ID answers the node-ID: an erratum"),
+    ("5.7.7", "1BF#BA4C00000000", "DLC 4 is printed with six bytes: an erratum, replayed with four"),
+    ("5.8", "", "classes of error codes and bits of the register, of which no message is printed"),
+    ("5.8.1", "0BF#01FF8000", "bytes 4 to 7 are printed as XX"),
+    ("5.8.1", "0BF#003201", "no register is printed: it has the bit for voltage"),
+    ("5.8.4", "", "the table of abort codes; those that the device has are replayed"),
+    ("5.5.2", "184#1027000088900000", "channel B is printed as BB BB BB BB: replayed with 4700.0 mm less channel A"),
+    ("5.5.3", "284#", "the angles are not printed"),
+    ("5.6.1", "584#60001800", "the answer echoes another sub-index: an erratum, replayed with its abort"),
+    ("5.6.1", "584#60011800", "the answer echoes another sub-index: an erratum, replayed with its abort"),
+    ("6", "584#800460", "the table of abort codes; those that the device has are replayed"),
+];
+
+/// What Kübler's devices send in the examples of their manuals is all replayed (`kuebler-replay.toml`,
+/// `kuebler-emergencies.csv`).
+#[test]
+fn all_printed_frames_of_kuebler_are_replayed() {
+    let dialogues = include_str!("kuebler-replay.toml");
+    let mut replayed: BTreeSet<String> =
+        dialogues.split('"').filter_map(|text| text.strip_prefix("< ")).map(str::to_owned).collect();
+    let emergencies = include_str!("kuebler-emergencies.csv").lines().filter(|line| !line.starts_with('#')).skip(1);
+    replayed.extend(emergencies.map(|row| frame("0BF", row.split(';').nth(3).unwrap())));
+    let rows = [
+        include_str!("../../../analyzer/tests/manuals/kuebler-sendix.txt"),
+        include_str!("../../../analyzer/tests/manuals/kuebler-draw-wire.txt"),
+    ];
+    let mut missing = Vec::new();
+    for row in rows.iter().flat_map(|text| text.lines()) {
+        let columns: Vec<&str> = row.split(';').map(str::trim).collect();
+        let [section, id, bytes, _, ..] = columns.as_slice() else { continue };
+        if row.starts_with(['#', '>']) || is_from_master(id, bytes) {
+            continue;
+        }
+        let frame = frame(id, bytes);
+        let excused = NOT_PRINTED.iter().any(|(where_, begins, _)| where_ == section && frame.starts_with(*begins));
+        if !excused && !replayed.contains(&frame) {
+            missing.push(format!("{section}: {frame}"));
+        }
+    }
+    assert!(missing.is_empty(), "{}:\n{}", missing.len(), missing.join("\n"));
 }
 
 /// The rows have the notation that this replay reads.

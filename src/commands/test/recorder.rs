@@ -6,7 +6,7 @@
 
 use crate::destination::Destination;
 use crate::output::{Output, diagnostic};
-use anyhow::Result;
+use anyhow::{Result, anyhow};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::case_marker::{CAN_ID, CaseMarker, Verdict};
 use canvass_conformance::bench::{Annotate, Decoder};
@@ -14,19 +14,22 @@ use canvass_conformance::case::Case;
 use canvass_conformance::catalogue;
 use canvass_conformance::runner::RunEvent;
 use canvass_conformance::verdict::Kind;
-use canvass_traces::{Channels, Record, Recording, WriteError, WriteOptions, Writer};
-use std::cell::RefCell;
+use canvass_traces::{Channels, Frame, Record, Recording, WriteOptions, Writer};
 use std::path::Path;
+use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::thread::JoinHandle;
 
-/// The capture. The bench hands over the frames, the runner the begin and end of cases: both while the other holds it.
-pub struct Recorder(RefCell<State>);
+/// The capture. A thread of its own writes it: the tester does not wait for the disk.
+pub struct Recorder {
+    lines: Sender<Entry>,
+    thread: JoinHandle<Result<()>>,
+}
 
-struct State {
-    recording: Recording,
-    channels: Channels,
-    /// The last frame: markers have its time.
-    last: Option<Record>,
-    failed: Option<WriteError>,
+/// What comes into the capture.
+enum Entry {
+    Frame(Record),
+    /// Gets the time of the last frame.
+    Marker(Frame),
 }
 
 /// What the analyzer says of each frame, which goes into the capture on its way.
@@ -49,18 +52,21 @@ impl Annotate for Recorded<'_> {
 impl Recorder {
     /// Begins the capture before the device is touched. A file that exists is overwritten, as that of a report is.
     pub fn create(path: &Path) -> Result<Self> {
-        let destination = Destination::new(path, None, true)?;
-        let sink = destination.open(&[], &Output::default())?;
-        let recording = Recording::create(sink, destination.format, destination.compression, &WriteOptions::default())?;
-        let mut channels = Channels::default();
-        channels.intern("can0");
-        Ok(Self(RefCell::new(State { recording, channels, last: None, failed: None })))
+        let (lines, entries) = channel();
+        let (ready, begun) = sync_channel(1);
+        let path = path.to_owned();
+        let thread = std::thread::Builder::new().name("record".to_owned());
+        let thread = thread.spawn(move || write(&path, &ready, &entries))?;
+        // Whatever it ended with before it began is why.
+        match begun.recv() {
+            Ok(()) => Ok(Self { lines, thread }),
+            Err(_) => Err(ended(thread).err().unwrap_or_else(|| anyhow!("the capture could not be begun"))),
+        }
     }
 
     fn frame(&self, record: &Record) {
-        let mut state = self.0.borrow_mut();
-        state.last = Some(record.clone());
-        state.write(record);
+        // A capture that can't be written is told of at the end.
+        let _ = self.lines.send(Entry::Frame(record.clone()));
     }
 
     /// Marks where a case begins and ends.
@@ -73,35 +79,46 @@ impl Recorder {
     }
 
     fn mark(&self, case: &'static Case, verdict: Option<Verdict>) {
-        let mut state = self.0.borrow_mut();
         let (group, number) = place_of(case);
         let marker = CaseMarker { group, case: number, verdict };
-        if let Some(last) = state.last.clone() {
-            let marked = Record::new(last.timestamp, last.channel, marker.to_frame(CAN_ID));
-            state.write(&marked);
-        }
+        let _ = self.lines.send(Entry::Marker(marker.to_frame(CAN_ID)));
     }
 
     /// Ends the capture.
     pub fn finish(self) -> Result<()> {
-        let mut state = self.0.into_inner();
-        state.recording.finish()?;
-        for (loss, frames) in state.recording.losses().iter() {
-            diagnostic(&format!("canvass: the capture can't hold {} of {frames} frames", loss.name()));
-        }
-        match state.failed {
-            Some(error) => Err(error.into()),
-            None => Ok(()),
-        }
+        drop(self.lines);
+        ended(self.thread)
     }
 }
 
-impl State {
-    fn write(&mut self, record: &Record) {
-        if self.failed.is_none() {
-            self.failed = self.recording.write(record, &self.channels).err();
-        }
+fn ended(thread: JoinHandle<Result<()>>) -> Result<()> {
+    thread.join().unwrap_or_else(|_| Err(anyhow!("the recorder failed: the capture is not complete")))
+}
+
+/// Writes the capture until nobody has anything for it any more.
+fn write(path: &Path, ready: &SyncSender<()>, entries: &Receiver<Entry>) -> Result<()> {
+    let destination = Destination::new(path, None, true)?;
+    let sink = destination.open(&[], &Output::default())?;
+    let mut recording = Recording::create(sink, destination.format, destination.compression, &WriteOptions::default())?;
+    let mut channels = Channels::default();
+    channels.intern("can0");
+    // Who waits for it is there.
+    let _ = ready.send(());
+    let mut last: Option<Record> = None;
+    for entry in entries {
+        let record = match (entry, &last) {
+            (Entry::Frame(record), _) => record,
+            (Entry::Marker(frame), Some(last)) => Record::new(last.timestamp, last.channel, frame),
+            (Entry::Marker(_), None) => continue,
+        };
+        recording.write(&record, &channels)?;
+        last = Some(record);
     }
+    recording.finish()?;
+    for (loss, frames) in recording.losses().iter() {
+        diagnostic(&format!("canvass: the capture can't hold {} of {frames} frames", loss.name()));
+    }
+    Ok(())
 }
 
 const fn marked(kind: Kind) -> Verdict {

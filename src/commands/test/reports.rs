@@ -8,7 +8,7 @@ use canvass_reports::conformance::{Document, Render, Reporter, html, json, junit
 use clap::ValueEnum;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Write};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// A form of the result.
@@ -24,6 +24,7 @@ pub enum ReportFormat {
     /// One page for a browser
     Html,
     /// For merge requests and wikis
+    #[value(alias = "md")]
     Markdown,
 }
 
@@ -32,6 +33,18 @@ pub enum ReportFormat {
 pub struct ReportArg {
     format: ReportFormat,
     file: PathBuf,
+}
+
+impl ReportArg {
+    /// The form.
+    pub fn format(&self) -> ReportFormat {
+        self.format
+    }
+
+    /// Where it goes.
+    pub fn file(&self) -> &Path {
+        &self.file
+    }
 }
 
 impl FromStr for ReportArg {

@@ -83,7 +83,7 @@ impl Voice {
 impl Rule for DuplicateNodeId {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if let Message::Nmt(nmt) = context.message() {
-            if context.scene.facts.is_repeated(*nmt) {
+            if !context.begins_anew() {
                 return;
             }
             let all = nmt.node == 0;

@@ -1,16 +1,16 @@
 use super::interleaving::Interleaving;
 use crate::NodeId;
-use crate::findings::pdo::{AllParameters, TPDOS};
+use crate::findings::pdo::TPDOS;
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
 use crate::wire::sync::Sync;
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Sync, Service::Time, Service::Pdo, Service::Sdo, Service::BootUp, Service::Nmt],
+    services: &[Service::Sync, Service::Time, Service::Pdo, Service::Nmt],
     make: Some(|_| Box::new(TwoProducers::default())),
 };
 
@@ -37,7 +37,6 @@ struct TwoProducers {
     sync: Interleaving,
     time: Interleaving,
     counters: Counters,
-    parameters: AllParameters,
     pdos: Vec<Pdo>,
 }
 
@@ -102,7 +101,7 @@ impl TwoProducers {
     }
 
     fn pdo(&mut self, node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let parameters = self.parameters.of(node, number);
+        let parameters = context.news().tpdo;
         let cyclic = matches!(parameters.transmission_type, Some(1..=240));
         let timer = parameters.event_timer.filter(|_| matches!(parameters.transmission_type, Some(254 | 255)));
         if !cyclic && timer.is_none() {
@@ -146,9 +145,6 @@ impl TwoProducers {
 
 impl Rule for TwoProducers {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        if let Some(changed) = self.parameters.frame(context) {
-            self.pdos.retain(|pdo| pdo.node != changed);
-        }
         match context.message() {
             Message::Sync(sync) => self.sync(*sync, context, sink),
             Message::Time(_) => {
@@ -167,6 +163,10 @@ impl Rule for TwoProducers {
             _ if context.begins_anew() => self.restart(),
             _ => {}
         }
+    }
+
+    fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
+        self.pdos.retain(|pdo| pdo.node != node);
     }
 
     fn interrupted(&mut self) {

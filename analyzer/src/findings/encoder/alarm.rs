@@ -1,4 +1,4 @@
-use super::operands::{SERVICES, each};
+use super::operands::SERVICES;
 use crate::dictionary::names::{ENCODER_PROFILE, bit_name};
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
@@ -21,9 +21,9 @@ struct Alarm;
 
 /// Reports each bit that is set.
 pub fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<'_>) {
-    each(context, |operand| {
+    for operand in &context.news().operands {
         if operand.object.index.0 != index || operand.written {
-            return;
+            continue;
         }
         for bit in (0..16).filter(|bit| operand.raw >> bit & 1 != 0) {
             let report = Report::at(context.now()).node(operand.node).detail(u64::from(bit));
@@ -36,7 +36,7 @@ pub fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<
                 format!("{kind} bit {bit} of {}{}", operand.object, name.unwrap_or_default())
             });
         }
-    });
+    }
 }
 
 impl Rule for Alarm {

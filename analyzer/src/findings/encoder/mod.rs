@@ -10,6 +10,8 @@ mod position_outside_range;
 mod redundant_channels;
 mod warning;
 
+pub use operands::{Operand, collect};
+
 use super::rule::Definition;
 
 pub static RULES: &[Definition] = &[

@@ -4,8 +4,9 @@ use crate::dictionary::names::ENCODER_PROFILE;
 use crate::findings::Context;
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::sdo::{Direction, Outcome};
-use crate::network::{Event, Layout};
+use crate::network::{Bus, Decoded, Event, Layout, Signal};
 use crate::{Multiplexer, NodeId};
+use canvass_traces::Record;
 
 /// The services in which values come by.
 pub const SERVICES: &[Service] = &[Service::Pdo, Service::Sdo];
@@ -33,23 +34,27 @@ impl Operand {
     }
 }
 
-/// Calls `take` for each value of an object of the profile in a frame, if its node is an encoder.
-pub fn each(context: &Context<'_>, mut take: impl FnMut(Operand)) {
-    let Some(node) = context.node() else { return };
-    match context.message() {
-        Message::Pdo(PdoNumber::Transmit(_)) => {
-            if let Some(layout) = layout(context).filter(|_| is_encoder(context, node)) {
-                for signal in &layout.signals {
-                    if let Some(raw) = signal.raw(context.record.frame.data()) {
-                        take(Operand { node, object: signal.object, raw, bits: signal.bits, written: false });
-                    }
-                }
+/// Collects the values of the objects in a frame, if its node is an encoder.
+pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec<Operand>) {
+    operands.clear();
+    let Some(node) = decoded.node else { return };
+    match decoded.message {
+        Message::Pdo(number @ PdoNumber::Transmit(_)) => {
+            let Some(known) = bus.node(node) else { return };
+            let Some(layout) = known.known_layout(number) else { return };
+            if known.profile(node) != Some(ENCODER_PROFILE) {
+                return;
             }
+            let payload = record.frame.data();
+            let operand = |signal: &Signal| {
+                let raw = signal.raw(payload)?;
+                Some(Operand { node, object: signal.object, raw, bits: signal.bits, written: false })
+            };
+            operands.extend(layout.signals.iter().filter_map(operand));
         }
-        _ if context.decoded.event == Some(Event::TransferEnded) => {
-            if let Some(operand) = transferred(context, node).filter(|_| is_encoder(context, node)) {
-                take(operand);
-            }
+        _ if decoded.event == Some(Event::TransferEnded) => {
+            let is_encoder = bus.node(node).and_then(|known| known.profile(node)) == Some(ENCODER_PROFILE);
+            operands.extend(transferred(node, decoded, bus).filter(|_| is_encoder));
         }
         _ => {}
     }
@@ -61,8 +66,8 @@ pub fn layout<'a>(context: &Context<'a>) -> Option<&'a Layout> {
     context.scene.bus.node(context.decoded.node?)?.known_layout(*number)
 }
 
-fn transferred(context: &Context<'_>, node: NodeId) -> Option<Operand> {
-    let transfer = context.scene.bus.transfer(context.decoded.channel?)?;
+fn transferred(node: NodeId, decoded: &Decoded, bus: &Bus) -> Option<Operand> {
+    let transfer = bus.transfer(decoded.channel?)?;
     let (object, data) = (transfer.multiplexer, transfer.data());
     if transfer.outcome != Outcome::Complete || !matches!(object.index.0, 0x6000..=0x6FFF) || data.len() > 8 {
         return None;

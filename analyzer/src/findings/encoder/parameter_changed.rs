@@ -1,4 +1,3 @@
-use super::operands::each;
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
@@ -24,7 +23,7 @@ struct ParameterChanged;
 
 impl Rule for ParameterChanged {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        each(context, |operand| {
+        for operand in &context.news().operands {
             let state = context.scene.bus.node(operand.node).and_then(|node| node.state);
             let operational = state.is_some_and(|state| state.0 == State::OPERATIONAL);
             let moves_position = matches!(operand.object.index.0, 0x6000..=0x6003);
@@ -35,6 +34,6 @@ impl Rule for ParameterChanged {
                     format!("{} was set to {} in operational", operand.object, operand.raw)
                 });
             }
-        });
+        }
     }
 }

@@ -1,4 +1,3 @@
-use super::operands::each;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
@@ -55,11 +54,13 @@ impl Rule for PositionFrozen {
             return;
         };
         let (mut position, mut speed) = (None, None);
-        each(context, |operand| match (operand.object.index.0, operand.object.sub.0) {
-            (0x6004, _) => position = Some(operand.raw),
-            (0x6030, 1) => speed = Some(operand.signed()),
-            _ => {}
-        });
+        for operand in &context.news().operands {
+            match (operand.object.index.0, operand.object.sub.0) {
+                (0x6004, _) => position = Some(operand.raw),
+                (0x6030, 1) => speed = Some(operand.signed()),
+                _ => {}
+            }
+        }
         let axis = &mut self.nodes[usize::from(node.raw())];
         if let Some(speed) = speed {
             axis.turns = speed.unsigned_abs() >= self.speed;

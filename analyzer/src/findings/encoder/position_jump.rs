@@ -1,4 +1,4 @@
-use super::operands::{Kind, each, kind};
+use super::operands::{Kind, kind};
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, NodeFacts, Seen, Severity};
@@ -138,7 +138,7 @@ impl Rule for PositionJump {
             _ => {}
         }
         let mut position = None;
-        each(context, |operand| {
+        for operand in &context.news().operands {
             let axis = &mut self.nodes[usize::from(operand.node.raw())];
             match operand.object.index.0 {
                 0x6004 if context.decoded.service == Service::Pdo => position = Some(operand.raw),
@@ -146,7 +146,7 @@ impl Rule for PositionJump {
                 0x6002 => axis.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw }),
                 _ => {}
             }
-        });
+        }
         if let Some(position) = position {
             self.moved(position, context, sink);
         }

@@ -1,4 +1,4 @@
-use super::operands::{Kind, each, kind};
+use super::operands::{Kind, kind};
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
@@ -53,7 +53,7 @@ impl Rule for PositionOutsideRange {
             }
             return;
         }
-        each(context, |operand| {
+        for operand in &context.news().operands {
             let scaling = &mut self.nodes[usize::from(operand.node.raw())];
             match operand.object.index.0 {
                 // 6500h shows what of 6000h is in force.
@@ -62,7 +62,7 @@ impl Rule for PositionOutsideRange {
                 0x6004 if !operand.written => {
                     let scaled = || scaling.range.filter(|_| scaling.on == Some(true));
                     let physical = || physical_range(context, operand.node).filter(|_| scaling.on == Some(false));
-                    let Some(range) = scaled().or_else(physical) else { return };
+                    let Some(range) = scaled().or_else(physical) else { continue };
                     if operand.raw >= range {
                         let report = Report::at(context.now()).node(operand.node).measure(operand.raw);
                         sink.report(report.evidence(context.evidence()), || {
@@ -72,6 +72,6 @@ impl Rule for PositionOutsideRange {
                 }
                 _ => {}
             }
-        });
+        }
     }
 }

@@ -1,17 +1,13 @@
 //! The heartbeats of all nodes of a bus, and their periods: told by 1017h, or learned.
 
 use crate::NodeId;
-use crate::findings::Context;
+use crate::findings::NodeFacts;
 use crate::findings::rhythm::{Interval, Rhythm};
 use crate::message::{Message, Service};
-use crate::network::Event;
 use crate::network::sdo::Outcome;
+use crate::network::{Bus, Decoded, Event};
 use crate::wire::lss;
-use canvass_traces::Duration;
-
-/// The services that heartbeats are followed by.
-pub const SERVICES: &[Service] =
-    &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo, Service::Lss, Service::Lmt];
+use canvass_traces::{Duration, Timestamp};
 
 /// Follows the heartbeats of all nodes.
 pub struct Heartbeats {
@@ -27,82 +23,73 @@ impl Default for Heartbeats {
 }
 
 impl Heartbeats {
-    /// Takes a frame; returns the interval if it ends one.
-    pub fn frame(&mut self, context: &Context<'_>) -> Option<Interval> {
-        match (context.decoded.service, context.message()) {
-            (Service::Nmt, Message::Nmt(nmt)) if context.scene.facts.is_repeated(*nmt) => None,
-            (Service::Nmt, Message::Nmt(nmt)) => {
-                // A state change may shift the beat, a reset ends it.
-                let all = nmt.node == 0;
-                let named = self.nodes.iter_mut().enumerate().filter(|(id, _)| all || usize::from(nmt.node) == *id);
-                named.for_each(|(_, rhythm)| rhythm.pause());
-                None
-            }
-            (Service::BootUp, _) => {
-                self.rhythm(context.node()?).restart();
-                // What was stored is in force again.
-                let told = self.told(context, context.node()?);
-                self.rhythm(context.node()?).tell(told);
-                None
-            }
-            (Service::Sdo, _) => {
-                self.configured(context);
-                None
-            }
-            (Service::Heartbeat, Message::ErrorControl(_)) => self.beat(context),
-            // A node that goes back to waiting with another configuration may reset itself.
-            (Service::Lss, Message::LssRequest(request)) => {
-                match request {
-                    lss::Request::ConfigureNodeId { .. } | lss::Request::ConfigureBitTiming { .. } => {
-                        self.configured_by_lss = true;
-                    }
-                    lss::Request::ActivateBitTiming { .. } => self.interrupted(),
-                    lss::Request::SwitchGlobal { mode: 0 } if std::mem::take(&mut self.configured_by_lss) => {
-                        self.interrupted();
-                    }
-                    _ => {}
-                }
-                None
-            }
-            (Service::Lmt, Message::LmtRequest(_)) => {
-                self.interrupted();
-                None
-            }
-            _ => None,
+    /// Takes a heartbeat; returns the interval if it ends one. `facts` are those of its node.
+    pub fn beat(&mut self, now: Timestamp, decoded: &Decoded, facts: &NodeFacts) -> Option<Interval> {
+        let (Message::ErrorControl(_), Some(node)) = (decoded.message, decoded.node) else { return None };
+        let rhythm = self.rhythm(node);
+        if facts.is_storing(now) {
+            rhythm.pause();
         }
+        rhythm.beat(now)
     }
 
-    fn beat(&mut self, context: &Context<'_>) -> Option<Interval> {
-        let node = context.node()?;
-        let facts = context.scene.facts.node(node);
-        if facts.is_storing(context.now()) {
-            self.rhythm(node).pause();
+    /// Takes any other frame. `changes_state`: it is an NMT command that changes the state of some node.
+    pub fn other(&mut self, decoded: &Decoded, changes_state: bool, bus: &Bus) {
+        match (decoded.service, decoded.message) {
+            // A state change may shift the beat, a reset ends it.
+            (Service::Nmt, Message::Nmt(nmt)) if changes_state => self.pause(nmt.node),
+            (Service::BootUp, _) => {
+                // What was stored is in force again.
+                if let Some(node) = decoded.node {
+                    self.restart(node, bus);
+                }
+            }
+            (Service::Sdo, _) => self.configured(decoded, bus),
+            // A node that goes back to waiting with another configuration may reset itself.
+            (Service::Lss, Message::LssRequest(request)) => match request {
+                lss::Request::ConfigureNodeId { .. } | lss::Request::ConfigureBitTiming { .. } => {
+                    self.configured_by_lss = true;
+                }
+                lss::Request::ActivateBitTiming { .. } => self.interrupted(),
+                lss::Request::SwitchGlobal { mode: 0 } if std::mem::take(&mut self.configured_by_lss) => {
+                    self.interrupted();
+                }
+                _ => {}
+            },
+            (Service::Lmt, Message::LmtRequest(_)) => self.interrupted(),
+            _ => {}
         }
-        self.rhythm(node).beat(context.now())
     }
 
     /// The heartbeat time was read or written: from now on it counts.
-    fn configured(&mut self, context: &Context<'_>) {
-        if context.decoded.event != Some(Event::TransferEnded) {
+    fn configured(&mut self, decoded: &Decoded, bus: &Bus) {
+        if decoded.event != Some(Event::TransferEnded) {
             return;
         }
-        let Some(node) = context.node() else { return };
-        let Some(transfer) = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel)) else {
-            return;
-        };
-        if transfer.multiplexer.index.0 == 0x1017 && transfer.outcome == Outcome::Complete {
-            let told = self.told(context, node);
-            let rhythm = self.rhythm(node);
-            rhythm.restart();
-            rhythm.tell(told);
+        let Some(transfer) = decoded.channel.and_then(|channel| bus.transfer(channel)) else { return };
+        if transfer.multiplexer.index.0 == 0x1017
+            && transfer.outcome == Outcome::Complete
+            && let Some(node) = decoded.node
+        {
+            self.restart(node, bus);
         }
     }
 
-    /// The producer time, as far as the trace itself has shown it: a description only says what the default is.
-    fn told(&self, context: &Context<'_>, node: NodeId) -> Option<Duration> {
-        let node = context.scene.bus.node(node)?;
-        let (_, time) = node.parameters().find(|(object, _)| object.index.0 == 0x1017)?;
-        (time > 0).then(|| Duration::from_millis(u64::from(time & 0xFFFF)))
+    /// Forgets what was learned of a node, and takes its producer time as far as the trace itself has shown it: a
+    /// description only says what the default is.
+    fn restart(&mut self, id: NodeId, bus: &Bus) {
+        let mut parameters = bus.node(id).into_iter().flat_map(|node| node.parameters());
+        let time = parameters.find(|(object, _)| object.index.0 == 0x1017).map(|(_, time)| time & 0xFFFF);
+        let told = time.filter(|&time| time > 0).map(|time| Duration::from_millis(u64::from(time)));
+        let rhythm = self.rhythm(id);
+        rhythm.restart();
+        rhythm.tell(told);
+    }
+
+    /// The next beat of a node, or of all where it is 0, ends no interval.
+    fn pause(&mut self, node: u8) {
+        let named = self.nodes.iter_mut().enumerate().filter(|(id, _)| node == 0 || usize::from(node) == *id);
+        named.for_each(|(_, rhythm)| rhythm.pause());
     }
 
     /// The next beats end no intervals.
@@ -111,7 +98,7 @@ impl Heartbeats {
     }
 
     /// The rhythm of a node.
-    pub fn rhythm(&mut self, node: NodeId) -> &mut Rhythm {
+    fn rhythm(&mut self, node: NodeId) -> &mut Rhythm {
         &mut self.nodes[usize::from(node.raw())]
     }
 

@@ -1,4 +1,3 @@
-use super::heartbeat::{Heartbeats, SERVICES};
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
@@ -7,11 +6,10 @@ use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
+    services: &[Service::Heartbeat],
     make: Some(|thresholds| {
         Box::new(HeartbeatEnded {
             periods: thresholds.get(&METADATA, "periods").max(1),
-            heartbeats: Heartbeats::default(),
             latest: (0..128).map(|_| None).collect(),
         })
     }),
@@ -30,24 +28,18 @@ static METADATA: Metadata = Metadata {
 
 struct HeartbeatEnded {
     periods: u64,
-    heartbeats: Heartbeats,
     latest: Vec<Option<Seen>>,
 }
 
 impl Rule for HeartbeatEnded {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
-        self.heartbeats.frame(context);
-        if let Some(node) = context.node().filter(|_| context.decoded.service == Service::Heartbeat) {
+        if let Some(node) = context.node() {
             self.latest[usize::from(node.raw())] = Some(context.seen());
         }
     }
 
-    fn interrupted(&mut self) {
-        self.heartbeats.interrupted();
-    }
-
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        for (node, rhythm) in self.heartbeats.all() {
+        for (node, rhythm) in scene.facts.heartbeats.all() {
             let seen = self.latest[usize::from(node.raw())].as_ref();
             let (Some(seen), Some(period)) = (seen, rhythm.period()) else { continue };
             let (last, silence) = (seen.time(), scene.now.since(seen.time()));

@@ -1,20 +1,19 @@
-use super::heartbeat::{Heartbeats, SERVICES};
 use crate::NodeId;
 use crate::findings::rhythm::Jitter;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Severity};
+use crate::message::Service;
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
+    services: &[Service::Heartbeat],
     make: Some(|thresholds| {
         Box::new(HeartbeatJitter {
             percent: thresholds.get(&METADATA, "percent"),
             share: thresholds.get(&METADATA, "share"),
             least: Duration::from_millis(thresholds.get(&METADATA, "least")),
-            heartbeats: Heartbeats::default(),
             nodes: vec![Jitter::default(); 128],
         })
     }),
@@ -40,19 +39,14 @@ struct HeartbeatJitter {
     percent: u64,
     share: u64,
     least: Duration,
-    heartbeats: Heartbeats,
     nodes: Vec<Jitter>,
 }
 
 impl Rule for HeartbeatJitter {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
-        let (Some(interval), Some(node)) = (self.heartbeats.frame(context), context.node()) else { return };
+        let (Some(interval), Some(node)) = (context.news().heartbeat, context.node()) else { return };
         let slack = context.scene.slack() + self.least;
         self.nodes[usize::from(node.raw())].count(context.now(), interval, self.percent, slack);
-    }
-
-    fn interrupted(&mut self) {
-        self.heartbeats.interrupted();
     }
 
     fn finish(&mut self, _: &Scene<'_>, sink: &mut Sink<'_>) {

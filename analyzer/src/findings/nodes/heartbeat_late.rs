@@ -1,18 +1,17 @@
-use super::heartbeat::{Heartbeats, SERVICES};
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
+use crate::message::Service;
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
+    services: &[Service::Heartbeat],
     make: Some(|thresholds| {
         Box::new(HeartbeatLate {
             percent: thresholds.get(&METADATA, "percent"),
             missing: super::heartbeat_missing::percent(thresholds),
             least: Duration::from_millis(thresholds.get(&METADATA, "least")),
-            heartbeats: Heartbeats::default(),
         })
     }),
 };
@@ -38,12 +37,11 @@ struct HeartbeatLate {
     percent: u64,
     missing: u64,
     least: Duration,
-    heartbeats: Heartbeats,
 }
 
 impl Rule for HeartbeatLate {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Some(interval) = self.heartbeats.frame(context) else { return };
+        let Some(interval) = context.news().heartbeat else { return };
         let slack = context.scene.slack() + self.least;
         let Some(period) = interval.exceeds(self.percent, slack) else { return };
         if interval.misses(self.missing, context.scene.slack()).is_some() {
@@ -52,9 +50,5 @@ impl Rule for HeartbeatLate {
         let report = Report::at(context.now()).node(context.node()).measure(interval.length.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || format!("a heartbeat after {}, its period is {period}", interval.length));
-    }
-
-    fn interrupted(&mut self) {
-        self.heartbeats.interrupted();
     }
 }

@@ -1,14 +1,12 @@
-use super::heartbeat::{Heartbeats, SERVICES};
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold, Thresholds};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
+use crate::message::Service;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
-    make: Some(|thresholds| {
-        Box::new(HeartbeatMissing { percent: percent(thresholds), heartbeats: Heartbeats::default() })
-    }),
+    services: &[Service::Heartbeat],
+    make: Some(|thresholds| Box::new(HeartbeatMissing { percent: percent(thresholds) })),
 };
 
 static METADATA: Metadata = Metadata {
@@ -31,12 +29,11 @@ pub fn percent(thresholds: &Thresholds) -> u64 {
 
 struct HeartbeatMissing {
     percent: u64,
-    heartbeats: Heartbeats,
 }
 
 impl Rule for HeartbeatMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Some(interval) = self.heartbeats.frame(context) else { return };
+        let Some(interval) = context.news().heartbeat else { return };
         let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };
         let begin = context.previous.map_or(context.now(), Seen::time);
         let report = Report::at(begin).node(context.node()).measure(interval.length.nanos());
@@ -45,9 +42,5 @@ impl Rule for HeartbeatMissing {
             let missed = (interval.length.nanos() + period.nanos() / 2) / period.nanos().max(1) - 1;
             format!("no heartbeat for {}, its period is {period}: {missed} missing", interval.length)
         });
-    }
-
-    fn interrupted(&mut self) {
-        self.heartbeats.interrupted();
     }
 }

@@ -17,6 +17,8 @@ mod repeated_resets;
 mod sdo_in_stopped;
 mod state_lost;
 
+pub use heartbeat::Heartbeats;
+
 use super::rule::Definition;
 
 pub static RULES: &[Definition] = &[

@@ -76,7 +76,7 @@ impl Rule for PdoOutsideOperational {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         match context.message() {
             Message::Pdo(PdoNumber::Transmit(_)) => self.pdo(context, sink),
-            Message::Nmt(nmt) if !context.scene.facts.is_repeated(*nmt) => {
+            Message::Nmt(nmt) if context.begins_anew() => {
                 for (id, watched) in self.nodes.iter_mut().enumerate() {
                     if nmt.node == 0 || usize::from(nmt.node) == id {
                         *watched = Watched { commanded: Some(context.now()), ..Watched::default() };

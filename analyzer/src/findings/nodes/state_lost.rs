@@ -29,7 +29,7 @@ struct StateLost {
 impl Rule for StateLost {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if let Message::Nmt(nmt) = context.message() {
-            if context.scene.facts.is_repeated(*nmt) {
+            if !context.begins_anew() {
                 return;
             }
             match self.nodes.get_mut(usize::from(nmt.node)) {

@@ -1,18 +1,18 @@
-use super::parameters::{AllParameters, SERVICES, TPDOS};
+use super::parameters::TPDOS;
+use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, PdoNumber};
+use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::{Message, PdoNumber, Service};
 use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
+    services: &[Service::Pdo, Service::Nmt],
     make: Some(|thresholds| {
         Box::new(InhibitTime {
             percent: thresholds.get(&METADATA, "percent").min(100),
             tolerance: Duration::from_micros(thresholds.get(&METADATA, "tolerance")),
-            parameters: AllParameters::default(),
             last: vec![[None; TPDOS]; 128].into(),
         })
     }),
@@ -39,22 +39,18 @@ static METADATA: Metadata = Metadata {
 struct InhibitTime {
     percent: u64,
     tolerance: Duration,
-    parameters: AllParameters,
     last: Box<[[Option<Timestamp>; TPDOS]]>,
 }
 
 impl Rule for InhibitTime {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        if let Some(changed) = self.parameters.frame(context) {
-            self.last[usize::from(changed.raw())].fill(None);
-        }
         if context.begins_anew() {
             return self.interrupted();
         }
         let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (context.node(), context.message()) else {
             return;
         };
-        let parameters = self.parameters.of(node, *number);
+        let parameters = context.news().tpdo;
         // It holds for PDOs that are sent on events: not for synchronous ones and those that were asked for.
         if !matches!(parameters.transmission_type, None | Some(254 | 255)) {
             return;
@@ -74,6 +70,10 @@ impl Rule for InhibitTime {
         let report = Report::at(context.now()).node(node).detail(u64::from(*number)).measure(worse);
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || format!("TPDO {number} after {interval}, its inhibit time is {inhibit}"));
+    }
+
+    fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
+        self.last[usize::from(node.raw())].fill(None);
     }
 
     fn interrupted(&mut self) {

@@ -1,4 +1,4 @@
-use super::parameters::{AllParameters, SERVICES, TPDOS};
+use super::parameters::TPDOS;
 use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
@@ -9,13 +9,12 @@ use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
+    services: &[Service::Pdo, Service::Nmt],
     make: Some(|thresholds| {
         Box::new(Jitter {
             percent: thresholds.get(&METADATA, "percent"),
             least: Duration::from_micros(thresholds.get(&METADATA, "least")),
             share: thresholds.get(&METADATA, "share"),
-            parameters: AllParameters::default(),
             rows: (0..128).map(|_| Default::default()).collect(),
         })
     }),
@@ -48,7 +47,6 @@ struct Jitter {
     percent: u64,
     least: Duration,
     share: u64,
-    parameters: AllParameters,
     rows: Box<[[Cycle; TPDOS]]>,
 }
 
@@ -92,9 +90,6 @@ impl Cycle {
 
 impl Rule for Jitter {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
-        if let Some(changed) = self.parameters.frame(context) {
-            self.rows[usize::from(changed.raw())].iter_mut().for_each(|row| row.last = None);
-        }
         if context.decoded.service == Service::Nmt {
             if context.begins_anew() {
                 self.interrupted();
@@ -104,7 +99,7 @@ impl Rule for Jitter {
         let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (context.node(), context.message()) else {
             return;
         };
-        let parameters = self.parameters.of(node, *number);
+        let parameters = context.news().tpdo;
         let (Some(timer), Some(254 | 255)) = (parameters.event_timer, parameters.transmission_type) else { return };
         let Some(row) = self.rows[usize::from(node.raw())].get_mut(usize::from(*number) - 1) else { return };
         let operational = context.scene.bus.node(node).and_then(|node| node.state);
@@ -114,6 +109,10 @@ impl Rule for Jitter {
         }
         let limit = Duration(timer.nanos() * self.percent / 100) + self.least.max(context.scene.longest_frame());
         row.beat(context, timer, limit + context.scene.slack());
+    }
+
+    fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
+        self.rows[usize::from(node.raw())].iter_mut().for_each(|row| row.last = None);
     }
 
     fn interrupted(&mut self) {

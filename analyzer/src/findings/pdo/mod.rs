@@ -12,7 +12,7 @@ mod sync_pdo_missing;
 mod sync_window;
 mod time_jump;
 
-pub use parameters::{AllParameters, TPDOS};
+pub use parameters::{AllParameters, Parameters, TPDOS};
 
 use super::rule::Definition;
 

@@ -4,14 +4,10 @@
 //! nothing is concluded from defaults.
 
 use crate::dictionary::names::ENCODER_PROFILE;
-use crate::findings::Context;
 use crate::message::Service;
-use crate::network::Event;
+use crate::network::{Bus, Decoded, Event};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Duration;
-
-/// The services that parameters are followed by.
-pub const SERVICES: &[Service] = &[Service::Pdo, Service::Sdo, Service::BootUp, Service::Nmt, Service::Sync];
 
 /// TPDOs 1 to 8 of a node; further ones are rare, and not judged.
 pub const TPDOS: usize = 8;
@@ -42,27 +38,28 @@ impl Default for AllParameters {
 
 impl AllParameters {
     /// Takes a frame; returns the node whose parameters may have changed.
-    pub fn frame(&mut self, context: &Context<'_>) -> Option<NodeId> {
-        let node = context.node()?;
+    #[inline]
+    pub fn frame(&mut self, decoded: &Decoded, bus: &Bus) -> Option<NodeId> {
+        let node = decoded.node?;
         // What a description says of objects that can't be written is known from the first frame on.
-        if !self.known[usize::from(node.raw())] {
-            self.read(node, context);
-            return Some(node);
-        }
-        let transferred = context.decoded.event == Some(Event::TransferEnded)
-            && context.decoded.object.is_some_and(|object| matches!(object.index.0, 0x1800..=0x19FF | 0x6200));
-        if transferred || context.decoded.service == Service::BootUp {
-            self.read(node, context);
-            return Some(node);
-        }
-        None
+        let is_new = !self.known[usize::from(node.raw())];
+        let may_change = match decoded.service {
+            Service::BootUp => true,
+            Service::Sdo => decoded.event == Some(Event::TransferEnded) && is_shown(decoded, bus),
+            _ => false,
+        };
+        (is_new || may_change).then(|| {
+            self.read(node, bus);
+            node
+        })
     }
 
-    fn read(&mut self, node: NodeId, context: &Context<'_>) {
+    #[cold]
+    fn read(&mut self, node: NodeId, bus: &Bus) {
         let rows = &mut self.nodes[usize::from(node.raw())];
         *rows = Default::default();
         self.known[usize::from(node.raw())] = true;
-        let Some(known) = context.scene.bus.node(node) else { return };
+        let Some(known) = bus.node(node) else { return };
         for (row, index) in rows.iter_mut().zip(0x1800..) {
             let of = |sub| known.certain(node, Multiplexer::new(index, sub));
             let time = |value: Option<u32>, unit: Duration| {
@@ -86,4 +83,11 @@ impl AllParameters {
         let row = row.and_then(|row| self.nodes[usize::from(node.raw())].get(row));
         row.copied().unwrap_or_default()
     }
+}
+
+/// Whether a transfer has shown something that parameters come from: themselves, the cyclic timer and the profile of
+/// encoders, or which model the node is.
+fn is_shown(decoded: &Decoded, bus: &Bus) -> bool {
+    let object = decoded.object.is_some_and(|object| matches!(object.index.0, 0x1000 | 0x1800..=0x19FF | 0x6200));
+    object || bus.events().iter().any(|event| matches!(event, Event::Recognised(_)))
 }

@@ -1,7 +1,8 @@
-use super::parameters::{AllParameters, SERVICES, TPDOS};
+use super::parameters::TPDOS;
+use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::Event;
 use crate::wire::error_control::State;
@@ -9,12 +10,11 @@ use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
+    services: &[Service::Pdo, Service::Sdo, Service::Nmt],
     make: Some(|thresholds| {
         Box::new(Period {
             percent: thresholds.get(&METADATA, "percent"),
             least: Duration::from_millis(thresholds.get(&METADATA, "least")),
-            parameters: AllParameters::default(),
             last: vec![[None; TPDOS]; 128].into(),
         })
     }),
@@ -38,15 +38,11 @@ static METADATA: Metadata = Metadata {
 struct Period {
     percent: u64,
     least: Duration,
-    parameters: AllParameters,
     last: Box<[[Option<Timestamp>; TPDOS]]>,
 }
 
 impl Rule for Period {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        if let Some(changed) = self.parameters.frame(context) {
-            self.last[usize::from(changed.raw())].fill(None);
-        }
         match context.decoded.service {
             Service::Nmt if context.begins_anew() => return self.interrupted(),
             Service::Sdo if context.decoded.event == Some(Event::TransferEnded) => {
@@ -62,7 +58,7 @@ impl Rule for Period {
         let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (context.node(), context.message()) else {
             return;
         };
-        let parameters = self.parameters.of(node, *number);
+        let parameters = context.news().tpdo;
         let timed = matches!(parameters.transmission_type, Some(254 | 255));
         let (Some(timer), true) = (parameters.event_timer, timed) else { return };
         let operational = context.scene.bus.node(node).and_then(|node| node.state);
@@ -77,6 +73,10 @@ impl Rule for Period {
         let report = Report::at(last).node(node).detail(u64::from(*number)).measure(interval.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || format!("TPDO {number} after {interval}, its event timer is {timer}"));
+    }
+
+    fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
+        self.last[usize::from(node.raw())].fill(None);
     }
 
     fn interrupted(&mut self) {

@@ -1,21 +1,15 @@
-use super::parameters::{AllParameters, SERVICES, TPDOS};
+use super::parameters::TPDOS;
 use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, PdoNumber, Service};
 use crate::wire::error_control::State;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
-    make: Some(|_| {
-        Box::new(SyncPdoMissing {
-            parameters: AllParameters::default(),
-            since: vec![[None; TPDOS]; 128].into(),
-            synchronous: Vec::new(),
-        })
-    }),
+    services: &[Service::Sync, Service::Pdo, Service::Nmt],
+    make: Some(|_| Box::new(SyncPdoMissing { since: vec![[None; TPDOS]; 128].into(), synchronous: Vec::new() })),
 };
 
 static METADATA: Metadata = Metadata {
@@ -32,7 +26,6 @@ static METADATA: Metadata = Metadata {
 };
 
 struct SyncPdoMissing {
-    parameters: AllParameters,
     /// The SYNC messages since the PDO last came; `None` before it came at all.
     since: Box<[[Option<u32>; TPDOS]]>,
     /// The PDOs that are synchronous and cyclic: node, number from 1, SYNC messages, and how often in a row they came
@@ -44,11 +37,11 @@ impl SyncPdoMissing {
     /// So many in a row that come too soon are no accident.
     const EARLY: u8 = 3;
 
-    fn refresh(&mut self, node: NodeId) {
+    fn refresh(&mut self, node: NodeId, scene: &Scene<'_>) {
         self.since[usize::from(node.raw())].fill(None);
         self.synchronous.retain(|row| row.0 != node);
         for number in 1..=TPDOS as u16 {
-            if let Some(cycle @ 1..=240) = self.parameters.of(node, number).transmission_type {
+            if let Some(cycle @ 1..=240) = scene.facts.tpdos.of(node, number).transmission_type {
                 self.synchronous.push((node, number, cycle, 0));
             }
         }
@@ -94,9 +87,6 @@ impl SyncPdoMissing {
 
 impl Rule for SyncPdoMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        if let Some(node) = self.parameters.frame(context) {
-            self.refresh(node);
-        }
         match (context.decoded.service, context.message()) {
             (Service::Sync, Message::Sync(_)) => self.sync(context, sink),
             (Service::Nmt, _) if context.begins_anew() => self.interrupted(),
@@ -109,6 +99,10 @@ impl Rule for SyncPdoMissing {
             }
             _ => {}
         }
+    }
+
+    fn reconfigured(&mut self, node: NodeId, scene: &Scene<'_>) {
+        self.refresh(node, scene);
     }
 
     fn interrupted(&mut self) {

@@ -1,20 +1,15 @@
-use super::parameters::{AllParameters, SERVICES};
 use crate::Multiplexer;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, PdoNumber};
+use crate::message::{Message, PdoNumber, Service};
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
+    services: &[Service::Sync, Service::Pdo],
     make: Some(|thresholds| {
-        Box::new(SyncWindow {
-            tolerance: Duration::from_micros(thresholds.get(&METADATA, "tolerance")),
-            parameters: AllParameters::default(),
-            sync: None,
-        })
+        Box::new(SyncWindow { tolerance: Duration::from_micros(thresholds.get(&METADATA, "tolerance")), sync: None })
     }),
 };
 
@@ -34,7 +29,6 @@ static METADATA: Metadata = Metadata {
 
 struct SyncWindow {
     tolerance: Duration,
-    parameters: AllParameters,
     sync: Option<Seen>,
 }
 
@@ -43,7 +37,6 @@ const WINDOW: Multiplexer = Multiplexer::new(0x1007, 0);
 
 impl Rule for SyncWindow {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        self.parameters.frame(context);
         let number = match context.message() {
             Message::Sync(_) => {
                 self.sync = Some(context.seen());
@@ -53,7 +46,7 @@ impl Rule for SyncWindow {
             _ => return,
         };
         let (Some(node), Some(sync)) = (context.node(), &self.sync) else { return };
-        if !matches!(self.parameters.of(node, number).transmission_type, Some(0..=240)) || !context.scene.has_times() {
+        if !matches!(context.news().tpdo.transmission_type, Some(0..=240)) || !context.scene.has_times() {
             return;
         }
         let window = context.scene.bus.node(node).and_then(|known| known.certain(node, WINDOW));

@@ -1,17 +1,17 @@
-use super::pending::{Requests, SERVICES, Step};
+use super::pending::Step;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
+use crate::message::Service;
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
+    services: &[Service::Sdo],
     make: Some(|thresholds| {
         Box::new(Late {
             answer: Duration::from_millis(thresholds.get(&METADATA, "answer")),
             store: Duration::from_millis(thresholds.get(&METADATA, "store")),
-            requests: Requests::default(),
         })
     }),
 };
@@ -35,12 +35,11 @@ static METADATA: Metadata = Metadata {
 struct Late {
     answer: Duration,
     store: Duration,
-    requests: Requests,
 }
 
 impl Rule for Late {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Step::Answered(pending) = self.requests.frame(context) else { return };
+        let Step::Answered(pending) = &context.news().request else { return };
         let limit = if pending.is_store() { self.store } else { self.answer };
         let took = context.now().since(pending.since);
         if took <= limit + context.scene.slack() {
@@ -50,9 +49,5 @@ impl Rule for Late {
         sink.report(report.evidence(pending.request.evidence()).evidence(context.evidence()), || {
             format!("the answer{} took {took}", pending.about())
         });
-    }
-
-    fn interrupted(&mut self) {
-        self.requests.interrupted();
     }
 }

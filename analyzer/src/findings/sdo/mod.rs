@@ -8,6 +8,7 @@ mod retries;
 mod store_wear;
 mod unanswered;
 
+pub use pending::{Requests, Step};
 pub use store_wear::{Wear, WearLimits};
 
 use super::rule::Definition;

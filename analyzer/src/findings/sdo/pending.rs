@@ -1,15 +1,13 @@
 //! The requests that wait for an answer, on each SDO channel.
 
 use crate::Multiplexer;
-use crate::findings::{Context, Seen};
+use crate::findings::Seen;
 use crate::message::{Message, Service};
+use crate::network::Decoded;
 use crate::network::sdo::ChannelIndex;
 use crate::wire::nmt::Command;
 use crate::wire::sdo::Request;
-use canvass_traces::{Duration, Timestamp};
-
-/// The services that requests are followed by.
-pub const SERVICES: &[Service] = &[Service::Sdo, Service::BootUp, Service::Nmt];
+use canvass_traces::{Duration, Record, Timestamp};
 
 /// The requests that wait for an answer.
 #[derive(Default)]
@@ -25,13 +23,13 @@ pub struct Pending {
     pub since: Timestamp,
     /// The object that the transfer is about.
     pub object: Option<Multiplexer>,
-    /// Whether it was reported already.
-    pub told: bool,
 }
 
 /// What a frame did to the requests.
+#[derive(Default)]
 pub enum Step {
     /// Nothing that counts.
+    #[default]
     None,
     /// An answer came.
     Answered(Pending),
@@ -45,13 +43,13 @@ impl Requests {
     /// Copies that an interface loops back come within this time.
     const COPY: Duration = Duration::from_millis(1);
 
-    /// Takes a frame.
-    pub fn frame(&mut self, context: &Context<'_>) -> Step {
-        let Some(channel) = context.decoded.channel else {
-            self.forget_node(context);
+    /// Takes a frame of SDO, a boot-up or an NMT command.
+    pub fn frame(&mut self, record: &Record, decoded: &Decoded) -> Step {
+        let Some(channel) = decoded.channel.filter(|_| decoded.service == Service::Sdo) else {
+            self.forget_node(decoded);
             return Step::None;
         };
-        match context.message() {
+        match decoded.message {
             Message::SdoRequest(Request::Abort(_)) => match self.slot(channel).take() {
                 Some(pending) => Step::GivenUp(pending),
                 None => Step::None,
@@ -61,7 +59,7 @@ impl Requests {
                 *self.slot(channel) = None;
                 Step::None
             }
-            Message::SdoRequest(_) => self.request(channel, context),
+            Message::SdoRequest(_) => self.request(channel, record, decoded),
             Message::SdoResponse(_) | Message::SdoBlockUpload(_) => {
                 self.slot(channel).take().map_or(Step::None, Step::Answered)
             }
@@ -69,20 +67,21 @@ impl Requests {
         }
     }
 
-    fn request(&mut self, channel: ChannelIndex, context: &Context<'_>) -> Step {
-        let pending =
-            Pending { request: context.seen(), since: context.now(), object: context.decoded.object, told: false };
+    fn request(&mut self, channel: ChannelIndex, record: &Record, decoded: &Decoded) -> Step {
+        let now = record.timestamp;
+        let request = Seen { record: record.clone(), decoded: *decoded };
+        let pending = Pending { request, since: now, object: decoded.object };
         let slot = self.slot(channel);
         let Some(open) = slot.as_mut() else {
             *slot = Some(pending);
             return Step::None;
         };
-        let same = open.request.record.frame == context.record.frame;
-        let elapsed = context.now().since(open.since);
+        let same = open.request.record.frame == record.frame;
+        let elapsed = now.since(open.since);
         match same {
             true if elapsed <= Self::COPY => Step::None,
             true => {
-                open.since = context.now();
+                open.since = now;
                 Step::Repeated
             }
             false => slot.replace(pending).map_or(Step::None, Step::GivenUp),
@@ -90,12 +89,12 @@ impl Requests {
     }
 
     /// A node that restarts has forgotten what it was asked.
-    fn forget_node(&mut self, context: &Context<'_>) {
-        let named = match context.message() {
+    fn forget_node(&mut self, decoded: &Decoded) {
+        let named = match decoded.message {
             // Going to operational or pre-operational does not disturb a transfer.
             Message::Nmt(nmt) if matches!(nmt.command, Command::START | Command::ENTER_PRE_OPERATIONAL) => return,
             Message::Nmt(nmt) => nmt.node,
-            _ => context.node().map_or(0, |node| node.raw()),
+            _ => decoded.node.map_or(0, |node| node.raw()),
         };
         for slot in &mut self.channels {
             let server = slot.as_ref().and_then(|pending| pending.request.decoded.node);
@@ -113,9 +112,10 @@ impl Requests {
         &mut self.channels[at]
     }
 
-    /// All requests that wait.
-    pub fn open(&mut self) -> impl Iterator<Item = &mut Pending> {
-        self.channels.iter_mut().flatten()
+    /// All requests that wait, with their channels.
+    pub fn open(&self) -> impl Iterator<Item = (ChannelIndex, &Pending)> {
+        let channels = (0_u16..).map(ChannelIndex).zip(&self.channels);
+        channels.filter_map(|(channel, pending)| Some((channel, pending.as_ref()?)))
     }
 
     /// Answers may have come unseen.

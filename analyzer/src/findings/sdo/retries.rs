@@ -1,13 +1,14 @@
-use super::pending::{Requests, SERVICES, Step};
+use super::pending::Step;
 use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::Service;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
-    make: Some(|_| Box::new(Retries { requests: Requests::default(), first: (0..128).map(|_| None).collect() })),
+    services: &[Service::Sdo],
+    make: Some(|_| Box::new(Retries { first: (0..128).map(|_| None).collect() })),
 };
 
 static METADATA: Metadata = Metadata {
@@ -23,19 +24,14 @@ static METADATA: Metadata = Metadata {
 };
 
 struct Retries {
-    requests: Requests,
     /// The first repeated request to each node, and how many there were.
     first: Vec<Option<(Seen, u64)>>,
 }
 
 impl Rule for Retries {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
-        let (Step::Repeated, Some(node)) = (self.requests.frame(context), context.node()) else { return };
+        let (Step::Repeated, Some(node)) = (&context.news().request, context.node()) else { return };
         self.first[usize::from(node.raw())].get_or_insert_with(|| (context.seen(), 0)).1 += 1;
-    }
-
-    fn interrupted(&mut self) {
-        self.requests.interrupted();
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {

@@ -1,21 +1,23 @@
-use super::pending::{Pending, Requests, SERVICES, Step};
+use super::pending::{Pending, Step};
 use crate::NodeId;
 use crate::findings::rule::{Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::Service;
 use crate::network::Cause;
+use crate::network::sdo::ChannelIndex;
 use crate::wire::error_control::State;
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: SERVICES,
+    services: &[Service::Sdo],
     make: Some(|thresholds| {
         Box::new(Unanswered {
             wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),
             store: Duration::from_millis(thresholds.get(&METADATA, "store")),
             scan: thresholds.get(&METADATA, "scan"),
-            requests: Requests::default(),
+            told: Vec::new(),
             absent: (0..128).map(|_| None).collect(),
         })
     }),
@@ -42,7 +44,8 @@ struct Unanswered {
     wait: Duration,
     store: Duration,
     scan: u64,
-    requests: Requests,
+    /// The channels whose waiting request was reported.
+    told: Vec<ChannelIndex>,
     /// The first request to each node that has not sent anything so far.
     absent: Vec<Option<(Seen, String)>>,
 }
@@ -66,36 +69,41 @@ fn tell(absent: &mut [Option<(Seen, String)>], pending: &Pending, why: &str, sce
 
 impl Rule for Unanswered {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        if let Step::GivenUp(pending) = self.requests.frame(context)
-            && !pending.told
+        let request = &context.news().request;
+        if matches!(request, Step::Repeated) {
+            return;
+        }
+        let told = self.told.iter().position(|channel| Some(*channel) == context.decoded.channel);
+        let told = told.map(|at| self.told.swap_remove(at));
+        if let Step::GivenUp(pending) = request
+            && told.is_none()
         {
             let waited = context.now().since(pending.since);
-            tell(&mut self.absent, &pending, &format!("the client gave up after {waited}"), &context.scene, sink);
+            tell(&mut self.absent, pending, &format!("the client gave up after {waited}"), &context.scene, sink);
         }
     }
 
     fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        let (wait, store) = (self.wait, self.store);
-        for pending in self.requests.open().filter(|pending| !pending.told) {
-            let limit = if pending.is_store() { store } else { wait };
-            if scene.now.since(pending.since) > limit + scene.slack() {
-                pending.told = true;
+        for (channel, pending) in scene.facts.requests.open() {
+            let limit = if pending.is_store() { self.store } else { self.wait };
+            let late = scene.now.since(pending.since) > limit + scene.slack();
+            if late && !self.told.contains(&channel) {
+                self.told.push(channel);
                 tell(&mut self.absent, pending, &format!("nothing came within {limit}"), scene, sink);
             }
         }
     }
 
     fn interrupted(&mut self) {
-        self.requests.interrupted();
+        self.told.clear();
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         // Cut off by the end of the capture: then half of the time must do.
-        let (wait, store) = (self.wait, self.store);
-        for pending in self.requests.open().filter(|pending| !pending.told) {
-            let limit = if pending.is_store() { store } else { wait };
+        for (channel, pending) in scene.facts.requests.open() {
+            let limit = if pending.is_store() { self.store } else { self.wait };
             let waited = scene.now.since(pending.since);
-            if waited.times(4) > limit {
+            if waited.times(4) > limit && !self.told.contains(&channel) {
                 let why = format!("nothing came in the {waited} until the capture ends");
                 tell(&mut self.absent, pending, &why, scene, sink);
             }

@@ -16,14 +16,18 @@ use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
 use link::Place;
 use reader::Reader;
 use std::io::{self, Write};
+use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
+use std::time::Duration;
 
 /// An adapter that speaks SLCAN.
 pub struct SlCan {
     shared: Arc<Shared>,
     reader: Option<JoinHandle<()>>,
     bit_rate: Option<u32>,
+    /// This end waits for a program that takes it for the adapter.
+    is_adapter: bool,
 }
 
 /// What the bus and its reading thread have in common.
@@ -33,7 +37,19 @@ struct Shared {
     inbox: Inbox,
     /// `None` while there is no connection.
     writer: Mutex<Option<Box<dyn Write + Send>>>,
+    /// The reading thread shall change the bit rate: it sees the adapter's answers.
+    change: Mutex<Option<Change>>,
 }
+
+/// A change of the bit rate, an index into [`BIT_RATES`], and who wants to know whether it was done.
+struct Change {
+    index: u8,
+    done: Sender<Result<(), SlCanError>>,
+}
+
+/// How long a change of the bit rate may take: four commands, and four to go back, each of which may be left without an
+/// answer.
+const CHANGE: Duration = Duration::from_secs(4);
 
 /// Why an adapter does not work, and what to do about it.
 #[derive(Debug, thiserror::Error)]
@@ -82,23 +98,29 @@ impl SlCan {
     /// # Errors
     /// [`SlCanError`], which says what to do.
     pub fn open(place: &str, bit_rate: Option<u32>) -> Result<Self, SlCanError> {
-        let index = match bit_rate {
-            Some(rate) => Some(BIT_RATES.iter().position(|&known| known == rate).ok_or(SlCanError::BitRate(rate))?),
-            None => None,
-        };
+        let index = bit_rate.map(index_of).transpose()?;
         let failed = |source| SlCanError::Open { name: place.to_owned(), source };
         let shared = Arc::new(Shared {
             name: place.to_owned(),
             clock: SteadyClock::start(),
             inbox: Inbox::new(),
             writer: Mutex::default(),
+            change: Mutex::default(),
         });
-        let mut reader = Reader::new(Arc::clone(&shared), Place::parse(place).map_err(failed)?, index.map(|n| n as u8));
+        let place = Place::parse(place).map_err(failed)?;
+        let is_adapter = matches!(place, Place::Listener(_));
+        let mut reader = Reader::new(Arc::clone(&shared), place, index);
         reader.connect(true)?;
-        let thread = std::thread::Builder::new().name(format!("receive {place}"));
+        let thread = std::thread::Builder::new().name(format!("receive {}", shared.name));
         let reader = thread.spawn(move || reader.run()).map_err(failed)?;
-        Ok(Self { shared, reader: Some(reader), bit_rate })
+        Ok(Self { shared, reader: Some(reader), bit_rate, is_adapter })
     }
+}
+
+/// The number of the command S.
+fn index_of(bit_rate: u32) -> Result<u8, SlCanError> {
+    let index = (0_u8..).zip(BIT_RATES).find(|(_, known)| *known == bit_rate);
+    index.map(|(index, _)| index).ok_or(SlCanError::BitRate(bit_rate))
 }
 
 impl Shared {
@@ -160,6 +182,24 @@ impl Bus for SlCan {
     fn limit_backlog(&mut self, frames: usize) {
         self.shared.inbox.limit(frames);
     }
+
+    /// Closes the adapter's channel, sets it and opens it again. Where this end is the adapter, the other one sets it.
+    fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        if self.is_adapter {
+            return Err(BusError::FixedBitRate { bit_rate });
+        }
+        let (done, answer) = channel();
+        let change = Change { index: index_of(bit_rate)?, done };
+        *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);
+        let Ok(changed) = answer.recv_timeout(CHANGE) else {
+            // Nor shall it be done later, when nobody expects it.
+            self.shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
+            return Err(SlCanError::NotConnected { name: self.shared.name.clone() }.into());
+        };
+        changed?;
+        self.bit_rate = Some(bit_rate);
+        Ok(())
+    }
 }
 
 impl Drop for SlCan {
@@ -180,6 +220,7 @@ impl Drop for SlCan {
 mod tests {
     use super::*;
     use canvass_traces::{CanId, Duration};
+    use std::io::Read;
     use std::net::TcpListener;
 
     fn address() -> String {
@@ -221,6 +262,51 @@ mod tests {
             adapter.receive(adapter.now() + Duration::from_millis(10)).unwrap();
         }
         assert_eq!(adapter.health().interruptions, 2, "{:?}", adapter.health());
+    }
+
+    /// An adapter that has no 800 kbit/s; gives what it was told, line by line.
+    fn adapter(listener: TcpListener) -> JoinHandle<Vec<String>> {
+        std::thread::spawn(move || {
+            let (mut stream, mut told, mut line) = (listener.accept().unwrap().0, Vec::new(), String::new());
+            let mut byte = [0];
+            while stream.read(&mut byte).is_ok_and(|n| n == 1) {
+                if byte[0] != b'\r' {
+                    line.push(char::from(byte[0]));
+                    continue;
+                }
+                stream.write_all(if line == "S7" { b"\x07" } else { b"\r" }).unwrap();
+                told.push(std::mem::take(&mut line));
+            }
+            told
+        })
+    }
+
+    #[test]
+    fn the_bit_rate_is_changed_while_the_channel_is_closed() {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let address = listener.local_addr().unwrap();
+        let adapter = adapter(listener);
+        let mut bus = SlCan::open(&format!("tcp://{address}"), Some(250_000)).unwrap();
+        bus.set_bit_rate(500_000).unwrap();
+        assert_eq!(bus.bit_rate(), Some(500_000));
+        assert!(bus.set_bit_rate(123_456).unwrap_err().to_string().contains("10k, 20k"));
+        let refused = bus.set_bit_rate(800_000).unwrap_err().to_string();
+        assert!(refused.contains("refuses to set the bit rate"), "{refused}");
+        assert_eq!(bus.bit_rate(), Some(500_000));
+        bus.send(&frame(5)).unwrap();
+        assert_eq!(bus.health().interruptions, 0);
+        drop(bus);
+        let told = adapter.join().unwrap();
+        let told: Vec<&str> = told.iter().map(String::as_str).filter(|line| !matches!(*line, "" | "F")).collect();
+        let changes =
+            ["C", "S5", "Z1", "O", "C", "S6", "Z1", "O", "C", "S7", "C", "S6", "Z1", "O", "t005405000000", "C"];
+        assert_eq!(told, changes);
+    }
+
+    #[test]
+    fn an_adapter_does_not_set_its_own_bit_rate() {
+        let mut bus = SlCan::open(&format!("listen://{}", address()), None).unwrap();
+        assert!(matches!(bus.set_bit_rate(500_000), Err(BusError::FixedBitRate { bit_rate: 500_000 })));
     }
 
     #[test]

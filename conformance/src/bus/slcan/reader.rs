@@ -2,7 +2,7 @@
 
 use super::codec::{Command, Decoder, Message, MinuteClock};
 use super::link::{LOOK, Link, Place, is_silence};
-use super::{Shared, SlCanError};
+use super::{Change, Shared, SlCanError};
 use crate::bus::hardware_clock::HardwareClock;
 use canvass_traces::{ChannelId, Direction, Record, Timestamp};
 use std::io::{self, Read};
@@ -65,6 +65,10 @@ impl Reader {
     fn open_channel(&mut self) -> Result<(), SlCanError> {
         // Ends a line that another program may have left unfinished.
         self.shared.write(b"\r\r")?;
+        self.reopen_channel()
+    }
+
+    fn reopen_channel(&mut self) -> Result<(), SlCanError> {
         // Refused if it is closed already.
         self.tell(Command::Close)?;
         let refused = |action| SlCanError::Refused { name: self.shared.name.clone(), action };
@@ -80,6 +84,17 @@ impl Reader {
             return Err(open);
         }
         Ok(())
+    }
+
+    /// Opens the channel at another bit rate, or at the one before if the adapter has no such.
+    fn change_bit_rate(&mut self, index: u8) -> Result<(), SlCanError> {
+        let before = self.bit_rate.replace(index);
+        let changed = self.reopen_channel();
+        if changed.is_err() {
+            self.bit_rate = before;
+            self.reopen_channel()?;
+        }
+        changed
     }
 
     /// Sends a command; whether it was done, or `None` if there was no answer.
@@ -130,6 +145,11 @@ impl Reader {
                     shared.inbox.set_delivering(false);
                 }
                 Err(error) => self.lose(&error),
+            }
+            let change = shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(Change { index, done }) = change {
+                // Who asked may have lost patience.
+                let _ = done.send(self.change_bit_rate(index));
             }
             if self.has_status && asked.elapsed() >= STATUS && !matches!(self.place, Place::Listener(_)) {
                 asked = Instant::now();

@@ -8,15 +8,12 @@ use std::io;
 #[derive(Debug, thiserror::Error)]
 #[non_exhaustive]
 pub enum SocketCanError {
-    /// `EAFNOSUPPORT`.
+    /// `EAFNOSUPPORT` or `EPROTONOSUPPORT`.
     #[error(
-        "no CAN in this kernel: {module} (as root); if there is no such module, a kernel with CONFIG_CAN is needed, or \
-         an adapter by slcan:PORT (canvass doctor says more)"
+        "no CAN in this kernel: modprobe can-raw (as root); if there is no such module, a kernel with CONFIG_CAN and \
+         CONFIG_CAN_RAW is needed, or an adapter by slcan:PORT (canvass doctor says more)"
     )]
-    NoCan {
-        /// The command that loads what is missing.
-        module: &'static str,
-    },
+    NoCan,
     /// No network interface has that name.
     #[error("there is no interface {interface}: {known}")]
     NoInterface {
@@ -59,6 +56,26 @@ pub enum SocketCanError {
         /// What the kernel says of the interface.
         state: String,
     },
+    /// Its bit rate can't be changed from here.
+    #[error("can't set {interface} to {bit_rate} bit/s ({source}): {command} (as root)")]
+    BitRate {
+        /// The interface.
+        interface: String,
+        /// In bit/s.
+        bit_rate: u32,
+        /// The command that sets it.
+        command: String,
+        /// What the kernel reports.
+        source: io::Error,
+    },
+    /// It has no controller.
+    #[error("{interface} is an interface of kind {kind}, which has no bit rate: expected a CAN controller")]
+    NoBitRate {
+        /// The interface.
+        interface: String,
+        /// As the kernel names it.
+        kind: String,
+    },
     /// Anything else.
     #[error("can't {action} {interface}: {source}")]
     Io {
@@ -76,8 +93,7 @@ impl SocketCanError {
     pub(super) fn of(interface: &str, action: &'static str, source: io::Error) -> Self {
         let interface = interface.to_owned();
         match source.raw_os_error() {
-            Some(libc::EAFNOSUPPORT) => Self::NoCan { module: "modprobe can can-raw" },
-            Some(libc::EPROTONOSUPPORT) => Self::NoCan { module: "modprobe can-raw" },
+            Some(libc::EAFNOSUPPORT | libc::EPROTONOSUPPORT) => Self::NoCan,
             Some(libc::EPERM | libc::EACCES) => Self::Permission { action, interface },
             Some(libc::ENODEV | libc::ENXIO) => Self::NoInterface { interface, known: known() },
             Some(libc::ENETDOWN) => Self::down(interface),
@@ -123,7 +139,7 @@ mod tests {
 
     #[test]
     fn every_error_names_its_remedy() {
-        assert!(of(libc::EAFNOSUPPORT).contains("modprobe can can-raw"), "{}", of(libc::EAFNOSUPPORT));
+        assert!(of(libc::EAFNOSUPPORT).contains("modprobe can-raw"), "{}", of(libc::EAFNOSUPPORT));
         assert!(of(libc::EPROTONOSUPPORT).contains("modprobe can-raw"));
         assert!(of(libc::EPERM).contains("root"));
         let check = |link| SocketCanError::check("can0", Some(link)).unwrap_err().to_string();

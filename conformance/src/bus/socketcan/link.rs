@@ -1,31 +1,26 @@
 //! What the kernel says of its CAN interfaces: rtnetlink (`linux/rtnetlink.h`, `linux/can/netlink.h`).
 
+use super::netlink::{
+    HEADER, IFF_UP, LINK_HEADER, NLM_F_REQUEST, RTM_GETLINK, RTM_NEWLINK, attribute, attributes, kind, malformed,
+    message, u16_at, u32_at,
+};
 use super::sys;
 use std::fmt;
 use std::io;
 
-const RTM_NEWLINK: u16 = 16;
-const RTM_GETLINK: u16 = 18;
-const NLMSG_ERROR: u16 = 2;
-const NLM_F_REQUEST: u16 = 1;
-/// Length, type, flags, sequence number, port.
-const HEADER: usize = 16;
-/// Family, ARPHRD type, index, flags, change mask.
-const LINK_HEADER: usize = 16;
 const IFLA_IFNAME: u16 = 3;
 const IFLA_MTU: u16 = 4;
 const IFLA_TXQLEN: u16 = 13;
-const IFLA_LINKINFO: u16 = 18;
-const IFLA_INFO_KIND: u16 = 1;
-const IFLA_INFO_DATA: u16 = 2;
-const IFLA_CAN_BITTIMING: u16 = 1;
+pub(super) const IFLA_LINKINFO: u16 = 18;
+pub(super) const IFLA_INFO_KIND: u16 = 1;
+pub(super) const IFLA_INFO_DATA: u16 = 2;
+pub(super) const IFLA_CAN_BITTIMING: u16 = 1;
 const IFLA_CAN_STATE: u16 = 4;
 const IFLA_CAN_RESTART_MS: u16 = 6;
 const IFLA_CAN_BERR_COUNTER: u16 = 8;
-/// Nested attributes have the highest bit set, or not, depending on the kernel.
-const TYPE_MASK: u16 = 0x3FFF;
 const ARPHRD_CAN: u16 = 280;
-const IFF_UP: u32 = 1;
+/// The kind of interfaces that have a controller, and so a bit rate.
+pub(super) const CONTROLLER: &str = "can";
 
 /// A network interface, as far as CAN is concerned.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -113,7 +108,7 @@ impl Link {
     /// The command that brings it up.
     pub fn up_command(&self, interface: &str) -> String {
         match (&*self.kind, self.bit_rate) {
-            ("can", None) => format!("ip link set {interface} up type can bitrate 250000"),
+            (CONTROLLER, None) => format!("ip link set {interface} up type can bitrate 250000"),
             _ => format!("ip link set {interface} up"),
         }
     }
@@ -150,35 +145,17 @@ impl fmt::Display for Link {
 
 /// Asks for one link by its name.
 fn request(interface: &str) -> Vec<u8> {
-    let name = interface.as_bytes();
-    let attribute = 4 + name.len() + 1;
-    let length = HEADER + LINK_HEADER + attribute.next_multiple_of(4);
-    let mut message = Vec::with_capacity(length);
-    message.extend_from_slice(&(length as u32).to_ne_bytes());
-    message.extend_from_slice(&RTM_GETLINK.to_ne_bytes());
-    message.extend_from_slice(&NLM_F_REQUEST.to_ne_bytes());
-    message.extend_from_slice(&[0; 8 + LINK_HEADER]);
-    message.extend_from_slice(&(attribute as u16).to_ne_bytes());
-    message.extend_from_slice(&IFLA_IFNAME.to_ne_bytes());
-    message.extend_from_slice(name);
-    message.resize(length, 0);
-    message
+    let name = [interface.as_bytes(), &[0]].concat();
+    message(RTM_GETLINK, NLM_F_REQUEST, 0, (0, 0), &attribute(IFLA_IFNAME, &name))
 }
 
 /// The first link of an answer.
 fn read(answer: &[u8]) -> io::Result<Option<Link>> {
-    let malformed =
-        || io::Error::new(io::ErrorKind::InvalidData, "an unreadable answer of the kernel's routing socket");
-    let kind = u16_at(answer, 4).ok_or_else(malformed)?;
-    if kind == NLMSG_ERROR {
-        let code = u32_at(answer, HEADER).ok_or_else(malformed)? as i32;
-        return match -code {
-            libc::ENODEV => Ok(None),
-            code => Err(io::Error::from_raw_os_error(code)),
-        };
-    }
-    if kind != RTM_NEWLINK {
-        return Err(malformed());
+    match kind(answer) {
+        Ok(RTM_NEWLINK) => {}
+        Ok(_) => return Err(malformed()),
+        Err(error) if error.raw_os_error() == Some(libc::ENODEV) => return Ok(None),
+        Err(error) => return Err(error),
     }
     let hardware = u16_at(answer, HEADER + 2).ok_or_else(malformed)?;
     let flags = u32_at(answer, HEADER + 8).ok_or_else(malformed)?;
@@ -208,7 +185,7 @@ impl Link {
                     self.kind = String::from_utf8_lossy(data).trim_end_matches('\0').to_owned();
                 }
                 // Other kinds of interfaces number their attributes otherwise.
-                IFLA_INFO_DATA if self.kind == "can" => self.read_controller(data),
+                IFLA_INFO_DATA if self.kind == CONTROLLER => self.read_controller(data),
                 _ => {}
             }
         }
@@ -229,37 +206,10 @@ impl Link {
     }
 }
 
-/// The attributes in a row: length with its own header, type, data, filled up to four bytes.
-fn attributes(mut rest: &[u8]) -> impl Iterator<Item = (u16, &[u8])> {
-    std::iter::from_fn(move || {
-        let length = usize::from(u16_at(rest, 0)?);
-        let kind = u16_at(rest, 2)? & TYPE_MASK;
-        let data = rest.get(4..length)?;
-        rest = rest.get(length.next_multiple_of(4)..).unwrap_or_default();
-        Some((kind, data))
-    })
-}
-
-fn u16_at(bytes: &[u8], at: usize) -> Option<u16> {
-    bytes.get(at..)?.first_chunk().map(|bytes| u16::from_ne_bytes(*bytes))
-}
-
-fn u32_at(bytes: &[u8], at: usize) -> Option<u32> {
-    bytes.get(at..)?.first_chunk().map(|bytes| u32::from_ne_bytes(*bytes))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
-
-    fn attribute(kind: u16, data: &[u8]) -> Vec<u8> {
-        let mut bytes = ((data.len() + 4) as u16).to_ne_bytes().to_vec();
-        bytes.extend_from_slice(&kind.to_ne_bytes());
-        bytes.extend_from_slice(data);
-        bytes.resize(bytes.len().next_multiple_of(4), 0);
-        bytes
-    }
 
     fn answer(hardware: u16, flags: u32, attributes: &[u8]) -> Vec<u8> {
         let mut bytes = ((HEADER + LINK_HEADER + attributes.len()) as u32).to_ne_bytes().to_vec();
@@ -299,7 +249,7 @@ mod tests {
     #[test]
     fn no_such_device_is_no_error() {
         let mut bytes = vec![0; HEADER + 20];
-        bytes[4..6].copy_from_slice(&NLMSG_ERROR.to_ne_bytes());
+        bytes[4..6].copy_from_slice(&2_u16.to_ne_bytes());
         bytes[HEADER..HEADER + 4].copy_from_slice(&(-libc::ENODEV).to_ne_bytes());
         assert_eq!(read(&bytes).unwrap(), None);
         bytes[HEADER..HEADER + 4].copy_from_slice(&(-libc::EPERM).to_ne_bytes());

@@ -3,8 +3,10 @@
 //! A thread of its own receives, so that nothing that is done with the frames makes the kernel's queue overflow. The
 //! times are those of the controller where it has a clock, else those of the kernel.
 
+mod bit_rate;
 mod error;
 mod link;
+mod netlink;
 mod receiver;
 mod sys;
 
@@ -19,6 +21,7 @@ use canvass_traces::{ChannelId, Duration, Frame, Record, Timestamp, to_socket};
 use receiver::Receiver;
 use std::collections::VecDeque;
 use std::io;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use sys::{Filter, RawSocket};
@@ -40,6 +43,8 @@ struct Shared {
     sent: Mutex<VecDeque<Timestamp>>,
     /// What the kernel lets pass. It forgets it when the interface is removed.
     filters: Mutex<Vec<Filter>>,
+    /// The interface goes down because this program takes it down.
+    goes_down: AtomicBool,
 }
 
 /// The receive queue in the kernel: at about 1 KiB for each frame, a third of a second of a full bus at 1 Mbit/s.
@@ -47,6 +52,9 @@ const RECEIVE_QUEUE: i32 = 8 << 20;
 
 /// How long a full transmit queue is waited for. The longest frame takes 16 ms at 10 kbit/s.
 const PATIENCE: Duration = Duration::from_millis(2_000);
+
+/// How long it may take until the receiving thread has seen that the interface went down.
+const DOWN: Duration = Duration::from_millis(500);
 
 /// How many frames handed over may be unaccounted for, before their delays are given up.
 const UNACCOUNTED: usize = 4_096;
@@ -70,6 +78,7 @@ impl SocketCan {
             inbox: Inbox::new(),
             sent: Mutex::default(),
             filters: Mutex::new(vec![Filter { id: 0, mask: 0 }]),
+            goes_down: AtomicBool::new(false),
         });
         let receiver = Receiver::new(Arc::clone(&shared));
         let thread = std::thread::Builder::new().name(format!("receive {interface}"));
@@ -177,6 +186,21 @@ impl Bus for SocketCan {
         let set = self.shared.socket.set_filters(&filters);
         *self.shared.filters.lock().unwrap_or_else(PoisonError::into_inner) = filters;
         set.map_err(|error| SocketCanError::of(&self.shared.interface, "filter frames of", error).into())
+    }
+
+    /// Needs the right to configure the network (`CAP_NET_ADMIN`). The interface keeps the new bit rate when this
+    /// program ends.
+    fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        let set = bit_rate::set(&self.shared.interface, bit_rate, &self.shared.goes_down);
+        let end = self.now() + DOWN;
+        // The receiving thread sees a little later that it went down.
+        while self.shared.goes_down.load(Ordering::SeqCst) && self.now() < end {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        }
+        self.shared.goes_down.store(false, Ordering::SeqCst);
+        set?;
+        self.bit_rate = Some(bit_rate);
+        Ok(())
     }
 }
 

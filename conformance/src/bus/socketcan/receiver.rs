@@ -7,6 +7,7 @@ use crate::bus::clock::Correction;
 use crate::bus::hardware_clock::HardwareClock;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp, from_socket};
 use std::io;
+use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
@@ -122,6 +123,7 @@ impl Receiver {
         let interface = &self.shared.interface;
         match error.raw_os_error() {
             Some(libc::EAGAIN | libc::EINTR) => {}
+            Some(libc::ENETDOWN) if self.shared.goes_down.swap(false, Ordering::SeqCst) => {}
             Some(libc::ENETDOWN) => self.interrupted(&format!("{interface} went down")),
             // The interface was removed: the socket is bound to nothing any more.
             Some(libc::ENODEV) => {

@@ -221,13 +221,16 @@ fn for_each_control(header: &libc::msghdr, mut visit: impl FnMut(libc::c_int, li
         while let Some(control) = message.as_ref() {
             let data = libc::CMSG_DATA(message);
             let head = data.offset_from(message.cast()) as usize;
-            // On some targets it is a u32.
-            #[allow(clippy::unnecessary_cast)]
-            let len = (control.cmsg_len as usize).saturating_sub(head);
+            let len = bytes(control.cmsg_len).saturating_sub(head);
             visit(control.cmsg_level, control.cmsg_type, std::slice::from_raw_parts(data, len));
             message = libc::CMSG_NXTHDR(header, message);
         }
     }
+}
+
+/// A length, which libc counts in `usize` on some targets and in `u32` on others.
+fn bytes(length: impl TryInto<usize>) -> usize {
+    length.try_into().unwrap_or(0)
 }
 
 /// A `struct timespec` of 64-bit parts; zero means that there is none.

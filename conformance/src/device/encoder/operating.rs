@@ -71,11 +71,11 @@ impl Encoder {
         self.operating(parameters) & SCALING != 0
     }
 
-    /// Whether the position goes on where the physical range ends.
-    pub(super) fn goes_on(&self, parameters: &Parameters) -> bool {
-        self.is_scaled(parameters)
+    /// Whether the position goes on where the physical range ends, by 6000h.
+    pub(super) const fn goes_on(&self, operating: u64) -> bool {
+        operating & SCALING != 0
             && match self.sheet.universal_scaling {
-                UniversalScaling::ByBit12 => self.operating(parameters) & UNIVERSAL_SCALING != 0,
+                UniversalScaling::ByBit12 => operating & UNIVERSAL_SCALING != 0,
                 UniversalScaling::Always => true,
                 UniversalScaling::Never => false,
             }
@@ -90,7 +90,12 @@ impl Encoder {
 
     /// How many positions there are: 6002h where scaling is on, else all physical ones that 6004h has room for.
     pub(super) fn range(&self, parameters: &Parameters) -> i128 {
-        if !self.is_scaled(parameters) {
+        self.range_by(self.operating(parameters), parameters)
+    }
+
+    /// The same where 6000h is known.
+    pub(super) fn range_by(&self, operating: u64, parameters: &Parameters) -> i128 {
+        if operating & SCALING == 0 {
             return physical_range(&self.sheet).min(FULL_RANGE);
         }
         let range = i128::from(units_of(parameters.number_or_zero(0x6002, 0)));

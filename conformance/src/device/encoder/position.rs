@@ -1,11 +1,12 @@
-//! Position value (6004h), preset (6003h) and offset (6509h).
+//! Position value (6004h), preset (6003h) and offset (6509h); the same with high precision (6008h, 6009h), which of a
+//! sensor of at most 32 bits is no other.
 //!
 //! ```text
 //! physical --code sequence, scaling--> position in measuring units --+ 6509h--> 6004h
 //! ```
 
 use super::Encoder;
-use super::operating::{physical_range, steps};
+use super::operating::{CODE_SEQUENCE, SCALING, physical_range, steps};
 use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
@@ -62,8 +63,9 @@ impl Encoder {
         if self.faults.has(Fault::RangeZeroStops) && self.has_full_range(parameters) {
             return 0;
         }
-        let position = self.scaled(now, parameters) + i128::from(self.offset);
-        position.rem_euclid(self.range(parameters)) as u64
+        let operating = self.operating(parameters);
+        let position = self.scaled_by(operating, now, parameters) + i128::from(self.offset);
+        wrapped(position, self.range_by(operating, parameters)) as u64
     }
 
     fn has_full_range(&self, parameters: &Parameters) -> bool {
@@ -77,20 +79,35 @@ impl Encoder {
 
     /// The position in measuring units, before the offset.
     fn scaled(&self, now: Timestamp, parameters: &Parameters) -> i128 {
+        self.scaled_by(self.operating(parameters), now, parameters)
+    }
+
+    /// The same where 6000h is known.
+    fn scaled_by(&self, operating: u64, now: Timestamp, parameters: &Parameters) -> i128 {
         let mut physical = self.motion.position(now, steps(&self.sheet));
-        if self.is_turned(parameters) {
+        if operating & CODE_SEQUENCE != 0 {
             physical = -physical;
         }
-        if !self.goes_on(parameters) {
-            physical = physical.rem_euclid(physical_range(&self.sheet));
+        if !self.goes_on(operating) {
+            physical = wrapped(physical, physical_range(&self.sheet));
         }
-        if !self.is_scaled(parameters) {
-            return physical.rem_euclid(self.range(parameters));
+        let range = self.range_by(operating, parameters);
+        if operating & SCALING == 0 {
+            return wrapped(physical, range);
         }
         let mut product = physical * i128::from(parameters.number_or_zero(0x6001, 0));
         if self.faults.has(Fault::ScalingOverflow) {
             product = i128::from(product as u32);
         }
-        product.div_euclid(i128::from(steps(&self.sheet))).rem_euclid(self.range(parameters))
+        // The steps of a revolution are a power of two: this divides by them, rounding down.
+        wrapped(product >> steps(&self.sheet).trailing_zeros(), range)
+    }
+}
+
+/// The remainder, never negative. Nearly all positions fit into 64 bits, in which a division takes far less time.
+fn wrapped(position: i128, range: i128) -> i128 {
+    match (i64::try_from(position), i64::try_from(range)) {
+        (Ok(position), Ok(range)) => position.rem_euclid(range).into(),
+        _ => position.rem_euclid(range),
     }
 }

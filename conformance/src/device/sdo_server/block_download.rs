@@ -74,7 +74,9 @@ impl BlockDownload {
         if !is_end && !segment.last && segment.sequence < BLOCK_SIZE && self.received < BLOCK_SIZE {
             return Next::silence(Transfer::BlockDownload(self));
         }
-        let response = Response::ConfirmBlockDownload { sequence: self.sequence, block_size: BLOCK_SIZE };
+        let too_few = u8::from(faults.has(Fault::SdoBlockCountOffByOne));
+        let sequence = self.sequence.saturating_sub(too_few);
+        let response = Response::ConfirmBlockDownload { sequence, block_size: BLOCK_SIZE };
         self.sequence = 0;
         self.received = 0;
         match is_end {

@@ -237,7 +237,8 @@ impl SdoServer {
         if stray && matches!(transfer, Transfer::Idle) && objects.faults.has(Fault::SdoStraySegmentSilent) {
             return Next::silence(Transfer::Idle);
         }
-        let named = transfer.object().or(request.multiplexer()).or(match *request {
+        // A request that names an object is about that one, whatever transfer it interrupts.
+        let named = request.multiplexer().or(transfer.object()).or(match *request {
             Request::Unknown { tail: [low, high, sub, ..], .. } => Some(Multiplexer::from_bytes([low, high, sub])),
             _ => None,
         });

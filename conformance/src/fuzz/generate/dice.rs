@@ -4,7 +4,7 @@ use proptest::prelude::Rng;
 use proptest::test_runner::TestRng;
 
 /// A source of random choices.
-pub(super) struct Dice<'a>(&'a mut TestRng);
+pub(in crate::fuzz) struct Dice<'a>(&'a mut TestRng);
 
 impl<'a> Dice<'a> {
     pub fn new(rng: &'a mut TestRng) -> Self {

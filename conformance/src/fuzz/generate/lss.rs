@@ -1,6 +1,7 @@
 //! LSS dialogues.
 
 use super::Script;
+use crate::fuzz::coverage::{LssCommand, LssState};
 use crate::fuzz::stimulus::Start;
 use canvass_analyzer::wire::lss::{Bound, MASTER_CAN_ID, Part, Request};
 
@@ -9,6 +10,17 @@ impl Script<'_> {
         if self.sequence.stimuli.is_empty() {
             let unconfigured = self.plan.unconfigured && self.dice.flip();
             self.sequence.start = if unconfigured { Start::Unconfigured } else { Start::Configured };
+            if !unconfigured && self.knowledge().services.lss_not_in_operational {
+                let own = self.node() as u8;
+                let command = self.dice.one_of([2, 128]);
+                self.ask(Self::data(0, &[command, own]));
+            }
+        }
+        if let Some((state, command)) = self.plan.lss_focus
+            && self.dice.one_in(3)
+        {
+            self.reach_lss(state);
+            return self.lss_command(command);
         }
         match self.dice.below(16) {
             0 | 1 => self.select(),
@@ -20,6 +32,60 @@ impl Script<'_> {
             14 => self.switch(),
             _ => self.odd_lss_frame(),
         }
+    }
+
+    /// Brings the slave into a state; one without node-ID only where the sequence begins so.
+    fn reach_lss(&mut self, state: LssState) {
+        let [vendor, ..] = self.address();
+        match state {
+            LssState::Waiting | LssState::Unconfigured => self.lss(Request::SwitchGlobal { mode: 0 }),
+            LssState::Selecting => {
+                self.lss(Request::SwitchGlobal { mode: 0 });
+                self.lss(Request::SwitchSelective { part: Part::VendorId, value: vendor });
+            }
+            LssState::Configuration => self.lss(Request::SwitchGlobal { mode: 1 }),
+            LssState::Scanning => {
+                self.lss(Request::SwitchGlobal { mode: 0 });
+                self.lss(Request::Fastscan { id: 0, bit_check: 128, sub: 0, next: 0 });
+            }
+        }
+    }
+
+    /// A frame of that class.
+    fn lss_command(&mut self, command: LssCommand) {
+        let [vendor, ..] = self.address();
+        let request = match command {
+            LssCommand::SwitchGlobal => return self.switch(),
+            LssCommand::ConfigureNodeId => Request::ConfigureNodeId { node_id: self.dice.byte() },
+            LssCommand::ConfigureBitTiming => Request::ConfigureBitTiming { table: 0, index: self.dice.byte() % 12 },
+            LssCommand::ActivateBitTiming => Request::ActivateBitTiming { delay: 10 },
+            LssCommand::Store => Request::StoreConfiguration,
+            LssCommand::SwitchSelective => {
+                Request::SwitchSelective { part: self.dice.one_of(Part::ALL), value: vendor }
+            }
+            LssCommand::IdentifyRemote => {
+                Request::IdentifyRemote { bound: self.dice.one_of(Bound::ALL), value: vendor }
+            }
+            LssCommand::IdentifyNonConfigured => Request::IdentifyNonConfigured,
+            LssCommand::Fastscan => Request::Fastscan {
+                id: vendor,
+                bit_check: self.dice.one_of([128, 31, 16, 1, 0]),
+                sub: 0,
+                next: self.dice.one_of([0, 1]),
+            },
+            LssCommand::Inquire => Request::Inquire { part: self.dice.one_of(Part::ALL) },
+            LssCommand::InquireNodeId => Request::InquireNodeId,
+            LssCommand::Unknown => {
+                let command = self.dice.one_of([0x00, 0x10, 0x12, 0x18, 0x44, 0x4D, 0x50, 0x52, 0x5F, 0xFF]);
+                return self.ask(Self::data(MASTER_CAN_ID, &[command, 0, 0, 0, 0, 0, 0, 0]));
+            }
+            LssCommand::Short => {
+                let len = self.dice.below(8);
+                let command = self.dice.one_of([0x04, 0x40, 0x5E, 0x5A]);
+                return self.ask(Self::data(MASTER_CAN_ID, &[command, 1, 0, 0, 0, 0, 0, 0][..len]));
+            }
+        };
+        self.lss(request);
     }
 
     fn address(&self) -> [u32; 4] {

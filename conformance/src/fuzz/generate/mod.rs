@@ -11,7 +11,8 @@ mod sdo;
 mod values;
 
 use super::Knowledge;
-use super::coverage::{Command, SdoState};
+use super::coverage::{Command, LssCommand, LssState, SdoState};
+use super::limits;
 use super::shrink::SequenceTree;
 use super::stimulus::{Sequence, Start, Stimulus, Then};
 use crate::case::Touch;
@@ -19,7 +20,7 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::{lss as lss_wire, sdo as sdo_wire};
 use canvass_traces::{CanId, Duration, Frame};
-use dice::Dice;
+pub(super) use dice::Dice;
 use proptest::strategy::{NewTree, Strategy};
 use proptest::test_runner::TestRunner;
 use std::collections::BTreeSet;
@@ -92,8 +93,10 @@ pub struct Dialogues {
     pub allow: BTreeSet<Touch>,
     /// Whether a device without node-ID can be had.
     pub unconfigured: bool,
-    /// The combination of state and command that was exercised least.
+    /// The combination of SDO state and command that was exercised least.
     pub focus: Option<(SdoState, Command)>,
+    /// That of LSS.
+    pub lss_focus: Option<(LssState, LssCommand)>,
 }
 
 impl Strategy for Dialogues {
@@ -140,6 +143,7 @@ impl<'a> Script<'a> {
                     6 | 7 => self.pdo_dialogue(),
                     8 => self.nmt_dialogue(),
                     9 => self.sync_dialogue(),
+                    _ if self.knowledge().services.lmt => self.sdo_dialogue(),
                     _ if self.sequence.stimuli.is_empty() || self.sequence.start == Start::Unconfigured => {
                         self.lss_dialogue();
                     }
@@ -157,12 +161,9 @@ impl<'a> Script<'a> {
         u16::from(self.plan.knowledge.node.raw())
     }
 
-    fn allows(&self, touch: Touch) -> bool {
-        self.plan.allow.contains(&touch)
-    }
-
     fn push(&mut self, frame: Frame, then: Then) {
-        if !self.is_forbidden(&frame) {
+        // Checked on the finished frame, so that no chance leads there.
+        if limits::of(&frame, self.knowledge(), &self.plan.allow).is_none() {
             self.sequence.stimuli.push(Stimulus { frame, then });
         }
     }
@@ -188,36 +189,9 @@ impl<'a> Script<'a> {
         self.ask(request.to_frame(lss_wire::MASTER_CAN_ID));
     }
 
-    /// Whether a frame would do what nobody has allowed. Checked on the finished frame, so that no chance leads there.
-    fn is_forbidden(&self, frame: &Frame) -> bool {
-        let Some(id) = frame.cob_id() else { return false };
-        if id == lss_wire::MASTER_CAN_ID {
-            return match frame.data().first() {
-                Some(0x11) => !self.allows(Touch::NodeId),
-                Some(0x13 | 0x15) => !self.allows(Touch::BitRate),
-                Some(0x17) => !self.allows(Touch::Nvm),
-                _ => false,
-            };
-        }
-        if id != sdo_wire::REQUEST_BASE + self.node() {
-            return false;
-        }
-        let &[command, low, high, sub, ..] = frame.data() else { return false };
-        let writes = matches!(command >> 5, 1 | 6);
-        writes && !self.may_write(Multiplexer::from_bytes([low, high, sub]))
-    }
-
     /// Whether the object may be written.
     fn may_write(&self, at: Multiplexer) -> bool {
-        let services = &self.knowledge().services;
-        match at.index.0 {
-            0x1010 => self.allows(Touch::Nvm),
-            0x1011 => self.allows(Touch::FactoryDefaults),
-            // Programs.
-            0x1F50..=0x1F57 => false,
-            _ if services.bus_objects.contains(&at) => self.allows(Touch::NodeId) && self.allows(Touch::BitRate),
-            _ => !services.persist_at_once.contains(&at) || self.allows(Touch::Nvm),
-        }
+        limits::writing(at, self.knowledge(), &self.plan.allow).is_none()
     }
 
     fn standard(id: u16) -> CanId {

@@ -29,9 +29,56 @@ impl Script<'_> {
             26 => self.read_write_read(),
             27 | 28 => self.stray(),
             29 => self.odd_frame(),
-            30 => self.state_and_read(),
+            30 => match self.dice.below(3) {
+                0 => self.state_and_read(),
+                1 => self.write_and_reset(),
+                _ => self.scaling(),
+            },
             _ => self.random_bytes(),
         }
+    }
+
+    /// What was not stored is gone after a reset.
+    fn write_and_reset(&mut self) {
+        let Some(known) = self.writable() else { return };
+        let value = self.bytes_for(&known);
+        if value.is_empty() || value.len() > 4 {
+            return;
+        }
+        let command = self.dice.one_of([129, 130]);
+        let own = self.node() as u8;
+        self.sdo(Request::download(known.at, &value));
+        self.ask(Self::data(0, &[command, own]));
+        self.sdo(Request::upload(known.at));
+    }
+
+    /// Scaling and preset of an encoder, then its position.
+    fn scaling(&mut self) {
+        let number = |script: &mut Self, index| {
+            let at = Multiplexer::new(index, 0);
+            let known = script.knowledge().entry(at).filter(|known| known.writable).cloned();
+            known.map(|known| script.value_of(&known))
+        };
+        let position = Multiplexer::new(0x6004, 0);
+        if self.knowledge().entry(position).is_none() {
+            return self.read();
+        }
+        self.sdo(Request::download(Multiplexer::new(0x6000, 0), &[4, 0]));
+        for index in [0x6001, 0x6002, 0x6003] {
+            if self.dice.one_in(3) {
+                continue;
+            }
+            let value = match self.dice.below(3) {
+                0 => number(self, index),
+                1 => Some(1 << self.dice.below(28)),
+                _ => Some(self.dice.number() & 0xFFFF),
+            };
+            if let Some(value) = value {
+                self.sdo(Request::download(Multiplexer::new(index, 0), &value.to_le_bytes()[..4]));
+            }
+        }
+        self.sdo(Request::upload(Multiplexer::new(0x6000, 0)));
+        self.sdo(Request::upload(position));
     }
 
     fn read(&mut self) {

@@ -25,6 +25,8 @@ struct Held {
     raw: Option<u64>,
     /// [`Belief::writes`] when it was learned.
     since: u32,
+    /// A reset brought it back.
+    by_reset: bool,
 }
 
 /// What a reset brings back.
@@ -60,7 +62,7 @@ impl Belief {
         self.aborted = None;
         self.bus_changed = false;
         for (held, known) in self.values.iter_mut().zip(knowledge.entries()) {
-            *held = Held { raw: known.power_on.filter(|_| known.stable), since: 0 };
+            *held = Held { raw: known.power_on.filter(|_| known.stable), since: 0, by_reset: false };
         }
         self.learn_identifiers(knowledge);
     }
@@ -77,9 +79,9 @@ impl Belief {
             let communication = (0x1000..0x2000).contains(&known.at.index.0);
             let raw = match extent {
                 Extent::Communication if !communication => None,
-                _ => known.power_on.filter(|_| known.stable && communication),
+                _ => known.power_on.filter(|_| known.stable && !known.persists),
             };
-            *held = Held { raw, since: self.writes };
+            *held = Held { raw, since: self.writes, by_reset: true };
         }
         self.learn_identifiers(knowledge);
     }
@@ -101,13 +103,18 @@ impl Belief {
         self.values.get(entry).filter(|held| held.since == self.writes).and_then(|held| held.raw)
     }
 
+    /// Whether a reset brought the value of that object back.
+    pub fn is_by_reset(&self, entry: usize) -> bool {
+        self.values.get(entry).is_some_and(|held| held.by_reset)
+    }
+
     /// A download was confirmed.
     pub fn written(&mut self, knowledge: &Knowledge, entry: usize, raw: Option<u64>) {
         let Some(known) = knowledge.entries().get(entry) else { return };
         self.writes += 1;
         self.aborted = None;
         if let Some(held) = self.values.get_mut(entry) {
-            *held = Held { raw: raw.filter(|_| known.stable), since: self.writes };
+            *held = Held { raw: raw.filter(|_| known.stable), since: self.writes, by_reset: false };
         }
         if !(0x1000..0x2000).contains(&known.at.index.0) {
             self.forget_linked(knowledge);
@@ -138,7 +145,7 @@ impl Belief {
         if knowledge.entries().get(entry).is_some_and(|known| known.stable)
             && let Some(held) = self.values.get_mut(entry)
         {
-            *held = Held { raw: Some(raw), since: self.writes };
+            *held = Held { raw: Some(raw), since: self.writes, by_reset: false };
         }
     }
 

@@ -96,6 +96,11 @@ impl Slave {
         *self = Self { mode: Mode::Unsure, unconfigured: self.unconfigured, ..Self::new() };
     }
 
+    /// Whether a reset gives the device another node-ID than it has.
+    pub fn moves(&self, knowledge: &Knowledge) -> bool {
+        self.pending.is_some_and(|node| node != knowledge.node.raw()) || self.timing_changed
+    }
+
     /// The state, for the statistics.
     pub fn class(&self) -> LssState {
         match (self.mode, self.unconfigured) {
@@ -127,7 +132,7 @@ impl Slave {
         if overlaps {
             self.mode = Mode::Unsure;
         }
-        if awaited == Awaited::Nothing {
+        if matches!(awaited, Awaited::Nothing | Awaited::Anything) {
             coverage.lss(self.asked.0, self.asked.1, false);
         }
         let required = matches!(awaited, Awaited::Exactly(_) | Awaited::Timing { .. });
@@ -138,6 +143,8 @@ impl Slave {
 
     fn judge(&mut self, frame: &Frame, knowledge: &Knowledge, phase: Phase) -> (Awaited, Effect) {
         let works = match (knowledge.services.lss, phase) {
+            // LMT, the elder service, speaks on the same identifiers and is not modelled.
+            _ if knowledge.services.lmt => return (Awaited::Anything, Effect::Lost),
             (Some(false), _) => return (Awaited::Nothing, Effect::Nothing),
             (_, Phase::Booting) => return (Awaited::Anything, Effect::Lost),
             (None, _) => false,
@@ -169,7 +176,7 @@ impl Slave {
     fn answer(&mut self, request: Request, knowledge: &Knowledge) -> (Awaited, Effect) {
         let nothing = |awaited| (awaited, Effect::Nothing);
         match request {
-            Request::SwitchGlobal { mode } => self.switch(mode, knowledge.node.raw()),
+            Request::SwitchGlobal { mode } => self.switch(mode, knowledge),
             Request::SwitchSelective { part, value } => nothing(self.select(part as u8, value, knowledge)),
             Request::IdentifyRemote { bound, value } => nothing(self.identify(bound as u8, value, knowledge)),
             Request::IdentifyNonConfigured => {
@@ -198,7 +205,8 @@ impl Slave {
         }
     }
 
-    fn switch(&mut self, mode: u8, node: u8) -> (Awaited, Effect) {
+    fn switch(&mut self, mode: u8, knowledge: &Knowledge) -> (Awaited, Effect) {
+        let node = knowledge.node.raw();
         self.rule = "switch state global";
         self.selected = Some(0);
         match mode {
@@ -206,12 +214,20 @@ impl Slave {
                 let left = self.mode != Mode::Waiting;
                 self.mode = Mode::Waiting;
                 match self.pending {
-                    Some(own) if own == node && self.unconfigured && left => {
+                    Some(own)
+                        if own == node
+                            && left
+                            && (self.unconfigured || knowledge.services.lss_restarts == Some(true)) =>
+                    {
                         self.unconfigured = false;
                         self.pending = None;
                         (Awaited::Nothing, Effect::Boots)
                     }
-                    // When a configured device takes its new node-ID over is left open.
+                    // CiA 305: at the next reset communication.
+                    Some(_) if !self.unconfigured && knowledge.services.lss_restarts == Some(false) => {
+                        (Awaited::Nothing, Effect::Nothing)
+                    }
+                    // When a configured device takes its new node-ID over depends on the device.
                     Some(_) if left => (Awaited::Nothing, Effect::Lost),
                     _ => (Awaited::Nothing, Effect::Nothing),
                 }
@@ -356,7 +372,7 @@ impl Slave {
             Request::ConfigureNodeId { node_id } => {
                 let valid = matches!(node_id, 1..=127 | NONE);
                 if valid {
-                    self.pending = (node_id != knowledge.node.raw() || self.unconfigured).then_some(node_id);
+                    self.pending = Some(node_id);
                 }
                 done(ConfigureCommand::NodeId, u8::from(!valid))
             }

@@ -8,6 +8,7 @@
 mod belief;
 mod codes;
 mod emcy;
+mod encoder;
 mod lss;
 mod nmt;
 mod pdo;
@@ -57,7 +58,7 @@ impl Oracle {
     pub fn new(knowledge: Arc<Knowledge>) -> Self {
         Self {
             belief: Belief::new(&knowledge),
-            nmt: nmt::Slave::new(),
+            nmt: nmt::Slave::new(knowledge.patience.jitter),
             sdo: sdo::Server::new(),
             lss: lss::Slave::new(),
             pdo: pdo::Pdos::new(&knowledge),
@@ -134,11 +135,11 @@ impl Oracle {
         match self.nmt.commanded(now, frame, &self.knowledge) {
             nmt::Change::None => {}
             nmt::Change::State => {
-                self.sdo.state_changed(now, self.nmt.serves_sdo());
+                self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
                 self.pdo.state_changed(now, self.nmt.phase());
             }
             nmt::Change::Reset(what) => {
-                self.blind |= self.belief.bus_changed();
+                self.blind |= self.belief.bus_changed() || self.lss.moves(&self.knowledge);
                 self.belief.reset(&self.knowledge, what);
                 self.sdo.reset();
                 self.lss.reset_communication();
@@ -211,6 +212,16 @@ impl Oracle {
         self.sdo.expire(now)?;
         self.lss.expire(now)?;
         self.pdo.expire(now)
+    }
+
+    /// Whether the SDO server takes, or may take, the next frame for a segment of a block download.
+    pub fn is_in_blocks(&self) -> bool {
+        !self.blind && self.sdo.is_in_blocks()
+    }
+
+    /// Whether more answers may be under way than the one that was due.
+    pub fn is_open(&self) -> bool {
+        !self.blind && self.sdo.is_open()
     }
 
     /// Nothing has come for a while.

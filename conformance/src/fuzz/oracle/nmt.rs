@@ -11,11 +11,8 @@ use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_analyzer::wire::nmt::{Command, Nmt};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// Frames that were on their way when a command came may still come.
-const GRACE: Duration = Duration::from_millis(5);
-
-/// Heartbeats are never held to less than this: timers tick in milliseconds.
-const FLOOR: Duration = Duration::from_millis(2);
+/// Frames that were on their way when a command came may still come, for so long and the jitter of the measurement.
+pub(super) const GRACE: Duration = Duration::from_millis(3);
 
 /// Where the device is, as far as it is known.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -60,11 +57,17 @@ pub(in crate::fuzz) struct Slave {
     /// The period of the heartbeat, once it was written; `None`: not known.
     period: Option<Duration>,
     period_since: Timestamp,
+    /// By how much times may be off.
+    jitter: Duration,
+    /// How long frames of the time before a command may come.
+    grace: Duration,
 }
 
 impl Slave {
-    pub const fn new() -> Self {
+    pub fn new(jitter: Duration) -> Self {
         Self {
+            jitter,
+            grace: Duration(jitter.nanos() + GRACE.nanos()),
             phase: Phase::Unsure,
             before: Phase::Unsure,
             changed: Timestamp::ZERO,
@@ -80,7 +83,7 @@ impl Slave {
 
     /// The device has booted, or waits for a node-ID.
     pub fn start(&mut self, now: Timestamp, start: Start) {
-        *self = Self::new();
+        *self = Self::new(self.jitter);
         self.phase = match start {
             Start::Configured => Phase::Running,
             Start::Unconfigured => Phase::Unconfigured,
@@ -91,6 +94,11 @@ impl Slave {
     /// Where the device is.
     pub fn phase(&self) -> Phase {
         self.phase
+    }
+
+    /// How long frames of the time before a command may come.
+    pub fn grace(&self) -> Duration {
+        self.grace
     }
 
     /// Whether the SDO server has to answer.
@@ -107,7 +115,7 @@ impl Slave {
         match self.phase {
             Phase::Operational => Served::Yes,
             Phase::Unsure | Phase::Running => Served::Unsure,
-            _ if matches!(self.before, Phase::Operational | Phase::Running) && now < self.changed + GRACE => {
+            _ if matches!(self.before, Phase::Operational | Phase::Running) && now < self.changed + self.grace => {
                 Served::Unsure
             }
             _ => Served::No,
@@ -116,7 +124,7 @@ impl Slave {
 
     /// Whether an EMCY may come now.
     pub fn serves_emcy(&self, now: Timestamp) -> bool {
-        !matches!(self.phase, Phase::Stopped) || now < self.changed + GRACE
+        !matches!(self.phase, Phase::Stopped) || now < self.changed + self.grace
     }
 
     fn enter(&mut self, now: Timestamp, phase: Phase) -> Change {
@@ -203,7 +211,7 @@ impl Slave {
             Phase::Booting => knowledge.services.boot_up_message,
             _ => false,
         };
-        if !silent || now < self.changed + GRACE {
+        if !silent || now < self.changed + self.grace {
             return Ok(());
         }
         let expected = "nothing but the boot-up message in initialisation";
@@ -248,7 +256,7 @@ impl Slave {
 
     fn booted(&mut self, now: Timestamp, message: ErrorControl) -> Result<Change, Violation> {
         if !message.is_boot_up() {
-            if now < self.changed + GRACE {
+            if now < self.changed + self.grace {
                 return Ok(Change::None);
             }
             let expected = "the boot-up message, 00h";
@@ -277,14 +285,14 @@ impl Slave {
         let Some(period) = self.period else { return Ok(()) };
         let since = self.last_heartbeat.replace(now);
         if period == Duration(0) {
-            if now < self.period_since + FLOOR {
+            if now < self.period_since + self.jitter {
                 return Ok(());
             }
             let expected = "no heartbeat: 1017h is 0";
             return Err(violation(Property::NmtState, "heartbeat although off", expected, "a heartbeat", now));
         }
         let Some(since) = since else { return Ok(()) };
-        let tolerance = tolerance(period);
+        let tolerance = self.tolerance(period);
         let actual = now.since(since);
         // A heartbeat may come early when the state has changed.
         let late = actual.nanos() > period.nanos() + tolerance.nanos();
@@ -311,7 +319,7 @@ impl Slave {
             Phase::Unsure => Ok(self.enter(now, shown)),
             Phase::Running if shown != Phase::Stopped => Ok(self.enter(now, shown)),
             phase if phase == shown => Ok(Change::None),
-            _ if now < self.changed + GRACE => Ok(Change::None),
+            _ if now < self.changed + self.grace => Ok(Change::None),
             phase => {
                 let rule = "state in error control";
                 Err(violation(Property::NmtState, rule, format!("{phase:?}"), format!("{shown:?}"), now))
@@ -355,16 +363,16 @@ impl Slave {
         let Some(period) = self.period.filter(|period| *period > Duration(0)) else { return Ok(()) };
         let last = self.last_heartbeat.unwrap_or(self.period_since);
         let running = !matches!(self.phase, Phase::Unconfigured | Phase::Booting);
-        if running && now.since(last).nanos() > period.nanos() + tolerance(period).nanos() {
+        if running && now.since(last).nanos() > period.nanos() + self.tolerance(period).nanos() {
             let expected = format!("heartbeats every {period}");
             let actual = format!("none for {}", now.since(last));
             return Err(violation(Property::NmtState, "period of the heartbeat", expected, actual, now));
         }
         Ok(())
     }
-}
 
-/// By how much a heartbeat may be off.
-fn tolerance(period: Duration) -> Duration {
-    Duration((period.nanos() / 10).max(FLOOR.nanos()))
+    /// By how much a heartbeat may be off.
+    fn tolerance(&self, period: Duration) -> Duration {
+        Duration((period.nanos() / 10).max(self.jitter.nanos()))
+    }
 }

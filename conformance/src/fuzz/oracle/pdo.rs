@@ -8,9 +8,6 @@ use crate::fuzz::property::Property;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// Timers tick in milliseconds, and other frames can hold a PDO up.
-const FLOOR: Duration = Duration::from_millis(2);
-
 /// A TPDO as it was seen.
 #[derive(Clone, Debug)]
 struct Seen {
@@ -142,12 +139,12 @@ impl Pdos {
             }
         }
         // An identifier that changed a moment ago may still be on its way.
-        let changing = self.seen.iter().any(|seen| now.since(seen.since) < FLOOR.times(2));
+        let changing = self.seen.iter().any(|seen| now.since(seen.since) < knowledge.patience.jitter.times(2));
         if unknown || changing {
             return Ok(());
         }
         let expected = "frames only on the identifiers of its services and valid PDOs";
-        Err(violation(Property::PdoTransmission, "identifier", expected, format!("{frame}"), now))
+        Err(violation(Property::Pdo, "identifier", expected, format!("{frame}"), now))
     }
 
     /// The answer to a SYNC is overdue.
@@ -159,7 +156,7 @@ impl Pdos {
             if now >= seen.due {
                 seen.due = Timestamp::MAX;
                 let expected = format!("the TPDO of {:04X}h after the SYNC", seen.index);
-                return Err(violation(Property::PdoTransmission, "synchronous TPDO", expected, "none", now));
+                return Err(violation(Property::Pdo, "synchronous TPDO", expected, "none", now));
             }
         }
         Ok(())
@@ -183,10 +180,10 @@ impl Pdos {
             let parameters = Parameters::of(seen.index, belief, knowledge);
             let Some(period) = parameters.period() else { continue };
             let last = seen.last.unwrap_or(seen.since).max(seen.since);
-            if last > Timestamp::ZERO && now.since(last) > late(period) {
+            if last > Timestamp::ZERO && now.since(last) > late(period, knowledge.patience.jitter) {
                 let expected = format!("the TPDO of {:04X}h every {period}", seen.index);
                 let actual = format!("none for {}", now.since(last));
-                return Err(violation(Property::PdoTransmission, "event timer", expected, actual, now));
+                return Err(violation(Property::Pdo, "event timer", expected, actual, now));
             }
         }
         Ok(())
@@ -215,25 +212,23 @@ impl Seen {
         belief: &Belief,
         knowledge: &Knowledge,
     ) -> Result<(), Violation> {
-        let wrong = |rule, expected: String, actual: String| {
-            Err(violation(Property::PdoTransmission, rule, expected, actual, now))
-        };
+        let jitter = knowledge.patience.jitter;
+        let wrong = |rule, expected: String, actual: String| Err(violation(Property::Pdo, rule, expected, actual, now));
         if nmt.serves_pdo(now) == Served::No {
             let expected = "no PDO outside operational".to_owned();
             return wrong("PDO outside operational", expected, format!("{frame} in {:?}", nmt.phase()));
         }
         if let Some(len) = mapped_length(self.index + 0x200, belief, knowledge)
             && frame.len() != len
-            && now.since(self.since) > FLOOR
+            && !(frame.len() == 8 && knowledge.services.padded_tpdos.contains(&(self.index - 0x17FF)))
+            && now.since(self.since) > jitter
         {
             return wrong("length of a PDO", format!("{len} bytes, as mapped"), format!("{} bytes", frame.len()));
         }
         let last = self.last.replace(now);
         let asked = self.open > 0;
         self.open = self.open.saturating_sub(1);
-        if self.open == 0 {
-            self.due = Timestamp::MAX;
-        }
+        self.due = Timestamp::MAX;
         if let (Some(kind @ 1..=240), true) = (parameters.transmission, parameters.is_plain())
             && !asked
             && nmt.phase() == Phase::Operational
@@ -245,13 +240,13 @@ impl Seen {
         let interval = now.since(last);
         if let (Some(inhibit), Some(254 | 255)) = (parameters.inhibit, parameters.transmission)
             && !asked
-            && inhibit > FLOOR
-            && interval.nanos() + FLOOR.nanos() < inhibit.nanos()
+            && inhibit > jitter
+            && interval.nanos() + jitter.nanos() < inhibit.nanos()
         {
             return wrong("inhibit time", format!("at least {inhibit} between two"), format!("{interval}"));
         }
         match parameters.period() {
-            Some(period) if interval > late(period) => {
+            Some(period) if interval > late(period, jitter) => {
                 wrong("event timer", format!("the TPDO every {period}"), format!("after {interval}"))
             }
             _ => Ok(()),
@@ -260,8 +255,8 @@ impl Seen {
 }
 
 /// The latest that a cyclic PDO may come.
-fn late(period: Duration) -> Duration {
-    Duration(period.nanos() + (period.nanos() / 10).max(FLOOR.nanos()))
+fn late(period: Duration, jitter: Duration) -> Duration {
+    Duration(period.nanos() + (period.nanos() / 10).max(jitter.nanos()))
 }
 
 /// Communication parameters, as far as they are known.

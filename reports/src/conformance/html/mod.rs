@@ -79,6 +79,7 @@ fn head(run: &Run, name: &str) -> Markup {
             (fact("Serial number", &serial))
             (fact("Duration", &run.summary.duration.to_string()))
         }
+        @if let Some(host) = &run.summary.host { p.host { (super::host::sentence(host)) } }
     }
 }
 

@@ -5,6 +5,7 @@
 //! its length, including its closing zero, and its bytes.
 
 use super::plan::Layout;
+use super::run::{Extent, Run};
 use crate::damage::Flaw;
 
 /// The bytes behind the header.
@@ -35,7 +36,9 @@ impl<'a> Cdr<'a> {
 
     #[inline]
     fn align(&mut self, size: usize) {
-        self.at = self.at.next_multiple_of(size.min(self.widest));
+        // Sizes are powers of two.
+        let below = size.min(self.widest) - 1;
+        self.at = (self.at + below) & !below;
     }
 }
 
@@ -44,12 +47,23 @@ impl<'a> Layout<'a> for Cdr<'a> {
     fn number(&mut self, size: usize) -> Option<u64> {
         self.align(size);
         let bytes = self.bytes(size)?;
-        Some(match (bytes, self.little) {
-            (&[byte], _) => u64::from(byte),
-            (&[a, b, c, d], true) => u64::from(u32::from_le_bytes([a, b, c, d])),
-            (_, true) => bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)),
-            (_, false) => bytes.iter().fold(0, |number, &byte| number << 8 | u64::from(byte)),
+        self.placed(bytes, size)
+    }
+
+    #[inline]
+    fn placed(&self, bytes: &[u8], size: usize) -> Option<u64> {
+        Some(match (size, self.little) {
+            (1, _) => u64::from(*bytes.first()?),
+            (4, true) => u64::from(u32::from_le_bytes(*bytes.first_chunk()?)),
+            (_, true) => bytes.get(..size)?.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)),
+            (_, false) => bytes.get(..size)?.iter().fold(0, |number, &byte| number << 8 | u64::from(byte)),
         })
+    }
+
+    #[inline]
+    fn run<'r>(&mut self, run: &'r Run) -> Option<(&'a [u8], &'r Extent)> {
+        self.align(run.align);
+        Some((self.bytes(run.aligned.len)?, &run.aligned))
     }
 
     fn skip_numbers(&mut self, size: usize, count: usize) -> Option<()> {

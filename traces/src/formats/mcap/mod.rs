@@ -20,6 +20,7 @@ mod protobuf;
 mod reader;
 mod ros1;
 mod ros_definition;
+mod run;
 mod topic;
 mod topics;
 mod writer;

@@ -4,7 +4,9 @@
 
 use super::fields::{Role, Shape, Values};
 use super::ros_definition::{Count, Definitions, Field, Kind, Message};
+use super::run::{self, Extent, Run};
 use crate::damage::Flaw;
+use crate::{Record, Timestamp};
 use std::borrow::Cow;
 
 /// Messages nest no deeper than this.
@@ -22,16 +24,22 @@ pub(crate) trait Layout<'a> {
     fn skip_text(&mut self, wide: bool) -> Option<()>;
     /// That many bytes.
     fn bytes(&mut self, count: usize) -> Option<&'a [u8]>;
+    /// The bytes of a run of numbers and where each of them stands in it.
+    fn run<'r>(&mut self, run: &'r Run) -> Option<(&'a [u8], &'r Extent)>;
+    /// The number of that size that the bytes begin with.
+    fn placed(&self, bytes: &[u8], size: usize) -> Option<u64>;
 }
 
 /// A step through a message's bytes.
 #[derive(Clone, Debug)]
-enum Step {
+pub(crate) enum Step {
     Number {
         size: usize,
         signed: bool,
         role: Option<Role>,
     },
+    /// Several numbers, read at once.
+    Run(Run),
     Text {
         wide: bool,
     },
@@ -53,7 +61,7 @@ enum Step {
 pub(crate) struct Plan {
     /// Up to the last value that has a role.
     steps: Vec<Step>,
-    pub(crate) shape: Shape,
+    shape: Shape,
 }
 
 impl Plan {
@@ -65,19 +73,18 @@ impl Plan {
         let mut steps = compiler.message(0, 0, true)?;
         let last = steps.iter().rposition(Step::has_role)?;
         steps.truncate(last + 1);
+        let steps = run::joined(steps);
         Some(Self { steps, shape: shape(messages.get(target)?)? })
     }
 
-    /// The values of a message.
+    /// The frame of a message; `logged` is its time unless it has its own.
     #[inline]
-    pub(crate) fn read<'a>(&self, layout: &mut impl Layout<'a>) -> Result<Values<'a>, Flaw> {
+    pub(crate) fn record<'a>(&self, layout: &mut impl Layout<'a>, logged: Timestamp) -> Result<Record, Flaw> {
         let mut values = Values::default();
-        for step in &self.steps {
-            if step.read(layout, &mut values).is_none() {
-                return Err(Flaw::malformed("a message as its schema says", "an end before its last field"));
-            }
+        if self.steps.iter().try_for_each(|step| step.read(layout, &mut values)).is_none() {
+            return Err(Flaw::malformed("a message as its schema says", "an end before its last field"));
         }
-        Ok(values)
+        values.record(&self.shape, logged)
     }
 }
 
@@ -202,7 +209,7 @@ impl Step {
     }
 
     #[inline]
-    fn read<'a>(&self, layout: &mut impl Layout<'a>, values: &mut Values<'a>) -> Option<()> {
+    pub(crate) fn read<'a>(&self, layout: &mut impl Layout<'a>, values: &mut Values<'a>) -> Option<()> {
         match self {
             Self::Number { size, signed, role } => {
                 let number = layout.number(*size)?;
@@ -210,6 +217,7 @@ impl Step {
                     values.set(*role, if *signed { sign_extended(number, *size) } else { number as i64 });
                 }
             }
+            Self::Run(run) => run.read(layout, values)?,
             Self::Text { wide } => layout.skip_text(*wide)?,
             Self::Data(count) => {
                 let count = counted(layout, *count)?;
@@ -241,7 +249,7 @@ fn counted<'a>(layout: &mut impl Layout<'a>, count: Count) -> Option<usize> {
 }
 
 /// A signed number of `size` bytes.
-const fn sign_extended(number: u64, size: usize) -> i64 {
+pub(crate) const fn sign_extended(number: u64, size: usize) -> i64 {
     let unused = 64 - 8 * size as u32;
     (number << unused) as i64 >> unused
 }

@@ -1,6 +1,7 @@
 //! The encoding of ROS 1: little-endian, packed, a text is its length and its bytes, without a closing zero.
 
 use super::plan::Layout;
+use super::run::{Extent, Run};
 
 /// What is left of a message.
 pub(crate) struct Ros1<'a>(pub(crate) &'a [u8]);
@@ -8,7 +9,18 @@ pub(crate) struct Ros1<'a>(pub(crate) &'a [u8]);
 impl<'a> Layout<'a> for Ros1<'a> {
     #[inline]
     fn number(&mut self, size: usize) -> Option<u64> {
-        Some(self.bytes(size)?.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)))
+        let bytes = self.bytes(size)?;
+        self.placed(bytes, size)
+    }
+
+    #[inline]
+    fn placed(&self, bytes: &[u8], size: usize) -> Option<u64> {
+        Some(bytes.get(..size)?.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)))
+    }
+
+    #[inline]
+    fn run<'r>(&mut self, run: &'r Run) -> Option<(&'a [u8], &'r Extent)> {
+        Some((self.bytes(run.packed.len)?, &run.packed))
     }
 
     fn skip_numbers(&mut self, size: usize, count: usize) -> Option<()> {

@@ -59,8 +59,8 @@ impl Decoder {
     #[inline]
     pub(crate) fn record(&self, message: &[u8], logged: Timestamp) -> Result<Option<Record>, Flaw> {
         let record = match &self.encoding {
-            Encoding::Cdr(plan) => plan.read(&mut Cdr::new(message)?)?.record(&plan.shape, logged)?,
-            Encoding::Ros1(plan) => plan.read(&mut Ros1(message))?.record(&plan.shape, logged)?,
+            Encoding::Cdr(plan) => plan.record(&mut Cdr::new(message)?, logged)?,
+            Encoding::Ros1(plan) => plan.record(&mut Ros1(message), logged)?,
             Encoding::Protobuf(plan) => plan.read(message)?.record(plan.shape(), logged)?,
             Encoding::Json(plan) => match plan.read(message)? {
                 Some(values) => values.record(plan.shape(), logged)?,

@@ -117,10 +117,15 @@ pub(crate) fn for_each_option<'a>(order: Endianness, mut i: &'a [u8], mut each: 
     }
 }
 
+/// A number of four bytes.
+#[inline]
+pub(crate) fn word(order: Endianness, bytes: [u8; 4]) -> u32 {
+    if matches!(order, Endianness::Big) { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
+}
+
 /// The value of an option of four bytes.
 pub(crate) fn option_u32(order: Endianness, value: &[u8]) -> Option<u32> {
-    let bytes = value.try_into().ok()?;
-    Some(if matches!(order, Endianness::Big) { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
+    value.try_into().ok().map(|bytes| word(order, bytes))
 }
 
 /// The value of an option of eight bytes.

@@ -14,6 +14,7 @@
 mod block;
 mod interface;
 mod reader;
+mod usual;
 mod writer;
 
 pub(crate) use reader::{open, sniff};

@@ -55,7 +55,7 @@ fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Jud
 
 /// A block download without CRC is taken, and the value can be read back.
 #[case(id = "301/sdo/block-download/complete", clause = "CiA 301 7.2.4.3.9", confidence = Known, level = Must,
-       needs = [BlockDownload], catches = [SdoBlockPaddingKept, SdoBlockEndSilent, SdoBlockSizeZeroOffered], cct = "2.21")]
+       needs = [BlockDownload], catches = [SdoBlockPaddingKept, SdoBlockEndSilent, SdoBlockSizeZeroOffered, SdoBlockCountOffByOne], cct = "2.21")]
 fn complete(bench: &mut Bench<'_>) -> Judged {
     let scratch = subject(bench)?;
     let manner = DownloadManner { crc: false, ..DownloadManner::right(&scratch.other) };

@@ -24,9 +24,6 @@ use canvass_traces::{Duration, Frame, Timestamp};
 /// The longest value whose bytes are followed; of longer ones only the length is judged.
 const LONGEST: usize = 1 << 16;
 
-/// After a change of the NMT state, responses that were on their way already may still come.
-const GRACE: Duration = Duration::from_millis(5);
-
 /// The server.
 #[derive(Clone, Debug)]
 pub(in crate::fuzz) struct Server {
@@ -133,11 +130,11 @@ impl Server {
         self.data.clear();
     }
 
-    /// Another NMT state.
-    pub fn state_changed(&mut self, now: Timestamp, served: Served) {
+    /// Another NMT state. Responses that were on their way already may still come for `grace`.
+    pub fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration) {
         if served != Served::Yes {
             self.reset();
-            self.grace = now + GRACE;
+            self.grace = now + grace;
         } else if !matches!(self.awaited, Awaited::Nothing) {
             self.awaited = Awaited::Anything;
             self.due = Timestamp::MAX;
@@ -182,7 +179,7 @@ impl Server {
             self.state = State::Unsure;
             awaited = Awaited::Anything;
         }
-        if matches!(awaited, Awaited::Nothing) {
+        if matches!(awaited, Awaited::Nothing | Awaited::Anything | Awaited::ConfirmBlock { required: false, .. }) {
             coverage.sdo(self.asked_in, self.command, Answer::None);
         }
         self.await_answer(now, awaited, knowledge);
@@ -191,6 +188,16 @@ impl Server {
     fn await_answer(&mut self, now: Timestamp, awaited: Awaited, knowledge: &Knowledge) {
         self.due = if awaited.is_required() { now + knowledge.patience.answer } else { Timestamp::MAX };
         self.awaited = awaited;
+    }
+
+    /// Whether the next frame is, or may be, taken for a segment of a block download.
+    pub fn is_in_blocks(&self) -> bool {
+        matches!(self.state, State::Unsure | State::BlockDownload { .. })
+    }
+
+    /// Whether an answer may come that need not come.
+    pub fn is_open(&self) -> bool {
+        self.overlapped || self.awaited == Awaited::Anything
     }
 
     /// Nothing has come for a while: no answer to an earlier request is under way.
@@ -215,7 +222,8 @@ impl Server {
             return self.block_segment(segment, knowledge);
         }
         let Ok(request) = Request::read(frame.data()) else { return Awaited::Anything };
-        if self.state == State::Unsure && request.multiplexer().is_none() {
+        if self.state == State::Unsure && !matches!(request, Request::Abort(_)) {
+            // It may be taken for the segment of a block download that nobody knows of. The answer tells.
             return Awaited::Anything;
         }
         match request {

@@ -2,6 +2,7 @@
 
 use super::super::belief::Belief;
 use super::super::codes::{self, CodeSet};
+use super::super::encoder;
 use super::super::{Served, Violation, violation};
 use super::awaited::{Awaited, Reading, Writing};
 use super::block::Upload;
@@ -74,8 +75,11 @@ impl Server {
         let Ok(response) = Response::read(frame.data()) else {
             return Err(wrong(Property::LegalSdo, shown(frame)));
         };
-        check_reserved(frame, response)?;
         let awaited = self.take_awaited();
+        // What may be the segment of a block can have any bytes.
+        if awaited != Awaited::Anything {
+            check_reserved(frame, response)?;
+        }
         coverage.sdo(self.asked_in, self.command, Answer::of(&response));
         self.judge_response(awaited, response, frame, knowledge, belief)
     }
@@ -108,14 +112,7 @@ impl Server {
         }
         match awaited {
             Awaited::Nothing => Err(unsolicited(frame)),
-            Awaited::Anything => match response {
-                Response::Abort(abort) if abort.code.name().is_none() => Err(unknown_code(abort)),
-                Response::InitiateDownload { .. } | Response::DownloadSegment { .. } | Response::EndBlockDownload => {
-                    belief.forget();
-                    Ok(())
-                }
-                _ => Ok(()),
-            },
+            Awaited::Anything => self.anything_came(response, belief),
             Awaited::Abort { codes, at, .. } => match response {
                 Response::Abort(abort) => check_abort(abort, codes, at),
                 _ => Err(refused()),
@@ -236,6 +233,20 @@ impl Server {
                 _ => Err(refused()),
             },
         }
+    }
+
+    /// An answer that nobody can foretell says at least where the server is now.
+    fn anything_came(&mut self, response: Response, belief: &mut Belief) -> Judged {
+        self.state = match response {
+            Response::Abort(_) | Response::InitiateUpload { payload: Payload::Expedited(_), .. } => State::Idle,
+            _ => State::Unsure,
+        };
+        if let Response::InitiateDownload { .. } | Response::DownloadSegment { .. } | Response::EndBlockDownload =
+            response
+        {
+            belief.forget();
+        }
+        Ok(())
     }
 
     fn upload_begins(
@@ -410,11 +421,6 @@ fn unsolicited(frame: &Frame) -> Wrong {
     instead(Property::OneAnswer, "no response: none is outstanding", shown(frame))
 }
 
-fn unknown_code(abort: Abort) -> Wrong {
-    let code = abort.code.0;
-    instead(Property::LegalSdo, "an abort code of CiA 301", format!("{:04X} {:04X}h", code >> 16, code & 0xFFFF))
-}
-
 /// Reserved bytes and bits are 0. Bytes of a value that don't count may hold anything.
 fn check_reserved(frame: &Frame, response: Response) -> Judged {
     let mut expected = [0; 8];
@@ -478,7 +484,7 @@ fn refused_late(abort: Abort, at: Multiplexer, writing: Writing, belief: &mut Be
 
 fn confirm(writing: Writing, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief) -> Judged {
     if !writing.must.is_empty() {
-        let property = if writing.pdo_rule { Property::PdoConfiguration } else { Property::LegalSdo };
+        let property = if writing.pdo_rule { Property::Pdo } else { Property::LegalSdo };
         return Err(wrong(property, format!("{}: it is confirmed", shown(frame))));
     }
     if let Some(entry) = writing.entry {
@@ -525,6 +531,9 @@ fn check_block_size(block_size: u8, frame: &Frame) -> Judged {
 
 fn check_value(value: &[u8], entry: Option<usize>, knowledge: &Knowledge, belief: &mut Belief) -> Judged {
     let Some(entry) = entry else { return Ok(()) };
+    if let Some((expected, actual)) = encoder::misplaced(value, entry, knowledge, belief) {
+        return Err(instead(Property::PositionInRange, expected, actual));
+    }
     let Some(known) = knowledge.entries().get(entry).filter(|known| known.stable && known.size.is_some()) else {
         return Ok(());
     };
@@ -538,6 +547,7 @@ fn check_value(value: &[u8], entry: Option<usize>, knowledge: &Knowledge, belief
             let property = match belief.aborted {
                 Some(aborted) if aborted == entry => Property::AbortedUnchanged,
                 _ if known.constant => Property::Consistent,
+                _ if belief.is_by_reset(entry) => Property::Restored,
                 _ => Property::ReadBack,
             };
             Err(instead(property, format!("{} holds {expected:X}h", known.at), format!("{raw:X}h")))

@@ -1,14 +1,18 @@
-//! What is handed over of a violation: a log that can be replayed.
+//! A sequence as a candump log, and back.
 
-use super::stimulus::{Sequence, Start, Stimulus, Then};
+use super::super::stimulus::{Sequence, Start, Stimulus, Then};
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::fmt::Write;
+
+/// A comment that says that the device has no node-ID when the sequence begins.
+pub(super) const UNCONFIGURED: &str = "# start: without node-ID";
 
 /// The frames of a sequence as a candump log, for `canplayer` and `canvass fuzz --replay`. Times are those at which the
 /// frames are to be sent: 100 ms apart where the device is to be given time, at once where it is not.
 pub fn candump(sequence: &Sequence) -> String {
     let mut now = Timestamp::ZERO;
-    sequence.stimuli.iter().fold(String::new(), |mut text, stimulus| {
+    let head = if sequence.start == Start::Unconfigured { format!("{UNCONFIGURED}\n") } else { String::new() };
+    sequence.stimuli.iter().fold(head, |mut text, stimulus| {
         // Writing to a string can't fail.
         let nanos = now.nanos();
         let _ = writeln!(
@@ -24,7 +28,7 @@ pub fn candump(sequence: &Sequence) -> String {
 }
 
 /// What `canplayer` and a replay wait after a frame that is to settle.
-const SETTLE: Duration = Duration::from_millis(100);
+pub(super) const SETTLE: Duration = Duration::from_millis(100);
 
 /// Frames closer than this follow each other at once.
 const AT_ONCE: Duration = Duration::from_micros(1);

@@ -1,0 +1,97 @@
+//! Fuzzes models without fault, and faults, as long as one likes: `soak models EXCHANGES [SEED] [TARGET] [MODEL...]`,
+//! `soak faults SECONDS [SEED] [FAULT...]`.
+
+use canvass_conformance::case::Touch;
+use canvass_conformance::fuzz::campaign::Found;
+use canvass_conformance::fuzz::coverage::LssReach;
+use canvass_conformance::fuzz::detection::{Limit, detect, fuzz};
+use canvass_conformance::fuzz::{Target, reproducer};
+use canvass_conformance::models::Model;
+use canvass_conformance::{Fault, Faults};
+use std::io::{Write, stdout};
+use std::time::{Duration, Instant};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let number = |n: usize, usual: u64| args.get(n).map_or(Ok(usual), |text| text.parse::<u64>());
+    match args.first().map(String::as_str) {
+        Some("models") => models(
+            number(1, 100_000)?,
+            number(2, 0)?,
+            args.get(3).map_or("all", |name| name),
+            args.get(4..).unwrap_or(&[]),
+        ),
+        Some("faults") => faults(number(1, 10)?, number(2, 0)?, args.get(3..).unwrap_or(&[])),
+        _ => {
+            Err("usage: soak models EXCHANGES [SEED] [TARGET] [MODEL...] | soak faults SECONDS [SEED] [FAULT...]"
+                .into())
+        }
+    }
+}
+
+fn models(exchanges: u64, seed: u64, target: &str, named: &[String]) -> Result<(), Box<dyn std::error::Error>> {
+    let target: Target = target.parse()?;
+    let mut out = stdout().lock();
+    for model in Model::all().iter().filter(|model| named.is_empty() || named.iter().any(|name| name == model.id())) {
+        let begun = Instant::now();
+        let outcome = fuzz(model, Faults::NONE, target, seed, &mut |done| done < exchanges)?;
+        let rate = outcome.executions as f64 / begun.elapsed().as_secs_f64();
+        writeln!(
+            out,
+            "{:24} {:>9} exchanges, {rate:.0}/s, sdo {:?} lss {:?}, {} violations",
+            model.id(),
+            outcome.executions,
+            outcome.coverage.sdo_share(model.sheet().network.sdo_block_transfer),
+            outcome.coverage.lss_share(&LssReach::of(model.sheet().network.lss, &Touch::ALL.into_iter().collect())),
+            outcome.violations.len()
+        )?;
+        for found in &outcome.violations {
+            show(&mut out, found)?;
+        }
+    }
+    Ok(())
+}
+
+fn faults(seconds: u64, seed: u64, named: &[String]) -> Result<(), Box<dyn std::error::Error>> {
+    let mut out = stdout().lock();
+    let limit = Limit { exchanges: u64::MAX, time: Duration::from_secs(seconds) };
+    for &fault in Fault::ALL.iter().filter(|fault| named.is_empty() || named.iter().any(|name| name == fault.id())) {
+        let trial = detect(fault, seed, limit)?;
+        match &trial.found {
+            Some(detected) => {
+                let violation = &detected.found.violation;
+                writeln!(
+                    out,
+                    "+ {} {:?} {} frames {} {} | {} | {}",
+                    fault,
+                    detected.elapsed,
+                    detected.found.sequence.stimuli.len(),
+                    violation.property,
+                    violation.rule,
+                    violation.expected,
+                    violation.actual
+                )?;
+                if !named.is_empty() {
+                    show(&mut out, &detected.found)?;
+                }
+            }
+            None => writeln!(out, "- {} after {} exchanges", fault, trial.exchanges)?,
+        }
+        out.flush()?;
+    }
+    Ok(())
+}
+
+fn show(out: &mut impl Write, found: &Found) -> std::io::Result<()> {
+    let violation = &found.violation;
+    writeln!(
+        out,
+        "  {} {} (confirmed {}): expected {}, got {}",
+        violation.property, violation.rule, found.confirmed, violation.expected, violation.actual
+    )?;
+    write!(out, "{:?}\n{}", found.sequence.start, reproducer::candump(&found.sequence))?;
+    for record in found.evidence.iter().rev().take(40).rev() {
+        writeln!(out, "    {} {:?} {}", record.timestamp, record.direction, record.frame)?;
+    }
+    Ok(())
+}

@@ -1,0 +1,116 @@
+//! The result as JSON: `"schema": "canvass/fuzz/1"`.
+
+use super::{Run, Words, rust_test, sdo_rows};
+use crate::escape;
+use canvass_conformance::fuzz::campaign::Found;
+use canvass_conformance::fuzz::{Start, Stimulus, Then, reproducer};
+use canvass_traces::{Direction, Frame, Record};
+use serde_json::{Map, Value, json};
+use std::io::{self, Write};
+
+/// The name and version of the contract.
+pub const SCHEMA: &str = "canvass/fuzz/1";
+
+/// Writes the document, indented, with a line end.
+///
+/// # Errors
+/// What `out` gives.
+pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    let document = json!({
+        "schema": SCHEMA,
+        "version": env!("CARGO_PKG_VERSION"),
+        "bus": run.bus,
+        "bit_rate": run.bit_rate,
+        "node": run.node.raw(),
+        "model": Some(&run.model).filter(|model| !model.is_empty()),
+        "target": run.target.name(),
+        "seed": run.seed,
+        "repeat": run.repeat,
+        "cancelled": run.cancelled,
+        "executions": run.outcome.executions,
+        "sequences": run.outcome.sequences,
+        "unjudged": run.outcome.unjudged,
+        "dead": run.outcome.dead,
+        "coverage": coverage(run),
+        "violations": run.violations().map(|(found, words)| violation(run, found, words)).collect::<Vec<_>>(),
+    });
+    writeln!(out, "{}", escape::json(&format!("{document:#}")))
+}
+
+fn coverage(run: &Run) -> Value {
+    let sdo = sdo_rows(run).into_iter().map(|(state, command, answers)| {
+        let answers: Map<String, Value> =
+            answers.iter().map(|(answer, count)| (answer.name().to_owned(), (*count).into())).collect();
+        json!({ "state": state, "command": command, "answers": answers })
+    });
+    let lss = run.coverage().lss_rows().map(|(state, command, answered, count)| {
+        json!({ "state": state.name(), "command": command.name(), "answered": answered, "count": count })
+    });
+    let (sdo_share, lss_share) = (run.sdo_share(), run.lss_share());
+    json!({
+        "sdo": { "reached": sdo_share.reached, "reachable": sdo_share.reachable, "pairs": sdo.collect::<Vec<_>>() },
+        "lss": { "reached": lss_share.reached, "reachable": lss_share.reachable, "pairs": lss.collect::<Vec<_>>() },
+    })
+}
+
+fn violation(run: &Run, found: &Found, words: &Words) -> Value {
+    let violation = &found.violation;
+    let start = match found.sequence.start {
+        Start::Configured => "configured",
+        Start::Unconfigured => "without-node-id",
+    };
+    let frames = found.sequence.stimuli.iter().zip(&words.sequence);
+    let evidence = found.evidence.iter().zip(&words.evidence);
+    json!({
+        "property": violation.property.id(),
+        "title": violation.property.title(),
+        "rule": violation.rule,
+        "expected": violation.expected,
+        "actual": violation.actual,
+        "t": violation.at.nanos(),
+        "confirmed": found.confirmed,
+        "start": start,
+        "frames": frames.map(|(stimulus, words)| step(stimulus, words)).collect::<Vec<_>>(),
+        "evidence": evidence.map(|(record, words)| exhibit(record, words)).collect::<Vec<_>>(),
+        "log": reproducer::candump(&found.sequence),
+        "test": rust_test(run, found),
+    })
+}
+
+fn step(stimulus: &Stimulus, words: &str) -> Value {
+    let mut value = frame(&stimulus.frame, words);
+    let (then, wait) = match stimulus.then {
+        Then::Settle => ("settle", None),
+        Then::AtOnce => ("at-once", None),
+        Then::Pause(time) => ("pause", Some(time.nanos())),
+    };
+    value.insert("then".to_owned(), then.into());
+    if let Some(wait) = wait {
+        value.insert("wait_ns".to_owned(), wait.into());
+    }
+    Value::Object(value)
+}
+
+fn exhibit(record: &Record, words: &str) -> Value {
+    let mut value = frame(&record.frame, words);
+    let direction = if record.direction == Direction::Tx { "tx" } else { "rx" };
+    value.insert("t".to_owned(), record.timestamp.nanos().into());
+    value.insert("direction".to_owned(), direction.into());
+    Value::Object(value)
+}
+
+fn frame(frame: &Frame, words: &str) -> Map<String, Value> {
+    let data: String = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
+    let mut value = Map::new();
+    value.insert("id".to_owned(), frame.id().raw().into());
+    if frame.id().is_extended() {
+        value.insert("extended".to_owned(), true.into());
+    }
+    if frame.is_remote() {
+        value.insert("remote".to_owned(), true.into());
+        value.insert("dlc".to_owned(), frame.len().into());
+    }
+    value.insert("data".to_owned(), data.into());
+    value.insert("text".to_owned(), words.into());
+    value
+}

@@ -1,0 +1,201 @@
+//! Reports of a run of the fuzzer: [`text`], [`json`], [`junit`], [`markdown`] and [`html`]. All are made from one
+//! [`Run`], and on the simulated bus two runs of the same seed give the same bytes: nothing in them is of the wall
+//! clock.
+
+pub mod detection;
+pub mod html;
+pub mod json;
+pub mod junit;
+pub mod markdown;
+pub mod properties;
+pub mod text;
+
+use canvass_analyzer::NodeId;
+use canvass_conformance::bench::Annotate;
+use canvass_conformance::fuzz::campaign::{Found, Outcome};
+use canvass_conformance::fuzz::coverage::{Answer, Coverage, LssReach};
+use canvass_conformance::fuzz::{Target, Then, reproducer};
+use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
+use std::fmt::Write as _;
+use std::io::{self, Write};
+
+/// A whole run, as the reports need it.
+#[derive(Clone, Debug)]
+pub struct Run {
+    /// The bus's address.
+    pub bus: String,
+    /// In bit/s, where it is known.
+    pub bit_rate: Option<u32>,
+    /// The device's node-ID.
+    pub node: NodeId,
+    /// What the user calls the device; empty: not described.
+    pub model: String,
+    /// The services.
+    pub target: Target,
+    /// The seed.
+    pub seed: u64,
+    /// The command that repeats the run.
+    pub repeat: String,
+    /// Whether the run was interrupted.
+    pub cancelled: bool,
+    /// Whether the device knows block transfers.
+    pub block_transfer: bool,
+    /// What of LSS can be reached.
+    pub reach: LssReach,
+    /// The outcome.
+    pub outcome: Outcome,
+    /// The words for the frames of each violation.
+    pub words: Vec<Words>,
+}
+
+/// What the frames of a violation mean.
+#[derive(Clone, Debug)]
+pub struct Words {
+    /// Of the minimal sequence, one text for each frame.
+    pub sequence: Vec<String>,
+    /// Of the frames on the bus.
+    pub evidence: Vec<String>,
+}
+
+impl Words {
+    /// The words that decoders give; each begins without any context.
+    pub fn of(found: &Found, decoder: &mut dyn FnMut() -> Box<dyn Annotate>) -> Self {
+        let mut annotate = decoder();
+        let evidence = found.evidence.iter().map(|record| annotate.annotate(record)).collect();
+        let mut annotate = decoder();
+        let record = |frame| Record::new(Timestamp::ZERO, ChannelId(0), frame).with_direction(Direction::Tx);
+        let stimuli = &found.sequence.stimuli;
+        let sequence = stimuli.iter().map(|stimulus| annotate.annotate(&record(stimulus.frame))).collect();
+        Self { sequence, evidence }
+    }
+}
+
+/// Writes a report.
+pub type Render = fn(&Run, &mut dyn Write) -> io::Result<()>;
+
+/// Of that many combinations of state and command so many were exercised.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Share {
+    /// Exercised.
+    pub reached: usize,
+    /// There are.
+    pub reachable: usize,
+}
+
+impl Share {
+    /// In percent, rounded down; of nothing all was reached.
+    pub fn percent(self) -> usize {
+        (self.reached * 100).checked_div(self.reachable).unwrap_or(100)
+    }
+}
+
+impl std::fmt::Display for Share {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} of {} ({} %)", self.reached, self.reachable, self.percent())
+    }
+}
+
+impl Run {
+    fn coverage(&self) -> &Coverage {
+        &self.outcome.coverage
+    }
+
+    /// What was exercised of the SDO server.
+    pub fn sdo_share(&self) -> Share {
+        let (reached, reachable) = self.coverage().sdo_share(self.block_transfer);
+        Share { reached, reachable }
+    }
+
+    /// What was exercised of the LSS slave.
+    pub fn lss_share(&self) -> Share {
+        let (reached, reachable) = self.coverage().lss_share(&self.reach);
+        Share { reached, reachable }
+    }
+
+    /// The violations with their words.
+    fn violations(&self) -> impl Iterator<Item = (&Found, &Words)> {
+        self.outcome.violations.iter().zip(&self.words)
+    }
+}
+
+/// One line about the outcome.
+pub fn outcome(run: &Run) -> String {
+    let outcome = &run.outcome;
+    let count = match outcome.violations.len() {
+        0 => "no property is violated".to_owned(),
+        1 => "1 violation".to_owned(),
+        count => format!("{count} violations"),
+    };
+    let flaky = match outcome.violations.iter().filter(|found| !found.confirmed).count() {
+        0 => String::new(),
+        1 => ", 1 of them was seen once only".to_owned(),
+        count => format!(", {count} of them were seen once only"),
+    };
+    let dead = if outcome.dead { "; the device is dead" } else { "" };
+    let unjudged = match outcome.unjudged {
+        0 => String::new(),
+        count => format!("; {count} sequences could not be judged"),
+    };
+    let cancelled = if run.cancelled { " (cancelled before the end)" } else { "" };
+    format!("{count}{flaky}{dead}{unjudged}{cancelled}")
+}
+
+/// What is to be known of a violation that did not come back.
+fn reliability(found: &Found, dead: bool) -> &'static str {
+    match (found.confirmed, dead) {
+        (true, _) => "comes back whenever the sequence is repeated",
+        (false, true) => "the device did not come back after it: these are its last frames",
+        (false, false) => {
+            "was seen once and did not come back when the sequence was repeated: its whole trace is shown"
+        }
+    }
+}
+
+/// What follows a frame of a sequence, where that is not the usual.
+fn then(then: Then) -> String {
+    match then {
+        Then::Settle => String::new(),
+        Then::AtOnce => "next frame at once".to_owned(),
+        Then::Pause(time) => format!("then {time}"),
+    }
+}
+
+/// The minimal sequence, a line for each frame with its meaning.
+fn annotated(found: &Found, words: &Words) -> String {
+    let stimuli = found.sequence.stimuli.iter().zip(&words.sequence);
+    stimuli.fold(String::new(), |mut text, (stimulus, words)| {
+        let frame = compact(&stimulus.frame);
+        let then = match then(stimulus.then) {
+            then if then.is_empty() => then,
+            then => format!(" [{then}]"),
+        };
+        // Writing to a string can't fail.
+        let _ = writeln!(text, "{frame:24} {words}{then}");
+        text
+    })
+}
+
+/// As candump writes it, without the time.
+fn compact(frame: &Frame) -> String {
+    frame.to_string()
+}
+
+/// The Rust test that shows the violation.
+fn rust_test(run: &Run, found: &Found) -> String {
+    reproducer::rust_test(found, &run.bus, run.node, run.seed)
+}
+
+/// Rows of the SDO coverage: state, command, and how often which answer came.
+fn sdo_rows(run: &Run) -> Vec<(&'static str, &'static str, Vec<(Answer, u64)>)> {
+    let mut rows: Vec<(&'static str, &'static str, Vec<(Answer, u64)>)> = Vec::new();
+    for (state, command, answer, count) in run.coverage().sdo_rows() {
+        match rows.last_mut().filter(|row| (row.0, row.1) == (state.name(), command.name())) {
+            Some(row) => row.2.push((answer, count)),
+            None => rows.push((state.name(), command.name(), vec![(answer, count)])),
+        }
+    }
+    rows
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,75 @@
+//! A hostile device's words reach no reader unescaped; the reports hold what a violation is made of.
+
+use super::*;
+use canvass_conformance::fuzz::{Property, Sequence, Start, Stimulus, Violation};
+use canvass_traces::CanId;
+
+const HOSTILE: &str = "<script>alert(1)</script>\u{1b}[2J```\n| x ]]>";
+
+fn run() -> Run {
+    let frame = Frame::new(CanId::standard_masked(0x601), &[0x40, 0, 0x10, 0, 0, 0, 0, 0]).unwrap();
+    let violation = Violation {
+        property: Property::LegalSdo,
+        rule: "initiate upload",
+        expected: HOSTILE.to_owned(),
+        actual: HOSTILE.to_owned(),
+        at: Timestamp(5),
+    };
+    let found = Found {
+        violation,
+        sequence: Sequence { start: Start::Configured, stimuli: vec![Stimulus::settle(frame)] },
+        evidence: vec![Record::new(Timestamp(1), ChannelId(0), frame).with_direction(Direction::Tx)],
+        confirmed: false,
+    };
+    let outcome = Outcome {
+        executions: 7,
+        sequences: 2,
+        unjudged: 1,
+        dead: false,
+        coverage: Coverage::default(),
+        violations: vec![found],
+    };
+    Run {
+        bus: HOSTILE.to_owned(),
+        bit_rate: None,
+        node: NodeId::MIN,
+        model: HOSTILE.to_owned(),
+        target: Target::Sdo,
+        seed: 7,
+        repeat: HOSTILE.to_owned(),
+        cancelled: false,
+        block_transfer: true,
+        reach: LssReach::default(),
+        outcome,
+        words: vec![Words { sequence: vec![HOSTILE.to_owned()], evidence: vec![HOSTILE.to_owned()] }],
+    }
+}
+
+fn rendered(render: Render) -> String {
+    let mut out = Vec::new();
+    render(&run(), &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+#[test]
+fn hostile_words_stay_words() {
+    for render in [text::render as Render, json::render, junit::render, markdown::render, html::render] {
+        let text = rendered(render);
+        assert!(!text.contains('\u{1b}'), "{text}");
+        assert!(text.contains("PROP-02"), "{text}");
+        assert!(text.contains("601#4000100000000000"), "{text}");
+    }
+    assert!(!rendered(html::render).contains("<script>alert"));
+    assert!(rendered(markdown::render).contains("````"), "a longer fence than any inside");
+}
+
+#[test]
+fn the_contract_has_its_members() {
+    let document: serde_json::Value = serde_json::from_str(&rendered(json::render)).unwrap();
+    assert_eq!((&document["schema"], &document["seed"]), (&"canvass/fuzz/1".into(), &7.into()));
+    let violation = &document["violations"][0];
+    assert_eq!(violation["frames"][0]["data"], "4000100000000000");
+    assert_eq!((&violation["confirmed"], &violation["evidence"][0]["t"]), (&false.into(), &1.into()));
+    assert!(violation["test"].as_str().unwrap().contains("#[test]"));
+    assert!(rendered(text::render).contains("seen once"));
+}

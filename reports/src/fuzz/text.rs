@@ -1,0 +1,57 @@
+//! The result for people.
+
+use super::{Run, annotated, outcome, reliability};
+use crate::escape::printable;
+use canvass_conformance::fuzz::reproducer;
+use canvass_traces::{Direction, Timestamp};
+use std::io::{self, Write};
+
+/// At most so many frames of the bus are shown for a violation that comes back; the last ones.
+const FRAMES: usize = 24;
+
+/// Writes the text.
+///
+/// # Errors
+/// What `out` gives.
+pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    for (found, words) in run.violations() {
+        let violation = &found.violation;
+        writeln!(out, "{} {}: {}", violation.property, violation.property.title(), violation.rule)?;
+        writeln!(out, "  expected  {}", printable(&violation.expected))?;
+        writeln!(out, "  found     {}", printable(&violation.actual))?;
+        writeln!(out, "  this      {}", reliability(found, run.outcome.dead))?;
+        writeln!(out, "  sequence  {}", length(found.sequence.stimuli.len()))?;
+        indented(out, &annotated(found, words))?;
+        writeln!(out, "  on the bus")?;
+        let start = found.evidence.first().map_or(Timestamp::ZERO, |record| record.timestamp);
+        let shown = if found.confirmed { FRAMES } else { usize::MAX };
+        let frames: Vec<_> = found.evidence.iter().zip(&words.evidence).collect();
+        for (record, words) in frames.iter().skip(frames.len().saturating_sub(shown)) {
+            let nanos = record.timestamp.since(start).nanos();
+            let direction = if record.direction == Direction::Tx { "tx" } else { "rx" };
+            let (ms, rest) = (nanos / 1_000_000, nanos / 1_000 % 1_000);
+            let frame = record.frame.to_string();
+            writeln!(out, "    {ms:>6}.{rest:03} ms {direction} {frame:24} {}", printable(words))?;
+        }
+        writeln!(out, "  log for canplayer and canvass fuzz --replay")?;
+        indented(out, &reproducer::candump(&found.sequence))?;
+        writeln!(out)?;
+    }
+    let (executions, sequences) = (run.outcome.executions, run.outcome.sequences);
+    writeln!(out, "{}: {}", printable(&run.bus), outcome(run))?;
+    writeln!(out, "{executions} exchanges in {sequences} sequences, target {}, seed {}", run.target, run.seed)?;
+    writeln!(out, "coverage of state × command: SDO {}, LSS {}", run.sdo_share(), run.lss_share())?;
+    writeln!(out, "repeat with: {}", printable(&run.repeat))
+}
+
+fn length(frames: usize) -> String {
+    match frames {
+        0 => "none: it shows without any frame".to_owned(),
+        1 => "1 frame".to_owned(),
+        frames => format!("{frames} frames"),
+    }
+}
+
+fn indented(out: &mut dyn Write, text: &str) -> io::Result<()> {
+    text.lines().try_for_each(|line| writeln!(out, "    {}", printable(line).trim_end()))
+}

@@ -1,0 +1,234 @@
+//! `canvass fuzz`: sequences of frames against one device, and what must hold whatever is sent.
+
+mod device;
+mod progress;
+mod regressions;
+
+use super::test::reports::{ReportArg, ReportFormat};
+use crate::devices::parse_node;
+use crate::interrupt::Interrupt;
+use crate::live::parse_span;
+use crate::output::diagnostic;
+use crate::status::{Failure, Status};
+use anyhow::{Context, anyhow};
+use canvass_analyzer::NodeId;
+use canvass_conformance::case::Touch;
+use canvass_conformance::fuzz::campaign::{self, FuzzError, Outcome, Plan};
+use canvass_conformance::fuzz::coverage::LssReach;
+use canvass_conformance::fuzz::ground::Ground;
+use canvass_conformance::fuzz::{Knowledge, Start, Target};
+use canvass_reports::fuzz::{Render, Run, Words, html, json, junit, markdown, text};
+use canvass_traces::Duration;
+use device::Device;
+use progress::Progress;
+use regressions::Regressions;
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::PathBuf;
+use std::time::Instant;
+
+/// Fuzz a device: send it what nobody expects, and judge every frame that comes back
+///
+/// Reference models of SDO, NMT, LSS, PDO, EMCY and error control say what the device must, may and must not send.
+/// What they find is repeated, and the sequence of frames that shows it made as short as it gets. Nothing is done that
+/// writes the device's non-volatile memory, changes its node-ID or bit rate or commands other nodes unless --allow names
+/// it; a simulated device is alone and a new one for each sequence, so that only its memory needs that.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    bus: String,
+    /// The device's node-ID; without it the one that the model has as delivered
+    #[arg(long, value_parser = parse_node)]
+    node: Option<NodeId>,
+    /// What the device is: a built-in model or an EDS or DCF file
+    #[arg(long, value_name = "MODEL|FILE")]
+    device: Option<String>,
+    /// The services: sdo, lss, nmt, pdo, sync-emcy or all
+    #[arg(long, default_value_t)]
+    target: Target,
+    /// How long: 30s, 10m, 1h; without it and --runs 10s on a simulated bus, 60s on a live one
+    #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
+    span: Option<Duration>,
+    /// How many sequences: the same number with the same seed is the same run
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    runs: Option<u64>,
+    /// The seed of everything that is left to chance; without it one from the clock, which the result names
+    #[arg(long)]
+    seed: Option<u64>,
+    /// End with the first violation
+    #[arg(long)]
+    stop_at_first: bool,
+    /// How many tries making a sequence shorter may take; without it 2000 on a simulated bus, 100 on a live one
+    #[arg(long, value_name = "N")]
+    shrink_budget: Option<u32>,
+    /// What the sequences may do: nvm, node-id, bit-rate, other-nodes, factory-defaults
+    #[arg(long, value_name = "WHAT", value_delimiter = ',')]
+    allow: Vec<Touch>,
+    /// Only send the frames of this log or reproducer again, and judge what comes back
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["span", "runs", "regressions"])]
+    replay: Option<PathBuf>,
+    /// A file of sequences that showed violations: they are tried first, and new ones are appended
+    #[arg(long, value_name = "FILE")]
+    regressions: Option<PathBuf>,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: ReportFormat,
+    /// Write a report into a file too; can be given several times
+    #[arg(long, value_name = "FORMAT=FILE")]
+    report: Vec<ReportArg>,
+}
+
+/// A third of a second of a full bus at 1 Mbit/s.
+const BACKLOG: usize = 8_192;
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let seed = self.seed.unwrap_or_else(from_the_clock);
+        let reports = self.open_reports()?;
+        let mut device = Device::open(&self.bus, self.node, self.device.as_deref(), seed)?;
+        let simulated = device.is_simulated();
+        let mut allow: std::collections::BTreeSet<Touch> = self.allow.iter().copied().collect();
+        if simulated {
+            allow.extend(campaign::harmless());
+        }
+        let knowledge = device.knowledge().clone();
+        let regressions = match (&self.replay, &self.regressions) {
+            (Some(path), _) => Regressions::replay(path, &knowledge, &allow)?,
+            (None, Some(path)) => Regressions::open(path, &knowledge, &allow)?,
+            (None, None) => Regressions::default(),
+        };
+        let plan = Plan {
+            target: self.target,
+            seed,
+            allow,
+            shrink_budget: match &self.replay {
+                Some(_) => 0,
+                None => self.shrink_budget.unwrap_or(if simulated { 2_000 } else { 100 }),
+            },
+            stop_at_first: self.stop_at_first,
+            regressions: regressions.sequences.clone(),
+            only_regressions: self.replay.is_some(),
+        };
+        let interrupt = Interrupt::watch()?;
+        let outcome = self.fuzz(&mut device, &knowledge, &plan, &interrupt)?;
+        if let Some(path) = &self.regressions {
+            regressions.append(path, &outcome.violations, seed)?;
+        }
+        let run = self.result(&device, knowledge, &plan, outcome, interrupt.came());
+        render_of(self.format)(&run, &mut io::stdout().lock())?;
+        for (render, mut file) in reports {
+            render(&run, &mut file).and_then(|()| file.flush()).context("can't write the report")?;
+        }
+        let good = run.outcome.violations.is_empty() && !run.cancelled;
+        Ok(if good { Status::Good } else { Status::Findings })
+    }
+
+    /// The run itself, with its progress on a terminal.
+    fn fuzz(
+        &self,
+        device: &mut Device,
+        knowledge: &Knowledge,
+        plan: &Plan,
+        interrupt: &Interrupt,
+    ) -> Result<Outcome, Failure> {
+        let usual = if device.is_simulated() { Duration::from_secs(10) } else { Duration::from_secs(60) };
+        let span = match (self.span, self.runs) {
+            (None, None) => Some(usual),
+            (span, _) => span,
+        };
+        let begun = Instant::now();
+        let mut progress = Progress::new(span);
+        let is_live = !device.is_simulated();
+        let outcome = device.on_ground(|ground| {
+            let outcome = campaign::run(ground, knowledge.clone(), plan, &mut |state| {
+                progress.show(&state);
+                let in_time = span.is_none_or(|span| begun.elapsed().as_nanos() < u128::from(span.nanos()));
+                in_time && self.runs.is_none_or(|runs| state.sequences < runs) && !interrupt.came()
+            });
+            if is_live {
+                // The device is left as it was found: nothing was stored.
+                ground.begin(Start::Configured).map_err(FuzzError::from)?;
+            }
+            outcome
+        });
+        let outcome = outcome.map_err(Failure::unreachable)?;
+        progress.end(&outcome);
+        Ok(outcome)
+    }
+
+    fn result(&self, device: &Device, knowledge: Knowledge, plan: &Plan, outcome: Outcome, cancelled: bool) -> Run {
+        let words =
+            outcome.violations.iter().map(|found| Words::of(found, &mut || Box::new(device.decoder()))).collect();
+        Run {
+            bus: self.bus.clone(),
+            bit_rate: device.bit_rate(),
+            node: knowledge.node,
+            model: device.name().to_owned(),
+            target: self.target,
+            seed: plan.seed,
+            repeat: self.repeat(knowledge.node, plan.seed, outcome.sequences),
+            cancelled,
+            block_transfer: knowledge.services.block_transfer != Some(false),
+            reach: LssReach::of(device.has_unconfigured(), &plan.allow),
+            outcome,
+            words,
+        }
+    }
+
+    /// The command that repeats the run, to the last frame on a simulated bus.
+    fn repeat(&self, node: NodeId, seed: u64, sequences: u64) -> String {
+        let mut command = format!("canvass fuzz {} --node {node}", self.bus);
+        if let Some(device) = &self.device {
+            command += &format!(" --device {device}");
+        }
+        if let Some(replay) = &self.replay {
+            return command + &format!(" --replay {}", replay.display());
+        }
+        command += &format!(" --target {} --seed {seed} --runs {sequences}", self.target);
+        if let Some(budget) = self.shrink_budget {
+            command += &format!(" --shrink-budget {budget}");
+        }
+        if self.stop_at_first {
+            command += " --stop-at-first";
+        }
+        if !self.allow.is_empty() {
+            let names: Vec<&str> = self.allow.iter().map(|touch| touch.name()).collect();
+            command += &format!(" --allow {}", names.join(","));
+        }
+        command
+    }
+
+    /// Opens all files before the device is touched: a report that can't be written is known at once.
+    fn open_reports(&self) -> Result<Vec<(Render, BufWriter<File>)>, Failure> {
+        let open = |arg: &ReportArg| {
+            let file = File::create(arg.file()).with_context(|| format!("can't write {}", arg.file().display()))?;
+            Ok((render_of(arg.format()), BufWriter::new(file)))
+        };
+        self.report.iter().map(open).collect()
+    }
+}
+
+fn render_of(format: ReportFormat) -> Render {
+    match format {
+        ReportFormat::Table => text::render,
+        ReportFormat::Json => json::render,
+        ReportFormat::Junit => junit::render,
+        ReportFormat::Html => html::render,
+        ReportFormat::Markdown => markdown::render,
+    }
+}
+
+/// Short enough to be typed again.
+fn from_the_clock() -> u64 {
+    let now = std::time::SystemTime::now().duration_since(std::time::UNIX_EPOCH).unwrap_or_default();
+    u64::from(now.subsec_nanos()) ^ now.as_secs() & 0xFFFF
+}
+
+/// What can't be replayed or tried first.
+fn unreadable(path: &std::path::Path, error: impl std::fmt::Display) -> anyhow::Error {
+    anyhow!("{}: {error}", path.display())
+}
+
+fn notice(text: &str) {
+    diagnostic(&format!("canvass: {text}"));
+}

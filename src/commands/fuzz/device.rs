@@ -1,0 +1,108 @@
+//! The device that is fuzzed: a simulated one, new for each sequence, or one on a live bus.
+
+use super::BACKLOG;
+use crate::devices::describe;
+use crate::live::open_bus;
+use crate::status::Failure;
+use anyhow::anyhow;
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_conformance::bench::{Decoder, Target};
+use canvass_conformance::bus::{Bus, BusAddress};
+use canvass_conformance::fuzz::Knowledge;
+use canvass_conformance::fuzz::ground::{Ground, Live, Simulated, of_address};
+use canvass_conformance::models::Model;
+
+/// The device, and how it is reached.
+pub struct Device {
+    place: Place,
+    knowledge: Knowledge,
+    target: Target,
+}
+
+enum Place {
+    Simulated(Box<Simulated>),
+    Live(Box<dyn Bus>),
+}
+
+impl Device {
+    /// Opens the bus. `device` is what the user says the device is.
+    pub fn open(address: &str, node: Option<NodeId>, device: Option<&str>, seed: u64) -> Result<Self, Failure> {
+        let named = device.map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        if let BusAddress::Simulated(devices) = address.parse()? {
+            let [only] = &devices[..] else {
+                let found = devices.len();
+                return Err(anyhow!("expected one simulated device to fuzz, found {found} in {address}").into());
+            };
+            let (ground, mut knowledge) = of_address(only, node, seed)?;
+            let model = only.model()?;
+            let (mut name, mut description) = (model.id().to_owned(), model.description().clone());
+            if let Some(named) = named {
+                (name, description) = (named.to_owned(), describe(named)?);
+                let sheet = Model::by_id(named).map(Model::sheet);
+                let patience = knowledge.patience;
+                knowledge = Knowledge::new(knowledge.node, Some(&description), sheet);
+                knowledge.patience = patience;
+            }
+            let target = Self::target(knowledge.node, name, Some(description));
+            return Ok(Self { place: Place::Simulated(Box::new(ground)), knowledge, target });
+        }
+        let mut opened = open_bus(address, seed)?;
+        opened.bus.limit_backlog(BACKLOG);
+        let usual = || Model::by_id(named?).and_then(Model::default_node);
+        let node = node.or_else(usual);
+        let node = node.ok_or_else(|| anyhow!("which node? Say --node N (canvass scan {address} finds it)"))?;
+        let description = named.map(describe).transpose()?;
+        let sheet = named.and_then(Model::by_id).map(Model::sheet);
+        let knowledge = Knowledge::new(node, description.as_ref(), sheet);
+        let target = Self::target(node, named.unwrap_or_default().to_owned(), description);
+        Ok(Self { place: Place::Live(opened.bus), knowledge, target })
+    }
+
+    fn target(node: NodeId, model: String, description: Option<DeviceDescription>) -> Target {
+        Target { node, model, description, deviations: Vec::new() }
+    }
+
+    pub fn is_simulated(&self) -> bool {
+        matches!(self.place, Place::Simulated(_))
+    }
+
+    /// What is known of it before it is asked.
+    pub fn knowledge(&self) -> &Knowledge {
+        &self.knowledge
+    }
+
+    /// What the user calls it.
+    pub fn name(&self) -> &str {
+        &self.target.model
+    }
+
+    /// Whether it can be had without node-ID.
+    pub fn has_unconfigured(&self) -> bool {
+        match &self.place {
+            Place::Simulated(ground) => ground.has_unconfigured(),
+            Place::Live(_) => false,
+        }
+    }
+
+    /// In bit/s.
+    pub fn bit_rate(&self) -> Option<u32> {
+        match &self.place {
+            Place::Simulated(ground) => Some(ground.bit_rate()),
+            Place::Live(bus) => bus.bit_rate(),
+        }
+    }
+
+    /// What gives its frames their words.
+    pub fn decoder(&self) -> Decoder {
+        Decoder::new(&self.target)
+    }
+
+    /// Lets `work` use the device.
+    pub fn on_ground<T>(&mut self, work: impl FnOnce(&mut dyn Ground) -> T) -> T {
+        match &mut self.place {
+            Place::Simulated(ground) => work(ground.as_mut()),
+            Place::Live(bus) => work(&mut Live::new(bus.as_mut(), &self.knowledge)),
+        }
+    }
+}

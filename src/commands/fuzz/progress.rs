@@ -1,0 +1,60 @@
+//! How far a run is, on a terminal.
+
+use canvass_conformance::fuzz::campaign::{self, Outcome};
+use canvass_traces::Duration;
+use std::io::{self, IsTerminal, Write};
+use std::time::Instant;
+
+/// A line that is written again and again.
+pub struct Progress {
+    begun: Instant,
+    shown: Option<Instant>,
+    span: Option<Duration>,
+    terminal: bool,
+}
+
+/// Times a second.
+const RATE: u128 = 5;
+
+impl Progress {
+    /// Of a run that may take so long.
+    pub fn new(span: Option<Duration>) -> Self {
+        Self { begun: Instant::now(), shown: None, span, terminal: io::stderr().is_terminal() }
+    }
+
+    /// Shows the state, if somebody sees it and it was not shown a moment ago.
+    pub fn show(&mut self, state: &campaign::Progress<'_>) {
+        if !self.terminal || self.shown.is_some_and(|shown| shown.elapsed().as_millis() < 1_000 / RATE) {
+            return;
+        }
+        self.shown = Some(Instant::now());
+        let elapsed = self.begun.elapsed().as_secs_f64();
+        let of = self.span.map(|span| format!(" of {span}")).unwrap_or_default();
+        let (executions, rate) = (state.executions, per_second(state.executions, elapsed));
+        let pairs = state.coverage.exercised();
+        let violations = state.violations;
+        // Who does not see it misses nothing.
+        let _ = write!(
+            io::stderr().lock(),
+            "\r\x1b[K{elapsed:.0} s{of}: {executions} exchanges, {rate}/s, {pairs} pairs of state and command, \
+             {violations} violations"
+        );
+    }
+
+    /// The run is over.
+    pub fn end(&self, outcome: &Outcome) {
+        let mut stderr = io::stderr().lock();
+        let clear = if self.terminal { "\r\x1b[K" } else { "" };
+        let elapsed = self.begun.elapsed().as_secs_f64();
+        let _ = writeln!(
+            stderr,
+            "{clear}canvass: {} exchanges in {elapsed:.1} s, {}/s",
+            outcome.executions,
+            per_second(outcome.executions, elapsed)
+        );
+    }
+}
+
+fn per_second(executions: u64, elapsed: f64) -> u64 {
+    if elapsed > 0.0 { (executions as f64 / elapsed) as u64 } else { 0 }
+}

@@ -1,0 +1,86 @@
+//! `--replay` and `--regressions`: sequences of earlier runs.
+
+use super::{notice, unreadable};
+use crate::status::Failure;
+use anyhow::{Context, anyhow};
+use canvass_conformance::case::Touch;
+use canvass_conformance::fuzz::campaign::Found;
+use canvass_conformance::fuzz::limits::{self, Forbidden};
+use canvass_conformance::fuzz::{Knowledge, Sequence, reproducer};
+use std::collections::BTreeSet;
+use std::fs::OpenOptions;
+use std::io::Write;
+use std::path::Path;
+
+/// Sequences of earlier runs.
+#[derive(Default)]
+pub struct Regressions {
+    /// Those that may be sent.
+    pub sequences: Vec<Sequence>,
+}
+
+impl Regressions {
+    /// A log or reproducer; all of it may be sent, or nothing is.
+    pub fn replay(path: &Path, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Result<Self, Failure> {
+        let bytes = std::fs::read(path).with_context(|| format!("can't read {}", path.display()))?;
+        let sequences = reproducer::read(&bytes, knowledge.node).map_err(|error| unreadable(path, error))?;
+        if let Some((frame, why)) = sequences.iter().find_map(|sequence| forbidden(sequence, knowledge, allow)) {
+            return Err(anyhow!("{}: {frame} {why}", path.display()).into());
+        }
+        if sequences.is_empty() {
+            return Err(unreadable(path, "it holds no frame").into());
+        }
+        Ok(Self { sequences })
+    }
+
+    /// A file of regressions, if there is one already.
+    pub fn open(path: &Path, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Result<Self, Failure> {
+        let bytes = match std::fs::read(path) {
+            Ok(bytes) => bytes,
+            Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Self::default()),
+            Err(error) => return Err(anyhow!("can't read {}: {error}", path.display()).into()),
+        };
+        if bytes.trim_ascii().is_empty() {
+            return Ok(Self::default());
+        }
+        let mut sequences = reproducer::read(&bytes, knowledge.node).map_err(|error| unreadable(path, error))?;
+        sequences.retain(|sequence| match forbidden(sequence, knowledge, allow) {
+            Some((frame, why)) => {
+                notice(&format!("{}: a sequence is left out: {frame} {why}", path.display()));
+                false
+            }
+            None => true,
+        });
+        Ok(Self { sequences })
+    }
+
+    /// Appends what is new.
+    pub fn append(&self, path: &Path, found: &[Found], seed: u64) -> Result<(), Failure> {
+        // A log has no way to tell apart what its times can't; what it is read as is compared.
+        let known: BTreeSet<String> = self.sequences.iter().map(reproducer::candump).collect();
+        let new: String = found
+            .iter()
+            .filter(|found| !found.sequence.stimuli.is_empty())
+            .filter(|found| !known.contains(&reproducer::candump(&found.sequence)))
+            .map(|found| reproducer::regression(found, seed))
+            .collect();
+        if new.is_empty() {
+            return Ok(());
+        }
+        let mut file = OpenOptions::new()
+            .create(true)
+            .append(true)
+            .open(path)
+            .with_context(|| format!("can't write {}", path.display()))?;
+        file.write_all(new.as_bytes()).with_context(|| format!("can't write {}", path.display()))?;
+        Ok(())
+    }
+}
+
+/// The first frame that nobody has allowed.
+fn forbidden(sequence: &Sequence, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<(String, Forbidden)> {
+    sequence.stimuli.iter().find_map(|stimulus| {
+        let why = limits::of(&stimulus.frame, knowledge, allow)?;
+        Some((stimulus.frame.to_string(), why))
+    })
+}

@@ -1,0 +1,94 @@
+//! A simulated device whose non-volatile memory is a file.
+
+use anyhow::{Context, Result};
+use canvass_analyzer::NodeId;
+use canvass_conformance::Machine;
+use canvass_conformance::device::{Device, Memory};
+use canvass_traces::{Frame, Timestamp};
+use std::path::{Path, PathBuf};
+
+/// The device; what it stores goes into the file as soon as it is stored.
+pub struct KeptDevice {
+    device: Device,
+    file: Option<PathBuf>,
+    /// What the file holds.
+    kept: Memory,
+    /// Why it could not be written, until somebody asks.
+    trouble: Option<anyhow::Error>,
+}
+
+impl KeptDevice {
+    /// Switches the device on with what the file holds, if there is one.
+    pub fn new(mut device: Device, file: Option<&Path>) -> Result<Self> {
+        if let Some(file) = file.filter(|file| file.exists()) {
+            let text = std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
+            let unfit = || format!("{} is no memory of this device", file.display());
+            let memory: Memory = text.parse().with_context(unfit)?;
+            device.insert_memory(Timestamp::ZERO, &memory).with_context(unfit)?;
+        }
+        let kept = device.memory();
+        Ok(Self { device, file: file.map(Path::to_owned), kept, trouble: None })
+    }
+
+    /// The node-ID in use.
+    pub fn node(&self) -> Option<NodeId> {
+        self.device.node()
+    }
+
+    /// Writes what is stored by now. Fails also if it could not be written before.
+    pub fn keep(&mut self) -> Result<()> {
+        if let Some(trouble) = self.trouble.take() {
+            return Err(trouble);
+        }
+        let Some(file) = &self.file else { return Ok(()) };
+        let memory = self.device.memory();
+        if memory != self.kept || !file.exists() {
+            std::fs::write(file, memory.to_string()).with_context(|| format!("can't write {}", file.display()))?;
+            self.kept = memory;
+        }
+        Ok(())
+    }
+
+    /// After an event: has a store come to its end?
+    fn keep_if_stored(&mut self, was_storing: bool) {
+        if was_storing && !self.device.is_storing() && self.file.is_some() {
+            self.trouble = self.keep().err();
+        }
+    }
+}
+
+impl Machine for KeptDevice {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        self.device.handle(now, frame);
+    }
+
+    fn ignores(&self, frame: &Frame) -> bool {
+        self.device.ignores(frame)
+    }
+
+    fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+        self.device.poll_transmit(now)
+    }
+
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        self.device.poll_timeout()
+    }
+
+    fn handle_timeout(&mut self, now: Timestamp) {
+        let was_storing = self.device.is_storing();
+        self.device.handle_timeout(now);
+        self.keep_if_stored(was_storing);
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.device.bit_rate()
+    }
+
+    fn power_cycle(&mut self, now: Timestamp) {
+        Machine::power_cycle(&mut self.device, now);
+    }
+
+    fn withdraws(&self, pending: &Frame) -> bool {
+        self.device.withdraws(pending)
+    }
+}
