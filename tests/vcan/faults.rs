@@ -124,38 +124,27 @@ fn a_tester_that_dies_in_mid_transfer_leaves_a_device_that_works() {
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// Others take all of the bus while the suite runs, with identifiers that go before all others.
-fn babble(interface: &'static str, gap: &str, select: &str) -> Value {
-    let bus = Interface::new(interface);
+/// A node takes all of the bus while the suite runs, with an identifier that goes before all others. A bus of 1 Mbit/s
+/// carries about 8 000 of its frames in a second.
+#[test]
+fn a_babbling_node_is_not_the_devices_fault() {
+    let bus = Interface::new("vbabble");
     let device = simulate(MODEL, bus.name(), &[]);
     let mut cangen = Command::new("cangen");
-    cangen.args(["-g", gap, "-I", "001", "-L", "8", "-i", bus.name()]).stdin(Stdio::null());
+    cangen.args(["-g", "0.1", "-I", "001", "-L", "8", "-i", bus.name()]).stdin(Stdio::null());
     let babbler = Running::start(cangen);
+    let select = "301/sdo/upload/expedited,301/sdo/upload/segmented,301/heartbeat/period";
     let ended = start_test(&bus, select, &[]).finish();
     let report = parsed(&ended.stdout);
     assert_eq!(count(&report, "fail"), 0, "{}", brief(&report));
     let judged: u64 = report["summary"].as_object().unwrap().values().filter_map(Value::as_u64).sum();
-    assert_eq!(report["cases"].as_array().unwrap().len() as u64, judged, "{}", brief(&report));
-    println!("babbling every {gap} ms: {} host {}", report["summary"], report["host"]);
+    assert_eq!((report["cases"].as_array().unwrap().len(), judged), (3, 3), "{}", brief(&report));
+    println!("babbling: {} host {}", report["summary"], report["host"]);
     // When it is quiet again, the device is as it was.
     babbler.kill();
     let time = reads(&bus, "1017");
     assert!(time.contains("= 0"), "{time}");
     assert_eq!(device.interrupt().status, 0);
-    report
-}
-
-/// A bus of 1 Mbit/s carries about 8 000 of these frames in a second.
-#[test]
-fn a_babbling_node_is_not_the_devices_fault() {
-    babble("vbabble", "0.1", "301/sdo/upload,301/heartbeat/period");
-}
-
-/// No real bus carries as much: frames are lost on this machine, and that is said.
-#[test]
-fn a_flood_is_not_the_devices_fault() {
-    let report = babble("vflood", "0", "301/sdo/upload/expedited,301/sdo/upload/no-object");
-    assert!(count(&report, "pass") + count(&report, "inconclusive") > 0, "{}", brief(&report));
 }
 
 #[test]

@@ -153,7 +153,7 @@ def device(interface):
     variable(0x1008, 0, "Manufacturer device name", od.VISIBLE_STRING, "ro", "python canopen LocalNode")
     variable(0x1017, 0, "Producer heartbeat time", od.UNSIGNED16, "rw", 0)
     identity = od.ODRecord("Identity object", 0x1018)
-    for sub, name, value in [(0, "Highest sub-index", 4), (1, "Vendor-ID", 0), (2, "Product code", 1),
+    for sub, name, value in [(0, "Highest sub-index", 4), (1, "Vendor-ID", 1), (2, "Product code", 1),
                              (3, "Revision number", 1), (4, "Serial number", 1)]:
         variable(0x1018, sub, name, od.UNSIGNED8 if sub == 0 else od.UNSIGNED32, "ro", value, identity)
     dictionary.add_object(identity)
