@@ -92,7 +92,7 @@ pub fn insert(payload: &mut [u8], offset: usize, bits: u8, value: u64) -> bool {
         return false;
     }
     // Nearly all objects are whole bytes at whole bytes.
-    if offset % 8 == 0 && bits % 8 == 0 {
+    if offset.is_multiple_of(8) && bits.is_multiple_of(8) {
         let bytes = value.to_le_bytes();
         payload[offset / 8..end / 8].copy_from_slice(&bytes[..usize::from(bits / 8)]);
         return true;
