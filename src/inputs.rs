@@ -50,6 +50,8 @@ pub struct Inputs<'a> {
     options: &'a InputOptions,
     merge: Merge,
     damages: Damages,
+    /// How many there were so far: asked for at every record.
+    damage_count: u64,
     /// By source.
     quality: Vec<Quality>,
     output: Output,
@@ -94,6 +96,7 @@ impl<'a> Inputs<'a> {
             quality: vec![Quality::default(); captures.len()],
             merge: Merge::new(captures, naming),
             damages: Damages::default(),
+            damage_count: 0,
             output: output.clone(),
             interrupt,
             is_live,
@@ -134,6 +137,7 @@ impl<'a> Inputs<'a> {
         if let Some(quality) = self.quality.get_mut(source) {
             quality.damage(damage);
         }
+        self.damage_count = self.count_damages();
         let name = self.merge.name(source);
         self.damages.report(name, damage);
         if self.options.strict {
@@ -146,7 +150,11 @@ impl<'a> Inputs<'a> {
     }
 
     /// How many damages there were so far, frames that a recorder lost included: frames may be missing there.
-    pub fn damages(&self) -> u64 {
+    pub const fn damages(&self) -> u64 {
+        self.damage_count
+    }
+
+    fn count_damages(&self) -> u64 {
         let counts = self.quality.iter().flat_map(|quality| quality.damages.by_kind());
         counts.map(|(_, count)| count).fold(0, u64::saturating_add)
     }

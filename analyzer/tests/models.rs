@@ -37,7 +37,7 @@ fn the_other_encoders() {
         ("lika-ax58", 59, false),
         ("tr-c65", 49, false),
         ("tr-lmp30", 54, false),
-        ("reference-406", 174, true),
+        ("reference-406", 229, true),
     ] {
         let path = format!("{}/../conformance/models/{model}.eds", env!("CARGO_MANIFEST_DIR"));
         let description = eds::read(&std::fs::read(path).unwrap()).unwrap();

@@ -31,7 +31,7 @@ pub fn bit_length(frame: &Frame) -> Option<u32> {
     let data = if data_bits == 0 { 0 } else { data >> (64 - data_bits) };
     let unprotected = u128::from(header.bits) << data_bits | u128::from(data);
     let len = header.len + data_bits;
-    let stream = unprotected << 15 | u128::from(crc15(unprotected, len));
+    let stream = unprotected << 15 | u128::from(crc15(unprotected));
     let len = len + 15;
     Some(len + stuff_bits(stream, len) + FIXED_FORM)
 }
@@ -56,34 +56,31 @@ impl Header {
     }
 }
 
-/// The CRC sequence over the `len` lowest bits of `stream`. Leading zeros don't change it, so whole bytes do; and it is
-/// linear, so each byte adds what it alone would leave: no byte waits for the one before.
-fn crc15(stream: u128, len: u32) -> u16 {
-    let bytes = stream.to_be_bytes();
-    let bytes = lowest_bytes(&bytes, len.div_ceil(8)).iter().rev();
-    bytes.zip(&CRC_TABLES).fold(0, |crc, (&byte, table)| crc ^ table[usize::from(byte)])
+/// The CRC sequence over a stream of at most 104 bits. Leading zeros don't change it, so it is that of whole bytes; and it
+/// is linear, so each byte adds what it alone would leave: no byte waits for the one before.
+fn crc15(stream: u128) -> u16 {
+    let bytes = stream.to_le_bytes();
+    let mut crc = 0;
+    for (byte, table) in bytes.iter().zip(&CRC_TABLES) {
+        crc ^= table[usize::from(*byte)];
+    }
+    crc
 }
 
 /// The number of stuff bits that the `len` lowest bits of `stream` get, at most 120.
 fn stuff_bits(stream: u128, len: u32) -> u32 {
-    // Whole bytes are looked up: what fills up the first one alternates, gets no stuff bits, and ends with another bit
+    // Always sixteen bytes are looked up: what fills them up alternates, gets no stuff bits, and ends with another bit
     // than the dominant one of SOF; so the run that counts begins with SOF, as it does on the bus.
-    const ALTERNATING: u128 = 0x55;
+    const ALTERNATING: u128 = u128::MAX / 3;
     let first = stream >> (len - 1) & 1;
-    let filled = stream | (ALTERNATING << first & 0xFF) << len;
-    let mut state = 0;
-    let mut stuffed = 0;
-    for &byte in lowest_bytes(&filled.to_be_bytes(), len.div_ceil(8)) {
-        let step = STUFF_TABLE[usize::from(state << 8 | u16::from(byte)) & (STUFF_TABLE.len() - 1)];
-        state = u16::from(step >> 4);
-        stuffed += u32::from(step & 0xF);
+    let filled = stream | ALTERNATING << first << len;
+    let (mut run, mut stuffed) = (0, 0);
+    for byte in filled.to_be_bytes() {
+        let step = STUFF_TABLE[usize::from(run | u16::from(byte))];
+        run = step & 0xF00;
+        stuffed += step & 0xF;
     }
-    stuffed
-}
-
-/// The `n` bytes at the low end of a number, the highest first.
-fn lowest_bytes(big_endian: &[u8; 16], n: u32) -> &[u8] {
-    &big_endian[big_endian.len() - (n as usize).min(16)..]
+    u32::from(stuffed)
 }
 
 /// The equal bits at the end of what was sent.
@@ -134,8 +131,8 @@ const CRC_TABLES: [[u16; 256]; 13] = {
     tables
 };
 
-/// By run (upper four bits) and byte: the run after the byte in the upper four bits, the stuff bits in the lower four.
-const STUFF_TABLE: [u8; 16 * 256] = {
+/// By run (bits 8 to 11) and byte: the run after the byte in bits 8 to 11, the stuff bits in the lower four.
+const STUFF_TABLE: [u16; 16 * 256] = {
     let mut table = [0; 16 * 256];
     let mut at = 0;
     while at < table.len() {
@@ -148,9 +145,9 @@ const STUFF_TABLE: [u8; 16 * 256] = {
             bit -= 1;
             let (next, added) = run.after(byte >> bit & 1 != 0);
             run = next;
-            stuffed += added as u8;
+            stuffed += added as u16;
         }
-        table[at] = (run.number() as u8) << 4 | stuffed;
+        table[at] = (run.number() as u16) << 8 | stuffed;
         at += 1;
     }
     table

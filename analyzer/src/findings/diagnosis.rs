@@ -344,10 +344,12 @@ impl BusWatch {
             if news.tpdo.is_known() { &self.of_known_tpdos } else { &[] },
         ];
         let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus: Some((bus, self.channel)) };
-        for &at in wanted.into_iter().flatten() {
-            if let Some((definition, rule)) = self.rules.get_mut(usize::from(at)) {
-                sink.rule = definition.metadata;
-                rule.frame(&context, &mut sink);
+        for list in wanted {
+            for &at in list {
+                if let Some((definition, rule)) = self.rules.get_mut(usize::from(at)) {
+                    sink.rule = definition.metadata;
+                    rule.frame(&context, &mut sink);
+                }
             }
         }
         self.statistics.frame(record, bits, decoded, bus);

@@ -148,28 +148,31 @@ impl Facts {
     pub(super) fn follow(&mut self, record: &Record, decoded: &Decoded, bus: &Bus) -> Option<NodeId> {
         let now = record.timestamp;
         let begins_anew = matches!(decoded.message, Message::Nmt(nmt) if !self.is_repeated(nmt));
-        let (mut tpdo, mut heartbeat, mut request) = (Parameters::default(), None, Step::None);
         let reconfigured = self.tpdos.frame(decoded, bus);
+        let news = &mut self.news;
+        (news.begins_anew, news.tpdo, news.heartbeat) = (begins_anew, Parameters::default(), None);
+        // Most frames are no SDO messages: nothing to take away.
+        if !matches!(news.request, Step::None) {
+            news.request = Step::None;
+        }
         match decoded.service {
             Service::Pdo => {
                 if let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (decoded.node, decoded.message) {
-                    tpdo = self.tpdos.of(node, number);
+                    news.tpdo = self.tpdos.of(node, number);
                 }
             }
             Service::Heartbeat => {
                 let facts = decoded.node.map(|node| &self.nodes[usize::from(node.raw())]);
-                heartbeat = facts.and_then(|facts| self.heartbeats.beat(now, decoded, facts));
+                news.heartbeat = facts.and_then(|facts| self.heartbeats.beat(now, decoded, facts));
             }
             Service::Sdo | Service::BootUp | Service::Nmt => {
-                request = self.requests.frame(record, decoded);
+                news.request = self.requests.frame(record, decoded);
                 self.heartbeats.other(decoded, begins_anew, bus);
             }
             Service::Lss | Service::Lmt => self.heartbeats.other(decoded, begins_anew, bus),
             _ => {}
         }
-        encoder::collect(record, decoded, bus, &mut self.news.operands);
-        let operands = std::mem::take(&mut self.news.operands);
-        self.news = News { begins_anew, tpdo, heartbeat, request, operands };
+        encoder::collect(record, decoded, bus, &mut news.operands);
         reconfigured
     }
 

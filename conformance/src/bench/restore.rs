@@ -17,7 +17,7 @@ pub struct Change {
 /// Writing these makes something happen (clears the error history, stores, restores, moves the position); there is no value
 /// to put back. Cases that move the position put it back themselves.
 pub(super) const fn is_trigger(multiplexer: Multiplexer) -> bool {
-    matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011 | 0x6003)
+    matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011 | 0x6003 | 0x6009)
 }
 
 impl Bench<'_> {

@@ -165,6 +165,10 @@ impl Device {
         self.beside_sdo = Timestamp::ZERO;
         self.wake = match self.phase {
             Phase::Unconfigured => self.activation_timeout(),
+            // What services still waited for at the reset is settled when they start again.
+            Phase::Initialising { until } => {
+                until.min(self.activation_timeout()).min(self.emcy_timeout()).min(self.next_of_sdo())
+            }
             _ if self.silent_until > Timestamp::ZERO => self.silent_until,
             _ => {
                 self.beside_sdo = self.next_beside_sdo();
@@ -202,12 +206,8 @@ impl Device {
         self.activation.as_ref().map_or(Timestamp::MAX, |activation| activation.timeout())
     }
 
-    /// The next event of all services but SDO.
+    /// The next event of all services but SDO, while they work.
     fn next_beside_sdo(&self) -> Timestamp {
-        // Timers of the time before the reset are not served any more: to be woken by them would be for nothing.
-        if let Phase::Initialising { until } = self.phase {
-            return self.activation_timeout().min(until);
-        }
         let services = [
             self.activation_timeout(),
             self.heartbeat.timeout(),
@@ -389,7 +389,8 @@ impl Machine for Device {
         self.go_on_with_activation(now);
         match self.phase {
             Phase::Initialising { until } if now >= until => self.boot_up(now),
-            Phase::Initialising { .. } | Phase::Unconfigured => {}
+            Phase::Initialising { .. } => self.expire_sdo(now),
+            Phase::Unconfigured => {}
             _ if now < self.silent_until => {}
             _ => {
                 if self.silent_until > Timestamp::ZERO {

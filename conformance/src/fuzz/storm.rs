@@ -54,6 +54,8 @@ pub enum Broken {
         model: String,
         /// The frames until then.
         frames: u64,
+        /// So often.
+        wakes: u64,
         /// In that time.
         pause: Duration,
         /// The seed of the storm.
@@ -63,8 +65,10 @@ pub enum Broken {
 
 /// A device has so many frames before it is switched off and on.
 const EPISODE: u64 = 2_000;
-/// More wake-ups than that have no reason within one pause.
-const WAKES: u32 = 100_000;
+/// More wake-ups than that have no reason, in any pause and for each of its milliseconds: no timer is finer, but there are
+/// many.
+const WAKES: u64 = 1_000;
+const WAKES_PER_MILLISECOND: u64 = 100;
 /// Longer than any device takes to start and to write its memory.
 const START: Duration = Duration::from_secs(10);
 const USUAL_NODE: u8 = 63;
@@ -186,6 +190,7 @@ impl Sky<'_> {
     fn pass(&mut self, victim: &mut Victim, pause: Duration) -> Result<Option<Frame>, Broken> {
         let until = victim.now + pause;
         let mut last = None;
+        let most = WAKES + WAKES_PER_MILLISECOND * (pause.nanos() / 1_000_000);
         let mut wakes = 0;
         while let Some(due) = victim.device.poll_timeout().filter(|due| *due <= until) {
             // As on a bus: time goes on, whatever a device asks for.
@@ -193,9 +198,9 @@ impl Sky<'_> {
             victim.device.handle_timeout(victim.now);
             last = self.drain(victim).or(last);
             wakes += 1;
-            if wakes > WAKES {
+            if wakes > most {
                 let (model, frames, seed) = (self.model.id().to_owned(), self.done.frames, self.seed);
-                return Err(Broken::Restless { model, frames, pause, seed });
+                return Err(Broken::Restless { model, frames, wakes, pause, seed });
             }
         }
         victim.now = victim.now.max(until);
@@ -273,7 +278,7 @@ impl Sky<'_> {
             2 => [0; 4],
             3 => [0xFF; 4],
             4 => [self.dice.byte(), 0, 0, 0],
-            5 => (0x180 + u32::from(node) | u32::from(self.dice.byte()) << 24).to_le_bytes(),
+            5 => ((0x180 + u32::from(node)) | u32::from(self.dice.byte()) << 24).to_le_bytes(),
             6 => self.dice.pick(&self.addresses).copied().map_or([0; 4], |at| {
                 let bits = [8, 16, 32, 64, 1].get(usize::from(low & 3)).copied().unwrap_or(8);
                 [bits, at.sub.0, at.to_bytes()[0], at.to_bytes()[1]]

@@ -1,9 +1,13 @@
 //! NMT, boot-up, heartbeat and guarding.
 
 use crate::rig::{NEVER, Rig, model, parse, periods};
-use canvass_conformance::Machine;
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::error_control::State;
 use canvass_conformance::bus::Bus;
 use canvass_conformance::device::Device;
+use canvass_conformance::models::Model;
+use canvass_conformance::{Faults, Machine};
+use canvass_traces::{Duration, Timestamp};
 
 #[test]
 fn every_command_in_every_state() {
@@ -144,4 +148,38 @@ fn time_does_not_end() {
     let before = rig.bus.now();
     assert!(rig.bus.receive(NEVER).unwrap().is_none());
     assert_eq!(rig.bus.now(), before);
+}
+
+/// What a service still waits for when a reset comes is no event before the end of initialisation: here the SYNC window
+/// closes, a producer of heartbeats falls silent, and SYNC and TIME of the device itself are due.
+#[test]
+fn nothing_is_due_while_initialising() {
+    let model = Model::by_id("reference-301").unwrap();
+    let mut device = Device::new(model, NodeId::new(63), Faults::NONE, 0);
+    let mut now = Timestamp(1_000_000_000);
+    device.handle_timeout(now);
+    for frame in [
+        "63F#2307100050C30000", // 1007h: 50 ms
+        "63F#2316100132000500", // 1016h: node 5, 50 ms
+        "63F#2306100050C30000", // 1006h: 50 ms
+        "63F#2305100080000040", // 1005h: produces
+        "63F#2312100000010040", // 1012h: produces
+        "705#05",
+        "080#",
+        "000#813F",
+    ] {
+        device.handle(now, &parse(frame));
+        now += Duration::from_millis(3);
+        while device.poll_timeout().is_some_and(|due| due <= now) {
+            device.handle_timeout(now);
+        }
+    }
+    let mut wakes = 0;
+    while device.state() == State::BOOT_UP {
+        now = device.poll_timeout().unwrap().max(now + Duration(1));
+        device.handle_timeout(now);
+        wakes += 1;
+        assert!(wakes < 5, "{now}");
+    }
+    assert_eq!(device.state(), State::PRE_OPERATIONAL);
 }

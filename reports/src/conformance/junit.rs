@@ -65,7 +65,7 @@ fn suite(xml: &mut Xml<'_>, run: &Run, number: usize, cases: &[CaseReport]) -> i
 fn properties(xml: &mut Xml<'_>, run: &Run) -> io::Result<()> {
     let [name, _, software] = &run.info.device.names;
     let text = |text: &Option<String>| printable(text.as_deref().unwrap_or_default()).into_owned();
-    let host = run.summary.host.as_ref().map(|host| ("host", super::host::sentence(host)));
+    let host = run.summary.host.as_ref().map(super::host::sentence).unwrap_or_default();
     let properties = [
         ("node", run.info.node.to_string()),
         ("bus", printable(&run.info.bus).into_owned()),
@@ -73,10 +73,11 @@ fn properties(xml: &mut Xml<'_>, run: &Run) -> io::Result<()> {
         ("device", text(name)),
         ("software", text(software)),
         ("seed", run.info.seed.to_string()),
+        ("host", host),
     ];
     xml.create_element("properties")
         .write_inner_content(|xml| {
-            properties.iter().chain(&host).try_for_each(|(name, value)| {
+            properties.iter().try_for_each(|(name, value)| {
                 let property = xml.create_element("property").with_attributes([("name", *name), ("value", value)]);
                 property.write_empty().map(|_| ())
             })

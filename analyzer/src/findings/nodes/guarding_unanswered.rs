@@ -13,6 +13,7 @@ pub const RULE: Definition = Definition {
         Box::new(GuardingUnanswered {
             wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),
             nodes: (0..128).map(|_| None).collect(),
+            waits: false,
         })
     }),
 };
@@ -33,6 +34,8 @@ static METADATA: Metadata = Metadata {
 struct GuardingUnanswered {
     wait: Duration,
     nodes: Vec<Option<Seen>>,
+    /// Some request may be waiting for its answer.
+    waits: bool,
 }
 
 impl GuardingUnanswered {
@@ -56,12 +59,16 @@ impl Rule for GuardingUnanswered {
                 self.give_up(node, &context.scene, sink);
             }
             self.nodes[usize::from(node.raw())].get_or_insert_with(|| context.seen());
+            self.waits = true;
         } else {
             self.nodes[usize::from(node.raw())] = None;
         }
     }
 
     fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        if !self.waits {
+            return;
+        }
         let limit = self.wait + scene.slack();
         for node in NodeId::all() {
             let open = self.nodes[usize::from(node.raw())].as_ref();
@@ -69,6 +76,7 @@ impl Rule for GuardingUnanswered {
                 self.give_up(node, scene, sink);
             }
         }
+        self.waits = self.nodes.iter().any(Option::is_some);
     }
 
     fn interrupted(&mut self) {

@@ -14,6 +14,7 @@ pub const RULE: Definition = Definition {
         Box::new(LifeGuarding {
             percent: thresholds.get(&METADATA, "percent").max(1),
             nodes: (0..128).map(|_| None).collect(),
+            guards: false,
         })
     }),
 };
@@ -34,6 +35,8 @@ static METADATA: Metadata = Metadata {
 struct LifeGuarding {
     percent: u64,
     nodes: Vec<Option<Guarded>>,
+    /// Some node may be guarded.
+    guards: bool,
 }
 
 /// A node that is being guarded.
@@ -101,12 +104,16 @@ impl Rule for LifeGuarding {
                 let seen = context.seen();
                 self.check(node, Some(&seen), &context.scene, sink);
                 self.nodes[usize::from(node.raw())] = Some(Guarded { request: seen, told: false });
+                self.guards = true;
             }
             _ => {}
         }
     }
 
     fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        if !self.guards {
+            return;
+        }
         for node in NodeId::all() {
             if self.nodes[usize::from(node.raw())].is_some() {
                 self.check(node, None, scene, sink);

@@ -82,7 +82,7 @@ fn underflow(bench: &mut Bench<'_>) -> Judged {
 
 /// A low limit above the high one is refused, or 6400h says out of range.
 #[case(id = "406/work-area/limits-swapped", clause = "CiA 406", confidence = Unknown, level = Should,
-       needs = [Encoder, WorkArea], catches = [WorkAreaLimitsSwappedAccepted])]
+       needs = [Encoder, WorkArea], catches = [WorkAreaLimitsSwappedAccepted, LimitsSwappedWrongCode])]
 fn swapped(bench: &mut Bench<'_>) -> Judged {
     let position = middle(bench)?;
     limit(bench, position - DISTANCE, position + DISTANCE)?;

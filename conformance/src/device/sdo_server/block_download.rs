@@ -63,14 +63,16 @@ impl BlockDownload {
         self.received = self.received.saturating_add(1);
         let repeated = segment.sequence == self.sequence && faults.has(Fault::SdoBlockRepeatedAppended);
         let skipped = segment.sequence > self.sequence && faults.has(Fault::SdoBlockGapAccepted);
-        if segment.sequence == self.sequence + 1 || repeated || skipped {
+        let taken = segment.sequence == self.sequence + 1 || repeated || skipped;
+        if taken {
             self.sequence = segment.sequence;
             self.data.extend_from_slice(&segment.data);
             if self.data.len() >= self.size.unwrap_or(self.longest).min(self.longest).saturating_add(7) {
                 return Next::abort(self.object, AbortCode::LENGTH_TOO_HIGH);
             }
         }
-        let is_end = segment.last && self.sequence == segment.sequence;
+        // One that comes twice does not end the transfer.
+        let is_end = segment.last && taken;
         if !is_end && !segment.last && segment.sequence < BLOCK_SIZE && self.received < BLOCK_SIZE {
             return Next::silence(Transfer::BlockDownload(self));
         }

@@ -200,9 +200,11 @@ impl Oracle {
                         Ok(())
                     }
                     Some(id) if self.belief.is_produced(id) => Ok(()),
-                    // It may be the first frame of a configuration that is not confirmed yet.
-                    _ if self.sdo.is_writing() => Ok(()),
-                    _ => self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge),
+                    _ => {
+                        let judged = self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge);
+                        // It may be the first frame of a configuration that is not confirmed yet.
+                        if self.sdo.is_writing() { Ok(()) } else { judged }
+                    }
                 }
             }
         }

@@ -63,6 +63,8 @@ pub(in crate::fuzz) struct Slave {
     grace: Duration,
     /// The device says when it has booted.
     announces: bool,
+    /// A command came while it may still have been booting.
+    early: bool,
 }
 
 impl Slave {
@@ -70,6 +72,7 @@ impl Slave {
         Self {
             jitter,
             announces,
+            early: false,
             grace: Duration(jitter.nanos() + GRACE.nanos()),
             phase: Phase::Unsure,
             before: Phase::Unsure,
@@ -169,6 +172,11 @@ impl Slave {
         if message.node != 0 && message.node != knowledge.node.raw() {
             return Change::None;
         }
+        if boots && !matches!(message.command, Command::RESET_NODE | Command::RESET_COMMUNICATION) {
+            // It may have come too early to be obeyed.
+            self.early = true;
+            return Change::None;
+        }
         let change = match message.command {
             Command::START => self.enter(now, Phase::Operational),
             Command::STOP => self.enter(now, Phase::Stopped),
@@ -185,10 +193,6 @@ impl Slave {
         }
         if let Change::Reset(_) = change {
             self.boots(now, knowledge);
-        } else if boots {
-            // It may have come too early to be obeyed.
-            self.boot_due = Timestamp::MAX;
-            self.enter(now, Phase::Unsure);
         }
         change
     }
@@ -385,7 +389,8 @@ impl Slave {
     pub fn expire(&mut self, now: Timestamp, knowledge: &Knowledge) -> Result<(), Violation> {
         if now >= self.boot_due {
             self.boot_due = Timestamp::MAX;
-            self.enter(now, Phase::Running);
+            let early = std::mem::take(&mut self.early);
+            self.enter(now, if early { Phase::Unsure } else { Phase::Running });
             if knowledge.services.boot_up_message {
                 let expected = format!("a boot-up message within {}", knowledge.patience.boot);
                 return Err(violation(Property::NmtState, "boot-up after reset", expected, "none", now));

@@ -46,7 +46,7 @@ impl Server {
         belief: &mut Belief,
         coverage: &mut Coverage,
     ) -> Result<bool, Violation> {
-        if now < self.grace {
+        if now < self.grace && self.awaited == Awaited::Nothing {
             return Ok(false);
         }
         let awaited = self.awaited;
