@@ -13,8 +13,6 @@ mod events;
 #[cfg(test)]
 mod hostile;
 #[cfg(test)]
-mod killed;
-#[cfg(test)]
 mod live;
 #[cfg(test)]
 mod memory;
