@@ -9,9 +9,9 @@ use std::sync::Mutex;
 const ENCODER: &str = "sim:kuebler-sendix-58x8";
 
 /// A simulated device behind TCP; killed at the end.
-pub struct Device {
+struct Device {
     child: Child,
-    pub bus: String,
+    bus: String,
 }
 
 impl Device {
@@ -20,7 +20,7 @@ impl Device {
     }
 
     /// A device of that model, with its node-ID of delivery.
-    pub fn of(model: &str, more: &[&str]) -> Self {
+    fn of(model: &str, more: &[&str]) -> Self {
         // Until the device listens nobody else may be given its port.
         static STARTING: Mutex<()> = Mutex::new(());
         let starting = STARTING.lock().unwrap();

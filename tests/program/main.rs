@@ -16,8 +16,6 @@ mod fuzz;
 #[cfg(test)]
 mod hostile;
 #[cfg(test)]
-mod killed;
-#[cfg(test)]
 mod live;
 #[cfg(test)]
 mod memory;
