@@ -70,6 +70,10 @@ impl Bench<'_> {
     /// Works after Ctrl-C too.
     pub(crate) fn put_back_dictionary(&mut self, before: &[(Multiplexer, Vec<u8>)]) -> Vec<String> {
         self.restoring = true;
+        if !matches!(self.answers(), Ok(true)) {
+            self.restoring = false;
+            return vec!["the device does not answer after the run: its values could not be compared with those before".into()];
+        }
         let mut wrong = self.differences(before);
         // The second time for those that depend on others, such as the mapping of a PDO.
         for _ in 0..2 {

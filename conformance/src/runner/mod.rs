@@ -87,9 +87,13 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         report(&RunEvent::CaseFinished(&finished));
     }
     summary.cancelled = bench.is_cancelled();
-    bench.leave(was_operational);
-    for notice in bench.put_back_dictionary(&info.dictionary) {
-        report(&RunEvent::Noticed(&notice));
+    // Where no case has run, nothing was changed, and the dictionary may not have been read to its end: a reset would lose
+    // values that nobody knows.
+    if summary.total() > 0 {
+        bench.leave(was_operational);
+        for notice in bench.put_back_dictionary(&info.dictionary) {
+            report(&RunEvent::Noticed(&notice));
+        }
     }
     if undescribed > 0 {
         report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));
