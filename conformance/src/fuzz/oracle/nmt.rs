@@ -311,6 +311,12 @@ impl Slave {
         }
     }
 
+    /// The bus was full until now.
+    pub const fn held_up(&mut self, now: Timestamp) {
+        self.last_heartbeat = None;
+        self.period_since = now;
+    }
+
     /// Nothing has come for a while: nobody answers earlier guarding requests any more.
     pub const fn quiet(&mut self) {
         self.guard_open = 0;

@@ -90,6 +90,7 @@ impl Pdos {
         &mut self,
         now: Timestamp,
         frame: &Frame,
+        writing: bool,
         nmt: &Slave,
         belief: &Belief,
         knowledge: &Knowledge,
@@ -102,7 +103,7 @@ impl Pdos {
                 continue;
             }
             seen.heard = true;
-            if nmt.phase() != Phase::Operational || !understood {
+            if nmt.phase() != Phase::Operational || !understood || writing {
                 // Whether it counts is not known.
                 seen.open();
                 seen.in_step = false;
@@ -124,6 +125,14 @@ impl Pdos {
             }
         }
         Ok(())
+    }
+
+    /// The bus was full until now.
+    pub fn held_up(&mut self, now: Timestamp) {
+        for seen in &mut self.seen {
+            (seen.last, seen.since) = (None, now);
+            seen.due = Timestamp::MAX;
+        }
     }
 
     /// A remote frame of the fuzzer.
@@ -254,6 +263,8 @@ impl Seen {
         }
         if let Some(len) = mapped_length(self.index + 0x200, belief, knowledge)
             && frame.len() != len
+            // Type 252 sends what it took at the last SYNC, maybe before it was configured.
+            && parameters.transmission != Some(252)
             && !(frame.len() == 8 && knowledge.services.padded_tpdos.contains(&(self.index - 0x17FF)))
             && now.since(self.since) > jitter
         {
