@@ -157,6 +157,15 @@ impl Pdos {
         }
         let id = u32::from(frame.id().as_standard().unwrap_or(u16::MAX));
         let mut unknown = frame.id().as_standard().is_none() || frame.is_remote();
+        let has_id = |seen: &Seen| {
+            let cob_id = Parameters::of(seen.index, belief, knowledge).cob_id;
+            cob_id.is_some_and(|cob_id| cob_id.is_valid() && cob_id.can_id() == id)
+        };
+        if self.seen.iter().filter(|seen| has_id(seen)).count() > 1 {
+            // Two PDOs with one identifier can't be told apart.
+            self.seen.iter_mut().filter(|seen| has_id(seen)).for_each(|seen| seen.begin(now));
+            return Ok(());
+        }
         for seen in &mut self.seen {
             let parameters = Parameters::of(seen.index, belief, knowledge);
             let Some(cob_id) = parameters.cob_id else {
@@ -280,6 +289,10 @@ impl Seen {
         {
             let expected = format!("the TPDO after every {kind} SYNC");
             return wrong("synchronous TPDO", expected, format!("one after {} SYNC", self.syncs));
+        }
+        if asked {
+            // An answer to a remote frame keeps to no time, and the next one to none after it.
+            (self.last, self.since) = (None, now);
         }
         let Some(last) = last else { return Ok(()) };
         let interval = now.since(last);
