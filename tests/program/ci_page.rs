@@ -18,8 +18,12 @@ const GOOD: &str = "\
 /// The same, with an error that the node reports.
 const BAD: &str = "(1.500000) can0 085#1042090000000000\n";
 
-/// The commands in the code of the page, with the lines that they go on in.
+/// The commands in the code of the page that judge captures, with the lines that they go on in.
 fn commands() -> Vec<String> {
+    all_commands().into_iter().filter(|command| command.starts_with("canvass diagnose ")).collect()
+}
+
+fn all_commands() -> Vec<String> {
     let code = PAGE.split("```").skip(1).step_by(2).map(|block| block.replace("\\\n", " ")).collect::<Vec<_>>();
     let lines = code.iter().flat_map(|block| block.lines());
     let bare = lines.map(|line| line.trim().trim_start_matches("- ").trim_start_matches("run: "));
@@ -66,10 +70,11 @@ fn each_recipe_fails_for_findings() {
     }
 }
 
-/// The commands that the text names.
+/// The commands that the text and the code name.
 #[test]
-fn what_the_text_names_is_known() {
-    for command in PAGE.split('`').filter(|text| text.starts_with("canvass ") && !text.contains('\n')) {
+fn what_the_page_names_is_known() {
+    let text = PAGE.split('`').filter(|text| text.starts_with("canvass ") && !text.contains('\n'));
+    for command in text.map(str::to_owned).chain(all_commands()) {
         let name = command.split_whitespace().nth(1).unwrap();
         let help = run(&[name, "--help"]);
         assert_eq!(help.status, 0, "{command}");

@@ -25,7 +25,7 @@ fn the_same_seed_is_the_same_run_byte_for_byte() {
 
 #[test]
 fn a_healthy_device_violates_nothing() {
-    let fuzzed = run(&["fuzz", HEALTHY, "--seed", "1", "--runs", "200", "--format", "json"]);
+    let fuzzed = run(&["fuzz", HEALTHY, "--seed", "1", "--runs", "900", "--format", "json"]);
     let report = json(&fuzzed);
     assert_eq!((fuzzed.status, &report["violations"]), (0, &Value::Array(Vec::new())), "{report:#}");
     assert_eq!((&report["schema"], &report["seed"]), (&"canvass/fuzz/1".into(), &1.into()));

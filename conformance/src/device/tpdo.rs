@@ -87,6 +87,8 @@ impl Tpdo {
     pub fn configure(&mut self, now: Timestamp, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(0x1800 + self.number, sub);
         let faults = objects.faults;
+        // What was taken at a SYNC had the identifier and the mapping of that time.
+        self.sampled = None;
         self.sends_empty = faults.has(Fault::EmptyPdoValidated);
         self.cob_id = CobId(number(1) as u32);
         self.transmission = TransmissionType(number(2) as u8);

@@ -62,11 +62,16 @@ impl Words {
     /// The words that decoders give; each begins without any context.
     pub fn of(found: &Found, decoder: &mut dyn FnMut() -> Box<dyn Annotate>) -> Self {
         let mut annotate = decoder();
-        let evidence = found.evidence.iter().map(|record| annotate.annotate(record)).collect();
-        let mut annotate = decoder();
+        let evidence: Vec<String> = found.evidence.iter().map(|record| annotate.annotate(record)).collect();
+        let mut alone = decoder();
         let record = |frame| Record::new(Timestamp::ZERO, ChannelId(0), frame).with_direction(Direction::Tx);
-        let stimuli = &found.sequence.stimuli;
-        let sequence = stimuli.iter().map(|stimulus| annotate.annotate(&record(stimulus.frame))).collect();
+        // With the device's answers in between a frame means more than alone.
+        let mut sent = found.evidence.iter().zip(&evidence).filter(|(record, _)| record.direction == Direction::Tx);
+        let sequence = found.sequence.stimuli.iter().map(|stimulus| match sent.next() {
+            Some((record, words)) if record.frame == stimulus.frame => words.clone(),
+            _ => alone.annotate(&record(stimulus.frame)),
+        });
+        let sequence = sequence.collect();
         Self { sequence, evidence }
     }
 }

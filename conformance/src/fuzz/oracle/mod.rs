@@ -112,7 +112,8 @@ impl Oracle {
                 Ok(())
             }
             id if self.belief.is_sync(id) => {
-                self.pdo.synchronised(now, frame, &self.nmt, &self.belief, &self.knowledge)
+                let writing = self.sdo.is_writing();
+                self.pdo.synchronised(now, frame, writing, &self.nmt, &self.belief, &self.knowledge)
             }
             _ => {
                 // It may be a PDO that the device receives: mapped objects may have changed.
@@ -168,7 +169,11 @@ impl Oracle {
         let can_id = frame.id().as_standard().filter(|_| !frame.is_remote());
         match can_id {
             Some(id) if id == error_control::CAN_ID_BASE + node => {
-                let change = self.nmt.shown(now, frame, &self.belief, &self.knowledge)?;
+                let change = match self.nmt.shown(now, frame, &self.belief, &self.knowledge) {
+                    // It may be the first one with a period that is not confirmed yet.
+                    Err(_) if self.sdo.is_writing() => return Ok(()),
+                    judged => judged?,
+                };
                 if change == nmt::Change::State {
                     self.pdo.state_changed(now, &self.nmt);
                 }
@@ -183,6 +188,11 @@ impl Oracle {
                         let lost =
                             self.sdo.answered(now, frame, served, &self.knowledge, &mut self.belief, coverage)?;
                         self.blind |= lost;
+                        if self.sdo.is_sending_blocks() {
+                            // Segments that fill the bus hold up everything else.
+                            self.nmt.held_up(now);
+                            self.pdo.held_up(now);
+                        }
                         if let Some(change) = self.belief.take_change() {
                             // A device that stops on an error does so without a word.
                             self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;

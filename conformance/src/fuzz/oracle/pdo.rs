@@ -90,6 +90,7 @@ impl Pdos {
         &mut self,
         now: Timestamp,
         frame: &Frame,
+        writing: bool,
         nmt: &Slave,
         belief: &Belief,
         knowledge: &Knowledge,
@@ -102,7 +103,7 @@ impl Pdos {
                 continue;
             }
             seen.heard = true;
-            if nmt.phase() != Phase::Operational || !understood {
+            if nmt.phase() != Phase::Operational || !understood || writing {
                 // Whether it counts is not known.
                 seen.open();
                 seen.in_step = false;
@@ -124,6 +125,14 @@ impl Pdos {
             }
         }
         Ok(())
+    }
+
+    /// The bus was full until now.
+    pub fn held_up(&mut self, now: Timestamp) {
+        for seen in &mut self.seen {
+            (seen.last, seen.since) = (None, now);
+            seen.due = Timestamp::MAX;
+        }
     }
 
     /// A remote frame of the fuzzer.
@@ -148,6 +157,15 @@ impl Pdos {
         }
         let id = u32::from(frame.id().as_standard().unwrap_or(u16::MAX));
         let mut unknown = frame.id().as_standard().is_none() || frame.is_remote();
+        let has_id = |seen: &Seen| {
+            let cob_id = Parameters::of(seen.index, belief, knowledge).cob_id;
+            cob_id.is_some_and(|cob_id| cob_id.is_valid() && cob_id.can_id() == id)
+        };
+        if self.seen.iter().filter(|seen| has_id(seen)).count() > 1 {
+            // Two PDOs with one identifier can't be told apart.
+            self.seen.iter_mut().filter(|seen| has_id(seen)).for_each(|seen| seen.begin(now));
+            return Ok(());
+        }
         for seen in &mut self.seen {
             let parameters = Parameters::of(seen.index, belief, knowledge);
             let Some(cob_id) = parameters.cob_id else {
@@ -254,6 +272,8 @@ impl Seen {
         }
         if let Some(len) = mapped_length(self.index + 0x200, belief, knowledge)
             && frame.len() != len
+            // Type 252 sends what it took at the last SYNC, maybe before it was configured.
+            && parameters.transmission != Some(252)
             && !(frame.len() == 8 && knowledge.services.padded_tpdos.contains(&(self.index - 0x17FF)))
             && now.since(self.since) > jitter
         {
@@ -269,6 +289,10 @@ impl Seen {
         {
             let expected = format!("the TPDO after every {kind} SYNC");
             return wrong("synchronous TPDO", expected, format!("one after {} SYNC", self.syncs));
+        }
+        if asked {
+            // An answer to a remote frame keeps to no time, and the next one to none after it.
+            (self.last, self.since) = (None, now);
         }
         let Some(last) = last else { return Ok(()) };
         let interval = now.since(last);

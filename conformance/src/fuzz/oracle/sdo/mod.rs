@@ -198,6 +198,11 @@ impl Server {
         matches!(self.state, State::Unsure | State::BlockDownload { .. })
     }
 
+    /// Whether segments of a block come one after the other.
+    pub fn is_sending_blocks(&self) -> bool {
+        matches!(self.state, State::BlockUpload(_) | State::Unsure)
+    }
+
     /// Whether a value is on its way that may be written already.
     pub fn is_writing(&self) -> bool {
         self.overlapped
