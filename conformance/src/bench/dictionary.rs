@@ -72,7 +72,9 @@ impl Bench<'_> {
         self.restoring = true;
         if !matches!(self.answers(), Ok(true)) {
             self.restoring = false;
-            return vec!["the device does not answer after the run: its values could not be compared with those before".into()];
+            return vec![
+                "the device does not answer after the run: its values could not be compared with those before".into(),
+            ];
         }
         let mut wrong = self.differences(before);
         // The second time for those that depend on others, such as the mapping of a PDO.
