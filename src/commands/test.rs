@@ -26,7 +26,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use timing::Timeout;
 
-/// Test a device against CiA 301
+/// Test a device against CiA 301, CiA 305, CiA 406 and its own description
 ///
 /// The device is left as it was found, also after a failure or Ctrl-C. Nothing is done that writes its non-volatile
 /// memory or changes its node-ID or bit rate unless --allow names it.
