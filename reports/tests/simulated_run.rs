@@ -75,5 +75,5 @@ fn every_report_of_a_faulty_device() {
     assert!(lines.contains("documented  the manual says so"), "{lines}");
     assert!(String::from_utf8(text).unwrap().contains(&format!("| ✗ fail | {failures} |")));
     let xml = String::from_utf8(xml).unwrap();
-    assert_eq!(quick_junit::Report::deserialize_from_str(&xml).unwrap().failures, failures);
+    assert_eq!(xml.matches("<failure ").count(), failures);
 }

@@ -113,7 +113,7 @@ impl Args {
         if let Some(path) = &self.regressions {
             regressions.append(path, &outcome.violations, seed)?;
         }
-        let run = self.result(&device, knowledge, &plan, outcome, interrupt.came());
+        let run = self.result(&device, &knowledge, &plan, outcome, interrupt.came());
         render_of(self.format)(&run, &mut io::stdout().lock())?;
         for (render, mut file) in reports {
             render(&run, &mut file).and_then(|()| file.flush()).context("can't write the report")?;
@@ -155,7 +155,7 @@ impl Args {
         Ok(outcome)
     }
 
-    fn result(&self, device: &Device, knowledge: Knowledge, plan: &Plan, outcome: Outcome, cancelled: bool) -> Run {
+    fn result(&self, device: &Device, knowledge: &Knowledge, plan: &Plan, outcome: Outcome, cancelled: bool) -> Run {
         let words =
             outcome.violations.iter().map(|found| Words::of(found, &mut || Box::new(device.decoder()))).collect();
         Run {

@@ -9,9 +9,9 @@ use std::sync::Mutex;
 const ENCODER: &str = "sim:kuebler-sendix-58x8";
 
 /// A simulated device behind TCP; killed at the end.
-struct Device {
+pub struct Device {
     child: Child,
-    bus: String,
+    pub bus: String,
 }
 
 impl Device {
@@ -20,7 +20,7 @@ impl Device {
     }
 
     /// A device of that model, with its node-ID of delivery.
-    fn of(model: &str, more: &[&str]) -> Self {
+    pub fn of(model: &str, more: &[&str]) -> Self {
         // Until the device listens nobody else may be given its port.
         static STARTING: Mutex<()> = Mutex::new(());
         let starting = STARTING.lock().unwrap();

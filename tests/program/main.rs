@@ -4,6 +4,7 @@
 mod ci_page;
 #[cfg(test)]
 mod conformance;
+#[cfg(test)]
 mod contract;
 #[cfg(test)]
 mod decode;
@@ -15,6 +16,8 @@ mod events;
 mod fuzz;
 #[cfg(test)]
 mod hostile;
+#[cfg(test)]
+mod killed;
 #[cfg(test)]
 mod live;
 #[cfg(test)]

@@ -3,6 +3,7 @@
 use crate::interface::Interface;
 use crate::running::{Running, brief, canvass, eventually, run, simulate, text};
 use serde_json::Value;
+use std::io::Write as _;
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
@@ -139,7 +140,7 @@ fn a_babbling_node_is_not_the_devices_fault() {
     assert_eq!(count(&report, "fail"), 0, "{}", brief(&report));
     let judged: u64 = report["summary"].as_object().unwrap().values().filter_map(Value::as_u64).sum();
     assert_eq!((report["cases"].as_array().unwrap().len(), judged), (3, 3), "{}", brief(&report));
-    println!("babbling: {} host {}", report["summary"], report["host"]);
+    writeln!(std::io::stderr(), "babbling: {} host {}", report["summary"], report["host"]).unwrap();
     // When it is quiet again, the device is as it was.
     babbler.kill();
     let time = reads(&bus, "1017");

@@ -2,6 +2,7 @@
 
 use crate::interface::{Interface, transmitted};
 use crate::running::{Running, canvass, run, text};
+use std::io::Write as _;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
@@ -30,11 +31,13 @@ fn load(interface: &'static str, span: Duration) {
     std::thread::sleep(Duration::from_secs(2));
     let ended = record.interrupt();
     let (recorded, lost) = (number_before(&ended.stderr, " frames recorded"), number_before(&ended.stderr, " lost"));
-    println!(
+    writeln!(
+        std::io::stderr(),
         "load: {sent} frames in {took:?}, {:.0} frames/s; {}",
         sent as f64 / took.as_secs_f64(),
         ended.stderr.trim()
-    );
+    )
+    .unwrap();
     assert_eq!(recorded + lost, sent, "every frame is recorded or counted as lost: {}", ended.stderr);
     for output in &outputs {
         let quality = run(&["decode", output, "--node", "127", "--quality", "json", "--quality-out", "-"]);

@@ -5,6 +5,7 @@ use crate::interface::Interface;
 use crate::running::{brief, run, simulate, text};
 use serde_json::Value;
 use std::collections::BTreeMap;
+use std::io::Write as _;
 
 type Verdicts = BTreeMap<String, String>;
 
@@ -78,13 +79,13 @@ fn agrees(model: &str, interface: &'static str) {
     let args = [bus.name(), "--node", &node, "--device", model];
     let mut found = report(&[&args[..], &["--select", &select]].concat());
     let mut verdicts_found = verdicts(&found);
-    println!("{model}: {} cases, host {}", expected.len(), found["host"]);
+    writeln!(std::io::stderr(), "{model}: {} cases, host {}", expected.len(), found["host"]).unwrap();
     for _ in 0..REPETITIONS {
         let again = too_slow(&found).join(",");
         if again.is_empty() {
             break;
         }
-        println!("{model}: again {again}");
+        writeln!(std::io::stderr(), "{model}: again {again}").unwrap();
         found = report(&[&args[..], &["--select", &again]].concat());
         verdicts_found.extend(verdicts(&found));
     }

@@ -70,11 +70,10 @@ impl Bench<'_> {
     /// Works after Ctrl-C too.
     pub(crate) fn put_back_dictionary(&mut self, before: &[(Multiplexer, Vec<u8>)]) -> Vec<String> {
         self.restoring = true;
-        if !matches!(self.answers(), Ok(true)) {
+        if !self.answers_at_last() {
             self.restoring = false;
-            return vec![
-                "the device does not answer after the run: its values could not be compared with those before".into(),
-            ];
+            let notice = "the device does not answer after the run: its values could not be compared with those before";
+            return vec![notice.to_owned()];
         }
         let mut wrong = self.differences(before);
         // The second time for those that depend on others, such as the mapping of a PDO.
@@ -95,6 +94,19 @@ impl Bench<'_> {
         let lines = lines.collect();
         self.restoring = false;
         lines
+    }
+
+    /// Whether the device answers, though it may be starting again: a reset that was cut short is followed by another, and
+    /// the boot-up message of the first is no sign that the second is over.
+    fn answers_at_last(&mut self) -> bool {
+        (0..3).any(|_| {
+            let answers = matches!(self.answers(), Ok(true));
+            if !answers {
+                // A bus that fails here fails in the next look, too.
+                let _ = self.listen(self.timing().boot_up);
+            }
+            answers
+        })
     }
 
     /// The objects whose value is another one than before, with that before. Values that change by themselves are

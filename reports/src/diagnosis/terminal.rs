@@ -79,7 +79,7 @@ fn of_bus(bus: &BusStatistics) -> String {
 }
 
 /// `507 / 884 / 899 / 899 µs`: the unit is said once where all have the same.
-fn joined(times: Vec<String>) -> String {
+fn joined(times: &[String]) -> String {
     let unit = times.last().and_then(|last| last.split_once(' ')).map(|(_, unit)| format!(" {unit}"));
     let bare: Option<Vec<&str>> =
         unit.as_ref().and_then(|unit| times.iter().map(|time| time.strip_suffix(unit)).collect());
@@ -168,7 +168,7 @@ fn of_node(id: NodeId, node: &NodeStatistics, bus: &BusStatistics) -> Vec<String
     let shown = [times.quantile(50), times.quantile(95), times.quantile(99), times.max()];
     let response = match times.max() {
         Some(max) if max > Duration::ZERO => {
-            joined(shown.into_iter().flatten().map(|time| rounded(time).to_string()).collect())
+            joined(&shown.into_iter().flatten().map(|time| rounded(time).to_string()).collect::<Vec<_>>())
         }
         _ => String::new(),
     };

@@ -191,9 +191,12 @@ fn rust_test(run: &Run, found: &Found) -> String {
     reproducer::rust_test(found, &run.bus, run.node, run.seed)
 }
 
-/// Rows of the SDO coverage: state, command, and how often which answer came.
-fn sdo_rows(run: &Run) -> Vec<(&'static str, &'static str, Vec<(Answer, u64)>)> {
-    let mut rows: Vec<(&'static str, &'static str, Vec<(Answer, u64)>)> = Vec::new();
+/// State, command, and how often which answer came.
+type SdoRow = (&'static str, &'static str, Vec<(Answer, u64)>);
+
+/// The SDO coverage.
+fn sdo_rows(run: &Run) -> Vec<SdoRow> {
+    let mut rows: Vec<SdoRow> = Vec::new();
     for (state, command, answer, count) in run.coverage().sdo_rows() {
         match rows.last_mut().filter(|row| (row.0, row.1) == (state.name(), command.name())) {
             Some(row) => row.2.push((answer, count)),

@@ -15,7 +15,7 @@ use zencan_node::{Callbacks, Node, NodeMbox};
 
 /// The code that `zencan-build` made.
 mod node {
-    #![allow(missing_docs, unsafe_code, dead_code, static_mut_refs, clippy::all, clippy::uninlined_format_args)]
+    #![allow(missing_docs, unsafe_code, dead_code, static_mut_refs, clippy::all, clippy::pedantic)]
     zencan_node::include_modules!(ZENCAN);
 }
 

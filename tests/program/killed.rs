@@ -1,0 +1,76 @@
+//! Ctrl-C at any moment: the device is left as it was found. The device is a process of its own, so that what it holds is
+//! seen after the tester has gone.
+
+use crate::live::Device;
+use crate::running::{command, finished, run};
+use serde_json::Value;
+use std::process::Stdio;
+use std::time::Duration;
+
+/// So many runs are killed, on so many devices at a time: most of the time is waiting.
+const KILLS: u64 = 100;
+const DEVICES: u64 = 10;
+
+/// What keeps a value that nobody has stored, one of each kind: communication, PDO, application, limited, text.
+const AT_WORK: [(&str, &str); 5] =
+    [("1017", "1000"), ("1800:05", "500"), ("1006", "20000"), ("2041", "321"), ("1016:01", "6619236")];
+
+/// A moment in the life of a run, the same in every run of this test, different for every kill.
+fn moment(kill: u64) -> Duration {
+    let chance = kill.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    Duration::from_millis(200 + (chance >> 33) % 4_000)
+}
+
+/// Every object that can be read, as another run of the program finds it before its first case.
+fn dictionary(bus: &str) -> Value {
+    let args = ["test", bus, "--device", "reference-301", "--select", "301/identity/vendor-id", "--format", "json"];
+    let tested = run(&args);
+    let report: Value =
+        serde_json::from_str(&tested.stdout).unwrap_or_else(|error| panic!("{error}: {}", tested.stderr));
+    // Those go on by themselves: time, and what was received.
+    let steady = |row: &&Value| !matches!(row["index"].as_u64(), Some(0x1001 | 0x1003 | 0x1013 | 0x2020));
+    Value::Array(report["dictionary"].as_array().unwrap().iter().filter(steady).cloned().collect())
+}
+
+fn write(bus: &str, object: &str, value: &str) {
+    let written = run(&["sdo", "write", bus, "10", object, value, "--device", "reference-301"]);
+    assert_eq!(written.status, 0, "{object}: {}", written.stderr);
+}
+
+/// Kills one run after the other on one device; says what was different afterwards.
+fn kill(first: u64) -> Vec<String> {
+    let device = Device::of("reference-301", &[]);
+    for (object, value) in AT_WORK {
+        write(&device.bus, object, value);
+    }
+    let before = dictionary(&device.bus);
+    let mut wrong = Vec::new();
+    for number in (first..KILLS).step_by(DEVICES as usize) {
+        let allow = "nvm,node-id,bit-rate,other-nodes,factory-defaults";
+        let args = ["test", &device.bus, "--device", "reference-301", "--allow", allow, "--format", "json"];
+        let child = command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(moment(number));
+        let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+        assert!(killed.unwrap().success());
+        let ended = finished(child.wait_with_output().unwrap());
+        let cases = serde_json::from_str::<Value>(&ended.stdout).ok();
+        let last = cases.and_then(|report| report["cases"].as_array()?.last().map(|case| case["id"].to_string()));
+        let after = dictionary(&device.bus);
+        if after != before {
+            let rows = |dictionary: &Value| dictionary.as_array().unwrap().clone();
+            let changed: Vec<String> =
+                rows(&after).iter().filter(|row| !rows(&before).contains(row)).map(ToString::to_string).collect();
+            wrong.push(format!("kill {number} after {:?} in {last:?}: {changed:?}\n{}", moment(number), ended.stderr));
+        }
+    }
+    wrong
+}
+
+#[test]
+fn a_killed_run_leaves_the_device_as_it_was() {
+    let wrong: Vec<String> = std::thread::scope(|scope| {
+        let kills: Vec<_> = (0..DEVICES).map(|first| scope.spawn(move || kill(first))).collect();
+        kills.into_iter().flat_map(|kills| kills.join().unwrap()).collect()
+    });
+    assert!(wrong.is_empty(), "{} of {KILLS}:\n{}", wrong.len(), wrong.join("\n"));
+}
