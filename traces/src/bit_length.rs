@@ -69,13 +69,14 @@ fn crc15(stream: u128) -> u16 {
 
 /// The number of stuff bits that the `len` lowest bits of `stream` get, at most 120.
 fn stuff_bits(stream: u128, len: u32) -> u32 {
-    // Always sixteen bytes are looked up: what fills them up alternates, gets no stuff bits, and ends with another bit
-    // than the dominant one of SOF; so the run that counts begins with SOF, as it does on the bus.
+    // Whole bytes are looked up: what fills up the first of them alternates, gets no stuff bits, and ends with another
+    // bit than the dominant one of SOF; so the run that counts begins with SOF, as it does on the bus.
     const ALTERNATING: u128 = u128::MAX / 3;
     let first = stream >> (len - 1) & 1;
     let filled = stream | ALTERNATING << first << len;
     let (mut run, mut stuffed) = (0, 0);
-    for byte in filled.to_be_bytes() {
+    let bytes = filled.to_be_bytes();
+    for &byte in bytes.iter().skip(bytes.len() - len.div_ceil(8) as usize) {
         let step = STUFF_TABLE[usize::from(run | u16::from(byte))];
         run = step & 0xF00;
         stuffed += step & 0xF;
