@@ -14,7 +14,7 @@ use canvass_analyzer::wire::sdo::AbortCode;
 /// An object that has nothing to give at the moment may answer with abort 0800 0020h to 0800 0024h, as an empty error
 /// history does.
 #[case(id = "301/dictionary/described", clause = "CiA 301 7.4", confidence = Known, level = Must,
-       needs = [Description], catches = [ErrorRegisterMissing, IdentityRevisionMissing, SdoSegmentLengthWrong,
+       needs = [Description], catches = [ErrorRegisterMissing, EdsSubIndexMissing, EdsDataTypeWrong, IdentityRevisionMissing, SdoSegmentLengthWrong,
                   ErrorControlMissing, OperatingStatusMissing, AlarmsMissing, PositionSixteenBit,
                   OperatingParametersThirtyTwoBit], cct = "4.1")]
 fn described(bench: &mut Bench<'_>) -> Judged {

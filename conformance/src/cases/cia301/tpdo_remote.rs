@@ -28,7 +28,7 @@ fn candidates(bench: &mut Bench<'_>) -> Result<Vec<u16>, Verdict> {
 ///
 /// CiA recommends to do without remote frames; a device that does not answer them says so in bit 30.
 #[case(id = "301/tpdo/remote", clause = "CiA 301 7.2.2.3", confidence = Known, level = Should,
-       catches = [TpdoRemoteUnanswered], cct = "3.8")]
+       catches = [TpdoRemoteUnanswered, SecondTpdoMissing], cct = "3.8")]
 fn remote(bench: &mut Bench<'_>) -> Judged {
     let candidates = candidates(bench)?;
     bench.command(Command::START)?;

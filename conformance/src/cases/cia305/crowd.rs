@@ -48,7 +48,8 @@ fn several(bench: &mut Bench<'_>) -> Judged {
 
 /// A slave is found by halving the ranges of revision and serial number, without Fastscan.
 #[case(id = "305/identify/halving", clause = "CiA 305 6.6.2", confidence = Attested, level = Should,
-       needs = [Lss, Alone], catches = [LssIdentifyUnanswered, LssIdentifyUnchecked, LssIdentifyRangeExclusive])]
+       needs = [Lss, Alone], catches = [LssIdentifyUnanswered, LssIdentifyUnchecked, LssIdentifyRangeExclusive,
+       WatchdogResetUnderLoad])]
 fn halving(bench: &mut Bench<'_>) -> Judged {
     let own = address(bench)?;
     let mut found = [0_u32; 2];

@@ -36,7 +36,7 @@ fn is_plain(entry: &Entry) -> bool {
 
 /// Every object that the description calls constant or read-only refuses to be written with abort 0601 0002h.
 #[case(id = "301/sdo/download/every-read-only", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       needs = [Description], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode, HeartbeatConsumerNotStopped, PositionWritable], cct = "4.3")]
+       needs = [Description], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode, HeartbeatConsumerNotStopped, PositionWritable, EdsSubIndexMissing], cct = "4.3")]
 fn every_read_only(bench: &mut Bench<'_>) -> Judged {
     let mut verdict = Verdict::Pass;
     let objects = described(bench, |_, entry| {
@@ -72,7 +72,7 @@ fn every_too_long(bench: &mut Bench<'_>) -> Judged {
 
 /// Every writable object refuses values of fewer bytes than its data type has with abort 0607 0013h.
 #[case(id = "301/sdo/download/every-too-short", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
-       needs = [Description], catches = [SdoShortLengthUnchecked, SdoLengthWrongCode, DummyRefused, HeartbeatConsumerNotStopped, SyncNotStopped], cct = "2.9")]
+       needs = [Description], catches = [SdoShortLengthUnchecked, SdoLengthWrongCode, DummyRefused, HeartbeatConsumerNotStopped, SyncNotStopped, EdsDataTypeWrong], cct = "2.9")]
 fn every_too_short(bench: &mut Bench<'_>) -> Judged {
     every_length(bench, 2..=4, |length| length - 1, AbortCode::LENGTH_TOO_LOW)
 }
