@@ -1,5 +1,6 @@
 //! The blocks of pcapng, as far as they are read: their types, fields and options.
 
+use crate::Direction;
 use nom::bytes::complete::take;
 use nom::number::Endianness;
 use nom::number::complete::{u16, u32};
@@ -114,6 +115,15 @@ pub(crate) fn for_each_option<'a>(order: Endianness, mut i: &'a [u8], mut each: 
             Ok((_, None)) => return true,
             Err(_) => return false,
         }
+    }
+}
+
+/// The direction of a packet, bits 0 and 1 of [`EPB_FLAGS`]: 1 inbound, 2 outbound.
+pub(crate) const fn flags_direction(flags: u32) -> Direction {
+    match flags & 3 {
+        1 => Direction::Rx,
+        2 => Direction::Tx,
+        _ => Direction::Unknown,
     }
 }
 

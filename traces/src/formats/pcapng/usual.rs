@@ -2,7 +2,6 @@
 
 use super::block::{self, ENHANCED_PACKET, EPB_FLAGS};
 use super::interface::Interface;
-use super::reader::flags_direction;
 use crate::formats::socketcan::{self, LinkType};
 use crate::{Direction, Record};
 use nom::number::Endianness;
@@ -45,7 +44,7 @@ fn direction(order: Endianness, options: &[u8]) -> Option<Direction> {
                 Endianness::Big => [[c0, c1], [l0, l1]].map(u16::from_be_bytes),
                 _ => [[c0, c1], [l0, l1]].map(u16::from_le_bytes),
             };
-            (code == EPB_FLAGS && length == 4).then(|| flags_direction(block::word(order, [f0, f1, f2, f3])))
+            (code == EPB_FLAGS && length == 4).then(|| block::flags_direction(block::word(order, [f0, f1, f2, f3])))
         }
         _ => None,
     }
