@@ -5,7 +5,7 @@ use crate::running::{Running, brief, canvass, eventually, run, simulate, text};
 use serde_json::Value;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 const MODEL: &str = "kuebler-sendix-58x8";
 
@@ -140,9 +140,38 @@ fn a_babbling_node_is_not_the_devices_fault() {
     assert_eq!(count(&report, "fail"), 0, "{}", brief(&report));
     let judged: u64 = report["summary"].as_object().unwrap().values().filter_map(Value::as_u64).sum();
     assert_eq!((report["cases"].as_array().unwrap().len(), judged), (3, 3), "{}", brief(&report));
-    writeln!(std::io::stderr(), "babbling: {} host {}", report["summary"], report["host"]).unwrap();
+    writeln!(std::io::stderr(), "figure: babbling: {} host {}", report["summary"], report["host"]).unwrap();
     // When it is quiet again, the device is as it was.
     babbler.kill();
+    let time = reads(&bus, "1017");
+    assert!(time.contains("= 0"), "{time}");
+    assert_eq!(device.interrupt().status, 0);
+}
+
+/// A program floods the bus with more than any bus carries, so that the tester can't keep up: the run ends all the same,
+/// and soon.
+#[test]
+fn a_flood_ends_with_verdicts() {
+    let bus = Interface::new("vflood");
+    let device = simulate(MODEL, bus.name(), &[]);
+    let mut cangen = Command::new("cangen");
+    cangen.args(["-g", "0", "-I", "001", "-L", "0", "-i", bus.name()]).stdin(Stdio::null());
+    let flood = Running::start(cangen);
+    let begun = Instant::now();
+    let ended = start_test(&bus, "301/sdo/upload,301/heartbeat/period", &[]).finish();
+    let took = begun.elapsed();
+    flood.kill();
+    writeln!(std::io::stderr(), "figure: flood: {took:?}, status {}, {}", ended.status, ended.stderr.trim()).unwrap();
+    if ended.status == 3 {
+        // The device could not be reached through it, which is said of the bus and not of the device.
+        assert!(ended.stderr.contains("canvass: "), "{}", ended.stderr);
+    } else {
+        let report = parsed(&ended.stdout);
+        writeln!(std::io::stderr(), "figure: flood: {} host {}", report["summary"], report["host"]).unwrap();
+        assert_eq!(count(&report, "fail"), 0, "{}", brief(&report));
+        assert_eq!(ended.status, 1, "{}", brief(&report));
+    }
+    assert!(took < Duration::from_secs(120), "{took:?}");
     let time = reads(&bus, "1017");
     assert!(time.contains("= 0"), "{time}");
     assert_eq!(device.interrupt().status, 0);

@@ -33,7 +33,7 @@ fn load(interface: &'static str, span: Duration) {
     let (recorded, lost) = (number_before(&ended.stderr, " frames recorded"), number_before(&ended.stderr, " lost"));
     writeln!(
         std::io::stderr(),
-        "load: {sent} frames in {took:?}, {:.0} frames/s; {}",
+        "figure: load: {sent} frames in {took:?}, {:.0} frames/s; {}",
         sent as f64 / took.as_secs_f64(),
         ended.stderr.trim()
     )

@@ -13,6 +13,8 @@ mod crash;
 #[cfg(test)]
 mod faults;
 #[cfg(test)]
+mod fuzzing;
+#[cfg(test)]
 mod interface;
 #[cfg(test)]
 mod load;

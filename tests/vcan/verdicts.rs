@@ -79,13 +79,13 @@ fn agrees(model: &str, interface: &'static str) {
     let args = [bus.name(), "--node", &node, "--device", model];
     let mut found = report(&[&args[..], &["--select", &select]].concat());
     let mut verdicts_found = verdicts(&found);
-    writeln!(std::io::stderr(), "{model}: {} cases, host {}", expected.len(), found["host"]).unwrap();
+    writeln!(std::io::stderr(), "figure: {model}: {} cases, host {}", expected.len(), found["host"]).unwrap();
     for _ in 0..REPETITIONS {
         let again = too_slow(&found).join(",");
         if again.is_empty() {
             break;
         }
-        writeln!(std::io::stderr(), "{model}: again {again}").unwrap();
+        writeln!(std::io::stderr(), "figure: {model}: again {again}").unwrap();
         found = report(&[&args[..], &["--select", &again]].concat());
         verdicts_found.extend(verdicts(&found));
     }

@@ -32,8 +32,8 @@ fn main() -> Result<()> {
         Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
         Some("storm") => storm::storm(),
-        Some("vcan") => vcan::test(false),
-        Some("vcan-load") => vcan::test(true),
+        Some("vcan") => vcan::test(&std::env::args().skip(2).collect::<Vec<_>>()),
+        Some("vcan-load") => vcan::load(),
         _ => {
             bail!(
                 "usage: cargo xtask ci | fuzz | storm | peers | browser | vcan | bench [--instructions] | memory | vcan-load"

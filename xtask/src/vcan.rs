@@ -1,9 +1,11 @@
-//! `cargo xtask vcan`: the tests on real SocketCAN, on this kernel if it has vcan, else on Debian's in QEMU.
-//! `cargo xtask vcan-load`: a minute of the highest load, measured there.
+//! `cargo xtask vcan [WORDS...]`: the tests on real SocketCAN, or those whose names hold one of the words, on this kernel if
+//! it has vcan, else on Debian's in QEMU. `cargo xtask vcan-load`: a minute of the highest load, measured there.
 
+mod deal;
 mod files;
 mod kernel;
 mod machine;
+mod report;
 
 use crate::packages::{Package, install};
 use crate::peers;
@@ -29,23 +31,37 @@ struct Built {
     tests: PathBuf,
 }
 
-/// Runs the tests of `tests/vcan`, or with `load` only that of the highest load, for a minute.
-pub fn test(load: bool) -> Result<()> {
+/// Runs the tests of `tests/vcan` whose names hold one of the words, or all.
+pub fn test(words: &[String]) -> Result<()> {
+    let built = prepare()?;
+    let mut names = names(&built.tests)?;
+    names.retain(|name| words.is_empty() || words.iter().any(|word| name.contains(word)));
+    ensure!(!names.is_empty(), "no test on vcan has a name with {}", words.join(" or "));
+    run(&built, &names, &[])
+}
+
+/// Runs the test of the highest load for a minute.
+pub fn load() -> Result<()> {
+    run(&prepare()?, &[LOAD.to_owned()], &[MINUTE])
+}
+
+fn prepare() -> Result<Built> {
     install(&[IPROUTE])?;
     peers::install_all()?;
-    let built = build()?;
-    let names = if load { vec![LOAD.to_owned()] } else { names(&built.tests)? };
-    let settings: &[(&str, &str)] = if load { &[MINUTE] } else { &[] };
+    build()
+}
+
+fn run(built: &Built, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
     if has_vcan() {
         eprintln!("$ {} (this kernel has vcan)", built.tests.display());
         // They mostly wait.
         let mut tests = Command::new(&built.tests);
-        tests.args(["--test-threads", "16", "--exact"]).args(&names).envs(settings.iter().copied());
+        tests.args(["--test-threads", "16", "--exact"]).args(names).envs(settings.iter().copied());
         let status = tests.status()?;
         ensure!(status.success(), "the tests on vcan ended with {status}");
         return Ok(());
     }
-    machine::run(&built, &names, settings).context("the tests on vcan, in QEMU as this kernel has no vcan")
+    machine::run(built, names, settings).context("the tests on vcan, in QEMU as this kernel has no vcan")
 }
 
 /// Builds the program and its tests.
@@ -62,8 +78,8 @@ fn build() -> Result<Built> {
         "json-render-diagnostics",
     ];
     eprintln!("$ cargo {}", args.join(" "));
-    // An emulated processor is slow; what others wrote is optimised anyway.
-    let optimised = ("CARGO_PROFILE_DEV_OPT_LEVEL", "1");
+    // An emulated processor is slow. What others wrote is optimised in any case, and need not be built once more.
+    let optimised = ("CARGO_PROFILE_DEV_OPT_LEVEL", "3");
     let output = Command::new("cargo").args(args).env(optimised.0, optimised.1).stderr(Stdio::inherit()).output()?;
     ensure!(output.status.success(), "the tests could not be built: {}", output.status);
     let text = String::from_utf8_lossy(&output.stdout).into_owned();

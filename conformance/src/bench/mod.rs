@@ -64,6 +64,10 @@ pub struct Bench<'a> {
     foreign: Foreign,
     /// The device left the bus and did not come back.
     gone: bool,
+    /// While a case runs: how many frames were lost before it.
+    lost_before: Option<u64>,
+    /// Frames taken since then.
+    taken: u64,
     knowledge: Knowledge,
 }
 
@@ -112,6 +116,8 @@ impl<'a> Bench<'a> {
             ended_early: false,
             foreign: Foreign::default(),
             gone: false,
+            lost_before: None,
+            taken: 0,
             knowledge: Knowledge::default(),
         }
     }
@@ -230,8 +236,15 @@ impl<'a> Bench<'a> {
         self.watch.forget();
     }
 
+    /// A case during which frames are lost says nothing of the device: from now on its waits end as soon as that is seen.
+    pub(crate) fn end_when_frames_are_lost(&mut self) {
+        self.lost_before = Some(self.bus.health().lost);
+        self.taken = 0;
+    }
+
     /// Ends a case: puts back what it changed and hands over what it left behind.
     pub(crate) fn finish(&mut self) -> Remains {
+        self.lost_before = None;
         self.restore();
         if std::mem::take(&mut self.ended_early) {
             self.store_again();

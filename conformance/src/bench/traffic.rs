@@ -8,10 +8,13 @@ use canvass_analyzer::wire::{emcy, error_control, sdo};
 use canvass_traces::{CanId, Direction, Duration, Frame, Record, Timestamp};
 
 /// A wait on a live bus looks this often whether the user has cancelled.
-const SLICE: Duration = Duration::from_millis(100);
+const SLICE: Duration = Duration::from_millis(200);
 
 /// A listener keeps no more frames than this; more than any period or count needs.
 const LISTENED: usize = 20_000;
+
+/// Whether frames were lost is looked at after so many.
+const LOOK_AT_LOSSES: u64 = 512;
 
 /// The proof that a frame was handed to the bus, and when.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -53,6 +56,7 @@ impl Bench<'_> {
             self.check_cancelled()?;
             let slice = deadline.min(self.bus.now() + SLICE);
             if let Some(record) = self.bus.receive(slice).map_err(|error| broken(&error))? {
+                self.check_lost()?;
                 self.watch.observe(&record);
                 if record.direction != Direction::Tx && !is_from(self.target.node, &record.frame) {
                     self.foreign.count(&record);
@@ -65,6 +69,20 @@ impl Bench<'_> {
                 return Ok(None);
             }
         }
+    }
+
+    /// A tester that does not keep up with the bus (a node that babbles faster than any bus) must still come to an end.
+    fn check_lost(&mut self) -> Result<(), Verdict> {
+        self.taken += 1;
+        let Some(before) = self.lost_before.filter(|_| !self.restoring && self.taken.is_multiple_of(LOOK_AT_LOSSES))
+        else {
+            return Ok(());
+        };
+        if self.bus.health().lost == before {
+            return Ok(());
+        }
+        let actual = "it was ended, as frames were lost";
+        Err(Verdict::Inconclusive(Reason::new("the case runs to its end", "no frame is lost", actual)))
     }
 
     /// Waits for a frame of another participant that `wanted` recognises. Other traffic goes by. `None` when `span`

@@ -90,7 +90,8 @@ impl Inbox {
         self.closed.load(Ordering::SeqCst)
     }
 
-    /// The next record, or `None` if there was none until `deadline`. `pending` says whether the system holds something
+    /// The next record, or `None` if there was none until `deadline`: what came after it waits for the next call, so that
+    /// on a bus that never falls silent every wait ends all the same. `pending` says whether the system holds something
     /// that the receiving thread has not fetched yet: what came in time is not too late because that thread is.
     pub fn take(&self, clock: &SteadyClock, deadline: Timestamp, pending: impl Fn() -> bool) -> Option<Record> {
         // What came while nobody waited for it has not waited for this machine.
@@ -98,13 +99,16 @@ impl Inbox {
         let mut state = self.state();
         let mut stalled = None;
         loop {
+            let now = clock.now();
+            if state.records.front().is_some_and(|record| is_between(record.timestamp, deadline, now)) {
+                return None;
+            }
             if let Some(record) = state.records.pop_front() {
                 if record.direction != Direction::Tx {
-                    state.health.receive.add(clock.now().since(record.timestamp.max(asked)));
+                    state.health.receive.add(now.since(record.timestamp.max(asked)));
                 }
                 return Some(record);
             }
-            let now = clock.now();
             let wait = if now < deadline {
                 deadline.since(now).into()
             } else {
@@ -117,11 +121,14 @@ impl Inbox {
                 }
                 Duration::from_micros(200)
             };
-            // Woken early now and then, so that a wait without end notices what was noted.
-            let wait = wait.min(Duration::from_millis(100));
             state = self.arrived.wait_timeout(state, wait).unwrap_or_else(PoisonError::into_inner).0;
         }
     }
+}
+
+/// Whether something came after the deadline. What seems to come from the future has a wrong time, which says nothing.
+fn is_between(time: Timestamp, deadline: Timestamp, now: Timestamp) -> bool {
+    deadline < time && time <= now
 }
 
 #[cfg(test)]
@@ -140,14 +147,31 @@ mod tests {
         let mut records = vec![record(&clock); CAPACITY + 7];
         inbox.deliver(&mut records);
         assert_eq!(inbox.health().lost, 7);
-        let mut taken = 0;
-        while inbox.take(&clock, Timestamp::ZERO, || false).is_some() {
+        let (mut taken, now) = (0, clock.now());
+        while inbox.take(&clock, now, || false).is_some() {
             taken += 1;
         }
         assert_eq!((taken, inbox.health().receive.count()), (CAPACITY, CAPACITY as u64));
         inbox.limit(10);
         inbox.deliver(&mut vec![record(&clock); 25]);
         assert_eq!(inbox.health().lost, 7 + 15);
+    }
+
+    /// Whoever takes what was there when it asked comes to an end, however many frames follow.
+    #[test]
+    fn what_came_after_the_deadline_waits() {
+        let (inbox, clock) = (Inbox::new(), SteadyClock::start());
+        inbox.deliver(&mut vec![record(&clock)]);
+        let deadline = clock.now();
+        let mut later = record(&clock);
+        later.timestamp = deadline + canvass_traces::Duration(1);
+        let mut from_the_future = record(&clock);
+        from_the_future.timestamp = deadline + canvass_traces::Duration::from_secs(3_600);
+        inbox.deliver(&mut vec![later, from_the_future]);
+        let mut take = |deadline| inbox.take(&clock, deadline, || false).is_some();
+        assert_eq!([take(deadline), take(deadline), take(deadline)], [true, false, false]);
+        let later = clock.now();
+        assert_eq!([take(later), take(later), take(later)], [true, true, false]);
     }
 
     #[test]

@@ -16,9 +16,9 @@ pub struct Participation {
 }
 
 /// How long a wait lasts at most, so that the wish to stop is seen.
-const SLICE: Duration = Duration::from_millis(50);
+const SLICE: Duration = Duration::from_millis(200);
 
-/// Lets a machine take part in a bus from now on, until `goes_on` says no; that is asked about every 50 ms. `observe`
+/// Lets a machine take part in a bus from now on, until `goes_on` says no; that is asked about five times a second. `observe`
 /// sees every frame, own ones too.
 ///
 /// A bus that does not take a frame is no reason to stop: the interface may come back, as it does for a real device. When

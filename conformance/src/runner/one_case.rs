@@ -53,6 +53,7 @@ fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Verdict {
         if let Some(touch) = case.touches.iter().find(|touch| !bench.options().allow.contains(touch)) {
             return Err(Verdict::NotApplicable(not_allowed(*touch)));
         }
+        bench.end_when_frames_are_lost();
         bench.look_for_it()?;
         bench.prepare()?;
         for &need in case.needs {

@@ -19,8 +19,28 @@ const PROGRAMS: [&str; 7] = ["ip", "cansend", "candump", "cangen", "canplayer", 
 const PROJECT: [&str; 3] = ["docs/examples", "conformance/models", "tests/vcan"];
 /// What of the Python environment they need: each begins the name of a folder or file.
 const PACKAGES: [&str; 7] = ["can", "packaging", "pyserial", "python_can", "serial", "typing_extensions", "wrapt"];
-/// Parts of Python's library that nobody needs, and that are large.
-const UNNEEDED: [&str; 6] = ["ensurepip", "idlelib", "lib2to3", "site-packages", "test", "tkinter"];
+/// Parts of Python's library that nobody needs here, wherever they are in it: unpacking them takes the machine longer than
+/// booting its kernel. Each begins the name of a folder or file.
+const UNNEEDED: [&str; 18] = [
+    "_ctypes_test",
+    "_test",
+    "_tkinter",
+    "config-",
+    "curses",
+    "distutils",
+    "ensurepip",
+    "idlelib",
+    "lib2to3",
+    "pydoc_data",
+    "site-packages",
+    "test",
+    "tkinter",
+    "turtle",
+    "unittest",
+    "venv",
+    "wsgiref",
+    "xmlrpc",
+];
 
 /// The archive of all files, which the kernel unpacks into its memory. `names`: the tests of each machine.
 /// `settings`: variables of their environment.
@@ -44,6 +64,9 @@ pub fn archive(kernel: &Kernel, built: &Built, names: &[Vec<String>], settings: 
         files.add_needs_of(binary)?;
         strip(binary, &stage)?;
     }
+    for library in files.0.extract_if(.., |path| is_library_of_python(path)) {
+        strip(&library, &stage)?;
+    }
     let init = root.join("tests/vcan/init");
     fs::copy(&init, stage.join("init"))?;
     fs::set_permissions(stage.join("init"), fs::Permissions::from_mode(0o755))?;
@@ -64,6 +87,11 @@ pub fn archive(kernel: &Kernel, built: &Built, names: &[Vec<String>], settings: 
     }
     fs::write(stage.join("settings"), text)?;
     files.pack(&stage, &root.join(FOLDER).join("files.cpio"))
+}
+
+/// A Python that its user has built has symbols for debuggers, three quarters of it.
+fn is_library_of_python(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("libpython"))
 }
 
 /// Files and folders of this machine, under the paths that they have here.
@@ -100,7 +128,7 @@ impl Files {
                 continue;
             }
             if path.is_dir() {
-                self.add_folder(&path, &|_| true)?;
+                self.add_folder(&path, wanted)?;
             } else {
                 self.add(&path);
                 if path.extension().is_some_and(|extension| extension == "so") {
@@ -120,9 +148,17 @@ impl Files {
         let [library, packages, prefix] = text.lines().collect::<Vec<_>>()[..] else {
             anyhow::bail!("{PYTHON} does not say where its library is");
         };
-        let needed = |name: &str| !UNNEEDED.contains(&name) && !name.starts_with("config-");
+        let needed =
+            |name: &str| !name.contains(".opt-") && UNNEEDED.iter().all(|unneeded| !name.starts_with(unneeded));
         self.add_folder(Path::new(library), &needed)?;
-        self.add_folder(Path::new(packages), &|name| PACKAGES.iter().any(|package| name.starts_with(package)))?;
+        for entry in fs::read_dir(packages).with_context(|| packages.to_owned())? {
+            let path = entry?.path();
+            let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            if !PACKAGES.iter().any(|package| name.starts_with(package)) {
+                continue;
+            }
+            if path.is_dir() { self.add_folder(&path, &needed)? } else { self.add(&path) }
+        }
         self.add(&Path::new(prefix).join("pyvenv.cfg"));
         Ok(())
     }

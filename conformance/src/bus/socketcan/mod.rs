@@ -20,7 +20,7 @@ use super::{Bus, BusError, Health};
 use canvass_traces::{ChannelId, Duration, Frame, Record, Timestamp, to_socket};
 use receiver::Receiver;
 use std::collections::VecDeque;
-use std::io;
+use std::io::{self, PipeWriter};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -30,6 +30,8 @@ use sys::{Filter, RawSocket};
 pub struct SocketCan {
     shared: Arc<Shared>,
     receiver: Option<JoinHandle<()>>,
+    /// The receiving thread has the other end, and sees that this one is closed.
+    open: Option<PipeWriter>,
     bit_rate: Option<u32>,
 }
 
@@ -80,10 +82,11 @@ impl SocketCan {
             filters: Mutex::new(vec![Filter { id: 0, mask: 0 }]),
             goes_down: AtomicBool::new(false),
         });
-        let receiver = Receiver::new(Arc::clone(&shared));
+        let (end, open) = io::pipe().map_err(failed("receive from"))?;
+        let receiver = Receiver::new(Arc::clone(&shared), end);
         let thread = std::thread::Builder::new().name(format!("receive {interface}"));
         let receiver = thread.spawn(move || receiver.run()).map_err(failed("receive from"))?;
-        Ok(Self { shared, receiver: Some(receiver), bit_rate: link.bit_rate })
+        Ok(Self { shared, receiver: Some(receiver), open: Some(open), bit_rate: link.bit_rate })
     }
 
     /// Whether the kernel has what is needed, whichever interfaces there are.
@@ -207,6 +210,7 @@ impl Bus for SocketCan {
 impl Drop for SocketCan {
     fn drop(&mut self) {
         self.shared.inbox.close();
+        drop(self.open.take());
         if let Some(receiver) = self.receiver.take() {
             // It panicked or not: nothing is left to do for it.
             let _ = receiver.join();

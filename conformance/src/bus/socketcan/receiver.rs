@@ -2,16 +2,16 @@
 
 use super::Shared;
 use super::link::Link;
-use super::sys::{Batch, Received};
+use super::sys::{BATCH, Batch, Received};
 use crate::bus::clock::Correction;
 use crate::bus::hardware_clock::HardwareClock;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp, from_socket};
-use std::io;
+use std::io::{self, PipeReader};
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError};
 use std::time::Duration;
 
-/// How often the thread looks whether it shall end, and whether a lost interface is back.
+/// How often the thread looks whether a lost interface is back.
 const LOOK: Duration = Duration::from_millis(50);
 
 /// The class bit of error frames that tell of bus-off (`CAN_ERR_BUSOFF`).
@@ -19,6 +19,8 @@ const BUS_OFF: u32 = 0x40;
 
 pub(super) struct Receiver {
     shared: Arc<Shared>,
+    /// Its other end is closed when the inbox is: a thread that waits for a frame is woken by nothing else.
+    end: PipeReader,
     correction: Correction,
     hardware: HardwareClock,
     /// The kernel's count of lost frames when it was last seen.
@@ -28,9 +30,9 @@ pub(super) struct Receiver {
 }
 
 impl Receiver {
-    pub fn new(shared: Arc<Shared>) -> Self {
+    pub fn new(shared: Arc<Shared>, end: PipeReader) -> Self {
         let (correction, hardware) = (Correction::default(), HardwareClock::default());
-        Self { shared, correction, hardware, dropped: 0, records: Vec::with_capacity(64), is_lost: false }
+        Self { shared, end, correction, hardware, dropped: 0, records: Vec::with_capacity(64), is_lost: false }
     }
 
     /// Receives until the inbox is closed.
@@ -42,7 +44,7 @@ impl Receiver {
             if self.is_lost {
                 self.find_again();
             }
-            match shared.socket.wait_readable(LOOK) {
+            match shared.socket.wait_readable_or_closed(&self.end, self.is_lost.then_some(LOOK)) {
                 Ok(true) => self.fetch(&mut batch),
                 Ok(false) => {}
                 Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
@@ -64,6 +66,9 @@ impl Receiver {
                         .filter_map(|at| batch.get(at))
                         .for_each(|(packet, received)| self.take(packet, received));
                     shared.inbox.deliver(&mut self.records);
+                    if frames < BATCH {
+                        break;
+                    }
                 }
                 Err(error) => {
                     self.failed(&error);

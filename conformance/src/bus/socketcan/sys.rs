@@ -5,7 +5,7 @@
 #![allow(unsafe_code)]
 
 use canvass_traces::Timestamp;
-use std::io;
+use std::io::{self, PipeReader};
 use std::mem::{size_of, zeroed};
 use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
 use std::time::Duration;
@@ -22,7 +22,7 @@ const SO_RXQ_OVFL: libc::c_int = 40;
 const ALL_ERRORS: u32 = 0x1FFF_FFFF;
 
 /// Frames that are fetched by one system call.
-const BATCH: usize = 64;
+pub(super) const BATCH: usize = 64;
 /// A CAN FD frame, `CANFD_MTU`.
 const FRAME: usize = 72;
 /// Room for `SCM_TIMESTAMPING` (64 bytes) and `SO_RXQ_OVFL` (24), in u64 for their alignment.
@@ -137,14 +137,17 @@ impl RawSocket {
     }
 
     fn wait(&self, events: libc::c_short, timeout: Duration) -> io::Result<bool> {
-        let mut poll = libc::pollfd { fd: self.fd(), events, revents: 0 };
-        let milliseconds = timeout.as_millis().min(60_000) as libc::c_int;
-        // SAFETY: one pollfd is passed, which lives until the call returns.
-        let ready = unsafe { libc::poll(&raw mut poll, 1, milliseconds) };
-        match ready {
-            0.. => Ok(ready > 0),
-            _ => Err(io::Error::last_os_error()),
-        }
+        let mut polls = [libc::pollfd { fd: self.fd(), events, revents: 0 }];
+        poll(&mut polls, timeout.as_millis().min(60_000) as libc::c_int)
+    }
+
+    /// Waits until there is something to receive, or an error to see, or the other end of the pipe is closed, or
+    /// `timeout` has passed. Says whether this socket has something.
+    pub fn wait_readable_or_closed(&self, pipe: &PipeReader, timeout: Option<Duration>) -> io::Result<bool> {
+        let ours = libc::pollfd { fd: self.fd(), events: libc::POLLIN, revents: 0 };
+        let mut polls = [ours, libc::pollfd { fd: pipe.as_raw_fd(), events: libc::POLLIN, revents: 0 }];
+        poll(&mut polls, timeout.map_or(-1, |timeout| timeout.as_millis().min(60_000) as libc::c_int))?;
+        Ok(polls[0].revents != 0)
     }
 
     /// Fetches what there is, at most a batch; returns how many frames came.
@@ -157,6 +160,13 @@ impl RawSocket {
         };
         if received < 0 { Err(io::Error::last_os_error()) } else { Ok(received as usize) }
     }
+}
+
+/// Whether one of them is ready before so many milliseconds have passed; -1: however long it takes.
+fn poll(polls: &mut [libc::pollfd], milliseconds: libc::c_int) -> io::Result<bool> {
+    // SAFETY: the slice lives until the call returns, and its length is passed.
+    let ready = unsafe { libc::poll(polls.as_mut_ptr(), polls.len() as libc::nfds_t, milliseconds) };
+    if ready < 0 { Err(io::Error::last_os_error()) } else { Ok(ready > 0) }
 }
 
 /// The buffers of many frames.
