@@ -5,7 +5,7 @@ use crate::running::{Running, brief, canvass, eventually, run, simulate, text};
 use serde_json::Value;
 use std::io::Write as _;
 use std::process::{Command, Stdio};
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
 const MODEL: &str = "kuebler-sendix-58x8";
 
@@ -134,7 +134,7 @@ fn a_babbling_node_is_not_the_devices_fault() {
     let mut cangen = Command::new("cangen");
     cangen.args(["-g", "0.1", "-I", "001", "-L", "8", "-i", bus.name()]).stdin(Stdio::null());
     let babbler = Running::start(cangen);
-    let select = "301/sdo/upload/expedited,301/sdo/upload/segmented,301/heartbeat/period";
+    let select = "301/sdo/upload/expedited,301/sdo/upload/segmented,301/heartbeat/extremes";
     let ended = start_test(&bus, select, &[]).finish();
     let report = parsed(&ended.stdout);
     assert_eq!(count(&report, "fail"), 0, "{}", brief(&report));
@@ -148,30 +148,28 @@ fn a_babbling_node_is_not_the_devices_fault() {
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// A program floods the bus with more than any bus carries, so that the tester can't keep up: the run ends all the same,
-/// and soon.
+/// A program floods the bus for two seconds with more than any bus carries, and more than the tester keeps up with: what it
+/// has lost frames of it does not judge, it does not wait for an end of the flood, and it goes on after it.
 #[test]
-fn a_flood_ends_with_verdicts() {
+fn a_flood_ends_no_run_and_fails_nothing() {
     let bus = Interface::new("vflood");
     let device = simulate(MODEL, bus.name(), &[]);
+    let test = start_test(&bus, "301/heartbeat/extremes,301/sdo", &[]);
+    std::thread::sleep(Duration::from_secs(4));
     let mut cangen = Command::new("cangen");
     cangen.args(["-g", "0", "-I", "001", "-L", "0", "-i", bus.name()]).stdin(Stdio::null());
     let flood = Running::start(cangen);
-    let begun = Instant::now();
-    let ended = start_test(&bus, "301/sdo/upload,301/heartbeat/period", &[]).finish();
-    let took = begun.elapsed();
+    std::thread::sleep(Duration::from_secs(2));
     flood.kill();
-    writeln!(std::io::stderr(), "figure: flood: {took:?}, status {}, {}", ended.status, ended.stderr.trim()).unwrap();
-    if ended.status == 3 {
-        // The device could not be reached through it, which is said of the bus and not of the device.
-        assert!(ended.stderr.contains("canvass: "), "{}", ended.stderr);
-    } else {
-        let report = parsed(&ended.stdout);
-        writeln!(std::io::stderr(), "figure: flood: {} host {}", report["summary"], report["host"]).unwrap();
-        assert_eq!(count(&report, "fail"), 0, "{}", brief(&report));
-        assert_eq!(ended.status, 1, "{}", brief(&report));
-    }
-    assert!(took < Duration::from_secs(120), "{took:?}");
+    let ended = test.finish();
+    let report = parsed(&ended.stdout);
+    writeln!(std::io::stderr(), "figure: flood: {} host {}", report["summary"], report["host"]).unwrap();
+    assert_eq!((count(&report, "fail"), count(&report, "error"), ended.status), (0, 0, 1), "{}", brief(&report));
+    assert!(count(&report, "inconclusive") >= 3 && count(&report, "pass") >= 3, "{}", brief(&report));
+    let lost = |case: &Value| case["reason"]["actual"].as_str().unwrap_or_default().contains("frames were lost");
+    assert!(report["cases"].as_array().unwrap().iter().any(lost), "{}", brief(&report));
+    let last = report["cases"].as_array().unwrap().last().unwrap();
+    assert_ne!(last["verdict"], "inconclusive", "{}", brief(&report));
     let time = reads(&bus, "1017");
     assert!(time.contains("= 0"), "{time}");
     assert_eq!(device.interrupt().status, 0);

@@ -18,12 +18,19 @@ fn result(ended: &Ended) -> Value {
         .unwrap_or_else(|error| panic!("the result is complete: {error}: {}{}", ended.stdout, ended.stderr))
 }
 
-/// One line for each violation.
+/// As many frames of a violation are shown where a test fails.
+const EVIDENCE: usize = 10;
+
+/// The violations with their last frames.
 fn brief(result: &Value) -> String {
     let lines = result["violations"].as_array().unwrap().iter().map(|violation| {
         let texts = ["property", "rule", "expected", "actual"].map(|key| violation[key].as_str().unwrap());
-        let log = violation["log"].as_str().unwrap().replace('\n', "\n    ");
-        format!("{} confirmed={}\n    {log}", texts.join(" | "), violation["confirmed"])
+        let frames = violation["evidence"].as_array().unwrap().iter().rev().take(EVIDENCE).rev().map(|frame| {
+            let number = |key: &str| frame[key].as_u64().unwrap_or_default();
+            format!("\n    {} {:03X}#{} {}", number("t"), number("id"), frame["data"], frame["text"])
+        });
+        let (confirmed, frames) = (&violation["confirmed"], frames.collect::<String>());
+        format!("{} confirmed={confirmed}{frames}", texts.join(" | "))
     });
     let lines: Vec<String> = lines.collect();
     let counts = ["executions", "sequences", "unjudged", "dead"].map(|key| format!("{key} {}", result[key]));
@@ -102,7 +109,7 @@ fn python_canopen_as_device() {
     let bus = Interface::new("vflocal");
     let mut device = Running::start(python(&["device", bus.name()]));
     device.says("ready");
-    let ended = start_fuzz(&bus, &["--node", "5", "--for", "5min"]).finish();
+    let ended = start_fuzz(&bus, &["--node", "5", "--for", "100"]).finish();
     let result = result(&ended);
     writeln!(std::io::stderr(), "figure: python canopen: {}; {}", brief(&result), ended.stderr.trim()).unwrap();
     let violations = result["violations"].as_array().unwrap().iter();

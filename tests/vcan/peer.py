@@ -140,6 +140,8 @@ def layer_settings(network):
 
 def device(interface):
     """A LocalNode with a small dictionary, as node 5."""
+    # Nobody reads what it thinks of the requests, and a full pipe would stop it.
+    logging.disable(logging.CRITICAL)
     dictionary = od.ObjectDictionary()
 
     def variable(index, sub, name, data_type, access, value, parent=None):
