@@ -1,6 +1,6 @@
 //! What happens to a bus: interfaces that go down, processes that die, nodes that babble, users who interrupt.
 
-use crate::interface::Interface;
+use crate::interface::{Interface, transmitted};
 use crate::running::{Running, brief, canvass, eventually, run, simulate, text};
 use serde_json::Value;
 use std::io::Write as _;
@@ -148,28 +148,31 @@ fn a_babbling_node_is_not_the_devices_fault() {
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// A program floods the bus for two seconds with more than any bus carries, and more than the tester keeps up with: what it
-/// has lost frames of it does not judge, it does not wait for an end of the flood, and it goes on after it.
+/// A program floods the bus for a second with more than any bus carries: no wait of the tester lasts as long as the flood,
+/// what it has lost frames of it does not judge, and it goes on after it.
 #[test]
 fn a_flood_ends_no_run_and_fails_nothing() {
     let bus = Interface::new("vflood");
     let device = simulate(MODEL, bus.name(), &[]);
-    let test = start_test(&bus, "301/heartbeat/extremes,301/sdo", &[]);
-    std::thread::sleep(Duration::from_secs(4));
+    let test = start_test(&bus, "301/heartbeat/extremes,301/sdo/upload", &[]);
+    std::thread::sleep(Duration::from_secs(3));
     let mut cangen = Command::new("cangen");
     cangen.args(["-g", "0", "-I", "001", "-L", "0", "-i", bus.name()]).stdin(Stdio::null());
     let flood = Running::start(cangen);
-    std::thread::sleep(Duration::from_secs(2));
+    std::thread::sleep(Duration::from_secs(1));
     flood.kill();
     let ended = test.finish();
     let report = parsed(&ended.stdout);
-    writeln!(std::io::stderr(), "figure: flood: {} host {}", report["summary"], report["host"]).unwrap();
-    assert_eq!((count(&report, "fail"), count(&report, "error"), ended.status), (0, 0, 1), "{}", brief(&report));
-    assert!(count(&report, "inconclusive") >= 3 && count(&report, "pass") >= 3, "{}", brief(&report));
-    let lost = |case: &Value| case["reason"]["actual"].as_str().unwrap_or_default().contains("frames were lost");
-    assert!(report["cases"].as_array().unwrap().iter().any(lost), "{}", brief(&report));
-    let last = report["cases"].as_array().unwrap().last().unwrap();
-    assert_ne!(last["verdict"], "inconclusive", "{}", brief(&report));
+    let frames = transmitted(bus.name());
+    writeln!(std::io::stderr(), "figure: flood: {frames} frames, {} host {}", report["summary"], report["host"])
+        .unwrap();
+    assert_eq!((count(&report, "fail"), count(&report, "error")), (0, 0), "{}", brief(&report));
+    assert!(count(&report, "pass") >= 3, "{}", brief(&report));
+    let is_inconclusive = |case: &&Value| case["verdict"] == "inconclusive";
+    let reason = |case: &Value| case["reason"]["actual"].as_str().unwrap_or_default().contains("frames were lost");
+    assert!(report["cases"].as_array().unwrap().iter().filter(is_inconclusive).all(reason), "{}", brief(&report));
+    // The last ones come after the flood.
+    assert_ne!(report["cases"].as_array().unwrap().last().unwrap()["verdict"], "inconclusive", "{}", brief(&report));
     let time = reads(&bus, "1017");
     assert!(time.contains("= 0"), "{time}");
     assert_eq!(device.interrupt().status, 0);

@@ -153,3 +153,56 @@ pub const fn is_tpdo(cob_id: u16) -> bool {
 fn broken(error: &BusError) -> Verdict {
     Verdict::Error(Reason::new("the bus works", "frames in and out", error.to_string()))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::bench::{Options, Target};
+    use crate::bus::{Bus, Health};
+    use canvass_traces::ChannelId;
+    use std::sync::atomic::AtomicBool;
+
+    /// A bus that never falls silent, and of whose frames the tester gets every other one.
+    #[derive(Default)]
+    struct Flooded(u64);
+
+    impl Bus for Flooded {
+        fn now(&self) -> Timestamp {
+            Timestamp(self.0 * 1_000)
+        }
+
+        fn send(&mut self, _: &Frame) -> Result<(), BusError> {
+            Ok(())
+        }
+
+        fn receive(&mut self, _: Timestamp) -> Result<Option<Record>, BusError> {
+            self.0 += 1;
+            let frame = Frame::full(CanId::standard_masked(1), [0; 8]);
+            Ok(Some(Record::new(self.now(), ChannelId(0), frame).with_direction(Direction::Rx)))
+        }
+
+        fn bit_rate(&self) -> Option<u32> {
+            None
+        }
+
+        fn health(&self) -> Health {
+            Health { lost: self.0, ..Health::default() }
+        }
+    }
+
+    #[test]
+    fn a_case_ends_when_frames_are_lost_and_what_it_changed_is_put_back_all_the_same() {
+        let (mut bus, options, cancel) = (Flooded::default(), Options::default(), AtomicBool::new(false));
+        let target = Target::unknown(NodeId::new(63).unwrap());
+        let mut annotate = |_: &Record| String::new();
+        let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
+        let hour = Duration::from_secs(3_600);
+        bench.end_when_frames_are_lost();
+        assert!(matches!(bench.wait_for(hour, |_| None::<()>), Err(Verdict::Inconclusive(_))));
+        assert!(bench.now() < Timestamp(1_000_000), "{:?}", bench.now());
+        let second = Duration::from_secs(1);
+        assert_eq!(bench.uncancelled(|bench| bench.wait_for(second, |_| None::<()>)), Ok(None));
+        bench.finish();
+        assert_eq!(bench.wait_for(second, |_| None::<()>), Ok(None), "no case runs any more");
+    }
+}
