@@ -18,6 +18,7 @@ pub enum TimeStyle {
 }
 
 /// Shows one time after the other.
+#[derive(Clone)]
 pub struct Clock {
     style: TimeStyle,
     /// Always nine decimals: for machines.

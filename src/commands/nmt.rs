@@ -6,11 +6,13 @@ use crate::live::Live;
 use crate::output::Color;
 use crate::status::{Failure, Status};
 use canvass_analyzer::NodeId;
-use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::{self, Nmt};
-use canvass_traces::Duration;
+use canvass_analyzer::wire::{Wire, emcy, error_control};
+use canvass_traces::{Duration, Frame};
 
-/// Command a node's state, or that of all nodes, and print what comes back, decoded
+/// Command a node's state, or that of all nodes, and print what comes of it
+///
+/// Boot-up messages, heartbeats and emergencies of the nodes that are commanded; not the PDOs of a bus at work.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
@@ -46,6 +48,17 @@ enum Command {
 #[derive(Clone, Copy)]
 struct Addressed(u8);
 
+impl Addressed {
+    /// Whether a frame tells of the state of such a node.
+    fn concerns(self, frame: &Frame) -> bool {
+        frame.cob_id().is_some_and(|cob_id| {
+            let of_state = matches!(cob_id & 0x780, error_control::CAN_ID_BASE | emcy::CAN_ID_BASE);
+            let node = NodeId::of_cob_id(cob_id).map(NodeId::raw);
+            cob_id == nmt::CAN_ID || of_state && node.is_some_and(|node| self.0 == 0 || self.0 == node)
+        })
+    }
+}
+
 fn parse_addressed(text: &str) -> anyhow::Result<Addressed> {
     if text.eq_ignore_ascii_case("all") { Ok(Addressed(0)) } else { parse_node(text).map(NodeId::raw).map(Addressed) }
 }
@@ -66,6 +79,6 @@ impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let live = Live::open(&self.bus, &self.device)?;
         let frame = Nmt { command: self.command.specifier(), node: self.node.0 }.to_frame(nmt::CAN_ID);
-        send_and_show(live, &[frame], Duration::from_millis(self.wait), color)
+        send_and_show(live, &[frame], Duration::from_millis(self.wait), &|frame| self.node.concerns(frame), color)
     }
 }

@@ -36,18 +36,26 @@ fn parse_sent(text: &str) -> Result<Frame, FrameSyntax> {
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let live = Live::open(&self.bus, &self.device)?;
-        send_and_show(live, &self.frames, Duration::from_millis(self.wait), color)
+        send_and_show(live, &self.frames, Duration::from_millis(self.wait), &|_| true, color)
     }
 }
 
-/// Sends the frames one after the other, and shows what is on the bus for a while after each.
-pub fn send_and_show(mut live: Live, frames: &[Frame], wait: Duration, color: Color) -> Result<Status, Failure> {
+/// Sends the frames one after the other, and shows what is on the bus for a while after each, as far as it is wanted.
+pub fn send_and_show(
+    mut live: Live,
+    frames: &[Frame],
+    wait: Duration,
+    wanted: &dyn Fn(&Frame) -> bool,
+    color: Color,
+) -> Result<Status, Failure> {
     let mut lines = FrameLines::new(color);
     for frame in frames {
         live.bus.send(frame).map_err(Failure::unreachable)?;
         let deadline = live.bus.now() + wait;
         while let Some(record) = live.bus.receive(deadline).map_err(Failure::unreachable)? {
-            lines.show(&record, &mut live.network, &live.channels)?;
+            if wanted(&record.frame) {
+                lines.show(&record, &mut live.network, &live.channels)?;
+            }
             // A bus that never falls silent must not turn a wait into a hang.
             if record.timestamp > deadline {
                 break;

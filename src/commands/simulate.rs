@@ -115,7 +115,8 @@ impl Args {
         let health = bus.health();
         let unsent = if done.unsent > 0 { format!(", {} not taken by the bus", done.unsent) } else { String::new() };
         let lost = if health.lost > 0 { format!(", {} lost", health.lost) } else { String::new() };
-        diagnostic(&format!("canvass: {} frames sent{unsent}, {received} received{lost}", done.sent));
+        let plural = if done.sent == 1 { "" } else { "s" };
+        diagnostic(&format!("canvass: {} frame{plural} sent{unsent}, {received} received{lost}", done.sent));
         Ok(Status::Good)
     }
 }

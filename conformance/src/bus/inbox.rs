@@ -168,7 +168,7 @@ mod tests {
         let mut from_the_future = record(&clock);
         from_the_future.timestamp = deadline + canvass_traces::Duration::from_secs(3_600);
         inbox.deliver(&mut vec![later, from_the_future]);
-        let mut take = |deadline| inbox.take(&clock, deadline, || false).is_some();
+        let take = |deadline| inbox.take(&clock, deadline, || false).is_some();
         assert_eq!([take(deadline), take(deadline), take(deadline)], [true, false, false]);
         let later = clock.now();
         assert_eq!([take(later), take(later), take(later)], [true, true, false]);
@@ -177,13 +177,13 @@ mod tests {
     #[test]
     fn a_frame_that_the_receiving_thread_has_not_fetched_yet_is_waited_for() {
         let (inbox, clock) = (Inbox::new(), SteadyClock::start());
-        let fetched = AtomicBool::new(false);
+        let (fetched, in_time) = (AtomicBool::new(false), record(&clock));
         std::thread::scope(|scope| {
             scope.spawn(|| {
                 std::thread::sleep(Duration::from_millis(5));
                 inbox.set_delivering(true);
                 fetched.store(true, Ordering::SeqCst);
-                inbox.deliver(&mut vec![record(&clock)]);
+                inbox.deliver(&mut vec![in_time]);
                 inbox.set_delivering(false);
             });
             let deadline = clock.now();

@@ -1,13 +1,17 @@
 //! How well the tester's own machine kept up, in words.
 
 use canvass_conformance::runner::HostTiming;
+use canvass_traces::Duration;
 
 /// One or two sentences.
 pub(super) fn sentence(host: &HostTiming) -> String {
     let mut text = format!(
         "This machine saw 99 % of the frames within {} of their time on the bus and all within {}; its own were on the bus \
          within {} and {}.",
-        host.receive_usually, host.receive_always, host.transmit_usually, host.transmit_always
+        bound(host.receive_usually),
+        bound(host.receive_always),
+        bound(host.transmit_usually),
+        bound(host.transmit_always)
     );
     if host.lost > 0 {
         text += &format!(" It lost {} frames.", host.lost);
@@ -16,4 +20,28 @@ pub(super) fn sentence(host: &HostTiming) -> String {
         text += &format!(" The bus was interrupted {} times.", host.interruptions);
     }
     text
+}
+
+/// A bound in two digits, rounded up.
+fn bound(span: Duration) -> Duration {
+    let mut step = 1;
+    while span.0.div_ceil(step) >= 100 {
+        step *= 10;
+    }
+    Duration(span.0.div_ceil(step) * step)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn bounds_stay_bounds() {
+        let shown = |nanos| bound(Duration(nanos)).to_string();
+        assert_eq!(
+            [0, 99, 100, 4_095, 65_535, 131_071].map(shown),
+            ["0 ns", "99 ns", "100 ns", "4.1 µs", "66 µs", "140 µs"]
+        );
+        assert_eq!(bound(Duration(995)), Duration(1_000));
+    }
 }

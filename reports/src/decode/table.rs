@@ -90,12 +90,16 @@ impl TableLines {
 impl Lines for TableLines {
     fn line(&mut self, line: &Line<'_>, out: &mut Vec<u8>) {
         let Line { record, channels, decoded, meaning } = line;
+        let begun = out.len();
         let name = channels.name(record.channel);
         self.channel_width = self.channel_width.max(name.chars().count());
         if record.frame.id().is_extended() {
             self.id_width = 8;
         }
         if !std::mem::replace(&mut self.begun, true) {
+            // Times of a live bus have nanoseconds.
+            self.clock.clone().push(record.timestamp, out);
+            self.time_width = self.time_width.max(out.drain(begun..).count());
             self.push_header(out);
         }
         let start = out.len();

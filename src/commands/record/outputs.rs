@@ -130,7 +130,8 @@ impl Series {
     fn finish(&mut self) -> Result<()> {
         self.checked(Recording::finish)?;
         for (loss, frames) in self.recording.losses().iter() {
-            diagnostic(&format!("canvass: {} can't hold {}: {frames} frames", self.path.display(), loss.name()));
+            let (path, plural) = (self.path.display(), if frames == 1 { "" } else { "s" });
+            diagnostic(&format!("canvass: {path} can't hold {} of {frames} frame{plural}", loss.name()));
         }
         Ok(())
     }
