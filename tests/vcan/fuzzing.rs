@@ -95,11 +95,12 @@ fn what_shows_only_once_is_not_called_confirmed() {
     std::fs::write(&earlier, TOGGLE).unwrap();
     let faulty = simulate("reference-301", bus.name(), &["--fault", "sdo-toggle-unchecked"]);
     let mut candump = Command::new("candump");
-    candump.args(["-L", &format!("{},60A:7FF", bus.name())]).stdin(Stdio::null());
-    let mut requests = Running::start(candump);
+    candump.args(["-L", &format!("{},58A:7FF", bus.name())]).stdin(Stdio::null());
+    let mut answers = Running::start(candump);
     let more = ["--device", "reference-301", "--regressions", earlier.to_str().unwrap(), "--stop-at-first"];
     let fuzz = start_fuzz(&bus, &more);
-    requests.prints(&["60A#60"], 2);
+    // The second segment is the one too many.
+    answers.prints(&["58A#00"], 2);
     faulty.kill();
     let device = Running::start(canvass(&["simulate", "reference-301", bus.name()]));
     let ended = fuzz.finish();
