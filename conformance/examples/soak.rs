@@ -1,11 +1,11 @@
 //! Fuzzes models without fault, and faults, as long as one likes: `soak models EXCHANGES [SEED] [TARGET] [MODEL...]`,
 //! `soak faults SECONDS [SEED] [FAULT...]`.
 
-use canvass_conformance::case::Touch;
-use canvass_conformance::fuzz::campaign::Found;
+use canvass_analyzer::NodeId;
+use canvass_conformance::fuzz::campaign::{Found, harmless};
 use canvass_conformance::fuzz::coverage::LssReach;
 use canvass_conformance::fuzz::detection::{Limit, detect, fuzz};
-use canvass_conformance::fuzz::{Target, reproducer};
+use canvass_conformance::fuzz::{Knowledge, Target, reproducer};
 use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, Faults};
 use std::io::{Write, stdout};
@@ -35,6 +35,8 @@ fn models(exchanges: u64, seed: u64, target: &str, named: &[String]) -> Result<(
     for model in Model::all().iter().filter(|model| named.is_empty() || named.iter().any(|name| name == model.id())) {
         let begun = processor_time();
         let outcome = fuzz(model, Faults::NONE, target, seed, &mut |done| done < exchanges)?;
+        let knowledge = Knowledge::new(NodeId::MIN, Some(model.description()), Some(model.sheet()));
+        let reach = LssReach::of(&knowledge.services, model.sheet().network.lss, &harmless());
         let rate = outcome.executions as f64 / (processor_time() - begun);
         writeln!(
             out,
@@ -42,7 +44,7 @@ fn models(exchanges: u64, seed: u64, target: &str, named: &[String]) -> Result<(
             model.id(),
             outcome.executions,
             outcome.coverage.sdo_share(model.sheet().network.sdo_block_transfer),
-            outcome.coverage.lss_share(&LssReach::of(model.sheet().network.lss, &Touch::ALL.into_iter().collect())),
+            outcome.coverage.lss_share(&reach),
             outcome.violations.len()
         )?;
         for found in &outcome.violations {

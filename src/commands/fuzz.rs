@@ -168,7 +168,7 @@ impl Args {
             repeat: self.repeat(knowledge.node, plan.seed, outcome.sequences),
             cancelled,
             block_transfer: knowledge.services.block_transfer != Some(false),
-            reach: LssReach::of(device.has_unconfigured(), &plan.allow),
+            reach: LssReach::of(&knowledge.services, device.has_unconfigured(), &plan.allow),
             outcome,
             words,
         }

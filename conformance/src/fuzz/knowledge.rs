@@ -2,6 +2,7 @@
 
 use crate::models::Sheet;
 use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, Entry, Value};
+use canvass_analyzer::wire::lmt::{BIT_RATES, Seven};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 
@@ -12,11 +13,24 @@ pub struct Knowledge {
     pub node: NodeId,
     /// LSS address: 1018h:01 to 04; `None` where it could not be found out.
     pub address: Option<[u32; 4]>,
+    /// LMT address, of a device with LMT.
+    pub lmt: Option<LmtAddress>,
     /// What it can do.
     pub services: Services,
     /// How long to wait.
     pub patience: Patience,
     entries: Vec<Known>,
+}
+
+/// The address of an LMT slave.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct LmtAddress {
+    /// Of all devices of the model.
+    pub manufacturer_name: Seven,
+    /// Of all devices of the model.
+    pub product_name: Seven,
+    /// Of this device; `None`: not known.
+    pub serial_number: Option<Seven>,
 }
 
 /// What a device can do; `None` where nobody has said.
@@ -32,6 +46,8 @@ pub struct Services {
     pub lss_restarts: Option<bool>,
     /// It has an LMT slave, whose frames have the CAN-IDs of LSS.
     pub lmt: bool,
+    /// The rows of table 0 that configure bit timing of LMT accepts.
+    pub lmt_bit_rates: Vec<u8>,
     /// TPDOs that are filled up to eight bytes, by their number from 1.
     pub padded_tpdos: Vec<u16>,
     /// The rows of table 0 that configure bit timing accepts.
@@ -114,6 +130,11 @@ impl Knowledge {
         let mut knowledge = Self {
             node,
             address: None,
+            lmt: sheet.and_then(|sheet| sheet.lmt).map(|address| LmtAddress {
+                manufacturer_name: address.manufacturer_name,
+                product_name: address.product_name,
+                serial_number: None,
+            }),
             services: Services::new(description, sheet),
             patience: Patience::default(),
             entries,
@@ -187,6 +208,13 @@ impl Services {
             }),
             lss_restarts: network.map(|network| network.lss_restarts),
             lmt: network.is_some_and(|network| network.lmt),
+            lmt_bit_rates: (0..)
+                .zip(BIT_RATES)
+                .filter(|(_, rate)| {
+                    sheet.is_some_and(|sheet| sheet.bit_rates.iter().any(|own| own.kbit * 1_000 == *rate))
+                })
+                .map(|(row, _)| row)
+                .collect(),
             padded_tpdos: network
                 .map(|network| network.padded_tpdos.iter().map(|&number| u16::from(number)).collect())
                 .unwrap_or_default(),

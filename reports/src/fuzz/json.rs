@@ -28,6 +28,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         "repeat": run.repeat,
         "cancelled": run.cancelled,
         "executions": run.outcome.executions,
+        "frames": run.outcome.frames,
         "sequences": run.outcome.sequences,
         "unjudged": run.outcome.unjudged,
         "dead": run.outcome.dead,

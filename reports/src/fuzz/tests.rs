@@ -23,6 +23,7 @@ fn run() -> Run {
     };
     let outcome = Outcome {
         executions: 7,
+        frames: 8,
         sequences: 2,
         unjudged: 1,
         dead: false,

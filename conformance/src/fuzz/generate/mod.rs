@@ -4,6 +4,7 @@
 //! generator; the tree shrinks that list ([`super::shrink`]).
 
 mod dice;
+mod lmt;
 mod lss;
 mod network;
 mod pdo;
@@ -134,6 +135,7 @@ impl<'a> Script<'a> {
             }
             match self.plan.target {
                 Target::Sdo => self.sdo_dialogue(),
+                Target::Lss if self.knowledge().services.lmt => self.lmt_dialogue(),
                 Target::Lss => self.lss_dialogue(),
                 Target::Nmt => self.nmt_dialogue(),
                 Target::Pdo => self.pdo_dialogue(),
@@ -143,7 +145,7 @@ impl<'a> Script<'a> {
                     6 | 7 => self.pdo_dialogue(),
                     8 => self.nmt_dialogue(),
                     9 => self.sync_dialogue(),
-                    _ if self.knowledge().services.lmt => self.sdo_dialogue(),
+                    _ if self.knowledge().services.lmt => self.lmt_dialogue(),
                     _ if self.sequence.stimuli.is_empty() || self.sequence.start == Start::Unconfigured => {
                         self.lss_dialogue();
                     }

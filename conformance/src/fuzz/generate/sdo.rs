@@ -81,7 +81,7 @@ impl Script<'_> {
         self.sdo(Request::upload(position));
     }
 
-    fn read(&mut self) {
+    pub(super) fn read(&mut self) {
         let at = self.object();
         self.sdo(Request::upload(at));
     }

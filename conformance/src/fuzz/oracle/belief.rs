@@ -9,6 +9,8 @@ pub(super) struct Belief {
     values: Vec<Held>,
     /// How many writes were confirmed: what was read before another write may have changed with it.
     writes: u32,
+    /// Counts every change of what is believed of PDOs.
+    version: u64,
     /// The object that was written last, until it is taken.
     change: Option<(Multiplexer, u64)>,
     /// The object of the last aborted download.
@@ -43,6 +45,7 @@ impl Belief {
         let mut belief = Self {
             values: vec![Held::default(); knowledge.entries().len()],
             writes: 0,
+            version: 0,
             change: None,
             aborted: None,
             sync: None,
@@ -58,6 +61,7 @@ impl Belief {
     /// The device was switched on: all values are those of power-on.
     pub fn power_on(&mut self, knowledge: &Knowledge) {
         self.writes = 0;
+        self.version += 1;
         self.change = None;
         self.aborted = None;
         self.bus_changed = false;
@@ -73,6 +77,7 @@ impl Belief {
             return;
         }
         self.writes += 1;
+        self.version += 1;
         self.change = None;
         self.aborted = None;
         for (held, known) in self.values.iter_mut().zip(knowledge.entries()) {
@@ -90,6 +95,11 @@ impl Belief {
         self.sync = self.number(knowledge, 0x1005, 0);
         self.emcy = self.number(knowledge, 0x1014, 0);
         self.time = self.number(knowledge, 0x1012, 0);
+    }
+
+    /// Another number whenever something else is believed of a PDO.
+    pub fn version(&self) -> u64 {
+        self.version
     }
 
     /// The value of an object, if it is known.
@@ -112,6 +122,7 @@ impl Belief {
     pub fn written(&mut self, knowledge: &Knowledge, entry: usize, raw: Option<u64>) {
         let Some(known) = knowledge.entries().get(entry) else { return };
         self.writes += 1;
+        self.version += 1;
         self.aborted = None;
         if let Some(held) = self.values.get_mut(entry) {
             *held = Held { raw: raw.filter(|_| known.stable), since: self.writes, by_reset: false };
@@ -145,6 +156,7 @@ impl Belief {
         if knowledge.entries().get(entry).is_some_and(|known| known.stable)
             && let Some(held) = self.values.get_mut(entry)
         {
+            self.version += u64::from(held.raw != Some(raw));
             *held = Held { raw: Some(raw), since: self.writes, by_reset: false };
         }
     }
@@ -157,6 +169,7 @@ impl Belief {
     /// Something was written, but nobody knows what.
     pub fn forget(&mut self) {
         self.writes += 1;
+        self.version += 1;
         self.bus_changed = true;
         self.values.iter_mut().for_each(|held| held.raw = None);
         (self.sync, self.emcy, self.time) = (None, None, None);

@@ -68,6 +68,8 @@ pub(super) struct Slave {
     rule: &'static str,
     property: Property,
     due: Timestamp,
+    /// An answer that was on its way when a reset came may still come until then.
+    grace: Timestamp,
     asked: (LssState, LssCommand),
 }
 
@@ -86,6 +88,7 @@ impl Slave {
             rule: "",
             property: Property::LegalLss,
             due: Timestamp::MAX,
+            grace: Timestamp::ZERO,
             asked: (LssState::Waiting, LssCommand::Unknown),
         }
     }
@@ -94,9 +97,11 @@ impl Slave {
         *self = Self { unconfigured: start == Start::Unconfigured, ..Self::new() };
     }
 
-    /// A reset of the NMT slave: whether LSS goes on in its mode, the standard leaves open.
-    pub fn reset_communication(&mut self) {
-        *self = Self { mode: Mode::Unsure, unconfigured: self.unconfigured, ..Self::new() };
+    /// A reset of the NMT slave: whether LSS goes on in its mode, the standard leaves open. An answer that was due may
+    /// have been on its way, and come until `grace`.
+    pub fn reset_communication(&mut self, grace: Timestamp) {
+        let grace = if self.awaited == Awaited::Nothing { Timestamp::ZERO } else { grace };
+        *self = Self { mode: Mode::Unsure, unconfigured: self.unconfigured, grace, ..Self::new() };
     }
 
     /// Whether a reset gives the device another node-ID than it has.
@@ -104,8 +109,7 @@ impl Slave {
         self.pending.is_some_and(|node| node != knowledge.node.raw()) || self.timing_changed || self.given
     }
 
-    /// The state, for the statistics.
-    pub fn class(&self) -> LssState {
+    fn class(&self) -> LssState {
         match (self.mode, self.unconfigured) {
             (Mode::Configuration, _) => LssState::Configuration,
             (_, true) if self.scanning.is_some() => LssState::Scanning,
@@ -113,6 +117,11 @@ impl Slave {
             _ if self.selected.is_some_and(|parts| parts > 0) => LssState::Selecting,
             _ => LssState::Waiting,
         }
+    }
+
+    /// Whether anything may come.
+    pub fn is_open(&self) -> bool {
+        self.awaited == Awaited::Anything
     }
 
     pub fn due(&self) -> Option<Timestamp> {
@@ -146,8 +155,6 @@ impl Slave {
 
     fn judge(&mut self, frame: &Frame, knowledge: &Knowledge, phase: Phase) -> (Awaited, Effect) {
         let works = match (knowledge.services.lss, phase) {
-            // LMT, the elder service, speaks on the same identifiers and is not modelled.
-            _ if knowledge.services.lmt => return (Awaited::Anything, Effect::Lost),
             (Some(false), _) => return (Awaited::Nothing, Effect::Nothing),
             (_, Phase::Booting) => return (Awaited::Anything, Effect::Lost),
             (None, _) => false,
@@ -419,6 +426,10 @@ impl Slave {
     /// [`Violation`] if the slave must not send it now.
     pub fn answered(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
         let response = Response::read(frame.data()).ok().filter(|_| frame.len() == 8);
+        if now < self.grace && response.is_some() {
+            self.grace = Timestamp::ZERO;
+            return Ok(());
+        }
         let awaited = self.awaited;
         let fits = match (awaited, response) {
             (Awaited::Anything, Some(_)) => true,

@@ -9,6 +9,7 @@ mod belief;
 mod codes;
 mod emcy;
 mod encoder;
+mod lmt;
 mod lss;
 mod nmt;
 mod pdo;
@@ -47,6 +48,7 @@ pub struct Oracle {
     nmt: nmt::Slave,
     sdo: sdo::Server,
     lss: lss::Slave,
+    lmt: lmt::Slave,
     pdo: pdo::Pdos,
     emcy: emcy::Watch,
     /// Something happened that the models don't follow: nothing is judged until the next start.
@@ -61,6 +63,7 @@ impl Oracle {
             nmt: nmt::Slave::new(knowledge.patience.jitter, knowledge.services.boot_up_message),
             sdo: sdo::Server::new(),
             lss: lss::Slave::new(),
+            lmt: lmt::Slave::new(),
             pdo: pdo::Pdos::new(&knowledge),
             emcy: emcy::Watch::new(),
             blind: false,
@@ -74,6 +77,7 @@ impl Oracle {
         self.nmt.start(now, start);
         self.sdo.reset();
         self.lss.start(start);
+        self.lmt.start();
         self.pdo.reset();
         self.emcy.reset();
         self.blind = false;
@@ -98,6 +102,11 @@ impl Oracle {
         let node = u16::from(self.knowledge.node.raw());
         match can_id {
             nmt_wire::CAN_ID => self.sent_nmt(now, frame),
+            lss_wire::MASTER_CAN_ID if self.knowledge.services.lmt => {
+                let effect = self.lmt.asked(now, frame, &self.knowledge, self.nmt.phase(), coverage);
+                self.blind |= effect == lss::Effect::Lost;
+                Ok(())
+            }
             lss_wire::MASTER_CAN_ID => {
                 let effect = self.lss.asked(now, frame, &self.knowledge, self.nmt.phase(), coverage);
                 self.blind |= effect == lss::Effect::Lost;
@@ -142,10 +151,13 @@ impl Oracle {
                 self.pdo.state_changed(now, &self.nmt);
             }
             nmt::Change::Reset(what) => {
-                self.blind |= self.belief.bus_changed() || self.lss.moves(&self.knowledge);
+                self.blind |= self.belief.bus_changed()
+                    || self.lss.moves(&self.knowledge)
+                    || self.sdo.may_move(&self.knowledge.services.bus_objects);
                 self.belief.reset(&self.knowledge, what);
                 self.sdo.reset();
-                self.lss.reset_communication();
+                self.lss.reset_communication(now + self.nmt.grace());
+                self.lmt.reset_communication();
                 self.pdo.reset();
                 self.emcy.reset();
             }
@@ -175,10 +187,12 @@ impl Oracle {
                     judged => judged?,
                 };
                 if change == nmt::Change::State {
+                    self.sdo.booted(now, self.nmt.grace());
                     self.pdo.state_changed(now, &self.nmt);
                 }
                 Ok(())
             }
+            Some(lss_wire::SLAVE_CAN_ID) if self.knowledge.services.lmt => self.lmt.answered(now, frame, coverage),
             Some(lss_wire::SLAVE_CAN_ID) => self.lss.answered(now, frame, coverage),
             _ => {
                 self.nmt.may_speak(now, frame, &self.knowledge)?;
@@ -202,14 +216,20 @@ impl Oracle {
                         Ok(())
                     }
                     Some(id) if self.belief.is_emcy(id, self.knowledge.node) => {
-                        self.emcy.came(now, frame, &self.nmt)?;
+                        // A PDO that was given the identifier of EMCY can't be told from one.
+                        if !self.pdo.shares(now, id, &self.belief, &self.knowledge) {
+                            self.emcy.came(now, frame, &self.nmt)?;
+                        }
                         if self.nmt.erred(now, &self.belief, &self.knowledge) == nmt::Change::State {
                             self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
                             self.pdo.state_changed(now, &self.nmt);
                         }
                         Ok(())
                     }
-                    Some(id) if self.belief.is_produced(id) => Ok(()),
+                    Some(id) if self.belief.is_produced(id) => {
+                        self.pdo.shares(now, id, &self.belief, &self.knowledge);
+                        Ok(())
+                    }
                     _ => {
                         let judged = self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge);
                         // It may be the first frame of a configuration that is not confirmed yet.
@@ -225,7 +245,7 @@ impl Oracle {
         if self.blind {
             return None;
         }
-        [self.nmt.due(), self.sdo.due(), self.lss.due(), self.pdo.due()].into_iter().flatten().min()
+        [self.nmt.due(), self.sdo.due(), self.lss.due(), self.lmt.due(), self.pdo.due()].into_iter().flatten().min()
     }
 
     /// Time has passed.
@@ -239,7 +259,18 @@ impl Oracle {
         self.nmt.expire(now, &self.knowledge)?;
         self.sdo.expire(now)?;
         self.lss.expire(now)?;
+        self.lmt.expire(now)?;
         self.pdo.expire(now)
+    }
+
+    /// Whether it is known what must, or must not, come after that frame of the fuzzer.
+    pub fn judges(&self, frame: &Frame) -> bool {
+        match frame.cob_id() {
+            _ if self.blind => false,
+            Some(id) if id == sdo_wire::REQUEST_BASE + u16::from(self.knowledge.node.raw()) => !self.sdo.is_open(),
+            Some(lss_wire::MASTER_CAN_ID) => !self.lss.is_open() && !self.lmt.is_open(),
+            _ => true,
+        }
     }
 
     /// Whether the SDO server takes, or may take, the next frame for a segment of a block download.

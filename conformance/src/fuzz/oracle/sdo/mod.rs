@@ -34,10 +34,12 @@ pub(in crate::fuzz) struct Server {
     /// A second request was sent before the first was answered: what comes now can belong to either.
     overlapped: bool,
     grace: Timestamp,
+    /// When the last request came that was not due to be served.
+    unserved: Option<Timestamp>,
     /// The bytes of the running transfer.
     data: Vec<u8>,
     /// For coverage: where the request found the server.
-    asked_in: SdoState,
+    asked_in: Option<SdoState>,
     command: Command,
     /// The object that the last request named.
     named: Option<Multiplexer>,
@@ -94,9 +96,11 @@ enum State {
 }
 
 impl State {
-    const fn class(self) -> SdoState {
-        match self {
-            Self::Idle | Self::Unsure => SdoState::Idle,
+    /// For the statistics; `None`: nobody knows, and nothing is counted.
+    const fn class(self) -> Option<SdoState> {
+        Some(match self {
+            Self::Unsure => return None,
+            Self::Idle => SdoState::Idle,
             Self::Download { .. } => SdoState::Download,
             Self::Upload { .. } => SdoState::Upload,
             Self::BlockDownload { .. } => SdoState::BlockDownload,
@@ -104,7 +108,7 @@ impl State {
             Self::BlockUploadReady { .. } => SdoState::BlockUploadReady,
             Self::BlockUpload(_) => SdoState::BlockUpload,
             Self::BlockUploadEnd => SdoState::BlockUploadEnd,
-        }
+        })
     }
 }
 
@@ -116,8 +120,9 @@ impl Server {
             due: Timestamp::MAX,
             overlapped: false,
             grace: Timestamp::ZERO,
+            unserved: None,
             data: Vec::with_capacity(256),
-            asked_in: SdoState::Idle,
+            asked_in: None,
             command: Command::Abort,
             named: None,
         }
@@ -130,7 +135,17 @@ impl Server {
         self.due = Timestamp::MAX;
         self.overlapped = false;
         self.grace = Timestamp::ZERO;
+        self.unserved = None;
         self.data.clear();
+    }
+
+    /// The device has shown another state than it was believed to be in: it has booted. A request of the moment before
+    /// may have come when its boot-up message waited for the bus, and be served.
+    pub fn booted(&mut self, now: Timestamp, grace: Duration) {
+        if self.unserved.take().is_some_and(|asked| now < asked + grace) {
+            self.state = State::Unsure;
+            self.awaited = Awaited::Anything;
+        }
     }
 
     /// Another NMT state. Responses that were on their way already may still come for `grace`.
@@ -145,8 +160,14 @@ impl Server {
     }
 
     /// The state, for the statistics.
-    pub fn class(&self) -> SdoState {
+    pub fn class(&self) -> Option<SdoState> {
         self.state.class()
+    }
+
+    fn count(&self, coverage: &mut Coverage, answer: Answer) {
+        if let Some(state) = self.asked_in {
+            coverage.sdo(state, self.command, answer);
+        }
     }
 
     /// When the awaited answer is overdue.
@@ -168,7 +189,10 @@ impl Server {
         self.command = Command::of(frame, matches!(self.state, State::BlockDownload { .. }));
         match served {
             Served::Yes => {}
-            Served::No => return,
+            Served::No => {
+                self.unserved = Some(now);
+                return;
+            }
             Served::Unsure => {
                 self.state = State::Unsure;
                 self.await_answer(now, Awaited::Anything, knowledge);
@@ -183,7 +207,7 @@ impl Server {
             awaited = Awaited::Anything;
         }
         if matches!(awaited, Awaited::Nothing | Awaited::Anything | Awaited::ConfirmBlock { required: false, .. }) {
-            coverage.sdo(self.asked_in, self.command, Answer::None);
+            self.count(coverage, Answer::None);
         }
         self.await_answer(now, awaited, knowledge);
     }
@@ -213,6 +237,18 @@ impl Server {
                     | Awaited::ConfirmSegment { last: Some(_), .. }
                     | Awaited::ConfirmEnd { .. }
             )
+    }
+
+    /// Whether one of these objects may be written already, though nothing has confirmed it.
+    pub fn may_move(&self, objects: &[Multiplexer]) -> bool {
+        match self.awaited {
+            _ if self.overlapped => !objects.is_empty(),
+            Awaited::Anything => !objects.is_empty(),
+            Awaited::Write { at, .. }
+            | Awaited::ConfirmSegment { last: Some((at, _)), .. }
+            | Awaited::ConfirmEnd { at, .. } => objects.contains(&at),
+            _ => false,
+        }
     }
 
     /// Whether an answer may come that need not come.

@@ -69,7 +69,7 @@ impl Server {
         if let Awaited::Block = self.awaited
             && frame.data().first() != Some(&0x80)
         {
-            coverage.sdo(self.asked_in, self.command, Answer::Block);
+            self.count(coverage, Answer::Block);
             return self.judge_block(frame);
         }
         let Ok(response) = Response::read(frame.data()) else {
@@ -80,7 +80,7 @@ impl Server {
         if awaited != Awaited::Anything {
             check_reserved(frame, response)?;
         }
-        coverage.sdo(self.asked_in, self.command, Answer::of(&response));
+        self.count(coverage, Answer::of(&response));
         self.judge_response(awaited, response, frame, knowledge, belief)
     }
 
