@@ -35,11 +35,6 @@ pub struct Plan {
     pub only_regressions: bool,
 }
 
-/// What a simulated device may be done to without being asked: it is alone on its bus, and a new one for each sequence.
-pub fn harmless() -> BTreeSet<Touch> {
-    BTreeSet::from([Touch::OtherNodes, Touch::NodeId, Touch::BitRate])
-}
-
 /// A violation with the shortest sequence that shows it.
 #[derive(Clone, Debug)]
 pub struct Found {

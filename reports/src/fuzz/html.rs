@@ -46,6 +46,7 @@ fn head(run: &Run) -> Markup {
         dl.facts {
             (fact("Bus", &run.bus))
             (fact("Target", run.target.name()))
+            (fact("Never done, as not allowed", &run.forbidden()))
             (fact("Seed", &run.seed.to_string()))
             (fact("Exchanges", &run.outcome.executions.to_string()))
             (fact("Frames sent", &run.outcome.frames.to_string()))

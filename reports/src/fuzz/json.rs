@@ -27,6 +27,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         "seed": run.seed,
         "repeat": run.repeat,
         "cancelled": run.cancelled,
+        "allow": run.allow.iter().map(|touch| touch.name()).collect::<Vec<_>>(),
         "executions": run.outcome.executions,
         "frames": run.outcome.frames,
         "sequences": run.outcome.sequences,

@@ -36,6 +36,7 @@ fn run() -> Run {
         node: NodeId::MIN,
         model: HOSTILE.to_owned(),
         target: Target::Sdo,
+        allow: [Touch::Nvm].into(),
         seed: 7,
         repeat: HOSTILE.to_owned(),
         cancelled: false,

@@ -46,6 +46,10 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         run.target, run.seed
     )?;
     writeln!(out, "coverage of state × command: SDO {}, LSS {}", run.sdo_share(), run.lss_share())?;
+    match run.forbidden() {
+        none if none.is_empty() => {}
+        names => writeln!(out, "never done, as --allow does not name it: {names}")?,
+    }
     writeln!(out, "repeat with: {}", printable(&run.repeat))
 }
 

@@ -166,8 +166,11 @@ impl Belief {
         self.writes += 1;
     }
 
-    /// Something was written, but nobody knows what.
-    pub fn forget(&mut self) {
+    /// Something was written, but nobody knows what, and maybe not even which object.
+    pub fn forget(&mut self, at: Option<Multiplexer>) {
+        // What a device does on an error, and what it stores, it shows to nobody.
+        let hidden = at.is_none_or(|at| matches!(at.index.0, 0x1010 | 0x1011 | 0x1029));
+        self.change = hidden.then(|| (at.unwrap_or(Multiplexer::new(0x1029, 1)), u64::MAX));
         self.writes += 1;
         self.version += 1;
         self.bus_changed = true;

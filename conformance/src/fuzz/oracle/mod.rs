@@ -21,6 +21,7 @@ use super::coverage::Coverage;
 use super::property::Property;
 use super::stimulus::Start;
 use belief::Belief;
+use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::{error_control, lss as lss_wire, nmt as nmt_wire, sdo as sdo_wire};
 use canvass_traces::{Frame, Timestamp};
 use std::sync::Arc;
@@ -163,7 +164,7 @@ impl Oracle {
             }
         }
         if writing && self.nmt.serves_sdo() != Served::Yes {
-            self.belief.forget();
+            self.belief.forget(Some(Multiplexer::new(0, 0)));
         }
         Ok(())
     }
@@ -216,8 +217,9 @@ impl Oracle {
                         Ok(())
                     }
                     Some(id) if self.belief.is_emcy(id, self.knowledge.node) => {
-                        // A PDO that was given the identifier of EMCY can't be told from one.
-                        if !self.pdo.shares(now, id, &self.belief, &self.knowledge) {
+                        // A PDO that was given the identifier of EMCY, or is being given it, can't be told from one.
+                        let shares = self.pdo.shares(now, id, &self.belief, &self.knowledge);
+                        if !shares && !self.sdo.is_writing() {
                             self.emcy.came(now, frame, &self.nmt)?;
                         }
                         if self.nmt.erred(now, &self.belief, &self.knowledge) == nmt::Change::State {

@@ -150,12 +150,20 @@ impl Server {
 
     /// Another NMT state. Responses that were on their way already may still come for `grace`.
     pub fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration) {
-        if served != Served::Yes {
-            self.reset();
-            self.grace = now + grace;
-        } else if !matches!(self.awaited, Awaited::Nothing) {
-            self.awaited = Awaited::Anything;
-            self.due = Timestamp::MAX;
+        match served {
+            Served::No => {
+                self.reset();
+                self.grace = now + grace;
+            }
+            // What was under way may go on.
+            Served::Unsure => {
+                self.reset();
+                (self.state, self.awaited) = (State::Unsure, Awaited::Anything);
+            }
+            Served::Yes if self.awaited != Awaited::Nothing => {
+                (self.awaited, self.due) = (Awaited::Anything, Timestamp::MAX);
+            }
+            Served::Yes => {}
         }
     }
 

@@ -250,10 +250,10 @@ impl Server {
             }
             _ => State::Unsure,
         };
-        if let Response::InitiateDownload { .. } | Response::DownloadSegment { .. } | Response::EndBlockDownload =
-            response
-        {
-            belief.forget();
+        match response {
+            Response::InitiateDownload { multiplexer } => belief.forget(Some(multiplexer)),
+            Response::DownloadSegment { .. } | Response::EndBlockDownload => belief.forget(None),
+            _ => {}
         }
         Ok(())
     }
