@@ -136,6 +136,7 @@ pub fn run(
         target: plan.target,
         allow: plan.allow.clone(),
         unconfigured: ground.has_unconfigured() && knowledge.services.lss == Some(true),
+        patient: ground.is_repeatable(),
         focus: None,
         lss_focus: None,
         knowledge: Arc::clone(&knowledge),

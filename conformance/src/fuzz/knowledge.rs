@@ -20,6 +20,8 @@ pub struct Knowledge {
     /// How long to wait.
     pub patience: Patience,
     entries: Vec<Known>,
+    /// The indexes of the communication parameters of its RPDOs.
+    pub rpdos: Vec<u16>,
 }
 
 /// The address of an LMT slave.
@@ -52,6 +54,10 @@ pub struct Services {
     pub padded_tpdos: Vec<u16>,
     /// The rows of table 0 that configure bit timing accepts.
     pub lss_bit_rates: Option<Vec<u8>>,
+    /// Reset communication brings the values of the whole dictionary back.
+    pub reset_communication_loads_all: bool,
+    /// Objects whose values act, and are checked, only when they are stored.
+    pub acts_when_stored: Vec<Multiplexer>,
     /// It answers node guarding.
     pub guarding: Option<bool>,
     /// It knows SDO block transfers.
@@ -137,6 +143,11 @@ impl Knowledge {
             }),
             services: Services::new(description, sheet),
             patience: Patience::default(),
+            rpdos: entries
+                .iter()
+                .filter(|known| known.at.sub.0 == 1 && (0x1400..0x1600).contains(&known.at.index.0))
+                .map(|known| known.at.index.0)
+                .collect(),
             entries,
         };
         for known in &mut knowledge.entries {
@@ -221,6 +232,8 @@ impl Services {
             lss_bit_rates: sheet
                 .map(|sheet| sheet.bit_rates.iter().filter_map(|rate| rate.lss_code).collect::<Vec<u8>>())
                 .filter(|rates| !rates.is_empty()),
+            reset_communication_loads_all: sheet.is_some_and(|sheet| sheet.quirks.reset_communication_loads_all),
+            acts_when_stored: sheet.map(|sheet| sheet.quirks.acts_when_stored.clone()).unwrap_or_default(),
             guarding: network.map(|network| network.node_guarding),
             block_transfer: network.map(|network| network.sdo_block_transfer),
             bus_objects,
@@ -232,7 +245,7 @@ impl Services {
 
 /// Objects whose reading differs from what was written, by their purpose.
 fn has_a_life_of_its_own(at: Multiplexer) -> bool {
-    matches!(at.index.0, 0x1001 | 0x1002 | 0x1003 | 0x1010 | 0x1011 | 0x1012..=0x1013 | 0x1020 | 0x1023..=0x1026 | 0x1F50..=0x1F57)
+    matches!(at.index.0, 0x1001 | 0x1002 | 0x1003 | 0x1010 | 0x1011 | 0x1013 | 0x1020 | 0x1023..=0x1026 | 0x1F50..=0x1F57)
 }
 
 impl Known {

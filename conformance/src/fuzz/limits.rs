@@ -44,7 +44,8 @@ pub fn of(frame: &Frame, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Opti
         return if own { None } else { unless(Touch::OtherNodes) };
     }
     if id != sdo::REQUEST_BASE + u16::from(knowledge.node.raw()) {
-        return None;
+        let is_other = (sdo::REQUEST_BASE..sdo::REQUEST_BASE + 0x80).contains(&id);
+        return if is_other { unless(Touch::OtherNodes) } else { None };
     }
     let &[command, low, high, sub, ..] = data else { return None };
     // Begin of a download, normal or in blocks.

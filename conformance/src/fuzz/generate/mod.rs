@@ -94,6 +94,8 @@ pub struct Dialogues {
     pub allow: BTreeSet<Touch>,
     /// Whether a device without node-ID can be had.
     pub unconfigured: bool,
+    /// Whether a wait of seconds costs nothing.
+    pub patient: bool,
     /// The combination of SDO state and command that was exercised least.
     pub focus: Option<(SdoState, Command)>,
     /// That of LSS.

@@ -8,7 +8,12 @@ use canvass_traces::Frame;
 impl Script<'_> {
     pub(super) fn pdo_dialogue(&mut self) {
         let Some(index) = self.parameters() else { return self.sync_dialogue() };
-        match self.dice.below(12) {
+        match self.dice.below(14) {
+            12 => self.outputs(),
+            13 => {
+                let start = self.dice.byte();
+                self.parameter(index, 6, start.into());
+            }
             0 => self.identifier(index),
             1 => self.transmission(index),
             2 | 3 => self.timer(index),
@@ -79,7 +84,51 @@ impl Script<'_> {
             other | flags,
         ]);
         self.parameter(index, 1, value);
-        self.sdo(Request::upload(Multiplexer::new(index, 1)));
+        if self.dice.flip() {
+            return self.sdo(Request::upload(Multiplexer::new(index, 1)));
+        }
+        self.start();
+        match self.dice.below(3) {
+            0 => self.sync(),
+            1 => self.remote(index),
+            _ => self.pause(30),
+        }
+    }
+
+    /// What an RPDO writes, read before and after it, in any state.
+    fn outputs(&mut self) {
+        let Some(index) = self.dice.pick(&self.plan.knowledge.rpdos).copied() else { return self.sync() };
+        let mapped = self.knowledge().entry(Multiplexer::new(index + 0x200, 1)).and_then(|known| known.power_on);
+        let mapped = mapped.map_or(0, |entry| entry as u32);
+        let at = Multiplexer::new((mapped >> 16) as u16, (mapped >> 8) as u8);
+        let own = self.own_identifier(index);
+        match self.dice.below(6) {
+            0 => self.parameter(index, 1, own | 1 << 31),
+            1 => {
+                self.parameter(index, 1, own | 1 << 31);
+                self.parameter(index, 1, (own & 0x7FFF_FFFF) ^ 1);
+            }
+            _ => {}
+        }
+        let node = self.node() as u8;
+        let command = self.dice.one_of([1, 1, 2, 128]);
+        self.ask(Self::data(0, &[command, node]));
+        let entries = self.knowledge().entries();
+        let objects = entries.iter().filter(|known| known.at.index.0 == index + 0x200 && known.at.sub.0 > 0);
+        let bits: u64 = objects.filter_map(|known| known.power_on).map(|entry| entry & 0xFF).sum();
+        self.sdo(Request::upload(at));
+        let bytes = self.dice.number().to_le_bytes();
+        let id = Self::standard(own as u16 & 0x7FF);
+        let len = if self.dice.one_in(4) { self.dice.below(9) } else { bits.div_ceil(8).min(8) as usize };
+        let frame = match self.dice.below(4) {
+            0 => Frame::remote(id, len as u8),
+            _ => Frame::new(id, &bytes[..len]),
+        };
+        frame.into_iter().for_each(|frame| self.ask(frame));
+        if command == 2 {
+            self.ask(Self::data(0, &[128, node]));
+        }
+        self.sdo(Request::upload(at));
     }
 
     fn transmission(&mut self, index: u16) {
@@ -128,7 +177,9 @@ impl Script<'_> {
         if self.dice.one_in(4) {
             let at = self.object();
             let bits = self.knowledge().entry(at).and_then(|known| known.size).unwrap_or(4) as u32 * 8;
-            return entry(at, bits);
+            let bits = if self.dice.flip() { bits } else { self.dice.one_of([0, 1, bits + 8, 64, 65]) };
+            let dummy = self.dice.one_in(4);
+            return if dummy { 0x0005_0008 } else { entry(at, bits & 0xFF) };
         }
         match self.object_where(|known| known.tpdo_mappable) {
             Some(known) => entry(known.at, known.size.unwrap_or(4) as u32 * 8),

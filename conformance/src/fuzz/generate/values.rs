@@ -14,7 +14,10 @@ impl Script<'_> {
                 let raw = self.dice.number();
                 Multiplexer::new(raw as u16, (raw >> 16) as u8 & 3)
             }
-            (2, Some(known)) => Multiplexer::new(known.at.index.0.wrapping_add(1), known.at.sub.0),
+            (2, Some(known)) => {
+                let near = self.dice.one_of([1, 2, 3, 4, 8, 10, 16]);
+                Multiplexer::new(known.at.index.0.wrapping_add(near), known.at.sub.0)
+            }
             (_, Some(known)) => known.at,
             (_, None) => self.dice.one_of([
                 Multiplexer::new(0x1000, 0),

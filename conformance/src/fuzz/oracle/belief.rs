@@ -83,7 +83,10 @@ impl Belief {
         for (held, known) in self.values.iter_mut().zip(knowledge.entries()) {
             let communication = (0x1000..0x2000).contains(&known.at.index.0);
             let raw = match extent {
-                Extent::Communication if !communication => None,
+                // The cyclic timer of encoders is the event timer of a PDO.
+                Extent::Communication if !communication && known.at.index.0 == 0x6200 => None,
+                Extent::Communication if !communication && knowledge.services.reset_communication_loads_all => None,
+                Extent::Communication if !communication => held.raw.filter(|_| held.since + 1 == self.writes),
                 _ => known.power_on.filter(|_| known.stable && !known.persists),
             };
             *held = Held { raw, since: self.writes, by_reset: true };

@@ -33,6 +33,8 @@ enum Awaited {
     /// The standard leaves it open.
     Anything,
     Exactly(Response),
+    /// Store configuration: success, or why not.
+    Stored,
     /// Configure bit timing: success or refusal by what the device supports.
     Timing {
         supported: Option<bool>,
@@ -147,7 +149,7 @@ impl Slave {
         if matches!(awaited, Awaited::Nothing | Awaited::Anything) {
             coverage.lss(self.asked.0, self.asked.1, false);
         }
-        let required = matches!(awaited, Awaited::Exactly(_) | Awaited::Timing { .. });
+        let required = matches!(awaited, Awaited::Exactly(_) | Awaited::Stored | Awaited::Timing { .. });
         self.due = if required { now + knowledge.patience.answer } else { Timestamp::MAX };
         self.awaited = awaited;
         effect
@@ -173,7 +175,7 @@ impl Slave {
         let (awaited, effect) = self.answer(request, knowledge);
         match awaited {
             // Where LSS may not work, every silence is right, and what the request did is not known.
-            Awaited::Exactly(_) | Awaited::Timing { .. } if !works => {
+            Awaited::Exactly(_) | Awaited::Stored | Awaited::Timing { .. } if !works => {
                 self.mode = Mode::Unsure;
                 (Awaited::Anything, effect)
             }
@@ -402,7 +404,11 @@ impl Slave {
                 Awaited::Timing { supported }
             }
             Request::ActivateBitTiming { .. } => return (Awaited::Anything, Effect::Lost),
-            Request::StoreConfiguration => return (Awaited::Anything, Effect::Lost),
+            Request::StoreConfiguration => {
+                // What a reset brings then is not known.
+                self.given = true;
+                Awaited::Stored
+            }
             Request::Inquire { part } => match knowledge.address {
                 Some(address) => Awaited::Exactly(Response::Part { part, value: address[part as usize] }),
                 None => Awaited::Anything,
@@ -435,6 +441,7 @@ impl Slave {
             (Awaited::Anything, Some(_)) => true,
             (Awaited::Exactly(expected), Some(actual)) => same(expected, actual) && is_canonical(frame, actual),
             (Awaited::Timing { supported }, Some(actual)) => timing_fits(supported, actual),
+            (Awaited::Stored, Some(Response::Configured { command, .. })) => command == ConfigureCommand::Store,
             _ => false,
         };
         coverage.lss(self.asked.0, self.asked.1, true);
@@ -455,6 +462,7 @@ impl Slave {
             Awaited::Nothing => format!("no answer to \"{}\" in this state", self.rule),
             Awaited::Anything => "an answer of eight bytes, or none".to_owned(),
             Awaited::Exactly(response) => format!("{response}, reserved bytes 0"),
+            Awaited::Stored => "store configuration: successful, or why not".to_owned(),
             Awaited::Timing { supported: Some(true) } => "configure bit timing: successful".to_owned(),
             Awaited::Timing { supported: Some(false) } => "configure bit timing: bit rate not supported".to_owned(),
             Awaited::Timing { supported: None } => "configure bit timing: successful or not supported".to_owned(),

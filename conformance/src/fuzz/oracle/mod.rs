@@ -14,6 +14,7 @@ mod lss;
 mod nmt;
 mod pdo;
 mod pdo_rules;
+mod rpdo;
 mod sdo;
 
 use super::Knowledge;
@@ -125,9 +126,9 @@ impl Oracle {
                 let writing = self.sdo.is_writing();
                 self.pdo.synchronised(now, frame, writing, &self.nmt, &self.belief, &self.knowledge)
             }
-            _ => {
-                // It may be a PDO that the device receives: mapped objects may have changed.
-                self.belief.forget_outputs();
+            id => {
+                let writing = self.sdo.is_writing();
+                rpdo::received(now, frame, id, writing, &self.nmt, &mut self.belief, &self.knowledge);
                 Ok(())
             }
         }
@@ -137,7 +138,8 @@ impl Oracle {
         if can_id == error_control::CAN_ID_BASE + u16::from(self.knowledge.node.raw()) {
             self.nmt.guarded(now, &self.belief, &self.knowledge);
         } else {
-            self.pdo.asked(now, can_id);
+            let writing = self.sdo.is_writing();
+            self.pdo.asked(now, can_id, writing, &self.nmt, &self.belief, &self.knowledge);
         }
         Ok(())
     }
@@ -219,8 +221,9 @@ impl Oracle {
                     Some(id) if self.belief.is_emcy(id, self.knowledge.node) => {
                         // A PDO that was given the identifier of EMCY, or is being given it, can't be told from one.
                         let shares = self.pdo.shares(now, id, &self.belief, &self.knowledge);
+                        let judged = self.emcy.came(now, frame, &self.nmt);
                         if !shares && !self.sdo.is_writing() {
-                            self.emcy.came(now, frame, &self.nmt)?;
+                            judged?;
                         }
                         if self.nmt.erred(now, &self.belief, &self.knowledge) == nmt::Change::State {
                             self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());

@@ -202,7 +202,9 @@ impl Slave {
         if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
             return;
         }
-        self.guard_open = self.guard_open.saturating_add(1);
+        if knowledge.services.guarding != Some(false) {
+            self.guard_open = self.guard_open.saturating_add(1);
+        }
         let known = self.phase != Phase::Unsure;
         if knowledge.services.guarding == Some(true) && produces_heartbeat(belief, knowledge) == Some(false) && known {
             self.guard_due = now + knowledge.patience.answer;
@@ -273,6 +275,11 @@ impl Slave {
                 self.guard_open -= 1;
                 self.guard_due = Timestamp::MAX;
                 self.check_toggle(now, message)?;
+            }
+            Some(false) if knowledge.services.guarding == Some(false) && now >= self.period_since + self.grace => {
+                let expected = "nothing: there is neither heartbeat nor guarding";
+                let actual = "an error control message";
+                return Err(violation(Property::NmtState, "error control without need", expected, actual, now));
             }
             Some(_) => self.check_heartbeat(now, message)?,
             // It may be either.

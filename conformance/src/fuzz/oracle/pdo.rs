@@ -26,6 +26,8 @@ struct Seen {
     open: u8,
     /// The answer to a SYNC is overdue then.
     due: Timestamp,
+    /// It is not the answer to a SYNC, but to a remote frame.
+    remote: bool,
     /// Its configuration, by the values of [`Pdos::version`].
     parameters: Parameters,
 }
@@ -144,6 +146,7 @@ impl Pdos {
                         seen.open();
                     }
                     if due && seen.due == Timestamp::MAX {
+                        seen.remote = false;
                         seen.due = now + knowledge.patience.answer;
                     }
                 }
@@ -162,8 +165,26 @@ impl Pdos {
     }
 
     /// A remote frame of the fuzzer.
-    pub fn asked(&mut self, _: Timestamp, _: u16) {
-        self.seen.iter_mut().for_each(Seen::open);
+    pub fn asked(
+        &mut self,
+        now: Timestamp,
+        can_id: u16,
+        writing: bool,
+        nmt: &Slave,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) {
+        self.learn(belief, knowledge);
+        let has = |seen: &Seen| seen.has(can_id.into());
+        let alone = self.seen.iter().filter(|seen| has(seen)).count() == 1;
+        let certain = alone && !writing && nmt.phase() == Phase::Operational;
+        for seen in &mut self.seen {
+            seen.open();
+            if certain && has(seen) && seen.parameters.answers_remote() && seen.due == Timestamp::MAX {
+                seen.due = now + knowledge.patience.answer;
+                seen.remote = true;
+            }
+        }
     }
 
     /// A frame of the device that belongs to no other service.
@@ -210,8 +231,12 @@ impl Pdos {
         for seen in &mut self.seen {
             if now >= seen.due {
                 seen.due = Timestamp::MAX;
-                let expected = format!("the TPDO of {:04X}h after the SYNC", seen.index);
-                return Err(violation(Property::Pdo, "synchronous TPDO", expected, "none", now));
+                let (rule, cause) = match std::mem::take(&mut seen.remote) {
+                    true => ("remote frame", "the remote frame, which bit 30 of its COB-ID allows"),
+                    false => ("synchronous TPDO", "the SYNC"),
+                };
+                let expected = format!("the TPDO of {:04X}h after {cause}", seen.index);
+                return Err(violation(Property::Pdo, rule, expected, "none", now));
             }
         }
         Ok(())
@@ -257,6 +282,7 @@ impl Seen {
             heard: false,
             open: 0,
             due: Timestamp::MAX,
+            remote: false,
         }
     }
 
@@ -381,6 +407,15 @@ impl Parameters {
     /// Whether the PDO exists and follows every n-th SYNC from the first on.
     fn is_plain(&self) -> bool {
         self.mapped && self.open_window && self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
+    }
+
+    /// Whether a remote frame must be answered.
+    fn answers_remote(&self) -> bool {
+        let allows = self.cob_id.is_some_and(|cob_id| cob_id.is_valid() && cob_id.allows_rtr());
+        allows
+            && self.mapped
+            && self.inhibit.is_none_or(|inhibit| inhibit == Duration::ZERO)
+            && matches!(self.transmission, Some(253..=255))
     }
 
     /// The time between two, for a PDO with an event timer.

@@ -103,7 +103,8 @@ impl Server {
         belief: &mut Belief,
     ) -> Judged {
         let refused = || wrong(Property::LegalSdo, shown(frame));
-        if let (Response::Abort(abort), State::Download { .. } | State::Upload { .. }) = (response, self.state)
+        if let Response::Abort(abort) = response
+            && !matches!(self.state, State::Idle | State::Unsure)
             && abort.code == canvass_analyzer::wire::sdo::AbortCode::TIMEOUT
             && awaited == Awaited::Nothing
         {
