@@ -189,7 +189,14 @@ impl Script<'_> {
     }
 
     fn segmented_download(&mut self) {
-        let Some(known) = self.writable() else { return };
+        // Values of any length, also of none, are few among the objects.
+        let text = if self.dice.one_in(4) {
+            self.object_where(|known| known.writable && known.size.is_none()).cloned()
+        } else {
+            None
+        };
+        let text = text.filter(|known| self.may_write(known.at));
+        let Some(known) = text.or_else(|| self.writable()) else { return };
         let mut value = self.bytes_for(&known);
         let announced = match self.dice.below(6) {
             0 => Payload::SegmentedUnsized,

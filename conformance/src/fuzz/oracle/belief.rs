@@ -9,6 +9,8 @@ pub(super) struct Belief {
     values: Vec<Held>,
     /// How many writes were confirmed: what was read before another write may have changed with it.
     writes: u32,
+    /// The value that is being read may have changed while it was read.
+    suspended: bool,
     /// Counts every change of what is believed of PDOs.
     version: u64,
     /// The object that was written last, until it is taken.
@@ -45,6 +47,7 @@ impl Belief {
         let mut belief = Self {
             values: vec![Held::default(); knowledge.entries().len()],
             writes: 0,
+            suspended: false,
             version: 0,
             change: None,
             aborted: None,
@@ -61,6 +64,7 @@ impl Belief {
     /// The device was switched on: all values are those of power-on.
     pub fn power_on(&mut self, knowledge: &Knowledge) {
         self.writes = 0;
+        self.suspended = false;
         self.version += 1;
         self.change = None;
         self.aborted = None;
@@ -113,7 +117,23 @@ impl Belief {
 
     /// The value that must be read now: nothing else was written since it was learned.
     pub fn certain(&self, entry: usize) -> Option<u64> {
-        self.values.get(entry).filter(|held| held.since == self.writes).and_then(|held| held.raw)
+        let held = self.values.get(entry).filter(|held| held.since == self.writes && !self.suspended);
+        held.and_then(|held| held.raw)
+    }
+
+    /// How many writes there were.
+    pub fn writes(&self) -> u32 {
+        self.writes
+    }
+
+    /// What is being read now says nothing.
+    pub fn suspend(&mut self) {
+        self.suspended = true;
+    }
+
+    /// What is read from now on says something.
+    pub fn resume(&mut self) {
+        self.suspended = false;
     }
 
     /// Whether a reset brought the value of that object back.
@@ -156,7 +176,8 @@ impl Belief {
 
     /// A value was read.
     pub fn read(&mut self, knowledge: &Knowledge, entry: usize, raw: u64) {
-        if knowledge.entries().get(entry).is_some_and(|known| known.stable)
+        if !self.suspended
+            && knowledge.entries().get(entry).is_some_and(|known| known.stable)
             && let Some(held) = self.values.get_mut(entry)
         {
             self.version += u64::from(held.raw != Some(raw));

@@ -119,7 +119,8 @@ impl Oracle {
             }
             id if id == sdo_wire::REQUEST_BASE + node => {
                 let served = self.nmt.serves_sdo();
-                self.sdo.asked(now, frame, served, &self.knowledge, &mut self.belief, coverage);
+                let lost = self.sdo.asked(now, frame, served, &self.knowledge, &mut self.belief, coverage);
+                self.blind |= lost;
                 Ok(())
             }
             id if self.belief.is_sync(id) => {
@@ -127,8 +128,13 @@ impl Oracle {
                 self.pdo.synchronised(now, frame, writing, &self.nmt, &self.belief, &self.knowledge)
             }
             id => {
-                let writing = self.sdo.is_writing();
+                let writes = self.belief.writes();
+                let writing = self.sdo.is_writing() || self.sdo.is_busy();
                 rpdo::received(now, frame, id, writing, &self.nmt, &mut self.belief, &self.knowledge);
+                if self.sdo.is_busy() && self.belief.writes() != writes {
+                    // What is being read may be the value before or after it.
+                    self.belief.suspend();
+                }
                 Ok(())
             }
         }

@@ -183,7 +183,7 @@ impl Server {
         (self.due < Timestamp::MAX).then_some(self.due)
     }
 
-    /// A request of the client.
+    /// A request of the client. `true`: what it does can't be followed.
     pub fn asked(
         &mut self,
         now: Timestamp,
@@ -192,19 +192,19 @@ impl Server {
         knowledge: &Knowledge,
         belief: &mut Belief,
         coverage: &mut Coverage,
-    ) {
+    ) -> bool {
         self.asked_in = self.class();
         self.command = Command::of(frame, matches!(self.state, State::BlockDownload { .. }));
         match served {
             Served::Yes => {}
             Served::No => {
                 self.unserved = Some(now);
-                return;
+                return false;
             }
             Served::Unsure => {
                 self.state = State::Unsure;
                 self.await_answer(now, Awaited::Anything, knowledge);
-                return;
+                return stores(frame, knowledge);
             }
         }
         self.overlapped |= self.due < Timestamp::MAX || self.awaited == Awaited::Anything;
@@ -218,6 +218,7 @@ impl Server {
             self.count(coverage, Answer::None);
         }
         self.await_answer(now, awaited, knowledge);
+        awaited == Awaited::Anything && stores(frame, knowledge)
     }
 
     fn await_answer(&mut self, now: Timestamp, awaited: Awaited, knowledge: &Knowledge) {
@@ -228,6 +229,11 @@ impl Server {
     /// Whether the next frame is, or may be, taken for a segment of a block download.
     pub fn is_in_blocks(&self) -> bool {
         matches!(self.state, State::Unsure | State::BlockDownload { .. })
+    }
+
+    /// Whether a value is on its way that may be read already.
+    pub fn is_busy(&self) -> bool {
+        self.awaited != Awaited::Nothing || self.state != State::Idle
     }
 
     /// Whether segments of a block come one after the other.
@@ -287,6 +293,9 @@ impl Server {
         }
         let Ok(request) = Request::read(frame.data()) else { return Awaited::Anything };
         self.named = request.multiplexer();
+        if self.named.is_some() && self.awaited == Awaited::Nothing {
+            belief.resume();
+        }
         if self.state == State::Unsure && frame.bytes()[0] != 0x80 {
             // It may be taken for the segment of a block download that nobody knows of. The answer tells.
             return Awaited::Anything;
@@ -346,4 +355,12 @@ impl Server {
         self.reset();
         Err(violation(Property::LegalSdo, rule, expected, "no answer", now))
     }
+}
+
+/// Whether the request, or the transfer that it begins, may store: the device may be silent for long then.
+fn stores(frame: &Frame, knowledge: &Knowledge) -> bool {
+    let [command, low, high, sub, ..] = frame.bytes();
+    let at = Multiplexer::from_bytes([low, high, sub]);
+    let is_store = matches!(at.index.0, 0x1010 | 0x1011) || knowledge.services.bus_save_object == Some(at);
+    is_store && matches!(command >> 5, 1 | 6)
 }
