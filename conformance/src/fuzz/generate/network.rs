@@ -138,9 +138,10 @@ impl Script<'_> {
             return self.sync();
         };
         let flag = self.dice.one_of([0, 1 << 30, 1 << 31]);
-        let own = own as u32 | flag;
+        let free = 0x181 + self.dice.below(0x3F0) as u32;
+        let own = if index == 0x1201 { free } else { own as u32 & 0x7FFF_FFFF | flag };
         self.sdo(Request::download(at, &own.to_le_bytes()));
-        let other = own ^ 1 << self.dice.below(7);
+        let other = own ^ 1 << self.dice.below(11);
         self.sdo(Request::download(at, &other.to_le_bytes()));
         self.sdo(Request::upload(at));
     }

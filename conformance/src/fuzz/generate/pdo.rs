@@ -83,12 +83,17 @@ impl Script<'_> {
             other | flags,
             other | flags,
         ]);
+        let timed = self.dice.one_in(3);
+        if timed {
+            self.parameter(index, 5, 10);
+        }
         self.parameter(index, 1, value);
-        if self.dice.flip() {
+        if !timed && self.dice.flip() {
             return self.sdo(Request::upload(Multiplexer::new(index, 1)));
         }
         self.start();
         match self.dice.below(3) {
+            _ if timed => self.pause(30),
             0 => self.sync(),
             1 => self.remote(index),
             _ => self.pause(30),
@@ -101,12 +106,18 @@ impl Script<'_> {
         let mapped = self.knowledge().entry(Multiplexer::new(index + 0x200, 1)).and_then(|known| known.power_on);
         let mapped = mapped.map_or(0, |entry| entry as u32);
         let at = Multiplexer::new((mapped >> 16) as u16, (mapped >> 8) as u8);
-        let own = self.own_identifier(index);
+        let mut own = self.own_identifier(index);
         match self.dice.below(6) {
             0 => self.parameter(index, 1, own | 1 << 31),
             1 => {
+                let other = (own & 0x7FFF_FFFF) ^ 1;
                 self.parameter(index, 1, own | 1 << 31);
-                self.parameter(index, 1, (own & 0x7FFF_FFFF) ^ 1);
+                self.parameter(index, 1, other);
+                own = if self.dice.flip() { other } else { own };
+            }
+            2 => {
+                let size = self.knowledge().entry(at).and_then(|known| known.size).unwrap_or(1).min(4);
+                self.sdo(Request::download(at, &self.dice.number().to_le_bytes()[..size]));
             }
             _ => {}
         }

@@ -252,6 +252,10 @@ impl Script<'_> {
             _ => Some(value.len() as u32),
         };
         self.sdo(Request::InitiateBlockDownload { multiplexer: known.at, crc, size });
+        if self.dice.one_in(16) {
+            self.sdo(Request::abort(known.at, AbortCode::GENERAL));
+            return self.read();
+        }
         let unused = self.block_segments(&value);
         let mut sum = crc16(0, &value);
         match self.dice.below(8) {

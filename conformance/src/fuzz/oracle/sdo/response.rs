@@ -106,7 +106,7 @@ impl Server {
         if let Response::Abort(abort) = response
             && !matches!(self.state, State::Idle | State::Unsure)
             && abort.code == canvass_analyzer::wire::sdo::AbortCode::TIMEOUT
-            && awaited == Awaited::Nothing
+            && matches!(awaited, Awaited::Nothing | Awaited::ConfirmBlock { required: false, .. })
         {
             self.give_up(belief);
             return Ok(());
