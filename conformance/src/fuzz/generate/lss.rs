@@ -111,7 +111,10 @@ impl Script<'_> {
                     0 => value ^= 1 << self.dice.below(32),
                     1 => continue,
                     // One of another device in between.
-                    2 => self.lss(Request::SwitchSelective { part, value: value ^ 1 << self.dice.below(32) }),
+                    2 => {
+                        let other = value ^ 1 << self.dice.below(32);
+                        self.lss(Request::SwitchSelective { part, value: other });
+                    }
                     _ => self.odd_lss_frame(),
                 }
             }

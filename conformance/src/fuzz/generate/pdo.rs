@@ -8,7 +8,8 @@ use canvass_traces::Frame;
 impl Script<'_> {
     pub(super) fn pdo_dialogue(&mut self) {
         let Some(index) = self.parameters() else { return self.sync_dialogue() };
-        match self.dice.below(14) {
+        match self.dice.below(15) {
+            14 => self.hurried(index),
             12 => self.outputs(),
             13 => {
                 let start = self.dice.byte();
@@ -100,6 +101,22 @@ impl Script<'_> {
         }
     }
 
+    /// Values that RPDOs change faster than the inhibit time allows to send them.
+    fn hurried(&mut self, index: u16) {
+        let Some(outputs) = self.dice.pick(&self.plan.knowledge.rpdos).copied() else { return self.timer(index) };
+        self.parameter(index, 3, 500);
+        self.start();
+        let id = Self::standard(self.own_identifier(outputs) as u16 & 0x7FF);
+        let entries = self.knowledge().entries();
+        let objects = entries.iter().filter(|known| known.at.index.0 == outputs + 0x200 && known.at.sub.0 > 0);
+        let bits: u64 = objects.filter_map(|known| known.power_on).map(|entry| entry & 0xFF).sum();
+        let len = bits.div_ceil(8).min(8) as usize;
+        for _ in 0..4 {
+            let bytes = self.dice.number().to_le_bytes();
+            Frame::new(id, &bytes[..len]).into_iter().for_each(|frame| self.ask(frame));
+        }
+    }
+
     /// What an RPDO writes, read before and after it, in any state.
     fn outputs(&mut self) {
         let Some(index) = self.dice.pick(&self.plan.knowledge.rpdos).copied() else { return self.sync() };
@@ -117,7 +134,8 @@ impl Script<'_> {
             }
             2 => {
                 let size = self.knowledge().entry(at).and_then(|known| known.size).unwrap_or(1).min(4);
-                self.sdo(Request::download(at, &self.dice.number().to_le_bytes()[..size]));
+                let value = self.dice.number().to_le_bytes();
+                self.sdo(Request::download(at, &value[..size]));
             }
             _ => {}
         }
