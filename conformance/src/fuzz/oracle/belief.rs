@@ -231,6 +231,14 @@ impl Belief {
         }
     }
 
+    /// Whether an error may not be reported at once: EMCY is off, has an inhibit time, or nobody knows.
+    pub fn errs_silently(&self, knowledge: &Knowledge) -> bool {
+        let valid = self.emcy.is_some_and(|raw| CobId(raw as u32).is_valid());
+        let inhibited = knowledge.entry(Multiplexer::new(0x1015, 0)).is_some_and(|known| known.stable)
+            && self.number(knowledge, 0x1015, 0) != Some(0);
+        self.has_emcy_object && !valid || inhibited
+    }
+
     /// Whether the device produces SYNC or TIME on that identifier.
     pub fn is_produced(&self, can_id: u16) -> bool {
         let produces = |raw: Option<u64>| {

@@ -142,7 +142,7 @@ impl Oracle {
 
     fn sent_remote(&mut self, now: Timestamp, can_id: u16) -> Result<(), Violation> {
         if can_id == error_control::CAN_ID_BASE + u16::from(self.knowledge.node.raw()) {
-            self.nmt.guarded(now, &self.belief, &self.knowledge);
+            self.nmt.guarded(now, self.sdo.is_writing(), &self.belief, &self.knowledge);
         } else {
             let writing = self.sdo.is_writing();
             self.pdo.asked(now, can_id, writing, &self.nmt, &self.belief, &self.knowledge);
@@ -156,6 +156,7 @@ impl Oracle {
         match self.nmt.commanded(now, frame, &self.knowledge) {
             nmt::Change::None => {}
             nmt::Change::State => {
+                self.doubt(now);
                 self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
                 self.pdo.state_changed(now, &self.nmt);
             }
@@ -175,6 +176,13 @@ impl Oracle {
             self.belief.forget(Some(Multiplexer::new(0, 0)));
         }
         Ok(())
+    }
+
+    /// A device whose EMCY is off, or waits, leaves operational on an error without a word.
+    fn doubt(&mut self, now: Timestamp) {
+        if self.belief.errs_silently(&self.knowledge) {
+            self.nmt.doubt(now);
+        }
     }
 
     /// A frame of the device was on the bus; it ended at `now`.
@@ -221,6 +229,7 @@ impl Oracle {
                             self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;
                             self.nmt.configured(now, change);
                             self.pdo.configured(now, change);
+                            self.doubt(now);
                         }
                         Ok(())
                     }

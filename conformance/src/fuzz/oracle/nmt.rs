@@ -198,14 +198,15 @@ impl Slave {
     }
 
     /// A guarding request of the fuzzer.
-    pub fn guarded(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) {
+    pub fn guarded(&mut self, now: Timestamp, writing: bool, belief: &Belief, knowledge: &Knowledge) {
         if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
             return;
         }
         if knowledge.services.guarding != Some(false) {
             self.guard_open = self.guard_open.saturating_add(1);
         }
-        let known = self.phase != Phase::Unsure;
+        // What is being written may switch the heartbeat on.
+        let known = self.phase != Phase::Unsure && !writing;
         if knowledge.services.guarding == Some(true) && produces_heartbeat(belief, knowledge) == Some(false) && known {
             self.guard_due = now + knowledge.patience.answer;
         }
@@ -316,6 +317,13 @@ impl Slave {
             Some(0) => self.enter(now, Phase::Running),
             None if !exists && knowledge.is_described() => self.enter(now, Phase::Running),
             _ => self.enter(now, Phase::Unsure),
+        }
+    }
+
+    /// The device may leave operational by itself.
+    pub fn doubt(&mut self, now: Timestamp) {
+        if self.phase == Phase::Operational {
+            self.enter(now, Phase::Running);
         }
     }
 
