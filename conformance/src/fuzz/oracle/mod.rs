@@ -204,6 +204,7 @@ impl Oracle {
                     judged => judged?,
                 };
                 if change == nmt::Change::State {
+                    self.doubt(now);
                     self.sdo.booted(now, self.nmt.grace());
                     self.pdo.state_changed(now, &self.nmt);
                 }
