@@ -233,10 +233,9 @@ impl Belief {
 
     /// Whether an error may not be reported at once: EMCY is off, has an inhibit time, or nobody knows.
     pub fn errs_silently(&self, knowledge: &Knowledge) -> bool {
+        let is_set = |index| knowledge.entry(Multiplexer::new(index, 0)).is_some_and(|known| known.stable);
         let valid = self.emcy.is_some_and(|raw| CobId(raw as u32).is_valid());
-        let inhibited = knowledge.entry(Multiplexer::new(0x1015, 0)).is_some_and(|known| known.stable)
-            && self.number(knowledge, 0x1015, 0) != Some(0);
-        self.has_emcy_object && !valid || inhibited
+        is_set(0x1014) && !valid || is_set(0x1015) && self.number(knowledge, 0x1015, 0) != Some(0)
     }
 
     /// Whether the device produces SYNC or TIME on that identifier.
