@@ -5,6 +5,9 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::Frame;
 
+/// An identifier that no service of the predefined connection set has.
+const FREE: u32 = 0x6A0;
+
 impl Script<'_> {
     pub(super) fn pdo_dialogue(&mut self) {
         let Some(index) = self.parameters() else { return self.sync_dialogue() };
@@ -74,7 +77,8 @@ impl Script<'_> {
             self.parameter(index, 1, own | 1 << 31);
         }
         let restricted = self.dice.one_of([0, 1, 0x7F, 0x101, 0x180, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF]);
-        let other = 0x181 + self.dice.below(0x400) as u32;
+        // 6A0h: no service has it in the predefined connection set.
+        let other = if self.dice.flip() { FREE } else { 0x181 + self.dice.below(0x400) as u32 };
         let flags = own & 0x4000_0000;
         let value = self.dice.one_of([
             own,
@@ -104,7 +108,10 @@ impl Script<'_> {
     /// Values that RPDOs change faster than the inhibit time allows to send them.
     fn hurried(&mut self, index: u16) {
         let Some(outputs) = self.dice.pick(&self.plan.knowledge.rpdos).copied() else { return self.timer(index) };
+        let own = self.own_identifier(index);
+        self.parameter(index, 1, own | 1 << 31);
         self.parameter(index, 3, 500);
+        self.parameter(index, 1, own & 0x7FFF_FFFF);
         self.start();
         let id = Self::standard(self.own_identifier(outputs) as u16 & 0x7FF);
         let entries = self.knowledge().entries();
@@ -127,7 +134,7 @@ impl Script<'_> {
         match self.dice.below(6) {
             0 => self.parameter(index, 1, own | 1 << 31),
             1 => {
-                let other = (own & 0x7FFF_FFFF) ^ 1;
+                let other = if self.dice.flip() { FREE } else { (own & 0x7FFF_FFFF) ^ 1 };
                 self.parameter(index, 1, own | 1 << 31);
                 self.parameter(index, 1, other);
                 own = if self.dice.flip() { other } else { own };
@@ -211,7 +218,10 @@ impl Script<'_> {
             return if dummy { 0x0005_0008 } else { entry(at, bits & 0xFF) };
         }
         match self.object_where(|known| known.tpdo_mappable) {
-            Some(known) => entry(known.at, known.size.unwrap_or(4) as u32 * 8),
+            Some(known) => {
+                let (at, bits) = (known.at, known.size.unwrap_or(4) as u32 * 8);
+                entry(at, if self.dice.one_in(8) { bits + 8 } else { bits })
+            }
             None => 0x6004_0020,
         }
     }
