@@ -354,6 +354,11 @@ impl Slave {
             return Err(violation(Property::NmtState, "heartbeat with toggle bit", expected, "1", now));
         }
         let Some(period) = self.period else { return Ok(()) };
+        if period > Duration(0) && now < self.period_since + self.jitter.times(2) {
+            // It may have waited for the bus; the next one comes in its time.
+            self.last_heartbeat = None;
+            return Ok(());
+        }
         let since = self.last_heartbeat.replace(now);
         if period == Duration(0) {
             if now < self.period_since + self.jitter {
