@@ -25,63 +25,88 @@ pub fn bit_length(frame: &Frame) -> Option<u32> {
     if frame.is_error() || frame.is_fd() || frame.is_xl() {
         return None;
     }
-    let header = Header::of(frame);
-    let data_bits = 8 * frame.data().len() as u32;
-    let data = u64::from_be_bytes(frame.bytes());
-    let data = if data_bits == 0 { 0 } else { data >> (64 - data_bits) };
-    let unprotected = u128::from(header.bits) << data_bits | u128::from(data);
-    let len = header.len + data_bits;
-    let stream = unprotected << 15 | u128::from(crc15(unprotected));
-    let len = len + 15;
-    Some(len + stuff_bits(stream, len) + FIXED_FORM)
+    let data = frame.data();
+    Some(if frame.id().is_extended() {
+        with_header(extended_header(frame), 39, data, frame.bytes())
+    } else {
+        with_header(base_header(frame), 19, data, frame.bytes())
+    })
 }
 
-/// The bits from SOF to DLC, the last one lowest.
-struct Header {
-    bits: u64,
-    len: u32,
+/// SOF to DLC of the base format, 19 bits, in whole bytes.
+fn base_header(frame: &Frame) -> [u8; 3] {
+    let [_, bytes @ ..] = (frame.id().raw() << 7 | control(frame)).to_be_bytes();
+    bytes
 }
 
-impl Header {
-    fn of(frame: &Frame) -> Self {
-        let (raw, dlc) = (u64::from(frame.id().raw()), u64::from(frame.dlc() & 0xF));
-        let rtr = u64::from(frame.kind() == FrameKind::Remote);
-        if frame.id().is_extended() {
-            // SRR and IDE are recessive.
-            let bits = (raw >> 18) << 27 | 0b11 << 25 | (raw & 0x3_FFFF) << 7 | rtr << 6 | dlc;
-            Self { bits, len: 39 }
-        } else {
-            Self { bits: raw << 7 | rtr << 6 | dlc, len: 19 }
-        }
-    }
+/// SOF to DLC of the extended format, 39 bits, in whole bytes. SRR and IDE are recessive.
+fn extended_header(frame: &Frame) -> [u8; 5] {
+    let raw = u64::from(frame.id().raw());
+    let bits = (raw >> 18) << 27 | 0b11 << 25 | (raw & 0x3_FFFF) << 7 | u64::from(control(frame));
+    let [_, _, _, bytes @ ..] = bits.to_be_bytes();
+    bytes
 }
 
-/// The CRC sequence over a stream of at most 104 bits. Leading zeros don't change it, so it is that of whole bytes; and it
-/// is linear, so each byte adds what it alone would leave: no byte waits for the one before.
-fn crc15(stream: u128) -> u16 {
-    let bytes = stream.to_le_bytes();
+/// RTR, two dominant bits, DLC.
+fn control(frame: &Frame) -> u32 {
+    u32::from(frame.kind() == FrameKind::Remote) << 6 | u32::from(frame.dlc() & 0xF)
+}
+
+/// The bits of a frame with that header of `len` bits; `filled` is the data with zeros behind it.
+#[inline]
+fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [u8; 8]) -> u32 {
+    let crc = crc15(header, data.len(), filled);
+    let [first, rest @ ..] = &header[..] else { return 0 };
+    // Stuff bits are looked up by whole bytes: what fills up the first one alternates, gets no stuff bits, and ends with
+    // another bit than the dominant one of SOF; so the run that counts begins with SOF, as it does on the bus.
+    const ALTERNATING: u8 = 0b0101_0101;
+    let mut stuffing = Stuffing::default();
+    stuffing.byte(first | ALTERNATING << (len % 8));
+    rest.iter().for_each(|byte| stuffing.byte(*byte));
+    data.iter().for_each(|byte| stuffing.byte(*byte));
+    // What fills up the last byte is the complement of the last bit: with a stuff bit before it, it has only that one to
+    // be equal to.
+    let [upper, lower] = (crc << 1 | !crc & 1).to_be_bytes();
+    stuffing.byte(upper);
+    stuffing.byte(lower);
+    len + 8 * data.len() as u32 + 15 + stuffing.count() + FIXED_FORM
+}
+
+/// The CRC sequence over a header and `len` bytes of data. Leading zeros don't change it, so it is that of whole bytes;
+/// and it is linear, so each byte adds what it alone would leave: no byte waits for the one before.
+#[inline]
+fn crc15<const N: usize>(header: [u8; N], len: usize, data: [u8; 8]) -> u16 {
+    let shift = 64 - 8 * len as u32;
+    let data = u64::from_be_bytes(data).checked_shr(shift).unwrap_or(0).to_le_bytes();
     let mut crc = 0;
-    for (byte, table) in bytes.iter().zip(&CRC_TABLES) {
+    for (byte, table) in data.iter().zip(&CRC_TABLES) {
+        crc ^= table[usize::from(*byte)];
+    }
+    for (byte, table) in header.iter().rev().zip(&CRC_TABLES[len..]) {
         crc ^= table[usize::from(*byte)];
     }
     crc
 }
 
-/// The number of stuff bits that the `len` lowest bits of `stream` get, at most 120.
-fn stuff_bits(stream: u128, len: u32) -> u32 {
-    // Whole bytes are looked up: what fills up the first of them alternates, gets no stuff bits, and ends with another
-    // bit than the dominant one of SOF; so the run that counts begins with SOF, as it does on the bus.
-    const ALTERNATING: u128 = u128::MAX / 3;
-    let first = stream >> (len - 1) & 1;
-    let filled = stream | ALTERNATING << first << len;
-    let (mut run, mut stuffed) = (0, 0);
-    let bytes = filled.to_be_bytes();
-    for &byte in bytes.iter().skip(bytes.len() - len.div_ceil(8) as usize) {
-        let step = STUFF_TABLE[usize::from(run | u16::from(byte))];
-        run = step & 0xF00;
-        stuffed += step & 0xF;
+/// Counts stuff bits, byte by byte.
+#[derive(Default)]
+struct Stuffing {
+    /// The row of the last byte: [`STUFF_TABLE`].
+    row: u16,
+    /// The sum of all rows: its lower byte is that of theirs.
+    rows: u32,
+}
+
+impl Stuffing {
+    #[inline]
+    fn byte(&mut self, byte: u8) {
+        self.row = STUFF_TABLE[usize::from(self.row & 0xF00 | u16::from(byte))];
+        self.rows += u32::from(self.row);
     }
-    u32::from(stuffed)
+
+    const fn count(&self) -> u32 {
+        self.rows & 0xFF
+    }
 }
 
 /// The equal bits at the end of what was sent.
@@ -132,7 +157,8 @@ const CRC_TABLES: [[u16; 256]; 13] = {
     tables
 };
 
-/// By run (bits 8 to 11) and byte: the run after the byte in bits 8 to 11, the stuff bits in the lower four.
+/// By run (bits 8 to 11) and byte: the run after the byte in bits 8 to 11, the stuff bits in the lower byte. All bytes of a
+/// frame together have fewer than 256.
 const STUFF_TABLE: [u16; 16 * 256] = {
     let mut table = [0; 16 * 256];
     let mut at = 0;
@@ -220,11 +246,16 @@ mod tests {
     }
 
     #[test]
-    fn runs_across_bytes_and_after_the_crc() {
-        assert_eq!(stuff_bits(0b00000, 5), 1);
-        assert_eq!(stuff_bits(0b0_0000_1111_0000_1111, 17), 4, "each stuff bit opens the next run");
-        assert_eq!(stuff_bits(0b10101, 5), 0);
-        assert_eq!(stuff_bits(0, 34), 6, "five zeros, then one stuff bit after every five");
+    fn runs_across_bytes() {
+        let count = |bytes: &[u8]| {
+            let mut stuffing = Stuffing::default();
+            bytes.iter().for_each(|byte| stuffing.byte(*byte));
+            stuffing.count()
+        };
+        assert_eq!(count(&[0b1010_0000]), 1);
+        assert_eq!(count(&[0b0101_0110, 0b0000_1111, 0b0000_1111]), 4, "each stuff bit opens the next run");
+        assert_eq!(count(&[0b1010_1010, 0x55]), 0);
+        assert_eq!(count(&[0b0101_0100, 0, 0, 0, 0]), 6, "34 zeros: a stuff bit after every five");
     }
 
     proptest! {

@@ -210,6 +210,7 @@ impl Frame {
     }
 
     /// The data length code as on the wire; CAN XL has none and gives its length less one, cut to 8 bits.
+    #[inline]
     pub fn dlc(&self) -> u8 {
         if self.flags & 0xF0 != 0 {
             self.flags >> 4

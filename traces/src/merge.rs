@@ -115,6 +115,7 @@ impl Merge {
     }
 
     /// The next item of a source, with its channel as it is called here.
+    #[inline]
     fn take(&mut self, at: usize) -> Option<Item> {
         let source = self.sources.get_mut(at)?;
         let mut item = source.capture.next()?;
@@ -132,6 +133,7 @@ impl Merge {
     }
 
     /// Makes the channels of a source known up to that one.
+    #[cold]
     fn intern(&mut self, at: usize, channel: ChannelId) -> ChannelId {
         let Some(source) = self.sources.get_mut(at) else { return channel };
         for own in source.channels.len()..=usize::from(channel.0) {
@@ -152,6 +154,7 @@ impl Merge {
 impl Iterator for Merge {
     type Item = (usize, Item);
 
+    #[inline]
     fn next(&mut self) -> Option<Self::Item> {
         if self.sources.len() == 1 {
             // Nothing to wait for: a live frame comes out as soon as it came in.

@@ -80,6 +80,7 @@ pub struct DamageCounts {
 
 impl Quality {
     /// Counts a record: the next one of its source.
+    #[inline]
     pub fn record(&mut self, record: &Record) {
         let time = record.timestamp;
         self.frames.count(&record.frame);

@@ -70,6 +70,8 @@ struct BusWatch {
     of_encoder_values: Vec<u8>,
     /// Those of the rules that want TPDOs whose parameters are known.
     of_known_tpdos: Vec<u8>,
+    /// Those of the rules that want frames about nodes that reset themselves.
+    of_resetting: Vec<u8>,
     facts: Facts,
     quality: Quality,
     statistics: Statistics,
@@ -196,13 +198,14 @@ impl BusWatch {
     fn new(first: &Record, thresholds: &Thresholds, bit_rate: Option<u32>) -> Self {
         let mut rules = Vec::new();
         let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
-        let (mut of_encoder_values, mut of_known_tpdos) = (Vec::new(), Vec::new());
+        let (mut of_encoder_values, mut of_known_tpdos, mut of_resetting) = (Vec::new(), Vec::new(), Vec::new());
         for definition in registry::all() {
             let Some(make) = definition.make else { continue };
             match definition.also {
                 Also::Nothing => {}
                 Also::EncoderValues => of_encoder_values.push(rules.len() as u8),
                 Also::KnownTpdos => of_known_tpdos.push(rules.len() as u8),
+                Also::Resetting => of_resetting.push(rules.len() as u8),
             }
             for service in definition.services {
                 by_service[*service as usize].push(rules.len() as u8);
@@ -215,6 +218,7 @@ impl BusWatch {
             by_service,
             of_encoder_values,
             of_known_tpdos,
+            of_resetting,
             facts: Facts::default(),
             quality: Quality::default(),
             statistics: Statistics::default(),
@@ -338,10 +342,12 @@ impl BusWatch {
         let previous = previous.and_then(Option::as_ref);
         let context = Context { scene, record, bits, decoded, previous };
         let news = &self.facts.news;
-        let wanted: [&[u8]; 3] = [
+        let resets = decoded.node.is_some_and(|node| self.facts.node(node).pending_reset.is_some());
+        let wanted: [&[u8]; 4] = [
             &self.by_service[decoded.service as usize],
             if news.operands.is_empty() { &[] } else { &self.of_encoder_values },
             if news.tpdo.is_known() { &self.of_known_tpdos } else { &[] },
+            if resets { &self.of_resetting } else { &[] },
         ];
         let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus: Some((bus, self.channel)) };
         for list in wanted {

@@ -61,6 +61,8 @@ pub enum Also {
     EncoderValues,
     /// TPDOs of whose communication parameters the capture has shown something.
     KnownTpdos,
+    /// Those that are about a node which was told to reset itself, and whose boot-up has not come yet.
+    Resetting,
 }
 
 /// Makes a rule's state for one bus.

@@ -10,6 +10,7 @@ mod configured;
 mod event;
 mod layer_setting;
 mod layout;
+mod layouts;
 mod learning;
 mod node;
 mod open_errors;

@@ -5,6 +5,7 @@ use crate::dictionary::{Access, DeviceDescription};
 use crate::message::PdoNumber;
 use crate::network::configured::Pending;
 use crate::network::layout::Layout;
+use crate::network::layouts::Layouts;
 use crate::network::recognition::{self, Recognition};
 use crate::network::scaling;
 use crate::wire::error_control::State;
@@ -39,7 +40,7 @@ pub struct Node {
     parameters: BTreeMap<Multiplexer, (u32, Shown)>,
     /// Those that the device will have after its next reset.
     stored: BTreeMap<Multiplexer, (u32, Shown)>,
-    layouts: BTreeMap<PdoNumber, Option<Layout>>,
+    layouts: Layouts,
     srdo_layouts: BTreeMap<u8, Option<Layout>>,
     /// The number of its device profile, once it was asked for: every object that is shown asks.
     profile: OnceLock<Option<u16>>,
@@ -150,7 +151,7 @@ impl Node {
 
     /// How a PDO is laid out at this moment; `None` where its mapping is not known.
     pub fn layout(&mut self, id: NodeId, pdo: PdoNumber) -> Option<&Layout> {
-        if !self.layouts.contains_key(&pdo) {
+        if !self.layouts.is_worked_out(pdo) {
             let layout = self.mapping(id, pdo).map(|entries| Layout::new(&entries, id, self));
             self.layouts.insert(pdo, layout);
             let count = self.parameter(id, Multiplexer::new(pdo.mapping_index(), 0));
@@ -158,12 +159,12 @@ impl Node {
                 self.multiplexed.insert(pdo, addressing);
             }
         }
-        self.layouts.get(&pdo).and_then(Option::as_ref)
+        self.layouts.get(pdo)
     }
 
     /// The layout, where it has been worked out already.
     pub fn known_layout(&self, pdo: PdoNumber) -> Option<&Layout> {
-        self.layouts.get(&pdo).and_then(Option::as_ref)
+        self.layouts.get(pdo)
     }
 
     /// How the data of an SRDO are laid out; `None` where its mapping is not known.

@@ -11,6 +11,8 @@ pub struct Load {
     extremes: Vec<Extremes>,
     /// The [`Load::FINEST`] time that is being counted: its number since the start, and its bits.
     current: (u64, u64),
+    /// When this time began.
+    begin: Timestamp,
     /// The bin that this time belongs to.
     bin: usize,
 }
@@ -28,7 +30,15 @@ pub struct Extremes {
 
 impl Default for Load {
     fn default() -> Self {
-        Self { start: None, width: Self::FINEST, bins: Vec::new(), extremes: Vec::new(), current: (0, 0), bin: 0 }
+        Self {
+            start: None,
+            width: Self::FINEST,
+            bins: Vec::new(),
+            extremes: Vec::new(),
+            current: (0, 0),
+            begin: Timestamp(0),
+            bin: 0,
+        }
     }
 }
 
@@ -39,24 +49,32 @@ impl Load {
     pub const FINEST: Duration = Duration::from_millis(100);
 
     /// Adds the bits of a frame.
+    #[inline]
     pub fn add(&mut self, now: Timestamp, bits: u32) {
-        let start = *self.start.get_or_insert(now);
-        // A clock that stepped back before the start counts for the first bin.
-        let elapsed = now.since(start).nanos();
         // Most frames come in the same time as the one before.
-        let begin = self.current.0 * Self::FINEST.nanos();
-        if elapsed.checked_sub(begin).is_some_and(|within| within < Self::FINEST.nanos())
+        if now.since(self.begin) < Self::FINEST
+            && now >= self.begin
             && let Some(bin) = self.bins.get_mut(self.bin)
         {
             self.current.1 += u64::from(bits);
             *bin += u64::from(bits);
-            return;
+        } else {
+            self.turn(now, bits);
         }
+    }
+
+    /// Adds the bits of a frame in another time than the one before.
+    #[cold]
+    fn turn(&mut self, now: Timestamp, bits: u32) {
+        let start = *self.start.get_or_insert(now);
+        // A clock that stepped back before the start counts for the first bin.
+        let elapsed = now.since(start).nanos();
         let finest = elapsed / Self::FINEST.nanos();
         if finest != self.current.0 {
             self.settle();
             self.current = (finest, 0);
         }
+        self.begin = start + Self::FINEST.times(finest);
         self.current.1 += u64::from(bits);
         let mut at = elapsed / self.width.nanos();
         while at >= Self::BINS as u64 {

@@ -47,6 +47,8 @@ pub struct NodeStatistics {
     pub identity: IdentityText,
     /// The errors that are present, each with its place in `errors`.
     open_errors: OpenErrors<usize>,
+    /// Whether there was a frame at all.
+    begun: bool,
     /// The latest SDO requests without an answer, by channel.
     asked: Vec<(ChannelIndex, Timestamp)>,
 }
@@ -122,7 +124,7 @@ impl NodeStatistics {
 
     /// Takes a frame of the node.
     pub(super) fn frame(&mut self, now: Timestamp, bits: u32, decoded: &Decoded, bus: &Bus) {
-        if self.frames.iter().all(|count| *count == 0) {
+        if !std::mem::replace(&mut self.begun, true) {
             self.first = now;
         }
         self.last = now;

@@ -77,11 +77,15 @@ pub fn extract(payload: &[u8], offset: usize, bits: u8) -> Option<u64> {
     if bits > 64 || end > payload.len().checked_mul(8)? {
         return None;
     }
-    let mut value = 0;
-    for (n, bit) in (offset..end).enumerate() {
-        value |= u64::from(payload[bit / 8] >> (bit % 8) & 1) << n;
-    }
-    Some(value)
+    let (first, shift) = (offset / 8, offset % 8);
+    let touched = payload.get(first..end.div_ceil(8))?;
+    // Bits 0 to 63, and what 64 bits have in a ninth byte if they begin within one.
+    let (lower, ninth) = touched.split_at(touched.len().min(8));
+    let mut bytes = [0; 8];
+    bytes[..lower.len()].copy_from_slice(lower);
+    let lower = u64::from_le_bytes(bytes) >> shift;
+    let value = ninth.first().map_or(lower, |byte| lower | u64::from(*byte) << (64 - shift));
+    Some(if bits == 64 { value } else { value & ((1 << bits) - 1) })
 }
 
 /// Puts the lower `bits` bits (at most 64) of a value to bit `offset` of a payload; `false` where it is too short,

@@ -1,14 +1,18 @@
 //! The result on a terminal: progress while the run goes on, then what was wrong, then the count.
 
+use super::skipped::Skipped;
 use super::{Reporter, authority, cct_forecast, outcome, repetitions, symbol};
 use crate::escape::printable;
 use canvass_conformance::runner::{CaseReport, RunEvent, RunInfo, Summary};
-use canvass_conformance::verdict::Kind;
+use canvass_conformance::verdict::{Kind, Reason};
 use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, Table, presets};
 use std::io::{self, Write};
 
 /// At most so many frames of a case are printed, the last ones: the verdict is made of them.
 const FRAMES: usize = 16;
+
+/// The columns of a file, which has no width of its own.
+const PAGE: u16 = 120;
 
 /// How to print.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -28,14 +32,14 @@ pub struct Terminal<O, P> {
     progress: P,
     style: Style,
     told: Vec<CaseReport>,
-    skipped: Vec<(&'static str, String)>,
+    skipped: Skipped,
     notices: Vec<String>,
 }
 
 impl<O: Write, P: Write> Terminal<O, P> {
     /// Results go to `out`, progress to `progress`.
-    pub const fn new(out: O, progress: P, style: Style) -> Self {
-        Self { out, progress, style, told: Vec::new(), skipped: Vec::new(), notices: Vec::new() }
+    pub fn new(out: O, progress: P, style: Style) -> Self {
+        Self { out, progress, style, told: Vec::new(), skipped: Skipped::default(), notices: Vec::new() }
     }
 
     fn show_progress(&mut self, text: &str) -> io::Result<()> {
@@ -68,8 +72,7 @@ impl<O: Write, P: Write> Terminal<O, P> {
         match report.verdict.kind() {
             Kind::Pass if report.notes.is_empty() && !report.is_flaky() => {}
             Kind::NotApplicable => {
-                let why = report.verdict.reason().map(|reason| reason.actual.clone()).unwrap_or_default();
-                self.skipped.push((report.case.id, why));
+                self.skipped.add(report.case.id, report.verdict.reason().unwrap_or(&Reason::default()));
             }
             _ => self.told.push(report.clone()),
         }
@@ -83,9 +86,7 @@ impl<O: Write, P: Write> Terminal<O, P> {
         if !self.skipped.is_empty() {
             writeln!(self.out, "\n{}", self.painted(Kind::NotApplicable, "not applicable"))?;
         }
-        for (id, why) in std::mem::take(&mut self.skipped) {
-            writeln!(self.out, "  {id}: {}", printable(&why))?;
-        }
+        std::mem::take(&mut self.skipped).write(self.style.width.unwrap_or(PAGE), &mut self.out)?;
         writeln!(self.out, "\n{}", self.table(summary))?;
         writeln!(self.out, "{}, in {} on the bus.", outcome(summary), summary.duration)?;
         if let Some(host) = &summary.host {

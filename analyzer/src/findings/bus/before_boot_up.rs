@@ -6,8 +6,8 @@ use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::BootUp, Service::Heartbeat, Service::Emcy, Service::Pdo, Service::Sdo],
-    also: Also::Nothing,
+    services: &[],
+    also: Also::Resetting,
     make: Some(|thresholds| {
         Box::new(BeforeBootUp {
             grace: Duration::from_millis(thresholds.get(&METADATA, "grace")),
@@ -45,7 +45,8 @@ impl Rule for BeforeBootUp {
         let reset = context.scene.facts.node(node).pending_reset;
         let early = &mut self.early[usize::from(node.raw())];
         if context.decoded.service != Service::BootUp {
-            let Some(reset) = reset.filter(|_| is_from_node(context.decoded)) else { return };
+            let is_meant = context.decoded.service != Service::Guarding && is_from_node(context.decoded);
+            let Some(reset) = reset.filter(|_| is_meant) else { return };
             if early.is_none() && context.now().since(reset) > self.grace {
                 *early = Some(context.seen());
             }

@@ -86,12 +86,14 @@ impl TwoProducers {
     const CYCLES: u8 = 5;
 
     fn sync(&mut self, sync: Sync, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let report = Report::at(context.now());
-        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        let report = || {
+            let report = Report::at(context.now());
+            report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence())
+        };
         if let Some((a, b)) = self.sync.beat(context.now(), context.scene.slack()) {
-            sink.report(report, || format!("SYNC comes after {a} and after {b} in turn: two producers of {}", a + b));
+            sink.report(report(), || format!("SYNC comes after {a} and after {b} in turn: two producers of {}", a + b));
         } else if self.counters.see(sync) {
-            sink.report(report, || "two series of SYNC counters in turn: two producers".to_owned());
+            sink.report(report(), || "two series of SYNC counters in turn: two producers".to_owned());
         }
         for pdo in &mut self.pdos {
             if pdo.since_sync < 2 {
@@ -115,13 +117,15 @@ impl TwoProducers {
             self.pdos.len() - 1
         });
         let pdo = &mut self.pdos[at];
-        let report = Report::at(context.now()).node(node).detail(u64::from(number));
-        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        let report = || {
+            let report = Report::at(context.now()).node(node).detail(u64::from(number));
+            report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence())
+        };
         if cyclic {
             pdo.since_sync = pdo.since_sync.saturating_add(1);
             pdo.twice += u8::from(pdo.since_sync == 2 && pdo.twice < Self::CYCLES);
             if pdo.since_sync == 2 && pdo.twice >= Self::CYCLES {
-                sink.report(report, || format!("TPDO {number} comes twice after each SYNC: two devices send it"));
+                sink.report(report(), || format!("TPDO {number} comes twice after each SYNC: two devices send it"));
             }
             return;
         }
@@ -130,7 +134,7 @@ impl TwoProducers {
         };
         let off = (a + b).nanos().abs_diff(timer.nanos());
         if off <= timer.nanos() / NEAR + Duration::from_millis(1).nanos() {
-            sink.report(report, || {
+            sink.report(report(), || {
                 format!("TPDO {number} comes after {a} and after {b} in turn, its event timer is {timer}: two devices send it")
             });
         }

@@ -108,11 +108,11 @@ impl PositionJump {
             };
         }
         // A step of the sensor: of a revolution, or in nanometres.
-        let step = known.and_then(|known| known.certain(node, Multiplexer::new(0x6501, 0))).map(u64::from);
+        let step = || known.and_then(|known| known.certain(node, Multiplexer::new(0x6501, 0))).map(u64::from);
         match kind(context, node) {
-            Some(Kind::Linear) => step.filter(|&step| step > 0).map_or(NO_LIMIT, |step| linear(step as f64 / 1e6)),
+            Some(Kind::Linear) => step().filter(|&step| step > 0).map_or(NO_LIMIT, |step| linear(step as f64 / 1e6)),
             _ => {
-                let units = per_revolution.or(step).unwrap_or(self.resolution);
+                let units = per_revolution.or_else(step).unwrap_or(self.resolution);
                 u128::from(units) * u128::from(self.speed) / 60
             }
         }
@@ -124,7 +124,9 @@ impl PositionJump {
         let last = axis.last.replace((position.raw, context.now()));
         let before_this = *axis;
         axis.highest = axis.highest.max(position.raw);
-        let Some((before, at)) = last.filter(|last| last.0 != position.raw) else { return };
+        // So much is always allowed.
+        let moved = last.filter(|(before, _)| before.abs_diff(position.raw) > self.least);
+        let Some((before, at)) = moved else { return };
         let facts = context.scene.facts.node(node);
         if NodeFacts::is_recent(facts.last_download, context.now(), Duration::from_secs(1)) {
             return;

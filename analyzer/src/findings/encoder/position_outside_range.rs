@@ -61,9 +61,12 @@ impl Rule for PositionOutsideRange {
                 0x6000 | 0x6500 => scaling.on = Some(operand.raw & SCALING != 0),
                 0x6002 => scaling.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw }),
                 0x6004 if !operand.written => {
-                    let scaled = || scaling.range.filter(|_| scaling.on == Some(true));
-                    let physical = || physical_range(context, operand.node).filter(|_| scaling.on == Some(false));
-                    let Some(range) = scaled().or_else(physical) else { continue };
+                    let range = match scaling.on {
+                        Some(true) => scaling.range,
+                        Some(false) => physical_range(context, operand.node),
+                        None => None,
+                    };
+                    let Some(range) = range else { continue };
                     if operand.raw >= range {
                         let report = Report::at(context.now()).node(operand.node).measure(operand.raw);
                         sink.report(report.evidence(context.evidence()), || {

@@ -54,19 +54,22 @@ struct RedundantChannels {
 
 /// The two channels in a PDO; whether a mapping says that they are positions, or only their place does.
 fn channels(context: &Context<'_>, node: NodeId) -> Option<([u64; 2], bool)> {
-    if !is_encoder(context, node) {
-        return None;
+    match context.news().operands.as_slice() {
+        [] => {}
+        [a, b] => {
+            let doubled = a.bits == b.bits && a.object.index == b.object.index && a.object.index.0 == POSITION;
+            return doubled.then_some(([a.raw, b.raw], true));
+        }
+        _ => return None,
     }
-    let payload = context.record.frame.data();
-    if let Some(layout) = layout(context) {
-        let [a, b] = layout.signals.as_slice() else { return None };
-        let doubled = a.bits == b.bits && a.object.index == b.object.index && a.object.index.0 == POSITION;
-        return Some(([a.raw(payload)?, b.raw(payload)?], true)).filter(|_| doubled);
+    if !is_encoder(context, node) || layout(context).is_some() {
+        return None;
     }
     // Without a mapping: two halves. Angles run over; only lengths don't.
     if kind(context, node) == Some(Kind::Rotary) {
         return None;
     }
+    let payload = context.record.frame.data();
     let bits = match payload.len() {
         4 => 16,
         8 => 32,

@@ -12,6 +12,9 @@ use canvass_traces::Duration;
 /// TPDOs 1 to 8 of a node; further ones are rare, and not judged.
 pub const TPDOS: usize = 8;
 
+/// Synchronous window length, in microseconds; 0 is no window.
+const SYNC_WINDOW: u16 = 0x1007;
+
 /// What is known of one TPDO.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Parameters {
@@ -33,13 +36,19 @@ impl Parameters {
 /// The parameters of all TPDOs of a bus.
 pub struct AllParameters {
     nodes: Box<[[Parameters; TPDOS]]>,
+    /// 1007h of the nodes.
+    windows: Box<[Option<Duration>]>,
     /// Whether they were read at all.
     known: Box<[bool]>,
 }
 
 impl Default for AllParameters {
     fn default() -> Self {
-        Self { nodes: vec![[Parameters::default(); TPDOS]; 128].into(), known: vec![false; 128].into() }
+        Self {
+            nodes: vec![[Parameters::default(); TPDOS]; 128].into(),
+            windows: vec![None; 128].into(),
+            known: vec![false; 128].into(),
+        }
     }
 }
 
@@ -65,8 +74,12 @@ impl AllParameters {
     fn read(&mut self, node: NodeId, bus: &Bus) {
         let rows = &mut self.nodes[usize::from(node.raw())];
         *rows = Default::default();
+        let window = &mut self.windows[usize::from(node.raw())];
+        *window = None;
         self.known[usize::from(node.raw())] = true;
         let Some(known) = bus.node(node) else { return };
+        let micros = known.certain(node, Multiplexer::new(SYNC_WINDOW, 0)).filter(|&micros| micros > 0);
+        *window = micros.map(|micros| Duration::from_micros(u64::from(micros)));
         for (row, index) in rows.iter_mut().zip(0x1800..) {
             let of = |sub| known.certain(node, Multiplexer::new(index, sub));
             let time = |value: Option<u32>, unit: Duration| {
@@ -84,6 +97,12 @@ impl AllParameters {
         }
     }
 
+    /// The window after SYNC in which a node's synchronous PDOs must come (1007h); `None` where there is none, or it is
+    /// not known.
+    pub fn sync_window(&self, node: NodeId) -> Option<Duration> {
+        self.windows[usize::from(node.raw())]
+    }
+
     /// The parameters of a TPDO, by its number from 1; nothing is known of those beyond [`TPDOS`].
     pub fn of(&self, node: NodeId, number: u16) -> Parameters {
         let row = usize::from(number).checked_sub(1);
@@ -95,6 +114,7 @@ impl AllParameters {
 /// Whether a transfer has shown something that parameters come from: themselves, the cyclic timer and the profile of
 /// encoders, or which model the node is.
 fn is_shown(decoded: &Decoded, bus: &Bus) -> bool {
-    let object = decoded.object.is_some_and(|object| matches!(object.index.0, 0x1000 | 0x1800..=0x19FF | 0x6200));
+    let object =
+        decoded.object.is_some_and(|object| matches!(object.index.0, 0x1000 | SYNC_WINDOW | 0x1800..=0x19FF | 0x6200));
     object || bus.events().iter().any(|event| matches!(event, Event::Recognised(_)))
 }

@@ -1,4 +1,3 @@
-use crate::Multiplexer;
 use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
@@ -33,9 +32,6 @@ struct SyncWindow {
     sync: Option<Seen>,
 }
 
-/// In microseconds; 0 is no window.
-const WINDOW: Multiplexer = Multiplexer::new(0x1007, 0);
-
 impl Rule for SyncWindow {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let number = match context.message() {
@@ -50,9 +46,7 @@ impl Rule for SyncWindow {
         if !matches!(context.news().tpdo.transmission_type, Some(0..=240)) || !context.scene.has_times() {
             return;
         }
-        let window = context.scene.bus.node(node).and_then(|known| known.certain(node, WINDOW));
-        let Some(window) = window.filter(|&window| window > 0) else { return };
-        let window = Duration::from_micros(u64::from(window));
+        let Some(window) = context.scene.facts.tpdos.sync_window(node) else { return };
         let after = context.now().since(sync.time());
         let allowed = window + context.scene.longest_frame() + self.tolerance + context.scene.slack();
         if after > allowed {

@@ -126,7 +126,11 @@ fn error_control(bench: &mut Bench<'_>) -> Judged {
        needs = [Heartbeat, Description], catches = [GuardingAnsweredUnsupported])]
 fn not_supported(bench: &mut Bench<'_>) -> Judged {
     if bench.has(GUARD_TIME)? {
-        return Err(Verdict::NotApplicable(Reason::new("the device has no node guarding", "no 100Ch", "100Ch")));
+        return Err(Verdict::NotApplicable(Reason::new(
+            "the device has no node guarding",
+            "a device without guard time",
+            "100Ch:00 is there",
+        )));
     }
     bench.prefer_guarding()?;
     let answer = answer(bench)?;

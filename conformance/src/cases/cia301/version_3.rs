@@ -12,7 +12,7 @@ fn number(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<u32, Verdic
     match bench.upload(multiplexer)?.outcome {
         Outcome::Uploaded(value) => Ok(crate::bench::sdo::number(&value)),
         other => {
-            let reason = Reason::new(format!("the device has {multiplexer}"), "a value", other.to_string());
+            let reason = Reason::new("the device has the object", multiplexer.to_string(), other.to_string());
             Err(Verdict::NotApplicable(reason))
         }
     }

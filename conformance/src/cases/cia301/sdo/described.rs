@@ -14,11 +14,13 @@ use canvass_analyzer::wire::sdo::AbortCode;
 type Described = (Multiplexer, Entry);
 
 fn described(bench: &Bench<'_>, wanted: impl Fn(Multiplexer, &Entry) -> bool) -> Result<Vec<Described>, Verdict> {
-    let Some(description) = &bench.target().description else { return Err(nothing("a description", "none")) };
+    let Some(description) = &bench.target().description else {
+        return Err(nothing("a description of the device", "none"));
+    };
     let entries = description.dictionary.entries();
     let found: Vec<Described> =
         entries.filter(|(at, entry)| wanted(*at, entry)).map(|(at, entry)| (at, entry.clone())).collect();
-    if found.is_empty() { Err(nothing("at least one", "no such object is described")) } else { Ok(found) }
+    if found.is_empty() { Err(nothing("an object that the case is about", "none is described")) } else { Ok(found) }
 }
 
 fn nothing(expected: &str, actual: &str) -> Verdict {
