@@ -54,6 +54,8 @@ pub(in crate::fuzz) struct Slave {
     /// The toggle bit of the next answer; `None`: not known.
     toggle: Option<bool>,
     last_heartbeat: Option<Timestamp>,
+    /// That one may have waited for the bus.
+    waited: bool,
     /// The period of the heartbeat, once it was written; `None`: not known.
     period: Option<Duration>,
     period_since: Timestamp,
@@ -82,6 +84,7 @@ impl Slave {
             guard_open: 0,
             toggle: Some(false),
             last_heartbeat: None,
+            waited: false,
             period: None,
             period_since: Timestamp::ZERO,
         }
@@ -356,7 +359,7 @@ impl Slave {
         let Some(period) = self.period else { return Ok(()) };
         if period > Duration(0) && now < self.period_since + self.jitter.times(2) {
             // It may have waited for the bus; the next one comes in its time.
-            self.last_heartbeat = None;
+            (self.last_heartbeat, self.waited) = (Some(now), true);
             return Ok(());
         }
         let since = self.last_heartbeat.replace(now);
@@ -374,7 +377,10 @@ impl Slave {
         let late = actual.nanos() > period.nanos() + tolerance.nanos();
         // One that had to wait for the bus is followed by the next one in time.
         let is_long = period > self.jitter.times(20);
-        let early = is_long && actual.nanos() + tolerance.nanos() < period.nanos() && now.since(self.changed) > period;
+        let early = !std::mem::take(&mut self.waited)
+            && is_long
+            && actual.nanos() + tolerance.nanos() < period.nanos()
+            && now.since(self.changed) > period;
         if late || early {
             let expected = format!("heartbeats every {period}");
             return Err(violation(Property::NmtState, "period of the heartbeat", expected, format!("{actual}"), now));
