@@ -401,6 +401,8 @@ impl Slave {
         };
         match self.phase {
             Phase::Unsure => Ok(self.enter(now, shown)),
+            // It may be of the time before the last command.
+            Phase::Running if now < self.changed + self.grace => Ok(Change::None),
             Phase::Running if shown != Phase::Stopped => Ok(self.enter(now, shown)),
             phase if phase == shown => Ok(Change::None),
             _ if now < self.changed + self.grace => Ok(Change::None),
