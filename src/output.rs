@@ -30,6 +30,16 @@ impl Color {
     }
 }
 
+/// How to print a result that is either read or processed.
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+pub enum TextOrJson {
+    /// Lines for people
+    #[default]
+    Text,
+    /// A JSON object
+    Json,
+}
+
 /// Buffered standard output that can be shared with the reader of standard input: before that waits for more, what
 /// was decoded so far goes out.
 #[derive(Clone, Default)]

@@ -2,7 +2,7 @@
 
 use crate::interrupt::Interrupt;
 use crate::live::{Live, parse_span};
-use crate::output::print;
+use crate::output::{TextOrJson, print};
 use crate::status::{Failure, Status};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::{Wire, lss, sdo};
@@ -39,16 +39,7 @@ pub struct Args {
     timeout: Duration,
     /// How to print the nodes
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
-}
-
-#[derive(Clone, Copy, Default, clap::ValueEnum)]
-enum Format {
-    /// A block of lines for each node
-    #[default]
-    Text,
-    /// A JSON object
-    Json,
+    format: TextOrJson,
 }
 
 /// What is known of a node.
@@ -76,8 +67,8 @@ impl Args {
         nodes.extend(live.simulated_node().map(|node| (node, Found::default())));
         let unconfigured = self.find(&mut live, &interrupt, &mut nodes).map_err(Failure::unreachable)?;
         match self.format {
-            Format::Text => print(&text(&nodes, unconfigured))?,
-            Format::Json => print(&format!("{}\n", escape::json(&json(&nodes, unconfigured).to_string())))?,
+            TextOrJson::Text => print(&text(&nodes, unconfigured))?,
+            TextOrJson::Json => print(&format!("{}\n", escape::json(&json(&nodes, unconfigured).to_string())))?,
         }
         live.report_health();
         let found = !nodes.is_empty() || unconfigured.is_some();

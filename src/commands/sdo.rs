@@ -5,7 +5,7 @@ mod value;
 
 use crate::devices::{DeviceArg, describe, parse_node};
 use crate::live::Live;
-use crate::output::{diagnostic, print};
+use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 #[cfg(test)]
@@ -66,16 +66,7 @@ struct Target {
     timeout: u64,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
-    format: Format,
-}
-
-#[derive(Clone, Copy, Default, clap::ValueEnum)]
-enum Format {
-    /// One line
-    #[default]
-    Text,
-    /// A JSON object
-    Json,
+    format: TextOrJson,
 }
 
 /// What is shown of a transfer.
@@ -167,7 +158,7 @@ impl Target {
         read: Option<(&Vec<u8>, Option<canvass_analyzer::dictionary::DataType>)>,
         shown: &Shown,
     ) -> std::io::Result<()> {
-        if matches!(self.format, Format::Text) {
+        if matches!(self.format, TextOrJson::Text) {
             return print(&match read {
                 None => format!("{object} = {} written\n", shown.value),
                 // Where frames were lost on the way here, the bytes speak for themselves.

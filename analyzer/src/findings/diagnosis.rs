@@ -62,7 +62,6 @@ type Page = Box<[Option<Seen>]>;
 
 /// What watches one bus.
 struct BusWatch {
-    channel: ChannelId,
     rules: Vec<(&'static Definition, Box<dyn Rule>)>,
     /// The places of the rules that want frames of a service.
     by_service: [Vec<u8>; Service::ALL.len()],
@@ -72,21 +71,43 @@ struct BusWatch {
     of_known_tpdos: Vec<u8>,
     /// Those of the rules that want frames about nodes that reset themselves.
     of_resetting: Vec<u8>,
-    facts: Facts,
-    quality: Quality,
+    known: Known,
     statistics: Statistics,
     /// Where a frame was first recorded twice.
     first_copy: Option<(Timestamp, Place)>,
-    said_bit_rate: Option<u32>,
-    /// As said, or as far as it could be inferred until now.
-    bit_rate: Option<u32>,
-    /// When to infer it again.
+    /// When to infer the bit rate again.
     next_look: Timestamp,
     /// The last frame of each CAN-ID, in pages of 128.
     latest: Box<[Option<Page>]>,
+    next_tick: Timestamp,
+}
+
+/// What is known of a bus beside its network.
+struct Known {
+    channel: ChannelId,
+    facts: Facts,
+    quality: Quality,
+    said_bit_rate: Option<u32>,
+    /// As said, or as far as it could be inferred until now.
+    bit_rate: Option<u32>,
     start: Timestamp,
     now: Timestamp,
-    next_tick: Timestamp,
+}
+
+impl Known {
+    /// What rules see of it.
+    fn scene<'a>(&'a self, bus: &'a Bus) -> Scene<'a> {
+        Scene {
+            now: self.now,
+            start: self.start,
+            bus,
+            channel: self.channel,
+            facts: &self.facts,
+            quality: &self.quality,
+            bit_rate: self.bit_rate,
+            is_inferred: self.said_bit_rate.is_none(),
+        }
+    }
 }
 
 impl Diagnosis {
@@ -159,7 +180,8 @@ impl Diagnosis {
         super::capture::check(sources, &self.thresholds, &mut self.findings);
         let (findings, omitted) = self.findings.into_sorted();
         let buses = self.buses.into_iter().flatten();
-        let buses = buses.map(|watch| (watch.channel, watch.statistics.finish(watch.now, self.bit_rate))).collect();
+        let buses =
+            buses.map(|watch| (watch.known.channel, watch.statistics.finish(watch.known.now, self.bit_rate))).collect();
         Results { findings, omitted, unwatched: self.unwatched, buses }
     }
 }
@@ -213,22 +235,24 @@ impl BusWatch {
             rules.push((definition, make(thresholds)));
         }
         Self {
-            channel: first.channel,
             rules,
             by_service,
             of_encoder_values,
             of_known_tpdos,
             of_resetting,
-            facts: Facts::default(),
-            quality: Quality::default(),
+            known: Known {
+                channel: first.channel,
+                facts: Facts::default(),
+                quality: Quality::default(),
+                said_bit_rate: bit_rate,
+                bit_rate,
+                start: first.timestamp,
+                now: first.timestamp,
+            },
             statistics: Statistics::default(),
             first_copy: None,
-            said_bit_rate: bit_rate,
-            bit_rate,
             next_look: first.timestamp,
             latest: (0..16).map(|_| None).collect(),
-            start: first.timestamp,
-            now: first.timestamp,
             next_tick: first.timestamp + Diagnosis::TICK,
         }
     }
@@ -237,29 +261,29 @@ impl BusWatch {
     fn advance(&mut self, record: &Record, network: &Network, findings: &mut Findings) {
         // What is only out of order by a little is no step of the clock.
         const DISORDER: Duration = Duration::from_millis(1);
-        let gaps = self.quality.gaps.count;
-        self.quality.record(record);
-        let steps_back = self.now.since(record.timestamp) > DISORDER;
+        let gaps = self.known.quality.gaps.count;
+        self.known.quality.record(record);
+        let steps_back = self.known.now.since(record.timestamp) > DISORDER;
         // A pause of a single node is its own, unless it is very long; of several at once it is the recorder's or the
         // bus's.
         const SWITCHED_OFF: Duration = Duration::from_secs(60);
-        let switched_off = record.timestamp.since(self.now) > SWITCHED_OFF;
-        let silent = self.quality.gaps.count > gaps && (self.facts.present > 1 || switched_off);
-        self.now = record.timestamp;
+        let switched_off = record.timestamp.since(self.known.now) > SWITCHED_OFF;
+        let silent = self.known.quality.gaps.count > gaps && (self.known.facts.present > 1 || switched_off);
+        self.known.now = record.timestamp;
         if steps_back || silent {
             self.interrupted();
-            self.next_tick = self.now + Diagnosis::TICK;
-        } else if self.now >= self.next_tick {
-            self.next_tick = self.now + Diagnosis::TICK;
+            self.next_tick = self.known.now + Diagnosis::TICK;
+        } else if self.known.now >= self.next_tick {
+            self.next_tick = self.known.now + Diagnosis::TICK;
             self.look_at_bit_rate();
             self.each(network, findings, |rule, scene, sink| rule.tick(scene, sink));
         }
     }
 
     fn look_at_bit_rate(&mut self) {
-        if self.said_bit_rate.is_none() && self.now >= self.next_look {
-            self.bit_rate = self.statistics.inferred_bit_rate();
-            self.next_look = self.now + Duration::from_secs(1);
+        if self.known.said_bit_rate.is_none() && self.known.now >= self.next_look {
+            self.known.bit_rate = self.statistics.inferred_bit_rate();
+            self.next_look = self.known.now + Duration::from_secs(1);
         }
     }
 
@@ -273,7 +297,7 @@ impl BusWatch {
             return None;
         }
         // No bus is faster than 1 Mbit/s, and the clock may be off by a step for both.
-        let unsure = self.quality.resolution.get().map(|unit| unit.times(2));
+        let unsure = self.known.quality.resolution.get().map(|unit| unit.times(2));
         let impossible =
             unsure.is_some_and(|unsure| apart + unsure < Duration::from_micros(u64::from(bits.unwrap_or(0))));
         let both = (record.direction, seen.record.direction);
@@ -292,7 +316,7 @@ impl BusWatch {
     }
 
     fn interrupted(&mut self) {
-        self.facts.interrupted();
+        self.known.facts.interrupted();
         for (_, rule) in &mut self.rules {
             rule.interrupted();
         }
@@ -305,35 +329,17 @@ impl BusWatch {
         findings: &mut Findings,
         act: impl Fn(&mut dyn Rule, &Scene<'_>, &mut Sink<'_>),
     ) {
-        let Some(bus) = network.bus(self.channel) else { return };
-        let scene = Scene {
-            now: self.now,
-            start: self.start,
-            bus,
-            channel: self.channel,
-            facts: &self.facts,
-            quality: &self.quality,
-            bit_rate: self.bit_rate,
-            is_inferred: self.said_bit_rate.is_none(),
-        };
+        let Some(bus) = network.bus(self.known.channel) else { return };
+        let scene = self.known.scene(bus);
         for (definition, rule) in &mut self.rules {
             act(rule.as_mut(), &scene, &mut Sink::of(findings, definition.metadata, &scene));
         }
     }
 
     fn frame(&mut self, record: &Record, bits: u32, decoded: &Decoded, network: &Network, findings: &mut Findings) {
-        let Some(bus) = network.bus(self.channel) else { return };
-        let reconfigured = self.facts.follow(record, decoded, bus);
-        let scene = Scene {
-            now: self.now,
-            start: self.start,
-            bus,
-            channel: self.channel,
-            facts: &self.facts,
-            quality: &self.quality,
-            bit_rate: self.bit_rate,
-            is_inferred: self.said_bit_rate.is_none(),
-        };
+        let Some(bus) = network.bus(self.known.channel) else { return };
+        let reconfigured = self.known.facts.follow(record, decoded, bus);
+        let scene = self.known.scene(bus);
         if let Some(node) = reconfigured {
             self.rules.iter_mut().for_each(|(_, rule)| rule.reconfigured(node, &scene));
         }
@@ -341,15 +347,15 @@ impl BusWatch {
         let previous = id.and_then(|id| self.latest.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F)));
         let previous = previous.and_then(Option::as_ref);
         let context = Context { scene, record, bits, decoded, previous };
-        let news = &self.facts.news;
-        let resets = decoded.node.is_some_and(|node| self.facts.node(node).pending_reset.is_some());
+        let news = &self.known.facts.news;
+        let resets = decoded.node.is_some_and(|node| self.known.facts.node(node).pending_reset.is_some());
         let wanted: [&[u8]; 4] = [
             &self.by_service[decoded.service as usize],
             if news.operands.is_empty() { &[] } else { &self.of_encoder_values },
             if news.tpdo.is_known() { &self.of_known_tpdos } else { &[] },
             if resets { &self.of_resetting } else { &[] },
         ];
-        let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus: Some((bus, self.channel)) };
+        let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus: Some((bus, self.known.channel)) };
         for list in wanted {
             for &at in list {
                 if let Some((definition, rule)) = self.rules.get_mut(usize::from(at)) {
@@ -359,7 +365,7 @@ impl BusWatch {
             }
         }
         self.statistics.frame(record, bits, decoded, bus);
-        self.facts.note(self.now, decoded, bus);
+        self.known.facts.note(self.known.now, decoded, bus);
         if let Some(id) = id {
             self.keep(id, record, decoded);
         }
@@ -379,15 +385,15 @@ impl BusWatch {
     }
 
     fn finish(&mut self, network: &Network, findings: &mut Findings) {
-        if self.said_bit_rate.is_none() {
-            self.bit_rate = self.statistics.inferred_bit_rate();
+        if self.known.said_bit_rate.is_none() {
+            self.known.bit_rate = self.statistics.inferred_bit_rate();
         }
         self.each(network, findings, |rule, scene, sink| {
             rule.tick(scene, sink);
             rule.finish(scene, sink);
         });
-        if let (Some(bus), Some((time, place))) = (network.bus(self.channel), self.first_copy) {
-            let bus = Some((bus, self.channel));
+        if let (Some(bus), Some((time, place))) = (network.bus(self.known.channel), self.first_copy) {
+            let bus = Some((bus, self.known.channel));
             let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus };
             super::capture::tell_copies(self.statistics.copies(), time, place, &mut sink);
         }

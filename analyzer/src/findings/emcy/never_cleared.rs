@@ -4,6 +4,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
 use crate::network::OpenErrors;
+use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
@@ -44,8 +45,9 @@ impl Rule for NeverCleared {
             for (code, seen) in errors.iter() {
                 let Message::Emcy(emcy) = &seen.decoded.message else { continue };
                 let report = Report::at(seen.time()).node(node).detail(u64::from(code.0)).evidence(seen.evidence());
-                sink.report(report, || {
-                    format!("EMCY {emcy}, still present {} later at the end", scene.now.since(seen.time()))
+                sink.report(report, || match scene.now.since(seen.time()) {
+                    Duration::ZERO => format!("EMCY {emcy}, with which the capture ends"),
+                    later => format!("EMCY {emcy}, still present {later} later at the end"),
                 });
             }
         }
