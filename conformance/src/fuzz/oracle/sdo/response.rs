@@ -104,7 +104,7 @@ impl Server {
     ) -> Judged {
         let refused = || wrong(Property::LegalSdo, shown(frame));
         if let Response::Abort(abort) = response
-            && !matches!(self.state, State::Idle | State::Unsure)
+            && self.state != State::Idle
             && abort.code == canvass_analyzer::wire::sdo::AbortCode::TIMEOUT
             && matches!(awaited, Awaited::Nothing | Awaited::ConfirmBlock { required: false, .. })
         {
