@@ -54,6 +54,8 @@ pub(in crate::fuzz) struct Slave {
     /// The toggle bit of the next answer; `None`: not known.
     toggle: Option<bool>,
     last_heartbeat: Option<Timestamp>,
+    /// The last command that came before the boot-up message.
+    hasty: Timestamp,
     /// That one may have waited for the bus.
     waited: bool,
     /// The period of the heartbeat, once it was written; `None`: not known.
@@ -84,6 +86,7 @@ impl Slave {
             guard_open: 0,
             toggle: Some(false),
             last_heartbeat: None,
+            hasty: Timestamp::ZERO,
             waited: false,
             period: None,
             period_since: Timestamp::ZERO,
@@ -168,6 +171,9 @@ impl Slave {
     /// An NMT frame of the fuzzer.
     pub fn commanded(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Change {
         let boots = self.phase == Phase::Booting;
+        if boots && self.announces {
+            self.hasty = now;
+        }
         if self.phase == Phase::Unconfigured || boots && self.announces {
             return Change::None;
         }
@@ -305,7 +311,9 @@ impl Slave {
             return Err(violation(Property::NmtState, "boot-up message", expected, actual, now));
         }
         self.boot_due = Timestamp::MAX;
-        Ok(self.enter(now, Phase::Running))
+        // A command that came while the boot-up message waited for the bus may have been obeyed.
+        let hasty = self.hasty > Timestamp::ZERO && now < self.hasty + self.grace;
+        Ok(self.enter(now, if hasty { Phase::Unsure } else { Phase::Running }))
     }
 
     /// The device has reported an error: 1029h says where it goes then.
