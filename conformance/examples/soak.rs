@@ -1,13 +1,15 @@
-//! Fuzzes models without fault, and faults, as long as one likes: `soak models EXCHANGES [SEED] [TARGET] [MODEL...]`,
+//! Fuzzes models without fault, and faults, as long as one likes: `soak models EXCHANGES [SEED] [TARGET] [ALLOW] [MODEL...]`,
 //! `soak faults SECONDS [SEED] [FAULT...]`.
 
+use canvass_analyzer::NodeId;
 use canvass_conformance::case::Touch;
 use canvass_conformance::fuzz::campaign::Found;
 use canvass_conformance::fuzz::coverage::LssReach;
 use canvass_conformance::fuzz::detection::{Limit, detect, fuzz};
-use canvass_conformance::fuzz::{Target, reproducer};
+use canvass_conformance::fuzz::{Knowledge, Target, reproducer};
 use canvass_conformance::models::Model;
 use canvass_conformance::{Fault, Faults};
+use std::collections::BTreeSet;
 use std::io::{Write, stdout};
 use std::time::Duration;
 
@@ -19,22 +21,34 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             number(1, 100_000)?,
             number(2, 0)?,
             args.get(3).map_or("all", |name| name),
-            args.get(4..).unwrap_or(&[]),
+            args.get(4).map_or("", |names| names),
+            args.get(5..).unwrap_or(&[]),
         ),
         Some("faults") => faults(number(1, 10)?, number(2, 0)?, args.get(3..).unwrap_or(&[])),
-        _ => {
-            Err("usage: soak models EXCHANGES [SEED] [TARGET] [MODEL...] | soak faults SECONDS [SEED] [FAULT...]"
-                .into())
-        }
+        _ => Err(
+            "usage: soak models EXCHANGES [SEED] [TARGET] [ALLOW] [MODEL...] | soak faults SECONDS [SEED] [FAULT...]"
+                .into(),
+        ),
     }
 }
 
-fn models(exchanges: u64, seed: u64, target: &str, named: &[String]) -> Result<(), Box<dyn std::error::Error>> {
+/// `allow`: what `--allow` would name, with commas; `-` for nothing.
+fn models(
+    exchanges: u64,
+    seed: u64,
+    target: &str,
+    allow: &str,
+    named: &[String],
+) -> Result<(), Box<dyn std::error::Error>> {
     let target: Target = target.parse()?;
+    let names = allow.split(',').filter(|name| !matches!(*name, "" | "-"));
+    let allow: BTreeSet<Touch> = names.map(str::parse).collect::<Result<_, _>>()?;
     let mut out = stdout().lock();
     for model in Model::all().iter().filter(|model| named.is_empty() || named.iter().any(|name| name == model.id())) {
         let begun = processor_time();
-        let outcome = fuzz(model, Faults::NONE, target, seed, &mut |done| done < exchanges)?;
+        let outcome = fuzz(model, Faults::NONE, target, &allow, seed, &mut |done| done < exchanges)?;
+        let knowledge = Knowledge::new(NodeId::MIN, Some(model.description()), Some(model.sheet()));
+        let reach = LssReach::of(&knowledge.services, model.sheet().network.lss, &allow);
         let rate = outcome.executions as f64 / (processor_time() - begun);
         writeln!(
             out,
@@ -42,7 +56,7 @@ fn models(exchanges: u64, seed: u64, target: &str, named: &[String]) -> Result<(
             model.id(),
             outcome.executions,
             outcome.coverage.sdo_share(model.sheet().network.sdo_block_transfer),
-            outcome.coverage.lss_share(&LssReach::of(model.sheet().network.lss, &Touch::ALL.into_iter().collect())),
+            outcome.coverage.lss_share(&reach),
             outcome.violations.len()
         )?;
         for found in &outcome.violations {
@@ -62,7 +76,8 @@ fn faults(seconds: u64, seed: u64, named: &[String]) -> Result<(), Box<dyn std::
                 let violation = &detected.found.violation;
                 writeln!(
                     out,
-                    "+ {} {:?} {} frames {} {} | {} | {}",
+                    "{} {} {:?} {} frames {} {} | {} | {}",
+                    if detected.caused { "+" } else { "!" },
                     fault,
                     detected.elapsed,
                     detected.found.sequence.stimuli.len(),

@@ -35,6 +35,11 @@ pub trait Machine: Send {
         let _ = now;
     }
 
+    /// Another one in the same state, if it can be had: a bus that has one can go back to what it was.
+    fn duplicate(&self) -> Option<Box<dyn Machine>> {
+        None
+    }
+
     /// Whether a frame that the bus took but has not begun to send shall not be sent any more: a reset, for example,
     /// empties the mailboxes of a CAN controller.
     fn withdraws(&self, pending: &Frame) -> bool {

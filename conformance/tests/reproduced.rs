@@ -1,15 +1,14 @@
 //! PROP-02: every SDO response is legal in its state (a toggle bit that does not alternate).
 //!
 //! Expected: abort 0503 0000h: a toggle bit that does not alternate
-//! Found: 00 61 6D 20 6F 66 20 73
+//! Found: 10 41 20 70 72 6F 67 72
 //! By canvass 0.1.0 with seed 7.
 
 use canvass_conformance::fuzz::reproducer::replay;
 
 const LOG: &str = "\
 (0000000000.000000) can0 60A#4010200000000000
-(0000000000.100000) can0 60A#6000000000000000
-(0000000000.200000) can0 60A#6000000000000000
+(0000000000.100000) can0 60A#7000000000000000
 ";
 
 #[test]

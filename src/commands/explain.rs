@@ -68,14 +68,15 @@ fn case(case: &Case) -> String {
 fn fault(fault: Fault) -> String {
     let caught = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
     let caught: Vec<&str> = caught.map(|case| case.id).collect();
-    rows(
-        fault.id(),
-        fault.summary(),
-        &[
-            ("caught by", list(&caught, ToString::to_string)),
-            ("fuzzer", fault.unfuzzed().map_or("finds it".to_owned(), |why| format!("does not look for it: {why}"))),
-        ],
-    )
+    rows(fault.id(), fault.summary(), &[("caught by", list(&caught, ToString::to_string)), ("fuzzer", fuzzer(fault))])
+}
+
+fn fuzzer(fault: Fault) -> String {
+    match (fault.unfuzzed(), fault.fuzz_needs()) {
+        (Some(why), _) => format!("does not claim to find it: {why}"),
+        (None, Some(touch)) => format!("finds it with --allow {touch}"),
+        (None, None) => "finds it".to_owned(),
+    }
 }
 
 fn model(model: &Model) -> String {

@@ -31,7 +31,7 @@ use std::time::Instant;
 /// Reference models of SDO, NMT, LSS, PDO, EMCY and error control say what the device must, may and must not send.
 /// What they find is repeated, and the sequence of frames that shows it made as short as it gets. Nothing is done that
 /// writes the device's non-volatile memory, changes its node-ID or bit rate or commands other nodes unless --allow names
-/// it; a simulated device is alone and a new one for each sequence, so that only its memory needs that.
+/// it, on a simulated bus as on a live one.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
@@ -86,10 +86,7 @@ impl Args {
         let reports = self.open_reports()?;
         let mut device = Device::open(&self.bus, self.node, self.device.as_deref(), seed)?;
         let simulated = device.is_simulated();
-        let mut allow: std::collections::BTreeSet<Touch> = self.allow.iter().copied().collect();
-        if simulated {
-            allow.extend(campaign::harmless());
-        }
+        let allow: std::collections::BTreeSet<Touch> = self.allow.iter().copied().collect();
         let knowledge = device.knowledge().clone();
         let regressions = match (&self.replay, &self.regressions) {
             (Some(path), _) => Regressions::replay(path, &knowledge, &allow)?,
@@ -164,11 +161,12 @@ impl Args {
             node: knowledge.node,
             model: device.name().to_owned(),
             target: self.target,
+            allow: plan.allow.clone(),
             seed: plan.seed,
             repeat: self.repeat(knowledge.node, plan.seed, outcome.sequences),
             cancelled,
             block_transfer: knowledge.services.block_transfer != Some(false),
-            reach: LssReach::of(device.has_unconfigured(), &plan.allow),
+            reach: LssReach::of(&knowledge.services, device.has_unconfigured(), &plan.allow),
             outcome,
             words,
         }

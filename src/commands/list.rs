@@ -112,6 +112,7 @@ fn faults() -> Vec<Value> {
             "summary": fault.summary(),
             "model": fault.model(),
             "fuzz": fault.is_fuzzed(),
+            "fuzz_needs": fault.fuzz_needs(),
             "unfuzzed": fault.unfuzzed(),
         })
     };

@@ -71,7 +71,7 @@ impl Args {
 
     /// Each claimed fault with each seed, one after the other: the times are those of one core.
     fn fuzz(self) -> Result<Status, Failure> {
-        let claimed = || Fault::ALL.iter().copied().filter(|fault| fault.is_fuzzed()).collect();
+        let claimed = || Fault::ALL.iter().copied().filter(|fault| fault.unfuzzed().is_none()).collect();
         let faults: Vec<Fault> = if self.fault.is_empty() { claimed() } else { self.fault };
         let limit = std::time::Duration::from_nanos(self.within.nanos());
         let mut rows = Vec::with_capacity(faults.len());

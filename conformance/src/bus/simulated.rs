@@ -68,6 +68,13 @@ impl SimulatedBus {
         }
     }
 
+    /// Another bus in the same state, if each participant can be had again ([`Machine::duplicate`]).
+    pub fn duplicate(&self) -> Option<Self> {
+        let participants = self.participants.iter().map(Participant::duplicate).collect::<Option<_>>()?;
+        let (outgoing, on_wire) = (self.outgoing.clone(), self.on_wire);
+        Some(Self { participants, outgoing, on_wire, ..*self })
+    }
+
     /// Connects one more participant. Of equal identifiers in arbitration, that of the earlier participant wins.
     pub fn attach(&mut self, machine: Box<dyn Machine>) {
         let timeout = machine.poll_timeout().unwrap_or(Timestamp::MAX);
@@ -232,6 +239,10 @@ enum Step {
 }
 
 impl Participant {
+    fn duplicate(&self) -> Option<Self> {
+        Some(Self { machine: self.machine.duplicate()?, ..*self })
+    }
+
     /// In bit/s; `None`: that of the bus.
     fn bit_rate(&self) -> Option<u32> {
         self.own_bit_rate.or(self.adopted)

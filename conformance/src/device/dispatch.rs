@@ -415,6 +415,10 @@ impl Machine for Device {
         Self::power_cycle(self, now);
     }
 
+    fn duplicate(&self) -> Option<Box<dyn Machine>> {
+        Some(Box::new(self.clone()))
+    }
+
     fn withdraws(&self, pending: &Frame) -> bool {
         let silent = self.activation.is_some() || self.hangs;
         silent

@@ -7,7 +7,7 @@ use super::encoder::{self, Encoder};
 use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
-use super::parameters::{Content, Parameter, Parameters, Reading};
+use super::parameters::{Content, Parameters, Reading};
 use super::store::StoreCommand;
 use crate::models::Model;
 use crate::{Fault, Faults};
@@ -43,7 +43,7 @@ impl Objects {
             parameters.redefine(at, Content::Number(u64::from(node_id)));
         }
         plant(&mut parameters, faults);
-        let history = parameters.entries().iter().filter(|entry| entry.at.index.0 == 0x1003).count();
+        let history = parameters.entries().filter(|entry| entry.at.index.0 == 0x1003).count();
         Self {
             model: model.clone(),
             parameters,
@@ -240,9 +240,9 @@ impl Objects {
     /// What switching scaling off does beside that.
     pub fn reset_scaling(&mut self, node: NodeId) {
         self.waiting.retain(|(at, _)| !matches!(at.index.0, 0x6001 | 0x6002));
-        for entry in self.parameters.entries_mut() {
+        for (entry, content) in self.parameters.entries_mut() {
             if matches!(entry.at.index.0, 0x6001 | 0x6002) {
-                entry.content = entry.default_content(node);
+                *content = entry.default_content(node);
             }
         }
     }
@@ -258,7 +258,7 @@ impl Objects {
 
     /// Bit 31 of a COB-ID that has it as delivered: 1005h of DS-301 V3.0, where it says that SYNC is consumed.
     fn consumer_bit(&self, at: Multiplexer) -> u64 {
-        self.parameters.entry(at).map_or(0, Parameter::default_bits) & u64::from(CobId::INVALID)
+        self.parameters.entry(at).map_or(0, |entry| entry.default_bits()) & u64::from(CobId::INVALID)
     }
 
     /// Whether SYNC is listened to.

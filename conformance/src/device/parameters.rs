@@ -4,19 +4,58 @@ use crate::models::Model;
 use canvass_analyzer::dictionary::{DataType, Entry, Setting, Value};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Multiplexer, NodeId};
+use std::ops::Deref;
 use std::sync::Arc;
 
 /// All entries of the object dictionary, by rising address.
 #[derive(Clone, Debug)]
 pub(super) struct Parameters {
     /// The addresses alone, so that a search touches few cache lines.
-    keys: Vec<u32>,
+    keys: Arc<[u32]>,
     /// Where the keys of each sixteen indexes begin, so that a search is short.
     sections: Arc<[u16]>,
-    entries: Vec<Parameter>,
+    /// What does not change while the device runs: devices in other states share it.
+    entries: Arc<Vec<Parameter>>,
+    /// The value of each.
+    contents: Vec<Content>,
 }
 
-/// One entry.
+/// One entry and its value.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Held<'a> {
+    parameter: &'a Parameter,
+    pub content: &'a Content,
+}
+
+impl Deref for Held<'_> {
+    type Target = Parameter;
+
+    fn deref(&self) -> &Parameter {
+        self.parameter
+    }
+}
+
+impl<'a> Held<'a> {
+    /// Whether the value is not as delivered; a COB-ID that follows the node-ID always is.
+    pub fn is_changed(&self) -> bool {
+        match &self.default {
+            Default::Fixed(content) => self.fitted(content.clone()) != *self.content,
+            Default::NodeIdPlus(_) => false,
+        }
+    }
+
+    /// The bytes of the value; `live` replaces a stored number.
+    pub fn reading(&self, live: Option<u64>) -> Reading<'a> {
+        match (self.content, live) {
+            (Content::Bytes(bytes), _) => Reading::Bytes(bytes),
+            (Content::Number(number), live) => {
+                Reading::Number(live.unwrap_or(*number).to_le_bytes(), self.size().unwrap_or(8).min(8))
+            }
+        }
+    }
+}
+
+/// What the description says of an entry.
 #[derive(Clone, Debug)]
 pub(super) struct Parameter {
     /// Its address.
@@ -31,7 +70,6 @@ pub(super) struct Parameter {
     low: Option<i128>,
     high: Option<i128>,
     default: Default,
-    pub content: Content,
 }
 
 /// A value: the bits of a number, or the bytes of anything else.
@@ -76,7 +114,8 @@ impl Parameters {
     pub fn new(model: &Model, node: NodeId) -> Self {
         let entries: Vec<Parameter> =
             model.description().dictionary.entries().filter_map(|(at, entry)| Parameter::new(at, entry)).collect();
-        let mut parameters = Self { keys: Vec::new(), sections: [].into(), entries };
+        let contents = vec![Content::Number(0); entries.len()];
+        let mut parameters = Self { keys: [].into(), sections: [].into(), entries: Arc::new(entries), contents };
         parameters.find_keys();
         for value in &model.sheet().values {
             let number = value.value.as_integer().map(|number| number as u64);
@@ -93,19 +132,22 @@ impl Parameters {
 
     /// All values as delivered.
     pub fn restore(&mut self, node: NodeId) {
-        self.entries.iter_mut().for_each(|entry| entry.content = entry.default_content(node));
+        self.entries_mut().for_each(|(entry, content)| *content = entry.default_content(node));
     }
 
     /// The parameters of the profile area (6000h to 9FFFh) as delivered.
     pub fn restore_profile(&mut self, node: NodeId) {
-        for entry in self.entries.iter_mut().filter(|entry| matches!(entry.at.index.0, 0x6000..0xA000)) {
-            entry.content = entry.default_content(node);
+        for (entry, content) in self.entries_mut().filter(|(entry, _)| matches!(entry.at.index.0, 0x6000..0xA000)) {
+            *content = entry.default_content(node);
         }
     }
 
     /// Removes an entry, or a whole object where `sub` is `None`, as if the firmware had none.
     pub fn remove(&mut self, index: u16, sub: Option<u8>) {
-        self.entries.retain(|entry| entry.at.index.0 != index || sub.is_some_and(|sub| entry.at.sub.0 != sub));
+        let stays = |entry: &Parameter| entry.at.index.0 != index || sub.is_some_and(|sub| entry.at.sub.0 != sub);
+        let mut entries = self.entries.iter();
+        self.contents.retain(|_| entries.next().is_some_and(stays));
+        Arc::make_mut(&mut self.entries).retain(stays);
         self.find_keys();
     }
 
@@ -119,24 +161,24 @@ impl Parameters {
 
     /// Gives an entry another data type, as if the firmware had it so.
     pub fn retype(&mut self, at: Multiplexer, data_type: DataType) {
-        if let Ok(entry) = self.entry_mut(at) {
+        if let Some((entry, _)) = self.redefined(at) {
             entry.data_type = data_type;
         }
     }
 
     /// Makes an entry writable, as if the firmware had it so.
     pub fn open(&mut self, at: Multiplexer) {
-        if let Ok(entry) = self.entry_mut(at) {
+        if let Some((entry, _)) = self.redefined(at) {
             entry.writable = true;
         }
     }
 
     /// Gives an entry another value as delivered.
     pub fn redefine(&mut self, at: Multiplexer, content: Content) {
-        if let Ok(entry) = self.entry_mut(at) {
+        if let Some((entry, held)) = self.redefined(at) {
             let content = entry.fitted(content);
             entry.default = Default::Fixed(content.clone());
-            entry.content = content;
+            *held = content;
         }
     }
 
@@ -144,14 +186,21 @@ impl Parameters {
     ///
     /// # Errors
     /// The abort code for a missing object, or for a missing sub-index of an object that exists.
-    pub fn entry(&self, at: Multiplexer) -> Result<&Parameter, AbortCode> {
+    pub fn entry(&self, at: Multiplexer) -> Result<Held<'_>, AbortCode> {
         let position = self.position(at)?;
-        self.entries.get(position).ok_or(AbortCode::NO_OBJECT)
+        let entry = self.entries.get(position).zip(self.contents.get(position));
+        entry.map(|(parameter, content)| Held { parameter, content }).ok_or(AbortCode::NO_OBJECT)
     }
 
-    fn entry_mut(&mut self, at: Multiplexer) -> Result<&mut Parameter, AbortCode> {
-        let position = self.position(at)?;
-        self.entries.get_mut(position).ok_or(AbortCode::NO_OBJECT)
+    fn entry_mut(&mut self, at: Multiplexer) -> Option<(&Parameter, &mut Content)> {
+        let position = self.position(at).ok()?;
+        self.entries.get(position).zip(self.contents.get_mut(position))
+    }
+
+    /// The entry at that address, to be made another one than that of the description.
+    fn redefined(&mut self, at: Multiplexer) -> Option<(&mut Parameter, &mut Content)> {
+        let position = self.position(at).ok()?;
+        Arc::make_mut(&mut self.entries).get_mut(position).zip(self.contents.get_mut(position))
     }
 
     fn position(&self, at: Multiplexer) -> Result<usize, AbortCode> {
@@ -181,7 +230,7 @@ impl Parameters {
     /// The number at that address; `None` if there is none.
     pub fn number(&self, index: u16, sub: u8) -> Option<u64> {
         match self.entry(Multiplexer::new(index, sub)).ok()?.content {
-            Content::Number(number) => Some(number),
+            Content::Number(number) => Some(*number),
             Content::Bytes(_) => None,
         }
     }
@@ -193,26 +242,26 @@ impl Parameters {
 
     /// Sets a number, whatever its access type; bits that don't fit are cut.
     pub fn set_number(&mut self, index: u16, sub: u8, number: u64) {
-        if let Ok(entry) = self.entry_mut(Multiplexer::new(index, sub)) {
-            entry.content = entry.fitted(Content::Number(number));
+        if let Some((entry, content)) = self.entry_mut(Multiplexer::new(index, sub)) {
+            *content = entry.fitted(Content::Number(number));
         }
     }
 
     /// Sets a value whose length and range were checked.
     pub fn set(&mut self, at: Multiplexer, content: Content) {
-        if let Ok(entry) = self.entry_mut(at) {
-            entry.content = content;
+        if let Some((_, held)) = self.entry_mut(at) {
+            *held = content;
         }
     }
 
     /// All entries.
-    pub fn entries(&self) -> &[Parameter] {
-        &self.entries
+    pub fn entries(&self) -> impl ExactSizeIterator<Item = Held<'_>> {
+        self.entries.iter().zip(&self.contents).map(|(parameter, content)| Held { parameter, content })
     }
 
-    /// All entries, to change.
-    pub fn entries_mut(&mut self) -> &mut [Parameter] {
-        &mut self.entries
+    /// All entries, and their values to change.
+    pub fn entries_mut(&mut self) -> impl Iterator<Item = (&Parameter, &mut Content)> {
+        self.entries.iter().zip(&mut self.contents)
     }
 }
 
@@ -248,16 +297,7 @@ impl Parameter {
             low: limit(&entry.low_limit),
             high: limit(&entry.high_limit),
             default,
-            content: Content::Number(0),
         })
-    }
-
-    /// Whether the value is not as delivered; a COB-ID that follows the node-ID always is.
-    pub fn is_changed(&self) -> bool {
-        match &self.default {
-            Default::Fixed(content) => self.fitted(content.clone()) != self.content,
-            Default::NodeIdPlus(_) => false,
-        }
     }
 
     /// The value as delivered.
@@ -338,16 +378,6 @@ impl Parameter {
                 Content::Number(number)
             }
             None => Content::Bytes(bytes.to_vec()),
-        }
-    }
-
-    /// The bytes of the value; `live` replaces a stored number.
-    pub fn reading(&self, live: Option<u64>) -> Reading<'_> {
-        match (&self.content, live) {
-            (Content::Bytes(bytes), _) => Reading::Bytes(bytes),
-            (Content::Number(number), live) => {
-                Reading::Number(live.unwrap_or(*number).to_le_bytes(), self.size().unwrap_or(8).min(8))
-            }
         }
     }
 }

@@ -47,8 +47,7 @@ impl Direction {
 
 /// The numbers of the PDOs that the dictionary has, from 0.
 pub(super) fn numbers(direction: Direction, parameters: &Parameters) -> impl Iterator<Item = u16> + use<'_> {
-    let is_first = |entry: &&super::parameters::Parameter| entry.at.sub.0 == 0;
-    let indexes = parameters.entries().iter().filter(is_first).map(|entry| entry.at.index.0);
+    let indexes = parameters.entries().filter(|entry| entry.at.sub.0 == 0).map(|entry| entry.at.index.0);
     indexes.filter_map(move |index| index.checked_sub(direction.communication())).filter(|&number| number < PDOS)
 }
 
@@ -199,8 +198,7 @@ fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
 /// What is mapped as delivered can be mapped again, a part of an object too.
 fn is_delivered(entry: MappingEntry, direction: Direction, objects: &Objects) -> bool {
     let indexes = direction.mapping()..direction.mapping() + PDOS;
-    let mut mapped =
-        objects.parameters.entries().iter().filter(|it| indexes.contains(&it.at.index.0) && it.at.sub.0 > 0);
+    let mut mapped = objects.parameters.entries().filter(|it| indexes.contains(&it.at.index.0) && it.at.sub.0 > 0);
     mapped.any(|it| it.default_bits() == u64::from(entry.0))
 }
 

@@ -58,7 +58,9 @@ impl Device {
             0x1017 => self.heartbeat.start(now, value, self.faults),
             0x1200..0x1280 => self.second_sdos.iter_mut().for_each(|channel| channel.configure(&self.objects)),
             0x1400..0x1800 => self.configure_rpdos(),
-            0x1800..0x1C00 | 0x6200 => self.configure_tpdos(now),
+            0x1800..0x1C00 => self.configure_tpdos(now),
+            // The cyclic timer of CiA 406; in other profiles these are outputs.
+            0x6200 if self.objects.encoder.is_some() => self.configure_tpdos(now),
             _ => {}
         }
         if let 0x1005 | 0x1012 | 0x1014 | 0x1028 | 0x1200..0x1280 | 0x1400..0x1C00 = at.index.0 {

@@ -122,7 +122,7 @@ pub(super) struct StoredNetwork {
 pub(super) struct Store {
     storage: Arc<Storage>,
     /// What differs from the default, by the position of the parameter.
-    image: Vec<Option<Content>>,
+    image: Arc<Vec<Option<Content>>>,
     offset: Option<i64>,
     /// What LSS stored and no object holds.
     network: StoredNetwork,
@@ -140,7 +140,7 @@ impl Store {
         let storage = Arc::new(model.sheet().storage.clone());
         Self {
             storage,
-            image: vec![None; parameters.entries().len()],
+            image: Arc::new(vec![None; parameters.entries().len()]),
             offset: None,
             network: StoredNetwork::default(),
             restored: Groups::NONE,
@@ -170,8 +170,9 @@ impl Store {
             let half = self.image.len() / 2;
             let old: Vec<_> = self.image.iter().skip(half).cloned().collect();
             self.save(groups, parameters, None, node);
-            self.image.truncate(half);
-            self.image.extend(old);
+            let image = Arc::make_mut(&mut self.image);
+            image.truncate(half);
+            image.extend(old);
         }
     }
 
@@ -195,10 +196,10 @@ impl Store {
     }
 
     fn save(&mut self, groups: Groups, parameters: &Parameters, encoder: Option<&Encoder>, node: NodeId) {
-        for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
+        for (slot, entry) in Arc::make_mut(&mut self.image).iter_mut().zip(parameters.entries()) {
             if entry.writable && groups.has(entry.at, &self.storage) {
                 // COB-IDs that are as delivered go on following the node-ID.
-                *slot = (entry.content != entry.default_content(node)).then(|| entry.content.clone());
+                *slot = (*entry.content != entry.default_content(node)).then(|| entry.content.clone());
             }
         }
         if groups.contains(Groups::APPLICATION) {
@@ -208,7 +209,7 @@ impl Store {
     }
 
     fn forget(&mut self, groups: Groups, parameters: &Parameters) {
-        for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
+        for (slot, entry) in Arc::make_mut(&mut self.image).iter_mut().zip(parameters.entries()) {
             if groups.has(entry.at, &self.storage) {
                 *slot = None;
             }
@@ -230,8 +231,8 @@ impl Store {
 
     /// Forgets one object at once.
     pub fn forget_number(&mut self, at: Multiplexer, parameters: &Parameters) {
-        let position = parameters.entries().iter().position(|entry| entry.at == at);
-        if let Some(slot) = position.and_then(|position| self.image.get_mut(position)) {
+        let position = parameters.entries().position(|entry| entry.at == at);
+        if let Some(slot) = position.and_then(|position| Arc::make_mut(&mut self.image).get_mut(position)) {
             *slot = None;
         }
     }
@@ -248,15 +249,15 @@ impl Store {
 
     /// Stores one number at once, past all groups: LSS stores node-ID and bit rate so.
     pub fn save_number(&mut self, at: Multiplexer, number: u64, parameters: &Parameters) {
-        let position = parameters.entries().iter().position(|entry| entry.at == at);
-        if let Some(slot) = position.and_then(|position| self.image.get_mut(position)) {
+        let position = parameters.entries().position(|entry| entry.at == at);
+        if let Some(slot) = position.and_then(|position| Arc::make_mut(&mut self.image).get_mut(position)) {
             *slot = Some(Content::Number(number));
         }
     }
 
     /// The stored number at that address.
     pub fn number(&self, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
-        let position = parameters.entries().iter().position(|entry| entry.at == at)?;
+        let position = parameters.entries().position(|entry| entry.at == at)?;
         match self.image.get(position)?.as_ref()? {
             Content::Number(number) => Some(*number),
             Content::Bytes(_) => None,
@@ -280,7 +281,7 @@ impl Store {
         network: StoredNetwork,
         parameters: &Parameters,
     ) {
-        for (slot, entry) in self.image.iter_mut().zip(parameters.entries()) {
+        for (slot, entry) in Arc::make_mut(&mut self.image).iter_mut().zip(parameters.entries()) {
             *slot = contents.get(&entry.at).cloned();
         }
         (self.offset, self.network, self.pending) = (offset, network, None);
@@ -289,11 +290,11 @@ impl Store {
     /// A reset: what is stored, or the default, becomes the value.
     pub fn load(&mut self, groups: Groups, parameters: &mut Parameters, encoder: Option<&mut Encoder>, node: NodeId) {
         self.pending = None;
-        for (slot, entry) in self.image.iter().zip(parameters.entries_mut()) {
+        for (slot, (entry, content)) in self.image.iter().zip(parameters.entries_mut()) {
             let group = Groups::of(entry.at, &self.storage);
             if groups.contains(group) {
                 let slot = if self.restored.contains(group) { &None } else { slot };
-                entry.content = slot.clone().unwrap_or_else(|| entry.default_content(node));
+                *content = slot.clone().unwrap_or_else(|| entry.default_content(node));
             }
         }
         if let Some(encoder) = encoder

@@ -35,11 +35,6 @@ pub struct Plan {
     pub only_regressions: bool,
 }
 
-/// What a simulated device may be done to without being asked: it is alone on its bus, and a new one for each sequence.
-pub fn harmless() -> BTreeSet<Touch> {
-    BTreeSet::from([Touch::OtherNodes, Touch::NodeId, Touch::BitRate])
-}
-
 /// A violation with the shortest sequence that shows it.
 #[derive(Clone, Debug)]
 pub struct Found {
@@ -56,8 +51,10 @@ pub struct Found {
 /// The state of a run, told after each sequence.
 #[derive(Clone, Copy, Debug)]
 pub struct Progress<'a> {
-    /// Frames that were sent.
+    /// Exchanges: frames that were sent, and after which the answer, or the silence, was judged.
     pub executions: u64,
+    /// Frames that were sent, with those after which anything may come.
+    pub frames: u64,
     /// Sequences that were run.
     pub sequences: u64,
     /// What was exercised.
@@ -69,8 +66,11 @@ pub struct Progress<'a> {
 /// The result of a run.
 #[derive(Clone, Debug)]
 pub struct Outcome {
-    /// Frames that were sent, those of shrinking included.
+    /// Exchanges: frames that were sent, and after which the answer, or the silence, was judged. Those of shrinking
+    /// included.
     pub executions: u64,
+    /// Frames that were sent, with those after which anything may come.
+    pub frames: u64,
     /// Sequences that were run.
     pub sequences: u64,
     /// What was exercised.
@@ -136,11 +136,12 @@ pub fn run(
         target: plan.target,
         allow: plan.allow.clone(),
         unconfigured: ground.has_unconfigured() && knowledge.services.lss == Some(true),
+        patient: ground.is_repeatable(),
         focus: None,
         lss_focus: None,
         knowledge: Arc::clone(&knowledge),
     };
-    let reach = LssReach::of(dialogues.unconfigured, &plan.allow);
+    let reach = LssReach::of(&knowledge.services, dialogues.unconfigured, &plan.allow);
     let mut runner = TestRunner::new_with_rng(Config::default(), rng(plan.seed));
     loop {
         if campaign.sequences.is_multiple_of(REFOCUS) {
@@ -207,14 +208,14 @@ struct Campaign<'a> {
 impl Campaign<'_> {
     fn attempt(&mut self, ground: &mut dyn Ground, mut tree: SequenceTree) -> Result<(), BusError> {
         self.sequences += 1;
-        let sequence = tree.current();
         let keep = !ground.is_repeatable();
-        let shown = self.executor.run(ground, &sequence, keep)?;
+        let shown = self.executor.run(ground, tree.tried(), keep)?;
         let evidence = std::mem::take(&mut self.executor.evidence);
         let Some(violation) = shown else {
-            self.last = keep.then_some((sequence, evidence));
+            self.last = keep.then(|| (tree.current(), evidence));
             return Ok(());
         };
+        let sequence = tree.current();
         if violation.rule == DEATH && evidence.is_empty() && keep {
             self.bury(violation);
             return Ok(());
@@ -269,7 +270,7 @@ impl Campaign<'_> {
         let mut tries = 0;
         while more && tries < self.plan.shrink_budget {
             tries += 1;
-            more = match self.confirm(ground, &tree.current(), &violation)? {
+            more = match self.confirm(ground, tree.tried(), &violation)? {
                 Confirmed::Again => tree.simplify(),
                 Confirmed::No => tree.complicate(),
                 Confirmed::Dead => {
@@ -290,6 +291,7 @@ impl Campaign<'_> {
     fn is_over(&self, go_on: &mut dyn FnMut(Progress<'_>) -> bool) -> bool {
         let progress = Progress {
             executions: self.executor.executions,
+            frames: self.executor.frames,
             sequences: self.sequences,
             coverage: &self.executor.coverage,
             violations: self.violations.len(),
@@ -301,6 +303,7 @@ impl Campaign<'_> {
     fn outcome(self) -> Outcome {
         Outcome {
             executions: self.executor.executions,
+            frames: self.executor.frames,
             sequences: self.sequences,
             unjudged: self.executor.unjudged,
             dead: self.dead,

@@ -1,6 +1,6 @@
 //! What a run has exercised: state × command × class of the answer, of the SDO server and the LSS slave.
 
-use super::Knowledge;
+use super::{Knowledge, Services};
 use crate::case::Touch;
 use canvass_analyzer::wire::sdo::Response;
 use canvass_traces::Frame;
@@ -214,6 +214,18 @@ impl LssCommand {
             _ => Self::Unknown,
         }
     }
+
+    /// The class of a frame to an LMT slave, by the names of LSS.
+    pub fn of_lmt(frame: &Frame) -> Self {
+        match frame.bytes()[0] {
+            _ if frame.len() != 8 => Self::Short,
+            0x01..=0x03 => Self::SwitchSelective,
+            0x04 | 0x11 | 0x13 | 0x15 | 0x17 => Self::of(frame),
+            0x05..=0x08 => Self::IdentifyRemote,
+            0x24..=0x26 => Self::Inquire,
+            _ => Self::Unknown,
+        }
+    }
 }
 
 const SDO_STATES: usize = SdoState::ALL.len();
@@ -235,18 +247,26 @@ impl Default for Coverage {
     }
 }
 
-/// What a run can reach of LSS.
+/// What a run can reach of LSS, or of LMT. A master can send every command in every state; so what counts is which states
+/// the slave has, and what nobody has allowed.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct LssReach {
-    /// The device can be had without node-ID.
-    pub unconfigured: bool,
-    /// What nobody has allowed.
-    pub forbidden: Vec<LssCommand>,
+    /// The states that the slave has.
+    pub states: Vec<LssState>,
+    /// What is never sent.
+    pub never: Vec<LssCommand>,
 }
 
 impl LssReach {
-    /// What is left where only that is allowed.
-    pub fn of(unconfigured: bool, allow: &BTreeSet<Touch>) -> Self {
+    /// Of a device with those services, where only that is allowed. `unconfigured`: it can be had without node-ID.
+    pub fn of(services: &Services, unconfigured: bool, allow: &BTreeSet<Touch>) -> Self {
+        let states = LssState::ALL.iter().copied().filter(|state| match state {
+            LssState::Waiting => true,
+            LssState::Selecting | LssState::Configuration => services.lmt || services.lss != Some(false),
+            LssState::Unconfigured | LssState::Scanning => unconfigured && !services.lmt,
+        });
+        // LMT has neither.
+        let lss_only = [LssCommand::IdentifyNonConfigured, LssCommand::Fastscan, LssCommand::InquireNodeId];
         let needs = [
             (LssCommand::ConfigureNodeId, Touch::NodeId),
             (LssCommand::ConfigureBitTiming, Touch::BitRate),
@@ -254,7 +274,8 @@ impl LssReach {
             (LssCommand::Store, Touch::Nvm),
         ];
         let forbidden = needs.into_iter().filter(|(_, touch)| !allow.contains(touch)).map(|(command, _)| command);
-        Self { unconfigured, forbidden: forbidden.collect() }
+        let never = forbidden.chain(lss_only.into_iter().filter(|_| services.lmt));
+        Self { states: states.collect(), never: never.collect() }
     }
 }
 
@@ -265,9 +286,9 @@ impl Coverage {
     }
 
     /// A frame with a 29-bit identifier, which the server must not notice.
-    pub fn sdo_frame(&mut self, state: SdoState, command: Command, frame: &Frame, knowledge: &Knowledge) {
+    pub fn sdo_frame(&mut self, state: Option<SdoState>, command: Command, frame: &Frame, knowledge: &Knowledge) {
         let twin = canvass_analyzer::wire::sdo::REQUEST_BASE + u16::from(knowledge.node.raw());
-        if frame.id().raw() == u32::from(twin) {
+        if let Some(state) = state.filter(|_| frame.id().raw() == u32::from(twin)) {
             self.sdo(state, command, Answer::None);
         }
     }
@@ -308,13 +329,9 @@ impl Coverage {
     }
 
     /// The combinations of LSS state and command that can be reached.
-    pub fn lss_pairs(reach: &LssReach) -> impl Iterator<Item = (LssState, LssCommand)> {
-        let pairs =
-            LssState::ALL.iter().flat_map(|&state| LssCommand::ALL.iter().map(move |&command| (state, command)));
-        pairs.filter(move |&(state, command)| {
-            let has_state = reach.unconfigured || !matches!(state, LssState::Unconfigured | LssState::Scanning);
-            has_state && !reach.forbidden.contains(&command)
-        })
+    pub fn lss_pairs(reach: &LssReach) -> impl Iterator<Item = (LssState, LssCommand)> + '_ {
+        let pairs = reach.states.iter().flat_map(|&state| LssCommand::ALL.iter().map(move |&command| (state, command)));
+        pairs.filter(|(_, command)| !reach.never.contains(command))
     }
 
     /// How many combinations of state and command were seen, of SDO and LSS.

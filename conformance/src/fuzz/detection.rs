@@ -4,9 +4,11 @@
 use super::campaign::{self, Found, FuzzError, Plan};
 use super::generate::Target;
 use super::ground::simulated;
+use crate::case::Touch;
 use crate::models::Model;
 use crate::{Fault, Faults};
 use canvass_analyzer::NodeId;
+use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
 /// How long a fault is looked for.
@@ -38,12 +40,14 @@ pub struct Detected {
     pub found: Found,
     /// The time of this computer until the violation was seen, and until its sequence was as short as it gets.
     pub elapsed: Duration,
+    /// The same sequence shows nothing on the model without the fault: it is the fault that was found.
+    pub caused: bool,
 }
 
 /// How many tries making a sequence shorter may take.
 const SHRINK_BUDGET: u32 = 2_000;
 
-/// Looks for a fault on the model that shows it.
+/// Looks for a fault on the model that shows it; what only `--allow` permits is done where the fault needs it.
 ///
 /// # Errors
 /// [`FuzzError`] if the device can't be reached.
@@ -52,12 +56,23 @@ pub fn detect(fault: Fault, seed: u64, limit: Limit) -> Result<Trial, FuzzError>
         return Ok(Trial { fault, seed, found: None, exchanges: 0 });
     };
     let begun = Instant::now();
-    let outcome = fuzz(model, fault.into(), Target::All, seed, &mut |exchanges| {
+    let allow: BTreeSet<Touch> = fault.fuzz_needs().and_then(|name| name.parse().ok()).into_iter().collect();
+    let outcome = fuzz(model, fault.into(), Target::All, &allow, seed, &mut |exchanges| {
         exchanges < limit.exchanges && begun.elapsed() < limit.time
     })?;
     let elapsed = begun.elapsed();
-    let found = outcome.violations.into_iter().next().map(|found| Detected { found, elapsed });
-    Ok(Trial { fault, seed, found, exchanges: outcome.executions })
+    let exchanges = outcome.executions;
+    let Some(found) = outcome.violations.into_iter().next() else {
+        return Ok(Trial { fault, seed, found: None, exchanges });
+    };
+    let (mut healthy, knowledge) = simulated(model, node_of(model), Faults::NONE, model.default_bit_rate(), seed);
+    let (violation, _) = campaign::replay(&mut healthy, knowledge, &found.sequence)?;
+    Ok(Trial { fault, seed, found: Some(Detected { found, elapsed, caused: violation.is_none() }), exchanges })
+}
+
+/// The node-ID of the model as delivered, or that which one without gets.
+fn node_of(model: &Model) -> NodeId {
+    model.default_node().unwrap_or(NodeId::MIN)
 }
 
 /// Fuzzes a model until its first violation. `go_on` is asked with the number of frames sent.
@@ -68,15 +83,15 @@ pub fn fuzz(
     model: &'static Model,
     faults: Faults,
     target: Target,
+    allow: &BTreeSet<Touch>,
     seed: u64,
     go_on: &mut dyn FnMut(u64) -> bool,
 ) -> Result<campaign::Outcome, FuzzError> {
-    let node = model.default_node().unwrap_or(NodeId::MIN);
-    let (mut ground, knowledge) = simulated(model, node, faults, model.default_bit_rate(), seed);
+    let (mut ground, knowledge) = simulated(model, node_of(model), faults, model.default_bit_rate(), seed);
     let plan = Plan {
         target,
         seed,
-        allow: campaign::harmless(),
+        allow: allow.clone(),
         shrink_budget: SHRINK_BUDGET,
         stop_at_first: true,
         regressions: Vec::new(),
@@ -109,11 +124,10 @@ impl Row {
         self.trials.iter().filter_map(|trial| trial.found.as_ref())
     }
 
-    /// Whether every seed found it in time, with a sequence that comes back.
+    /// Whether every seed found it in time, with a sequence that comes back, and not without the fault.
     pub fn is_good(&self, limit: Duration) -> bool {
-        self.trials.iter().all(|trial| {
-            trial.found.as_ref().is_some_and(|detected| detected.found.confirmed && detected.elapsed <= limit)
-        })
+        let is_good = |detected: &Detected| detected.found.confirmed && detected.caused && detected.elapsed <= limit;
+        self.trials.iter().all(|trial| trial.found.as_ref().is_some_and(is_good))
     }
 
     /// The time to find it, with the usual seed.

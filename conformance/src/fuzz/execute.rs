@@ -27,8 +27,10 @@ pub(super) struct Executor {
     oracle: Oracle,
     /// What was exercised.
     pub coverage: Coverage,
-    /// Frames that were sent.
+    /// Frames that were on the bus, and after which the models knew what must or must not come.
     pub executions: u64,
+    /// Frames that were sent, with those after which anything may come.
+    pub frames: u64,
     /// The frames of the last sequence, if they are kept.
     pub evidence: Vec<Record>,
     keep: bool,
@@ -76,6 +78,7 @@ impl Executor {
             oracle: Oracle::new(Arc::clone(&knowledge)),
             coverage: Coverage::default(),
             executions: 0,
+            frames: 0,
             evidence: Vec::new(),
             keep: false,
             outstanding: 0,
@@ -173,7 +176,7 @@ impl Executor {
     fn step(&mut self, ground: &mut dyn Ground, stimulus: &Stimulus) -> Result<(), Stop> {
         ground.bus().send(&stimulus.frame)?;
         self.outstanding += 1;
-        self.executions += 1;
+        self.frames += 1;
         match stimulus.then {
             Then::AtOnce => Ok(()),
             Then::Settle => self.settle(ground),
@@ -248,6 +251,7 @@ impl Executor {
         if own {
             self.outstanding = self.outstanding.saturating_sub(1);
             self.oracle.sent(now, &frame, &mut self.coverage)?;
+            self.executions += u64::from(self.oracle.judges(&frame));
             return Ok(Received::Answer);
         }
         self.oracle.received(now, &frame, &mut self.coverage)?;

@@ -50,13 +50,15 @@ pub struct Simulated {
     boot: Duration,
     unconfigured: bool,
     bus: SimulatedBus,
+    /// The bus with a device that has just booted, to be had again without booting.
+    booted: Option<SimulatedBus>,
 }
 
 impl Simulated {
     /// A bus of that bit rate for devices that `make` makes. They have `boot` to boot; `unconfigured`: it can make
     /// devices without node-ID.
     pub fn new(make: MakeDevice, node: NodeId, bit_rate: u32, boot: Duration, unconfigured: bool) -> Self {
-        Self { make, bit_rate, node, boot, unconfigured, bus: SimulatedBus::new(bit_rate) }
+        Self { make, bit_rate, node, boot, unconfigured, bus: SimulatedBus::new(bit_rate), booted: None }
     }
 
     /// In bit/s.
@@ -67,10 +69,17 @@ impl Simulated {
 
 impl Ground for Simulated {
     fn begin(&mut self, start: Start) -> Result<Readiness, BusError> {
+        if start == Start::Configured
+            && let Some(booted) = self.booted.as_ref().and_then(SimulatedBus::duplicate)
+        {
+            self.bus = booted;
+            return Ok(Readiness::Ready);
+        }
         self.bus = SimulatedBus::new(self.bit_rate);
         self.bus.attach((self.make)(start));
         if start == Start::Configured {
             wait_for_boot_up(&mut self.bus, self.node, self.boot)?;
+            self.booted = self.bus.duplicate();
         }
         Ok(Readiness::Ready)
     }
@@ -250,6 +259,9 @@ fn simulated_moving(
 ) -> (Simulated, Knowledge) {
     let sheet = model.sheet();
     let mut knowledge = Knowledge::new(node, Some(model.description()), Some(sheet));
+    if let Some((known, sheet)) = knowledge.lmt.as_mut().zip(sheet.lmt) {
+        known.serial_number = Some(sheet.serial_number);
+    }
     // In virtual time a wait costs nothing but what happens in it; answers come within the sheet's times.
     let boot = Duration::from_millis(sheet.timing.boot_ms + 100);
     let response = sheet.timing.sdo_response_us + sheet.timing.sdo_response_jitter_us;

@@ -2,6 +2,7 @@
 
 use crate::models::Sheet;
 use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, Entry, Value};
+use canvass_analyzer::wire::lmt::{BIT_RATES, Seven};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 
@@ -12,11 +13,26 @@ pub struct Knowledge {
     pub node: NodeId,
     /// LSS address: 1018h:01 to 04; `None` where it could not be found out.
     pub address: Option<[u32; 4]>,
+    /// LMT address, of a device with LMT.
+    pub lmt: Option<LmtAddress>,
     /// What it can do.
     pub services: Services,
     /// How long to wait.
     pub patience: Patience,
     entries: Vec<Known>,
+    /// The indexes of the communication parameters of its RPDOs.
+    pub rpdos: Vec<u16>,
+}
+
+/// The address of an LMT slave.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct LmtAddress {
+    /// Of all devices of the model.
+    pub manufacturer_name: Seven,
+    /// Of all devices of the model.
+    pub product_name: Seven,
+    /// Of this device; `None`: not known.
+    pub serial_number: Option<Seven>,
 }
 
 /// What a device can do; `None` where nobody has said.
@@ -32,10 +48,16 @@ pub struct Services {
     pub lss_restarts: Option<bool>,
     /// It has an LMT slave, whose frames have the CAN-IDs of LSS.
     pub lmt: bool,
+    /// The rows of table 0 that configure bit timing of LMT accepts.
+    pub lmt_bit_rates: Vec<u8>,
     /// TPDOs that are filled up to eight bytes, by their number from 1.
     pub padded_tpdos: Vec<u16>,
     /// The rows of table 0 that configure bit timing accepts.
     pub lss_bit_rates: Option<Vec<u8>>,
+    /// Reset communication brings the values of the whole dictionary back.
+    pub reset_communication_loads_all: bool,
+    /// Objects whose values act, and are checked, only when they are stored.
+    pub acts_when_stored: Vec<Multiplexer>,
     /// It answers node guarding.
     pub guarding: Option<bool>,
     /// It knows SDO block transfers.
@@ -114,8 +136,18 @@ impl Knowledge {
         let mut knowledge = Self {
             node,
             address: None,
+            lmt: sheet.and_then(|sheet| sheet.lmt).map(|address| LmtAddress {
+                manufacturer_name: address.manufacturer_name,
+                product_name: address.product_name,
+                serial_number: None,
+            }),
             services: Services::new(description, sheet),
             patience: Patience::default(),
+            rpdos: entries
+                .iter()
+                .filter(|known| known.at.sub.0 == 1 && (0x1400..0x1600).contains(&known.at.index.0))
+                .map(|known| known.at.index.0)
+                .collect(),
             entries,
         };
         for known in &mut knowledge.entries {
@@ -187,12 +219,21 @@ impl Services {
             }),
             lss_restarts: network.map(|network| network.lss_restarts),
             lmt: network.is_some_and(|network| network.lmt),
+            lmt_bit_rates: (0..)
+                .zip(BIT_RATES)
+                .filter(|(_, rate)| {
+                    sheet.is_some_and(|sheet| sheet.bit_rates.iter().any(|own| own.kbit * 1_000 == *rate))
+                })
+                .map(|(row, _)| row)
+                .collect(),
             padded_tpdos: network
                 .map(|network| network.padded_tpdos.iter().map(|&number| u16::from(number)).collect())
                 .unwrap_or_default(),
             lss_bit_rates: sheet
                 .map(|sheet| sheet.bit_rates.iter().filter_map(|rate| rate.lss_code).collect::<Vec<u8>>())
                 .filter(|rates| !rates.is_empty()),
+            reset_communication_loads_all: sheet.is_some_and(|sheet| sheet.quirks.reset_communication_loads_all),
+            acts_when_stored: sheet.map(|sheet| sheet.quirks.acts_when_stored.clone()).unwrap_or_default(),
             guarding: network.map(|network| network.node_guarding),
             block_transfer: network.map(|network| network.sdo_block_transfer),
             bus_objects,
@@ -204,7 +245,7 @@ impl Services {
 
 /// Objects whose reading differs from what was written, by their purpose.
 fn has_a_life_of_its_own(at: Multiplexer) -> bool {
-    matches!(at.index.0, 0x1001 | 0x1002 | 0x1003 | 0x1010 | 0x1011 | 0x1012..=0x1013 | 0x1020 | 0x1023..=0x1026 | 0x1F50..=0x1F57)
+    matches!(at.index.0, 0x1001 | 0x1002 | 0x1003 | 0x1010 | 0x1011 | 0x1013 | 0x1020 | 0x1023..=0x1026 | 0x1F50..=0x1F57)
 }
 
 impl Known {

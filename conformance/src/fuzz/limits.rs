@@ -44,12 +44,29 @@ pub fn of(frame: &Frame, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Opti
         return if own { None } else { unless(Touch::OtherNodes) };
     }
     if id != sdo::REQUEST_BASE + u16::from(knowledge.node.raw()) {
-        return None;
+        let is_other = (sdo::REQUEST_BASE..sdo::REQUEST_BASE + 0x80).contains(&id);
+        return if is_other { unless(Touch::OtherNodes) } else { None };
     }
     let &[command, low, high, sub, ..] = data else { return None };
     // Begin of a download, normal or in blocks.
-    let writes = matches!(command >> 5, 1 | 6);
-    if writes { writing(Multiplexer::from_bytes([low, high, sub]), knowledge, allow) } else { None }
+    if !matches!(command >> 5, 1 | 6) {
+        return None;
+    }
+    let at = Multiplexer::from_bytes([low, high, sub]);
+    writing(at, knowledge, allow).or_else(|| mapping(at, data, knowledge, allow))
+}
+
+/// What is mapped into an RPDO, a PDO writes. A value that comes in segments is not seen here, and may be anything.
+fn mapping(at: Multiplexer, request: &[u8], knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<Forbidden> {
+    if !(0x1600..0x1800).contains(&at.index.0) || at.sub.0 == 0 {
+        return None;
+    }
+    match *request {
+        [0x20..=0x3F, _, _, _, _, sub, low, high] if request.first().is_some_and(|command| command & 2 != 0) => {
+            writing(Multiplexer::from_bytes([low, high, sub]), knowledge, allow)
+        }
+        _ => Touch::ALL.into_iter().find(|touch| !allow.contains(touch)).map(Forbidden::Touch),
+    }
 }
 
 /// The same for writing that object.
@@ -92,6 +109,11 @@ mod tests {
             assert_eq!(of(&frame, &knowledge, &BTreeSet::new()), Some(Forbidden::Touch(touch)), "{frame}");
             assert_eq!(of(&frame, &knowledge, &BTreeSet::from([touch])), None, "{frame}");
         }
+        // 1010h:01 by RPDO 1, at once and in segments.
+        let mapped = frame(0x605, &[0x23, 0x00, 0x16, 0x01, 0x20, 0x01, 0x10, 0x10]);
+        assert_eq!(of(&mapped, &knowledge, &BTreeSet::new()), Some(Forbidden::Touch(Touch::Nvm)));
+        let unseen = frame(0x605, &[0x21, 0x00, 0x16, 0x01, 4, 0, 0, 0]);
+        assert!(of(&unseen, &knowledge, &BTreeSet::from([Touch::NodeId])).is_some());
         let flash = frame(0x605, &[0x21, 0x50, 0x1F, 0x01, 0, 1, 0, 0]);
         assert_eq!(of(&flash, &knowledge, &Touch::ALL.into_iter().collect()), Some(Forbidden::Program));
         for (id, data) in [(0x605, &[0x40, 0x10, 0x10, 0x01, 0, 0, 0, 0][..]), (0x000, &[0x81, 5]), (0x7E5, &[0x04])] {

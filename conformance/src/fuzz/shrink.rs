@@ -12,8 +12,8 @@ use proptest::strategy::ValueTree;
 pub struct SequenceTree {
     /// The simplest that is known to show the violation.
     best: Sequence,
-    /// The variant that is being tried.
-    current: Sequence,
+    /// The variant that is being tried; `None`: the simplest.
+    variant: Option<Sequence>,
     step: Step,
     /// Something was simplified since the steps began anew.
     progress: bool,
@@ -43,7 +43,7 @@ impl SequenceTree {
     /// A sequence that may or may not show something.
     pub fn new(sequence: Sequence) -> Self {
         let length = sequence.stimuli.len().div_ceil(2).max(1);
-        Self { best: sequence.clone(), current: sequence, step: Step::Remove { length, from: 0 }, progress: false }
+        Self { best: sequence, variant: None, step: Step::Remove { length, from: 0 }, progress: false }
     }
 
     /// The simplest sequence that is known to show the violation.
@@ -51,24 +51,29 @@ impl SequenceTree {
         &self.best
     }
 
+    /// The variant that is being tried.
+    pub fn tried(&self) -> &Sequence {
+        self.variant.as_ref().unwrap_or(&self.best)
+    }
+
     /// Makes the next variant; `false` if there is none.
     fn advance(&mut self) -> bool {
         loop {
             if self.step == Step::Done {
-                self.current = self.best.clone();
+                self.variant = None;
                 return false;
             }
-            let variant = self.variant();
+            let variant = self.simpler();
             self.step = self.next_step();
-            if let Some(variant) = variant {
-                self.current = variant;
+            if variant.is_some() {
+                self.variant = variant;
                 return true;
             }
         }
     }
 
     /// The best sequence with the present step done, if that changes anything.
-    fn variant(&self) -> Option<Sequence> {
+    fn simpler(&self) -> Option<Sequence> {
         let mut variant = self.best.clone();
         match self.step {
             Step::Remove { length, from } => {
@@ -137,13 +142,13 @@ impl ValueTree for SequenceTree {
     type Value = Sequence;
 
     fn current(&self) -> Sequence {
-        self.current.clone()
+        self.tried().clone()
     }
 
     /// The present variant shows the violation.
     fn simplify(&mut self) -> bool {
-        if self.current != self.best {
-            self.best = self.current.clone();
+        if let Some(variant) = self.variant.take() {
+            self.best = variant;
             self.accepted();
         }
         self.advance()

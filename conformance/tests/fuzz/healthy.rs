@@ -1,6 +1,7 @@
 //! No false alarm: `soak models 5000000` does the same at length.
 
 use canvass_conformance::Faults;
+use canvass_conformance::case::Touch;
 use canvass_conformance::fuzz::detection::fuzz;
 use canvass_conformance::fuzz::{Target, reproducer};
 use canvass_conformance::models::Model;
@@ -9,10 +10,12 @@ const EXCHANGES: u64 = 6_000;
 
 #[test]
 fn healthy_models_violate_nothing() {
-    for (seed, model) in (0..).zip(Model::all()) {
-        for target in Target::ALL {
+    for (seed, model) in (0_u64..).zip(Model::all()) {
+        for (n, target) in Target::ALL.into_iter().enumerate() {
+            // Some of what has to be allowed, and nothing of it.
+            let allow = Touch::ALL.into_iter().filter(|_| (n as u64 + seed).is_multiple_of(2)).collect();
             let exchanges = if target == Target::All { EXCHANGES } else { EXCHANGES / 4 };
-            let outcome = fuzz(model, Faults::NONE, target, seed, &mut |done| done < exchanges).unwrap();
+            let outcome = fuzz(model, Faults::NONE, target, &allow, seed, &mut |done| done < exchanges).unwrap();
             let alarms: Vec<_> = outcome
                 .violations
                 .iter()

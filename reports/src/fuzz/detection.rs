@@ -18,7 +18,12 @@ pub fn text(table: &Table) -> String {
         let times = format!("{:>7} {:>7}", milliseconds(row.median_time()), milliseconds(row.longest_time()));
         let shown = row.found().next().map(|detected| {
             let violation = &detected.found.violation;
-            format!("{} {}", violation.property, violation.rule)
+            let allowed = row.fault.fuzz_needs().map(|touch| format!(" (--allow {touch})")).unwrap_or_default();
+            let alarm = match row.found().all(|detected| detected.caused) {
+                true => "",
+                false => ", which shows without the fault too",
+            };
+            format!("{} {}{alarm}{allowed}", violation.property, violation.rule)
         });
         let frames = row.median_frames().map_or_else(|| "-".to_owned(), |frames| frames.to_string());
         let most = row.most_frames().map_or_else(|| "-".to_owned(), |frames| frames.to_string());
@@ -57,22 +62,30 @@ pub fn json(table: &Table) -> Value {
             "median_ns": table.median_time().map(nanos),
             "median_frames": table.median_frames(),
         },
-        "faults": table.rows.iter().map(row).collect::<Vec<_>>(),
+        "faults": table.rows.iter().map(|one| row(one, table.limit)).collect::<Vec<_>>(),
     })
 }
 
-fn row(row: &Row) -> Value {
+fn row(row: &Row, limit: Duration) -> Value {
     let trials = row.trials.iter().map(|trial| {
         json!({
             "seed": trial.seed,
             "exchanges": trial.exchanges,
             "elapsed_ns": trial.found.as_ref().map(|detected| nanos(detected.elapsed)),
+            "caused": trial.found.as_ref().map(|detected| detected.caused),
+            "confirmed": trial.found.as_ref().map(|detected| detected.found.confirmed),
             "frames": trial.found.as_ref().map(|detected| detected.found.sequence.stimuli.len()),
             "property": trial.found.as_ref().map(|detected| detected.found.violation.property.id()),
             "rule": trial.found.as_ref().map(|detected| detected.found.violation.rule),
         })
     });
-    json!({ "fault": row.fault.id(), "model": row.fault.model(), "trials": trials.collect::<Vec<_>>() })
+    json!({
+        "fault": row.fault.id(),
+        "model": row.fault.model(),
+        "allow": row.fault.fuzz_needs(),
+        "good": row.is_good(limit),
+        "trials": trials.collect::<Vec<_>>(),
+    })
 }
 
 fn nanos(time: Duration) -> u64 {

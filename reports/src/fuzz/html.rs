@@ -46,8 +46,10 @@ fn head(run: &Run) -> Markup {
         dl.facts {
             (fact("Bus", &run.bus))
             (fact("Target", run.target.name()))
+            (fact("Never done, as not allowed", &run.forbidden()))
             (fact("Seed", &run.seed.to_string()))
             (fact("Exchanges", &run.outcome.executions.to_string()))
+            (fact("Frames sent", &run.outcome.frames.to_string()))
             (fact("Sequences", &run.outcome.sequences.to_string()))
             (fact("SDO, state × command", &run.sdo_share().to_string()))
             (fact("LSS, state × command", &run.lss_share().to_string()))

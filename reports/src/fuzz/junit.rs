@@ -19,6 +19,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     suite.add_property(("repeat", printable(&run.repeat).as_ref()));
     suite.add_property(("outcome", outcome(run).as_str()));
     suite.add_property(("executions", run.outcome.executions.to_string().as_str()));
+    suite.add_property(("frames", run.outcome.frames.to_string().as_str()));
     suite.add_property(("coverage_sdo", run.sdo_share().to_string().as_str()));
     suite.add_property(("coverage_lss", run.lss_share().to_string().as_str()));
     for &property in Property::ALL {

@@ -15,6 +15,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "{}.\n", sentence(&outcome(run)))?;
     writeln!(out, "| | |\n|---|---:|")?;
     writeln!(out, "| exchanges | {} |", run.outcome.executions)?;
+    writeln!(out, "| frames sent | {} |", run.outcome.frames)?;
     writeln!(out, "| sequences | {} |", run.outcome.sequences)?;
     writeln!(out, "| SDO, state × command | {} |", run.sdo_share())?;
     writeln!(out, "| LSS, state × command | {} |", run.lss_share())?;

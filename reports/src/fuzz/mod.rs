@@ -13,10 +13,12 @@ pub mod text;
 
 use canvass_analyzer::NodeId;
 use canvass_conformance::bench::Annotate;
+use canvass_conformance::case::Touch;
 use canvass_conformance::fuzz::campaign::{Found, Outcome};
 use canvass_conformance::fuzz::coverage::{Answer, Coverage, LssReach};
 use canvass_conformance::fuzz::{Target, Then, reproducer};
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
+use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
@@ -33,6 +35,8 @@ pub struct Run {
     pub model: String,
     /// The services.
     pub target: Target,
+    /// What the sequences were allowed to do.
+    pub allow: BTreeSet<Touch>,
     /// The seed.
     pub seed: u64,
     /// The command that repeats the run.
@@ -116,6 +120,13 @@ impl Run {
     pub fn lss_share(&self) -> Share {
         let (reached, reachable) = self.coverage().lss_share(&self.reach);
         Share { reached, reachable }
+    }
+
+    /// What the sequences never did, because nobody allowed it.
+    fn forbidden(&self) -> String {
+        let names: Vec<&str> =
+            Touch::ALL.into_iter().filter(|touch| !self.allow.contains(touch)).map(Touch::name).collect();
+        names.join(",")
     }
 
     /// The violations with their words.

@@ -23,6 +23,7 @@ fn run() -> Run {
     };
     let outcome = Outcome {
         executions: 7,
+        frames: 8,
         sequences: 2,
         unjudged: 1,
         dead: false,
@@ -35,6 +36,7 @@ fn run() -> Run {
         node: NodeId::MIN,
         model: HOSTILE.to_owned(),
         target: Target::Sdo,
+        allow: [Touch::Nvm].into(),
         seed: 7,
         repeat: HOSTILE.to_owned(),
         cancelled: false,

@@ -38,9 +38,18 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out)?;
     }
     let (executions, sequences) = (run.outcome.executions, run.outcome.sequences);
+    let frames = run.outcome.frames;
     writeln!(out, "{}: {}", printable(&run.bus), outcome(run))?;
-    writeln!(out, "{executions} exchanges in {sequences} sequences, target {}, seed {}", run.target, run.seed)?;
+    writeln!(
+        out,
+        "{executions} exchanges ({frames} frames sent) in {sequences} sequences, target {}, seed {}",
+        run.target, run.seed
+    )?;
     writeln!(out, "coverage of state × command: SDO {}, LSS {}", run.sdo_share(), run.lss_share())?;
+    match run.forbidden() {
+        none if none.is_empty() => {}
+        names => writeln!(out, "never done, as --allow does not name it: {names}")?,
+    }
     writeln!(out, "repeat with: {}", printable(&run.repeat))
 }
 

@@ -100,7 +100,7 @@ impl Script<'_> {
     fn select(&mut self) {
         let address = self.address();
         let wrong = if self.dice.flip() { self.dice.below(4) } else { usize::MAX };
-        let kind = self.dice.below(3);
+        let kind = self.dice.below(4);
         if self.dice.flip() {
             self.lss(Request::SwitchGlobal { mode: 0 });
         }
@@ -110,6 +110,11 @@ impl Script<'_> {
                 match kind {
                     0 => value ^= 1 << self.dice.below(32),
                     1 => continue,
+                    // One of another device in between.
+                    2 => {
+                        let other = value ^ 1 << self.dice.below(32);
+                        self.lss(Request::SwitchSelective { part, value: other });
+                    }
                     _ => self.odd_lss_frame(),
                 }
             }

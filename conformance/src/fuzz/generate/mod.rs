@@ -4,6 +4,7 @@
 //! generator; the tree shrinks that list ([`super::shrink`]).
 
 mod dice;
+mod lmt;
 mod lss;
 mod network;
 mod pdo;
@@ -93,6 +94,8 @@ pub struct Dialogues {
     pub allow: BTreeSet<Touch>,
     /// Whether a device without node-ID can be had.
     pub unconfigured: bool,
+    /// Whether a wait of seconds costs nothing.
+    pub patient: bool,
     /// The combination of SDO state and command that was exercised least.
     pub focus: Option<(SdoState, Command)>,
     /// That of LSS.
@@ -134,6 +137,7 @@ impl<'a> Script<'a> {
             }
             match self.plan.target {
                 Target::Sdo => self.sdo_dialogue(),
+                Target::Lss if self.knowledge().services.lmt => self.lmt_dialogue(),
                 Target::Lss => self.lss_dialogue(),
                 Target::Nmt => self.nmt_dialogue(),
                 Target::Pdo => self.pdo_dialogue(),
@@ -143,7 +147,7 @@ impl<'a> Script<'a> {
                     6 | 7 => self.pdo_dialogue(),
                     8 => self.nmt_dialogue(),
                     9 => self.sync_dialogue(),
-                    _ if self.knowledge().services.lmt => self.sdo_dialogue(),
+                    _ if self.knowledge().services.lmt => self.lmt_dialogue(),
                     _ if self.sequence.stimuli.is_empty() || self.sequence.start == Start::Unconfigured => {
                         self.lss_dialogue();
                     }

@@ -9,6 +9,7 @@ use canvass_traces::{CanId, Frame};
 impl Script<'_> {
     pub(super) fn nmt_dialogue(&mut self) {
         match self.dice.below(12) {
+            0 if self.dice.one_in(8) => self.resets(),
             0..=3 => self.nmt_command(),
             4 => self.nmt_to_others(),
             5 => self.odd_nmt(),
@@ -72,7 +73,22 @@ impl Script<'_> {
         }
     }
 
+    /// One after the other.
+    fn resets(&mut self) {
+        let own = self.node() as u8;
+        let command = self.dice.one_of([129, 130]);
+        for _ in 0..8 {
+            self.nmt(command, own);
+        }
+    }
+
     fn heartbeat(&mut self) {
+        if self.dice.one_in(4) {
+            // Another time while heartbeats are sent.
+            let time = self.dice.one_of([5_u16, 50, 100]);
+            self.sdo(Request::download(Multiplexer::new(0x1017, 0), &time.to_le_bytes()));
+            self.pause(u64::from(time) * 2 + 20);
+        }
         let time = self.dice.one_of([0_u16, 0, 5, 10, 50, 100]);
         self.sdo(Request::download(Multiplexer::new(0x1017, 0), &time.to_le_bytes()));
         if self.dice.flip() {
@@ -91,7 +107,9 @@ impl Script<'_> {
     }
 
     pub(super) fn sync_dialogue(&mut self) {
-        match self.dice.below(10) {
+        match self.dice.below(12) {
+            10 => self.held_identifier(),
+            11 => self.counter_in_use(),
             0..=2 => self.sync(),
             3 => self.short_pdos(),
             4 => self.consumer(),
@@ -111,6 +129,31 @@ impl Script<'_> {
         }
     }
 
+    /// Another identifier for a service that is in use.
+    fn held_identifier(&mut self) {
+        let (index, sub) = self.dice.one_of([(0x1005, 0), (0x1012, 0), (0x1014, 0), (0x1201, 1), (0x1201, 2)]);
+        let at = Multiplexer::new(index, sub);
+        let Some(own) = self.knowledge().entry(at).filter(|known| known.writable).and_then(|known| known.power_on)
+        else {
+            return self.sync();
+        };
+        let flag = self.dice.one_of([0, 1 << 30, 1 << 31]);
+        let free = 0x181 + self.dice.below(0x3F0) as u32;
+        let own = if index == 0x1201 { free } else { own as u32 & 0x7FFF_FFFF | flag };
+        self.sdo(Request::download(at, &own.to_le_bytes()));
+        let other = own ^ 1 << self.dice.below(11);
+        self.sdo(Request::download(at, &other.to_le_bytes()));
+        self.sdo(Request::upload(at));
+    }
+
+    /// 1019h while SYNC is produced.
+    fn counter_in_use(&mut self) {
+        let period = self.dice.one_of([10_000_u32, 50_000]);
+        self.sdo(Request::download(Multiplexer::new(0x1006, 0), &period.to_le_bytes()));
+        let counter = self.dice.one_of([0_u8, 2, 10, 240]);
+        self.sdo(Request::download(Multiplexer::new(0x1019, 0), &[counter]));
+    }
+
     fn short_pdos(&mut self) {
         let node = self.node();
         self.nmt(1, node as u8);
@@ -128,7 +171,8 @@ impl Script<'_> {
         let time = self.dice.one_of([0_u32, 50, 100]);
         let value = u32::from(node) << 16 | time;
         self.sdo(Request::download(Multiplexer::new(0x1016, sub), &value.to_le_bytes()));
-        self.ask(Self::data(0x700 + u16::from(node), &[5]));
+        let len = if self.dice.one_in(4) { self.dice.below(4) } else { 1 };
+        self.ask(Self::data(0x700 + u16::from(node), &[5; 4][..len]));
         if self.dice.flip() {
             self.pause(250);
         }

@@ -5,10 +5,19 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::Frame;
 
+/// An identifier that no service of the predefined connection set has.
+const FREE: u32 = 0x6A0;
+
 impl Script<'_> {
     pub(super) fn pdo_dialogue(&mut self) {
         let Some(index) = self.parameters() else { return self.sync_dialogue() };
-        match self.dice.below(12) {
+        match self.dice.below(15) {
+            14 => self.hurried(index),
+            12 => self.outputs(),
+            13 => {
+                let start = self.dice.byte();
+                self.parameter(index, 6, start.into());
+            }
             0 => self.identifier(index),
             1 => self.transmission(index),
             2 | 3 => self.timer(index),
@@ -68,7 +77,8 @@ impl Script<'_> {
             self.parameter(index, 1, own | 1 << 31);
         }
         let restricted = self.dice.one_of([0, 1, 0x7F, 0x101, 0x180, 0x581, 0x5FF, 0x601, 0x67F, 0x6E0, 0x701, 0x7FF]);
-        let other = 0x181 + self.dice.below(0x400) as u32;
+        // 6A0h: no service has it in the predefined connection set.
+        let other = if self.dice.flip() { FREE } else { 0x181 + self.dice.below(0x400) as u32 };
         let flags = own & 0x4000_0000;
         let value = self.dice.one_of([
             own,
@@ -78,8 +88,83 @@ impl Script<'_> {
             other | flags,
             other | flags,
         ]);
+        let timed = self.dice.one_in(3);
+        if timed {
+            self.parameter(index, 5, 10);
+        }
         self.parameter(index, 1, value);
-        self.sdo(Request::upload(Multiplexer::new(index, 1)));
+        if !timed && self.dice.flip() {
+            return self.sdo(Request::upload(Multiplexer::new(index, 1)));
+        }
+        self.start();
+        match self.dice.below(3) {
+            _ if timed => self.pause(30),
+            0 => self.sync(),
+            1 => self.remote(index),
+            _ => self.pause(30),
+        }
+    }
+
+    /// Values that RPDOs change faster than the inhibit time allows to send them.
+    fn hurried(&mut self, index: u16) {
+        let Some(outputs) = self.dice.pick(&self.plan.knowledge.rpdos).copied() else { return self.timer(index) };
+        let own = self.own_identifier(index);
+        self.parameter(index, 1, own | 1 << 31);
+        self.parameter(index, 3, 500);
+        self.parameter(index, 1, own & 0x7FFF_FFFF);
+        self.start();
+        let id = Self::standard(self.own_identifier(outputs) as u16 & 0x7FF);
+        let entries = self.knowledge().entries();
+        let objects = entries.iter().filter(|known| known.at.index.0 == outputs + 0x200 && known.at.sub.0 > 0);
+        let bits: u64 = objects.filter_map(|known| known.power_on).map(|entry| entry & 0xFF).sum();
+        let len = bits.div_ceil(8).min(8) as usize;
+        for _ in 0..4 {
+            let bytes = self.dice.number().to_le_bytes();
+            Frame::new(id, &bytes[..len]).into_iter().for_each(|frame| self.ask(frame));
+        }
+    }
+
+    /// What an RPDO writes, read before and after it, in any state.
+    fn outputs(&mut self) {
+        let Some(index) = self.dice.pick(&self.plan.knowledge.rpdos).copied() else { return self.sync() };
+        let mapped = self.knowledge().entry(Multiplexer::new(index + 0x200, 1)).and_then(|known| known.power_on);
+        let mapped = mapped.map_or(0, |entry| entry as u32);
+        let at = Multiplexer::new((mapped >> 16) as u16, (mapped >> 8) as u8);
+        let mut own = self.own_identifier(index);
+        match self.dice.below(6) {
+            0 => self.parameter(index, 1, own | 1 << 31),
+            1 => {
+                let other = if self.dice.flip() { FREE } else { (own & 0x7FFF_FFFF) ^ 1 };
+                self.parameter(index, 1, own | 1 << 31);
+                self.parameter(index, 1, other);
+                own = if self.dice.flip() { other } else { own };
+            }
+            2 => {
+                let size = self.knowledge().entry(at).and_then(|known| known.size).unwrap_or(1).min(4);
+                let value = self.dice.number().to_le_bytes();
+                self.sdo(Request::download(at, &value[..size]));
+            }
+            _ => {}
+        }
+        let node = self.node() as u8;
+        let command = self.dice.one_of([1, 1, 2, 128]);
+        self.ask(Self::data(0, &[command, node]));
+        let entries = self.knowledge().entries();
+        let objects = entries.iter().filter(|known| known.at.index.0 == index + 0x200 && known.at.sub.0 > 0);
+        let bits: u64 = objects.filter_map(|known| known.power_on).map(|entry| entry & 0xFF).sum();
+        self.sdo(Request::upload(at));
+        let bytes = self.dice.number().to_le_bytes();
+        let id = Self::standard(own as u16 & 0x7FF);
+        let len = if self.dice.one_in(4) { self.dice.below(9) } else { bits.div_ceil(8).min(8) as usize };
+        let frame = match self.dice.below(4) {
+            0 => Frame::remote(id, len as u8),
+            _ => Frame::new(id, &bytes[..len]),
+        };
+        frame.into_iter().for_each(|frame| self.ask(frame));
+        if command == 2 {
+            self.ask(Self::data(0, &[128, node]));
+        }
+        self.sdo(Request::upload(at));
     }
 
     fn transmission(&mut self, index: u16) {
@@ -128,10 +213,15 @@ impl Script<'_> {
         if self.dice.one_in(4) {
             let at = self.object();
             let bits = self.knowledge().entry(at).and_then(|known| known.size).unwrap_or(4) as u32 * 8;
-            return entry(at, bits);
+            let bits = if self.dice.flip() { bits } else { self.dice.one_of([0, 1, bits + 8, 64, 65]) };
+            let dummy = self.dice.one_in(4);
+            return if dummy { 0x0005_0008 } else { entry(at, bits & 0xFF) };
         }
         match self.object_where(|known| known.tpdo_mappable) {
-            Some(known) => entry(known.at, known.size.unwrap_or(4) as u32 * 8),
+            Some(known) => {
+                let (at, bits) = (known.at, known.size.unwrap_or(4) as u32 * 8);
+                entry(at, if self.dice.one_in(8) { bits + 8 } else { bits })
+            }
             None => 0x6004_0020,
         }
     }

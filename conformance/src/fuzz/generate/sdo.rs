@@ -29,9 +29,11 @@ impl Script<'_> {
             26 => self.read_write_read(),
             27 | 28 => self.stray(),
             29 => self.odd_frame(),
-            30 => match self.dice.below(3) {
-                0 => self.state_and_read(),
-                1 => self.write_and_reset(),
+            30 => match self.dice.below(8) {
+                0 | 1 => self.state_and_read(),
+                2 | 3 => self.write_and_reset(),
+                4 if self.plan.patient => self.abandoned(),
+                5 => self.other_node(),
                 _ => self.scaling(),
             },
             _ => self.random_bytes(),
@@ -50,6 +52,24 @@ impl Script<'_> {
         self.sdo(Request::download(known.at, &value));
         self.ask(Self::data(0, &[command, own]));
         self.sdo(Request::upload(known.at));
+    }
+
+    /// The client says nothing any more; when it is back, the server must be too.
+    fn abandoned(&mut self) {
+        let state = self.dice.one_of([SdoState::Download, SdoState::Upload, SdoState::BlockDownload]);
+        self.reach(state);
+        let seconds = self.dice.one_of([2, 12]);
+        self.pause(seconds * 1_000);
+        self.sdo(Request::abort(Multiplexer::new(0, 0), AbortCode::TIMEOUT));
+        self.read();
+    }
+
+    /// A request to a neighbour.
+    fn other_node(&mut self) {
+        let other = self.dice.one_of([self.node() + 1, self.node() - 1, self.node() ^ 0x20]);
+        let id = REQUEST_BASE + (other & 0x7F);
+        let at = self.object();
+        self.ask(Request::upload(at).to_frame(id));
     }
 
     /// Scaling and preset of an encoder, then its position.
@@ -81,7 +101,7 @@ impl Script<'_> {
         self.sdo(Request::upload(position));
     }
 
-    fn read(&mut self) {
+    pub(super) fn read(&mut self) {
         let at = self.object();
         self.sdo(Request::upload(at));
     }
@@ -169,7 +189,14 @@ impl Script<'_> {
     }
 
     fn segmented_download(&mut self) {
-        let Some(known) = self.writable() else { return };
+        // Values of any length, also of none, are few among the objects.
+        let text = if self.dice.one_in(4) {
+            self.object_where(|known| known.writable && known.size.is_none()).cloned()
+        } else {
+            None
+        };
+        let text = text.filter(|known| self.may_write(known.at));
+        let Some(known) = text.or_else(|| self.writable()) else { return };
         let mut value = self.bytes_for(&known);
         let announced = match self.dice.below(6) {
             0 => Payload::SegmentedUnsized,
@@ -225,6 +252,10 @@ impl Script<'_> {
             _ => Some(value.len() as u32),
         };
         self.sdo(Request::InitiateBlockDownload { multiplexer: known.at, crc, size });
+        if self.dice.one_in(16) {
+            self.sdo(Request::abort(known.at, AbortCode::GENERAL));
+            return self.read();
+        }
         let unused = self.block_segments(&value);
         let mut sum = crc16(0, &value);
         match self.dice.below(8) {
@@ -307,7 +338,11 @@ impl Script<'_> {
                 2 => self.dice.byte(),
                 _ => sent,
             };
-            let next = if self.dice.one_in(12) { self.dice.one_of([0, 128, 255]) } else { block_size };
+            let next = match self.dice.below(12) {
+                0 => self.dice.one_of([0, 128, 255]),
+                1 | 2 => self.dice.one_of([1, 2, 3, 7, 127]),
+                _ => block_size,
+            };
             self.sdo(Request::ConfirmBlockUpload { sequence: confirmed, block_size: next });
             left = left.saturating_sub(u32::from(confirmed.min(sent)));
             if left == 0 {

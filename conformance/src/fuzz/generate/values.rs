@@ -12,9 +12,14 @@ impl Script<'_> {
             (0, Some(known)) => Multiplexer::new(known.at.index.0, known.at.sub.0.wrapping_add(self.dice.byte() | 1)),
             (1, _) => {
                 let raw = self.dice.number();
-                Multiplexer::new(raw as u16, (raw >> 16) as u8 & 3)
+                // Where manufacturers begin to count.
+                let index = if raw >> 32 & 1 == 0 { raw as u16 } else { 0x2000 + (raw as u16 & 0x1F) };
+                Multiplexer::new(index, (raw >> 16) as u8 & 3)
             }
-            (2, Some(known)) => Multiplexer::new(known.at.index.0.wrapping_add(1), known.at.sub.0),
+            (2, Some(known)) => {
+                let near = self.dice.one_of([1, 2, 3, 4, 8, 10, 16]);
+                Multiplexer::new(known.at.index.0.wrapping_add(near), known.at.sub.0)
+            }
             (_, Some(known)) => known.at,
             (_, None) => self.dice.one_of([
                 Multiplexer::new(0x1000, 0),

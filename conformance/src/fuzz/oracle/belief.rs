@@ -9,6 +9,10 @@ pub(super) struct Belief {
     values: Vec<Held>,
     /// How many writes were confirmed: what was read before another write may have changed with it.
     writes: u32,
+    /// The value that is being read may have changed while it was read.
+    suspended: bool,
+    /// Counts every change of what is believed of PDOs.
+    version: u64,
     /// The object that was written last, until it is taken.
     change: Option<(Multiplexer, u64)>,
     /// The object of the last aborted download.
@@ -43,6 +47,8 @@ impl Belief {
         let mut belief = Self {
             values: vec![Held::default(); knowledge.entries().len()],
             writes: 0,
+            suspended: false,
+            version: 0,
             change: None,
             aborted: None,
             sync: None,
@@ -58,6 +64,8 @@ impl Belief {
     /// The device was switched on: all values are those of power-on.
     pub fn power_on(&mut self, knowledge: &Knowledge) {
         self.writes = 0;
+        self.suspended = false;
+        self.version += 1;
         self.change = None;
         self.aborted = None;
         self.bus_changed = false;
@@ -73,12 +81,16 @@ impl Belief {
             return;
         }
         self.writes += 1;
+        self.version += 1;
         self.change = None;
         self.aborted = None;
         for (held, known) in self.values.iter_mut().zip(knowledge.entries()) {
             let communication = (0x1000..0x2000).contains(&known.at.index.0);
             let raw = match extent {
-                Extent::Communication if !communication => None,
+                // The cyclic timer of encoders is the event timer of a PDO.
+                Extent::Communication if !communication && known.at.index.0 == 0x6200 => None,
+                Extent::Communication if !communication && knowledge.services.reset_communication_loads_all => None,
+                Extent::Communication if !communication => held.raw.filter(|_| held.since + 1 == self.writes),
                 _ => known.power_on.filter(|_| known.stable && !known.persists),
             };
             *held = Held { raw, since: self.writes, by_reset: true };
@@ -92,6 +104,11 @@ impl Belief {
         self.time = self.number(knowledge, 0x1012, 0);
     }
 
+    /// Another number whenever something else is believed of a PDO.
+    pub fn version(&self) -> u64 {
+        self.version
+    }
+
     /// The value of an object, if it is known.
     pub fn number(&self, knowledge: &Knowledge, index: u16, sub: u8) -> Option<u64> {
         let found = knowledge.position(Multiplexer::new(index, sub))?;
@@ -100,7 +117,23 @@ impl Belief {
 
     /// The value that must be read now: nothing else was written since it was learned.
     pub fn certain(&self, entry: usize) -> Option<u64> {
-        self.values.get(entry).filter(|held| held.since == self.writes).and_then(|held| held.raw)
+        let held = self.values.get(entry).filter(|held| held.since == self.writes && !self.suspended);
+        held.and_then(|held| held.raw)
+    }
+
+    /// How many writes there were.
+    pub fn writes(&self) -> u32 {
+        self.writes
+    }
+
+    /// What is being read now says nothing.
+    pub fn suspend(&mut self) {
+        self.suspended = true;
+    }
+
+    /// What is read from now on says something.
+    pub fn resume(&mut self) {
+        self.suspended = false;
     }
 
     /// Whether a reset brought the value of that object back.
@@ -112,6 +145,7 @@ impl Belief {
     pub fn written(&mut self, knowledge: &Knowledge, entry: usize, raw: Option<u64>) {
         let Some(known) = knowledge.entries().get(entry) else { return };
         self.writes += 1;
+        self.version += 1;
         self.aborted = None;
         if let Some(held) = self.values.get_mut(entry) {
             *held = Held { raw: raw.filter(|_| known.stable), since: self.writes, by_reset: false };
@@ -142,9 +176,11 @@ impl Belief {
 
     /// A value was read.
     pub fn read(&mut self, knowledge: &Knowledge, entry: usize, raw: u64) {
-        if knowledge.entries().get(entry).is_some_and(|known| known.stable)
+        if !self.suspended
+            && knowledge.entries().get(entry).is_some_and(|known| known.stable)
             && let Some(held) = self.values.get_mut(entry)
         {
+            self.version += u64::from(held.raw != Some(raw));
             *held = Held { raw: Some(raw), since: self.writes, by_reset: false };
         }
     }
@@ -154,9 +190,13 @@ impl Belief {
         self.writes += 1;
     }
 
-    /// Something was written, but nobody knows what.
-    pub fn forget(&mut self) {
+    /// Something was written, but nobody knows what, and maybe not even which object.
+    pub fn forget(&mut self, at: Option<Multiplexer>) {
+        // What a device does on an error, and what it stores, it shows to nobody.
+        let hidden = at.is_none_or(|at| matches!(at.index.0, 0x1010 | 0x1011 | 0x1029));
+        self.change = hidden.then(|| (at.unwrap_or(Multiplexer::new(0x1029, 1)), u64::MAX));
         self.writes += 1;
+        self.version += 1;
         self.bus_changed = true;
         self.values.iter_mut().for_each(|held| held.raw = None);
         (self.sync, self.emcy, self.time) = (None, None, None);
@@ -189,6 +229,13 @@ impl Belief {
             Some(raw) => CobId(raw as u32).is_valid() && raw & 0x7FF == u64::from(can_id),
             None => !self.has_emcy_object && u64::from(can_id) == predefined || u64::from(can_id) == predefined,
         }
+    }
+
+    /// Whether an error may not be reported at once: EMCY is off, has an inhibit time, or nobody knows.
+    pub fn errs_silently(&self, knowledge: &Knowledge) -> bool {
+        let is_set = |index| knowledge.entry(Multiplexer::new(index, 0)).is_some_and(|known| known.stable);
+        let valid = self.emcy.is_some_and(|raw| CobId(raw as u32).is_valid());
+        is_set(0x1014) && !valid || is_set(0x1015) && self.number(knowledge, 0x1015, 0) != Some(0)
     }
 
     /// Whether the device produces SYNC or TIME on that identifier.

@@ -42,6 +42,10 @@ impl Watch {
             return Err(violation(Property::Silent, "EMCY in stopped", expected, format!("{frame}"), now));
         }
         let bytes = frame.bytes();
+        if bytes[..2] != [0, 0] && bytes[2] == 0 {
+            let expected = "the error register in byte 2, in which at least one bit is set while there is an error";
+            return Err(violation(Property::EmcyRate, "error register in EMCY", expected, format!("{frame}"), now));
+        }
         // Several errors can be gone at the same time.
         let is_reset = bytes[..2] == [0, 0];
         let repeated = !is_reset && self.last.is_some_and(|(at, before)| before == bytes && now.since(at) < SAME_EVENT);

@@ -15,7 +15,8 @@ pub(super) fn misplaced(
     knowledge: &Knowledge,
     belief: &Belief,
 ) -> Option<(String, String)> {
-    if knowledge.entries().get(entry)?.at != POSITION || value.len() > 4 {
+    let acts = |index| !knowledge.services.acts_when_stored.contains(&Multiplexer::new(index, 0));
+    if knowledge.entries().get(entry)?.at != POSITION || value.len() > 4 || !acts(0x6002) {
         return None;
     }
     let position = value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));

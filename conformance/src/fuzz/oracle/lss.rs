@@ -33,6 +33,8 @@ enum Awaited {
     /// The standard leaves it open.
     Anything,
     Exactly(Response),
+    /// Store configuration: success, or why not.
+    Stored,
     /// Configure bit timing: success or refusal by what the device supports.
     Timing {
         supported: Option<bool>,
@@ -68,6 +70,8 @@ pub(super) struct Slave {
     rule: &'static str,
     property: Property,
     due: Timestamp,
+    /// An answer that was on its way when a reset came may still come until then.
+    grace: Timestamp,
     asked: (LssState, LssCommand),
 }
 
@@ -86,6 +90,7 @@ impl Slave {
             rule: "",
             property: Property::LegalLss,
             due: Timestamp::MAX,
+            grace: Timestamp::ZERO,
             asked: (LssState::Waiting, LssCommand::Unknown),
         }
     }
@@ -94,9 +99,11 @@ impl Slave {
         *self = Self { unconfigured: start == Start::Unconfigured, ..Self::new() };
     }
 
-    /// A reset of the NMT slave: whether LSS goes on in its mode, the standard leaves open.
-    pub fn reset_communication(&mut self) {
-        *self = Self { mode: Mode::Unsure, unconfigured: self.unconfigured, ..Self::new() };
+    /// A reset of the NMT slave: whether LSS goes on in its mode, the standard leaves open. An answer that was due may
+    /// have been on its way, and come until `grace`.
+    pub fn reset_communication(&mut self, grace: Timestamp) {
+        let grace = if self.awaited == Awaited::Nothing { Timestamp::ZERO } else { grace };
+        *self = Self { mode: Mode::Unsure, unconfigured: self.unconfigured, grace, ..Self::new() };
     }
 
     /// Whether a reset gives the device another node-ID than it has.
@@ -104,8 +111,7 @@ impl Slave {
         self.pending.is_some_and(|node| node != knowledge.node.raw()) || self.timing_changed || self.given
     }
 
-    /// The state, for the statistics.
-    pub fn class(&self) -> LssState {
+    fn class(&self) -> LssState {
         match (self.mode, self.unconfigured) {
             (Mode::Configuration, _) => LssState::Configuration,
             (_, true) if self.scanning.is_some() => LssState::Scanning,
@@ -113,6 +119,11 @@ impl Slave {
             _ if self.selected.is_some_and(|parts| parts > 0) => LssState::Selecting,
             _ => LssState::Waiting,
         }
+    }
+
+    /// Whether anything may come.
+    pub fn is_open(&self) -> bool {
+        self.awaited == Awaited::Anything
     }
 
     pub fn due(&self) -> Option<Timestamp> {
@@ -138,7 +149,7 @@ impl Slave {
         if matches!(awaited, Awaited::Nothing | Awaited::Anything) {
             coverage.lss(self.asked.0, self.asked.1, false);
         }
-        let required = matches!(awaited, Awaited::Exactly(_) | Awaited::Timing { .. });
+        let required = matches!(awaited, Awaited::Exactly(_) | Awaited::Stored | Awaited::Timing { .. });
         self.due = if required { now + knowledge.patience.answer } else { Timestamp::MAX };
         self.awaited = awaited;
         effect
@@ -146,8 +157,6 @@ impl Slave {
 
     fn judge(&mut self, frame: &Frame, knowledge: &Knowledge, phase: Phase) -> (Awaited, Effect) {
         let works = match (knowledge.services.lss, phase) {
-            // LMT, the elder service, speaks on the same identifiers and is not modelled.
-            _ if knowledge.services.lmt => return (Awaited::Anything, Effect::Lost),
             (Some(false), _) => return (Awaited::Nothing, Effect::Nothing),
             (_, Phase::Booting) => return (Awaited::Anything, Effect::Lost),
             (None, _) => false,
@@ -166,7 +175,7 @@ impl Slave {
         let (awaited, effect) = self.answer(request, knowledge);
         match awaited {
             // Where LSS may not work, every silence is right, and what the request did is not known.
-            Awaited::Exactly(_) | Awaited::Timing { .. } if !works => {
+            Awaited::Exactly(_) | Awaited::Stored | Awaited::Timing { .. } if !works => {
                 self.mode = Mode::Unsure;
                 (Awaited::Anything, effect)
             }
@@ -395,7 +404,11 @@ impl Slave {
                 Awaited::Timing { supported }
             }
             Request::ActivateBitTiming { .. } => return (Awaited::Anything, Effect::Lost),
-            Request::StoreConfiguration => return (Awaited::Anything, Effect::Lost),
+            Request::StoreConfiguration => {
+                // What a reset brings then is not known.
+                self.given = true;
+                Awaited::Stored
+            }
             Request::Inquire { part } => match knowledge.address {
                 Some(address) => Awaited::Exactly(Response::Part { part, value: address[part as usize] }),
                 None => Awaited::Anything,
@@ -419,11 +432,16 @@ impl Slave {
     /// [`Violation`] if the slave must not send it now.
     pub fn answered(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
         let response = Response::read(frame.data()).ok().filter(|_| frame.len() == 8);
+        if now < self.grace && response.is_some() {
+            self.grace = Timestamp::ZERO;
+            return Ok(());
+        }
         let awaited = self.awaited;
         let fits = match (awaited, response) {
             (Awaited::Anything, Some(_)) => true,
             (Awaited::Exactly(expected), Some(actual)) => same(expected, actual) && is_canonical(frame, actual),
             (Awaited::Timing { supported }, Some(actual)) => timing_fits(supported, actual),
+            (Awaited::Stored, Some(Response::Configured { command, .. })) => command == ConfigureCommand::Store,
             _ => false,
         };
         coverage.lss(self.asked.0, self.asked.1, true);
@@ -444,6 +462,7 @@ impl Slave {
             Awaited::Nothing => format!("no answer to \"{}\" in this state", self.rule),
             Awaited::Anything => "an answer of eight bytes, or none".to_owned(),
             Awaited::Exactly(response) => format!("{response}, reserved bytes 0"),
+            Awaited::Stored => "store configuration: successful, or why not".to_owned(),
             Awaited::Timing { supported: Some(true) } => "configure bit timing: successful".to_owned(),
             Awaited::Timing { supported: Some(false) } => "configure bit timing: bit rate not supported".to_owned(),
             Awaited::Timing { supported: None } => "configure bit timing: successful or not supported".to_owned(),

@@ -9,10 +9,12 @@ mod belief;
 mod codes;
 mod emcy;
 mod encoder;
+mod lmt;
 mod lss;
 mod nmt;
 mod pdo;
 mod pdo_rules;
+mod rpdo;
 mod sdo;
 
 use super::Knowledge;
@@ -20,6 +22,7 @@ use super::coverage::Coverage;
 use super::property::Property;
 use super::stimulus::Start;
 use belief::Belief;
+use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::{error_control, lss as lss_wire, nmt as nmt_wire, sdo as sdo_wire};
 use canvass_traces::{Frame, Timestamp};
 use std::sync::Arc;
@@ -47,6 +50,7 @@ pub struct Oracle {
     nmt: nmt::Slave,
     sdo: sdo::Server,
     lss: lss::Slave,
+    lmt: lmt::Slave,
     pdo: pdo::Pdos,
     emcy: emcy::Watch,
     /// Something happened that the models don't follow: nothing is judged until the next start.
@@ -61,6 +65,7 @@ impl Oracle {
             nmt: nmt::Slave::new(knowledge.patience.jitter, knowledge.services.boot_up_message),
             sdo: sdo::Server::new(),
             lss: lss::Slave::new(),
+            lmt: lmt::Slave::new(),
             pdo: pdo::Pdos::new(&knowledge),
             emcy: emcy::Watch::new(),
             blind: false,
@@ -74,6 +79,7 @@ impl Oracle {
         self.nmt.start(now, start);
         self.sdo.reset();
         self.lss.start(start);
+        self.lmt.start();
         self.pdo.reset();
         self.emcy.reset();
         self.blind = false;
@@ -98,6 +104,11 @@ impl Oracle {
         let node = u16::from(self.knowledge.node.raw());
         match can_id {
             nmt_wire::CAN_ID => self.sent_nmt(now, frame),
+            lss_wire::MASTER_CAN_ID if self.knowledge.services.lmt => {
+                let effect = self.lmt.asked(now, frame, &self.knowledge, self.nmt.phase(), coverage);
+                self.blind |= effect == lss::Effect::Lost;
+                Ok(())
+            }
             lss_wire::MASTER_CAN_ID => {
                 let effect = self.lss.asked(now, frame, &self.knowledge, self.nmt.phase(), coverage);
                 self.blind |= effect == lss::Effect::Lost;
@@ -108,16 +119,22 @@ impl Oracle {
             }
             id if id == sdo_wire::REQUEST_BASE + node => {
                 let served = self.nmt.serves_sdo();
-                self.sdo.asked(now, frame, served, &self.knowledge, &mut self.belief, coverage);
+                let lost = self.sdo.asked(now, frame, served, &self.knowledge, &mut self.belief, coverage);
+                self.blind |= lost;
                 Ok(())
             }
             id if self.belief.is_sync(id) => {
                 let writing = self.sdo.is_writing();
                 self.pdo.synchronised(now, frame, writing, &self.nmt, &self.belief, &self.knowledge)
             }
-            _ => {
-                // It may be a PDO that the device receives: mapped objects may have changed.
-                self.belief.forget_outputs();
+            id => {
+                let writes = self.belief.writes();
+                let writing = self.sdo.is_writing() || self.sdo.is_busy();
+                rpdo::received(now, frame, id, writing, &self.nmt, &mut self.belief, &self.knowledge);
+                if self.sdo.is_busy() && self.belief.writes() != writes {
+                    // What is being read may be the value before or after it.
+                    self.belief.suspend();
+                }
                 Ok(())
             }
         }
@@ -125,9 +142,10 @@ impl Oracle {
 
     fn sent_remote(&mut self, now: Timestamp, can_id: u16) -> Result<(), Violation> {
         if can_id == error_control::CAN_ID_BASE + u16::from(self.knowledge.node.raw()) {
-            self.nmt.guarded(now, &self.belief, &self.knowledge);
+            self.nmt.guarded(now, self.sdo.is_writing(), &self.belief, &self.knowledge);
         } else {
-            self.pdo.asked(now, can_id);
+            let writing = self.sdo.is_writing();
+            self.pdo.asked(now, can_id, writing, &self.nmt, &self.belief, &self.knowledge);
         }
         Ok(())
     }
@@ -138,22 +156,33 @@ impl Oracle {
         match self.nmt.commanded(now, frame, &self.knowledge) {
             nmt::Change::None => {}
             nmt::Change::State => {
+                self.doubt(now);
                 self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
                 self.pdo.state_changed(now, &self.nmt);
             }
             nmt::Change::Reset(what) => {
-                self.blind |= self.belief.bus_changed() || self.lss.moves(&self.knowledge);
+                self.blind |= self.belief.bus_changed()
+                    || self.lss.moves(&self.knowledge)
+                    || self.sdo.may_move(&self.knowledge.services.bus_objects);
                 self.belief.reset(&self.knowledge, what);
                 self.sdo.reset();
-                self.lss.reset_communication();
+                self.lss.reset_communication(now + self.nmt.grace());
+                self.lmt.reset_communication();
                 self.pdo.reset();
                 self.emcy.reset();
             }
         }
         if writing && self.nmt.serves_sdo() != Served::Yes {
-            self.belief.forget();
+            self.belief.forget(Some(Multiplexer::new(0, 0)));
         }
         Ok(())
+    }
+
+    /// A device whose EMCY is off, or waits, leaves operational on an error without a word.
+    fn doubt(&mut self, now: Timestamp) {
+        if self.belief.errs_silently(&self.knowledge) {
+            self.nmt.doubt(now);
+        }
     }
 
     /// A frame of the device was on the bus; it ended at `now`.
@@ -175,10 +204,13 @@ impl Oracle {
                     judged => judged?,
                 };
                 if change == nmt::Change::State {
+                    self.doubt(now);
+                    self.sdo.booted(now, self.nmt.grace());
                     self.pdo.state_changed(now, &self.nmt);
                 }
                 Ok(())
             }
+            Some(lss_wire::SLAVE_CAN_ID) if self.knowledge.services.lmt => self.lmt.answered(now, frame, coverage),
             Some(lss_wire::SLAVE_CAN_ID) => self.lss.answered(now, frame, coverage),
             _ => {
                 self.nmt.may_speak(now, frame, &self.knowledge)?;
@@ -198,18 +230,27 @@ impl Oracle {
                             self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;
                             self.nmt.configured(now, change);
                             self.pdo.configured(now, change);
+                            self.doubt(now);
                         }
                         Ok(())
                     }
                     Some(id) if self.belief.is_emcy(id, self.knowledge.node) => {
-                        self.emcy.came(now, frame, &self.nmt)?;
+                        // A PDO that was given the identifier of EMCY, or is being given it, can't be told from one.
+                        let shares = self.pdo.shares(now, id, &self.belief, &self.knowledge);
+                        let judged = self.emcy.came(now, frame, &self.nmt);
+                        if !shares && !self.sdo.is_writing() {
+                            judged?;
+                        }
                         if self.nmt.erred(now, &self.belief, &self.knowledge) == nmt::Change::State {
                             self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
                             self.pdo.state_changed(now, &self.nmt);
                         }
                         Ok(())
                     }
-                    Some(id) if self.belief.is_produced(id) => Ok(()),
+                    Some(id) if self.belief.is_produced(id) => {
+                        self.pdo.shares(now, id, &self.belief, &self.knowledge);
+                        Ok(())
+                    }
                     _ => {
                         let judged = self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge);
                         // It may be the first frame of a configuration that is not confirmed yet.
@@ -225,7 +266,7 @@ impl Oracle {
         if self.blind {
             return None;
         }
-        [self.nmt.due(), self.sdo.due(), self.lss.due(), self.pdo.due()].into_iter().flatten().min()
+        [self.nmt.due(), self.sdo.due(), self.lss.due(), self.lmt.due(), self.pdo.due()].into_iter().flatten().min()
     }
 
     /// Time has passed.
@@ -239,7 +280,18 @@ impl Oracle {
         self.nmt.expire(now, &self.knowledge)?;
         self.sdo.expire(now)?;
         self.lss.expire(now)?;
+        self.lmt.expire(now)?;
         self.pdo.expire(now)
+    }
+
+    /// Whether it is known what must, or must not, come after that frame of the fuzzer.
+    pub fn judges(&self, frame: &Frame) -> bool {
+        match frame.cob_id() {
+            _ if self.blind => false,
+            Some(id) if id == sdo_wire::REQUEST_BASE + u16::from(self.knowledge.node.raw()) => !self.sdo.is_open(),
+            Some(lss_wire::MASTER_CAN_ID) => !self.lss.is_open() && !self.lmt.is_open(),
+            _ => true,
+        }
     }
 
     /// Whether the SDO server takes, or may take, the next frame for a segment of a block download.

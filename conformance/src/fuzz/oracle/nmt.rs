@@ -54,6 +54,10 @@ pub(in crate::fuzz) struct Slave {
     /// The toggle bit of the next answer; `None`: not known.
     toggle: Option<bool>,
     last_heartbeat: Option<Timestamp>,
+    /// The last command that came before the boot-up message.
+    hasty: Timestamp,
+    /// That one may have waited for the bus.
+    waited: bool,
     /// The period of the heartbeat, once it was written; `None`: not known.
     period: Option<Duration>,
     period_since: Timestamp,
@@ -82,6 +86,8 @@ impl Slave {
             guard_open: 0,
             toggle: Some(false),
             last_heartbeat: None,
+            hasty: Timestamp::ZERO,
+            waited: false,
             period: None,
             period_since: Timestamp::ZERO,
         }
@@ -165,6 +171,9 @@ impl Slave {
     /// An NMT frame of the fuzzer.
     pub fn commanded(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Change {
         let boots = self.phase == Phase::Booting;
+        if boots && self.announces {
+            self.hasty = now;
+        }
         if self.phase == Phase::Unconfigured || boots && self.announces {
             return Change::None;
         }
@@ -198,12 +207,15 @@ impl Slave {
     }
 
     /// A guarding request of the fuzzer.
-    pub fn guarded(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) {
+    pub fn guarded(&mut self, now: Timestamp, writing: bool, belief: &Belief, knowledge: &Knowledge) {
         if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
             return;
         }
-        self.guard_open = self.guard_open.saturating_add(1);
-        let known = self.phase != Phase::Unsure;
+        if knowledge.services.guarding != Some(false) {
+            self.guard_open = self.guard_open.saturating_add(1);
+        }
+        // What is being written may switch the heartbeat on.
+        let known = self.phase != Phase::Unsure && !writing;
         if knowledge.services.guarding == Some(true) && produces_heartbeat(belief, knowledge) == Some(false) && known {
             self.guard_due = now + knowledge.patience.answer;
         }
@@ -274,6 +286,11 @@ impl Slave {
                 self.guard_due = Timestamp::MAX;
                 self.check_toggle(now, message)?;
             }
+            Some(false) if knowledge.services.guarding == Some(false) && now >= self.period_since + self.grace => {
+                let expected = "nothing: there is neither heartbeat nor guarding";
+                let actual = "an error control message";
+                return Err(violation(Property::NmtState, "error control without need", expected, actual, now));
+            }
             Some(_) => self.check_heartbeat(now, message)?,
             // It may be either.
             None => {
@@ -294,7 +311,9 @@ impl Slave {
             return Err(violation(Property::NmtState, "boot-up message", expected, actual, now));
         }
         self.boot_due = Timestamp::MAX;
-        Ok(self.enter(now, Phase::Running))
+        // A command that came while the boot-up message waited for the bus may have been obeyed.
+        let hasty = self.hasty > Timestamp::ZERO && now < self.hasty + self.grace;
+        Ok(self.enter(now, if hasty { Phase::Unsure } else { Phase::Running }))
     }
 
     /// The device has reported an error: 1029h says where it goes then.
@@ -309,6 +328,13 @@ impl Slave {
             Some(0) => self.enter(now, Phase::Running),
             None if !exists && knowledge.is_described() => self.enter(now, Phase::Running),
             _ => self.enter(now, Phase::Unsure),
+        }
+    }
+
+    /// The device may leave operational by itself.
+    pub fn doubt(&mut self, now: Timestamp) {
+        if self.phase == Phase::Operational {
+            self.enter(now, Phase::Running);
         }
     }
 
@@ -339,6 +365,11 @@ impl Slave {
             return Err(violation(Property::NmtState, "heartbeat with toggle bit", expected, "1", now));
         }
         let Some(period) = self.period else { return Ok(()) };
+        if period > Duration(0) && now < self.period_since + self.jitter.times(2) {
+            // It may have waited for the bus; the next one comes in its time.
+            (self.last_heartbeat, self.waited) = (Some(now), true);
+            return Ok(());
+        }
         let since = self.last_heartbeat.replace(now);
         if period == Duration(0) {
             if now < self.period_since + self.jitter {
@@ -354,7 +385,10 @@ impl Slave {
         let late = actual.nanos() > period.nanos() + tolerance.nanos();
         // One that had to wait for the bus is followed by the next one in time.
         let is_long = period > self.jitter.times(20);
-        let early = is_long && actual.nanos() + tolerance.nanos() < period.nanos() && now.since(self.changed) > period;
+        let early = !std::mem::take(&mut self.waited)
+            && is_long
+            && actual.nanos() + tolerance.nanos() < period.nanos()
+            && now.since(self.changed) > period;
         if late || early {
             let expected = format!("heartbeats every {period}");
             return Err(violation(Property::NmtState, "period of the heartbeat", expected, format!("{actual}"), now));
@@ -375,6 +409,8 @@ impl Slave {
         };
         match self.phase {
             Phase::Unsure => Ok(self.enter(now, shown)),
+            // It may be of the time before the last command.
+            Phase::Running if now < self.changed + self.grace => Ok(Change::None),
             Phase::Running if shown != Phase::Stopped => Ok(self.enter(now, shown)),
             phase if phase == shown => Ok(Change::None),
             _ if now < self.changed + self.grace => Ok(Change::None),

@@ -26,12 +26,18 @@ struct Seen {
     open: u8,
     /// The answer to a SYNC is overdue then.
     due: Timestamp,
+    /// It is not the answer to a SYNC, but to a remote frame.
+    remote: bool,
+    /// Its configuration, by the values of [`Pdos::version`].
+    parameters: Parameters,
 }
 
 /// All TPDOs.
 #[derive(Clone, Debug)]
 pub(super) struct Pdos {
     seen: Vec<Seen>,
+    /// [`Belief::version`] of the parameters.
+    version: Option<u64>,
 }
 
 impl Pdos {
@@ -40,13 +46,34 @@ impl Pdos {
             .entries()
             .iter()
             .filter(|known| (0x1800..0x1A00).contains(&known.at.index.0) && known.at.sub.0 == 1);
-        Self { seen: parameters.map(|known| Seen::new(known.at.index.0)).collect() }
+        Self { seen: parameters.map(|known| Seen::new(known.at.index.0)).collect(), version: None }
     }
 
     pub fn reset(&mut self) {
         for seen in &mut self.seen {
-            *seen = Seen::new(seen.index);
+            *seen = Seen { parameters: seen.parameters, ..Seen::new(seen.index) };
         }
+    }
+
+    /// Takes the configuration over that is believed now, if it is another one.
+    fn learn(&mut self, belief: &Belief, knowledge: &Knowledge) {
+        if self.version != Some(belief.version()) {
+            self.version = Some(belief.version());
+            for seen in &mut self.seen {
+                seen.parameters = Parameters::of(seen.index, belief, knowledge);
+            }
+        }
+    }
+
+    /// Whether a valid PDO has that identifier of another service, so that nobody can tell whose frame it was.
+    pub fn shares(&mut self, now: Timestamp, can_id: u16, belief: &Belief, knowledge: &Knowledge) -> bool {
+        self.learn(belief, knowledge);
+        let mut shares = false;
+        for seen in self.seen.iter_mut().filter(|seen| seen.has(can_id.into())) {
+            seen.begin(now);
+            shares = true;
+        }
+        shares
     }
 
     pub fn due(&self) -> Option<Timestamp> {
@@ -95,6 +122,7 @@ impl Pdos {
         belief: &Belief,
         knowledge: &Knowledge,
     ) -> Result<(), Violation> {
+        self.learn(belief, knowledge);
         let counter = belief.number(knowledge, 0x1019, 0).unwrap_or(0);
         let understood = frame.len() == usize::from(counter != 0);
         let rests = !matches!(nmt.phase(), Phase::Operational | Phase::Running | Phase::Unsure);
@@ -109,7 +137,7 @@ impl Pdos {
                 seen.in_step = false;
                 continue;
             }
-            let parameters = Parameters::of(seen.index, belief, knowledge);
+            let parameters = seen.parameters;
             seen.syncs += 1;
             match parameters.transmission {
                 Some(kind @ 1..=240) if parameters.is_plain() && (seen.in_step || kind == 1) => {
@@ -118,6 +146,7 @@ impl Pdos {
                         seen.open();
                     }
                     if due && seen.due == Timestamp::MAX {
+                        seen.remote = false;
                         seen.due = now + knowledge.patience.answer;
                     }
                 }
@@ -136,8 +165,26 @@ impl Pdos {
     }
 
     /// A remote frame of the fuzzer.
-    pub fn asked(&mut self, _: Timestamp, _: u16) {
-        self.seen.iter_mut().for_each(Seen::open);
+    pub fn asked(
+        &mut self,
+        now: Timestamp,
+        can_id: u16,
+        writing: bool,
+        nmt: &Slave,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) {
+        self.learn(belief, knowledge);
+        let has = |seen: &Seen| seen.has(can_id.into());
+        let alone = self.seen.iter().filter(|seen| has(seen)).count() == 1;
+        let certain = alone && !writing && nmt.phase() == Phase::Operational;
+        for seen in &mut self.seen {
+            seen.open();
+            if certain && has(seen) && seen.parameters.answers_remote() && seen.due == Timestamp::MAX {
+                seen.due = now + knowledge.patience.answer;
+                seen.remote = true;
+            }
+        }
     }
 
     /// A frame of the device that belongs to no other service.
@@ -155,26 +202,17 @@ impl Pdos {
         if !knowledge.is_described() {
             return Ok(());
         }
+        self.learn(belief, knowledge);
         let id = u32::from(frame.id().as_standard().unwrap_or(u16::MAX));
-        let mut unknown = frame.id().as_standard().is_none() || frame.is_remote();
-        let has_id = |seen: &Seen| {
-            let cob_id = Parameters::of(seen.index, belief, knowledge).cob_id;
-            cob_id.is_some_and(|cob_id| cob_id.is_valid() && cob_id.can_id() == id)
-        };
-        if self.seen.iter().filter(|seen| has_id(seen)).count() > 1 {
+        let unknown = frame.id().as_standard().is_none()
+            || frame.is_remote()
+            || self.seen.iter().any(|seen| seen.parameters.cob_id.is_none());
+        let mut own = self.seen.iter_mut().filter(|seen| seen.has(id));
+        if let Some(first) = own.next() {
+            let Some(second) = own.next() else { return first.came(now, frame, nmt, knowledge) };
             // Two PDOs with one identifier can't be told apart.
-            self.seen.iter_mut().filter(|seen| has_id(seen)).for_each(|seen| seen.begin(now));
+            [first, second].into_iter().chain(own).for_each(|seen| seen.begin(now));
             return Ok(());
-        }
-        for seen in &mut self.seen {
-            let parameters = Parameters::of(seen.index, belief, knowledge);
-            let Some(cob_id) = parameters.cob_id else {
-                unknown = true;
-                continue;
-            };
-            if cob_id.is_valid() && cob_id.can_id() == id {
-                return seen.came(now, frame, nmt, &parameters, belief, knowledge);
-            }
         }
         // An identifier that changed a moment ago may still be on its way.
         let changing = self.seen.iter().any(|seen| now.since(seen.since) < knowledge.patience.jitter.times(2));
@@ -193,8 +231,12 @@ impl Pdos {
         for seen in &mut self.seen {
             if now >= seen.due {
                 seen.due = Timestamp::MAX;
-                let expected = format!("the TPDO of {:04X}h after the SYNC", seen.index);
-                return Err(violation(Property::Pdo, "synchronous TPDO", expected, "none", now));
+                let (rule, cause) = match std::mem::take(&mut seen.remote) {
+                    true => ("remote frame", "the remote frame, which bit 30 of its COB-ID allows"),
+                    false => ("synchronous TPDO", "the SYNC"),
+                };
+                let expected = format!("the TPDO of {:04X}h after {cause}", seen.index);
+                return Err(violation(Property::Pdo, rule, expected, "none", now));
             }
         }
         Ok(())
@@ -214,9 +256,9 @@ impl Pdos {
         if nmt.phase() != Phase::Operational {
             return Ok(());
         }
+        self.learn(belief, knowledge);
         for seen in &self.seen {
-            let parameters = Parameters::of(seen.index, belief, knowledge);
-            let Some(period) = parameters.period() else { continue };
+            let Some(period) = seen.parameters.period() else { continue };
             let last = seen.last.unwrap_or(seen.since).max(seen.since);
             if last > Timestamp::ZERO && now.since(last) > late(period, knowledge.patience.jitter) {
                 let expected = format!("the TPDO of {:04X}h every {period}", seen.index);
@@ -232,6 +274,7 @@ impl Seen {
     const fn new(index: u16) -> Self {
         Self {
             index,
+            parameters: Parameters::UNKNOWN,
             last: None,
             since: Timestamp::ZERO,
             syncs: 0,
@@ -239,7 +282,13 @@ impl Seen {
             heard: false,
             open: 0,
             due: Timestamp::MAX,
+            remote: false,
         }
+    }
+
+    /// Whether it is a PDO with that identifier.
+    fn has(&self, can_id: u32) -> bool {
+        self.parameters.cob_id.is_some_and(|cob_id| cob_id.is_valid() && cob_id.can_id() == can_id)
     }
 
     fn begin(&mut self, now: Timestamp) {
@@ -255,22 +304,15 @@ impl Seen {
         self.open = self.open.saturating_add(1);
     }
 
-    fn came(
-        &mut self,
-        now: Timestamp,
-        frame: &Frame,
-        nmt: &Slave,
-        parameters: &Parameters,
-        belief: &Belief,
-        knowledge: &Knowledge,
-    ) -> Result<(), Violation> {
+    fn came(&mut self, now: Timestamp, frame: &Frame, nmt: &Slave, knowledge: &Knowledge) -> Result<(), Violation> {
+        let parameters = self.parameters;
         let jitter = knowledge.patience.jitter;
         let wrong = |rule, expected: String, actual: String| Err(violation(Property::Pdo, rule, expected, actual, now));
         if nmt.serves_pdo(now) == Served::No {
             let expected = "no PDO outside operational".to_owned();
             return wrong("PDO outside operational", expected, format!("{frame} in {:?}", nmt.phase()));
         }
-        if let Some(len) = mapped_length(self.index + 0x200, belief, knowledge)
+        if let Some(len) = parameters.length
             && frame.len() != len
             // Type 252 sends what it took at the last SYNC, maybe before it was configured.
             && parameters.transmission != Some(252)
@@ -317,7 +359,8 @@ fn late(period: Duration, jitter: Duration) -> Duration {
     Duration(period.nanos() + (period.nanos() / 10).max(jitter.nanos()))
 }
 
-/// Communication parameters, as far as they are known.
+/// Communication parameters and mapping, as far as they are known.
+#[derive(Clone, Copy, Debug)]
 struct Parameters {
     cob_id: Option<CobId>,
     transmission: Option<u8>,
@@ -328,9 +371,22 @@ struct Parameters {
     open_window: bool,
     /// Whether something is mapped: a PDO that carries nothing is not sent.
     mapped: bool,
+    /// Of what is mapped, in bytes.
+    length: Option<usize>,
 }
 
 impl Parameters {
+    const UNKNOWN: Self = Self {
+        cob_id: None,
+        transmission: None,
+        inhibit: None,
+        event_timer: None,
+        start_value: 0,
+        open_window: false,
+        mapped: false,
+        length: None,
+    };
+
     fn of(index: u16, belief: &Belief, knowledge: &Knowledge) -> Self {
         let number = |sub| belief.number(knowledge, index, sub);
         Self {
@@ -344,12 +400,22 @@ impl Parameters {
                 None => true,
             },
             mapped: belief.number(knowledge, index + 0x200, 0).is_some_and(|count| (1..=64).contains(&count)),
+            length: mapped_length(index + 0x200, belief, knowledge),
         }
     }
 
     /// Whether the PDO exists and follows every n-th SYNC from the first on.
     fn is_plain(&self) -> bool {
         self.mapped && self.open_window && self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
+    }
+
+    /// Whether a remote frame must be answered.
+    fn answers_remote(&self) -> bool {
+        let allows = self.cob_id.is_some_and(|cob_id| cob_id.is_valid() && cob_id.allows_rtr());
+        allows
+            && self.mapped
+            && self.inhibit.is_none_or(|inhibit| inhibit == Duration::ZERO)
+            && matches!(self.transmission, Some(253..=255))
     }
 
     /// The time between two, for a PDO with an event timer.

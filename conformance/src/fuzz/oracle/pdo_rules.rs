@@ -20,6 +20,7 @@ pub(super) fn refusal(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: 
         (0x1400..=0x15FF | 0x1800..=0x19FF, 1) => pdo_identifier(at, raw, knowledge, belief),
         (0x1400..=0x15FF, 2) if (241..=253).contains(&raw) => Some((codes::REFUSED, "a reserved transmission type")),
         (0x1800..=0x19FF, 2) if (241..=251).contains(&raw) => Some((codes::REFUSED, "a reserved transmission type")),
+        (0x1800..=0x19FF, 6) => sync_start(at, raw, knowledge, belief),
         (0x1600..=0x17FF | 0x1A00..=0x1BFF, 0) => mapping_count(at, raw, knowledge, belief),
         (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => mapping_entry(at, knowledge, belief),
         (0x1005 | 0x1012, 0) if CobId(raw as u32 & 0x7FF).is_restricted() && at.index.0 == 0x1005 => {
@@ -28,10 +29,52 @@ pub(super) fn refusal(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: 
         (0x1014, 0) if CobId(raw as u32).is_valid() && CobId(raw as u32).is_restricted() => {
             Some((codes::REFUSED, "a restricted CAN-ID"))
         }
+        (0x1005, 0) => in_use(at, raw, PRODUCES, knowledge, belief),
+        (0x1012, 0) => in_use(at, raw, PRODUCES | CONSUMES, knowledge, belief),
+        (0x1014, 0) => while_valid(at, raw, knowledge, belief),
+        (0x1201..=0x127F, 1 | 2) => while_valid(at, raw, knowledge, belief),
+        (0x1003, 0) if raw != 0 => Some((codes::REFUSED, "only 0 can be written to the error history")),
+        (0x1010, 1..) if raw != SAVE => Some((codes::REFUSED, "not the signature that stores")),
+        (0x1011, 1..) if raw != LOAD => Some((codes::REFUSED, "not the signature that restores")),
         (0x1016, 1..) => consumer(at, raw, knowledge, belief),
         (0x1019, 0) if raw == 1 || raw > 240 => Some((codes::REFUSED, "a reserved value of the SYNC counter")),
+        (0x1019, 0) => {
+            let (period, counter) = (belief.number(knowledge, 0x1006, 0)?, belief.number(knowledge, 0x1019, 0)?);
+            let changes = period != 0 && counter != raw;
+            changes.then_some((codes::REFUSED, "the SYNC counter changes only while 1006h is 0"))
+        }
+        (0x1029, 1..) if (3..0x80).contains(&raw) => Some((codes::REFUSED, "a reserved behaviour on errors")),
         _ => None,
     }
+}
+
+/// "save" and "load", little-endian.
+const SAVE: u64 = 0x6576_6173;
+const LOAD: u64 = 0x6461_6F6C;
+
+/// Bit 30 of 1005h and 1012h.
+const PRODUCES: u32 = 1 << 30;
+/// Bit 31 of 1012h.
+const CONSUMES: u32 = 1 << 31;
+
+/// The identifier of SYNC or TIME, while it is produced or consumed.
+fn in_use(at: Multiplexer, raw: u64, flags: u32, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
+    let (old, new) = (CobId(belief.number(knowledge, at.index.0, at.sub.0)? as u32), CobId(raw as u32));
+    let changes = old.0 & new.0 & flags != 0 && old.can_id() != new.can_id();
+    changes.then_some((codes::REFUSED, "the CAN-ID changes only while it is not in use"))
+}
+
+/// An identifier whose bit 31 says that it is none.
+fn while_valid(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
+    let (old, new) = (CobId(belief.number(knowledge, at.index.0, at.sub.0)? as u32), CobId(raw as u32));
+    let changes = old.is_valid() && new.is_valid() && old.can_id() != new.can_id();
+    changes.then_some((codes::REFUSED, "the CAN-ID changes only while it is invalid"))
+}
+
+fn sync_start(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
+    let cob_id = CobId(belief.number(knowledge, at.index.0, 1)? as u32);
+    let changes = cob_id.is_valid() && belief.number(knowledge, at.index.0, 6)? != raw;
+    changes.then_some((codes::REFUSED, "the SYNC start value changes only while the PDO is invalid"))
 }
 
 /// Codes with which a mapping may be refused beside the usual ones.
@@ -63,13 +106,17 @@ fn mapping_count(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Beli
         let entry = belief.number(knowledge, at.index.0, sub)?;
         bits += entry & 0xFF;
         let mapped = Multiplexer::new((entry >> 16) as u16, (entry >> 8) as u8);
-        if mapped.index.0 < 0x20 {
-            continue;
-        }
+        let transmits = (0x1A00..=0x1BFF).contains(&at.index.0);
         match knowledge.entry(mapped) {
+            _ if entry == 0 => return Some((MAPPING, "an empty entry is mapped")),
+            _ if mapped.index.0 < 0x20 && transmits => return Some((MAPPING, "a dummy is mapped into a TPDO")),
+            _ if mapped.index.0 < 0x20 => {}
             None if knowledge.is_described() => return Some((MAPPING, "a mapped object does not exist")),
-            Some(known) if (0x1A00..=0x1BFF).contains(&at.index.0) && !known.tpdo_mappable => {
+            Some(known) if transmits && !known.tpdo_mappable => {
                 return Some((MAPPING, "a mapped object can't be mapped"));
+            }
+            Some(known) if known.size.is_some_and(|size| entry & 0xFF > size as u64 * 8) => {
+                return Some((MAPPING, "more bits are mapped than the object has"));
             }
             _ => {}
         }

@@ -121,6 +121,8 @@ fn reading(at: Multiplexer, knowledge: &Knowledge) -> Reading {
         // Values of variable length, such as a DOMAIN, can be missing.
         Some(known) if known.size.is_none() => (CodeSet::NONE, codes::NO_DATA),
         Some(_) => (CodeSet::NONE, CodeSet::NONE),
+        // The structure of an object, which no description names.
+        None if at.sub.0 == 0xFF && knowledge.has_index(at) => (CodeSet::NONE, codes::NO_SUB_INDEX),
         None => (missing(at, knowledge), anything_if_unknown(knowledge)),
     };
     Reading { at, entry, must, may }
@@ -203,6 +205,9 @@ pub(super) fn writing(at: Multiplexer, value: &[u8], knowledge: &Knowledge, beli
         writing.may = writing.may.or(codes::TOO_LONG).or(codes::TOO_SHORT);
     }
     let Some(raw) = raw.filter(|_| known.size.is_some()) else { return writing };
+    if knowledge.services.acts_when_stored.contains(&at) {
+        return writing;
+    }
     if !known.in_limits(raw) {
         let limit = codes::TOO_HIGH.or(codes::TOO_LOW).or(codes::REFUSED);
         (writing.must, writing.why) = (limit, "the value lies outside the limits of the description");

@@ -34,10 +34,12 @@ pub(in crate::fuzz) struct Server {
     /// A second request was sent before the first was answered: what comes now can belong to either.
     overlapped: bool,
     grace: Timestamp,
+    /// When the last request came that was not due to be served.
+    unserved: Option<Timestamp>,
     /// The bytes of the running transfer.
     data: Vec<u8>,
     /// For coverage: where the request found the server.
-    asked_in: SdoState,
+    asked_in: Option<SdoState>,
     command: Command,
     /// The object that the last request named.
     named: Option<Multiplexer>,
@@ -94,9 +96,11 @@ enum State {
 }
 
 impl State {
-    const fn class(self) -> SdoState {
-        match self {
-            Self::Idle | Self::Unsure => SdoState::Idle,
+    /// For the statistics; `None`: nobody knows, and nothing is counted.
+    const fn class(self) -> Option<SdoState> {
+        Some(match self {
+            Self::Unsure => return None,
+            Self::Idle => SdoState::Idle,
             Self::Download { .. } => SdoState::Download,
             Self::Upload { .. } => SdoState::Upload,
             Self::BlockDownload { .. } => SdoState::BlockDownload,
@@ -104,7 +108,7 @@ impl State {
             Self::BlockUploadReady { .. } => SdoState::BlockUploadReady,
             Self::BlockUpload(_) => SdoState::BlockUpload,
             Self::BlockUploadEnd => SdoState::BlockUploadEnd,
-        }
+        })
     }
 }
 
@@ -116,8 +120,9 @@ impl Server {
             due: Timestamp::MAX,
             overlapped: false,
             grace: Timestamp::ZERO,
+            unserved: None,
             data: Vec::with_capacity(256),
-            asked_in: SdoState::Idle,
+            asked_in: None,
             command: Command::Abort,
             named: None,
         }
@@ -130,23 +135,47 @@ impl Server {
         self.due = Timestamp::MAX;
         self.overlapped = false;
         self.grace = Timestamp::ZERO;
+        self.unserved = None;
         self.data.clear();
+    }
+
+    /// The device has shown another state than it was believed to be in: it has booted. A request of the moment before
+    /// may have come when its boot-up message waited for the bus, and be served.
+    pub fn booted(&mut self, now: Timestamp, grace: Duration) {
+        if self.unserved.take().is_some_and(|asked| now < asked + grace) {
+            self.state = State::Unsure;
+            self.awaited = Awaited::Anything;
+        }
     }
 
     /// Another NMT state. Responses that were on their way already may still come for `grace`.
     pub fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration) {
-        if served != Served::Yes {
-            self.reset();
-            self.grace = now + grace;
-        } else if !matches!(self.awaited, Awaited::Nothing) {
-            self.awaited = Awaited::Anything;
-            self.due = Timestamp::MAX;
+        match served {
+            Served::No => {
+                self.reset();
+                self.grace = now + grace;
+            }
+            // What was under way may go on.
+            Served::Unsure => {
+                self.reset();
+                (self.state, self.awaited) = (State::Unsure, Awaited::Anything);
+            }
+            Served::Yes if self.awaited != Awaited::Nothing => {
+                (self.awaited, self.due) = (Awaited::Anything, Timestamp::MAX);
+            }
+            Served::Yes => {}
         }
     }
 
     /// The state, for the statistics.
-    pub fn class(&self) -> SdoState {
+    pub fn class(&self) -> Option<SdoState> {
         self.state.class()
+    }
+
+    fn count(&self, coverage: &mut Coverage, answer: Answer) {
+        if let Some(state) = self.asked_in {
+            coverage.sdo(state, self.command, answer);
+        }
     }
 
     /// When the awaited answer is overdue.
@@ -154,7 +183,7 @@ impl Server {
         (self.due < Timestamp::MAX).then_some(self.due)
     }
 
-    /// A request of the client.
+    /// A request of the client. `true`: what it does can't be followed.
     pub fn asked(
         &mut self,
         now: Timestamp,
@@ -163,16 +192,19 @@ impl Server {
         knowledge: &Knowledge,
         belief: &mut Belief,
         coverage: &mut Coverage,
-    ) {
+    ) -> bool {
         self.asked_in = self.class();
         self.command = Command::of(frame, matches!(self.state, State::BlockDownload { .. }));
         match served {
             Served::Yes => {}
-            Served::No => return,
+            Served::No => {
+                self.unserved = Some(now);
+                return false;
+            }
             Served::Unsure => {
                 self.state = State::Unsure;
                 self.await_answer(now, Awaited::Anything, knowledge);
-                return;
+                return stores(frame, knowledge);
             }
         }
         self.overlapped |= self.due < Timestamp::MAX || self.awaited == Awaited::Anything;
@@ -183,9 +215,10 @@ impl Server {
             awaited = Awaited::Anything;
         }
         if matches!(awaited, Awaited::Nothing | Awaited::Anything | Awaited::ConfirmBlock { required: false, .. }) {
-            coverage.sdo(self.asked_in, self.command, Answer::None);
+            self.count(coverage, Answer::None);
         }
         self.await_answer(now, awaited, knowledge);
+        awaited == Awaited::Anything && stores(frame, knowledge)
     }
 
     fn await_answer(&mut self, now: Timestamp, awaited: Awaited, knowledge: &Knowledge) {
@@ -196,6 +229,11 @@ impl Server {
     /// Whether the next frame is, or may be, taken for a segment of a block download.
     pub fn is_in_blocks(&self) -> bool {
         matches!(self.state, State::Unsure | State::BlockDownload { .. })
+    }
+
+    /// Whether a value is on its way that may be read already.
+    pub fn is_busy(&self) -> bool {
+        self.awaited != Awaited::Nothing || self.state != State::Idle
     }
 
     /// Whether segments of a block come one after the other.
@@ -213,6 +251,18 @@ impl Server {
                     | Awaited::ConfirmSegment { last: Some(_), .. }
                     | Awaited::ConfirmEnd { .. }
             )
+    }
+
+    /// Whether one of these objects may be written already, though nothing has confirmed it.
+    pub fn may_move(&self, objects: &[Multiplexer]) -> bool {
+        match self.awaited {
+            _ if self.overlapped => !objects.is_empty(),
+            Awaited::Anything => !objects.is_empty(),
+            Awaited::Write { at, .. }
+            | Awaited::ConfirmSegment { last: Some((at, _)), .. }
+            | Awaited::ConfirmEnd { at, .. } => objects.contains(&at),
+            _ => false,
+        }
     }
 
     /// Whether an answer may come that need not come.
@@ -243,6 +293,9 @@ impl Server {
         }
         let Ok(request) = Request::read(frame.data()) else { return Awaited::Anything };
         self.named = request.multiplexer();
+        if self.named.is_some() && self.awaited == Awaited::Nothing {
+            belief.resume();
+        }
         if self.state == State::Unsure && frame.bytes()[0] != 0x80 {
             // It may be taken for the segment of a block download that nobody knows of. The answer tells.
             return Awaited::Anything;
@@ -302,4 +355,12 @@ impl Server {
         self.reset();
         Err(violation(Property::LegalSdo, rule, expected, "no answer", now))
     }
+}
+
+/// Whether the request, or the transfer that it begins, may store: the device may be silent for long then.
+fn stores(frame: &Frame, knowledge: &Knowledge) -> bool {
+    let [command, low, high, sub, ..] = frame.bytes();
+    let at = Multiplexer::from_bytes([low, high, sub]);
+    let is_store = matches!(at.index.0, 0x1010 | 0x1011) || knowledge.services.bus_save_object == Some(at);
+    is_store && matches!(command >> 5, 1 | 6)
 }

@@ -69,7 +69,7 @@ impl Server {
         if let Awaited::Block = self.awaited
             && frame.data().first() != Some(&0x80)
         {
-            coverage.sdo(self.asked_in, self.command, Answer::Block);
+            self.count(coverage, Answer::Block);
             return self.judge_block(frame);
         }
         let Ok(response) = Response::read(frame.data()) else {
@@ -80,7 +80,7 @@ impl Server {
         if awaited != Awaited::Anything {
             check_reserved(frame, response)?;
         }
-        coverage.sdo(self.asked_in, self.command, Answer::of(&response));
+        self.count(coverage, Answer::of(&response));
         self.judge_response(awaited, response, frame, knowledge, belief)
     }
 
@@ -103,9 +103,10 @@ impl Server {
         belief: &mut Belief,
     ) -> Judged {
         let refused = || wrong(Property::LegalSdo, shown(frame));
-        if let (Response::Abort(abort), State::Download { .. } | State::Upload { .. }) = (response, self.state)
+        if let Response::Abort(abort) = response
+            && self.state != State::Idle
             && abort.code == canvass_analyzer::wire::sdo::AbortCode::TIMEOUT
-            && awaited == Awaited::Nothing
+            && matches!(awaited, Awaited::Nothing | Awaited::ConfirmBlock { required: false, .. })
         {
             self.give_up(belief);
             return Ok(());
@@ -250,10 +251,10 @@ impl Server {
             }
             _ => State::Unsure,
         };
-        if let Response::InitiateDownload { .. } | Response::DownloadSegment { .. } | Response::EndBlockDownload =
-            response
-        {
-            belief.forget();
+        match response {
+            Response::InitiateDownload { multiplexer } => belief.forget(Some(multiplexer)),
+            Response::DownloadSegment { .. } | Response::EndBlockDownload => belief.forget(None),
+            _ => {}
         }
         Ok(())
     }
