@@ -7,6 +7,9 @@ use super::stimulus::{Sequence, Stimulus, Then};
 use canvass_traces::Frame;
 use proptest::strategy::ValueTree;
 
+/// The frames of a dialogue that can only go together, such as a block upload's.
+const DIALOGUE: usize = 4;
+
 /// A sequence and its simpler variants.
 #[derive(Clone, Debug)]
 pub struct SequenceTree {
@@ -109,7 +112,9 @@ impl SequenceTree {
     fn next_step(&mut self) -> Step {
         let len = self.best.stimuli.len();
         match self.step {
-            Step::Remove { length, from } if from + length < len => Step::Remove { length, from: from + length },
+            Step::Remove { length, from } if from + length < len => {
+                Step::Remove { length, from: from + stride(length) }
+            }
             Step::Remove { length, .. } if length > 1 => Step::Remove { length: length.div_ceil(2), from: 0 },
             Step::Remove { .. } if self.progress => self.restart(),
             Step::Remove { .. } => Step::Settle { at: 0 },
@@ -121,21 +126,26 @@ impl SequenceTree {
         }
     }
 
-    /// Single frames once more: what could not be left out before may be superfluous now.
+    /// Dialogues and single frames once more: what could not be left out before may be superfluous now.
     fn restart(&mut self) -> Step {
         self.progress = false;
-        Step::Remove { length: 1, from: 0 }
+        Step::Remove { length: DIALOGUE, from: 0 }
     }
 
     /// The step that comes after a variant that showed the violation: what was left out shifts the rest.
     fn accepted(&mut self) {
         self.progress = true;
         if let Step::Remove { length, from } = self.step
-            && from >= length
+            && let Some(from) = from.checked_sub(stride(length))
         {
-            self.step = Step::Remove { length, from: from - length };
+            self.step = Step::Remove { length, from };
         }
     }
+}
+
+/// How far apart stretches of a length begin: those of a dialogue are looked for wherever it stands.
+const fn stride(length: usize) -> usize {
+    if length <= DIALOGUE { 1 } else { length }
 }
 
 impl ValueTree for SequenceTree {
@@ -208,6 +218,14 @@ mod tests {
     fn pairs_that_need_each_other_stay() {
         // One alone can't go: 5 and 6 are a request and its follow-up.
         let minimal = shrink(sequence(&[1, 5, 6, 9, 5, 6]), |ids| ids.windows(2).any(|pair| pair == [5, 6]));
+        assert_eq!(minimal.stimuli.len(), 2);
+        // Nor can a dialogue without its end.
+        let dialogue = [1, 2, 3, 4];
+        let is_whole = |ids: &[u32]| {
+            let starts = ids.iter().filter(|id| **id == 1).count();
+            starts == ids.windows(4).filter(|four| *four == dialogue).count() && ids.ends_with(&[7, 8])
+        };
+        let minimal = shrink(sequence(&[5, 1, 2, 3, 4, 6, 1, 2, 3, 4, 7, 8]), is_whole);
         assert_eq!(minimal.stimuli.len(), 2);
     }
 }

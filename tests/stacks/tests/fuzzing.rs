@@ -116,7 +116,7 @@ fn canopen_rs_breaks_what_is_documented() {
 
 #[test]
 fn zencan_breaks_what_is_documented() {
-    judge(zencan, 600, ZENCAN, &["attempt to shift left with overflow", "attempt to subtract with overflow"]);
+    judge(zencan, 2_000, ZENCAN, &["attempt to shift left with overflow", "attempt to subtract with overflow"]);
 }
 
 const CANOPEN_RS: &[(Property, &str)] = &[
@@ -141,12 +141,15 @@ const ZENCAN: &[(Property, &str)] = &[
     (Property::LegalLss, "configure node-ID"),
     (Property::LegalLss, "identify non-configured remote slave"),
     (Property::LegalLss, "identify remote slave"),
+    (Property::LegalLss, "inquire"),
     (Property::LegalLss, "inquire node-ID"),
     (Property::LegalLss, "switch state selective"),
     (Property::LegalSdo, "a block size outside 1 to 127"),
     (Property::LegalSdo, "a command specifier that does not exist"),
     (Property::LegalSdo, "a segment is confirmed that was never sent"),
+    (Property::LegalSdo, "download of a block"),
     (Property::LegalSdo, "download segment"),
+    (Property::LegalSdo, "end of a block download"),
     (Property::LegalSdo, "end of a block upload"),
     (Property::LegalSdo, "expedited download"),
     (Property::LegalSdo, "initiate block download"),

@@ -58,6 +58,7 @@ impl Receiver {
         let shared = Arc::clone(&self.shared);
         shared.inbox.set_delivering(true);
         self.correction = shared.clock.correction(self.correction);
+        let mut is_full = false;
         while !shared.inbox.is_closed() {
             match shared.socket.receive(batch) {
                 Ok(0) => break,
@@ -69,6 +70,7 @@ impl Receiver {
                     if frames < BATCH {
                         break;
                     }
+                    is_full = true;
                 }
                 Err(error) => {
                     self.failed(&error);
@@ -76,14 +78,16 @@ impl Receiver {
                 }
             }
         }
+        // Nothing is dropped while the queue is short.
+        if is_full && let Some(dropped) = shared.socket.dropped() {
+            self.note_dropped(dropped);
+        }
         shared.inbox.set_delivering(false);
     }
 
     fn take(&mut self, packet: &[u8], received: Received) {
         if let Some(dropped) = received.dropped {
-            let lost = u64::from(dropped.wrapping_sub(self.dropped));
-            self.dropped = dropped;
-            self.shared.inbox.note(|health| health.lost += lost);
+            self.note_dropped(dropped);
         }
         let at = self.time(&received);
         // The kernel gives nothing but frames.
@@ -96,6 +100,16 @@ impl Receiver {
             self.on_sent(at);
         }
         self.records.push(record);
+    }
+
+    /// Counts the frames that were lost until the kernel's count was that; it overflows.
+    fn note_dropped(&mut self, dropped: u32) {
+        let lost = dropped.wrapping_sub(self.dropped);
+        // A frame that waited tells an older count than the socket did.
+        if lost != 0 && lost < u32::MAX / 2 {
+            self.dropped = dropped;
+            self.shared.inbox.note(|health| health.lost += u64::from(lost));
+        }
     }
 
     fn time(&mut self, received: &Received) -> Timestamp {

@@ -94,6 +94,21 @@ impl RawSocket {
         Ok(())
     }
 
+    /// How many frames the kernel could not put into the receive queue since the socket was made, those after the last
+    /// one that it could included, of which `SO_RXQ_OVFL` never tells; `None` on kernels before 4.12.
+    pub fn dropped(&self) -> Option<u32> {
+        const SO_MEMINFO: libc::c_int = 55;
+        /// The place of `SK_MEMINFO_DROPS`.
+        const DROPS: usize = 8;
+        let mut figures = [0_u32; DROPS + 1];
+        let mut size = size_of_val(&figures) as libc::socklen_t;
+        // SAFETY: the kernel writes at most `size` bytes, which is that of the array.
+        let got = check(unsafe {
+            libc::getsockopt(self.fd(), libc::SOL_SOCKET, SO_MEMINFO, figures.as_mut_ptr().cast(), &raw mut size)
+        });
+        figures.last().copied().filter(|_| got.is_ok() && size as usize == size_of::<[u32; DROPS + 1]>())
+    }
+
     /// Makes the kernel's receive queue as long as it lets us, up to `bytes`.
     pub fn enlarge_receive_queue(&self, bytes: i32) {
         // Only root may go beyond net.core.rmem_max.

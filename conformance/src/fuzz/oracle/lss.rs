@@ -327,10 +327,12 @@ impl Slave {
     }
 
     fn scan(&mut self, id: u32, bit_check: u8, sub: u8, next: u8, knowledge: &Knowledge) -> Awaited {
-        if !self.unconfigured || self.mode == Mode::Configuration {
-            return if self.pending.is_some() { Awaited::Anything } else { Awaited::Nothing };
+        if (!self.unconfigured || self.mode == Mode::Configuration) && self.pending.is_none() {
+            return Awaited::Nothing;
         }
         if self.mode == Mode::Unsure || self.pending.is_some() {
+            // It may have begun, gone on or not.
+            self.scanning = None;
             return Awaited::Anything;
         }
         if bit_check == BEGIN {

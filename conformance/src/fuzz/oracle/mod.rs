@@ -213,6 +213,7 @@ impl Oracle {
             Some(lss_wire::SLAVE_CAN_ID) if self.knowledge.services.lmt => self.lmt.answered(now, frame, coverage),
             Some(lss_wire::SLAVE_CAN_ID) => self.lss.answered(now, frame, coverage),
             _ => {
+                self.nmt.passed(now);
                 self.nmt.may_speak(now, frame, &self.knowledge)?;
                 match can_id {
                     Some(id) if id == sdo_wire::RESPONSE_BASE + node => {
@@ -249,6 +250,9 @@ impl Oracle {
                     }
                     Some(id) if self.belief.is_produced(id) => {
                         self.pdo.shares(now, id, &self.belief, &self.knowledge);
+                        if self.belief.is_sync(id) {
+                            self.pdo.synchronises_itself();
+                        }
                         Ok(())
                     }
                     _ => {

@@ -58,6 +58,8 @@ pub(in crate::fuzz) struct Slave {
     hasty: Timestamp,
     /// That one may have waited for the bus.
     waited: bool,
+    /// Other frames of the device that follow each other without a pause: when the first of them ended, and the last one.
+    train: (Timestamp, Timestamp),
     /// The period of the heartbeat, once it was written; `None`: not known.
     period: Option<Duration>,
     period_since: Timestamp,
@@ -88,6 +90,7 @@ impl Slave {
             last_heartbeat: None,
             hasty: Timestamp::ZERO,
             waited: false,
+            train: (Timestamp::ZERO, Timestamp::ZERO),
             period: None,
             period_since: Timestamp::ZERO,
         }
@@ -344,6 +347,17 @@ impl Slave {
         self.period_since = now;
     }
 
+    /// Another frame of the device has passed.
+    pub fn passed(&mut self, now: Timestamp) {
+        let begin = if now.since(self.train.1) > self.jitter { now } else { self.train.0 };
+        self.train = (begin, now);
+    }
+
+    /// Whether the device has sent more important frames without a pause since `due`: heartbeats have the last place.
+    fn is_behind(&self, now: Timestamp, due: Timestamp) -> bool {
+        self.train.0 <= due && now.since(self.train.1) <= self.jitter
+    }
+
     /// Nothing has come for a while: nobody answers earlier guarding requests any more.
     pub const fn quiet(&mut self) {
         self.guard_open = 0;
@@ -382,7 +396,8 @@ impl Slave {
         let tolerance = self.tolerance(period);
         let actual = now.since(since);
         // A heartbeat may come early when the state has changed.
-        let late = actual.nanos() > period.nanos() + tolerance.nanos();
+        let late =
+            actual.nanos() > period.nanos() + tolerance.nanos() && !self.is_behind(now, since + period + tolerance);
         // One that had to wait for the bus is followed by the next one in time.
         let is_long = period > self.jitter.times(20);
         let early = !std::mem::take(&mut self.waited)

@@ -156,6 +156,15 @@ impl Pdos {
         Ok(())
     }
 
+    /// A SYNC of the device itself: whether it counts for its own PDOs is left open.
+    pub fn synchronises_itself(&mut self) {
+        for seen in &mut self.seen {
+            seen.heard = true;
+            seen.open();
+            seen.in_step = false;
+        }
+    }
+
     /// The bus was full until now.
     pub fn held_up(&mut self, now: Timestamp) {
         for seen in &mut self.seen {
