@@ -1,10 +1,11 @@
 //! Makes a sequence shorter as long as it still shows the violation.
 //!
-//! First whole stretches go, from half of the sequence down to single frames, until no single frame can be left out;
-//! then each frame is made plainer: waits, and bytes that can be 0.
+//! First whole stretches go, from half of the sequence down to single frames, until no single frame can be left out. Then
+//! stretches become waits: what they did may only have been to take time. Last, each frame is made plainer: waits, and
+//! bytes that can be 0.
 
 use super::stimulus::{Sequence, Stimulus, Then};
-use canvass_traces::Frame;
+use canvass_traces::{Duration, Frame};
 use proptest::strategy::ValueTree;
 
 /// The frames of a dialogue that can only go together, such as a block upload's.
@@ -27,6 +28,11 @@ pub struct SequenceTree {
 enum Step {
     /// Leave out that many frames from there on.
     Remove {
+        length: usize,
+        from: usize,
+    },
+    /// Wait instead of sending that many frames behind that one.
+    Wait {
         length: usize,
         from: usize,
     },
@@ -86,6 +92,15 @@ impl SequenceTree {
                 }
                 variant.stimuli.drain(from..end);
             }
+            Step::Wait { length, from } => {
+                let end = (from + 1 + length).min(variant.stimuli.len());
+                if from + 1 >= end {
+                    return None;
+                }
+                let pause = variant.stimuli.get(from..end)?.iter().fold(Duration::ZERO, |sum, one| sum + time_of(one));
+                variant.stimuli.drain(from + 1..end);
+                variant.stimuli.get_mut(from)?.then = Then::Pause(pause);
+            }
             Step::Settle { at } => {
                 let stimulus = variant.stimuli.get_mut(at)?;
                 stimulus.then = match stimulus.then {
@@ -115,9 +130,14 @@ impl SequenceTree {
             Step::Remove { length, from } if from + length < len => {
                 Step::Remove { length, from: from + stride(length) }
             }
+            Step::Wait { length, from } if from + 1 + length < len => {
+                Step::Wait { length, from: from + stride(length) }
+            }
             Step::Remove { length, .. } if length > 1 => Step::Remove { length: length.div_ceil(2), from: 0 },
-            Step::Remove { .. } if self.progress => self.restart(),
-            Step::Remove { .. } => Step::Settle { at: 0 },
+            Step::Remove { .. } | Step::Wait { length: ..=1, .. } if self.progress => self.restart(),
+            Step::Remove { .. } => Step::Wait { length: len.div_ceil(2).max(1), from: 0 },
+            Step::Wait { length: ..=1, .. } => Step::Settle { at: 0 },
+            Step::Wait { length, .. } => Step::Wait { length: length.div_ceil(2), from: 0 },
             Step::Settle { at } if at + 1 < len => Step::Settle { at: at + 1 },
             Step::Settle { .. } => Step::Zero { at: 0, byte: 4 },
             Step::Zero { at, byte } if byte < 7 => Step::Zero { at, byte: byte + 1 },
@@ -135,11 +155,19 @@ impl SequenceTree {
     /// The step that comes after a variant that showed the violation: what was left out shifts the rest.
     fn accepted(&mut self) {
         self.progress = true;
-        if let Step::Remove { length, from } = self.step
-            && let Some(from) = from.checked_sub(stride(length))
-        {
-            self.step = Step::Remove { length, from };
+        match &mut self.step {
+            Step::Remove { length, from } | Step::Wait { length, from } => *from = from.saturating_sub(stride(*length)),
+            _ => {}
         }
+    }
+}
+
+/// About how long a frame and what comes of it take.
+const fn time_of(stimulus: &Stimulus) -> Duration {
+    match stimulus.then {
+        Then::AtOnce => Duration::from_millis(1),
+        Then::Settle => Duration::from_millis(10),
+        Then::Pause(pause) => pause,
     }
 }
 
@@ -212,6 +240,19 @@ mod tests {
                 assert_eq!(stimulus.then, Then::Settle);
             }
         }
+    }
+
+    #[test]
+    fn what_only_takes_time_becomes_a_wait() {
+        let mut tree = SequenceTree::new(sequence(&(0..20).collect::<Vec<_>>()));
+        let mut more = true;
+        while more {
+            let stimuli = tree.current().stimuli;
+            let time = stimuli.iter().fold(Duration::ZERO, |sum, one| sum + time_of(one));
+            more = if time >= Duration::from_millis(900) { tree.simplify() } else { tree.complicate() };
+        }
+        let minimal = tree.best();
+        assert_eq!(minimal.stimuli.len(), 1, "{minimal:?}");
     }
 
     #[test]

@@ -242,7 +242,7 @@ impl Oracle {
                         if !shares && !self.sdo.is_writing() {
                             judged?;
                         }
-                        if self.nmt.erred(now, &self.belief, &self.knowledge) == nmt::Change::State {
+                        if self.nmt.erred(now, frame, &self.belief, &self.knowledge) == nmt::Change::State {
                             self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
                             self.pdo.state_changed(now, &self.nmt);
                         }

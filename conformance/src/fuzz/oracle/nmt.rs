@@ -7,6 +7,7 @@ use crate::fuzz::property::Property;
 use crate::fuzz::stimulus::Start;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::emcy::Emcy;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_analyzer::wire::nmt::{Command, Nmt};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -29,6 +30,9 @@ pub(in crate::fuzz) enum Phase {
     /// Any state: after a frame about which the standard says nothing.
     Unsure,
 }
+
+/// So many sub-indices of 1029h are looked at: communication, and what device profile and manufacturer add.
+const ERROR_CLASSES: u8 = 16;
 
 /// What a frame changed.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -320,18 +324,24 @@ impl Slave {
     }
 
     /// The device has reported an error: 1029h says where it goes then.
-    pub fn erred(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) -> Change {
+    /// For errors of communication it is sub-index 1; which class of others the device counts an error to is its own.
+    pub fn erred(&mut self, now: Timestamp, emcy: &Frame, belief: &Belief, knowledge: &Knowledge) -> Change {
         if self.phase != Phase::Operational {
             return Change::None;
         }
-        let behaviour = belief.number(knowledge, 0x1029, 1);
-        let exists = knowledge.entry(Multiplexer::new(0x1029, 1)).is_some();
-        match behaviour {
-            Some(1) => Change::None,
-            Some(0) => self.enter(now, Phase::Running),
-            None if !exists && knowledge.is_described() => self.enter(now, Phase::Running),
-            _ => self.enter(now, Phase::Unsure),
+        let code = Emcy::read(emcy.data()).ok().and_then(|emcy| emcy.code());
+        let communication = code.is_some_and(|code| matches!(code.0 >> 8, 0x81 | 0x82));
+        let classes = 1..=if communication { 1 } else { ERROR_CLASSES };
+        let exists = |sub: &u8| !knowledge.is_described() || knowledge.entry(Multiplexer::new(0x1029, *sub)).is_some();
+        let (mut stays, mut leaves) = (false, false);
+        for sub in classes.filter(exists) {
+            match belief.number(knowledge, 0x1029, sub) {
+                Some(1) => stays = true,
+                Some(0) => leaves = true,
+                _ => return self.enter(now, Phase::Unsure),
+            }
         }
+        if stays && !leaves { Change::None } else { self.enter(now, Phase::Running) }
     }
 
     /// The device may leave operational by itself.
