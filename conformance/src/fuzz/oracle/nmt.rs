@@ -180,6 +180,8 @@ impl Slave {
         let boots = self.phase == Phase::Booting;
         if boots && self.announces {
             self.hasty = now;
+            // A device that obeys in initialisation too begins it anew.
+            self.boot_due = now + knowledge.patience.boot;
         }
         if self.phase == Phase::Unconfigured || boots && self.announces {
             return Change::None;

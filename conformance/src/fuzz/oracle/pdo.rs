@@ -26,6 +26,8 @@ struct Seen {
     open: u8,
     /// The answer to a SYNC is overdue then.
     due: Timestamp,
+    /// Since the last one the bus was full for a while.
+    held_up: bool,
     /// It is not the answer to a SYNC, but to a remote frame.
     remote: bool,
     /// Its configuration, by the values of [`Pdos::version`].
@@ -170,6 +172,7 @@ impl Pdos {
         for seen in &mut self.seen {
             (seen.last, seen.since) = (None, now);
             seen.due = Timestamp::MAX;
+            seen.held_up = true;
         }
     }
 
@@ -292,6 +295,7 @@ impl Seen {
             open: 0,
             due: Timestamp::MAX,
             remote: false,
+            held_up: false,
         }
     }
 
@@ -340,6 +344,10 @@ impl Seen {
         {
             let expected = format!("the TPDO after every {kind} SYNC");
             return wrong("synchronous TPDO", expected, format!("one after {} SYNC", self.syncs));
+        }
+        if std::mem::take(&mut self.held_up) {
+            // It waited for the bus, the next one may not have to.
+            (self.last, self.since) = (None, now);
         }
         if asked {
             // An answer to a remote frame keeps to no time, and the next one to none after it.
@@ -415,7 +423,9 @@ impl Parameters {
 
     /// Whether the PDO exists and follows every n-th SYNC from the first on.
     fn is_plain(&self) -> bool {
-        self.mapped && self.open_window && self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
+        // Whether an inhibit time that began before the type was changed still counts is left open.
+        let free = self.inhibit.is_none_or(|inhibit| inhibit == Duration::ZERO);
+        free && self.mapped && self.open_window && self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
     }
 
     /// Whether a remote frame must be answered.
