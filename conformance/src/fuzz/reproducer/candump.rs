@@ -7,12 +7,18 @@ use std::fmt::Write;
 /// A comment that says that the device has no node-ID when the sequence begins.
 pub(super) const UNCONFIGURED: &str = "# start: without node-ID";
 
+/// A comment that says how long is waited behind the last frame, of which its time says nothing: a number and `ms`.
+const LAST_WAIT: &str = "# end: after ";
+
+/// No reproducer needs a longer one.
+const LONGEST_WAIT: u64 = 60_000;
+
 /// The frames of a sequence as a candump log, for `canplayer` and `canvass fuzz --replay`. Times are those at which the
 /// frames are to be sent: 100 ms apart where the device is to be given time, at once where it is not.
 pub fn candump(sequence: &Sequence) -> String {
     let mut now = Timestamp::ZERO;
     let head = if sequence.start == Start::Unconfigured { format!("{UNCONFIGURED}\n") } else { String::new() };
-    sequence.stimuli.iter().fold(head, |mut text, stimulus| {
+    let mut text = sequence.stimuli.iter().fold(head, |mut text, stimulus| {
         // Writing to a string can't fail.
         let nanos = now.nanos();
         let _ = writeln!(
@@ -24,7 +30,17 @@ pub fn candump(sequence: &Sequence) -> String {
         );
         now += wait_after(stimulus);
         text
-    })
+    });
+    if let Some(Stimulus { then: Then::Pause(time), .. }) = sequence.stimuli.last() {
+        let _ = writeln!(text, "{LAST_WAIT}{} ms", time.nanos().div_ceil(1_000_000));
+    }
+    text
+}
+
+/// How long a log says that is waited behind its last frame.
+pub(super) fn last_wait(log: &str) -> Option<Duration> {
+    let number = log.lines().find_map(|line| line.strip_prefix(LAST_WAIT)?.trim().strip_suffix("ms"))?;
+    number.trim().parse().ok().filter(|millis| *millis <= LONGEST_WAIT).map(Duration::from_millis)
 }
 
 /// What `canplayer` and a replay wait after a frame that is to settle.

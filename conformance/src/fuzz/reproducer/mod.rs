@@ -18,6 +18,7 @@ pub use rust_test::rust_test;
 
 use super::campaign::{self, Found, FuzzError};
 use super::ground::{Ground, Live, of_address};
+use super::stimulus::Then;
 use super::{Knowledge, Sequence, Start, Violation};
 use crate::bus::{self, BusAddress, BusError};
 use canvass_analyzer::NodeId;
@@ -97,8 +98,12 @@ fn one(bytes: &[u8], node: NodeId) -> Result<Sequence, ReplayError> {
         return Err(ReplayError::Empty(node));
     }
     let mut sequence = sequence(&frames);
-    let unconfigured = std::str::from_utf8(bytes).is_ok_and(|text| text.contains(candump::UNCONFIGURED));
+    let text = std::str::from_utf8(bytes).unwrap_or_default();
+    let unconfigured = text.contains(candump::UNCONFIGURED);
     sequence.start = if unconfigured { Start::Unconfigured } else { Start::Configured };
+    if let (Some(wait), Some(last)) = (candump::last_wait(text), sequence.stimuli.last_mut()) {
+        last.then = Then::Pause(wait);
+    }
     Ok(sequence)
 }
 
@@ -153,6 +158,8 @@ fn first(ground: &mut dyn Ground, knowledge: &Knowledge, log: &[u8]) -> Result<O
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::fuzz::stimulus::Stimulus;
+    use canvass_traces::{CanId, Duration};
 
     /// What `canvass test --record` or candump have written is replayed without the device's own frames.
     #[test]
@@ -164,6 +171,19 @@ mod tests {
         assert_eq!(ids, [0x601, 0x701, 0x080]);
         assert!(matches!(read(b"(1.0) can0 581#00\n", NodeId::MIN), Err(ReplayError::Empty(_))));
         assert!(read(b"\x00\x01nonsense", NodeId::MIN).is_err());
+    }
+
+    /// What a violation needs behind its last frame comes back from its log.
+    #[test]
+    fn the_wait_behind_the_last_frame_is_kept() {
+        let frame = Frame::new(CanId::standard_masked(0x601), &[0x40]).unwrap();
+        let pause = Then::Pause(Duration::from_millis(120));
+        let written = Sequence { start: Start::Configured, stimuli: vec![Stimulus { frame, then: pause }] };
+        let log = candump(&written);
+        assert_eq!(log, "(0000000000.000000) can0 601#40\n# end: after 120 ms\n");
+        assert_eq!(read(log.as_bytes(), NodeId::MIN).unwrap()[0].stimuli, written.stimuli);
+        let endless = log.replace("120", "99999999999");
+        assert_eq!(read(endless.as_bytes(), NodeId::MIN).unwrap()[0].stimuli[0].then, Then::Settle);
     }
 
     #[test]
