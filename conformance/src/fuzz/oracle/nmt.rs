@@ -180,8 +180,10 @@ impl Slave {
         let boots = self.phase == Phase::Booting;
         if boots && self.announces {
             self.hasty = now;
-            // A device that obeys in initialisation too begins it anew.
-            self.boot_due = now + knowledge.patience.boot;
+            if resets(frame, knowledge) {
+                // A device that obeys in initialisation too begins it anew.
+                self.boot_due = now + knowledge.patience.boot;
+            }
         }
         if self.phase == Phase::Unconfigured || boots && self.announces {
             return Change::None;
@@ -500,6 +502,13 @@ impl Slave {
     fn tolerance(&self, period: Duration) -> Duration {
         Duration((period.nanos() / 10).max(self.jitter.nanos()))
     }
+}
+
+/// Whether a frame commands the device, alone or among all, to reset itself.
+fn resets(frame: &Frame, knowledge: &Knowledge) -> bool {
+    let named = |node: u8| node == 0 || node == knowledge.node.raw();
+    let is_reset = |command| matches!(command, Command::RESET_NODE | Command::RESET_COMMUNICATION);
+    Nmt::read(frame.data()).is_ok_and(|nmt| named(nmt.node) && is_reset(nmt.command))
 }
 
 /// Whether the device produces heartbeats; `None`: not known.
