@@ -6,8 +6,8 @@ use std::fmt;
 /// Counts since the bus was opened. The difference of two says what happened between them.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Health {
-    /// Frames that were on the bus and did not reach the tester: the kernel's receive queue or the tester's own was
-    /// full.
+    /// Frames that were on the bus and did not reach the tester: the controller had no room for them, or a queue of the
+    /// kernel or of the tester was full.
     pub lost: u64,
     /// How often the way to the bus was interrupted: the interface went down, the adapter was unplugged, bus-off.
     pub interruptions: u64,

@@ -2,7 +2,7 @@
 
 use super::netlink::{
     HEADER, IFF_UP, LINK_HEADER, NLM_F_REQUEST, RTM_GETLINK, RTM_NEWLINK, attribute, attributes, kind, malformed,
-    message, u16_at, u32_at,
+    message, u16_at, u32_at, u64_at,
 };
 use super::sys;
 use std::fmt;
@@ -12,6 +12,7 @@ const IFLA_IFNAME: u16 = 3;
 const IFLA_MTU: u16 = 4;
 const IFLA_TXQLEN: u16 = 13;
 pub(super) const IFLA_LINKINFO: u16 = 18;
+const IFLA_STATS64: u16 = 23;
 pub(super) const IFLA_INFO_KIND: u16 = 1;
 pub(super) const IFLA_INFO_DATA: u16 = 2;
 pub(super) const IFLA_CAN_BITTIMING: u16 = 1;
@@ -45,6 +46,9 @@ pub struct Link {
     pub error_counters: Option<(u16, u16)>,
     /// After how many milliseconds in bus-off the controller is restarted; `None`: only by hand.
     pub restart_ms: Option<u32>,
+    /// How many frames the controller, its driver or the kernel has lost before any socket saw them, since the interface
+    /// is there.
+    pub lost: u64,
 }
 
 /// The state of a CAN controller, as `enum can_state` numbers it.
@@ -171,10 +175,18 @@ fn read(answer: &[u8]) -> io::Result<Option<Link>> {
             IFLA_MTU => link.mtu = u32_at(data, 0).unwrap_or(0),
             IFLA_TXQLEN => link.transmit_queue = u32_at(data, 0).unwrap_or(0),
             IFLA_LINKINFO => link.read_info(data),
+            IFLA_STATS64 => link.lost = lost(data),
             _ => {}
         }
     }
     Ok(Some(link))
+}
+
+/// Of `struct rtnl_link_stats64`. Drivers count a frame that their controller had no room for under one of two names.
+fn lost(statistics: &[u8]) -> u64 {
+    let number = |place: usize| u64_at(statistics, place * size_of::<u64>()).unwrap_or(0);
+    let (rx_dropped, rx_over_errors, rx_fifo_errors, rx_missed_errors) = (6, 11, 14, 15);
+    number(rx_dropped) + number(rx_over_errors).max(number(rx_fifo_errors)) + number(rx_missed_errors)
 }
 
 impl Link {
@@ -244,6 +256,20 @@ mod tests {
             "can, up, 250 kbit/s, bus-off, error counters 248 (transmit) and 0 (receive), not restarted by itself, \
              classical, transmit queue of 10 frames"
         );
+    }
+
+    #[test]
+    fn what_was_lost_is_summed_but_a_full_controller_counts_once() {
+        // struct rtnl_link_stats64 of linux/if_link.h.
+        let numbers: [u64; 25] = std::array::from_fn(|place| match place {
+            6 => 5,
+            11 | 14 => 70,
+            15 => 900,
+            _ => 1 << 40,
+        });
+        let statistics: Vec<u8> = numbers.iter().flat_map(|number| number.to_ne_bytes()).collect();
+        let link = read(&answer(ARPHRD_CAN, IFF_UP, &attribute(IFLA_STATS64, &statistics))).unwrap().unwrap();
+        assert_eq!(link.lost, 975);
     }
 
     #[test]

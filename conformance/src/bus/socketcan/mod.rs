@@ -19,6 +19,7 @@ use super::inbox::Inbox;
 use super::{Bus, BusError, Health};
 use canvass_traces::{ChannelId, Duration, Frame, Record, Timestamp, to_socket};
 use receiver::Receiver;
+use std::cell::Cell;
 use std::collections::VecDeque;
 use std::io::{self, PipeWriter};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -33,6 +34,24 @@ pub struct SocketCan {
     /// The receiving thread has the other end, and sees that this one is closed.
     open: Option<PipeWriter>,
     bit_rate: Option<u32>,
+    losses: Cell<Losses>,
+}
+
+/// The frames that were lost before any socket saw them.
+#[derive(Clone, Copy)]
+struct Losses {
+    /// The interface's count when it was last asked.
+    counted: u64,
+    /// Since this bus was opened.
+    lost: u64,
+}
+
+impl Losses {
+    /// With the interface's count of now, which begins anew where the interface does.
+    fn at(self, counted: u64) -> Self {
+        let new = counted.checked_sub(self.counted).unwrap_or(counted);
+        Self { counted, lost: self.lost + new }
+    }
 }
 
 /// What the bus and its receiving thread have in common.
@@ -82,11 +101,12 @@ impl SocketCan {
             filters: Mutex::new(vec![Filter { id: 0, mask: 0 }]),
             goes_down: AtomicBool::new(false),
         });
+        let losses = Cell::new(Losses { counted: link.lost, lost: 0 });
         let (end, open) = io::pipe().map_err(failed("receive from"))?;
         let receiver = Receiver::new(Arc::clone(&shared), end);
         let thread = std::thread::Builder::new().name(format!("receive {interface}"));
         let receiver = thread.spawn(move || receiver.run()).map_err(failed("receive from"))?;
-        Ok(Self { shared, receiver: Some(receiver), open: Some(open), bit_rate: link.bit_rate })
+        Ok(Self { shared, receiver: Some(receiver), open: Some(open), bit_rate: link.bit_rate, losses })
     }
 
     /// Whether the kernel has what is needed, whichever interfaces there are.
@@ -174,7 +194,12 @@ impl Bus for SocketCan {
     }
 
     fn health(&self) -> Health {
-        self.shared.inbox.health()
+        let mut health = self.shared.inbox.health();
+        if let Ok(Some(link)) = Link::find(&self.shared.interface) {
+            self.losses.set(self.losses.get().at(link.lost));
+        }
+        health.lost += self.losses.get().lost;
+        health
     }
 
     fn limit_backlog(&mut self, frames: usize) {
@@ -215,5 +240,18 @@ impl Drop for SocketCan {
             // It panicked or not: nothing is left to do for it.
             let _ = receiver.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_an_interface_lost_before_is_not_counted_and_a_new_one_counts_from_zero() {
+        let losses = Losses { counted: 40, lost: 0 };
+        assert_eq!(losses.at(40).lost, 0);
+        assert_eq!(losses.at(47).lost, 7);
+        assert_eq!(losses.at(47).at(2).at(3).lost, 10);
     }
 }
