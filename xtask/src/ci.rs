@@ -4,16 +4,18 @@ use crate::browser;
 use crate::fuzz::fuzz;
 use crate::peers;
 use crate::run::{is_there, run};
+use crate::vcan;
 use anyhow::Result;
 use std::process::Command;
 
 /// The tests that exchange captures with other people's programs, and those in a browser, beside all others.
 const FEATURES: [&str; 2] = ["--features", "canvass/peers,canvass/browser"];
 
-/// Those on real SocketCAN need a kernel with CAN (`cargo xtask vcan` brings one): here they are only linted.
+/// Those on real SocketCAN are built and run by themselves, as they bring a kernel with CAN: with the others they are
+/// only linted.
 const LINTED: [&str; 2] = ["--features", "canvass/peers,canvass/browser,canvass/vcan"];
 
-/// Format, lints, build, all tests, those with peers and in a browser too, doc tests, documentation.
+/// Format, lints, build, documentation, all tests: those with peers, on real SocketCAN and in a browser too.
 pub fn ci() -> Result<()> {
     components()?;
     run("cargo", &["fmt", "--all", "--check"])?;
@@ -25,6 +27,7 @@ pub fn ci() -> Result<()> {
     run("cargo", &["test", "--workspace", "--locked", "--doc"])?;
     fuzz()?;
     peers::install_all()?;
+    vcan::test(&[])?;
     browser::install_all()?;
     let all = [&["--workspace", "--locked", "--no-fail-fast"], &FEATURES[..]].concat();
     if is_there("cargo", &["nextest", "--version"]) {

@@ -33,18 +33,31 @@ static METADATA: Metadata = Metadata {
 /// What a period is compared with: one twentieth of it.
 const NEAR: u64 = 20;
 
-#[derive(Default)]
 struct TwoProducers {
     sync: Interleaving,
     time: Interleaving,
     counters: Counters,
-    pdos: Vec<Pdo>,
+    /// By node and number from 0.
+    pdos: Box<[[Option<Pdo>; TPDOS]]>,
+    /// Those that have come: node, number from 1.
+    seen: Vec<(NodeId, u16)>,
+}
+
+impl Default for TwoProducers {
+    fn default() -> Self {
+        Self {
+            sync: Interleaving::default(),
+            time: Interleaving::default(),
+            counters: Counters::default(),
+            pdos: vec![Default::default(); 128].into(),
+            seen: Vec::new(),
+        }
+    }
 }
 
 /// A TPDO that may have two producers.
+#[derive(Clone, Copy, Default)]
 struct Pdo {
-    node: NodeId,
-    number: u16,
     interleaving: Interleaving,
     /// How often it came since the last SYNC.
     since_sync: u8,
@@ -95,11 +108,11 @@ impl TwoProducers {
         } else if self.counters.see(sync) {
             sink.report(report(), || "two series of SYNC counters in turn: two producers".to_owned());
         }
-        for pdo in &mut self.pdos {
-            if pdo.since_sync < 2 {
-                pdo.twice = 0;
+        for &(node, number) in &self.seen {
+            if let Some(Some(pdo)) = slot(&mut self.pdos, node, number) {
+                pdo.twice = if pdo.since_sync < 2 { 0 } else { pdo.twice };
+                pdo.since_sync = 0;
             }
-            pdo.since_sync = 0;
         }
     }
 
@@ -110,13 +123,11 @@ impl TwoProducers {
         if !cyclic && timer.is_none() {
             return;
         }
-        let known = self.pdos.iter().position(|pdo| (pdo.node, pdo.number) == (node, number));
-        let at = known.unwrap_or_else(|| {
-            let (since_sync, twice) = (0, 0);
-            self.pdos.push(Pdo { node, number, interleaving: Interleaving::default(), since_sync, twice });
-            self.pdos.len() - 1
-        });
-        let pdo = &mut self.pdos[at];
+        let Some(slot) = slot(&mut self.pdos, node, number) else { return };
+        if slot.is_none() {
+            self.seen.push((node, number));
+        }
+        let pdo = slot.get_or_insert_default();
         let report = || {
             let report = Report::at(context.now()).node(node).detail(u64::from(number));
             report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence())
@@ -144,8 +155,17 @@ impl TwoProducers {
         self.sync.restart();
         self.time.restart();
         self.counters = Counters::default();
-        self.pdos.clear();
+        for (node, number) in self.seen.drain(..) {
+            if let Some(slot) = slot(&mut self.pdos, node, number) {
+                *slot = None;
+            }
+        }
     }
+}
+
+/// The place of that TPDO, unless it is beyond those that are judged.
+fn slot(pdos: &mut [[Option<Pdo>; TPDOS]], node: NodeId, number: u16) -> Option<&mut Option<Pdo>> {
+    pdos[usize::from(node.raw())].get_mut(usize::from(number).checked_sub(1)?)
 }
 
 impl Rule for TwoProducers {
@@ -160,7 +180,7 @@ impl Rule for TwoProducers {
                     format!("TIME comes after {a} and after {b} in turn: two producers of {}", a + b)
                 });
             }
-            Message::Pdo(PdoNumber::Transmit(number)) if usize::from(*number) <= TPDOS => {
+            Message::Pdo(PdoNumber::Transmit(number)) => {
                 if let Some(node) = context.node() {
                     self.pdo(node, *number, context, sink);
                 }
@@ -171,7 +191,8 @@ impl Rule for TwoProducers {
     }
 
     fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
-        self.pdos.retain(|pdo| pdo.node != node);
+        self.pdos[usize::from(node.raw())] = Default::default();
+        self.seen.retain(|seen| seen.0 != node);
     }
 
     fn interrupted(&mut self) {

@@ -2,7 +2,7 @@ use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::Service;
-use canvass_traces::Duration;
+use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
@@ -39,8 +39,10 @@ struct PositionFrozen {
 
 #[derive(Default)]
 struct Axis {
-    /// The frame with which the position has come first, and the position.
-    since: Option<(Seen, u64)>,
+    /// When the position has come first, and the position.
+    since: Option<(Timestamp, u64)>,
+    /// The frame with which it has come first, as soon as it has come again.
+    first: Option<Seen>,
     /// Further PDOs with the same position, while the shaft turns.
     same: u32,
     turns: bool,
@@ -70,18 +72,21 @@ impl Rule for PositionFrozen {
             }
         }
         let Some(position) = position.filter(|_| axis.turns) else { return };
-        match &axis.since {
-            Some((_, known)) if *known == position => axis.same += 1,
-            _ => (axis.since, axis.same) = (Some((context.seen(), position)), 0),
+        let Some((since, _)) = axis.since.filter(|(_, known)| *known == position) else {
+            (axis.since, axis.same) = (Some((context.now(), position)), 0);
+            return;
+        };
+        axis.same += 1;
+        if axis.same == 1 {
+            // Keeping every frame would cost more than all else here.
+            axis.first = context.previous.cloned();
         }
         const ENOUGH: u32 = 5;
-        let Some((first, _)) = axis.since.as_ref().filter(|_| axis.same >= ENOUGH) else { return };
-        let lasted = context.now().since(first.time());
-        if lasted >= self.time {
-            let report = Report::at(first.time()).node(node).measure(lasted.nanos());
-            sink.report(report.evidence(first.evidence()).evidence(context.evidence()), || {
-                format!("position {position} for {lasted}, although the speed is not 0")
-            });
+        let lasted = context.now().since(since);
+        if axis.same >= ENOUGH && lasted >= self.time {
+            let report = Report::at(since).node(node).measure(lasted.nanos());
+            let report = report.evidence(axis.first.as_ref().map(Seen::evidence)).evidence(context.evidence());
+            sink.report(report, || format!("position {position} for {lasted}, although the speed is not 0"));
         }
     }
 

@@ -89,21 +89,21 @@ const fn is_channel(position: &Operand) -> bool {
 }
 
 /// Far more than any number of units.
-const NO_LIMIT: u128 = u128::MAX >> 64;
+const NO_LIMIT: u64 = u64::MAX;
 
 impl PositionJump {
     /// How far the position can get in a second.
-    fn units_a_second(&self, position: &Operand, per_revolution: Option<u64>, context: &Context<'_>) -> u128 {
+    fn units_a_second(&self, position: &Operand, per_revolution: Option<u64>, context: &Context<'_>) -> u64 {
         let node = position.node;
         let known = context.scene.bus.node(node);
-        let linear = |millimetres: f64| (self.linear_speed as f64 / millimetres) as u128;
+        let linear = |millimetres: f64| (self.linear_speed as f64 / millimetres) as u64;
         if is_channel(position) {
             let described = known.and_then(|known| known.description.as_deref());
             let annotated = || described?.annotations.get(position.object)?.unit.clone();
             let unit = known.and_then(|known| known.scale(node, position.object)).or_else(annotated);
             return match unit.filter(|unit| unit.factor > 0.0) {
                 Some(unit) if unit.symbol == "mm" => linear(unit.factor),
-                Some(unit) if unit.symbol == "°" => (self.speed as f64 * 6.0 / unit.factor) as u128,
+                Some(unit) if unit.symbol == "°" => (self.speed as f64 * 6.0 / unit.factor) as u64,
                 _ => NO_LIMIT,
             };
         }
@@ -113,7 +113,7 @@ impl PositionJump {
             Some(Kind::Linear) => step().filter(|&step| step > 0).map_or(NO_LIMIT, |step| linear(step as f64 / 1e6)),
             _ => {
                 let units = per_revolution.or_else(step).unwrap_or(self.resolution);
-                u128::from(units) * u128::from(self.speed) / 60
+                units.saturating_mul(self.speed) / 60
             }
         }
     }
@@ -134,8 +134,13 @@ impl PositionJump {
         // PDOs wait for the bus, and recorders for the processor.
         let elapsed = context.now().since(at) + context.scene.slack() + Duration::from_millis(5);
         let a_second = self.units_a_second(position, before_this.per_revolution, context);
-        let allowed = a_second * u128::from(elapsed.nanos()) / 1_000_000_000;
-        let allowed = u64::try_from(allowed).unwrap_or(u64::MAX).max(self.least);
+        // In units of a billionth.
+        let allowed = u128::from(a_second) * u128::from(elapsed.nanos());
+        // The straight way is the longest, and most often short enough: dividing takes much longer than this.
+        if u128::from(before.abs_diff(position.raw)) * 1_000_000_000 <= allowed {
+            return;
+        }
+        let allowed = u64::try_from(allowed / 1_000_000_000).unwrap_or(u64::MAX).max(self.least);
         let distance = before_this.distance(before, position, allowed);
         if distance > allowed {
             let report = Report::at(context.now()).node(node).measure(distance);

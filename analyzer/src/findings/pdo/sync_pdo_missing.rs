@@ -10,7 +10,9 @@ pub const RULE: Definition = Definition {
     metadata: &METADATA,
     services: &[Service::Sync, Service::Nmt],
     also: Also::KnownTpdos,
-    make: Some(|_| Box::new(SyncPdoMissing { since: vec![[None; TPDOS]; 128].into(), synchronous: Vec::new() })),
+    make: Some(|_| {
+        Box::new(SyncPdoMissing { pdos: vec![[Pdo::default(); TPDOS]; 128].into(), synchronous: Vec::new() })
+    }),
 };
 
 static METADATA: Metadata = Metadata {
@@ -27,11 +29,21 @@ static METADATA: Metadata = Metadata {
 };
 
 struct SyncPdoMissing {
-    /// The SYNC messages since the PDO last came; `None` before it came at all.
-    since: Box<[[Option<u32>; TPDOS]]>,
-    /// The PDOs that are synchronous and cyclic: node, number from 1, SYNC messages, and how often in a row they came
-    /// too soon.
-    synchronous: Vec<(NodeId, u16, u8, u8)>,
+    /// By node and number from 0.
+    pdos: Box<[[Pdo; TPDOS]]>,
+    /// Those that are synchronous and cyclic: node, number from 1.
+    synchronous: Vec<(NodeId, u16)>,
+}
+
+/// A TPDO.
+#[derive(Clone, Copy, Default)]
+struct Pdo {
+    /// The SYNC messages since it last came; `None` before it came at all.
+    since: Option<u32>,
+    /// With every n-th SYNC it is due; 0 if it is not synchronous and cyclic.
+    cycle: u8,
+    /// How often in a row it came too soon.
+    early: u8,
 }
 
 impl SyncPdoMissing {
@@ -39,35 +51,34 @@ impl SyncPdoMissing {
     const EARLY: u8 = 3;
 
     fn refresh(&mut self, node: NodeId, scene: &Scene<'_>) {
-        self.since[usize::from(node.raw())].fill(None);
         self.synchronous.retain(|row| row.0 != node);
-        for number in 1..=TPDOS as u16 {
+        for (pdo, number) in self.pdos[usize::from(node.raw())].iter_mut().zip(1..) {
+            *pdo = Pdo::default();
             if let Some(cycle @ 1..=240) = scene.facts.tpdos.of(node, number).transmission_type {
-                self.synchronous.push((node, number, cycle, 0));
+                pdo.cycle = cycle;
+                self.synchronous.push((node, number));
             }
         }
     }
 
-    /// A PDO after so many SYNC messages: that of every n-th SYNC must not come at others.
-    fn early(&mut self, number: u16, passed: Option<u32>, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Some(node) = context.node() else { return };
-        let row = self.synchronous.iter_mut().find(|row| (row.0, row.1) == (node, number));
-        let Some((_, _, cycle, early)) = row else { return };
-        let is_early = passed.is_some_and(|passed| (1..u32::from(*cycle)).contains(&passed));
-        *early = if is_early { early.saturating_add(1) } else { 0 };
-        if *early >= Self::EARLY
-            && let Some(passed) = passed
-        {
+    /// A PDO after some SYNC messages: that of every n-th SYNC must not come at others.
+    fn pdo(&mut self, node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(pdo) = pdo_mut(&mut self.pdos, node, number) else { return };
+        let passed = pdo.since.replace(0);
+        let early = passed.filter(|passed| (1..u32::from(pdo.cycle)).contains(passed));
+        pdo.early = early.map_or(0, |_| pdo.early.saturating_add(1));
+        if let Some(passed) = early.filter(|_| pdo.early >= Self::EARLY) {
             let report = Report::at(context.now()).node(node).detail(1 << 16 | u64::from(number));
             let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+            let cycle = pdo.cycle;
             sink.report(report, || format!("TPDO {number} comes at every {passed}. SYNC, it is due at every {cycle}."));
         }
     }
 
     fn sync(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        for &(node, number, cycle, _) in &self.synchronous {
-            let slot = self.since[usize::from(node.raw())].get_mut(usize::from(number) - 1);
-            let Some(Some(passed)) = slot else { continue };
+        for &(node, number) in &self.synchronous {
+            let Some(pdo) = pdo_mut(&mut self.pdos, node, number) else { continue };
+            let Some(passed) = &mut pdo.since else { continue };
             let state = context.scene.bus.node(node).and_then(|node| node.state);
             let storing = context.scene.facts.node(node).is_storing(context.now());
             if storing || state.is_none_or(|state| state.0 != State::OPERATIONAL) {
@@ -76,7 +87,8 @@ impl SyncPdoMissing {
             }
             *passed += 1;
             // The PDO of this SYNC is still to come.
-            if *passed == u32::from(cycle) + 1 {
+            if *passed == u32::from(pdo.cycle) + 1 {
+                let cycle = pdo.cycle;
                 let report = Report::at(context.now()).node(node).detail(u64::from(number));
                 sink.report(report.evidence(context.evidence()), || {
                     format!("TPDO {number} did not come with the SYNC before this one, it is due at every {cycle}.")
@@ -86,16 +98,19 @@ impl SyncPdoMissing {
     }
 }
 
+/// That TPDO, unless it is beyond those that are judged.
+fn pdo_mut(pdos: &mut [[Pdo; TPDOS]], node: NodeId, number: u16) -> Option<&mut Pdo> {
+    pdos[usize::from(node.raw())].get_mut(usize::from(number).checked_sub(1)?)
+}
+
 impl Rule for SyncPdoMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         match (context.decoded.service, context.message()) {
             (Service::Sync, Message::Sync(_)) => self.sync(context, sink),
             (Service::Nmt, _) if context.begins_anew() => self.interrupted(),
             (Service::Pdo, Message::Pdo(PdoNumber::Transmit(number))) => {
-                let row = context.node().map(|node| &mut self.since[usize::from(node.raw())]);
-                if let Some(slot) = row.and_then(|row| row.get_mut(usize::from(*number).saturating_sub(1))) {
-                    let passed = slot.replace(0);
-                    self.early(*number, passed, context, sink);
+                if let Some(node) = context.node() {
+                    self.pdo(node, *number, context, sink);
                 }
             }
             _ => {}
@@ -107,6 +122,6 @@ impl Rule for SyncPdoMissing {
     }
 
     fn interrupted(&mut self) {
-        self.since.iter_mut().for_each(|row| row.fill(None));
+        self.pdos.iter_mut().flatten().for_each(|pdo| pdo.since = None);
     }
 }
