@@ -63,7 +63,11 @@ fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [
     let mut stuffing = Stuffing::default();
     stuffing.byte(first | ALTERNATING << (len % 8));
     rest.iter().for_each(|byte| stuffing.byte(*byte));
-    data.iter().for_each(|byte| stuffing.byte(*byte));
+    match data.len() {
+        // The usual one: so many steps are made without counting.
+        8 => filled.iter().for_each(|byte| stuffing.byte(*byte)),
+        _ => data.iter().for_each(|byte| stuffing.byte(*byte)),
+    }
     // What fills up the last byte is the complement of the last bit: with a stuff bit before it, it has only that one to
     // be equal to.
     let [upper, lower] = (crc << 1 | !crc & 1).to_be_bytes();

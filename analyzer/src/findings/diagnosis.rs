@@ -60,6 +60,15 @@ pub struct Observed<'a> {
 /// The last frames of 128 CAN-IDs.
 type Page = Box<[Option<Seen>]>;
 
+/// A frame that comes in.
+struct Incoming<'a> {
+    record: &'a Record,
+    /// [`latest_id`].
+    id: Option<u16>,
+    /// [`bit_length`].
+    bits: Option<u32>,
+}
+
 /// What watches one bus.
 struct BusWatch {
     rules: Vec<(&'static Definition, Box<dyn Rule>)>,
@@ -152,15 +161,14 @@ impl Diagnosis {
             return None;
         };
         watch.advance(record, &self.network, &mut self.findings);
-        let bits = bit_length(&record.frame);
-        if let Some(of) = watch.original(record, bits) {
+        let incoming = Incoming { record, id: latest_id(record), bits: bit_length(&record.frame) };
+        if let Some(of) = watch.original(&incoming) {
             watch.statistics.copy(&of);
             let bus = self.network.bus(record.channel)?;
             return Some(Observed { decoded: of, bus, reported: &self.findings.reported });
         }
-        let bits = bits.map_or(0, |bits| bits + INTERMISSION);
         let decoded = self.network.handle(record);
-        watch.frame(record, bits, &decoded, &self.network, &mut self.findings);
+        watch.frame(&incoming, &decoded, &self.network, &mut self.findings);
         let bus = self.network.bus(record.channel)?;
         Some(Observed { decoded, bus, reported: &self.findings.reported })
     }
@@ -214,6 +222,11 @@ fn latest_id(record: &Record) -> Option<u16> {
     let frame = &record.frame;
     let classical = !frame.is_error() && !frame.is_fd() && !frame.is_xl();
     frame.id().as_standard().filter(|_| classical)
+}
+
+/// The last frame with that CAN-ID.
+fn latest(pages: &[Option<Page>], id: u16) -> Option<&Seen> {
+    pages.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F))?.as_ref()
 }
 
 impl BusWatch {
@@ -288,10 +301,11 @@ impl BusWatch {
     }
 
     /// The frame of which this one is a copy: the same again, sooner than a bus can carry it, or given back by the
-    /// interface that has sent it. `bits` are those of the frame.
-    fn original(&mut self, record: &Record, bits: Option<u32>) -> Option<Decoded> {
+    /// interface that has sent it.
+    fn original(&mut self, incoming: &Incoming<'_>) -> Option<Decoded> {
+        let Incoming { record, id, bits } = *incoming;
         const GIVEN_BACK: Duration = Duration::from_millis(1);
-        let seen = self.latest(latest_id(record)?)?;
+        let seen = latest(&self.latest, id?)?;
         let apart = record.timestamp.since(seen.time());
         if apart > GIVEN_BACK || seen.record.frame != record.frame || record.timestamp < seen.time() {
             return None;
@@ -308,11 +322,6 @@ impl BusWatch {
         let decoded = seen.decoded;
         self.first_copy.get_or_insert((record.timestamp, record.place));
         Some(decoded)
-    }
-
-    /// The last frame with that CAN-ID.
-    fn latest(&self, id: u16) -> Option<&Seen> {
-        self.latest.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F))?.as_ref()
     }
 
     fn interrupted(&mut self) {
@@ -336,16 +345,16 @@ impl BusWatch {
         }
     }
 
-    fn frame(&mut self, record: &Record, bits: u32, decoded: &Decoded, network: &Network, findings: &mut Findings) {
+    fn frame(&mut self, incoming: &Incoming<'_>, decoded: &Decoded, network: &Network, findings: &mut Findings) {
+        let Incoming { record, id, bits } = *incoming;
+        let bits = bits.map_or(0, |bits| bits + INTERMISSION);
         let Some(bus) = network.bus(self.known.channel) else { return };
         let reconfigured = self.known.facts.follow(record, decoded, bus);
         let scene = self.known.scene(bus);
         if let Some(node) = reconfigured {
             self.rules.iter_mut().for_each(|(_, rule)| rule.reconfigured(node, &scene));
         }
-        let id = latest_id(record);
-        let previous = id.and_then(|id| self.latest.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F)));
-        let previous = previous.and_then(Option::as_ref);
+        let previous = id.and_then(|id| latest(&self.latest, id));
         let context = Context { scene, record, bits, decoded, previous };
         let news = &self.known.facts.news;
         let resets = decoded.node.is_some_and(|node| self.known.facts.node(node).pending_reset.is_some());

@@ -1,9 +1,9 @@
 use super::operands::{Kind, Operand, kind};
-use crate::Multiplexer;
 use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, NodeFacts, Seen, Severity};
+use crate::findings::{Context, NodeFacts, Scene, Seen, Severity};
 use crate::message::{Message, Service};
+use crate::{Multiplexer, NodeId};
 use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
@@ -63,6 +63,8 @@ struct Axis {
     range: Option<u64>,
     /// The largest position seen.
     highest: u64,
+    /// How far the position can get in a second, once it was worked out.
+    a_second: Option<u64>,
 }
 
 impl Axis {
@@ -118,6 +120,16 @@ impl PositionJump {
         }
     }
 
+    /// [`Self::units_a_second`], kept as long as nothing that it depends on is shown anew.
+    #[cold]
+    fn work_out(&mut self, position: &Operand, context: &Context<'_>) -> u64 {
+        let node = usize::from(position.node.raw());
+        let a_second = self.units_a_second(position, self.nodes[node].per_revolution, context);
+        // The unit of a channel can be set at any time.
+        self.nodes[node].a_second = Some(a_second).filter(|_| !is_channel(position));
+        a_second
+    }
+
     fn moved(&mut self, position: &Operand, context: &Context<'_>, sink: &mut Sink<'_>) {
         let node = position.node;
         let axis = &mut self.nodes[usize::from(node.raw())];
@@ -133,7 +145,7 @@ impl PositionJump {
         }
         // PDOs wait for the bus, and recorders for the processor.
         let elapsed = context.now().since(at) + context.scene.slack() + Duration::from_millis(5);
-        let a_second = self.units_a_second(position, before_this.per_revolution, context);
+        let a_second = before_this.a_second.unwrap_or_else(|| self.work_out(position, context));
         // In units of a billionth.
         let allowed = u128::from(a_second) * u128::from(elapsed.nanos());
         // The straight way is the longest, and most often short enough: dividing takes much longer than this.
@@ -172,7 +184,8 @@ impl Rule for PositionJump {
                 0x6004 if context.decoded.service == Service::Pdo => position = Some(operand),
                 // Of several channels the first one.
                 0x6020 if context.decoded.service == Service::Pdo => position = position.or(Some(operand)),
-                0x6001 => axis.per_revolution = Some(operand.raw),
+                0x6001 => (axis.per_revolution, axis.a_second) = (Some(operand.raw), None),
+                0x6501 => axis.a_second = None,
                 0x6002 => axis.range = Some(if operand.raw == 0 { 1 << 32 } else { operand.raw }),
                 _ => {}
             }
@@ -180,6 +193,11 @@ impl Rule for PositionJump {
         if let Some(position) = position {
             self.moved(position, context, sink);
         }
+    }
+
+    fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
+        // Which kind of encoder it is may be known now.
+        self.nodes[usize::from(node.raw())].a_second = None;
     }
 
     fn interrupted(&mut self) {

@@ -91,7 +91,7 @@ impl RedundantChannels {
 impl Rule for RedundantChannels {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
-        let first = *context.message() == Message::Pdo(PdoNumber::Transmit(1));
+        let first = matches!(context.message(), Message::Pdo(PdoNumber::Transmit(1)));
         if !first && context.decoded.service != Service::BootUp {
             return;
         }
