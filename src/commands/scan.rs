@@ -4,6 +4,7 @@ use crate::interrupt::Interrupt;
 use crate::live::{Live, parse_span};
 use crate::output::{TextOrJson, print};
 use crate::status::{Failure, Status};
+use canvass_analyzer::network::{Candidates, Shown};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::{Wire, lss, sdo};
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -17,6 +18,7 @@ use canvass_traces::{Duration, Record};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::sync::Arc;
 
 /// Find the nodes on a bus: by their heartbeats, by SDO and, those without node-ID, by LSS Fastscan
 ///
@@ -47,13 +49,13 @@ pub struct Args {
 struct Found {
     state: Option<State>,
     answers: bool,
-    device_type: Option<u32>,
-    identity: [Option<u32>; 4],
-    names: [Option<String>; 3],
+    /// The objects that tell what it is, as far as it has them.
+    shown: Shown,
 }
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 const NAMES: [(u16, &str); 3] = [(0x1008, "name"), (0x1009, "hardware"), (0x100A, "software")];
+/// 1018h:01 to :04.
 const PARTS: [&str; 4] = ["vendor-ID", "product code", "revision number", "serial number"];
 /// How long a slave may take to answer a Fastscan.
 const SCAN_PATIENCE: Duration = Duration::from_millis(30);
@@ -137,50 +139,65 @@ fn knock(exchange: &mut Exchange<'_>, patience: Duration, nodes: &mut BTreeMap<N
 
 /// Asks a node who it is.
 fn ask(exchange: &mut Exchange<'_>, node: NodeId, patience: Duration, found: &mut Found) -> Result<(), BusError> {
-    let mut read = |index, sub| {
-        let outcome = exchange.transfer(node, Transfer::upload(Multiplexer::new(index, sub)), patience)?;
-        Ok::<_, BusError>(match outcome {
-            Outcome::Uploaded(value) => Some(value),
-            _ => None,
-        })
-    };
-    let number = |value: Option<Vec<u8>>| value.and_then(|value| Some(u32::from_le_bytes(*value.first_chunk()?)));
-    found.device_type = number(read(0x1000, 0)?);
-    for (part, sub) in found.identity.iter_mut().zip(1..) {
-        *part = number(read(0x1018, sub)?);
-    }
-    for (name, (index, _)) in found.names.iter_mut().zip(NAMES) {
-        *name = read(index, 0)?.map(|value| String::from_utf8_lossy(&value).into_owned());
+    for object in Candidates::OBJECTS {
+        if let Outcome::Uploaded(value) = exchange.transfer(node, Transfer::upload(object), patience)? {
+            found.shown.insert(object, value);
+        }
     }
     Ok(())
 }
 
+/// Which built-in models a node may be.
+enum Models {
+    /// Those that all it has shown fits.
+    Fitting(Vec<Arc<str>>),
+    /// One of the same vendor and profile.
+    Similar(&'static Model),
+    None,
+}
+
 impl Found {
-    /// The built-in model with the same vendor-ID and product code; else one of the same vendor and profile.
-    fn model(&self) -> Option<(&'static Model, bool)> {
-        let [vendor, product, ..] = self.identity;
-        let vendor = vendor?;
-        let of_vendor = || Model::all().iter().filter(move |model| identity(model, 1) == Some(vendor));
-        let same = of_vendor().find(|model| product.is_some() && identity(model, 2) == product);
-        let similar = || of_vendor().find(|model| self.profile().is_some() && profile(model) == self.profile());
-        same.map(|model| (model, true)).or_else(|| similar().map(|model| (model, false)))
+    fn models(&self) -> Models {
+        let fitting = Model::candidates().fitting(&self.shown);
+        if !fitting.is_empty() {
+            return Models::Fitting(fitting);
+        }
+        let vendor = self.part(1);
+        let is_similar = |model: &&Model| {
+            let same_profile = self.profile().is_some() && model.description().device_profile() == self.profile();
+            same_profile && vendor.is_some() && vendor_of(model) == vendor
+        };
+        Model::all().iter().find(is_similar).map_or(Models::None, Models::Similar)
+    }
+
+    fn number(&self, object: Multiplexer) -> Option<u32> {
+        Some(u32::from_le_bytes(*self.shown.get(&object)?.first_chunk()?))
+    }
+
+    fn text(&self, index: u16) -> Option<String> {
+        let value = self.shown.get(&Multiplexer::new(index, 0))?;
+        Some(String::from_utf8_lossy(value).into_owned())
+    }
+
+    fn device_type(&self) -> Option<u32> {
+        self.number(DEVICE_TYPE)
+    }
+
+    /// A part of the identity, by its sub-index.
+    fn part(&self, sub: u8) -> Option<u32> {
+        self.number(Multiplexer::new(0x1018, sub))
     }
 
     /// The low word of 1000h.
     fn profile(&self) -> Option<u16> {
-        self.device_type.map(|device_type| device_type as u16).filter(|&profile| profile > 0)
+        self.device_type().map(|device_type| device_type as u16).filter(|&profile| profile > 0)
     }
 }
 
-fn profile(model: &Model) -> Option<u16> {
-    model.description().device_profile()
-}
-
-fn identity(model: &Model, sub: u8) -> Option<u32> {
-    let device = &model.description().device;
-    let entry = model.description().dictionary.entry(Multiplexer::new(0x1018, sub)).ok();
+fn vendor_of(model: &Model) -> Option<u32> {
+    let entry = model.description().dictionary.entry(Multiplexer::new(0x1018, 1)).ok();
     let start = entry.and_then(|entry| entry.start_value(NodeId::MAX)?.to_raw()).map(|raw| raw as u32);
-    start.or(if sub == 1 { device.vendor_number } else { device.product_number })
+    start.or(model.description().device.vendor_number)
 }
 
 fn text(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> String {
@@ -191,25 +208,25 @@ fn text(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> St
         let state = if found.state == Some(State(0)) { "has just started".to_owned() } else { state };
         let answers = if found.answers { "" } else { ", does not answer SDOs" };
         let _ = writeln!(text, "node {node}: {state}{answers}");
-        if let Some(device_type) = found.device_type {
+        if let Some(device_type) = found.device_type() {
             let profile = found.profile().map(|profile| format!(", device profile {profile}")).unwrap_or_default();
             let _ = writeln!(text, "  device type {device_type:08X}h{profile}");
         }
-        let parts =
-            PARTS.iter().zip(found.identity).filter_map(|(name, value)| Some(format!("{name} {:08X}h", value?)));
+        let parts = PARTS.iter().zip(1..).filter_map(|(name, sub)| Some(format!("{name} {:08X}h", found.part(sub)?)));
         let parts: Vec<String> = parts.collect();
         if !parts.is_empty() {
             let _ = writeln!(text, "  {}", parts.join(", "));
         }
-        for ((_, name), value) in NAMES.iter().zip(&found.names) {
-            if let Some(value) = value {
-                let _ = writeln!(text, "  {name} {}", escape::printable(value));
+        for (index, name) in NAMES {
+            if let Some(value) = found.text(index) {
+                let _ = writeln!(text, "  {name} {}", escape::printable(&value));
             }
         }
-        if let Some((model, same)) = found.model() {
-            let how = if same { "" } else { " (same vendor and profile)" };
-            let _ = writeln!(text, "  model {}{how}", model.id());
-        }
+        let _ = match found.models() {
+            Models::Fitting(models) => writeln!(text, "  model {}", models.join(" or ")),
+            Models::Similar(model) => writeln!(text, "  model {} (same vendor and profile)", model.id()),
+            Models::None => Ok(()),
+        };
     }
     if let Some([vendor, product, revision, serial]) = unconfigured {
         let _ = writeln!(
@@ -226,14 +243,19 @@ fn text(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> St
 
 fn json(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> Value {
     let row = |(node, found): (&NodeId, &Found)| {
-        let [vendor, product, revision, serial] = found.identity;
-        let [name, hardware, software] = &found.names;
+        let [vendor, product, revision, serial] = [1, 2, 3, 4].map(|sub| found.part(sub));
+        let [name, hardware, software] = NAMES.map(|(index, _)| found.text(index));
+        let (models, exact) = match found.models() {
+            Models::Fitting(models) => (models, Some(true)),
+            Models::Similar(model) => (vec![model.id().into()], Some(false)),
+            Models::None => (Vec::new(), None),
+        };
+        let models: Vec<&str> = models.iter().map(|id| &**id).collect();
         json!({
             "node": node.raw(), "state": found.state.and_then(State::name), "sdo": found.answers,
-            "device_type": found.device_type, "profile": found.profile(), "vendor_id": vendor, "product_code": product,
+            "device_type": found.device_type(), "profile": found.profile(), "vendor_id": vendor, "product_code": product,
             "revision_number": revision, "serial_number": serial, "name": name, "hardware_version": hardware,
-            "software_version": software, "model": found.model().map(|(model, _)| model.id()),
-            "model_exact": found.model().map(|(_, same)| same),
+            "software_version": software, "model": models.first(), "models": models, "model_exact": exact,
         })
     };
     let unconfigured = unconfigured.map(|[vendor, product, revision, serial]| {

@@ -87,6 +87,27 @@ fn scan_says_who_is_there() {
     assert_eq!((&node["model"], &node["model_exact"]), (&"kuebler-sendix-58x8".into(), &true.into()), "{scan}");
 }
 
+/// Every model that is configured is known by what it says of itself. Of the Sendix 58x8 and F58 that is the same, and of
+/// C100 and D125.
+#[test]
+fn scan_knows_the_models() {
+    let models = json(&run(&["list", "models", "--format", "json"]));
+    let mut known = Vec::new();
+    for model in models.as_array().unwrap() {
+        let id = model["id"].as_str().unwrap();
+        let scan = json(&run(&["scan", &format!("sim:{id}"), "--format", "json", "--no-lss", "--listen", "10ms"]));
+        let Some(node) = scan["nodes"].get(0) else { continue };
+        assert!(node["models"].as_array().unwrap().contains(&id.into()), "{id}: {scan}");
+        assert_eq!(node["model_exact"], true, "{id}: {scan}");
+        known.push((id.to_owned(), node["models"].as_array().unwrap().len()));
+    }
+    let several: Vec<&str> = known.iter().filter(|model| model.1 > 1).map(|model| &*model.0).collect();
+    assert_eq!(
+        (known.len(), several),
+        (10, vec!["kuebler-sendix-58x8", "kuebler-sendix-f58", "kuebler-c100", "kuebler-d125"])
+    );
+}
+
 /// Any device description makes a device, every motion is taken, and what is stored outlives the program.
 #[test]
 fn a_device_of_a_description_keeps_its_memory() {

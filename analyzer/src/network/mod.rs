@@ -25,7 +25,7 @@ pub use event::{Change, Emergency, Event, Exchange, Move};
 pub use layout::{Layout, Signal};
 pub use node::{Cause, Node};
 pub use open_errors::OpenErrors;
-pub use recognition::{Candidate, Candidates, Fact, Recognition};
+pub use recognition::{Candidate, Candidates, Fact, Recognition, Shown};
 
 use crate::dictionary::DeviceDescription;
 use crate::message::{Message, Service};

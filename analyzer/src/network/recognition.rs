@@ -41,6 +41,26 @@ impl Candidates {
         self.0.is_some() && matches!(object.index.0, 0x1000 | 0x1008..=0x100A | 0x1018 | 0x6507)
     }
 
+    /// The objects that a node is to be asked for, to tell what it is.
+    pub const OBJECTS: [Multiplexer; 9] = [
+        DEVICE_TYPE,
+        NAME,
+        Multiplexer::new(0x1009, 0),
+        Multiplexer::new(0x100A, 0),
+        VENDOR,
+        PRODUCT,
+        Multiplexer::new(0x1018, 3),
+        Multiplexer::new(0x1018, 4),
+        Multiplexer::new(0x6507, 0),
+    ];
+
+    /// The models that a node may be that has shown this: nothing contradicts them, and something speaks for them.
+    pub fn fitting(&self, shown: &Shown) -> Vec<Arc<str>> {
+        let candidates = self.get();
+        let fitting = candidates.iter().filter(|candidate| candidate.evidence(shown).is_some());
+        fitting.map(|candidate| Arc::clone(&candidate.id)).collect()
+    }
+
     fn get(&self) -> Arc<[Candidate]> {
         self.0.as_ref().map(|found| Arc::clone(LazyLock::force(found))).unwrap_or_default()
     }
@@ -73,8 +93,8 @@ const NAME: Multiplexer = Multiplexer::new(0x1008, 0);
 const VENDOR: Multiplexer = Multiplexer::new(0x1018, 1);
 const PRODUCT: Multiplexer = Multiplexer::new(0x1018, 2);
 
-/// What a node has shown of the objects that tell models apart.
-pub(super) type Shown = BTreeMap<Multiplexer, Vec<u8>>;
+/// What a node has shown of the objects that tell models apart: their values as they were transferred.
+pub type Shown = BTreeMap<Multiplexer, Vec<u8>>;
 
 /// No name of a device is longer.
 const LONGEST: usize = 64;
