@@ -90,13 +90,22 @@ impl Args {
         outputs: &mut Outputs,
         interrupt: &Interrupt,
     ) -> Result<u64, Failure> {
-        let end = self.span.map_or(Timestamp::MAX, |span| bus.now() + span);
+        let mut end = self.span.map_or(Timestamp::MAX, |span| bus.now() + span);
         let (mut frames, mut flushed, mut told) = (0, bus.now(), bus.health());
-        while !interrupt.came() && bus.now() < end && self.frames.is_none_or(|wanted| frames < wanted) {
-            let deadline = end.min(bus.now() + FLUSH);
-            if let Some(record) = bus.receive(deadline).map_err(Failure::unreachable)? {
-                outputs.write(&record, channels)?;
-                frames += 1;
+        while self.frames.is_none_or(|wanted| frames < wanted) {
+            let begun = bus.now();
+            if interrupt.came() {
+                end = end.min(begun);
+            }
+            let deadline = end.min(begun + FLUSH);
+            match bus.receive(deadline).map_err(Failure::unreachable)? {
+                Some(record) => {
+                    outputs.write(&record, channels)?;
+                    frames += 1;
+                }
+                // Not before all has been fetched that came until then.
+                None if begun >= end => break,
+                None => {}
             }
             // Asking for the time at every frame would cost more than writing it.
             if frames % 64 != 0 && bus.now() < deadline {
@@ -131,6 +140,61 @@ impl Args {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_conformance::bus::BusError;
+    use canvass_traces::{ChannelId, Frame, Record, parse_frame};
+    use clap::Parser;
+    use std::cell::Cell;
+    use std::collections::VecDeque;
+
+    /// A bus whose frames wait to be fetched; each look at the clock takes a second.
+    struct Behind {
+        now: Cell<Timestamp>,
+        waiting: VecDeque<Record>,
+    }
+
+    impl Bus for Behind {
+        fn now(&self) -> Timestamp {
+            self.now.replace(self.now.get() + Duration::from_secs(1))
+        }
+
+        fn send(&mut self, _: &Frame) -> Result<(), BusError> {
+            Ok(())
+        }
+
+        fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
+            let is_in_time = self.waiting.front().is_some_and(|record| record.timestamp <= deadline);
+            Ok(if is_in_time { self.waiting.pop_front() } else { None })
+        }
+
+        fn bit_rate(&self) -> Option<u32> {
+            None
+        }
+    }
+
+    #[derive(clap::Parser)]
+    struct Command {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    #[test]
+    fn what_came_before_the_end_is_recorded_however_far_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("out.log");
+        let args = Command::parse_from(["record", "can0", &out.display().to_string(), "--for", "2s"]).args;
+        let frame = parse_frame("123#00").unwrap().frame;
+        let at = |second: u64| Record::new(Timestamp(second * 1_000_000_000), ChannelId(0), frame);
+        let waiting = [0, 0, 0, 0, 1, 1, 1, 1, 2, 3].map(at).into();
+        let mut bus = Behind { now: Cell::default(), waiting };
+        let mut channels = Channels::new();
+        channels.intern("can0");
+        let rotation = Rotation { size: None, time: None, keep: None };
+        let mut outputs = Outputs::open(&args.out, None, false, rotation, time_base(&bus)).unwrap();
+        let frames = args.record(&mut bus, &channels, &mut outputs, &Interrupt::default()).unwrap();
+        outputs.finish().unwrap();
+        assert_eq!((frames, bus.waiting.len()), (9, 1));
+        assert_eq!(std::fs::read_to_string(&out).unwrap().lines().count(), 9);
+    }
 
     #[test]
     fn sizes_as_typed() {
