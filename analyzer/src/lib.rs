@@ -19,4 +19,4 @@ pub mod wire;
 
 pub use identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
 pub use message::{Message, PdoNumber, Service};
-pub use text::{Meaning, Name, Number, SignalValue, TransferText};
+pub use text::{EmcyText, Meaning, Name, Number, SignalValue, TransferText};

@@ -5,6 +5,7 @@ use super::eds::DescriptionError;
 use super::object::{Object, ObjectDictionary};
 use super::problem::EdsProblem;
 use crate::identity::{Index, Multiplexer, NodeId};
+use crate::wire::emcy::{Emcy, EmcyCode};
 use std::collections::BTreeMap;
 
 /// A device description, as far as it could be read. Texts come from the file and may hold anything.
@@ -26,6 +27,8 @@ pub struct DeviceDescription {
     pub annotations: Annotations,
     /// How node-ID and bit rate are set, which no EDS tells; empty where nobody said it.
     pub settings: Settings,
+    /// The EMCY messages that the manual lists; empty where nobody gave them.
+    pub emergencies: Vec<KnownEmergency>,
     /// Which list of the file names which objects.
     pub lists: ObjectLists,
     /// The modules of a modular device.
@@ -34,6 +37,17 @@ pub struct DeviceDescription {
     pub connected_modules: Vec<u16>,
     /// What was wrong, by line.
     pub problems: Vec<EdsProblem>,
+}
+
+/// An EMCY message that the manual of a device lists.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KnownEmergency {
+    /// The error code.
+    pub code: EmcyCode,
+    /// The first manufacturer-specific bytes, where they are fixed.
+    pub bytes: Vec<u8>,
+    /// What it means.
+    pub text: String,
 }
 
 /// How the node-ID and the bit rate of a device are set, apart from LSS.
@@ -195,6 +209,14 @@ impl DeviceDescription {
         } else {
             super::eds::read(bytes)
         }
+    }
+
+    /// What the manual says of an EMCY message: of those with its code the one whose fixed bytes it has, else the first.
+    pub fn emergency(&self, emcy: &Emcy) -> Option<&KnownEmergency> {
+        let code = emcy.code()?;
+        let same_code = || self.emergencies.iter().filter(|known| known.code == code);
+        let same = same_code().find(|known| !known.bytes.is_empty() && emcy.manufacturer().starts_with(&known.bytes));
+        same.or_else(|| same_code().next())
     }
 
     /// The number of the device profile: the low word of 1000h, 0 (none) included; `None` if 1000h has no default.

@@ -15,7 +15,7 @@ pub mod xdd;
 pub use annotation::{Annotation, Annotations, BitName};
 pub use data_type::{DataClass, DataType};
 pub use description::{
-    Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, Settings, SubExtension,
+    Commissioning, DeviceDescription, DeviceInfo, FileInfo, KnownEmergency, Module, ObjectLists, Settings, SubExtension,
 };
 pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};

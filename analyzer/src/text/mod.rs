@@ -1,5 +1,6 @@
 //! What a frame means, in words: one line, made for reading down a trace.
 
+mod emcy;
 mod escaped;
 mod fixed;
 mod object;
@@ -9,6 +10,7 @@ mod signal;
 mod transfer;
 mod value;
 
+pub use emcy::EmcyText;
 pub use signal::{Name, Number, SignalValue};
 pub use transfer::TransferText;
 
@@ -42,7 +44,10 @@ impl<'a> Meaning<'a> {
     }
 
     fn emcy(&self, emcy: &Emcy, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "EMCY {emcy}")
+        match self.decoded.node {
+            Some(node) => write!(f, "EMCY {}", EmcyText::of(emcy, node, self.bus)),
+            None => write!(f, "EMCY {emcy}"),
+        }
     }
 
     fn malformed(&self, service: Service, offset: usize, expected: &str, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -52,6 +52,7 @@ impl Model {
         let Ok(mut description) = eds::read(damaged.as_bytes()) else { return right() };
         description.annotations = self.description().annotations.clone();
         description.settings = self.description().settings.clone();
+        description.emergencies = self.description().emergencies.clone();
         description
     }
 }

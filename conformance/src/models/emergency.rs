@@ -1,5 +1,6 @@
 //! The EMCY messages that the manual of a model lists.
 
+use canvass_analyzer::dictionary::KnownEmergency;
 use canvass_analyzer::wire::emcy::EmcyCode;
 use serde::Deserialize;
 
@@ -20,6 +21,11 @@ pub struct Emergency {
 }
 
 impl Emergency {
+    /// As the analyzer knows it.
+    pub(super) fn known(&self) -> KnownEmergency {
+        KnownEmergency { code: self.code(), bytes: self.bytes.clone(), text: self.text.clone() }
+    }
+
     /// The error code.
     pub const fn code(&self) -> EmcyCode {
         EmcyCode(self.code)

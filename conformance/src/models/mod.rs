@@ -102,6 +102,7 @@ impl Model {
         let deviations: DeviationTables = toml::from_str(text)?;
         let deviations = deviations.deviations().into();
         description.settings = sheet.settings();
+        description.emergencies = sheet.emergencies.iter().map(Emergency::known).collect();
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations })
     }
 

@@ -5,7 +5,7 @@ use crate::decode::{push_schema, push_violation, source_name};
 use crate::push::{push_decimal, push_hex, push_json_string, push_text};
 use canvass_analyzer::network::sdo::{Outcome, Transfer};
 use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange, Move};
-use canvass_analyzer::{NodeId, PdoNumber, TransferText};
+use canvass_analyzer::{EmcyText, NodeId, PdoNumber, TransferText};
 
 /// The JSON rendering of `decode --events`.
 #[derive(Default)]
@@ -81,9 +81,9 @@ impl Events for JsonEvents {
                 self.begin(scene, kind, node, out);
                 push_change(change, out);
             }
-            Event::Emergency(_, emergency) => {
+            Event::Emergency(source, emergency) => {
                 self.begin(scene, "emcy", node, out);
-                push_emergency(scene, emergency, out);
+                push_emergency(scene, source, emergency, out);
             }
             Event::LayerSetting(exchange) => {
                 self.begin(scene, scene.layer_setting(), node, out);
@@ -148,7 +148,7 @@ fn push_change(change: Change, out: &mut Vec<u8>) {
     push_text(out, format_args!(",\"cause\":\"{cause}\""));
 }
 
-fn push_emergency(scene: &Scene<'_>, emergency: Emergency, out: &mut Vec<u8>) {
+fn push_emergency(scene: &Scene<'_>, node: NodeId, emergency: Emergency, out: &mut Vec<u8>) {
     let emcy = &emergency.emcy;
     let cleared = emcy.code().is_some_and(|code| code.is_reset());
     push_text(out, format_args!(",\"state\":\"{}\"", if cleared { "cleared" } else { "raised" }));
@@ -161,7 +161,7 @@ fn push_emergency(scene: &Scene<'_>, emergency: Emergency, out: &mut Vec<u8>) {
         push_optional(out, "duration_ns", emergency.since.map(|since| (scene.time - since).nanos()));
     }
     out.extend_from_slice(b",\"text\":");
-    push_json_string(out, emcy);
+    push_json_string(out, EmcyText::of(emcy, node, scene.bus));
 }
 
 fn push_exchange(scene: &Scene<'_>, exchange: Exchange, out: &mut Vec<u8>) {

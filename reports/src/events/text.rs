@@ -6,7 +6,7 @@ use crate::push::{pad, push_text, push_visible};
 use crate::time::Clock;
 use canvass_analyzer::network::sdo::{Direction, Outcome, Transfer};
 use canvass_analyzer::network::{Cause, Change, Emergency, Event, Exchange, Move, Source};
-use canvass_analyzer::{Multiplexer, NodeId, PdoNumber, TransferText};
+use canvass_analyzer::{EmcyText, Multiplexer, NodeId, PdoNumber, TransferText};
 use canvass_traces::Duration;
 
 /// The text rendering of `decode --events`.
@@ -70,7 +70,7 @@ impl Events for TextEvents {
         match *event {
             Event::TransferEnded | Event::TransferLeft(_) => push_text(out, "a transfer that is not known any more"),
             Event::StateChanged(_, change) => push_change(change, out),
-            Event::Emergency(_, emergency) => push_emergency(scene, emergency, out),
+            Event::Emergency(node, emergency) => push_emergency(scene, node, emergency, out),
             Event::LayerSetting(exchange) => push_exchange(scene, exchange, out),
             Event::NodeIdChanged { from, to, object } => push_node_id(from, to, object, out),
             Event::BitRateChanged { node, bit_rate, delay } => push_bit_rate(node, bit_rate, delay, out),
@@ -155,10 +155,10 @@ fn push_change(change: Change, out: &mut Vec<u8>) {
     push_text(out, if change.cause == Cause::Command { ", as commanded" } else { ", as its error control shows" });
 }
 
-fn push_emergency(scene: &Scene<'_>, emergency: Emergency, out: &mut Vec<u8>) {
+fn push_emergency(scene: &Scene<'_>, node: NodeId, emergency: Emergency, out: &mut Vec<u8>) {
     let reset = emergency.emcy.code().is_some_and(|code| code.is_reset());
     push_text(out, if reset { "gone: " } else { "raised: " });
-    push_text(out, emergency.emcy);
+    push_text(out, EmcyText::of(&emergency.emcy, node, scene.bus));
     if let Some(since) = emergency.since.filter(|_| reset) {
         push_text(out, format_args!(", after {}", scene.time - since));
     }

@@ -4,6 +4,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
 use crate::network::OpenErrors;
+use crate::text::EmcyText;
 use crate::wire::emcy::Emcy;
 use canvass_traces::{Duration, Timestamp};
 
@@ -63,7 +64,9 @@ impl Raised {
         let at = usize::from(node.raw());
         if let Some(code) = emcy.code().filter(|code| !code.is_reset()) {
             let report = Report::at(context.now()).node(node).detail(u64::from(code.0));
-            sink.report(report.evidence(context.evidence()), || format!("EMCY {emcy}"));
+            sink.report(report.evidence(context.evidence()), || {
+                format!("EMCY {}", EmcyText::of(emcy, node, context.scene.bus))
+            });
         }
         let by_reading = self.register_read[at].is_some_and(|read| context.now().since(read) <= ACKNOWLEDGED);
         for (code, raised) in self.nodes[at].handle(emcy, || context.seen()) {
@@ -72,7 +75,7 @@ impl Raised {
             let report = report.measure(lasted.nanos()).evidence(raised.evidence()).evidence(context.evidence());
             sink.report(report, || {
                 let text = match &raised.decoded.message {
-                    Message::Emcy(emcy) => emcy.to_string(),
+                    Message::Emcy(emcy) => EmcyText::of(emcy, node, context.scene.bus).to_string(),
                     _ => code.to_string(),
                 };
                 let how = if by_reading { ", and its end was reported as 1001h was read" } else { "" };
