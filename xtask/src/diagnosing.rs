@@ -1,10 +1,10 @@
 //! How long a diagnosis takes: beside decoding the same frames, and of hours of a healthy bus.
 
 use crate::bench::{best, capture};
-use crate::measure::release;
+use crate::measure::{cost, release};
 use anyhow::{Result, ensure};
 use std::fs::File;
-use std::process::Command;
+use std::process::{Command, Stdio};
 
 /// Hours of a bus of eight nodes that is half full.
 const HEALTHY: &str = "10000000";
@@ -19,16 +19,28 @@ pub fn diagnosing() -> Result<()> {
     let canvass = release("canvass");
     for format in ["candump", "pcap"] {
         let path = capture(format);
-        let decoding = best(&[&canvass, "decode", "--format", "text", &path], None)?.cpu;
-        let diagnosis = best(&[&canvass, "diagnose", "--fail-on", "never", &path], None)?;
-        let ratio = diagnosis.cpu / decoding;
-        println!("{format}: {:.2} s, {ratio:.2} times the time of decoding to text", diagnosis.cpu);
+        let decode = [&*canvass, "decode", "--format", "text", &path];
+        let diagnose = [&*canvass, "diagnose", "--fail-on", "never", &path];
+        let (decoding, diagnosis) = in_turns(&decode, &diagnose)?;
+        let ratio = diagnosis / decoding;
+        println!("{format}: {diagnosis:.2} s, {ratio:.2} times the {decoding:.2} s of decoding to text");
         if format == "pcap" {
             let tshark = best(&["tshark", "-n", "-d", "can.subdissector,canopen", "-r", &path], None)?.cpu;
-            println!("{format}: {:.1} times as fast as one line a frame of tshark", tshark / diagnosis.cpu);
+            println!("{format}: {:.1} times as fast as one line a frame of tshark", tshark / diagnosis);
         }
     }
     healthy(&canvass)
+}
+
+/// The time of the processor that each takes at best: a machine that is shared is slow at times, for both.
+fn in_turns(one: &[&str], other: &[&str]) -> Result<(f64, f64)> {
+    const TURNS: usize = 9;
+    let mut best = (f64::MAX, f64::MAX);
+    for _ in 0..TURNS {
+        best.0 = best.0.min(cost(one, Stdio::null())?.cpu);
+        best.1 = best.1.min(cost(other, Stdio::null())?.cpu);
+    }
+    Ok(best)
 }
 
 fn healthy(canvass: &str) -> Result<()> {
