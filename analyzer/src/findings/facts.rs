@@ -219,7 +219,7 @@ impl Facts {
     /// Whether an NMT command repeats what the nodes that it names were told last, so that it changes nothing: some
     /// masters send it again and again.
     fn is_repeated(&self, nmt: Nmt) -> bool {
-        let resets = matches!(nmt.command, Command::RESET_NODE | Command::RESET_COMMUNICATION);
+        let resets = nmt.command.is_reset();
         let named = self.nodes.iter().enumerate().filter(|(id, _)| nmt.node == 0 || usize::from(nmt.node) == *id);
         let mut present = named.map(|(_, facts)| facts).filter(|facts| facts.first_seen.is_some());
         !resets
@@ -230,7 +230,7 @@ impl Facts {
     }
 
     fn commanded(&mut self, now: Timestamp, command: Command, node: u8) {
-        let resets = matches!(command, Command::RESET_NODE | Command::RESET_COMMUNICATION);
+        let resets = command.is_reset();
         for (id, facts) in self.nodes.iter_mut().enumerate().skip(1) {
             if node == 0 || usize::from(node) == id {
                 facts.command = Some((command, now));

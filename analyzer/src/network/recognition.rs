@@ -38,10 +38,10 @@ impl Candidates {
 
     /// Whether the value of an object may tell what a node is.
     pub(super) fn want(&self, object: Multiplexer) -> bool {
-        self.0.is_some() && matches!(object.index.0, 0x1000 | 0x1008..=0x100A | 0x1018 | 0x6507)
+        self.0.is_some() && Self::OBJECTS.contains(&object)
     }
 
-    /// The objects that a node is to be asked for, to tell what it is.
+    /// The objects that may tell what a node is.
     pub const OBJECTS: [Multiplexer; 9] = [
         DEVICE_TYPE,
         NAME,
@@ -66,7 +66,7 @@ impl Candidates {
     }
 }
 
-/// What a node of a model shows when an object is read: of 1000h, 1008h to 100Ah, 1018h or 6507h.
+/// What a node of a model shows when an object is read: one of [`Candidates::OBJECTS`].
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Fact {
     /// One of these numbers.

@@ -39,6 +39,11 @@ impl Command {
     pub const ALL: [Self; 5] =
         [Self::START, Self::STOP, Self::ENTER_PRE_OPERATIONAL, Self::RESET_NODE, Self::RESET_COMMUNICATION];
 
+    /// Whether it starts a node anew, as a whole or in its communication.
+    pub const fn is_reset(self) -> bool {
+        matches!(self, Self::RESET_NODE | Self::RESET_COMMUNICATION)
+    }
+
     /// The standard's name, `None` for a reserved specifier.
     pub const fn name(self) -> Option<&'static str> {
         Some(match self {

@@ -46,7 +46,7 @@ impl Bench<'_> {
     /// As [`Bench::send`].
     pub fn command_to(&mut self, node: u8, command: Command) -> Result<Sent, Verdict> {
         let concerned = node == 0 || node == self.node().raw();
-        if concerned && matches!(command, Command::RESET_NODE | Command::RESET_COMMUNICATION) {
+        if concerned && command.is_reset() {
             self.watch.expect_boot_up();
         }
         self.send(&Nmt { command, node }.to_frame(nmt::CAN_ID))

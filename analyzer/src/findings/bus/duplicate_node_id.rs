@@ -5,7 +5,6 @@ use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
 use crate::network::sdo::ChannelIndex;
 use crate::wire::error_control::State;
-use crate::wire::nmt::Command;
 use crate::wire::sdo::{Request, Response};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::{Duration, Timestamp};
@@ -91,7 +90,7 @@ impl Rule for DuplicateNodeId {
             let named = self.nodes.iter_mut().enumerate().filter(|(id, _)| all || usize::from(nmt.node) == *id);
             return named.for_each(|(_, voice)| {
                 voice.commanded();
-                if matches!(nmt.command, Command::RESET_NODE | Command::RESET_COMMUNICATION) {
+                if nmt.command.is_reset() {
                     voice.last_boot_up = None;
                 }
             });

@@ -2,7 +2,6 @@ use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
-use crate::wire::nmt::Command;
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 
@@ -92,11 +91,7 @@ impl LifeGuarding {
 impl Rule for LifeGuarding {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         match (context.decoded.service, context.message()) {
-            (_, Message::Nmt(nmt)) => {
-                if matches!(nmt.command, Command::RESET_NODE | Command::RESET_COMMUNICATION) {
-                    self.forget(nmt.node);
-                }
-            }
+            (_, Message::Nmt(nmt)) if nmt.command.is_reset() => self.forget(nmt.node),
             // A node that sends heartbeats is not guarded.
             (Service::BootUp | Service::Heartbeat, _) => self.forget(context.node().map_or(0, NodeId::raw)),
             (_, Message::GuardingRequest) => {

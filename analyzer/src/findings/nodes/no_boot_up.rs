@@ -2,7 +2,6 @@ use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Evidence, Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
-use crate::wire::nmt::Command;
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 
@@ -47,7 +46,7 @@ impl NoBootUp {
 impl Rule for NoBootUp {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let Message::Nmt(nmt) = context.message() else { return };
-        if matches!(nmt.command, Command::RESET_NODE | Command::RESET_COMMUNICATION) {
+        if nmt.command.is_reset() {
             let named =
                 self.resets.iter_mut().enumerate().filter(|(id, _)| nmt.node == 0 || usize::from(nmt.node) == *id);
             named.for_each(|(_, reset)| *reset = Some(context.seen()));

@@ -192,7 +192,7 @@ impl Slave {
         if message.node != 0 && message.node != knowledge.node.raw() {
             return Change::None;
         }
-        if boots && !matches!(message.command, Command::RESET_NODE | Command::RESET_COMMUNICATION) {
+        if boots && !message.command.is_reset() {
             // It may have come too early to be obeyed.
             self.early = true;
             return Change::None;
@@ -507,8 +507,7 @@ impl Slave {
 /// Whether a frame commands the device, alone or among all, to reset itself.
 fn resets(frame: &Frame, knowledge: &Knowledge) -> bool {
     let named = |node: u8| node == 0 || node == knowledge.node.raw();
-    let is_reset = |command| matches!(command, Command::RESET_NODE | Command::RESET_COMMUNICATION);
-    Nmt::read(frame.data()).is_ok_and(|nmt| named(nmt.node) && is_reset(nmt.command))
+    Nmt::read(frame.data()).is_ok_and(|nmt| named(nmt.node) && nmt.command.is_reset())
 }
 
 /// Whether the device produces heartbeats; `None`: not known.
