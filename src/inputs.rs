@@ -9,9 +9,9 @@ use crate::stdin;
 use anyhow::{Result, anyhow};
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::{
-    Capture, ChannelId, Channels, Format, Merge, Naming, Quality, ReadOptions, Reader, Record, Source,
+    CanId, Capture, ChannelId, Channels, Damage, Format, Frame, Merge, Naming, Quality, ReadOptions, Reader, Record,
+    Source, TimeBase, Timestamp,
 };
-use canvass_traces::{Damage, TimeBase};
 use std::path::{Path, PathBuf};
 
 /// How captures are read.
@@ -54,6 +54,8 @@ pub struct Inputs<'a> {
     damage_count: u64,
     /// By source.
     quality: Vec<Quality>,
+    /// What came out last. It stays here: moving it costs as much as reading it.
+    record: Record,
     output: Output,
     interrupt: Interrupt,
     is_live: bool,
@@ -61,12 +63,13 @@ pub struct Inputs<'a> {
     stopped: Option<String>,
 }
 
-/// What comes out of the captures.
+/// What has come out of the captures: [`Inputs::record`] is it.
+#[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
     /// A record.
-    Record(Record),
+    Record,
     /// What makes sense of a frame that contradicts itself; its damage was reported.
-    Salvaged(Record),
+    Salvaged,
 }
 
 impl<'a> Inputs<'a> {
@@ -94,6 +97,7 @@ impl<'a> Inputs<'a> {
         Self {
             options,
             quality: vec![Quality::default(); captures.len()],
+            record: Record::new(Timestamp(0), ChannelId(0), Frame::full(CanId::standard_masked(0), [0; 8])),
             merge: Merge::new(captures, naming),
             damages: Damages::default(),
             damage_count: 0,
@@ -104,32 +108,39 @@ impl<'a> Inputs<'a> {
         }
     }
 
-    /// What comes next; `None` at the end or when interrupted.
+    /// Goes on to what comes next; `None` at the end or when interrupted.
     ///
     /// # Errors
     /// With `--strict`, the first damage.
-    pub fn next(&mut self) -> Result<Option<Seen>, Failure> {
+    pub fn advance(&mut self) -> Result<Option<Seen>, Failure> {
         while !self.interrupt.came()
             && let Some((source, item)) = self.merge.next()
         {
             match item {
                 Ok(record) => {
+                    self.record = record;
                     if let Some(quality) = self.quality.get_mut(source) {
-                        quality.record(&record);
+                        quality.record(&self.record);
                     }
-                    return Ok(Some(Seen::Record(record)));
+                    return Ok(Some(Seen::Record));
                 }
                 // Its end is not the file's: a last line may be cut there.
                 Err(_) if self.interrupt.came() => {}
                 Err(damage) => {
                     self.report(source, &damage)?;
                     if let Some(record) = damage.salvaged {
-                        return Ok(Some(Seen::Salvaged(*record)));
+                        self.record = *record;
+                        return Ok(Some(Seen::Salvaged));
                     }
                 }
             }
         }
         Ok(None)
+    }
+
+    /// What came out last.
+    pub const fn record(&self) -> &Record {
+        &self.record
     }
 
     fn report(&mut self, source: usize, damage: &Damage) -> Result<(), Failure> {

@@ -124,14 +124,12 @@ struct Conversion<'a> {
 
 impl Conversion<'_> {
     fn run(&mut self, inputs: &mut Inputs<'_>) -> Result<(), Failure> {
-        while let Some(seen) = inputs.next()? {
+        while let Some(seen) = inputs.advance()? {
             // A salvaged frame contradicts itself: writing it would make it a good one.
-            if let Seen::Record(record) = seen
-                && self.chooses(&record, inputs)
-            {
+            if seen == Seen::Record && self.chooses(inputs.record(), inputs) {
                 let flushes = self.flushes;
                 let recording = self.recording(inputs)?;
-                recording.write(&record, inputs.channels())?;
+                recording.write(inputs.record(), inputs.channels())?;
                 if flushes {
                     recording.flush()?;
                 }

@@ -1,7 +1,7 @@
 //! `canvass decode`: captures in words.
 
 use super::decode_events;
-use crate::inputs::{InputOptions, Inputs, Seen};
+use crate::inputs::{InputOptions, Inputs};
 use crate::output::{Color, Output, diagnostic, terminal_width};
 use crate::selection::Selection;
 use crate::status::{Failure, Status};
@@ -97,8 +97,8 @@ impl View {
         let mut lines = self.lines(color);
         output.append(|buffer| lines.begin(buffer))?;
         let mut range = self.range;
-        while let Some(Seen::Record(record) | Seen::Salvaged(record)) = inputs.next()? {
-            self.show_frame(&record, &inputs, &mut network, &mut range, lines.as_mut(), output)?;
+        while inputs.advance()?.is_some() {
+            self.show_frame(inputs.record(), &inputs, &mut network, &mut range, lines.as_mut(), output)?;
         }
         self.end(inputs)
     }

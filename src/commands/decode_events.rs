@@ -1,6 +1,6 @@
 //! `canvass decode --events`: what happened, instead of frames.
 
-use crate::inputs::{Inputs, Seen};
+use crate::inputs::Inputs;
 use crate::output::{Color, Output};
 use crate::selection::Selection;
 use crate::status::Failure;
@@ -30,18 +30,19 @@ pub fn show(
     output: &Output,
 ) -> Result<(), Failure> {
     let mut last = None;
-    while let Some(Seen::Record(record) | Seen::Salvaged(record)) = inputs.next()? {
-        let decoded = network.handle(&record);
-        if !range.contains(record.timestamp) || !selection.has_channel(&record, inputs) {
+    while inputs.advance()?.is_some() {
+        let record = inputs.record();
+        let decoded = network.handle(record);
+        if !range.contains(record.timestamp) || !selection.has_channel(record, inputs) {
             continue;
         }
         last = Some(record.timestamp);
         let Some(bus) = network.bus(record.channel) else { continue };
-        if bus.events().is_empty() || !selection.passes(&record, &decoded, inputs) {
+        if bus.events().is_empty() || !selection.passes(record, &decoded, inputs) {
             continue;
         }
         let channel = inputs.channels().name(record.channel);
-        let scene = Scene { time: record.timestamp, channel, bus, frame: Some((&record, &decoded)) };
+        let scene = Scene { time: record.timestamp, channel, bus, frame: Some((record, &decoded)) };
         for event in bus.events().iter().filter(|event| selection.has_node(scene.node(event))) {
             output.append(|buffer| events.event(&scene, event, buffer))?;
         }

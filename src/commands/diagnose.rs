@@ -103,18 +103,17 @@ impl Args {
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
         let mut damages = 0;
         // A frame that contradicts itself proves nothing.
-        while let Some(seen) = inputs.next()? {
+        while let Some(seen) = inputs.advance()? {
             let found = inputs.damages();
             if found != damages {
                 damages = found;
                 diagnosis.interrupted();
             }
-            if let Seen::Record(record) = seen
-                && range.contains(record.timestamp)
-            {
-                let observed = diagnosis.record(&record);
+            let record = inputs.record();
+            if seen == Seen::Record && range.contains(record.timestamp) {
+                let observed = diagnosis.record(record);
                 if let (Some(collector), Some(observed)) = (&mut collector, observed) {
-                    collector.frame(&record, inputs.channels(), &observed)?;
+                    collector.frame(record, inputs.channels(), &observed)?;
                 }
             }
         }

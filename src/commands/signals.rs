@@ -1,6 +1,6 @@
 //! `canvass signals`: the values of PDOs as columns over time.
 
-use crate::inputs::{InputOptions, Inputs, Seen};
+use crate::inputs::{InputOptions, Inputs};
 use crate::output::{Output, diagnostic};
 use crate::selection::Selection;
 use crate::status::{Failure, Status};
@@ -74,8 +74,8 @@ impl Args {
         let (network, sampler) = (self.selection.network()?, Sampler::new(self.every));
         let mut rows = Rows { selection: &self.selection, network, range: self.range, sampler, sheet };
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
-        while let Some(Seen::Record(record) | Seen::Salvaged(record)) = inputs.next()? {
-            rows.take(&record, &inputs, &output)?;
+        while inputs.advance()?.is_some() {
+            rows.take(inputs.record(), &inputs, &output)?;
         }
         let Rows { mut sampler, mut sheet, .. } = rows;
         output.append_with(|buffer| sampler.finish(sheet.as_mut(), buffer))?;

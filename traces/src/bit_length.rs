@@ -73,7 +73,7 @@ fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [
     let [upper, lower] = (crc << 1 | !crc & 1).to_be_bytes();
     stuffing.byte(upper);
     stuffing.byte(lower);
-    len + 8 * data.len() as u32 + 15 + stuffing.count() + FIXED_FORM
+    len + 8 * data.len() as u32 + 15 + stuffing.stuffed + FIXED_FORM
 }
 
 /// The CRC sequence over a header and `len` bytes of data. Leading zeros don't change it, so it is that of whole bytes;
@@ -95,21 +95,17 @@ fn crc15<const N: usize>(header: [u8; N], len: usize, data: [u8; 8]) -> u16 {
 /// Counts stuff bits, byte by byte.
 #[derive(Default)]
 struct Stuffing {
-    /// The row of the last byte: [`STUFF_TABLE`].
-    row: u16,
-    /// The sum of all rows: its lower byte is that of theirs.
-    rows: u32,
+    /// The run after the last byte, and the stuff bits in it: [`STUFF_TABLE`].
+    last: u8,
+    stuffed: u32,
 }
 
 impl Stuffing {
     #[inline]
     fn byte(&mut self, byte: u8) {
-        self.row = STUFF_TABLE[usize::from(self.row & 0xF00 | u16::from(byte))];
-        self.rows += u32::from(self.row);
-    }
-
-    const fn count(&self) -> u32 {
-        self.rows & 0xFF
+        // Each byte waits for the one before, so that nothing but this look-up is to be on the way.
+        self.last = STUFF_TABLE[usize::from(byte)][usize::from(self.last & 0xF)];
+        self.stuffed += u32::from(self.last >> 4);
     }
 }
 
@@ -161,13 +157,12 @@ const CRC_TABLES: [[u16; 256]; 13] = {
     tables
 };
 
-/// By run (bits 8 to 11) and byte: the run after the byte in bits 8 to 11, the stuff bits in the lower byte. All bytes of a
-/// frame together have fewer than 256.
-const STUFF_TABLE: [u16; 16 * 256] = {
-    let mut table = [0; 16 * 256];
+/// By byte and the run before it: the run after it in the lower half, the stuff bits in it in the upper one.
+static STUFF_TABLE: [[u8; 16]; 256] = {
+    let mut table = [[0; 16]; 256];
     let mut at = 0;
-    while at < table.len() {
-        let (number, byte) = (at >> 8, at & 0xFF);
+    while at < 16 * 256 {
+        let (byte, number) = (at >> 4, at & 0xF);
         // Runs of 5 to 7 don't occur; their rows only make the table square.
         let mut run = Run::of_number(if number & 7 > 4 { 0 } else { number as u8 });
         let mut stuffed = 0;
@@ -176,9 +171,9 @@ const STUFF_TABLE: [u16; 16 * 256] = {
             bit -= 1;
             let (next, added) = run.after(byte >> bit & 1 != 0);
             run = next;
-            stuffed += added as u16;
+            stuffed += added as u8;
         }
-        table[at] = (run.number() as u16) << 8 | stuffed;
+        table[byte][number] = stuffed << 4 | run.number() as u8;
         at += 1;
     }
     table
@@ -254,7 +249,7 @@ mod tests {
         let count = |bytes: &[u8]| {
             let mut stuffing = Stuffing::default();
             bytes.iter().for_each(|byte| stuffing.byte(*byte));
-            stuffing.count()
+            stuffing.stuffed
         };
         assert_eq!(count(&[0b1010_0000]), 1);
         assert_eq!(count(&[0b0101_0110, 0b0000_1111, 0b0000_1111]), 4, "each stuff bit opens the next run");

@@ -117,19 +117,25 @@ impl Merge {
     /// The next item of a source, with its channel as it is called here.
     #[inline]
     fn take(&mut self, at: usize) -> Option<Item> {
-        let source = self.sources.get_mut(at)?;
-        let mut item = source.capture.next()?;
-        let record = match &mut item {
-            Ok(record) => Some(record),
-            Err(damage) => damage.salvaged.as_deref_mut(),
-        };
-        if let Some(record) = record {
-            record.channel = match source.channels.get(usize::from(record.channel.0)) {
-                Some(&channel) => channel,
-                None => self.intern(at, record.channel),
-            };
+        match self.sources.get_mut(at)?.capture.next()? {
+            Ok(record) => {
+                let channel = self.channel(at, record.channel);
+                Some(Ok(record.on(channel)))
+            }
+            Err(mut damage) => {
+                if let Some(record) = damage.salvaged.as_deref_mut() {
+                    record.channel = self.channel(at, record.channel);
+                }
+                Some(Err(damage))
+            }
         }
-        Some(item)
+    }
+
+    /// A channel of a source, as it is called here.
+    #[inline]
+    fn channel(&mut self, at: usize, channel: ChannelId) -> ChannelId {
+        let known = self.sources.get(at).and_then(|source| source.channels.get(usize::from(channel.0)));
+        known.copied().unwrap_or_else(|| self.intern(at, channel))
     }
 
     /// Makes the channels of a source known up to that one.

@@ -72,6 +72,12 @@ impl Record {
         Self { timestamp, frame, channel, direction: Direction::Unknown, place: Place::default(), long: None }
     }
 
+    /// The same on another channel.
+    #[inline]
+    pub(crate) fn on(self, channel: ChannelId) -> Self {
+        Self { channel, ..self }
+    }
+
     /// A record of a CAN FD frame of up to 64 bytes; `None` if the length is not one that CAN FD has.
     pub fn fd(timestamp: Timestamp, channel: ChannelId, id: CanId, flags: Flags, data: &[u8]) -> Option<Self> {
         let frame = Frame::fd(id, flags, data)?;

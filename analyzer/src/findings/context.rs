@@ -1,9 +1,10 @@
 //! What a rule sees.
 
 use super::facts::{Facts, News};
+use super::pdo::Parameters;
 use super::sink::Evidence;
 use crate::NodeId;
-use crate::message::Message;
+use crate::message::{Message, PdoNumber};
 use crate::network::{Bus, Decoded};
 use canvass_traces::{ChannelId, Duration, Quality, Record, Timestamp};
 
@@ -32,7 +33,7 @@ pub struct Scene<'a> {
 #[derive(Clone, Copy)]
 pub struct Context<'a> {
     /// The bus at this moment.
-    pub scene: Scene<'a>,
+    pub scene: &'a Scene<'a>,
     /// The frame.
     pub record: &'a Record,
     /// The bits that it takes on the bus with the intermission; 0 where that is not known.
@@ -105,6 +106,14 @@ impl<'a> Context<'a> {
     /// What the frame means to several rules.
     pub const fn news(&self) -> &'a News {
         &self.scene.facts.news
+    }
+
+    /// The TPDO that it is, with what is known of its parameters: its node and its number from 1.
+    pub fn tpdo(&self) -> Option<(NodeId, u16, &'a Parameters)> {
+        let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (self.node(), self.message()) else {
+            return None;
+        };
+        Some((node, *number, self.scene.facts.tpdos.of(node, *number)))
     }
 
     /// What it says.

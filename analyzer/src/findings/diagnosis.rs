@@ -4,7 +4,7 @@ use super::context::{Context, Scene, Seen};
 use super::facts::Facts;
 use super::finding::Finding;
 use super::registry;
-use super::rule::{Also, Definition, Rule, Thresholds};
+use super::rule::{Also, Metadata, Rule, Thresholds};
 use super::sink::{Findings, Reported, Sink};
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
@@ -21,6 +21,8 @@ pub struct Diagnosis {
     buses: Vec<Option<Box<BusWatch>>>,
     watched: usize,
     findings: Findings,
+    /// What the last frame means.
+    decoded: Option<Decoded>,
     /// Frames of channels beyond [`Diagnosis::BUSES`], which no rule looked at.
     unwatched: u64,
 }
@@ -50,7 +52,7 @@ pub struct Results {
 /// A frame as it was looked at.
 pub struct Observed<'a> {
     /// What it means.
-    pub decoded: Decoded,
+    pub decoded: &'a Decoded,
     /// Its bus, after the frame.
     pub bus: &'a Bus,
     /// The findings that are new with it, or were never worse.
@@ -71,7 +73,7 @@ struct Incoming<'a> {
 
 /// What watches one bus.
 struct BusWatch {
-    rules: Vec<(&'static Definition, Box<dyn Rule>)>,
+    rules: Vec<(&'static Metadata, Box<dyn Rule>)>,
     /// The places of the rules that want frames of a service.
     by_service: [Vec<u8>; Service::ALL.len()],
     /// Those of the rules that want values of encoders.
@@ -134,6 +136,7 @@ impl Diagnosis {
             buses: Vec::new(),
             watched: 0,
             findings: Findings::default(),
+            decoded: None,
             unwatched: 0,
         }
     }
@@ -164,12 +167,12 @@ impl Diagnosis {
         let incoming = Incoming { record, id: latest_id(record), bits: bit_length(&record.frame) };
         if let Some(of) = watch.original(&incoming) {
             watch.statistics.copy(&of);
-            let bus = self.network.bus(record.channel)?;
-            return Some(Observed { decoded: of, bus, reported: &self.findings.reported });
+            self.decoded = Some(of);
+        } else {
+            let decoded = self.decoded.insert(self.network.handle(record));
+            watch.frame(&incoming, decoded, &self.network, &mut self.findings);
         }
-        let decoded = self.network.handle(record);
-        watch.frame(&incoming, &decoded, &self.network, &mut self.findings);
-        let bus = self.network.bus(record.channel)?;
+        let (decoded, bus) = (self.decoded.as_ref()?, self.network.bus(record.channel)?);
         Some(Observed { decoded, bus, reported: &self.findings.reported })
     }
 
@@ -245,7 +248,7 @@ impl BusWatch {
             for service in definition.services {
                 by_service[*service as usize].push(rules.len() as u8);
             }
-            rules.push((definition, make(thresholds)));
+            rules.push((definition.metadata, make(thresholds)));
         }
         Self {
             rules,
@@ -340,8 +343,8 @@ impl BusWatch {
     ) {
         let Some(bus) = network.bus(self.known.channel) else { return };
         let scene = self.known.scene(bus);
-        for (definition, rule) in &mut self.rules {
-            act(rule.as_mut(), &scene, &mut Sink::of(findings, definition.metadata, &scene));
+        for (metadata, rule) in &mut self.rules {
+            act(rule.as_mut(), &scene, &mut Sink::of(findings, metadata, &scene));
         }
     }
 
@@ -355,20 +358,20 @@ impl BusWatch {
             self.rules.iter_mut().for_each(|(_, rule)| rule.reconfigured(node, &scene));
         }
         let previous = id.and_then(|id| latest(&self.latest, id));
-        let context = Context { scene, record, bits, decoded, previous };
+        let context = Context { scene: &scene, record, bits, decoded, previous };
         let news = &self.known.facts.news;
         let resets = decoded.node.is_some_and(|node| self.known.facts.node(node).pending_reset.is_some());
         let wanted: [&[u8]; 4] = [
             &self.by_service[decoded.service as usize],
             if news.operands.is_empty() { &[] } else { &self.of_encoder_values },
-            if news.tpdo.is_known() { &self.of_known_tpdos } else { &[] },
+            if news.is_known_tpdo { &self.of_known_tpdos } else { &[] },
             if resets { &self.of_resetting } else { &[] },
         ];
         let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus: Some((bus, self.known.channel)) };
         for list in wanted {
             for &at in list {
-                if let Some((definition, rule)) = self.rules.get_mut(usize::from(at)) {
-                    sink.rule = definition.metadata;
+                if let Some((metadata, rule)) = self.rules.get_mut(usize::from(at)) {
+                    sink.rule = metadata;
                     rule.frame(&context, &mut sink);
                 }
             }

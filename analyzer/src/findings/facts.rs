@@ -2,7 +2,7 @@
 
 use super::encoder::{self, Operand};
 use super::nodes::Heartbeats;
-use super::pdo::{AllParameters, Parameters};
+use super::pdo::AllParameters;
 use super::rhythm::Interval;
 use super::sdo::{Requests, Step};
 use crate::NodeId;
@@ -38,8 +38,8 @@ pub struct Facts {
 pub struct News {
     /// Whether it is an NMT command that changes the state of some node, so that what was periodic may begin anew.
     pub begins_anew: bool,
-    /// Of a TPDO: its parameters, as far as they are known.
-    pub tpdo: Parameters,
+    /// Whether it is a TPDO of whose parameters something is known.
+    pub is_known_tpdo: bool,
     /// Of a heartbeat: the interval that it ends.
     pub heartbeat: Option<Interval>,
     /// Of an SDO message: what it does to the requests that wait.
@@ -150,7 +150,7 @@ impl Facts {
         let begins_anew = matches!(decoded.message, Message::Nmt(nmt) if !self.is_repeated(nmt));
         let reconfigured = self.tpdos.frame(decoded, bus);
         let news = &mut self.news;
-        (news.begins_anew, news.tpdo, news.heartbeat) = (begins_anew, Parameters::default(), None);
+        (news.begins_anew, news.is_known_tpdo, news.heartbeat) = (begins_anew, false, None);
         // Most frames are no SDO messages: nothing to take away.
         if !matches!(news.request, Step::None) {
             news.request = Step::None;
@@ -158,7 +158,7 @@ impl Facts {
         match decoded.service {
             Service::Pdo => {
                 if let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (decoded.node, decoded.message) {
-                    news.tpdo = self.tpdos.of(node, number);
+                    news.is_known_tpdo = self.tpdos.of(node, number).is_known();
                 }
             }
             Service::Heartbeat => {

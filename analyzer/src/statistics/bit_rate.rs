@@ -21,6 +21,8 @@ const BETWEEN: [u32; RATES.len() - 1] = [1_120, 1_600, 3_000, 6_000, 9_000, 15_0
 pub struct BitRate {
     last: Option<Timestamp>,
     votes: [u32; RATES.len()],
+    /// The one that was voted for last.
+    guess: usize,
 }
 
 impl BitRate {
@@ -38,13 +40,16 @@ impl BitRate {
         if bits == 0 || !(40_000..=20_000_000).contains(&elapsed) {
             return;
         }
-        let bit_time = elapsed as u32 / bits;
-        // The only one that it can be: what is tolerated is far less than they are apart.
-        let nearest = BETWEEN.iter().filter(|between| bit_time > **between).count();
-        let exact = u64::from(bits) * BIT_TIMES[nearest];
-        if exact.abs_diff(elapsed) <= 1_500 + exact / 500 {
-            self.votes[nearest] = self.votes[nearest].saturating_add(1);
+        if !fits(self.guess, bits, elapsed) {
+            let bit_time = elapsed as u32 / bits;
+            // The only one that it can be: what is tolerated is far less than they are apart.
+            let nearest = BETWEEN.iter().map(|between| usize::from(bit_time > *between)).sum();
+            if !fits(nearest, bits, elapsed) {
+                return;
+            }
+            self.guess = nearest;
         }
+        self.votes[self.guess] = self.votes[self.guess].saturating_add(1);
     }
 
     /// The next frame does not follow the last one.
@@ -65,6 +70,13 @@ impl BitRate {
         }
         RATES.into_iter().rev().find(|rate| rate >= best && fullest <= Peak::most(*rate))
     }
+}
+
+/// Whether so many bits take that time, in nanoseconds, at one of the rates.
+#[inline]
+fn fits(rate: usize, bits: u32, elapsed: u64) -> bool {
+    let exact = u64::from(bits) * BIT_TIMES[rate];
+    exact.abs_diff(elapsed) <= 1_500 + exact / 500
 }
 
 #[cfg(test)]

@@ -22,6 +22,8 @@ pub struct Statistics {
     bit_rate: BitRate,
     nodes: Vec<Option<Box<NodeStatistics>>>,
     test_run: TestRun,
+    /// When the window of all peaks began.
+    window: Timestamp,
     peak: Peak,
     peaks: [Peak; Service::ALL.len()],
     copies: u64,
@@ -63,6 +65,10 @@ impl Statistics {
     /// `bits` are those that it takes on the bus, with the intermission; 0 where that is not known.
     pub fn frame(&mut self, record: &Record, bits: u32, decoded: &Decoded, bus: &Bus) {
         let now = record.timestamp;
+        if now.since(self.window) >= Peak::WINDOW || now < self.window {
+            self.end_window();
+            self.window = Peak::begin(now);
+        }
         self.frames[decoded.service as usize] += 1;
         self.bits[decoded.service as usize] += u64::from(bits);
         self.first.get_or_insert(now);
@@ -70,8 +76,6 @@ impl Statistics {
         self.fine += u64::from(!now.nanos().is_multiple_of(10_000));
         if bits > 0 {
             self.load.add(now, bits);
-            self.peak.add(now, bits);
-            self.peaks[decoded.service as usize].add(now, bits);
             self.bit_rate.frame(now, bits);
         }
         match decoded.message {
@@ -83,6 +87,18 @@ impl Statistics {
         }
         if let Some(node) = decoded.node {
             self.node(node).frame(now, bits, decoded, bus);
+        }
+    }
+
+    /// What was counted since the window began is that of the window.
+    #[cold]
+    fn end_window(&mut self) {
+        self.peak.end(self.window, self.bits.iter().sum());
+        for (peak, bits) in self.peaks.iter_mut().zip(self.bits) {
+            peak.end(self.window, bits);
+        }
+        for node in self.nodes.iter_mut().flatten() {
+            node.peak.end(self.window, node.bits);
         }
     }
 
@@ -100,7 +116,7 @@ impl Statistics {
     /// The bit rate in bit/s as far as the frames show it.
     pub fn inferred_bit_rate(&self) -> Option<u32> {
         let slack = if self.fine > 0 { Duration::from_micros(2) } else { Duration::from_millis(1) };
-        let fullest = self.peak.best().map_or(0, |best| best.1);
+        let fullest = self.peak.with(self.window, self.bits.iter().sum()).map_or(0, |best| best.1);
         self.bit_rate.inferred(slack, fullest)
     }
 
@@ -126,7 +142,8 @@ impl Statistics {
     }
 
     /// The figures; the bit rate is the one that was said, or inferred.
-    pub fn finish(self, now: Timestamp, bit_rate: Option<u32>) -> BusStatistics {
+    pub fn finish(mut self, now: Timestamp, bit_rate: Option<u32>) -> BusStatistics {
+        self.end_window();
         let first = self.first.unwrap_or(now);
         let inferred = if bit_rate.is_none() { self.inferred_bit_rate() } else { None };
         let nodes = NodeId::all().zip(self.nodes.into_iter().skip(1));

@@ -130,9 +130,6 @@ impl NodeStatistics {
         self.last = now;
         self.frames[decoded.service as usize] += 1;
         self.bits += u64::from(bits);
-        if bits > 0 {
-            self.peak.add(now, bits);
-        }
         self.present |= crate::findings::is_from_node(decoded);
         match decoded.service {
             Service::BootUp => {

@@ -6,9 +6,8 @@ use canvass_traces::{Duration, Timestamp};
 /// The window with the most bits, of windows that follow each other.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Peak {
-    /// When the window under way began.
-    begin: Timestamp,
-    bits: u64,
+    /// The bits of all windows that have ended.
+    before: u64,
     best: Option<(Timestamp, u64)>,
 }
 
@@ -16,25 +15,31 @@ impl Peak {
     /// How long a window is, beginning at times that are multiples of it.
     pub const WINDOW: Duration = Duration::from_millis(100);
 
-    /// Adds the bits of a frame.
-    #[inline]
-    pub fn add(&mut self, now: Timestamp, bits: u32) {
-        if now.since(self.begin) >= Self::WINDOW || now < self.begin {
-            self.turn(now);
+    /// When the window began that a time belongs to.
+    pub const fn begin(now: Timestamp) -> Timestamp {
+        Timestamp(now.nanos() / Self::WINDOW.nanos() * Self::WINDOW.nanos())
+    }
+
+    /// The window that began then has ended; `total` are the bits of all windows so far.
+    pub fn end(&mut self, begin: Timestamp, total: u64) {
+        self.best = self.with(begin, total);
+        self.before = total;
+    }
+
+    /// The begin of the fullest window and its bits, with the one under way as that which ends; `None` where there was no
+    /// frame at all.
+    pub const fn with(&self, begin: Timestamp, total: u64) -> Option<(Timestamp, u64)> {
+        let bits = total - self.before;
+        match self.best {
+            Some(best) if best.1 >= bits => Some(best),
+            None if bits == 0 => None,
+            _ => Some((begin, bits)),
         }
-        self.bits += u64::from(bits);
     }
 
-    fn turn(&mut self, now: Timestamp) {
-        self.best = self.best();
-        self.begin = Timestamp(now.nanos() / Self::WINDOW.nanos() * Self::WINDOW.nanos());
-        self.bits = 0;
-    }
-
-    /// The begin of the fullest window and its bits; `None` where there was no frame at all.
-    pub fn best(&self) -> Option<(Timestamp, u64)> {
-        let fuller = self.best.is_none_or(|best| self.bits > best.1);
-        if fuller && self.bits > 0 { Some((self.begin, self.bits)) } else { self.best }
+    /// The begin of the fullest window that has ended and its bits.
+    pub const fn best(&self) -> Option<(Timestamp, u64)> {
+        self.best
     }
 
     /// How many bits a window can hold at a bit rate: one frame may have begun before it.
@@ -58,16 +63,17 @@ mod tests {
 
     #[test]
     fn the_fullest_window_is_kept_over_hours() {
-        let mut peak = Peak::default();
-        assert_eq!(peak.best(), None);
+        let (mut peak, mut total) = (Peak::default(), 0);
+        assert_eq!(peak.with(Timestamp(0), 0), None);
         for second in 0..100_000_u64 {
-            peak.add(Timestamp(second * 1_000_000_000), 100);
-            if second == 77 {
-                peak.add(Timestamp(second * 1_000_000_000 + 99_999_999), 12_400);
-                peak.add(Timestamp(second * 1_000_000_000 + 100_000_000), 12_400);
-            }
+            total += if second == 77 { 12_500 } else { 100 };
+            peak.end(Timestamp(second * 1_000_000_000), total);
         }
         assert_eq!(peak.best(), Some((Timestamp(77_000_000_000), 12_500)));
+        let now = Timestamp(100_000_123_456_789);
+        assert_eq!(Peak::begin(now), Timestamp(100_000_100_000_000));
+        assert_eq!(peak.with(Peak::begin(now), total + 12_500), peak.best(), "the first of several");
+        assert_eq!(peak.with(Peak::begin(now), total + 12_501), Some((Peak::begin(now), 12_501)));
         assert_eq!(peak.percent(250_000), Some((Timestamp(77_000_000_000), 50.0)));
         assert_eq!(peak.percent(124_900), Some((Timestamp(77_000_000_000), 100.0)));
         assert_eq!(peak.percent(100_000), Some((Timestamp(77_000_000_000), 125.0)));

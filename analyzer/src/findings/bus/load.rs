@@ -94,7 +94,7 @@ impl Rule for Load {
             self.bits += u64::from(bits);
             return;
         }
-        self.judge(begin, elapsed, &context.seen(), &context.scene);
+        self.judge(begin, elapsed, &context.seen(), context.scene);
         (self.begin, self.bits) = (Some(now), u64::from(bits));
     }
 

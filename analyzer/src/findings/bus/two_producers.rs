@@ -117,7 +117,7 @@ impl TwoProducers {
     }
 
     fn pdo(&mut self, node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let parameters = context.news().tpdo;
+        let parameters = context.scene.facts.tpdos.of(node, number);
         let cyclic = matches!(parameters.transmission_type, Some(1..=240));
         let timer = parameters.event_timer.filter(|_| matches!(parameters.transmission_type, Some(254 | 255)));
         if !cyclic && timer.is_none() {

@@ -113,22 +113,22 @@ impl Rule for ConsumerTime {
         let Some(node) = context.node() else { return };
         let at = usize::from(node.raw());
         if !self.known[at] {
-            self.configure(node, &context.scene);
+            self.configure(node, context.scene);
         }
         match context.decoded.service {
             Service::Sdo => {
                 let object = context.decoded.object.is_some_and(|object| object.index.0 == 0x1016);
                 if object && context.decoded.event == Some(Event::TransferEnded) {
-                    self.configure(node, &context.scene);
+                    self.configure(node, context.scene);
                 }
             }
             Service::BootUp => {
-                self.configure(node, &context.scene);
+                self.configure(node, context.scene);
                 self.forget(node.raw());
             }
             Service::Heartbeat => {
                 if !context.scene.facts.node(node).is_storing(context.now()) {
-                    self.check(node, Some(context), &context.scene, sink);
+                    self.check(node, Some(context), context.scene, sink);
                 }
                 self.last[at] = Some(context.seen());
             }

@@ -56,7 +56,7 @@ impl Rule for GuardingUnanswered {
             if let Some(open) = &self.nodes[usize::from(node.raw())]
                 && context.now().since(open.time()) > self.wait + context.scene.slack()
             {
-                self.give_up(node, &context.scene, sink);
+                self.give_up(node, context.scene, sink);
             }
             self.nodes[usize::from(node.raw())].get_or_insert_with(|| context.seen());
             self.waits = true;

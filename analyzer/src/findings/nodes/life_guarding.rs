@@ -97,7 +97,7 @@ impl Rule for LifeGuarding {
             (_, Message::GuardingRequest) => {
                 let Some(node) = context.node() else { return };
                 let seen = context.seen();
-                self.check(node, Some(&seen), &context.scene, sink);
+                self.check(node, Some(&seen), context.scene, sink);
                 self.nodes[usize::from(node.raw())] = Some(Guarded { request: seen, told: false });
                 self.guards = true;
             }

@@ -3,7 +3,7 @@ use crate::NodeId;
 use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, PdoNumber, Service};
+use crate::message::Service;
 use canvass_traces::{Duration, Timestamp};
 
 pub const RULE: Definition = Definition {
@@ -48,16 +48,13 @@ impl Rule for InhibitTime {
         if context.begins_anew() {
             return self.interrupted();
         }
-        let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (context.node(), context.message()) else {
-            return;
-        };
-        let parameters = context.news().tpdo;
+        let Some((node, number, parameters)) = context.tpdo() else { return };
         // It holds for PDOs that are sent on events: not for synchronous ones and those that were asked for.
         if !matches!(parameters.transmission_type, None | Some(254 | 255)) {
             return;
         }
         let Some(inhibit) = parameters.inhibit else { return };
-        let slot = self.last[usize::from(node.raw())].get_mut(usize::from(*number) - 1);
+        let slot = self.last[usize::from(node.raw())].get_mut(usize::from(number) - 1);
         let last = slot.and_then(|slot| slot.replace(context.now())).filter(|_| context.scene.has_times());
         let Some(last) = last else { return };
         let interval = context.now().since(last);
@@ -68,7 +65,7 @@ impl Rule for InhibitTime {
             return;
         }
         let worse = inhibit.nanos().saturating_sub(interval.nanos());
-        let report = Report::at(context.now()).node(node).detail(u64::from(*number)).measure(worse);
+        let report = Report::at(context.now()).node(node).detail(u64::from(number)).measure(worse);
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || format!("TPDO {number} after {interval}, its inhibit time is {inhibit}"));
     }

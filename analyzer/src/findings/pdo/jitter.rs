@@ -3,7 +3,7 @@ use crate::NodeId;
 use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, PdoNumber, Service};
+use crate::message::Service;
 use crate::wire::error_control::State;
 use canvass_traces::{Duration, Timestamp};
 
@@ -97,12 +97,9 @@ impl Rule for Jitter {
             }
             return;
         }
-        let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (context.node(), context.message()) else {
-            return;
-        };
-        let parameters = context.news().tpdo;
+        let Some((node, number, parameters)) = context.tpdo() else { return };
         let (Some(timer), Some(254 | 255)) = (parameters.event_timer, parameters.transmission_type) else { return };
-        let Some(row) = self.rows[usize::from(node.raw())].get_mut(usize::from(*number) - 1) else { return };
+        let Some(row) = self.rows[usize::from(node.raw())].get_mut(usize::from(number) - 1) else { return };
         let operational = context.scene.bus.node(node).and_then(|node| node.state);
         let known = operational.is_some_and(|state| state.0 == State::OPERATIONAL);
         if !known || context.scene.facts.node(node).is_storing(context.now()) {

@@ -27,6 +27,8 @@ pub struct Parameters {
 }
 
 impl Parameters {
+    const UNKNOWN: Self = Self { transmission_type: None, inhibit: None, event_timer: None };
+
     /// Whether anything is known.
     pub const fn is_known(&self) -> bool {
         self.transmission_type.is_some() || self.inhibit.is_some() || self.event_timer.is_some()
@@ -104,10 +106,9 @@ impl AllParameters {
     }
 
     /// The parameters of a TPDO, by its number from 1; nothing is known of those beyond [`TPDOS`].
-    pub fn of(&self, node: NodeId, number: u16) -> Parameters {
+    pub fn of(&self, node: NodeId, number: u16) -> &Parameters {
         let row = usize::from(number).checked_sub(1);
-        let row = row.and_then(|row| self.nodes[usize::from(node.raw())].get(row));
-        row.copied().unwrap_or_default()
+        row.and_then(|row| self.nodes[usize::from(node.raw())].get(row)).unwrap_or(&Parameters::UNKNOWN)
     }
 }
 

@@ -3,7 +3,7 @@ use crate::NodeId;
 use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, PdoNumber, Service};
+use crate::message::Service;
 use crate::network::Event;
 use crate::wire::error_control::State;
 use canvass_traces::{Duration, Timestamp};
@@ -56,14 +56,11 @@ impl Rule for Period {
             }
             _ => {}
         }
-        let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (context.node(), context.message()) else {
-            return;
-        };
-        let parameters = context.news().tpdo;
+        let Some((node, number, parameters)) = context.tpdo() else { return };
         let timed = matches!(parameters.transmission_type, Some(254 | 255));
         let (Some(timer), true) = (parameters.event_timer, timed) else { return };
         let operational = context.scene.bus.node(node).and_then(|node| node.state);
-        let slot = self.last[usize::from(node.raw())].get_mut(usize::from(*number) - 1);
+        let slot = self.last[usize::from(node.raw())].get_mut(usize::from(number) - 1);
         let Some(last) = slot.and_then(|slot| slot.replace(context.now())) else { return };
         let interval = context.now().since(last);
         let limit = Duration(timer.nanos() * self.percent / 100) + self.least + context.scene.slack();
@@ -71,7 +68,7 @@ impl Rule for Period {
         if interval <= limit || storing || operational.is_none_or(|state| state.0 != State::OPERATIONAL) {
             return;
         }
-        let report = Report::at(last).node(node).detail(u64::from(*number)).measure(interval.nanos());
+        let report = Report::at(last).node(node).detail(u64::from(number)).measure(interval.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || format!("TPDO {number} after {interval}, its event timer is {timer}"));
     }

@@ -1,7 +1,7 @@
 use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, PdoNumber, Service};
+use crate::message::{Message, Service};
 use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
@@ -34,16 +34,12 @@ struct SyncWindow {
 
 impl Rule for SyncWindow {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let number = match context.message() {
-            Message::Sync(_) => {
-                self.sync = Some(context.seen());
-                return;
-            }
-            Message::Pdo(PdoNumber::Transmit(number)) => *number,
-            _ => return,
-        };
-        let (Some(node), Some(sync)) = (context.node(), &self.sync) else { return };
-        if !matches!(context.news().tpdo.transmission_type, Some(0..=240)) || !context.scene.has_times() {
+        if matches!(context.message(), Message::Sync(_)) {
+            self.sync = Some(context.seen());
+            return;
+        }
+        let (Some((node, number, parameters)), Some(sync)) = (context.tpdo(), &self.sync) else { return };
+        if !matches!(parameters.transmission_type, Some(0..=240)) || !context.scene.has_times() {
             return;
         }
         let Some(window) = context.scene.facts.tpdos.sync_window(node) else { return };

@@ -90,7 +90,7 @@ impl Rule for Unanswered {
                 true => format!("another one followed after {waited}, as if two clients used this channel"),
                 false => format!("the client gave up after {waited}"),
             };
-            tell(&mut self.absent, pending, &why, &context.scene, sink);
+            tell(&mut self.absent, pending, &why, context.scene, sink);
         }
     }
 

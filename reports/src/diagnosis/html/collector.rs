@@ -68,7 +68,7 @@ impl Collector {
                 buckets.add(time, Emergencies { time, code, count: 1 });
             }
         }
-        let meaning = Meaning::new(record, &observed.decoded, observed.bus);
-        self.sampler.frame(record, channels, &observed.decoded, &meaning, &mut self.series, &mut Vec::new())
+        let meaning = Meaning::new(record, observed.decoded, observed.bus);
+        self.sampler.frame(record, channels, observed.decoded, &meaning, &mut self.series, &mut Vec::new())
     }
 }

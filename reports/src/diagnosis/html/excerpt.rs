@@ -88,7 +88,7 @@ impl Shown {
         self.len = data.len();
         self.text.clear();
         // Writing to a string can't fail.
-        let _ = write!(self.text, "{}", Meaning::new(record, &observed.decoded, observed.bus));
+        let _ = write!(self.text, "{}", Meaning::new(record, observed.decoded, observed.bus));
         self.shorten();
     }
 
