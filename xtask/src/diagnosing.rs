@@ -23,7 +23,7 @@ pub fn diagnosing() -> Result<()> {
         let diagnose = [&*canvass, "diagnose", "--fail-on", "never", &path];
         let (decoding, diagnosis) = in_turns(&decode, &diagnose)?;
         let ratio = diagnosis / decoding;
-        println!("{format}: {diagnosis:.2} s, {ratio:.2} times the {decoding:.2} s of decoding to text");
+        println!("{format}: {diagnosis:.3} s, {ratio:.2} times the {decoding:.3} s of decoding to text");
         if format == "pcap" {
             let tshark = best(&["tshark", "-n", "-d", "can.subdissector,canopen", "-r", &path], None)?.cpu;
             println!("{format}: {:.1} times as fast as one line a frame of tshark", tshark / diagnosis);
