@@ -68,6 +68,11 @@ pub struct NodeFacts {
     pub last_program_control: Option<Timestamp>,
     /// The last boot-up.
     pub last_boot_up: Option<Timestamp>,
+    /// Whether it has shown to be an NMT slave: a command named it, or it has answered an SDO client. The NMT master
+    /// does not hear its own commands to all.
+    pub is_slave: bool,
+    /// The node-ID that it had is another one since its reset.
+    pub has_moved: bool,
 }
 
 impl Default for Facts {
@@ -169,7 +174,7 @@ impl Facts {
                 news.request = self.requests.frame(record, decoded);
                 self.heartbeats.other(decoded, begins_anew, bus);
             }
-            Service::Lss | Service::Lmt => self.heartbeats.other(decoded, begins_anew, bus),
+            Service::Guarding | Service::Lss | Service::Lmt => self.heartbeats.other(decoded, begins_anew, bus),
             _ => {}
         }
         encoder::collect(record, decoded, bus, &mut news.operands);
@@ -202,6 +207,7 @@ impl Facts {
         let Some(node) = decoded.node else { return };
         if is_from_node(decoded) {
             let facts = self.node_mut(node);
+            facts.is_slave |= decoded.service == Service::Sdo;
             facts.last_seen = Some(now);
             if facts.first_seen.replace(facts.first_seen.unwrap_or(now)).is_none() {
                 self.present = self.present.saturating_add(1);
@@ -209,10 +215,29 @@ impl Facts {
         }
         if decoded.service == Service::BootUp {
             let facts = self.node_mut(node);
-            (facts.last_boot_up, facts.pending_reset) = (Some(now), None);
+            (facts.last_boot_up, facts.pending_reset, facts.has_moved) = (Some(now), None, false);
+            self.moved(bus);
         }
         if decoded.event == Some(Event::TransferEnded) {
             self.transferred(now, node, decoded, bus);
+        }
+    }
+
+    /// A node has started with a new node-ID: the one that it had before will not come back. Where nothing tells which
+    /// that is, it is the only one that was reset and is silent since.
+    fn moved(&mut self, bus: &Bus) {
+        let from = bus.events().iter().find_map(|event| match event {
+            Event::NodeIdChanged { from, .. } => Some(*from),
+            _ => None,
+        });
+        let Some(from) = from else { return };
+        let silent = |facts: &NodeFacts| {
+            facts.pending_reset.is_some_and(|reset| facts.last_seen.is_some_and(|seen| seen <= reset))
+        };
+        let mut silent = NodeId::all().filter(|node| silent(self.node(*node)));
+        let only = silent.next().filter(|_| silent.next().is_none());
+        if let Some(from) = from.or(only) {
+            self.node_mut(from).has_moved = true;
         }
     }
 
@@ -234,6 +259,7 @@ impl Facts {
         for (id, facts) in self.nodes.iter_mut().enumerate().skip(1) {
             if node == 0 || usize::from(node) == id {
                 facts.command = Some((command, now));
+                facts.is_slave |= node != 0;
                 facts.pending_reset = if resets { Some(now) } else { facts.pending_reset };
             }
         }

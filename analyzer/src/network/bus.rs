@@ -116,7 +116,7 @@ impl Bus {
                 let class = frame.error_class().unwrap_or(canvass_traces::ErrorClass(0));
                 plain(Service::ErrorFrame, None, Message::ErrorFrame(class))
             }
-            (None, FrameKind::Remote) => self.remote(frame),
+            (None, FrameKind::Remote) => self.remote(record.timestamp, frame),
             (None, FrameKind::Data) => plain(Service::Unknown, None, Message::Foreign),
         }
     }
@@ -132,7 +132,7 @@ impl Bus {
             Use::Pdo(node, number) => self.pdo(node, number, payload),
             Use::SdoRequest(channel) => self.sdo(channel, |channel| channel.request(now, payload)),
             Use::SdoResponse(channel) => self.sdo(channel, |channel| channel.response(now, payload)),
-            Use::ErrorControl(node) => self.error_control(node, payload),
+            Use::ErrorControl(node) => self.error_control(now, node, payload),
             Use::LssRequest => self.layer_setting_request(now, payload),
             Use::LssResponse => self.layer_setting_response(now, payload),
             Use::Srdo(node, number, half) => self.srdo(now, (node, number, half), frame),
@@ -207,11 +207,11 @@ impl Bus {
         if known && only_lmt { Dialect::Lmt } else { Dialect::Lss }
     }
 
-    fn remote(&mut self, frame: &Frame) -> Decoded {
+    fn remote(&mut self, now: Timestamp, frame: &Frame) -> Decoded {
         let used = frame.id().as_standard().filter(|_| !frame.is_fd()).map(|id| self.cob_ids.get(id));
         match used {
             Some((Use::ErrorControl(node), source)) => {
-                self.node_mut(node).guarded = true;
+                self.node_mut(node).guarding.ask(now);
                 Decoded { source, ..plain(Service::Guarding, Some(node), Message::GuardingRequest) }
             }
             Some((Use::Pdo(node, number @ PdoNumber::Transmit(_)), source)) => {
@@ -253,16 +253,17 @@ impl Bus {
         Some(event)
     }
 
-    fn error_control(&mut self, id: NodeId, payload: &[u8]) -> Decoded {
+    fn error_control(&mut self, now: Timestamp, id: NodeId, payload: &[u8]) -> Decoded {
         let message = match ErrorControl::read(payload) {
             Ok(message) => message,
             Err(error) => return malformed(Service::Heartbeat, Some(id), error),
         };
-        let guarded = self.node_mut(id).guarded;
-        let (service, to, cause) = match (message.is_boot_up(), guarded || message.toggle) {
-            (true, _) => (Service::BootUp, State::PRE_OPERATIONAL, Cause::BootUp),
-            (false, true) => (Service::Guarding, message.state, Cause::ErrorControl),
-            (false, false) => (Service::Heartbeat, message.state, Cause::ErrorControl),
+        let (service, to, cause) = if message.is_boot_up() {
+            (Service::BootUp, State::PRE_OPERATIONAL, Cause::BootUp)
+        } else if self.node_mut(id).guarding.is_answer(now, message.toggle) {
+            (Service::Guarding, message.state, Cause::ErrorControl)
+        } else {
+            (Service::Heartbeat, message.state, Cause::ErrorControl)
         };
         let event = self.state_seen(id, to, cause);
         Decoded { event, ..plain(service, Some(id), Message::ErrorControl(message)) }

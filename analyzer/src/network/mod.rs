@@ -8,6 +8,7 @@ mod bus;
 mod cob_ids;
 mod configured;
 mod event;
+mod guarding;
 mod layer_setting;
 mod layout;
 mod layouts;

@@ -4,6 +4,7 @@ use crate::dictionary::Unit;
 use crate::dictionary::{Access, DeviceDescription};
 use crate::message::PdoNumber;
 use crate::network::configured::Pending;
+use crate::network::guarding::Guarding;
 use crate::network::layout::Layout;
 use crate::network::layouts::Layouts;
 use crate::network::recognition::{self, Recognition};
@@ -24,8 +25,8 @@ use std::sync::OnceLock;
 pub struct Node {
     /// Its NMT state and how that is known.
     pub state: Option<(State, Cause)>,
-    /// Whether a remote frame has asked for its state: its error control is node guarding then, until its boot-up.
-    pub guarded: bool,
+    /// What tells its answers to node guarding from heartbeats.
+    pub(super) guarding: Guarding,
     /// Its description, where the user gave one or its identity was recognised.
     pub description: Option<Arc<DeviceDescription>>,
     /// As what it was recognised, where the description comes from that.
@@ -134,7 +135,7 @@ impl Node {
     pub fn restart(&mut self) {
         self.parameters = self.stored.clone();
         self.forget_layouts();
-        self.guarded = false;
+        self.guarding = Guarding::default();
         self.error_since = None;
     }
 

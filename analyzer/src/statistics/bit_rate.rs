@@ -23,6 +23,8 @@ pub struct BitRate {
     votes: [u32; RATES.len()],
     /// The one that was voted for last.
     guess: usize,
+    /// Pairs that are closer than the guess of then allows.
+    too_close: [u32; RATES.len()],
 }
 
 impl BitRate {
@@ -30,6 +32,9 @@ impl BitRate {
     const ENOUGH: u32 = 20;
     /// And so many times more than on any other bit rate.
     const CLEAR: u32 = 4;
+    /// A rate that one of so many pairs contradicts by being too close is none: a master that always leaves the same
+    /// pause looks like a slow bus.
+    const CONTRADICTED: u32 = 20;
 
     /// Takes a frame with its bits, intermission included.
     #[inline]
@@ -41,6 +46,9 @@ impl BitRate {
             return;
         }
         if !fits(self.guess, bits, elapsed) {
+            // By far: clocks of interfaces jitter.
+            let closer = elapsed < u64::from(bits) * BIT_TIMES[self.guess] / 8 * 7;
+            self.too_close[self.guess] = self.too_close[self.guess].saturating_add(u32::from(closer));
             let bit_time = elapsed as u32 / bits;
             // The only one that it can be: what is tolerated is far less than they are apart.
             let nearest = BETWEEN.iter().map(|between| usize::from(bit_time > *between)).sum();
@@ -62,14 +70,21 @@ impl BitRate {
     /// they do.
     pub fn inferred(&self, slack: Duration, fullest: u64) -> Option<u32> {
         const FINE: Duration = Duration::from_micros(20);
-        let (best, votes) = RATES.iter().zip(self.votes).max_by_key(|row| row.1)?;
-        let second = RATES.iter().zip(self.votes).filter(|row| row.0 != best).map(|row| row.1).max().unwrap_or(0);
-        let clear = votes >= Self::ENOUGH && votes / Self::CLEAR >= second;
-        if slack >= FINE || !clear {
+        if slack >= FINE {
             return None;
         }
-        RATES.into_iter().rev().find(|rate| rate >= best && fullest <= Peak::most(*rate))
+        let contradicted = |at: usize| self.too_close[at] > self.votes[at] / Self::CONTRADICTED;
+        let possible = std::array::from_fn(|at| if contradicted(at) { 0 } else { self.votes[at] });
+        let best = elected(possible).or_else(|| elected(self.votes).filter(|rate| fullest > Peak::most(*rate)))?;
+        RATES.into_iter().rev().find(|rate| *rate >= best && fullest <= Peak::most(*rate))
     }
+}
+
+/// The bit rate that clearly has the most votes.
+fn elected(votes: [u32; RATES.len()]) -> Option<u32> {
+    let (best, most) = RATES.into_iter().zip(votes).max_by_key(|row| row.1)?;
+    let second = RATES.into_iter().zip(votes).filter(|row| row.0 != best).map(|row| row.1).max().unwrap_or(0);
+    (most >= BitRate::ENOUGH && most / BitRate::CLEAR >= second).then_some(best)
 }
 
 /// Whether so many bits take that time, in nanoseconds, at one of the rates.
@@ -121,6 +136,22 @@ mod tests {
         assert_eq!(rate.inferred(slack, 26_000), Some(500_000));
         assert_eq!(rate.inferred(slack, 51_000), Some(800_000));
         assert_eq!(rate.inferred(slack, 110_000), None, "no bus carries that");
+    }
+
+    #[test]
+    fn a_constant_pause_is_no_slow_bus() {
+        let mut rate = BitRate::default();
+        let mut now = Timestamp(0);
+        // Two frames at 250 kbit/s, and each time a third one that comes when it would come at 50 kbit/s.
+        for n in 0..200_u64 {
+            now += Duration(9_000_000 + n * n % 97 * 10_000);
+            rate.frame(now, 111);
+            now += Duration(111 * 20_000);
+            rate.frame(now, 111);
+            now += Duration(80 * if n % 9 == 0 { 4_000 } else { 9_300 });
+            rate.frame(now, 80);
+        }
+        assert_eq!(rate.inferred(Duration::from_micros(2), 24_000), Some(250_000));
     }
 
     #[test]

@@ -198,7 +198,8 @@ impl Voice {
 
     /// Vendor-ID, product code, revision and serial number can't change while the node is running.
     fn identify(&mut self, response: Response, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Some((sub, value)) = identity(response) else { return };
+        // An answer about another object than asked for says nothing of either.
+        let Some((sub, value)) = identity(response).filter(|_| context.decoded.violation.is_none()) else { return };
         let Some(known) = self.identity.get_mut(usize::from(sub) - 1) else { return };
         if let Some(before) = known.replace(value).filter(|before| *before != value) {
             let report = Report::at(context.now()).node(node).detail(5 + u64::from(sub));

@@ -15,6 +15,7 @@ pub const RULE: Definition = Definition {
             settle: Duration::from_millis(thresholds.get(&METADATA, "settle")),
             reset: Duration::from_millis(thresholds.get(&METADATA, "reset")),
             nodes: (0..128).map(|_| None).collect(),
+            obedient: vec![false; 128],
         })
     }),
 };
@@ -24,7 +25,9 @@ static METADATA: Metadata = Metadata {
     severity: Severity::Error,
     title: "a node does not reach the commanded NMT state",
     what: "After an NMT command, and time to obey it, heartbeats or guarding answers of the node still show another \
-           state: two of them, so that one that was already queued does not count.",
+           state: two of them, so that one that was already queued does not count. The NMT master does not hear its own \
+           commands: a node that stays operational although all are told otherwise is only worth knowing as long as no \
+           command has named it, it has not obeyed one to stop, and no SDO client was answered by it.",
     why: "The master believes that the node is in another state than it is: it sends no process data, or goes on \
           sending them.",
     advice: "See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the \
@@ -39,6 +42,8 @@ struct CommandNotObeyed {
     settle: Duration,
     reset: Duration,
     nodes: Vec<Option<Pending>>,
+    /// The nodes that have left operational, or started anew, when they were told to.
+    obedient: Vec<bool>,
 }
 
 struct Pending {
@@ -84,6 +89,7 @@ impl Rule for CommandNotObeyed {
             || context.decoded.service == Service::BootUp
             || is_reset && message.state == State::PRE_OPERATIONAL
         {
+            self.obedient[usize::from(node.raw())] |= pending.expected != State::OPERATIONAL;
             *slot = None;
             return;
         }
@@ -96,10 +102,16 @@ impl Rule for CommandNotObeyed {
         if pending.against >= 2 {
             let expected = pending.expected;
             let command = pending.command.evidence();
+            let is_slave = self.obedient[usize::from(node.raw())] || context.scene.facts.node(node).is_slave;
+            let is_master = !is_slave && message.state == State::OPERATIONAL;
             let report = Report::at(pending.command.time()).node(node).detail(u64::from(expected.0));
-            sink.report(report.evidence(command).evidence(context.evidence()), || match is_reset {
-                true => format!("{} {waited} after the command to reset it", message.state),
-                false => format!("{} {waited} after the command to be {expected}", message.state),
+            let report = if is_master { report.severity(Severity::Info) } else { report };
+            sink.report(report.evidence(command).evidence(context.evidence()), || {
+                let master = if is_master { "; it is right if this is the NMT master itself" } else { "" };
+                match is_reset {
+                    true => format!("{} {waited} after the command to reset it{master}", message.state),
+                    false => format!("{} {waited} after the command to be {expected}{master}", message.state),
+                }
             });
             *slot = None;
         }

@@ -48,7 +48,8 @@ impl Rule for GuardingToggle {
                     let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
                     sink.report(report, || format!("toggle bit {} twice in a row", u8::from(message.toggle)));
                 }
-                self.nodes[at] = Some(message.toggle);
+                // An answer that nobody was seen to ask for may be a heartbeat.
+                self.nodes[at] = asked.then_some(message.toggle);
             }
             _ => {}
         }

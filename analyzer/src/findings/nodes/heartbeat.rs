@@ -45,6 +45,8 @@ impl Heartbeats {
                 }
             }
             (Service::Sdo, _) => self.configured(decoded, bus),
+            // It may be a heartbeat that came just when the node was asked.
+            (Service::Guarding, Message::ErrorControl(_)) => self.pause(decoded.node.map_or(0, NodeId::raw)),
             // A node that goes back to waiting with another configuration may reset itself.
             (Service::Lss, Message::LssRequest(request)) => match request {
                 lss::Request::ConfigureNodeId { .. } | lss::Request::ConfigureBitTiming { .. } => {

@@ -52,8 +52,10 @@ impl Rule for HeartbeatEnded {
             }
             let report = Report::at(last).node(node).evidence(seen.evidence());
             sink.report(report, || {
-                let also = facts.last_seen.is_some_and(|seen| scene.now.since(seen) < silence);
-                let also = if also { "; it still sends other messages" } else { "" };
+                let also = match facts.last_seen.map(|seen| scene.now.since(seen)) {
+                    Some(since) if since <= period.times(self.periods) => "; it still sends other messages",
+                    _ => "; nor does it send anything else",
+                };
                 format!("no heartbeat for the last {silence} of the capture, its period is {period}{also}")
             });
         }

@@ -22,7 +22,8 @@ static METADATA: Metadata = Metadata {
     what: "A node that was on the bus is reset by an NMT command, and sends nothing more until the capture ends. A \
            node that sends other messages again but no boot-up is reported only if it has sent one before: old and \
            linear devices have none. Nor is \
-           a linear encoder (1000h) that nobody asks for anything after its reset.",
+           a linear encoder (1000h) that nobody asks for anything after its reset, nor one that comes back with the \
+           node-ID that LSS has given it, nor the NMT master, which does not hear its own commands to all nodes.",
     why: "The node is not available any more: it hangs in initialisation, has changed its node-ID or bit rate, or its \
           boot-up message never gets through.",
     advice: "Look for a new node-ID on the bus. If there is none, look at the device itself.",
@@ -56,7 +57,9 @@ impl Rule for NoBootUp {
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         for node in NodeId::all() {
             let facts = scene.facts.node(node);
-            let (Some(reset), Some(seen)) = (facts.pending_reset, facts.last_seen) else { continue };
+            let (Some(reset), Some(seen), false) = (facts.pending_reset, facts.last_seen, facts.has_moved) else {
+                continue;
+            };
             // Linear devices of some manufacturers come up silently: nothing to wait for.
             let device_type = scene.bus.node(node).and_then(|known| known.parameter(node, DEVICE_TYPE));
             let is_linear = device_type.is_some_and(|device_type| matches!(device_type >> 16, 0x08 | 0x09));
@@ -65,7 +68,7 @@ impl Rule for NoBootUp {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
                     format!("nothing more was heard in the {} after its reset", scene.now.since(reset))
                 });
-            } else if waited && facts.last_boot_up.is_some() && seen > reset + self.wait {
+            } else if waited && facts.is_slave && facts.last_boot_up.is_some() && seen > reset + self.wait {
                 let report = Report::at(reset).node(node).severity(Severity::Warning).evidence(self.reset_of(node));
                 sink.report(report, || {
                     "it sends again after its reset, but not its boot-up message, as it did before".to_owned()

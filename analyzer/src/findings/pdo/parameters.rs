@@ -15,6 +15,10 @@ pub const TPDOS: usize = 8;
 /// Synchronous window length, in microseconds; 0 is no window.
 const SYNC_WINDOW: u16 = 0x1007;
 
+/// Event timer of the first TPDO, and the cyclic timer of encoders, in milliseconds.
+const EVENT_TIMER: Multiplexer = Multiplexer::new(0x1800, 5);
+const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
+
 /// What is known of one TPDO.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Parameters {
@@ -42,6 +46,8 @@ pub struct AllParameters {
     windows: Box<[Option<Duration>]>,
     /// Whether they were read at all.
     known: Box<[bool]>,
+    /// Whether the cyclic timer of an encoder (6200h) was shown later than the event timer of its first TPDO.
+    cyclic: Box<[bool]>,
 }
 
 impl Default for AllParameters {
@@ -50,6 +56,7 @@ impl Default for AllParameters {
             nodes: vec![[Parameters::default(); TPDOS]; 128].into(),
             windows: vec![None; 128].into(),
             known: vec![false; 128].into(),
+            cyclic: vec![false; 128].into(),
         }
     }
 }
@@ -67,6 +74,11 @@ impl AllParameters {
             _ => false,
         };
         (is_new || may_change).then(|| {
+            match decoded.object {
+                Some(CYCLIC_TIMER) => self.cyclic[usize::from(node.raw())] = true,
+                Some(EVENT_TIMER) => self.cyclic[usize::from(node.raw())] = false,
+                _ => {}
+            }
             self.read(node, bus);
             node
         })
@@ -79,6 +91,7 @@ impl AllParameters {
         let window = &mut self.windows[usize::from(node.raw())];
         *window = None;
         self.known[usize::from(node.raw())] = true;
+        let cyclic = self.cyclic[usize::from(node.raw())];
         let Some(known) = bus.node(node) else { return };
         let micros = known.certain(node, Multiplexer::new(SYNC_WINDOW, 0)).filter(|&micros| micros > 0);
         *window = micros.map(|micros| Duration::from_micros(u64::from(micros)));
@@ -91,10 +104,11 @@ impl AllParameters {
             row.transmission_type = of(2).map(|value| value as u8);
             row.inhibit = time(of(3), Duration::from_micros(100));
             row.event_timer = time(of(5), millis);
-            // Encoders have a timer of their own for their first TPDO; where both exist they are the same.
-            let is_cyclic = index == 0x1800 && row.event_timer.is_none() && row.transmission_type == Some(254);
-            if is_cyclic && known.profile(node) == Some(ENCODER_PROFILE) {
-                row.event_timer = time(known.certain(node, Multiplexer::new(0x6200, 0)), millis);
+            // Encoders have a timer of their own for their first TPDO; where both exist they are the same, so that the
+            // latest holds.
+            let is_cyclic = index == 0x1800 && row.transmission_type == Some(254);
+            if is_cyclic && (cyclic || row.event_timer.is_none()) && known.profile(node) == Some(ENCODER_PROFILE) {
+                row.event_timer = time(known.certain(node, CYCLIC_TIMER), millis);
             }
         }
     }

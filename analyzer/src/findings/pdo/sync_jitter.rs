@@ -7,7 +7,7 @@ use canvass_traces::Duration;
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Sync, Service::Nmt],
+    services: &[Service::Sync, Service::Nmt, Service::Sdo],
     also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(SyncJitter {
@@ -46,7 +46,9 @@ struct SyncJitter {
 impl Rule for SyncJitter {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         if !matches!(context.message(), Message::Sync(_)) {
-            return if context.begins_anew() {
+            return if super::changes_sync(context) {
+                self.rhythm.restart();
+            } else if context.begins_anew() {
                 self.rhythm.pause();
             };
         }

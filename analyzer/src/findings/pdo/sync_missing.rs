@@ -6,7 +6,7 @@ use crate::message::{Message, Service};
 
 pub const RULE: Definition = Definition {
     metadata: &METADATA,
-    services: &[Service::Sync, Service::Nmt],
+    services: &[Service::Sync, Service::Nmt, Service::Sdo],
     also: Also::Nothing,
     make: Some(|thresholds| {
         Box::new(SyncMissing { percent: thresholds.get(&METADATA, "percent"), rhythm: Rhythm::default() })
@@ -18,7 +18,7 @@ static METADATA: Metadata = Metadata {
     severity: Severity::Error,
     title: "a SYNC message is missing",
     what: "SYNC has kept a period, and then at least one was left out. Pauses around NMT commands are not counted, as \
-           masters stop SYNC for a restart.",
+           masters stop SYNC for a restart, nor is what follows when 1005h or 1006h is written.",
     why: "Synchronous PDOs are not sent and outputs are not updated in that cycle; drives in interpolated modes stop.",
     advice: "Look at what the SYNC producer was doing, and at the bus load: SYNC has a high priority, so that a full bus \
              alone does not delay it.",
@@ -33,7 +33,9 @@ struct SyncMissing {
 impl Rule for SyncMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if !matches!(context.message(), Message::Sync(_)) {
-            return if context.begins_anew() {
+            return if super::changes_sync(context) {
+                self.rhythm.restart();
+            } else if context.begins_anew() {
                 self.rhythm.pause();
             };
         }

@@ -17,8 +17,8 @@ static METADATA: Metadata = Metadata {
     severity: Severity::Warning,
     title: "an SDO transfer was aborted",
     what: "Client or server aborts a transfer. Findings are told apart by object, code and side. A read that the \
-           server refuses because it has no such object or sub-index is only worth knowing: clients look so for what \
-           a device has.",
+           server refuses because it has no such object or sub-index, or because its error history (1003h) is empty, is \
+           only worth knowing: clients look so for what a device has.",
     why: "A value was not written or not read: the device runs with another configuration than the master believes.",
     advice: "The code tells the reason. 0601 0002h and 0609 00xxh are mistakes of the configuration, 0800 002xh of the \
              moment, 0503 0000h and 0504 xxxxh of the protocol.",
@@ -38,7 +38,9 @@ impl Rule for Aborted {
         let transfer = transfer.filter(|transfer| transfer.multiplexer == multiplexer);
         let direction = transfer.map(|transfer| transfer.direction);
         let absent = matches!(code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX);
-        let looks = direction == Some(Direction::Upload) && side == Side::Server && absent;
+        // An error history without errors refuses to be read.
+        let empty = multiplexer.index.0 == 0x1003 && code == AbortCode::NO_DATA;
+        let looks = direction == Some(Direction::Upload) && side == Side::Server && (absent || empty);
         let address = u64::from(multiplexer.index.0) << 8 | u64::from(multiplexer.sub.0);
         let detail = address << 33 | u64::from(code.0) << 1 | u64::from(side == Side::Client);
         let report = Report::at(context.now()).node(context.node()).detail(detail);

@@ -97,7 +97,8 @@ impl Rule for Unanswered {
     fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         for (channel, pending) in scene.facts.requests.open() {
             let limit = if pending.is_store() { self.store } else { self.wait };
-            let late = scene.now.since(pending.since) > limit + scene.slack();
+            // Since the first time, however often it was repeated.
+            let late = scene.now.since(pending.request.time()) > limit + scene.slack();
             if late && !self.told.contains(&channel) {
                 self.told.push(channel);
                 tell(&mut self.absent, pending, &format!("nothing came within {limit}"), scene, sink);
@@ -113,7 +114,7 @@ impl Rule for Unanswered {
         // Cut off by the end of the capture: then half of the time must do.
         for (channel, pending) in scene.facts.requests.open() {
             let limit = if pending.is_store() { self.store } else { self.wait };
-            let waited = scene.now.since(pending.since);
+            let waited = scene.now.since(pending.request.time());
             if waited.times(4) > limit && !self.told.contains(&channel) {
                 let why = format!("nothing came in the {waited} until the capture ends");
                 tell(&mut self.absent, pending, &why, scene, sink);

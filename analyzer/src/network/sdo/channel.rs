@@ -2,8 +2,9 @@
 
 use super::block::{Block, DownloadBlock, HeldBack, UploadBlock};
 use super::transfer::{Direction, Mode, Outcome, Side, Transfer, Violation};
+use super::under_way::UnderWay;
 use crate::message::{Message, Service};
-use crate::wire::sdo::{Abort, Payload, Request, Response, Segment};
+use crate::wire::sdo::{Abort, BlockSegment, Payload, Request, Response, Segment};
 use crate::wire::{Malformed, Wire};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
@@ -33,6 +34,7 @@ pub struct Channel {
     left: Option<Transfer>,
     pub(super) held_back: HeldBack,
     phase: Phase,
+    under_way: UnderWay,
 }
 
 /// What is due next on a channel.
@@ -81,7 +83,8 @@ impl Step {
 impl Channel {
     /// A channel on which nothing was seen yet.
     pub fn new(server: NodeId) -> Self {
-        Self { server, transfer: None, left: None, held_back: HeldBack::default(), phase: Phase::Idle }
+        let (held_back, under_way) = (HeldBack::default(), UnderWay::default());
+        Self { server, transfer: None, left: None, held_back, phase: Phase::Idle, under_way }
     }
 
     /// The transfer under way, or the last one.
@@ -114,8 +117,14 @@ impl Channel {
         if let Some(segment) = self.as_block_segment(now, Direction::Download, payload) {
             return self.block_download_segment(now, segment);
         }
+        if let Some(segment) = self.segment_under_way(now, Direction::Download, payload) {
+            return Step::of(Message::SdoBlockDownload(segment));
+        }
         match Request::read(payload) {
-            Ok(request) => self.on_request(now, request),
+            Ok(request) => {
+                let step = self.on_request(now, request);
+                self.excused(step)
+            }
             Err(error) => malformed(error),
         }
     }
@@ -125,10 +134,41 @@ impl Channel {
         if let Some(segment) = self.as_block_segment(now, Direction::Upload, payload) {
             return self.block_upload_segment(now, segment);
         }
+        if let Some(segment) = self.segment_under_way(now, Direction::Upload, payload) {
+            return Step::of(Message::SdoBlockUpload(segment));
+        }
         match Response::read(payload) {
-            Ok(response) => self.on_response(now, response),
+            Ok(response) => {
+                let step = self.on_response(now, response);
+                self.excused(step)
+            }
             Err(error) => malformed(error),
         }
+    }
+
+    /// What belongs to a block transfer that was under way when the capture began breaks no rule.
+    fn excused(&self, step: Step) -> Step {
+        let block = matches!(
+            step.message,
+            Message::SdoRequest(
+                Request::ConfirmBlockUpload { .. } | Request::EndBlockUpload | Request::EndBlockDownload { .. }
+            ) | Message::SdoResponse(
+                Response::ConfirmBlockDownload { .. } | Response::EndBlockDownload | Response::EndBlockUpload { .. }
+            )
+        );
+        let is_excused = self.under_way.is_possible() && block && step.violation == Some(Violation::Unexpected);
+        if is_excused { Step { violation: None, ..step } } else { step }
+    }
+
+    /// The frame as a segment of a block transfer that was under way when the capture began.
+    fn segment_under_way(&mut self, now: Timestamp, direction: Direction, payload: &[u8]) -> Option<BlockSegment> {
+        if !self.under_way.is_possible() || matches!(self.phase, Phase::Block(_)) {
+            return None;
+        }
+        let segment = self.under_way.segment(now, direction, payload)?;
+        // The one before it was taken for something else.
+        (self.phase, self.transfer) = (Phase::Idle, None);
+        Some(segment)
     }
 
     fn on_request(&mut self, now: Timestamp, request: Request) -> Step {
@@ -326,6 +366,7 @@ impl Channel {
 
     /// Notes a frame of the transfer that names its object.
     pub(super) fn answered(&mut self, now: Timestamp, multiplexer: Multiplexer, step: Step) -> Step {
+        self.under_way.end();
         self.seen(now);
         match &mut self.transfer {
             Some(transfer) if transfer.multiplexer != multiplexer => {

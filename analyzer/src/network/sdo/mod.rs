@@ -6,6 +6,7 @@
 mod block;
 mod channel;
 mod transfer;
+mod under_way;
 
 pub use channel::{Channel, ChannelIndex, Step};
 pub use transfer::{Direction, Mode, Outcome, Side, Transfer, Violation};

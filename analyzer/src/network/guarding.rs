@@ -1,0 +1,81 @@
+//! What tells the answers of node guarding from heartbeats: both are one byte on the same CAN-ID.
+
+use canvass_traces::{Duration, Timestamp};
+
+/// The error control of one node, as far as it was seen.
+#[derive(Clone, Copy, Default, Debug)]
+pub struct Guarding {
+    /// When a remote frame has asked for the state that is not answered yet.
+    asked: Option<Timestamp>,
+    /// The toggle bit of the last message.
+    toggle: bool,
+    /// The last message was a heartbeat.
+    beats: bool,
+}
+
+impl Guarding {
+    /// A producer of heartbeats that sends its state later than this after a remote frame does not answer it.
+    const ANSWER: Duration = Duration::from_millis(100);
+
+    /// A remote frame asks for the node's state.
+    pub const fn ask(&mut self, now: Timestamp) {
+        self.asked = Some(now);
+    }
+
+    /// Takes a message other than a boot-up, and says whether it is an answer: it was asked for, or it has the toggle
+    /// bit, or follows one that has it, as where a recorder leaves remote frames out. One request makes no node a
+    /// guarded one: a tool may ask a producer of heartbeats.
+    pub fn is_answer(&mut self, now: Timestamp, toggle: bool) -> bool {
+        let soon = |asked| !self.beats || now.since(asked) <= Self::ANSWER;
+        let asked = self.asked.take().is_some_and(soon);
+        let alternates = std::mem::replace(&mut self.toggle, toggle);
+        self.beats = !(asked || toggle || alternates);
+        !self.beats
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(millis: u64) -> Timestamp {
+        Timestamp(millis * 1_000_000)
+    }
+
+    #[test]
+    fn answers_alternate() {
+        let mut guarding = Guarding::default();
+        for (n, toggle) in [false, true, false, true].into_iter().enumerate() {
+            guarding.ask(at(1000 * n as u64));
+            assert!(guarding.is_answer(at(1000 * n as u64 + 300), toggle), "{n}");
+        }
+    }
+
+    #[test]
+    fn answers_to_requests_that_were_not_recorded() {
+        let mut guarding = Guarding::default();
+        let seen = [false, true, false, true].map(|toggle| guarding.is_answer(at(0), toggle));
+        assert_eq!(seen, [false, true, true, true], "the first could be a heartbeat");
+    }
+
+    #[test]
+    fn one_request_ends_no_heartbeat() {
+        let mut guarding = Guarding::default();
+        assert!(!guarding.is_answer(at(0), false));
+        guarding.ask(at(300));
+        assert!(guarding.is_answer(at(302), false));
+        assert!(!guarding.is_answer(at(500), false));
+        // Nor does one that is not answered.
+        guarding.ask(at(600));
+        assert!(!guarding.is_answer(at(1000), false));
+    }
+
+    #[test]
+    fn heartbeats_follow_guarding_without_a_boot_up() {
+        let mut guarding = Guarding::default();
+        guarding.ask(at(0));
+        assert!(guarding.is_answer(at(1), true));
+        let seen = [500, 1000, 1500].map(|now| guarding.is_answer(at(now), false));
+        assert_eq!(seen, [true, false, false]);
+    }
+}

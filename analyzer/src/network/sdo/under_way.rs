@@ -1,0 +1,86 @@
+//! A block transfer that was under way when the capture began.
+//!
+//! Its segments look like any message: the first byte is their number. What tells is that they come one after another
+//! without anything from the other side, numbered from 1 behind each confirmation.
+
+use super::transfer::Direction;
+use crate::wire::Wire;
+use crate::wire::sdo::BlockSegment;
+use canvass_traces::{Duration, Timestamp};
+
+/// What may be under way on a channel, until a proper exchange shows where it stands.
+#[derive(Default)]
+pub struct UnderWay {
+    /// A request was answered: nothing of before the capture is left.
+    over: bool,
+    /// The number that the client's next segment would have, and when the one before came.
+    download: Option<(u8, Timestamp)>,
+    /// The same of the server's.
+    upload: Option<(u8, Timestamp)>,
+}
+
+impl UnderWay {
+    /// Segments of a block follow each other sooner.
+    const SOON: Duration = Duration::from_millis(1_000);
+
+    /// A request and its answer belong together.
+    pub const fn end(&mut self) {
+        self.over = true;
+    }
+
+    /// Whether something may still be under way.
+    pub const fn is_possible(&self) -> bool {
+        !self.over
+    }
+
+    /// The frame as a segment, where those before make it one. `direction` is that in which data would go.
+    pub fn segment(&mut self, now: Timestamp, direction: Direction, payload: &[u8]) -> Option<BlockSegment> {
+        let (own, other) = match direction {
+            Direction::Download => (&mut self.download, &mut self.upload),
+            Direction::Upload => (&mut self.upload, &mut self.download),
+        };
+        let segment = BlockSegment::read(payload).ok()?;
+        // A confirmation (A2h) lets the other side begin with 1 again; anything else is not said amid its segments.
+        *other = payload.starts_with(&[0xA2]).then_some((1, now));
+        let expected = own.filter(|(_, before)| now.since(*before) <= Self::SOON);
+        *own = (!segment.last).then(|| (segment.sequence.saturating_add(1), now));
+        expected.filter(|(next, _)| *next == segment.sequence && payload.first() != Some(&0x80)).map(|_| segment)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn segments(frames: &[(Direction, u8)]) -> Vec<bool> {
+        let mut under_way = UnderWay::default();
+        let frames = frames.iter().enumerate();
+        let seen = frames.map(|(n, (direction, byte))| {
+            under_way.segment(Timestamp(n as u64 * 1_000_000), *direction, &[*byte, 0, 0, 0, 0, 0, 0, 0]).is_some()
+        });
+        seen.collect()
+    }
+
+    #[test]
+    fn a_download_from_its_middle() {
+        let client = |byte| (Direction::Download, byte);
+        let frames = [client(0x40), client(0x41), client(0x42), (Direction::Upload, 0xA2), client(0x01), client(0x82)];
+        assert_eq!(segments(&frames), [false, true, true, false, true, true]);
+    }
+
+    #[test]
+    fn an_upload_from_its_middle() {
+        let server = |byte| (Direction::Upload, byte);
+        let frames =
+            [server(0x7E), server(0x7F), (Direction::Download, 0xA2), server(0x01), server(0x82), server(0xC5)];
+        assert_eq!(segments(&frames), [false, true, false, true, true, false]);
+    }
+
+    #[test]
+    fn requests_and_answers_are_none() {
+        let frames = [(Direction::Download, 0x40), (Direction::Upload, 0x41), (Direction::Download, 0x60)];
+        assert_eq!(segments(&frames), [false, false, false]);
+        let polls = [(Direction::Download, 0x40), (Direction::Download, 0x40), (Direction::Download, 0x40)];
+        assert_eq!(segments(&polls), [false, false, false]);
+    }
+}
