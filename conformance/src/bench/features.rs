@@ -33,7 +33,7 @@ impl Bench<'_> {
     pub fn meets(&mut self, need: Need) -> Result<Result<(), String>, Verdict> {
         // Other nodes can turn up at any time.
         if need == Need::Alone {
-            return Ok(self.alone());
+            return self.alone();
         }
         // A shaft that rests now may turn in the next case.
         if need == Need::TurningShaft {
@@ -175,7 +175,7 @@ impl Bench<'_> {
                 Some(_) => Ok(()),
                 None => Err("no description of the device was given".to_owned()),
             },
-            Need::Alone => self.alone(),
+            Need::Alone => self.alone()?,
         })
     }
 
@@ -360,17 +360,18 @@ impl Bench<'_> {
         })
     }
 
-    fn alone(&self) -> Result<(), String> {
+    fn alone(&mut self) -> Result<Result<(), String>, Verdict> {
         if self.options.allow.contains(&Touch::OtherNodes) {
-            return Ok(());
+            return Ok(Ok(()));
         }
-        match self.watch.others().first() {
+        self.look_for_others()?;
+        Ok(match self.watch.others().first() {
             None => Ok(()),
             Some(other) => Err(format!(
                 "node {other} is on this bus too; with --allow {} it is commanded as well",
                 Touch::OtherNodes
             )),
-        }
+        })
     }
 
     /// A node-ID next to that of the device at which no other node was heard.

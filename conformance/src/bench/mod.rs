@@ -77,6 +77,8 @@ pub(crate) struct Knowledge {
     features: BTreeMap<Need, Result<(), String>>,
     starts_by_itself: Option<bool>,
     heartbeats: Option<state::Heartbeats>,
+    /// Other nodes were looked for.
+    others_known: bool,
 }
 
 /// What a case leaves behind for its report.

@@ -1,10 +1,12 @@
-//! Whether the device is still there: one that was switched off fails nothing.
+//! Who is on the bus: whether the device is still there, as one that was switched off fails nothing, and who else is.
 
 use super::Bench;
 use crate::verdict::{Reason, Verdict};
-use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_traces::Duration;
+use canvass_analyzer::wire::sdo::{self, Request, Response};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::{Direction, Duration};
 
 /// A device that is gone is looked for so long before each case, so that a run still comes to its end.
 const LOOK: Duration = Duration::from_millis(250);
@@ -12,11 +14,46 @@ const LOOK: Duration = Duration::from_millis(250);
 impl Bench<'_> {
     /// Whether the device has left the bus: it neither answers nor starts when it is reset.
     pub(crate) fn has_left(&mut self) -> bool {
+        if self.gone {
+            return true;
+        }
         self.restoring = true;
         let there = matches!(self.answers(), Ok(true)) || self.reset(Command::RESET_NODE).is_ok();
         self.restoring = false;
         self.gone = !there;
         self.gone
+    }
+
+    /// Looks for other nodes, once in a run: those that send no heartbeats show themselves by their SDO servers. Reading
+    /// changes nothing in them.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub(crate) fn look_for_others(&mut self) -> Result<(), Verdict> {
+        if std::mem::replace(&mut self.knowledge.others_known, true) {
+            return Ok(());
+        }
+        let request = Request::upload(Multiplexer::new(0x1000, 0));
+        let own = self.node();
+        let others: Vec<NodeId> = NodeId::all().filter(|node| *node != own).collect();
+        // As many at a time as the queues of interfaces hold.
+        let mut heard = Vec::new();
+        for some in others.chunks(8) {
+            for node in some {
+                self.send(&request.to_frame(sdo::REQUEST_BASE + u16::from(node.raw())))?;
+            }
+            heard.extend(self.listen(Duration::from_millis(20))?);
+        }
+        heard.extend(self.listen(self.timing().silence)?);
+        let answering = heard.iter().filter_map(|record| {
+            let cob_id = record.frame.cob_id()?;
+            let is_answer = record.direction != Direction::Tx && Response::read(record.data()).is_ok();
+            others.iter().copied().find(|node| is_answer && cob_id == sdo::RESPONSE_BASE + u16::from(node.raw()))
+        });
+        for node in answering.collect::<Vec<_>>() {
+            self.watch.add_other(node);
+        }
+        Ok(())
     }
 
     /// Looks for a device that had left.
@@ -28,7 +65,7 @@ impl Bench<'_> {
             return Ok(());
         }
         let node = self.node();
-        let request = canvass_analyzer::wire::sdo::Request::upload(Multiplexer::new(0x1000, 0));
+        let request = Request::upload(Multiplexer::new(0x1000, 0));
         self.send_request(&request)?;
         let sign = self.wait_for(LOOK, |record| super::traffic::is_from(node, &record.frame).then_some(()))?;
         self.gone = sign.is_none();

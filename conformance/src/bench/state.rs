@@ -98,12 +98,21 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::wait_for`].
     pub fn guard(&mut self) -> Result<Option<State>, Verdict> {
+        self.ask_for_state()?;
+        self.wait_for_state(self.timing().silence)
+    }
+
+    /// Sends the remote frame of node guarding, without waiting for the answer.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub fn ask_for_state(&mut self) -> Result<(), Verdict> {
         self.drain()?;
         let id = CanId::standard_masked(u32::from(error_control::CAN_ID_BASE) + u32::from(self.node().raw()));
-        if let Some(request) = Frame::remote(id, 1) {
-            self.send(&request)?;
+        match Frame::remote(id, 1) {
+            Some(request) => self.send(&request).map(|_| ()),
+            None => Ok(()),
         }
-        self.wait_for_state(self.timing().silence)
     }
 
     fn wait_for_state(&mut self, span: Duration) -> Result<Option<State>, Verdict> {

@@ -118,6 +118,11 @@ impl Watch {
         self.stored
     }
 
+    /// Another node has answered.
+    pub fn add_other(&mut self, node: NodeId) {
+        self.others.insert(node);
+    }
+
     /// The other nodes that were heard since the start of the run.
     pub fn others(&self) -> &BTreeSet<NodeId> {
         &self.others

@@ -101,7 +101,10 @@ fn is_transmission_type(direction: Direction, value: u64, cob_id: CobId, objects
     if direction == Direction::Receive && value <= 240 && objects.faults.has(Fault::SynchronousRpdoRefused) {
         return false;
     }
-    let possible = cob_id.allows_rtr() || !by_rtr || objects.faults.has(Fault::RtrTypeWithoutRtrAccepted);
+    if by_rtr && objects.faults.has(Fault::RtrTypeWithoutRtrAccepted) {
+        return true;
+    }
+    let possible = cob_id.allows_rtr() || !by_rtr;
     (known && possible) || objects.faults.has(Fault::ReservedTransmissionTypeAccepted)
 }
 

@@ -18,7 +18,8 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let took = bench.now().since(started);
     let overload = matches!(verdict, Verdict::Fail(_)).then(|| overload(bench, took)).flatten();
     // A device that has gone is looked for while its frames are still evidence.
-    let has_left = matches!(verdict, Verdict::Fail(_)) && bench.is_live() && bench.has_left();
+    let suspicious = matches!(verdict, Verdict::Fail(_) | Verdict::Inconclusive(_));
+    let has_left = suspicious && bench.is_live() && bench.has_left();
     // Also what puts the device back could panic; the run goes on.
     let ended_early = matches!(verdict, Verdict::Inconclusive(_) | Verdict::Error(_));
     let clean_up = || {

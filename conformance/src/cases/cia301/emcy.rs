@@ -121,7 +121,11 @@ fn error_reset(bench: &mut Bench<'_>) -> Judged {
     let lost = emergencies(bench, UNTIL_LOST)?;
     demand(!lost.is_empty(), || Reason::new("the loss is reported", "an EMCY", "none"))
         .map_err(Verdict::as_inconclusive)?;
-    sign_of_life(bench, monitored)?;
+    match monitored {
+        // EMCY and answer come in any order.
+        Monitored::Master => bench.ask_for_state()?,
+        Monitored::Node(_) => sign_of_life(bench, monitored)?,
+    }
     let back = emergencies(bench, Duration::from_millis(100))?;
     demand(back.iter().any(|record| code_of(record).is_some_and(EmcyCode::is_reset)), || {
         Reason::new("the end of an error is reported", "EMCY 0000h", shown(&back))

@@ -114,8 +114,8 @@ fn new_time(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Heartbeat times of 1 ms and 65535 ms are honoured, or refused with abort 0609 0030h to 0609 0032h; SDOs are served
-/// beside them.
+/// A heartbeat time of 1 ms is honoured and one of 65535 ms is taken, or they are refused with abort 0609 0030h to
+/// 0609 0032h; SDOs are served beside them.
 #[case(id = "301/heartbeat/extremes", clause = "CiA 301 7.5.2.20", confidence = Derived, level = Should,
        needs = [Heartbeat], catches = [HeartbeatTimerRounded])]
 fn extremes(bench: &mut Bench<'_>) -> Judged {

@@ -5,6 +5,7 @@
 
 use crate::bench::Bench;
 use crate::bench::objects::{TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
+use crate::bench::pdo::{Pdo, TPDO};
 use crate::case;
 use crate::verdict::{Judged, Reason, Verdict};
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -32,7 +33,7 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
     Ok(verdict)
 }
 
-/// A mapping of more than 64 bits is refused with abort 0604 0042h.
+/// A mapping of more than 64 bits is refused with abort 0604 0042h: that of each of the first four TPDOs.
 #[case(id = "301/pdo/mapping/too-long", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [MappingTooLongAccepted], cct = "3.26")]
 fn too_long(bench: &mut Bench<'_>) -> Judged {
@@ -43,9 +44,27 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("1A00h:01 maps an object", "an entry with a length", format!("{bits} bits"));
         return Err(Verdict::Inconclusive(reason));
     };
-    open_mapping(bench)?;
+    let mut verdict = map_too_much(bench, TPDO, &entry, needed)?;
+    for number in 1..4 {
+        let other = Pdo { communication: TPDO.communication + number, mapping: TPDO.mapping + number };
+        // What can't be mapped in another one says nothing about the limit.
+        if bench.can_write(Multiplexer::new(other.mapping, 1))? {
+            match map_too_much(bench, other, &entry, needed) {
+                Err(Verdict::NotApplicable(_) | Verdict::Inconclusive(_)) => {}
+                judged => verdict = verdict.and(judged?),
+            }
+        }
+    }
+    Ok(verdict)
+}
+
+/// Maps the same object so often.
+fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Judged {
+    let mapped = Multiplexer::new(pdo.mapping, 0);
+    bench.pdo_off(pdo)?;
+    bench.write(mapped, &[0])?;
     for sub in 1..=needed {
-        let attempt = bench.download(Multiplexer::new(0x1A00, sub), &entry)?;
+        let attempt = bench.download(Multiplexer::new(pdo.mapping, sub), entry)?;
         match attempt.abort() {
             None => {}
             // Some check the sum with every entry.
@@ -57,7 +76,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
             Some(_) => attempt.expect_confirmation().map(|_| ()).map_err(Verdict::as_inconclusive)?,
         }
     }
-    let attempt = bench.download(TPDO_MAPPED, &[needed])?;
+    let attempt = bench.download(mapped, &[needed])?;
     let tolerated = [AbortCode::NO_OBJECT, AbortCode::NOT_MAPPABLE, AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
     attempt.expect_abort(&[AbortCode::PDO_LENGTH], &tolerated)
 }

@@ -174,7 +174,7 @@ fn find_all(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A bit that is not that of the device is not answered.
+/// A bit that is not that of the device is not answered, be it the one that is looked at or one above it.
 #[case(id = "305/fastscan/wrong-bit", clause = "CiA 305 6.7", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [FastscanIgnoresBits])]
 fn wrong_bit(bench: &mut Bench<'_>) -> Judged {
@@ -183,7 +183,9 @@ fn wrong_bit(bench: &mut Bench<'_>) -> Judged {
         let answer = scan(bench, address[0] ^ 0x8000_0000, 31, 0, 0)?;
         expect_silence("a Fastscan of another vendor-ID", answer)?;
         let answer = scan(bench, address[0] & 0x8000_0000, 31, 0, 0)?;
-        expect("the right bit after it", "4Fh", answer, |answer| answer == Response::Identified)
+        expect("the right bit after it", "4Fh", answer, |answer| answer == Response::Identified)?;
+        let answer = scan(bench, (address[0] & 0xC000_0000) ^ 0x8000_0000, 30, 0, 0)?;
+        expect_silence("a Fastscan with another bit above the one that is looked at", answer)
     })
 }
 

@@ -1,5 +1,6 @@
 //! When an encoder sends its position.
 
+use super::position::position_at_rest;
 use crate::bench::Bench;
 use crate::bench::objects::{EVENT_TIMER, TRANSMISSION_TYPE};
 use crate::case;
@@ -59,7 +60,10 @@ fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
     .map_err(Verdict::as_inconclusive)?;
     bench.write(CYCLIC_TIMER, &0_u16.to_le_bytes())?;
     bench.listen(bench.timing().reaction)?;
+    // A shaft that turns sends them on change.
+    position_at_rest(bench)?;
     let heard = bench.listen(Duration::from_millis(500))?;
+    position_at_rest(bench)?;
     // A trembling position may still send a TPDO on change.
     demand(count(&heard, cob_id) <= 2, || {
         let actual = format!("{} TPDOs in 500 ms", count(&heard, cob_id));

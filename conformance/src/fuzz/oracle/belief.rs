@@ -222,6 +222,11 @@ impl Belief {
         u64::from(can_id) == self.sync.unwrap_or(0x80) & 0x7FF
     }
 
+    /// Whether the device is the producer of SYNC (bit 30 of 1005h).
+    pub fn produces_sync(&self) -> bool {
+        self.sync.is_some_and(|raw| raw >> 30 & 1 != 0)
+    }
+
     /// Whether that is the identifier of the device's EMCY.
     pub fn is_emcy(&self, can_id: u16, node: NodeId) -> bool {
         let predefined = 0x80 + u64::from(node.raw());

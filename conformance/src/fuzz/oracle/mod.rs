@@ -123,6 +123,11 @@ impl Oracle {
                 self.blind |= lost;
                 Ok(())
             }
+            // A producer need not listen to another one.
+            id if self.belief.is_sync(id) && self.belief.produces_sync() => {
+                self.pdo.synchronises_itself();
+                Ok(())
+            }
             id if self.belief.is_sync(id) => {
                 let writing = self.sdo.is_writing();
                 self.pdo.synchronised(now, frame, writing, &self.nmt, &self.belief, &self.knowledge)

@@ -23,6 +23,7 @@ fn undisturbed(bench: &mut Bench<'_>, by: &str) -> Judged {
 #[case(id = "301/nmt/other-node", clause = "CiA 301 7.2.8.3.1.1", confidence = Known, level = Must,
        needs = [VisibleState], catches = [NmtNodeIdIgnored])]
 fn other_node(bench: &mut Bench<'_>) -> Judged {
+    bench.look_for_others()?;
     let Some(other) = bench.vacant_neighbour() else {
         let reason = Reason::new("a node-ID beside that of the device is free", "no node", "nodes on both sides");
         return Err(Verdict::NotApplicable(reason));

@@ -84,11 +84,14 @@ impl Server {
         let len = self.data.len().saturating_sub(usize::from(unused));
         self.data.truncate(len);
         let mut writing = writing(at, &self.data, knowledge, belief);
+        let lengths = codes::TOO_LONG.or(codes::TOO_SHORT);
+        let is_announced = announced.is_none_or(|announced| announced as usize == len);
         if checked && crc16(0, &self.data) != crc {
-            let length_too = writing.must;
-            (writing.must, writing.why) = (codes::CRC.or(length_too), "the checksum is wrong");
-        } else if announced.is_some_and(|announced| announced as usize != len) && writing.must.is_empty() {
-            (writing.must, writing.why) = (codes::TOO_LONG.or(codes::TOO_SHORT), "the length is not the announced one");
+            // What else is wrong may be told as well.
+            let others = if is_announced { writing.must } else { writing.must.or(lengths) };
+            (writing.must, writing.why) = (codes::CRC.or(others), "the checksum is wrong");
+        } else if !is_announced && writing.must.is_empty() {
+            (writing.must, writing.why) = (lengths, "the length is not the announced one");
         }
         if !writing.must.is_empty() {
             belief.aborted = entry;
