@@ -194,3 +194,15 @@ fn days_without_a_frame_are_no_missing_heartbeats() {
     second.every(0, 20_000, 100, |_| "705#05".to_owned()).every(21_000, 30_000, 100, |_| "705#05".to_owned());
     second.finds_among(&["nodes/heartbeat-missing", "capture/gaps"], "nodes/heartbeat-missing", Some(5), 19_900);
 }
+
+/// The product code is read, and another time answers the request for the vendor-ID.
+#[test]
+fn an_answer_about_another_sub_index_tells_no_identity() {
+    let mut traffic = machine();
+    traffic.sdo(600, 4, "4018100100000000", "43181001D1020000").sdo(610, 4, "4018100200000000", "4318100211470000");
+    traffic.sdo(6_100, 4, "4018100100000000", "43181002D1020000");
+    traffic.finds("sdo/protocol-violation", Some(4), 6_103);
+    let results = traffic.results();
+    let node = results.buses[0].1.nodes.iter().find(|node| node.0.raw() == 4).unwrap();
+    assert_eq!(node.1.identity.numbers[1], Some(0x4711));
+}

@@ -2,6 +2,8 @@
 //! nothing at all is found in healthy traffic.
 
 #[cfg(test)]
+mod block;
+#[cfg(test)]
 mod bus;
 #[cfg(test)]
 mod capture;
@@ -10,7 +12,11 @@ mod emcy_lss;
 #[cfg(test)]
 mod encoder;
 #[cfg(test)]
+mod guarding;
+#[cfg(test)]
 mod healthy;
+#[cfg(test)]
+mod nmt;
 #[cfg(test)]
 mod nodes;
 #[cfg(test)]

@@ -1,4 +1,4 @@
-use crate::traffic::{END, machine};
+use crate::traffic::{END, Traffic, machine};
 
 #[test]
 fn a_node_that_restarts_by_itself() {
@@ -142,7 +142,7 @@ fn an_answer_of_a_stopped_node() {
 }
 
 /// The guard time of node 6 is 300 ms, its life time factor 2.
-fn guarded() -> crate::traffic::Traffic {
+fn guarded() -> Traffic {
     let mut traffic = machine();
     traffic.sdo(560, 6, "2B0C10002C010000", "600C100000000000").sdo(570, 6, "2F0D100002000000", "600D100000000000");
     traffic
@@ -190,4 +190,18 @@ fn a_command_that_is_repeated_hides_nothing() {
     lost.every(15_066, 20_000, 200, |_| "704#7F".to_owned());
     let found = lost.only(&["nodes/state-lost", "nodes/command-not-obeyed"]);
     assert!(found.iter().any(|finding| finding.rule.id == "nodes/state-lost"), "{found:?}");
+}
+
+#[test]
+fn what_a_node_still_sends_when_its_heartbeat_has_ended() {
+    let pdos_until = |end: u64| {
+        let mut traffic = Traffic::default();
+        traffic.every(100, 10_000, 500, |_| "70A#05".to_owned()).every(200, END, 500, |_| "709#05".to_owned());
+        traffic.every(0, end, 10, |_| "18A#00000000".to_owned());
+        traffic.finds("nodes/heartbeat-ended", Some(10), 9_600).message
+    };
+    let message = pdos_until(END);
+    assert!(message.ends_with("it still sends other messages"), "{message}");
+    let message = pdos_until(9_800);
+    assert!(message.ends_with("nor has it sent anything else lately"), "{message}");
 }

@@ -138,3 +138,41 @@ fn a_pdo_that_is_filled_up() {
     let found = once.results().findings;
     assert!(found.iter().any(|finding| finding.rule.id == "pdo/length"), "{found:?}");
 }
+
+#[test]
+fn a_sync_period_that_is_written() {
+    let mut traffic = Traffic::default();
+    traffic.every(0, 2_000, 20, |_| "080#".to_owned()).every(2_040, 5_000, 50, |_| "080#".to_owned());
+    traffic.sdo(1_990, 10, "2306100050C30000", "6006100000000000").only(&[]);
+    traffic.silence(0x080, 4_000, 4_100).finds("pdo/sync-missing", None, 3_990);
+}
+
+#[test]
+fn a_sync_that_is_switched_off_and_on() {
+    let mut traffic = Traffic::default();
+    traffic.every(0, 2_000, 20, |_| "080#".to_owned()).every(2_920, 5_000, 20, |_| "080#".to_owned());
+    traffic.sdo(1_990, 10, "2305100080000000", "6005100000000000");
+    traffic.sdo(2_900, 10, "2305100080000040", "6005100000000000").only(&[]);
+    traffic.silence(0x080, 4_000, 4_030).finds("pdo/sync-missing", None, 3_980);
+}
+
+/// The latest of the event timer and the cyclic timer of an encoder holds.
+#[test]
+fn a_cyclic_timer_behind_an_event_timer() {
+    let mut traffic = Traffic::default();
+    traffic.at(0, "705#00").sdo(100, 5, "4000100000000000", "4300100096010200");
+    traffic.sdo(150, 5, "2F001802FE000000", "6000180200000000");
+    traffic.sdo(200, 5, "2B00180564000000", "6000180500000000").at(500, "000#0105");
+    traffic.every(510, 5_500, 100, |n| format!("185#{}", hex(1000 + n)));
+    traffic.sdo(5_450, 5, "2B006200F4010000", "6000620000000000");
+    traffic.every(5_910, 16_000, 500, |n| format!("185#{}", hex(1100 + n)));
+    traffic.only(&[]);
+    let mut late = traffic.clone();
+    let finding = late.silence(0x185, 8_900, 9_000).finds("pdo/period", Some(5), 8_410);
+    assert!(finding.message.contains("its event timer is 500 ms"), "{}", finding.message);
+    // And back.
+    traffic.silence(0x185, 12_000, 16_000).sdo(12_000, 5, "2B00180564000000", "6000180500000000");
+    traffic.every(12_100, 16_000, 100, |n| format!("185#{}", hex(1200 + n))).only(&[]);
+    let finding = traffic.silence(0x185, 14_050, 14_450).finds("pdo/period", Some(5), 14_000);
+    assert!(finding.message.contains("its event timer is 100 ms"), "{}", finding.message);
+}

@@ -1,4 +1,4 @@
-use crate::traffic::machine;
+use crate::traffic::{END, machine};
 use canvass_analyzer::findings::Severity;
 
 #[test]
@@ -110,4 +110,24 @@ fn two_clients_on_one_channel() {
     // What the wrong answer says is not taken for 1000h.
     let node = results.buses[0].1.nodes.iter().find(|node| node.0.raw() == 3).unwrap();
     assert_ne!(node.1.identity.device_type, Some(1));
+}
+
+/// Without errors in its history a device refuses to tell the newest.
+#[test]
+fn an_empty_error_history() {
+    let mut history = machine();
+    history.sdo(15_100, 3, "4003100000000000", "4F03100000000000");
+    history.sdo(15_110, 3, "4003100100000000", "8003100124000008");
+    assert_eq!(history.finds("sdo/aborted", Some(3), 15_113).severity, Severity::Info);
+    let mut other = machine();
+    other.sdo(15_110, 3, "4001200100000000", "8001200124000008");
+    assert_eq!(other.finds("sdo/aborted", Some(3), 15_113).severity, Severity::Warning);
+}
+
+/// Each request comes before the one before it has waited for 2 s, and the last one just before the end.
+#[test]
+fn an_absent_node_that_is_asked_again_and_again() {
+    let mut traffic = machine();
+    traffic.every(14_600, END, 1_900, |_| "609#4000100000000000".to_owned());
+    traffic.finds("sdo/unanswered", Some(9), 14_600);
 }

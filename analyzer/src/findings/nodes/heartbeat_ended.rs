@@ -54,7 +54,7 @@ impl Rule for HeartbeatEnded {
             sink.report(report, || {
                 let also = match facts.last_seen.map(|seen| scene.now.since(seen)) {
                     Some(since) if since <= period.times(self.periods) => "; it still sends other messages",
-                    _ => "; nor does it send anything else",
+                    _ => "; nor has it sent anything else lately",
                 };
                 format!("no heartbeat for the last {silence} of the capture, its period is {period}{also}")
             });

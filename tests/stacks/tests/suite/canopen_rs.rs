@@ -29,7 +29,6 @@ const EXPECTED: &Expected = &[
     ("301/pdo/mapping/too-long", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/unmappable", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/valid", Fail, PDO_PARAMETERS),
-    ("301/pdo/transmission-type/remote", Fail, PDO_PARAMETERS),
     ("301/pdo/transmission-type/reserved", Fail, PDO_PARAMETERS),
     ("301/rpdo/cob-id/valid", Fail, PDO_PARAMETERS),
     ("301/rpdo/mapping/valid", Fail, PDO_PARAMETERS),
