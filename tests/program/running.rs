@@ -1,6 +1,6 @@
 //! Running the program as a user does.
 
-use std::io::Write;
+use std::io::{ErrorKind, Write};
 use std::process::{Command, Output, Stdio};
 
 /// What a run left behind.
@@ -24,7 +24,11 @@ pub fn run(args: &[&str]) -> Run {
 /// Runs with a text on standard input.
 pub fn run_with_input(args: &[&str], input: &str) -> Run {
     let mut child = command(args).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
-    child.stdin.take().unwrap().write_all(input.as_bytes()).unwrap();
+    let written = child.stdin.take().unwrap().write_all(input.as_bytes());
+    // A program that ends for another reason need not read.
+    if let Err(error) = written {
+        assert_eq!(error.kind(), ErrorKind::BrokenPipe);
+    }
     finished(child.wait_with_output().unwrap())
 }
 

@@ -68,8 +68,8 @@ pub struct NodeFacts {
     pub last_program_control: Option<Timestamp>,
     /// The last boot-up.
     pub last_boot_up: Option<Timestamp>,
-    /// Whether it has shown to be an NMT slave: a command named it, or it has answered an SDO client. The NMT master
-    /// does not hear its own commands to all.
+    /// Whether it has shown to be an NMT slave: a command named it, it has answered an SDO client, or sends TPDOs or EMCY.
+    /// The NMT master does not hear its own commands to all.
     pub is_slave: bool,
     /// The node-ID that it had is another one since its reset.
     pub has_moved: bool,
@@ -207,7 +207,7 @@ impl Facts {
         let Some(node) = decoded.node else { return };
         if is_from_node(decoded) {
             let facts = self.node_mut(node);
-            facts.is_slave |= decoded.service == Service::Sdo;
+            facts.is_slave |= matches!(decoded.service, Service::Sdo | Service::Pdo | Service::Emcy);
             facts.last_seen = Some(now);
             if facts.first_seen.replace(facts.first_seen.unwrap_or(now)).is_none() {
                 self.present = self.present.saturating_add(1);

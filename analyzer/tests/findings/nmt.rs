@@ -40,6 +40,8 @@ fn a_slave_that_ignores_a_command_to_all() {
     assert_eq!(ignored_stop(named), Severity::Error);
     let asked = |traffic: &mut Traffic| _ = traffic.sdo(700, 5, "4000100000000000", "4300100091010000");
     assert_eq!(ignored_stop(asked), Severity::Error);
+    let sending = |traffic: &mut Traffic| _ = traffic.at(700, "185#0102");
+    assert_eq!(ignored_stop(sending), Severity::Error);
     let obedient = |traffic: &mut Traffic| {
         traffic.silence(0x705, 5_000, 7_000).at(5_001, "000#0200").at(5_100, "705#04").at(5_600, "705#04");
         traffic.at(6_000, "000#0100").at(6_100, "705#05").at(6_600, "705#05");

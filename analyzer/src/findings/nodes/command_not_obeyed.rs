@@ -27,7 +27,8 @@ static METADATA: Metadata = Metadata {
     what: "After an NMT command, and time to obey it, heartbeats or guarding answers of the node still show another \
            state: two of them, so that one that was already queued does not count. The NMT master does not hear its own \
            commands: a node that stays operational although all are told otherwise is only worth knowing as long as no \
-           command has named it, it has not obeyed one to stop, and no SDO client was answered by it.",
+           command has named it, it has not obeyed one to stop, has answered no SDO client, and sends neither TPDOs nor \
+           EMCY.",
     why: "The master believes that the node is in another state than it is: it sends no process data, or goes on \
           sending them.",
     advice: "See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the \
