@@ -235,7 +235,7 @@ pub enum Need {
     EmptyValue,
     /// The device's EDS or built-in model.
     Description,
-    /// No other node was heard on the bus, or `--allow other-nodes` was given: the case commands all nodes.
+    /// No other node was heard on the bus or answers, or `--allow other-nodes` was given: the case commands all nodes.
     Alone,
 }
 

@@ -126,10 +126,14 @@ impl NodeFacts {
 
     /// Whether the node may be silent because it was reset: lately, or it has not said anything since.
     pub fn is_resetting(&self, now: Timestamp) -> bool {
+        let lately = self.pending_reset.is_some_and(|reset| now.since(reset) <= Duration::from_secs(5));
+        lately || self.is_silent_since_reset()
+    }
+
+    /// Whether no boot-up has followed the last reset, nor anything else than what was queued then.
+    pub fn is_silent_since_reset(&self) -> bool {
         const QUEUED: Duration = Duration::from_millis(50);
-        self.pending_reset.is_some_and(|reset| {
-            now.since(reset) <= Duration::from_secs(5) || self.last_seen.is_none_or(|seen| seen <= reset + QUEUED)
-        })
+        self.pending_reset.is_some_and(|reset| self.last_seen.is_none_or(|seen| seen <= reset + QUEUED))
     }
 
     /// Whether something that happened at `then` is at most `span` ago.
@@ -231,10 +235,8 @@ impl Facts {
             _ => None,
         });
         let Some(from) = from else { return };
-        let silent = |facts: &NodeFacts| {
-            facts.pending_reset.is_some_and(|reset| facts.last_seen.is_some_and(|seen| seen <= reset))
-        };
-        let mut silent = NodeId::all().filter(|node| silent(self.node(*node)));
+        let was_there = |node: &NodeId| self.node(*node).last_seen.is_some();
+        let mut silent = NodeId::all().filter(was_there).filter(|node| self.node(*node).is_silent_since_reset());
         let only = silent.next().filter(|_| silent.next().is_none());
         if let Some(from) = from.or(only) {
             self.node_mut(from).has_moved = true;

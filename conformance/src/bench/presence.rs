@@ -78,3 +78,25 @@ impl Bench<'_> {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use crate::case::Need;
+    use crate::scripted::{table, with_bench};
+
+    /// Node 64 sends nothing by itself, but answers: `640#40..` is asked and `5C0#43..` said.
+    const SILENT_NEIGHBOUR: &[(&str, &str)] = &[("640#4000100000000000", "5C0#4300100096010200")];
+
+    #[test]
+    fn a_silent_neighbour_is_not_commanded() {
+        let (alone, vacant) =
+            with_bench(table(SILENT_NEIGHBOUR), |bench| (bench.meets(Need::Alone).unwrap(), bench.vacant_neighbour()));
+        assert!(alone.is_err_and(|why| why.contains("node 64")));
+        assert_eq!(vacant, Some(62));
+    }
+
+    #[test]
+    fn without_an_answer_nobody_is_there() {
+        assert_eq!(with_bench(table(&[]), |bench| bench.meets(Need::Alone).unwrap()), Ok(()));
+    }
+}

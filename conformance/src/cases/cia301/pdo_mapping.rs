@@ -4,22 +4,21 @@
 //! 0609 0030h. The standard fixes none, so all that fit the reason pass.
 
 use crate::bench::Bench;
-use crate::bench::objects::{TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
+use crate::bench::objects::{TPDO_FIRST_ENTRY, TPDO_MAPPED};
 use crate::bench::pdo::{Pdo, TPDO};
 use crate::case;
 use crate::verdict::{Judged, Reason, Verdict};
+use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_analyzer::{CobId, Multiplexer};
 
 /// Codes for a mapping that may not be changed now.
 const NOT_NOW: [AbortCode; 4] =
     [AbortCode::UNSUPPORTED_ACCESS, AbortCode::NOT_MAPPABLE, AbortCode::INVALID_VALUE, AbortCode::DEVICE_STATE];
 
-/// Switches TPDO 1 and its mapping off, so that entries can be written.
-fn open_mapping(bench: &mut Bench<'_>) -> Result<(), Verdict> {
-    let own = bench.read_number(TPDO_COB_ID)?;
-    bench.write(TPDO_COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
-    bench.write(TPDO_MAPPED, &[0])
+/// Switches a PDO and its mapping off, so that entries can be written.
+fn open_mapping(bench: &mut Bench<'_>, pdo: Pdo) -> Result<(), Verdict> {
+    bench.pdo_off(pdo)?;
+    bench.write(Multiplexer::new(pdo.mapping, 0), &[0])
 }
 
 /// The mapping of a PDO that is valid can't be changed, and stays as it is.
@@ -61,8 +60,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
 /// Maps the same object so often.
 fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Judged {
     let mapped = Multiplexer::new(pdo.mapping, 0);
-    bench.pdo_off(pdo)?;
-    bench.write(mapped, &[0])?;
+    open_mapping(bench, pdo)?;
     for sub in 1..=needed {
         let attempt = bench.download(Multiplexer::new(pdo.mapping, sub), entry)?;
         match attempt.abort() {
@@ -85,7 +83,7 @@ fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Ju
 #[case(id = "301/pdo/mapping/unmappable", clause = "CiA 301 7.5.2.38", confidence = Attested, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [UnmappableObjectMapped], cct = "3.29")]
 fn unmappable(bench: &mut Bench<'_>) -> Judged {
-    open_mapping(bench)?;
+    open_mapping(bench, TPDO)?;
     // The device type, 32 bits.
     let attempt = bench.download(TPDO_FIRST_ENTRY, &0x1000_0020_u32.to_le_bytes())?;
     if attempt.abort().is_some() {
