@@ -3,7 +3,7 @@
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
-use canvass_conformance::models::Model;
+use canvass_device::models::Model;
 use std::path::Path;
 
 /// A node and the model or file that describes it, as typed.

@@ -2,8 +2,8 @@
 
 use anyhow::{Context, Result};
 use canvass_analyzer::NodeId;
-use canvass_conformance::Machine;
-use canvass_conformance::device::{Device, Memory};
+use canvass_bus::Machine;
+use canvass_device::{Device, Memory};
 use canvass_traces::{Frame, Timestamp};
 use std::path::{Path, PathBuf};
 

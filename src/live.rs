@@ -5,15 +5,16 @@ use crate::output::{Color, Output, diagnostic};
 use crate::status::Failure;
 use canvass_analyzer::network::Network;
 use canvass_analyzer::{Meaning, NodeId, Service};
-use canvass_conformance::bus::{self, Bus, BusError, Opened};
-use canvass_conformance::models::Model;
+use canvass_bus::{Bus, BusError};
+use canvass_device::address::Opened;
+use canvass_device::models::Model;
 use canvass_reports::decode::{Line, Lines, TextLines, TimeStyle};
 use canvass_traces::{Channels, Duration, Record, TimeBase};
 use std::io;
 
 /// Opens a bus; an address that names none is a mistake of the user, anything else is the bus's.
 pub fn open_bus(address: &str, seed: u64) -> Result<Opened, Failure> {
-    bus::open_seeded(address, seed).map_err(|error| match error {
+    canvass_device::address::open_seeded(address, seed).map_err(|error| match error {
         BusError::Address { .. } => Failure::from(error),
         _ => Failure::unreachable(error),
     })

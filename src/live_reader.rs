@@ -3,7 +3,7 @@
 use crate::interrupt::Interrupt;
 use crate::live::{channel_name, time_base};
 use crate::output::{Output, diagnostic};
-use canvass_conformance::bus::{Bus, Health};
+use canvass_bus::{Bus, Health};
 use canvass_traces::{
     Capture, Channels, Damage, DamageKind, Duration, Format, Place, Reader, Record, TimeBase, Timestamp,
 };

@@ -7,7 +7,7 @@ use crate::status::Failure;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::filter::{Filter, Subject};
 use canvass_analyzer::network::{Decoded, Network};
-use canvass_conformance::models::Model;
+use canvass_device::models::Model;
 use canvass_traces::{ChannelId, Record};
 
 /// Which frames are chosen.

@@ -5,11 +5,11 @@
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::filter::Filter;
 use canvass_analyzer::{Meaning, NodeId, network::Network};
-use canvass_conformance::bus::slcan::{Decoder, Message, write_frame};
-use canvass_conformance::device::MotionSpec;
-use canvass_conformance::fuzz::reproducer;
-use canvass_conformance::models::Model;
-use canvass_conformance::waiver::Waivers;
+use canvass_bus::slcan::{Decoder, Message, write_frame};
+use canvass_device::MotionSpec;
+use canvass_device::models::Model;
+use canvass_fuzzer::reproducer;
+use canvass_suite::waiver::Waivers;
 use canvass_traces::{CanId, Capture, ChannelId, Format, Frame, ReadOptions, Record, Source, Timestamp};
 
 /// A reader: its name, what takes the bytes, and where real inputs lie.

@@ -1,7 +1,7 @@
 //! All cases as a page of Markdown: what `docs/cases.md` is.
 
 use crate::escape::markdown as escaped;
-use canvass_conformance::case::{Case, Level};
+use canvass_suite::case::{Case, Level};
 use std::fmt::Write;
 
 const HEAD: &str = "\

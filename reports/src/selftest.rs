@@ -3,8 +3,8 @@
 //! JSON, `"schema": "canvass/selftest/1"`: `summary` counts; `matrix` has a row for each fault; `models` one for each
 //! model without fault; `vacuous_cases` names the cases that failed on no fault.
 
-use canvass_conformance::case::Case;
-use canvass_conformance::selftest::{FaultRow, Matrix, ModelRow};
+use canvass_suite::case::Case;
+use canvass_suite::selftest::{FaultRow, Matrix, ModelRow};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::{self, Write};

@@ -4,7 +4,7 @@
 mod steady_state {
     use canvass_analyzer::network::Network;
     use canvass_analyzer::{Meaning, NodeId};
-    use canvass_conformance::models::Model;
+    use canvass_device::models::Model;
     use canvass_reports::decode::{CsvLines, JsonLines, Line, Lines, TableLines, TextLines, TimeStyle};
     use canvass_traces::{Capture, ReadOptions, Reader, Source};
     use std::fmt::Write;

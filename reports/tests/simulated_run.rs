@@ -3,14 +3,16 @@
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]
 
-use canvass_conformance::bench::{Bench, Decoder, Deviation, Options, Target};
-use canvass_conformance::bus::{Bus, SimulatedBus};
-use canvass_conformance::device::Device;
-use canvass_conformance::models::Model;
-use canvass_conformance::runner::{Plan, Summary, run};
-use canvass_conformance::verdict::Kind;
-use canvass_conformance::{Fault, Faults, catalogue};
+use canvass_bus::{Bus, SimulatedBus};
+use canvass_device::Device;
+use canvass_device::Fault;
+use canvass_device::Faults;
+use canvass_device::models::Model;
 use canvass_reports::conformance::{Document, Reporter, html, json, junit, markdown, terminal};
+use canvass_suite::bench::{Bench, Decoder, Deviation, Options, Target};
+use canvass_suite::catalogue;
+use canvass_suite::runner::{Plan, Summary, run};
+use canvass_suite::verdict::Kind;
 use std::sync::atomic::AtomicBool;
 
 const MODEL: &str = "kuebler-sendix-58x8";

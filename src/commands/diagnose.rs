@@ -8,7 +8,7 @@ use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::findings::{Diagnosis, Severity, SourceQuality, Thresholds};
-use canvass_conformance::models::Model;
+use canvass_device::models::Model;
 use canvass_reports::diagnosis::{self, Diagnosed, Style, html};
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};

@@ -63,7 +63,7 @@ fn system() -> Finding {
 
 #[cfg(target_os = "linux")]
 fn socketcan() -> Vec<Finding> {
-    use canvass_conformance::bus::socketcan::{Link, SocketCan, SocketCanError};
+    use canvass_bus::socketcan::{Link, SocketCan, SocketCanError};
     let mut findings = Vec::new();
     let support = SocketCan::support();
     let good = support.is_ok();

@@ -4,11 +4,12 @@ use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_analyzer::findings;
-use canvass_conformance::case::Case;
-use canvass_conformance::models::Model;
-use canvass_conformance::{Fault, catalogue};
+use canvass_device::Fault;
+use canvass_device::models::Model;
 use canvass_reports::diagnosis;
 use canvass_reports::fuzz::properties;
+use canvass_suite::case::Case;
+use canvass_suite::catalogue;
 use canvass_traces::Format;
 use std::fmt::Write;
 

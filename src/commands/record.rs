@@ -7,7 +7,7 @@ use crate::live::{channel_name, open_bus, parse_span, time_base};
 use crate::output::diagnostic;
 use crate::status::{Failure, Status};
 use anyhow::{Result, anyhow, bail};
-use canvass_conformance::bus::Bus;
+use canvass_bus::Bus;
 use canvass_traces::{Channels, Duration, Format, Timestamp};
 use outputs::{Outputs, Rotation};
 use std::path::PathBuf;
@@ -140,7 +140,7 @@ impl Args {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use canvass_conformance::bus::BusError;
+    use canvass_bus::BusError;
     use canvass_traces::{ChannelId, Frame, Record, parse_frame};
     use clap::Parser;
     use std::cell::Cell;

@@ -12,8 +12,8 @@ use anyhow::anyhow;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::network::{Event, Network};
 use canvass_analyzer::{Multiplexer, NodeId, TransferText};
-use canvass_conformance::client::Exchange;
-use canvass_conformance::client::sdo::{Bytes, Mode, Outcome, Transfer};
+use canvass_bus::client::Exchange;
+use canvass_bus::client::sdo::{Bytes, Mode, Outcome, Transfer};
 use canvass_reports::escape;
 use canvass_traces::{Duration, Record};
 use serde_json::json;
@@ -197,5 +197,5 @@ fn see(network: &mut Network, record: &Record, shown: &mut Shown) {
 /// What the tests of the parts share.
 #[cfg(test)]
 fn encoder() -> DeviceDescription {
-    canvass_conformance::models::Model::by_id("kuebler-sendix-58x8").unwrap().description().clone()
+    canvass_device::models::Model::by_id("kuebler-sendix-58x8").unwrap().description().clone()
 }

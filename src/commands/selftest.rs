@@ -4,13 +4,13 @@ use crate::live::parse_span;
 use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
-use canvass_conformance::Fault;
-use canvass_conformance::catalogue::{Selector, select};
-use canvass_conformance::fuzz::detection::{Limit, Row, Table, detect};
-use canvass_conformance::models::Model;
-use canvass_conformance::selftest::{self, Extent};
+use canvass_device::Fault;
+use canvass_device::models::Model;
+use canvass_fuzzer::detection::{Limit, Row, Table, detect};
 use canvass_reports::fuzz::detection;
 use canvass_reports::selftest::{json, text};
+use canvass_suite::catalogue::{Selector, select};
+use canvass_suite::selftest::{self, Extent};
 use canvass_traces::Duration;
 
 /// Test the tester: run the cases against firmware with known faults

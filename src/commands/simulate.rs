@@ -8,10 +8,12 @@ use crate::output::diagnostic;
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
-use canvass_conformance::bus::{Bus, participate};
-use canvass_conformance::device::{Device, Motion, MotionSpec};
-use canvass_conformance::models::Model;
-use canvass_conformance::{Fault, Faults, Machine};
+use canvass_bus::Machine;
+use canvass_bus::{Bus, participate};
+use canvass_device::Fault;
+use canvass_device::Faults;
+use canvass_device::models::Model;
+use canvass_device::{Device, Motion, MotionSpec};
 use canvass_traces::{Direction, Duration, Timestamp};
 use std::path::{Path, PathBuf};
 

@@ -11,13 +11,13 @@ use crate::output::Color;
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
 use canvass_analyzer::NodeId;
-use canvass_conformance::bench::{Bench, Decoder, Deviation, Evidence, Options, Target, Timing};
-use canvass_conformance::bus::Opened;
-use canvass_conformance::case::{Case, Touch};
-use canvass_conformance::catalogue::{Selector, nearest, select};
-use canvass_conformance::models::Model;
-use canvass_conformance::runner::{CaseReport, Plan, RunEvent, run};
-use canvass_conformance::waiver::Waivers;
+use canvass_device::address::Opened;
+use canvass_device::models::Model;
+use canvass_suite::bench::{Bench, Decoder, Deviation, Evidence, Options, Target, Timing};
+use canvass_suite::case::{Case, Touch};
+use canvass_suite::catalogue::{Selector, nearest, select};
+use canvass_suite::runner::{CaseReport, Plan, RunEvent, run};
+use canvass_suite::waiver::Waivers;
 use recorder::{Recorded, Recorder};
 use reports::{ReportArg, ReportFormat, Reports};
 use std::io;
@@ -170,7 +170,7 @@ impl Args {
             }
             (None, None) => (String::new(), None),
         };
-        let manual = Model::by_id(&model).map(|model| model.deviations().to_vec()).unwrap_or_default();
+        let manual = Model::by_id(&model).map(Deviation::of_model).unwrap_or_default();
         // What the user says goes before what the manual says: it is the more specific of the two.
         let deviations = waived.into_iter().chain(manual).collect();
         Ok(Target { node, model, description, deviations })

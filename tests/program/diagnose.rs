@@ -3,8 +3,8 @@
 use crate::running::{run, run_with_input};
 use canvass_analyzer::Index;
 use canvass_analyzer::findings::{Diagnosis, SourceQuality, Thresholds};
-use canvass_conformance::bus::{self, Bus};
-use canvass_conformance::models::Model;
+use canvass_bus::Bus;
+use canvass_device::models::Model;
 use canvass_reports::diagnosis::handbook;
 use canvass_traces::{Duration, Quality, Record, Timestamp, parse_frame};
 use serde_json::Value;
@@ -141,7 +141,7 @@ struct Operation {
 impl Operation {
     fn of(model: &Model) -> Self {
         let node = model.default_node().expect("a node-ID").raw();
-        let bus = bus::open(&format!("sim:{}", model.id())).unwrap().bus;
+        let bus = canvass_device::address::open(&format!("sim:{}", model.id())).unwrap().bus;
         Self { bus, node, seen: Vec::new() }
     }
 

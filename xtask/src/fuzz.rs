@@ -18,7 +18,7 @@ const AT_ONCE: usize = 2;
 /// Where real inputs lie that a target begins from.
 fn seeds(target: &str) -> &'static [&'static str] {
     match target {
-        "description" | "model" => &["analyzer/tests/eds", "conformance/models"],
+        "description" | "model" => &["analyzer/tests/eds", "conformance/device/models"],
         "waivers" => &["fuzz/seeds/waivers"],
         "slcan" => &["fuzz/seeds/slcan"],
         "reproducer" => &["traces/samples", "fuzz/seeds/reproducer"],

@@ -11,7 +11,10 @@ const FUZZED: &str = "500000";
 /// Builds, measures and prints: SDO exchanges with one device, fuzzing, and a day of a network.
 pub fn simulation() -> Result<()> {
     println!("\nsimulated bus, one thread");
-    run("cargo", &["build", "--release", "--locked", "--package", "canvass-conformance", "--examples"])?;
+    run(
+        "cargo",
+        &["build", "--release", "--locked", "--package", "canvass-device", "--package", "canvass-fuzzer", "--examples"],
+    )?;
     run(&release("examples/bus_speed"), &[])?;
     for target in ["all", "sdo", "lss"] {
         println!("fuzzing {target}, its reference models included, processor time");

@@ -1,6 +1,6 @@
 //! How well the tester's own machine kept up, in words.
 
-use canvass_conformance::runner::HostTiming;
+use canvass_suite::runner::HostTiming;
 use canvass_traces::Duration;
 
 /// One or two sentences.

@@ -3,10 +3,10 @@
 use super::{Document, Render, Reporter, html, json, junit, markdown, terminal};
 use crate::escape;
 use canvass_analyzer::{Multiplexer, NodeId};
-use canvass_conformance::bench::{Evidence, Exhibit, Measurement, Unit};
-use canvass_conformance::catalogue;
-use canvass_conformance::runner::{CaseReport, DeviceIdentity, RunEvent, RunInfo, Summary};
-use canvass_conformance::verdict::{Authority, Kind, Reason, Verdict};
+use canvass_suite::bench::{Evidence, Exhibit, Measurement, Unit};
+use canvass_suite::catalogue;
+use canvass_suite::runner::{CaseReport, DeviceIdentity, RunEvent, RunInfo, Summary};
+use canvass_suite::verdict::{Authority, Kind, Reason, Verdict};
 use canvass_traces::{CanId, ChannelId, Direction, Duration, Frame, Record, Timestamp};
 
 const HOSTILE: &str = "\x1b]0;owned\x07\x1b[2J<script>alert('x')</script>\"'&]]>\u{9b}31m\u{202e}\u{0}\u{ffff}";

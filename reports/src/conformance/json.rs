@@ -7,9 +7,9 @@
 use super::Run;
 use crate::escape;
 use canvass_analyzer::Multiplexer;
-use canvass_conformance::bench::{Exhibit, Measurement};
-use canvass_conformance::runner::{CaseReport, DeviceIdentity, HostTiming};
-use canvass_conformance::verdict::{Authority, Kind, Reason};
+use canvass_suite::bench::{Exhibit, Measurement};
+use canvass_suite::runner::{CaseReport, DeviceIdentity, HostTiming};
+use canvass_suite::verdict::{Authority, Kind, Reason};
 use canvass_traces::Direction;
 use serde::Serialize;
 use std::collections::BTreeMap;

@@ -9,8 +9,8 @@
 
 use super::{Run, authority, cct_forecast, name_in_family, repetitions};
 use crate::escape::printable;
-use canvass_conformance::runner::CaseReport;
-use canvass_conformance::verdict::Kind;
+use canvass_suite::runner::CaseReport;
+use canvass_suite::verdict::Kind;
 use canvass_traces::{Duration, Timestamp};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesText, Event};

@@ -2,8 +2,8 @@
 
 use super::{Run, authority, cct_forecast, hex, milliseconds_since, outcome, repetitions, symbol};
 use crate::escape::markdown;
-use canvass_conformance::runner::CaseReport;
-use canvass_conformance::verdict::Kind;
+use canvass_suite::runner::CaseReport;
+use canvass_suite::verdict::Kind;
 use std::io::{self, Write};
 
 /// At most so many frames of a case are printed, the last ones.

@@ -16,8 +16,8 @@ mod hostile;
 #[cfg(test)]
 mod junit_schema;
 
-use canvass_conformance::runner::{CaseReport, RunEvent, RunInfo, Summary};
-use canvass_conformance::verdict::{Authority, Kind};
+use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
+use canvass_suite::verdict::{Authority, Kind};
 use canvass_traces::{Record, Timestamp};
 use std::io::{self, Write};
 

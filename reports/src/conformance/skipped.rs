@@ -1,7 +1,7 @@
 //! The cases that did not apply, by reason: many share one.
 
 use crate::escape::printable;
-use canvass_conformance::verdict::Reason;
+use canvass_suite::verdict::Reason;
 use std::io::{self, Write};
 
 /// Cases that did not apply.

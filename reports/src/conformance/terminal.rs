@@ -3,8 +3,8 @@
 use super::skipped::Skipped;
 use super::{Reporter, authority, cct_forecast, outcome, repetitions, symbol};
 use crate::escape::printable;
-use canvass_conformance::runner::{CaseReport, RunEvent, RunInfo, Summary};
-use canvass_conformance::verdict::{Kind, Reason};
+use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
+use canvass_suite::verdict::{Kind, Reason};
 use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, Table, presets};
 use std::io::{self, Write};
 

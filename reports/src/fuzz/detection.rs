@@ -1,6 +1,6 @@
 //! How fast the fuzzer finds which fault: a table, text or JSON (`"schema": "canvass/selftest-fuzz/1"`).
 
-use canvass_conformance::fuzz::detection::{Row, Table};
+use canvass_fuzzer::detection::{Row, Table};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::time::Duration;

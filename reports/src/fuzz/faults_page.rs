@@ -1,7 +1,7 @@
 //! Which faults the fuzzer finds, as a page of Markdown: what `docs/fuzz-faults.md` is.
 
 use crate::escape::markdown;
-use canvass_conformance::Fault;
+use canvass_device::Fault;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 

@@ -3,8 +3,8 @@
 use super::{Run, Words, annotated, outcome, reliability, rust_test, sdo_rows};
 use crate::escape::printable;
 use crate::page::{self, Page};
-use canvass_conformance::fuzz::campaign::Found;
-use canvass_conformance::fuzz::reproducer;
+use canvass_fuzzer::campaign::Found;
+use canvass_fuzzer::reproducer;
 use canvass_traces::{Direction, Timestamp};
 use maud::{Markup, html};
 use std::io::{self, Write};

@@ -2,8 +2,8 @@
 
 use super::{Run, Words, rust_test, sdo_rows};
 use crate::escape;
-use canvass_conformance::fuzz::campaign::Found;
-use canvass_conformance::fuzz::{Start, Stimulus, Then, reproducer};
+use canvass_fuzzer::campaign::Found;
+use canvass_fuzzer::{Start, Stimulus, Then, reproducer};
 use canvass_traces::{Direction, Frame, Record};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};

@@ -2,7 +2,7 @@
 
 use super::{Run, annotated, outcome, reliability};
 use crate::escape::printable;
-use canvass_conformance::fuzz::{Property, reproducer};
+use canvass_fuzzer::{Property, reproducer};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::io::{self, Write};
 

@@ -2,7 +2,7 @@
 
 use super::{Run, annotated, outcome, reliability, rust_test};
 use crate::escape::{markdown, printable};
-use canvass_conformance::fuzz::reproducer;
+use canvass_fuzzer::reproducer;
 use std::io::{self, Write};
 
 /// Writes the document.

@@ -12,11 +12,11 @@ pub mod properties;
 pub mod text;
 
 use canvass_analyzer::NodeId;
-use canvass_conformance::bench::Annotate;
-use canvass_conformance::case::Touch;
-use canvass_conformance::fuzz::campaign::{Found, Outcome};
-use canvass_conformance::fuzz::coverage::{Answer, Coverage, LssReach};
-use canvass_conformance::fuzz::{Target, Then, reproducer};
+use canvass_fuzzer::campaign::{Found, Outcome};
+use canvass_fuzzer::coverage::{Answer, Coverage, LssReach};
+use canvass_fuzzer::{Target, Then, reproducer};
+use canvass_suite::bench::Annotate;
+use canvass_suite::case::Touch;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;

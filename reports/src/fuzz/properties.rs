@@ -1,6 +1,6 @@
 //! A property in full.
 
-use canvass_conformance::fuzz::Property;
+use canvass_fuzzer::Property;
 
 /// What `canvass explain PROP-05` prints.
 pub fn explain(property: Property) -> String {

@@ -1,7 +1,7 @@
 //! A hostile device's words reach no reader unescaped; the reports hold what a violation is made of.
 
 use super::*;
-use canvass_conformance::fuzz::{Property, Sequence, Start, Stimulus, Violation};
+use canvass_fuzzer::{Property, Sequence, Start, Stimulus, Violation};
 use canvass_traces::CanId;
 
 const HOSTILE: &str = "<script>alert(1)</script>\u{1b}[2J```\n| x ]]>";

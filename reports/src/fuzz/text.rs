@@ -2,7 +2,7 @@
 
 use super::{Run, annotated, outcome, reliability};
 use crate::escape::printable;
-use canvass_conformance::fuzz::reproducer;
+use canvass_fuzzer::reproducer;
 use canvass_traces::{Direction, Timestamp};
 use std::io::{self, Write};
 

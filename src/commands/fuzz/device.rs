@@ -7,11 +7,12 @@ use crate::status::Failure;
 use anyhow::anyhow;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
-use canvass_conformance::bench::{Decoder, Target};
-use canvass_conformance::bus::{Bus, BusAddress};
-use canvass_conformance::fuzz::Knowledge;
-use canvass_conformance::fuzz::ground::{Ground, Live, Simulated, of_address};
-use canvass_conformance::models::Model;
+use canvass_bus::Bus;
+use canvass_device::address::BusAddress;
+use canvass_device::models::Model;
+use canvass_fuzzer::Knowledge;
+use canvass_fuzzer::ground::{Ground, Live, Simulated, of_address};
+use canvass_suite::bench::{Decoder, Target};
 
 /// The device, and how it is reached.
 pub struct Device {

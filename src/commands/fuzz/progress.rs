@@ -1,6 +1,6 @@
 //! How far a run is, on a terminal.
 
-use canvass_conformance::fuzz::campaign::{self, Outcome};
+use canvass_fuzzer::campaign::{self, Outcome};
 use canvass_traces::Duration;
 use std::io::{self, IsTerminal, Write};
 use std::time::Instant;

@@ -3,10 +3,10 @@
 use super::{notice, unreadable};
 use crate::status::Failure;
 use anyhow::{Context, anyhow};
-use canvass_conformance::case::Touch;
-use canvass_conformance::fuzz::campaign::Found;
-use canvass_conformance::fuzz::limits::{self, Forbidden};
-use canvass_conformance::fuzz::{Knowledge, Sequence, reproducer};
+use canvass_fuzzer::campaign::Found;
+use canvass_fuzzer::limits::{self, Forbidden};
+use canvass_fuzzer::{Knowledge, Sequence, reproducer};
+use canvass_suite::case::Touch;
 use std::collections::BTreeSet;
 use std::fs::OpenOptions;
 use std::io::Write;

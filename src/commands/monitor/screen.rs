@@ -5,7 +5,7 @@ use anyhow::{Context, Result};
 use canvass_analyzer::network::{Decoded, Event, Network};
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::{Meaning, NodeId, Service};
-use canvass_conformance::bus::{Bus, Health};
+use canvass_bus::{Bus, Health};
 use canvass_reports::escape;
 use canvass_traces::{Duration, Record, Timestamp, bit_length};
 use ratatui::Frame;
@@ -223,7 +223,7 @@ fn run(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use canvass_conformance::models::Model;
+    use canvass_device::models::Model;
     use canvass_traces::{ChannelId, parse_frame};
     use ratatui::Terminal;
     use ratatui::backend::TestBackend;

@@ -2,9 +2,9 @@
 
 use crate::output::Color;
 use anyhow::{Context, Result, anyhow};
-use canvass_conformance::runner::RunEvent;
 use canvass_reports::conformance::terminal::{Style, Terminal};
 use canvass_reports::conformance::{Document, Render, Reporter, html, json, junit, markdown};
+use canvass_suite::runner::RunEvent;
 use clap::ValueEnum;
 use std::fs::File;
 use std::io::{self, BufWriter, IsTerminal, Write};

@@ -1,7 +1,7 @@
 //! `--timeout WHAT=MS`.
 
 use anyhow::{Context, Result, anyhow, bail};
-use canvass_conformance::bench::Timing;
+use canvass_suite::bench::Timing;
 use canvass_traces::Duration;
 use std::str::FromStr;
 

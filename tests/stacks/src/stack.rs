@@ -1,6 +1,6 @@
 //! What any stack needs to be a device on the simulated bus.
 
-use canvass_conformance::Machine;
+use canvass_bus::Machine;
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -172,7 +172,7 @@ impl<S: Stack> Machine for StackDevice<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use canvass_conformance::bus::{Bus, SimulatedBus};
+    use canvass_bus::{Bus, SimulatedBus};
     use canvass_traces::CanId;
 
     /// Says its name when it is switched on, repeats what it hears, and dies of remote frames.

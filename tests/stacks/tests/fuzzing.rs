@@ -7,11 +7,11 @@
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
-use canvass_conformance::case::Touch;
-use canvass_conformance::fuzz::campaign::{self, Found, Outcome, Plan};
-use canvass_conformance::fuzz::ground::{MakeDevice, Simulated};
-use canvass_conformance::fuzz::{Knowledge, Patience, Property, Start, Target};
+use canvass_fuzzer::campaign::{self, Found, Outcome, Plan};
+use canvass_fuzzer::ground::{MakeDevice, Simulated};
+use canvass_fuzzer::{Knowledge, Patience, Property, Start, Target};
 use canvass_stacks::{Memorial, StackDevice, canopen_rs, zencan};
+use canvass_suite::case::Touch;
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
 use std::fmt::Write;

@@ -16,7 +16,7 @@ use std::process::{Command, Stdio};
 /// Programs that the tests start.
 const PROGRAMS: [&str; 7] = ["ip", "cansend", "candump", "cangen", "canplayer", "slcan_attach", "python"];
 /// Folders of this project that they read.
-const PROJECT: [&str; 3] = ["docs/examples", "conformance/models", "tests/vcan"];
+const PROJECT: [&str; 3] = ["docs/examples", "conformance/device/models", "tests/vcan"];
 /// What of the Python environment they need: each begins the name of a folder or file.
 const PACKAGES: [&str; 7] = ["can", "packaging", "pyserial", "python_can", "serial", "typing_extensions", "wrapt"];
 /// Parts of Python's library that nobody needs here, wherever they are in it: unpacking them takes the machine longer than

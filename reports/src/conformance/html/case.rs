@@ -2,9 +2,9 @@
 
 use crate::conformance::{authority, cct_forecast, hex, milliseconds_since, repetitions, symbol};
 use crate::escape::printable;
-use canvass_conformance::bench::Exhibit;
-use canvass_conformance::runner::CaseReport;
-use canvass_conformance::verdict::Kind;
+use canvass_suite::bench::Exhibit;
+use canvass_suite::runner::CaseReport;
+use canvass_suite::verdict::Kind;
 use canvass_traces::{Direction, Timestamp};
 use maud::{Markup, html};
 

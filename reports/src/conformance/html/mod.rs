@@ -7,7 +7,7 @@ mod case;
 use super::{Run, name_in_family, outcome, symbol};
 use crate::escape::printable;
 use crate::page::{self, Page};
-use canvass_conformance::verdict::Kind;
+use canvass_suite::verdict::Kind;
 use maud::{Markup, html};
 use std::io::{self, Write};
 

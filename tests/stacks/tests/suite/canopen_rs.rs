@@ -1,8 +1,8 @@
 //! `canopen-rs` 0.6.1.
 
 use super::{Expected, Outcome, Peer, expect, judge, passed, trace};
-use canvass_conformance::verdict::Kind::Fail;
 use canvass_stacks::canopen_rs::{CanopenRs, EDS, NODE};
+use canvass_suite::verdict::Kind::Fail;
 
 /// All are its own, and in `docs/peers.md`.
 const EXPECTED: &Expected = &[

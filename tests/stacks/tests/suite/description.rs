@@ -5,7 +5,7 @@ use canvass_analyzer::dictionary::{Access, DeviceDescription};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, REQUEST_BASE, RESPONSE_BASE, Request, Response};
 use canvass_analyzer::{Multiplexer, NodeId};
-use canvass_conformance::bus::{Bus, SimulatedBus};
+use canvass_bus::{Bus, SimulatedBus};
 use canvass_stacks::{canopen_rs, zencan};
 use canvass_traces::Duration;
 

@@ -1,8 +1,8 @@
 //! `zencan-node` 0.0.5.
 
 use super::{Expected, Outcome, Peer, expect, judge, passed, trace};
-use canvass_conformance::verdict::Kind::{Fail, Inconclusive};
 use canvass_stacks::zencan::{EDS, NODE, Zencan};
+use canvass_suite::verdict::Kind::{Fail, Inconclusive};
 
 /// All are its own, and in `docs/peers.md`.
 const EXPECTED: &Expected = &[

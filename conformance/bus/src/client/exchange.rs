@@ -1,0 +1,110 @@
+//! Single transfers and dialogues on a bus, for commands; cases have the bench.
+
+use super::lss::{Fastscan, ScanStep};
+use super::sdo::{Outcome, Step, Transfer, Violation};
+use crate::{Bus, BusError};
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
+use canvass_analyzer::wire::{Wire, lss};
+use canvass_traces::{Direction, Duration, Frame, Record};
+
+/// A bus, and who watches what is on it meanwhile.
+pub struct Exchange<'a> {
+    /// The bus.
+    pub bus: &'a mut dyn Bus,
+    /// Sees every frame, own ones too.
+    pub observe: &'a mut dyn FnMut(&Record),
+}
+
+impl Exchange<'_> {
+    /// The first frame from others that `wanted` recognises, until `span` has passed.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus fails.
+    pub fn wait_for<T>(
+        &mut self,
+        span: Duration,
+        mut wanted: impl FnMut(&Record) -> Option<T>,
+    ) -> Result<Option<T>, BusError> {
+        let deadline = self.bus.now() + span;
+        while let Some(record) = self.bus.receive(deadline)? {
+            (self.observe)(&record);
+            if record.direction != Direction::Tx
+                && let Some(found) = wanted(&record)
+            {
+                return Ok(Some(found));
+            }
+            if record.timestamp > deadline {
+                break;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Carries out an SDO transfer with a server of the predefined connection set. `patience` holds for each response.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus fails.
+    pub fn transfer(
+        &mut self,
+        node: NodeId,
+        (mut transfer, mut request): (Transfer, Request),
+        patience: Duration,
+    ) -> Result<Outcome, BusError> {
+        let (to, from) = (sdo::REQUEST_BASE + u16::from(node.raw()), sdo::RESPONSE_BASE + u16::from(node.raw()));
+        self.wait_for(Duration::ZERO, |_| None::<()>)?;
+        loop {
+            self.bus.send(&request.to_frame(to))?;
+            let response = self.wait_for(patience, |record| answer(record, from))?;
+            let step = match response.map(|frame| Response::read(frame.data())) {
+                None => {
+                    self.bus.send(&transfer.abort(AbortCode::TIMEOUT).to_frame(to))?;
+                    Step::Done(Outcome::Silent)
+                }
+                Some(Ok(response)) => transfer.handle(&response),
+                Some(Err(error)) => Step::Done(Outcome::Violated(Violation::Malformed(error.to_string()))),
+            };
+            match step {
+                Step::Send(next) => request = next,
+                Step::Done(outcome) => {
+                    if matches!(outcome, Outcome::Violated(_)) {
+                        self.bus.send(&transfer.abort(AbortCode::GENERAL).to_frame(to))?;
+                    }
+                    // The last own frame comes back too: whoever watches shall see the whole transfer.
+                    self.wait_for(Duration::from_millis(2), |_| None::<()>)?;
+                    return Ok(outcome);
+                }
+            }
+        }
+    }
+
+    /// Sends an LSS request and waits for the answer of a slave. Many slaves may answer; the first one counts.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus fails.
+    pub fn ask(&mut self, request: &lss::Request, patience: Duration) -> Result<Option<lss::Response>, BusError> {
+        self.bus.send(&request.to_frame(lss::MASTER_CAN_ID))?;
+        self.wait_for(patience, |record| {
+            answer(record, lss::SLAVE_CAN_ID).and_then(|frame| lss::Response::read(frame.data()).ok())
+        })
+    }
+
+    /// Finds one slave without a node-ID. It is in LSS configuration then; the others are not.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus fails.
+    pub fn fastscan(&mut self, patience: Duration) -> Result<ScanStep, BusError> {
+        let (mut scan, mut request) = Fastscan::begin();
+        loop {
+            let answered = matches!(self.ask(&request, patience)?, Some(lss::Response::Identified));
+            match scan.handle(answered) {
+                ScanStep::Ask(next) => request = next,
+                end => return Ok(end),
+            }
+        }
+    }
+}
+
+fn answer(record: &Record, cob_id: u16) -> Option<Frame> {
+    (record.frame.cob_id() == Some(cob_id)).then_some(record.frame)
+}

@@ -1,0 +1,155 @@
+//! A machine as a participant of a live bus: its time is the bus's, counted from the moment it was switched on.
+
+use crate::Bus;
+use crate::Machine;
+use canvass_traces::{Direction, Duration, Record, Timestamp};
+
+/// What becomes of a machine on a bus.
+#[derive(Debug, Default)]
+pub struct Participation {
+    /// Frames that it sent.
+    pub sent: u64,
+    /// Frames that it wanted to send and the bus did not take.
+    pub unsent: u64,
+    /// Why not, the last time.
+    pub trouble: Option<String>,
+}
+
+/// How long a wait lasts at most, so that the wish to stop is seen.
+const SLICE: Duration = Duration::from_millis(200);
+
+/// Lets a machine take part in a bus from now on, until `goes_on` says no; that is asked about five times a second. `observe`
+/// sees every frame, own ones too.
+///
+/// A bus that does not take a frame is no reason to stop: the interface may come back, as it does for a real device. When
+/// the machine changes its bit rate, the bus goes with it, where it can.
+///
+/// # Errors
+/// [`super::BusError`] if the bus can't be listened to any more.
+pub fn participate(
+    bus: &mut dyn Bus,
+    machine: &mut dyn Machine,
+    goes_on: &mut dyn FnMut(&Participation, Timestamp) -> bool,
+    observe: &mut dyn FnMut(&Record),
+) -> Result<Participation, super::BusError> {
+    let mut clock = MachineClock { switched_on: bus.now(), last: Timestamp::ZERO };
+    let mut done = Participation::default();
+    let mut bit_rate = FollowedBitRate { of_bus: bus.bit_rate(), now: None };
+    while goes_on(&done, clock.at(bus.now())) {
+        let now = clock.at(bus.now());
+        if machine.poll_timeout().is_some_and(|timeout| timeout <= now) {
+            machine.handle_timeout(now);
+        }
+        bit_rate.follow(bus, machine, &mut done);
+        send_all(bus, machine, now, &mut done);
+        let timeout = machine.poll_timeout().map_or(Timestamp::MAX, |timeout| clock.on_bus(timeout));
+        let deadline = timeout.min(bus.now() + SLICE);
+        if let Some(record) = bus.receive(deadline)? {
+            observe(&record);
+            if record.direction != Direction::Tx && !record.frame.is_error() {
+                // Reactions count from the frame's end on the bus, not from when this machine saw it.
+                let at = clock.at(record.timestamp);
+                machine.handle(at, &record.frame);
+                send_all(bus, machine, at, &mut done);
+            }
+        }
+    }
+    Ok(done)
+}
+
+fn send_all(bus: &mut dyn Bus, machine: &mut dyn Machine, now: Timestamp, done: &mut Participation) {
+    while let Some(frame) = machine.poll_transmit(now) {
+        match bus.send(&frame) {
+            Ok(()) => done.sent += 1,
+            Err(error) => {
+                done.unsent += 1;
+                done.trouble = Some(error.to_string());
+            }
+        }
+    }
+}
+
+/// The bit rate that the machine has.
+struct FollowedBitRate {
+    /// That of the bus, where it is known: a machine that has none of its own is there.
+    of_bus: Option<u32>,
+    now: Option<u32>,
+}
+
+impl FollowedBitRate {
+    fn follow(&mut self, bus: &mut dyn Bus, machine: &dyn Machine, done: &mut Participation) {
+        let wanted = machine.bit_rate();
+        if wanted == self.now {
+            return;
+        }
+        self.now = wanted;
+        // A bus without wires has none, and carries everything.
+        let Some(wanted) = wanted.or(self.of_bus).filter(|_| bus.bit_rate().is_some_and(|rate| Some(rate) != wanted))
+        else {
+            return;
+        };
+        if let Err(error) = bus.set_bit_rate(wanted) {
+            done.trouble = Some(error.to_string());
+        }
+    }
+}
+
+/// Between the time of the bus and that of the machine, which never steps back.
+struct MachineClock {
+    switched_on: Timestamp,
+    last: Timestamp,
+}
+
+impl MachineClock {
+    fn at(&mut self, on_bus: Timestamp) -> Timestamp {
+        self.last = self.last.max(Timestamp(on_bus.since(self.switched_on).0));
+        self.last
+    }
+
+    fn on_bus(&self, time: Timestamp) -> Timestamp {
+        self.switched_on + time.since(Timestamp::ZERO)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::SimulatedBus;
+
+    /// A machine that takes part at 500 kbit/s from the first second on, and as the bus does from the second on.
+    #[derive(Default)]
+    struct Changing(u64);
+
+    impl Machine for Changing {
+        fn handle(&mut self, _: Timestamp, _: &canvass_traces::Frame) {}
+
+        fn poll_transmit(&mut self, _: Timestamp) -> Option<canvass_traces::Frame> {
+            None
+        }
+
+        fn poll_timeout(&self) -> Option<Timestamp> {
+            (self.0 < 2).then(|| Timestamp((self.0 + 1) * 1_000_000_000))
+        }
+
+        fn handle_timeout(&mut self, _: Timestamp) {
+            self.0 += 1;
+        }
+
+        fn bit_rate(&self) -> Option<u32> {
+            (self.0 == 1).then_some(500_000)
+        }
+    }
+
+    #[test]
+    fn the_bus_goes_with_the_machines_bit_rate() {
+        let (mut bus, mut rates) = (SimulatedBus::new(250_000), Vec::new());
+        for seconds in [1, 2, 3] {
+            let mut machine = Changing::default();
+            let mut goes_on = |_: &Participation, now: Timestamp| now < Timestamp(seconds * 1_000_000_000 - 1);
+            participate(&mut bus, &mut machine, &mut goes_on, &mut |_| {}).unwrap();
+            rates.push(bus.bit_rate().unwrap());
+            bus.set_bit_rate(250_000).unwrap();
+        }
+        assert_eq!(rates, [250_000, 500_000, 250_000]);
+    }
+}

@@ -1,0 +1,223 @@
+//! The thread that reads from the adapter, and opens it again when it was unplugged.
+
+use super::codec::{Command, Decoder, Message, MinuteClock};
+use super::link::{LOOK, Link, Place, is_silence};
+use super::{Change, Shared, SlCanError};
+use crate::hardware_clock::HardwareClock;
+use canvass_traces::{ChannelId, Direction, Record, Timestamp};
+use std::io::{self, Read};
+use std::sync::{Arc, PoisonError};
+use std::time::{Duration, Instant};
+
+/// How long each opening command is waited for: some programs at the other end answer none.
+const PATIENCE: Duration = Duration::from_millis(300);
+
+/// How often a lost adapter is looked for.
+const RETRY: Duration = Duration::from_millis(200);
+
+/// How often the adapter is asked for its status flags.
+const STATUS: Duration = Duration::from_secs(1);
+
+pub(super) struct Reader {
+    shared: Arc<Shared>,
+    place: Place,
+    bit_rate: Option<u8>,
+    port: Option<Box<dyn Read + Send>>,
+    decoder: Decoder,
+    minute: MinuteClock,
+    hardware: HardwareClock,
+    records: Vec<Record>,
+    /// Whether the adapter answers the question for its status flags.
+    has_status: bool,
+}
+
+impl Reader {
+    pub fn new(shared: Arc<Shared>, place: Place, bit_rate: Option<u8>) -> Self {
+        Self {
+            shared,
+            place,
+            bit_rate,
+            port: None,
+            decoder: Decoder::default(),
+            minute: MinuteClock::default(),
+            hardware: HardwareClock::default(),
+            records: Vec::new(),
+            has_status: true,
+        }
+    }
+
+    /// Opens the way and the adapter's channel. `first`: failures count.
+    pub fn connect(&mut self, first: bool) -> Result<(), SlCanError> {
+        let failed = |source| SlCanError::Open { name: self.shared.name.clone(), source };
+        let Some(Link { reader, writer }) = self.place.open().map_err(failed)? else { return Ok(()) };
+        self.port = Some(reader);
+        *self.shared.writer.lock().unwrap_or_else(PoisonError::into_inner) = Some(writer);
+        (self.decoder, self.has_status) = (Decoder::default(), true);
+        (self.minute, self.hardware) = (MinuteClock::default(), HardwareClock::default());
+        // Who has connected to a listener opens this end; it is not opened from here.
+        if matches!(self.place, Place::Listener(_)) {
+            return Ok(());
+        }
+        let opened = self.open_channel();
+        if first { opened } else { Ok(()) }
+    }
+
+    fn open_channel(&mut self) -> Result<(), SlCanError> {
+        // Ends a line that another program may have left unfinished.
+        self.shared.write(b"\r\r")?;
+        self.reopen_channel()
+    }
+
+    fn reopen_channel(&mut self) -> Result<(), SlCanError> {
+        // Refused if it is closed already.
+        self.tell(Command::Close)?;
+        let refused = |action| SlCanError::Refused { name: self.shared.name.clone(), action };
+        let (rate, open) = (refused("set the bit rate"), refused("open its channel"));
+        if let Some(index) = self.bit_rate
+            && self.tell(Command::BitRate(index))? == Some(false)
+        {
+            return Err(rate);
+        }
+        // Without timestamps the time of arrival must do.
+        self.tell(Command::Timestamps(true))?;
+        if self.tell(Command::Open)? == Some(false) {
+            return Err(open);
+        }
+        Ok(())
+    }
+
+    /// Opens the channel at another bit rate, or at the one before if the adapter has no such.
+    fn change_bit_rate(&mut self, index: u8) -> Result<(), SlCanError> {
+        let before = self.bit_rate.replace(index);
+        let changed = self.reopen_channel();
+        if changed.is_err() {
+            self.bit_rate = before;
+            self.reopen_channel()?;
+        }
+        changed
+    }
+
+    /// Sends a command; whether it was done, or `None` if there was no answer.
+    fn tell(&mut self, command: Command) -> Result<Option<bool>, SlCanError> {
+        self.settle();
+        let mut line = Vec::new();
+        command.write(&mut line);
+        self.shared.write(&line)?;
+        let begun = Instant::now();
+        while begun.elapsed() < PATIENCE {
+            for message in self.read().unwrap_or_default() {
+                match message {
+                    Message::Done => return Ok(Some(true)),
+                    Message::Refused => return Ok(Some(false)),
+                    other => self.take(other, self.shared.clock.now()),
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Takes in what has come before a command, so that it is not taken for its answer.
+    fn settle(&mut self) {
+        for message in self.read().unwrap_or_default() {
+            self.take(message, self.shared.clock.now());
+        }
+        self.shared.inbox.deliver(&mut self.records);
+    }
+
+    /// Reads until the bus is closed.
+    pub fn run(mut self) {
+        let shared = Arc::clone(&self.shared);
+        let mut asked = Instant::now();
+        while !shared.inbox.is_closed() {
+            if self.port.is_none() {
+                // Not there yet: looked for again.
+                if self.connect(false).is_err() || self.port.is_none() {
+                    std::thread::sleep(if matches!(self.place, Place::Listener(_)) { LOOK } else { RETRY });
+                }
+                continue;
+            }
+            match self.read() {
+                Ok(messages) => {
+                    let arrived = shared.clock.now();
+                    shared.inbox.set_delivering(true);
+                    messages.into_iter().for_each(|message| self.take(message, arrived));
+                    shared.inbox.deliver(&mut self.records);
+                    shared.inbox.set_delivering(false);
+                }
+                Err(error) => self.lose(&error),
+            }
+            let change = shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
+            if let Some(Change { index, done }) = change {
+                // Who asked may have lost patience.
+                let _ = done.send(self.change_bit_rate(index));
+            }
+            if self.has_status && asked.elapsed() >= STATUS && !matches!(self.place, Place::Listener(_)) {
+                asked = Instant::now();
+                let mut line = Vec::new();
+                Command::Status.write(&mut line);
+                // A failure shows in the next read.
+                let _ = shared.write(&line);
+            }
+        }
+    }
+
+    /// What has come, within [`LOOK`].
+    fn read(&mut self) -> io::Result<Vec<Message>> {
+        let mut bytes = [0; 4096];
+        let Some(port) = &mut self.port else { return Ok(Vec::new()) };
+        let mut messages = Vec::new();
+        match port.read(&mut bytes) {
+            Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
+            Ok(n) => {
+                self.decoder.push(bytes.get(..n).unwrap_or_default(), |message| messages.push(message));
+                Ok(messages)
+            }
+            Err(error) if is_silence(&error) => Ok(messages),
+            Err(error) => Err(error),
+        }
+    }
+
+    fn take(&mut self, message: Message, arrived: Timestamp) {
+        match message {
+            Message::Frame { mut record, milliseconds } => {
+                record.timestamp = match milliseconds {
+                    Some(milliseconds) => {
+                        let adapter = self.minute.unwrap(milliseconds, arrived);
+                        self.hardware.system_time(adapter, arrived)
+                    }
+                    None => arrived,
+                };
+                (record.channel, record.direction) = (ChannelId(0), Direction::Rx);
+                self.records.push(record);
+            }
+            Message::Command(command) => {
+                // A failure shows in the next read.
+                let _ = self.shared.write(command.answer());
+            }
+            Message::Status(status) if status.0 != 0 => self.shared.inbox.note(|health| {
+                // How many is not told.
+                health.lost += u64::from(status.has_lost());
+                health.error_frames += 1;
+                health.trouble = Some(format!("{}: {status}", self.shared.name));
+            }),
+            // Most likely the answer to the question for the status flags.
+            Message::Refused => self.has_status = false,
+            Message::Unknown(line) if !line.is_empty() => self.shared.inbox.note(|health| health.lost += 1),
+            _ => {}
+        }
+    }
+
+    fn lose(&mut self, error: &io::Error) {
+        self.port = None;
+        *self.shared.writer.lock().unwrap_or_else(PoisonError::into_inner) = None;
+        let name = &self.shared.name;
+        let trouble = match error.kind() {
+            io::ErrorKind::UnexpectedEof => format!("{name} was disconnected"),
+            _ => format!("{name} was disconnected: {error}"),
+        };
+        self.shared.inbox.note(|health| {
+            health.interruptions += 1;
+            health.trouble = Some(trouble);
+        });
+    }
+}

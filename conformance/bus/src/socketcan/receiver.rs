@@ -1,0 +1,178 @@
+//! The thread that fetches frames from the kernel, and survives what happens to the interface.
+
+use super::Shared;
+use super::link::Link;
+use super::sys::{BATCH, Batch, Received};
+use crate::clock::Correction;
+use crate::hardware_clock::HardwareClock;
+use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp, from_socket};
+use std::io::{self, PipeReader};
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
+use std::time::Duration;
+
+/// How often the thread looks whether a lost interface is back.
+const LOOK: Duration = Duration::from_millis(50);
+
+/// The class bit of error frames that tell of bus-off (`CAN_ERR_BUSOFF`).
+const BUS_OFF: u32 = 0x40;
+
+pub(super) struct Receiver {
+    shared: Arc<Shared>,
+    /// Its other end is closed when the inbox is: a thread that waits for a frame is woken by nothing else.
+    end: PipeReader,
+    correction: Correction,
+    hardware: HardwareClock,
+    /// The kernel's count of lost frames when it was last seen.
+    dropped: u32,
+    records: Vec<Record>,
+    is_lost: bool,
+}
+
+impl Receiver {
+    pub fn new(shared: Arc<Shared>, end: PipeReader) -> Self {
+        let (correction, hardware) = (Correction::default(), HardwareClock::default());
+        Self { shared, end, correction, hardware, dropped: 0, records: Vec::with_capacity(64), is_lost: false }
+    }
+
+    /// Receives until the inbox is closed.
+    pub fn run(mut self) {
+        super::wake_precisely();
+        let shared = Arc::clone(&self.shared);
+        let mut batch = Batch::new();
+        while !shared.inbox.is_closed() {
+            if self.is_lost {
+                self.find_again();
+            }
+            match shared.socket.wait_readable_or_closed(&self.end, self.is_lost.then_some(LOOK)) {
+                Ok(true) => self.fetch(&mut batch),
+                Ok(false) => {}
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => self.interrupted(&format!("receiving failed: {error}")),
+            }
+        }
+    }
+
+    /// Everything that waits in the kernel.
+    fn fetch(&mut self, batch: &mut Batch) {
+        let shared = Arc::clone(&self.shared);
+        shared.inbox.set_delivering(true);
+        self.correction = shared.clock.correction(self.correction);
+        let mut is_full = false;
+        while !shared.inbox.is_closed() {
+            match shared.socket.receive(batch) {
+                Ok(0) => break,
+                Ok(frames) => {
+                    (0..frames)
+                        .filter_map(|at| batch.get(at))
+                        .for_each(|(packet, received)| self.take(packet, received));
+                    shared.inbox.deliver(&mut self.records);
+                    if frames < BATCH {
+                        break;
+                    }
+                    is_full = true;
+                }
+                Err(error) => {
+                    self.failed(&error);
+                    break;
+                }
+            }
+        }
+        // Nothing is dropped while the queue is short.
+        if is_full && let Some(dropped) = shared.socket.dropped() {
+            self.note_dropped(dropped);
+        }
+        shared.inbox.set_delivering(false);
+    }
+
+    fn take(&mut self, packet: &[u8], received: Received) {
+        if let Some(dropped) = received.dropped {
+            self.note_dropped(dropped);
+        }
+        let at = self.time(&received);
+        // The kernel gives nothing but frames.
+        let Ok(mut record) = from_socket(packet) else { return };
+        (record.timestamp, record.channel) = (at, ChannelId(0));
+        record.direction = if received.own { Direction::Tx } else { Direction::Rx };
+        if record.frame.is_error() {
+            self.on_error_frame(&record.frame);
+        } else if received.own {
+            self.on_sent(at);
+        }
+        self.records.push(record);
+    }
+
+    /// Counts the frames that were lost until the kernel's count was that; it overflows.
+    fn note_dropped(&mut self, dropped: u32) {
+        let lost = dropped.wrapping_sub(self.dropped);
+        // A frame that waited tells an older count than the socket did.
+        if lost != 0 && lost < u32::MAX / 2 {
+            self.dropped = dropped;
+            self.shared.inbox.note(|health| health.lost += u64::from(lost));
+        }
+    }
+
+    fn time(&mut self, received: &Received) -> Timestamp {
+        let Some(software) = received.software else { return self.shared.clock.now() };
+        let system = match received.hardware {
+            Some(hardware) => self.hardware.system_time(hardware, software),
+            None => software,
+        };
+        self.correction.apply(system)
+    }
+
+    /// An own frame was on the bus.
+    fn on_sent(&self, at: Timestamp) {
+        let handed_over = self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner).pop_front();
+        if let Some(handed_over) = handed_over {
+            self.shared.inbox.note(|health| health.transmit.add(at.since(handed_over)));
+        }
+    }
+
+    fn on_error_frame(&mut self, frame: &Frame) {
+        self.shared.inbox.note(|health| health.error_frames += 1);
+        if frame.error_class().is_some_and(|class| class.0 & BUS_OFF != 0) {
+            let link = Link::find(&self.shared.interface).ok().flatten();
+            let state = link.map(|link| format!(" ({link})")).unwrap_or_default();
+            self.interrupted(&format!("{}: the controller went bus-off{state}", self.shared.interface));
+        }
+    }
+
+    fn failed(&mut self, error: &io::Error) {
+        let interface = &self.shared.interface;
+        match error.raw_os_error() {
+            Some(libc::EAGAIN | libc::EINTR) => {}
+            Some(libc::ENETDOWN) if self.shared.goes_down.swap(false, Ordering::SeqCst) => {}
+            Some(libc::ENETDOWN) => self.interrupted(&format!("{interface} went down")),
+            // The interface was removed: the socket is bound to nothing any more.
+            Some(libc::ENODEV) => {
+                self.interrupted(&format!("{interface} was removed"));
+                self.is_lost = true;
+            }
+            _ => {
+                self.interrupted(&format!("{interface}: receiving failed: {error}"));
+                // An error that comes back at once must not take all of a processor.
+                std::thread::sleep(LOOK);
+            }
+        }
+    }
+
+    fn interrupted(&self, trouble: &str) {
+        // What was handed over may never have been sent.
+        self.shared.sent.lock().unwrap_or_else(PoisonError::into_inner).clear();
+        self.shared.inbox.note(|health| {
+            health.interruptions += 1;
+            health.trouble = Some(trouble.to_owned());
+        });
+    }
+
+    /// An interface of the same name, perhaps the same adapter plugged in again.
+    fn find_again(&mut self) {
+        let link = Link::find(&self.shared.interface).ok().flatten();
+        if let Some(link) = link.filter(|link| link.is_can && link.is_up) {
+            let filters = self.shared.filters.lock().unwrap_or_else(PoisonError::into_inner);
+            let bound = self.shared.socket.set_filters(&filters).and_then(|()| self.shared.socket.bind(link.index));
+            self.is_lost = bound.is_err();
+        }
+    }
+}

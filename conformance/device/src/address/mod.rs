@@ -1,0 +1,226 @@
+//! The addresses of buses, as they stand on the command line.
+//!
+//! ```text
+//! can0                              a SocketCAN interface
+//! socketcan:can0                    the same
+//! slcan:/dev/ttyACM0[@BITRATE]      a serial CAN adapter
+//! slcan:tcp://HOST:PORT[@BITRATE]   one behind TCP
+//! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
+//! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
+//! sim:MODEL[:NODE][@BITRATE][~MOTION][+FAULT...][+MODEL...]    with all that can be said, and with several devices
+//! ```
+//!
+//! `MODEL` may be a device description too: `sim:my.eds`.
+//!
+//! A bit rate is a number in bit/s, or in kbit/s with `k`, or in Mbit/s with `M`: `125000`, `250k`, `1M`.
+
+mod simulated;
+
+pub use simulated::{Attached, DeviceName, GivenNode, SimulatedDevice};
+
+use crate::Device;
+use crate::models::Model;
+use canvass_analyzer::NodeId;
+use canvass_bus::{Bus, BusError, SimulatedBus};
+use canvass_traces::Timestamp;
+use std::fmt;
+use std::str::FromStr;
+
+/// Where a bus is.
+#[derive(Clone, Debug)]
+pub enum BusAddress {
+    /// An interface of Linux.
+    SocketCan {
+        /// Its name, such as `can0`.
+        interface: String,
+    },
+    /// A serial adapter that speaks SLCAN.
+    SlCan {
+        /// The path of its port.
+        port: String,
+        /// In bit/s, if it was given.
+        bit_rate: Option<u32>,
+    },
+    /// A simulated bus with these devices, at least one.
+    Simulated(Vec<SimulatedDevice>),
+}
+
+/// A bus that is ready, and what is known of the device on it.
+pub struct Opened {
+    /// The bus.
+    pub bus: Box<dyn Bus>,
+    /// The model of the first simulated device.
+    pub model: Option<&'static Model>,
+    /// All simulated devices, in the order of the address.
+    pub devices: Vec<Attached>,
+}
+
+impl Opened {
+    /// The node-ID of the first simulated device.
+    pub fn node(&self) -> Option<NodeId> {
+        self.devices.first().and_then(|device| device.node)
+    }
+}
+
+impl fmt::Debug for Opened {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("Opened").field("model", &self.model.map(Model::id)).finish_non_exhaustive()
+    }
+}
+
+/// Opens the bus at that address.
+///
+/// # Errors
+/// [`BusError`] if the address names no bus, or one that can't be opened.
+pub fn open(address: &str) -> Result<Opened, BusError> {
+    open_seeded(address, 0)
+}
+
+/// As [`open`]; `seed` chooses what is left to chance in a simulated device.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_seeded(address: &str, seed: u64) -> Result<Opened, BusError> {
+    match address.parse()? {
+        #[cfg(target_os = "linux")]
+        BusAddress::SocketCan { interface } => {
+            let bus = Box::new(canvass_bus::socketcan::SocketCan::open(&interface)?);
+            Ok(Opened { bus, model: None, devices: Vec::new() })
+        }
+        #[cfg(not(target_os = "linux"))]
+        BusAddress::SocketCan { .. } => {
+            Err(BusError::Unavailable { address: address.to_owned(), interface: "SocketCAN" })
+        }
+        BusAddress::SlCan { port, bit_rate } => {
+            let bus = Box::new(canvass_bus::slcan::SlCan::open(&port, bit_rate)?);
+            Ok(Opened { bus, model: None, devices: Vec::new() })
+        }
+        BusAddress::Simulated(devices) => simulate(&devices, seed),
+    }
+}
+
+fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<Opened, BusError> {
+    let models = named.iter().map(SimulatedDevice::model).collect::<Result<Vec<_>, _>>()?;
+    let known: Vec<_> = named.iter().zip(models).collect();
+    let own_rate = |(device, model): &(&SimulatedDevice, &'static Model)| {
+        device.bit_rate.unwrap_or_else(|| model.default_bit_rate())
+    };
+    let bit_rate = known.first().map_or(0, own_rate);
+    let mut bus = SimulatedBus::new(bit_rate);
+    let mut devices = Vec::with_capacity(known.len());
+    for (n, ((device, model), node)) in (0..).zip(known.iter().zip(simulated::assign(&known))) {
+        // Each device has a chance of its own.
+        let mut simulated = Device::new(model, node, device.faults, seed.wrapping_add(n));
+        if let Some(motion) = device.motion()? {
+            simulated.set_motion(Timestamp::ZERO, motion);
+        }
+        if let Some(other) = device.bit_rate.filter(|&rate| rate != bit_rate) {
+            simulated.set_bit_rate(other);
+        }
+        bus.attach(Box::new(simulated));
+        devices.push(Attached { model, node, faults: device.faults });
+    }
+    let model = devices.first().map(|device| device.model);
+    Ok(Opened { bus: Box::new(bus), model, devices })
+}
+
+impl FromStr for BusAddress {
+    type Err = BusError;
+
+    fn from_str(address: &str) -> Result<Self, BusError> {
+        let parsed = match address.split_once(':') {
+            Some(("sim", rest)) => simulated::parse(rest).map(BusAddress::Simulated),
+            Some(("slcan", rest)) => slcan(rest),
+            Some(("socketcan", interface)) => socketcan(interface),
+            None => socketcan(address),
+            Some((kind, _)) => Err(format!(
+                "expected socketcan:INTERFACE, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...], found \"{kind}:\""
+            )),
+        };
+        parsed.map_err(|reason| BusError::Address { address: address.to_owned(), reason })
+    }
+}
+
+fn socketcan(interface: &str) -> Result<BusAddress, String> {
+    // Linux: IFNAMSIZ is 16 with its terminating zero.
+    let is_name = |c: char| c.is_ascii_graphic() && c != '/';
+    if interface.is_empty() || interface.len() > 15 || !interface.chars().all(is_name) {
+        return Err("expected the name of a CAN interface, such as can0".to_owned());
+    }
+    Ok(BusAddress::SocketCan { interface: interface.to_owned() })
+}
+
+fn slcan(rest: &str) -> Result<BusAddress, String> {
+    let (port, bit_rate) = match rest.rsplit_once('@') {
+        Some((port, rate)) => (port, Some(parse_bit_rate(rate)?)),
+        None => (rest, None),
+    };
+    if port.is_empty() {
+        return Err("expected the path of a serial port, such as slcan:/dev/ttyACM0@500k".to_owned());
+    }
+    Ok(BusAddress::SlCan { port: port.to_owned(), bit_rate })
+}
+
+/// The highest bit rate of classical CAN.
+const HIGHEST_BIT_RATE: u32 = 1_000_000;
+
+/// A bit rate in bit/s, 1000 to 1 000 000.
+pub(super) fn parse_bit_rate(text: &str) -> Result<u32, String> {
+    let (digits, factor) = match text.strip_suffix(['k', 'K']) {
+        Some(digits) => (digits, 1_000),
+        None => text.strip_suffix(['M', 'm']).map_or((text, 1), |digits| (digits, 1_000_000)),
+    };
+    let rate = digits.parse::<u32>().ok().and_then(|number| number.checked_mul(factor));
+    rate.filter(|rate| (1_000..=HIGHEST_BIT_RATE).contains(rate))
+        .ok_or_else(|| format!("expected a bit rate from 1k to 1M, such as 250k, found \"{text}\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn reason(address: &str) -> String {
+        address.parse::<BusAddress>().unwrap_err().to_string()
+    }
+
+    #[test]
+    fn every_kind() {
+        assert!(matches!("can0".parse(), Ok(BusAddress::SocketCan { interface }) if interface == "can0"));
+        assert!(matches!("socketcan:vcan1".parse(), Ok(BusAddress::SocketCan { interface }) if interface == "vcan1"));
+        assert!(matches!("slcan:/dev/ttyACM0@500k".parse(),
+            Ok(BusAddress::SlCan { port, bit_rate: Some(500_000) }) if port == "/dev/ttyACM0"));
+        assert!(matches!("slcan:COM3".parse(), Ok(BusAddress::SlCan { bit_rate: None, .. })));
+        assert!(matches!("sim:kuebler-sendix-58x8@1M+boot-up-twice".parse(),
+            Ok(BusAddress::Simulated(devices)) if devices[0].bit_rate == Some(1_000_000)));
+    }
+
+    #[test]
+    fn several_devices_on_one_bus() {
+        let mut opened = open("sim:kuebler-sendix-58x8@500k~rpm=10+kuebler-sendix-58x8:5").unwrap();
+        let nodes: Vec<u8> = opened.devices.iter().filter_map(|device| device.node).map(NodeId::raw).collect();
+        assert_eq!(
+            (nodes, opened.node().map(NodeId::raw), opened.bus.bit_rate()),
+            (vec![63, 5], Some(63), Some(500_000))
+        );
+        let second = Timestamp(1_000_000_000);
+        let boots = std::iter::from_fn(|| opened.bus.receive(second).unwrap()).map(|record| record.frame.to_string());
+        assert_eq!(boots.collect::<Vec<_>>(), ["705#00", "73F#00"]);
+    }
+
+    #[test]
+    fn errors_say_what_would_be_right() {
+        assert!(reason("sim:nonsense").contains("kuebler-sendix-58x8"), "{}", reason("sim:nonsense"));
+        assert!(reason("sim:kuebler-sendix-58x8+nonsense").contains("canvass list faults"));
+        assert!(reason("sim:kuebler-sendix-58x8@9").contains("250k"));
+        assert!(reason("sim:kuebler-sendix-58x8@2M").contains("1M"));
+        assert!(reason("pcan:1").contains("socketcan:"));
+        assert!(reason("").contains("can0") && reason("slcan:").contains("slcan:/dev/ttyACM0"));
+    }
+
+    #[test]
+    fn buses_that_are_not_there() {
+        assert!(open("no-such-can0").is_err());
+        assert!(open("slcan:/dev/no-such-port").unwrap_err().to_string().contains("/dev/no-such-port"));
+        assert!(open("sim:kuebler-sendix-58x8").unwrap().model.is_some());
+    }
+}

@@ -1,0 +1,299 @@
+//! The devices of a simulated bus, as its address names them.
+//!
+//! ```text
+//! sim:DEVICE[+FAULT...][+DEVICE[+FAULT...]...]
+//! DEVICE = MODEL|FILE[:NODE][@BITRATE][~MOTION]
+//! ```
+//!
+//! `+` adds a fault to the device before it, or, where it is followed by the name of a model or of a device description
+//! (`.eds`, `.dcf`, `.xdd`, `.xdc`), one more device. The bit rate of the first device is that of the bus; another
+//! device with another one does not understand what is on the bus. `NODE` is 1 to 127, or 255 for a device that waits
+//! for LSS to give it a node-ID. Without it a device has the node-ID of its model or, where an earlier device has that,
+//! the next one that is free.
+
+use super::parse_bit_rate;
+use crate::models::Model;
+use crate::{Fault, Faults};
+use crate::{Motion, MotionSpec};
+use canvass_analyzer::NodeId;
+use canvass_bus::BusError;
+use std::collections::BTreeMap;
+use std::str::FromStr;
+use std::sync::{LazyLock, Mutex, PoisonError};
+
+/// One device of a simulated bus, as it was named.
+#[derive(Clone, Debug)]
+pub struct SimulatedDevice {
+    /// What it is.
+    pub device: DeviceName,
+    /// Its node-ID, if it was given.
+    pub node: Option<GivenNode>,
+    /// In bit/s, if it was given.
+    pub bit_rate: Option<u32>,
+    /// How its shaft moves, if it was given.
+    pub motion: Option<MotionSpec>,
+    /// What its firmware does wrong.
+    pub faults: Faults,
+}
+
+/// A built-in model or a file.
+#[derive(Clone, Debug)]
+pub enum DeviceName {
+    /// A built-in model.
+    Model(&'static Model),
+    /// The path of a device description.
+    File(String),
+}
+
+/// A node-ID that the address gives.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum GivenNode {
+    /// This one.
+    Id(NodeId),
+    /// None: LSS has to give one.
+    Unconfigured,
+}
+
+/// A device of a simulated bus that is ready.
+#[derive(Clone, Copy, Debug)]
+pub struct Attached {
+    /// What it is.
+    pub model: &'static Model,
+    /// Its node-ID; `None` while it has none.
+    pub node: Option<NodeId>,
+    /// What is wrong with its firmware or its description.
+    pub faults: Faults,
+}
+
+/// The endings of device descriptions.
+const DESCRIPTIONS: [&str; 4] = [".eds", ".dcf", ".xdd", ".xdc"];
+
+/// The devices that the part of an address behind `sim:` names; at least one.
+///
+/// # Errors
+/// What is wrong and what would be right.
+pub(super) fn parse(text: &str) -> Result<Vec<SimulatedDevice>, String> {
+    let mut devices: Vec<SimulatedDevice> = Vec::new();
+    let mut rest = Some(text);
+    while let Some(text) = rest {
+        let piece = text.split('+').next().unwrap_or(text);
+        if let Some((name, behind)) = name(text, piece) {
+            let (options, next) = split_once(behind, '+');
+            devices.push(device(name, options)?);
+            rest = next;
+            continue;
+        }
+        let Some(device) = devices.last_mut() else { return Err(no_model(head(piece))) };
+        let fault = Fault::from_str(piece)
+            .map_err(|error| if piece.contains([':', '@', '~']) { no_model(head(piece)) } else { error.to_string() })?;
+        device.faults = device.faults.with(fault);
+        rest = split_once(text, '+').1;
+    }
+    let given: Vec<NodeId> = devices.iter().filter_map(SimulatedDevice::given_id).collect();
+    match given.iter().enumerate().find(|(n, node)| given.iter().take(*n).any(|other| other == *node)) {
+        Some((_, node)) => Err(format!("expected one device for each node-ID, found two with node-ID {node}")),
+        None => Ok(devices),
+    }
+}
+
+fn head(piece: &str) -> &str {
+    piece.split([':', '@', '~']).next().unwrap_or(piece)
+}
+
+fn split_once(text: &str, at: char) -> (&str, Option<&str>) {
+    text.split_once(at).map_or((text, None), |(before, behind)| (before, Some(behind)))
+}
+
+/// The device that the text begins with, if it is one and no fault; and what follows it.
+fn name<'a>(text: &'a str, piece: &str) -> Option<(DeviceName, &'a str)> {
+    let id = head(piece);
+    if let Some(model) = Model::by_id(id) {
+        return text.get(id.len()..).map(|behind| (DeviceName::Model(model), behind));
+    }
+    if Fault::from_str(piece).is_ok() {
+        return None;
+    }
+    // A path may hold any of the separators: it goes on to the first ending that something of the syntax follows.
+    let lower = text.to_ascii_lowercase();
+    let ends = DESCRIPTIONS.iter().flat_map(|ending| lower.match_indices(ending).map(|(at, _)| at + ending.len()));
+    let end = ends
+        .filter(|&end| text.get(end..).is_some_and(|rest| rest.is_empty() || rest.starts_with([':', '@', '~', '+'])))
+        .min()?;
+    Some((DeviceName::File(text.get(..end)?.to_owned()), text.get(end..)?))
+}
+
+fn no_model(found: &str) -> String {
+    let known: Vec<&str> = Model::all().iter().map(Model::id).collect();
+    format!("expected a device description (.eds) or one of the models {}, found \"{found}\"", known.join(", "))
+}
+
+/// `:NODE`, `@BITRATE` and `~MOTION`, in any order.
+fn device(device: DeviceName, options: &str) -> Result<SimulatedDevice, String> {
+    let mut named = SimulatedDevice { device, node: None, bit_rate: None, motion: None, faults: Faults::NONE };
+    // The motion comes last: a file's name may hold anything.
+    let (options, motion) = split_once(options, '~');
+    if let Some(motion) = motion {
+        named.motion = Some(motion.parse().map_err(|error: crate::MotionError| error.to_string())?);
+    }
+    let mut rest = options;
+    while let Some(kind) = rest.chars().next() {
+        let behind = rest.get(kind.len_utf8()..).unwrap_or_default();
+        let end = behind.find([':', '@']).unwrap_or(behind.len());
+        let (value, next) = (behind.get(..end).unwrap_or_default(), behind.get(end..).unwrap_or_default());
+        match kind {
+            ':' => named.node = Some(node(value)?),
+            '@' => named.bit_rate = Some(parse_bit_rate(value)?),
+            _ => return Err(format!("expected :NODE, @BITRATE, ~MOTION or +FAULT, found \"{rest}\"")),
+        }
+        rest = next;
+    }
+    Ok(named)
+}
+
+fn node(text: &str) -> Result<GivenNode, String> {
+    match text.parse::<u8>() {
+        Ok(255) => Ok(GivenNode::Unconfigured),
+        Ok(raw) => NodeId::new(raw).map(GivenNode::Id).ok_or(()),
+        Err(_) => Err(()),
+    }
+    .map_err(|()| format!("expected a node-ID from 1 to 127, or 255 for a device without one, found \"{text}\""))
+}
+
+impl SimulatedDevice {
+    /// The node-ID, if one was given that is none for a device that waits for LSS.
+    pub fn given_id(&self) -> Option<NodeId> {
+        match self.node {
+            Some(GivenNode::Id(node)) => Some(node),
+            _ => None,
+        }
+    }
+
+    /// The model; that of a file is read.
+    ///
+    /// # Errors
+    /// [`BusError::Address`] if the file can't be read.
+    pub fn model(&self) -> Result<&'static Model, BusError> {
+        match &self.device {
+            DeviceName::Model(model) => Ok(model),
+            DeviceName::File(path) => described(path).map_err(|reason| unreadable(path, &reason)),
+        }
+    }
+
+    /// The motion, if one was given; the points of a file are read.
+    ///
+    /// # Errors
+    /// [`BusError::Address`] if the file can't be read.
+    pub fn motion(&self) -> Result<Option<Motion>, BusError> {
+        Ok(match &self.motion {
+            None => None,
+            Some(MotionSpec::Known(motion)) => Some(motion.clone()),
+            Some(MotionSpec::File(path)) => {
+                let text = std::fs::read_to_string(path).map_err(|error| unreadable(path, &error.to_string()))?;
+                Some(MotionSpec::from_csv(&text).map_err(|error| unreadable(path, &error.to_string()))?)
+            }
+        })
+    }
+}
+
+fn unreadable(path: &str, reason: &str) -> BusError {
+    BusError::Address { address: path.to_owned(), reason: reason.to_owned() }
+}
+
+/// The node-IDs of the devices: the given ones, then each model's own or the next one that is free.
+pub(super) fn assign(devices: &[(&SimulatedDevice, &'static Model)]) -> Vec<Option<NodeId>> {
+    let mut taken: Vec<NodeId> = devices.iter().filter_map(|(device, _)| device.given_id()).collect();
+    let assign = |(device, model): &(&SimulatedDevice, &'static Model)| match device.node {
+        Some(GivenNode::Id(node)) => Some(node),
+        Some(GivenNode::Unconfigured) => None,
+        None => {
+            let own = model.default_node()?;
+            let after = (own.raw()..=127).chain(1..own.raw()).filter_map(NodeId::new);
+            let free = after.into_iter().find(|node| !taken.contains(node))?;
+            taken.push(free);
+            Some(free)
+        }
+    };
+    devices.iter().map(assign).collect()
+}
+
+/// Models of files live as long as the program, as the built-in ones do: each file's content is kept once.
+static DESCRIBED: LazyLock<Mutex<Described>> = LazyLock::new(Mutex::default);
+
+/// By path and content.
+type Described = BTreeMap<(String, Vec<u8>), &'static Model>;
+
+fn described(path: &str) -> Result<&'static Model, String> {
+    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    let mut known = DESCRIBED.lock().unwrap_or_else(PoisonError::into_inner);
+    let key = (path.to_owned(), bytes);
+    if let Some(model) = known.get(&key) {
+        return Ok(model);
+    }
+    let model: &'static Model = Box::leak(Box::new(Model::generic(path, &key.1).map_err(|error| error.to_string())?));
+    known.insert(key, model);
+    Ok(model)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const MODEL: &str = "kuebler-sendix-58x8";
+
+    fn one(text: &str) -> SimulatedDevice {
+        let devices = parse(&text.replace("MODEL", MODEL)).unwrap();
+        assert_eq!(devices.len(), 1, "{text}");
+        devices.into_iter().next().unwrap()
+    }
+
+    fn reason(text: &str) -> String {
+        parse(&text.replace("MODEL", MODEL)).unwrap_err()
+    }
+
+    #[test]
+    fn one_device_with_all_options() {
+        let device = one("MODEL:5@1M~rpm=100+boot-up-twice+vendor-id-zero");
+        assert_eq!((device.node, device.bit_rate), (Some(GivenNode::Id(NodeId::new(5).unwrap())), Some(1_000_000)));
+        assert_eq!(device.motion, Some(MotionSpec::Known(Motion::constant(0, 100_000))));
+        assert_eq!(device.faults, Faults::from(Fault::BootUpTwice).with(Fault::VendorIdZero));
+        assert_eq!(one("MODEL@125000:255").node, Some(GivenNode::Unconfigured));
+        assert_eq!(one("MODEL~sine=2,0.5").bit_rate, None);
+    }
+
+    #[test]
+    fn several_devices() {
+        let devices = parse(&format!("{MODEL}@250k+boot-up-twice+{MODEL}:9+a+b.eds+emcy-repeated")).unwrap();
+        assert_eq!(devices.len(), 3);
+        assert_eq!(devices[0].faults, Fault::BootUpTwice.into());
+        assert_eq!(devices[1].faults, Faults::NONE);
+        assert!(matches!(&devices[2].device, DeviceName::File(path) if path == "a+b.eds"));
+        assert_eq!(devices[2].faults, Fault::EmcyRepeated.into());
+    }
+
+    #[test]
+    fn files_are_told_by_their_ending() {
+        for (text, path) in
+            [("C:\\my~device.EDS:4@1M", "C:\\my~device.EDS"), ("./a.eds.d/b.dcf+boot-up-twice", "./a.eds.d/b.dcf")]
+        {
+            assert!(matches!(&one(text).device, DeviceName::File(found) if found == path), "{text}");
+        }
+    }
+
+    #[test]
+    fn node_ids_are_assigned() {
+        let devices = parse(&"MODEL+MODEL+MODEL:64+MODEL:255".replace("MODEL", MODEL)).unwrap();
+        let known: Vec<_> = devices.iter().map(|device| (device, device.model().unwrap())).collect();
+        assert_eq!(assign(&known), [NodeId::new(63), NodeId::new(65), NodeId::new(64), None]);
+    }
+
+    #[test]
+    fn errors_say_what_would_be_right() {
+        assert!(reason("nonsense@1M").contains(MODEL) && reason("").contains(MODEL));
+        assert!(reason("MODEL+nonsense").contains("canvass list faults"));
+        assert!(reason("MODEL+nonsense:5").contains(".eds"));
+        assert!(reason("MODEL:0").contains("1 to 127") && reason("MODEL:300").contains("255"));
+        assert!(reason("MODEL@2M").contains("1M") && reason("MODEL~spin").contains("rpm=60"));
+        assert!(reason("MODEL:5+MODEL:5").contains("two with node-ID 5"));
+        assert!(parse("missing.eds").unwrap()[0].model().unwrap_err().to_string().contains("missing.eds"));
+    }
+}

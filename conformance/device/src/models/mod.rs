@@ -1,0 +1,187 @@
+//! The built-in device models. Two files each: an EDS with the object dictionary, and a TOML sheet with what an EDS
+//! cannot say.
+
+mod annotations;
+mod damage;
+mod deviations;
+#[cfg(test)]
+mod documentation;
+mod emergency;
+mod generic;
+mod quirks;
+mod recognition;
+mod rules;
+mod sheet;
+
+pub use deviations::Deviation;
+pub use emergency::Emergency;
+pub use quirks::Quirks;
+pub use rules::{Check, Link, LinkKind, Rule};
+pub use sheet::{
+    BitRate, Encoder, EncoderKind, LmtAddress, Network, Sheet, StartUp, Storage, Timing, Trigger, UniversalScaling,
+    Value,
+};
+
+use annotations::AnnotationTables;
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::network::{Candidate, Candidates};
+use deviations::DeviationTables;
+use std::sync::{Arc, LazyLock};
+
+/// The files of each model, EDS and sheet, by the model's id.
+macro_rules! files {
+    ($($id:literal,)*) => {
+        &[$((include_str!(concat!("../../models/", $id, ".eds")), include_str!(concat!("../../models/", $id, ".toml")))),*]
+    };
+}
+
+/// All built-in models.
+const FILES: &[(&str, &str)] = files! {
+    "kuebler-sendix-58x8",
+    "kuebler-sendix-f58",
+    "kuebler-sendix-m58",
+    "kuebler-sendix-f58m",
+    "kuebler-c100",
+    "kuebler-d125",
+    "lika-ax58",
+    "tr-c65",
+    "tr-lmp30",
+    "reference-301",
+    "reference-406",
+};
+
+static MODELS: LazyLock<Vec<Model>> =
+    LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
+
+/// A type of device: what it is, and what a simulated one needs to know.
+#[derive(Clone, Debug)]
+pub struct Model {
+    description: Arc<DeviceDescription>,
+    sheet: Arc<Sheet>,
+    deviations: Arc<[Deviation]>,
+}
+
+/// Why a model's files could not be read.
+#[derive(Debug, thiserror::Error)]
+pub enum ModelError {
+    /// The EDS.
+    #[error("the EDS: {0}")]
+    Description(#[from] eds::DescriptionError),
+    /// The sheet.
+    #[error("the sheet: {0}")]
+    Sheet(#[from] toml::de::Error),
+    /// The node-ID as delivered.
+    #[error("the sheet: expected a default node-ID from 1 to 127, found {0}")]
+    NodeId(u8),
+}
+
+impl Model {
+    /// The built-in models.
+    pub fn all() -> &'static [Self] {
+        &MODELS
+    }
+
+    /// The built-in model of that id.
+    pub fn by_id(id: &str) -> Option<&'static Self> {
+        Self::all().iter().find(|model| model.id() == id)
+    }
+
+    /// A model from the text of its two files.
+    ///
+    /// # Errors
+    /// [`ModelError`] if one of them can't be read.
+    pub fn read(eds: &str, text: &str) -> Result<Self, ModelError> {
+        let sheet: Sheet = toml::from_str(text)?;
+        if let Some(node) = sheet.network.default_node_id {
+            NodeId::new(node).ok_or(ModelError::NodeId(node))?;
+        }
+        let mut description = eds::read(eds.as_bytes())?;
+        let tables: AnnotationTables = toml::from_str(text)?;
+        description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
+        let deviations: DeviationTables = toml::from_str(text)?;
+        let deviations = deviations.deviations().into();
+        description.settings = sheet.settings();
+        description.emergencies = sheet.emergencies.iter().map(Emergency::known).collect();
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations })
+    }
+
+    /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
+    /// dictionary has the parameters of. `name` becomes the model's id.
+    ///
+    /// # Errors
+    /// [`ModelError::Description`] if the bytes are no device description.
+    pub fn generic(name: &str, bytes: &[u8]) -> Result<Self, ModelError> {
+        let description = DeviceDescription::read(bytes)?;
+        let sheet = generic::sheet(name, &description)?;
+        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
+    }
+
+    /// What tells that a node is of this model.
+    pub fn candidate(&self) -> Candidate {
+        let mut candidate = Candidate::of(self.id(), Arc::clone(&self.description));
+        self.sheet.recognition.refine(&mut candidate);
+        candidate
+    }
+
+    /// What tells of which built-in model a node is, in the order of the models.
+    pub fn candidates() -> Candidates {
+        Candidates::new(|| Self::all().iter().map(Self::candidate).collect())
+    }
+
+    /// The name on the command line.
+    pub fn id(&self) -> &str {
+        &self.sheet.id
+    }
+
+    /// What it is, in one line.
+    pub fn summary(&self) -> &str {
+        &self.sheet.summary
+    }
+
+    /// The node-ID as delivered; `None` if it has to be set by LSS first.
+    pub fn default_node(&self) -> Option<NodeId> {
+        self.sheet.network.default_node_id.and_then(NodeId::new)
+    }
+
+    /// The bit rate as delivered, in bit/s.
+    pub fn default_bit_rate(&self) -> u32 {
+        self.sheet.network.default_bit_rate_kbit.saturating_mul(1_000)
+    }
+
+    /// The device description.
+    pub fn description(&self) -> &DeviceDescription {
+        &self.description
+    }
+
+    /// The text of its EDS, of a built-in model.
+    fn eds_text(&self) -> Option<&'static str> {
+        let position = Self::all().iter().position(|model| model.id() == self.id())?;
+        FILES.get(position).map(|(eds, _)| *eds)
+    }
+
+    /// Where the manual says that the device differs from the standard, as far as cases judge it.
+    pub fn deviations(&self) -> &[Deviation] {
+        &self.deviations
+    }
+
+    /// What the EDS does not say.
+    pub fn sheet(&self) -> &Sheet {
+        &self.sheet
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_files_can_be_read() {
+        for (eds, sheet) in FILES {
+            let model = Model::read(eds, sheet).unwrap();
+            assert!(Model::by_id(model.id()).is_some());
+            assert!(!model.summary().is_empty());
+        }
+        assert_eq!(Model::all().len(), FILES.len());
+    }
+}

@@ -1,0 +1,158 @@
+//! One device without a bus: time goes on only by call, and it can be switched off and on.
+
+use canvass_analyzer::NodeId;
+use canvass_bus::Machine;
+use canvass_device::Faults;
+use canvass_device::models::Model;
+use canvass_device::{Device, Motion};
+use canvass_traces::{CanId, Duration, Frame, Timestamp};
+
+pub struct Bench {
+    pub device: Device,
+    pub now: Timestamp,
+}
+
+impl Bench {
+    /// A device with that node-ID whose shaft rests, after its start; and what it sent meanwhile.
+    pub fn started(model: &str, node: u8) -> (Self, Vec<String>) {
+        let model = Model::by_id(model).unwrap_or_else(|| panic!("no model {model}"));
+        let motion = Motion::still(0x4CBA);
+        let device = Device::with_motion(model, NodeId::new(node), Faults::NONE, 1, motion);
+        let mut bench = Self { device, now: Timestamp::ZERO };
+        let start = bench.run(300);
+        (bench, start)
+    }
+
+    /// Node 1, after its start.
+    pub fn new(model: &str) -> Self {
+        Self::started(model, 1).0
+    }
+
+    fn drain(&mut self, sent: &mut Vec<String>) {
+        while let Some(frame) = self.device.poll_transmit(self.now) {
+            sent.push(frame.to_string());
+        }
+    }
+
+    /// What the device sends in so many milliseconds.
+    pub fn run(&mut self, millis: u64) -> Vec<String> {
+        let deadline = self.now + Duration::from_millis(millis);
+        let mut sent = Vec::new();
+        self.drain(&mut sent);
+        while let Some(due) = self.device.poll_timeout().filter(|due| *due <= deadline) {
+            self.now = self.now.max(due);
+            self.device.handle_timeout(self.now);
+            self.drain(&mut sent);
+            // As a bus does: time goes on.
+            self.now += Duration(1);
+        }
+        self.now = self.now.max(deadline);
+        sent
+    }
+
+    /// Sends a frame, `601#40...` or `701#R`, and what the device sends in the 40 ms after it.
+    pub fn ask(&mut self, frame: &str) -> Vec<String> {
+        let frame = parse(frame);
+        self.device.handle(self.now, &frame);
+        let mut sent = Vec::new();
+        self.drain(&mut sent);
+        sent.extend(self.run(40));
+        sent
+    }
+
+    /// Resets the node, and what it sends until it has started.
+    pub fn reset(&mut self, command: &str) -> Vec<String> {
+        self.ask(&format!("000#{command}01"));
+        self.run(300)
+    }
+
+    /// Off and on again.
+    pub fn power_cycle(&mut self) -> Vec<String> {
+        self.device.power_cycle(self.now);
+        self.run(300)
+    }
+
+    /// Writes by an expedited download to node 1; the abort code, if there is one.
+    pub fn write(&mut self, index: u16, sub: u8, value: u32, len: u8) -> Result<(), u32> {
+        let [low, high] = index.to_le_bytes();
+        let [a, b, c, d] = value.to_le_bytes();
+        let command = 0x23 | (4 - len) << 2;
+        let request = format!("601#{command:02X}{low:02X}{high:02X}{sub:02X}{a:02X}{b:02X}{c:02X}{d:02X}");
+        let sent = self.ask(&request);
+        let response = sent.iter().find(|frame| frame.starts_with("581#")).expect("a response");
+        let bytes = parse(response);
+        if bytes.bytes()[0] == 0x80 { Err(number(&bytes)) } else { Ok(()) }
+    }
+
+    /// Writes "save" and waits until that is done; what the device sent.
+    pub fn save(&mut self) -> Vec<String> {
+        let mut sent = self.ask("601#2310100173617665");
+        sent.extend(self.run(4_000));
+        sent
+    }
+
+    /// Reads a number by an expedited upload from node 1, or the abort code.
+    pub fn read(&mut self, index: u16, sub: u8) -> Result<u32, u32> {
+        self.read_from(1, index, sub)
+    }
+
+    pub fn read_from(&mut self, node: u8, index: u16, sub: u8) -> Result<u32, u32> {
+        let [low, high] = index.to_le_bytes();
+        let request = format!("{:03X}#40{low:02X}{high:02X}{sub:02X}00000000", 0x600 + u16::from(node));
+        let prefix = format!("{:03X}#", 0x580 + u16::from(node));
+        let sent = self.ask(&request);
+        let response = sent.iter().find(|frame| frame.starts_with(&prefix)).expect("a response");
+        let bytes = parse(response);
+        if bytes.bytes()[0] == 0x80 { Err(number(&bytes)) } else { Ok(number(&bytes)) }
+    }
+
+    /// Reads any value from node 1, in segments where the device gives it so.
+    pub fn read_bytes(&mut self, index: u16, sub: u8) -> Result<Vec<u8>, u32> {
+        self.read_bytes_from(1, index, sub)
+    }
+
+    pub fn read_bytes_from(&mut self, node: u8, index: u16, sub: u8) -> Result<Vec<u8>, u32> {
+        let [low, high] = index.to_le_bytes();
+        let (prefix, node) = (format!("{:03X}#", 0x580 + u16::from(node)), 0x600 + u16::from(node));
+        let answer = |bench: &mut Self, request: &str| {
+            let sent = bench.ask(&format!("{node:03X}#{request}"));
+            parse(sent.iter().find(|frame| frame.starts_with(&prefix)).expect("a response"))
+        };
+        let first = answer(self, &format!("40{low:02X}{high:02X}{sub:02X}00000000"));
+        match first.bytes()[0] {
+            0x80 => return Err(number(&first)),
+            0x41 => {}
+            command => return Ok(first.bytes()[4..8 - usize::from(command >> 2 & 3)].to_vec()),
+        }
+        let (mut value, mut toggle) = (Vec::new(), 0x60);
+        loop {
+            let segment = answer(self, &format!("{toggle:02X}00000000000000"));
+            let command = segment.bytes()[0];
+            value.extend_from_slice(&segment.bytes()[1..8 - usize::from(command >> 1 & 7)]);
+            if command & 1 != 0 {
+                assert_eq!(value.len(), number(&first) as usize, "as announced");
+                return Ok(value);
+            }
+            toggle ^= 0x10;
+        }
+    }
+}
+
+/// Bytes 4 to 7.
+fn number(frame: &Frame) -> u32 {
+    let bytes = frame.bytes();
+    u32::from_le_bytes([bytes[4], bytes[5], bytes[6], bytes[7]])
+}
+
+/// `601#40006000`, `701#R`.
+pub fn parse(text: &str) -> Frame {
+    let (id, data) = text.split_once('#').unwrap();
+    let id = CanId::standard(u32::from_str_radix(id, 16).unwrap()).unwrap();
+    if data.starts_with('R') {
+        return Frame::remote(id, 1).unwrap();
+    }
+    let digits: String = data.chars().filter(|digit| !digit.is_whitespace()).collect();
+    let bytes: Vec<u8> =
+        (0..digits.len() / 2).map(|n| u8::from_str_radix(&digits[2 * n..2 * n + 2], 16).unwrap()).collect();
+    Frame::new(id, &bytes).unwrap()
+}

@@ -1,0 +1,22 @@
+//! A simulated device takes part in any bus.
+
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
+use canvass_bus::{Participation, SimulatedBus, participate};
+use canvass_device::models::Model;
+use canvass_device::{Device, Faults};
+use canvass_traces::Timestamp;
+
+/// On a bus with virtual time a device boots, and is heard by nobody but the observer.
+#[test]
+fn a_device_takes_part_in_any_bus() {
+    let model = Model::by_id("kuebler-sendix-58x8").unwrap();
+    let mut device = Device::new(model, model.default_node(), Faults::default(), 0);
+    let mut bus = SimulatedBus::new(250_000);
+    let mut seen = Vec::new();
+    let mut goes_on = |_: &Participation, now: Timestamp| now < Timestamp(2_000_000_000);
+    let done = participate(&mut bus, &mut device, &mut goes_on, &mut |record| seen.push(record.frame.to_string()));
+    assert_eq!(seen, ["73F#00"]);
+    assert_eq!((done.as_ref().unwrap().sent, done.unwrap().unsent), (1, 0));
+}

@@ -1,0 +1,379 @@
+//! What a run has exercised: state × command × class of the answer, of the SDO server and the LSS slave.
+
+use super::{Knowledge, Services};
+use canvass_analyzer::wire::sdo::Response;
+use canvass_suite::case::Touch;
+use canvass_traces::Frame;
+use std::collections::BTreeSet;
+
+/// Defines an enum with a name for each variant and a list of all.
+macro_rules! classes {
+    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $text:literal,)* }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+        pub enum $name {
+            $($(#[$variant_doc])* $variant,)*
+        }
+
+        impl $name {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$variant),*];
+
+            /// In words.
+            pub const fn name(self) -> &'static str {
+                match self { $(Self::$variant => $text,)* }
+            }
+        }
+    };
+}
+
+classes! {
+    /// States of the SDO server.
+    SdoState {
+        /// No transfer.
+        Idle = "idle",
+        /// A segmented download.
+        Download = "segmented download",
+        /// A segmented upload.
+        Upload = "segmented upload",
+        /// The segments of a block download.
+        BlockDownload = "block download",
+        /// The end of a block download.
+        BlockDownloadEnd = "end of block download",
+        /// Before the start of a block upload.
+        BlockUploadReady = "block upload before its start",
+        /// A block upload.
+        BlockUpload = "block upload",
+        /// The end of a block upload.
+        BlockUploadEnd = "end of block upload",
+    }
+}
+
+classes! {
+    /// What a client can send.
+    Command {
+        /// Expedited download.
+        Expedited = "expedited download",
+        /// Begin of a segmented download.
+        BeginDownload = "begin segmented download",
+        /// Request to read.
+        BeginUpload = "initiate upload",
+        /// Download segment.
+        DownloadSegment = "download segment",
+        /// Request for an upload segment.
+        UploadSegment = "upload segment",
+        /// Abort.
+        Abort = "abort",
+        /// Begin of a block upload.
+        BeginBlockUpload = "initiate block upload",
+        /// Start of a block upload.
+        StartBlockUpload = "start block upload",
+        /// Confirmation of a block.
+        ConfirmBlockUpload = "confirm block",
+        /// End of a block upload.
+        EndBlockUpload = "end block upload",
+        /// Begin of a block download.
+        BeginBlockDownload = "initiate block download",
+        /// End of a block download.
+        EndBlockDownload = "end block download",
+        /// A segment of a block.
+        BlockSegment = "block segment",
+        /// Command specifier 7.
+        Unknown = "unknown command",
+        /// Fewer than eight bytes.
+        Short = "short frame",
+        /// A 29-bit identifier.
+        Extended = "29-bit identifier",
+    }
+}
+
+classes! {
+    /// What came back.
+    Answer {
+        /// Nothing.
+        None = "none",
+        /// An abort.
+        Abort = "abort",
+        /// A value or a segment.
+        Data = "data",
+        /// A confirmation.
+        Confirmation = "confirmation",
+        /// Segments of a block.
+        Block = "block",
+    }
+}
+
+classes! {
+    /// States of the LSS slave.
+    LssState {
+        /// Waiting.
+        Waiting = "waiting",
+        /// Some parts of the address have come.
+        Selecting = "waiting, selecting",
+        /// Configuration.
+        Configuration = "configuration",
+        /// Without node-ID.
+        Unconfigured = "without node-ID",
+        /// Without node-ID, in a Fastscan.
+        Scanning = "without node-ID, scanning",
+    }
+}
+
+classes! {
+    /// What an LSS master can send.
+    LssCommand {
+        /// 04h.
+        SwitchGlobal = "switch state global",
+        /// 11h.
+        ConfigureNodeId = "configure node-ID",
+        /// 13h.
+        ConfigureBitTiming = "configure bit timing",
+        /// 15h.
+        ActivateBitTiming = "activate bit timing",
+        /// 17h.
+        Store = "store configuration",
+        /// 40h to 43h.
+        SwitchSelective = "switch state selective",
+        /// 46h to 4Bh.
+        IdentifyRemote = "identify remote slave",
+        /// 4Ch.
+        IdentifyNonConfigured = "identify non-configured",
+        /// 51h.
+        Fastscan = "Fastscan",
+        /// 5Ah to 5Dh.
+        Inquire = "inquire",
+        /// 5Eh.
+        InquireNodeId = "inquire node-ID",
+        /// Anything else.
+        Unknown = "unknown command",
+        /// Fewer than eight bytes.
+        Short = "short frame",
+    }
+}
+
+impl Command {
+    /// The class of a frame to the SDO server.
+    pub fn of(frame: &Frame, in_block_download: bool) -> Self {
+        if frame.len() != 8 {
+            return Self::Short;
+        }
+        let byte = frame.bytes()[0];
+        if in_block_download && byte != 0x80 {
+            return Self::BlockSegment;
+        }
+        match (byte >> 5, byte & 0b11) {
+            (0, _) => Self::DownloadSegment,
+            (1, 0b10 | 0b11) => Self::Expedited,
+            (1, _) => Self::BeginDownload,
+            (2, _) => Self::BeginUpload,
+            (3, _) => Self::UploadSegment,
+            (4, _) => Self::Abort,
+            (5, 0) => Self::BeginBlockUpload,
+            (5, 1) => Self::EndBlockUpload,
+            (5, 2) => Self::ConfirmBlockUpload,
+            (5, _) => Self::StartBlockUpload,
+            (6, 0 | 2) => Self::BeginBlockDownload,
+            (6, _) => Self::EndBlockDownload,
+            _ => Self::Unknown,
+        }
+    }
+}
+
+impl Answer {
+    /// The class of a response.
+    pub const fn of(response: &Response) -> Self {
+        match response {
+            Response::Abort(_) => Self::Abort,
+            Response::UploadSegment(_)
+            | Response::InitiateUpload { .. }
+            | Response::InitiateBlockUpload { .. }
+            | Response::EndBlockUpload { .. } => Self::Data,
+            _ => Self::Confirmation,
+        }
+    }
+}
+
+impl LssCommand {
+    /// The class of a frame to the LSS slave.
+    pub fn of(frame: &Frame) -> Self {
+        if frame.len() != 8 {
+            return Self::Short;
+        }
+        match frame.bytes()[0] {
+            0x04 => Self::SwitchGlobal,
+            0x11 => Self::ConfigureNodeId,
+            0x13 => Self::ConfigureBitTiming,
+            0x15 => Self::ActivateBitTiming,
+            0x17 => Self::Store,
+            0x40..=0x43 => Self::SwitchSelective,
+            0x46..=0x4B => Self::IdentifyRemote,
+            0x4C => Self::IdentifyNonConfigured,
+            0x51 => Self::Fastscan,
+            0x5A..=0x5D => Self::Inquire,
+            0x5E => Self::InquireNodeId,
+            _ => Self::Unknown,
+        }
+    }
+
+    /// The class of a frame to an LMT slave, by the names of LSS.
+    pub fn of_lmt(frame: &Frame) -> Self {
+        match frame.bytes()[0] {
+            _ if frame.len() != 8 => Self::Short,
+            0x01..=0x03 => Self::SwitchSelective,
+            0x04 | 0x11 | 0x13 | 0x15 | 0x17 => Self::of(frame),
+            0x05..=0x08 => Self::IdentifyRemote,
+            0x24..=0x26 => Self::Inquire,
+            _ => Self::Unknown,
+        }
+    }
+}
+
+const SDO_STATES: usize = SdoState::ALL.len();
+const COMMANDS: usize = Command::ALL.len();
+const ANSWERS: usize = Answer::ALL.len();
+const LSS_STATES: usize = LssState::ALL.len();
+const LSS_COMMANDS: usize = LssCommand::ALL.len();
+
+/// How often each combination was seen.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Coverage {
+    sdo: [[[u64; ANSWERS]; COMMANDS]; SDO_STATES],
+    lss: [[[u64; 2]; LSS_COMMANDS]; LSS_STATES],
+}
+
+impl Default for Coverage {
+    fn default() -> Self {
+        Self { sdo: [[[0; ANSWERS]; COMMANDS]; SDO_STATES], lss: [[[0; 2]; LSS_COMMANDS]; LSS_STATES] }
+    }
+}
+
+/// What a run can reach of LSS, or of LMT. A master can send every command in every state; so what counts is which states
+/// the slave has, and what nobody has allowed.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct LssReach {
+    /// The states that the slave has.
+    pub states: Vec<LssState>,
+    /// What is never sent.
+    pub never: Vec<LssCommand>,
+}
+
+impl LssReach {
+    /// Of a device with those services, where only that is allowed. `unconfigured`: it can be had without node-ID.
+    pub fn of(services: &Services, unconfigured: bool, allow: &BTreeSet<Touch>) -> Self {
+        let states = LssState::ALL.iter().copied().filter(|state| match state {
+            LssState::Waiting => true,
+            LssState::Selecting | LssState::Configuration => services.lmt || services.lss != Some(false),
+            LssState::Unconfigured | LssState::Scanning => unconfigured && !services.lmt,
+        });
+        // LMT has neither.
+        let lss_only = [LssCommand::IdentifyNonConfigured, LssCommand::Fastscan, LssCommand::InquireNodeId];
+        let needs = [
+            (LssCommand::ConfigureNodeId, Touch::NodeId),
+            (LssCommand::ConfigureBitTiming, Touch::BitRate),
+            (LssCommand::ActivateBitTiming, Touch::BitRate),
+            (LssCommand::Store, Touch::Nvm),
+        ];
+        let forbidden = needs.into_iter().filter(|(_, touch)| !allow.contains(touch)).map(|(command, _)| command);
+        let never = forbidden.chain(lss_only.into_iter().filter(|_| services.lmt));
+        Self { states: states.collect(), never: never.collect() }
+    }
+}
+
+impl Coverage {
+    /// A request to the SDO server and the class of its answer.
+    pub const fn sdo(&mut self, state: SdoState, command: Command, answer: Answer) {
+        self.sdo[state as usize][command as usize][answer as usize] += 1;
+    }
+
+    /// A frame with a 29-bit identifier, which the server must not notice.
+    pub fn sdo_frame(&mut self, state: Option<SdoState>, command: Command, frame: &Frame, knowledge: &Knowledge) {
+        let twin = canvass_analyzer::wire::sdo::REQUEST_BASE + u16::from(knowledge.node.raw());
+        if let Some(state) = state.filter(|_| frame.id().raw() == u32::from(twin)) {
+            self.sdo(state, command, Answer::None);
+        }
+    }
+
+    /// A request to the LSS slave, and whether it was answered.
+    pub const fn lss(&mut self, state: LssState, command: LssCommand, answered: bool) {
+        self.lss[state as usize][command as usize][answered as usize] += 1;
+    }
+
+    /// How often the SDO server got that command in that state.
+    pub fn sdo_count(&self, state: SdoState, command: Command) -> u64 {
+        self.sdo[state as usize][command as usize].iter().sum()
+    }
+
+    /// How often the LSS slave got that command in that state.
+    pub fn lss_count(&self, state: LssState, command: LssCommand) -> u64 {
+        self.lss[state as usize][command as usize].iter().sum()
+    }
+
+    /// The combinations of SDO state and command that a device can reach: those of block transfers only where it has
+    /// them. A block segment exists only in a block download, where nothing but an abort is anything else.
+    pub fn sdo_pairs(block_transfer: bool) -> impl Iterator<Item = (SdoState, Command)> {
+        SdoState::ALL.iter().flat_map(|&state| Command::ALL.iter().map(move |&command| (state, command))).filter(
+            move |&(state, command)| {
+                let in_blocks = state >= SdoState::BlockDownload;
+                match state {
+                    SdoState::BlockDownload => {
+                        block_transfer
+                            && matches!(
+                                command,
+                                Command::BlockSegment | Command::Abort | Command::Short | Command::Extended
+                            )
+                    }
+                    _ => command != Command::BlockSegment && (block_transfer || !in_blocks),
+                }
+            },
+        )
+    }
+
+    /// The combinations of LSS state and command that can be reached.
+    pub fn lss_pairs(reach: &LssReach) -> impl Iterator<Item = (LssState, LssCommand)> + '_ {
+        let pairs = reach.states.iter().flat_map(|&state| LssCommand::ALL.iter().map(move |&command| (state, command)));
+        pairs.filter(|(_, command)| !reach.never.contains(command))
+    }
+
+    /// How many combinations of state and command were seen, of SDO and LSS.
+    pub fn exercised(&self) -> usize {
+        let sdo = self.sdo.iter().flatten().filter(|answers| answers.iter().any(|&count| count > 0)).count();
+        let lss = self.lss.iter().flatten().filter(|answers| answers.iter().any(|&count| count > 0)).count();
+        sdo + lss
+    }
+
+    /// How many of the reachable SDO pairs were seen, and how many there are.
+    pub fn sdo_share(&self, block_transfer: bool) -> (usize, usize) {
+        let pairs: Vec<_> = Self::sdo_pairs(block_transfer).collect();
+        (pairs.iter().filter(|&&(state, command)| self.sdo_count(state, command) > 0).count(), pairs.len())
+    }
+
+    /// How many of the reachable LSS pairs were seen, and how many there are.
+    pub fn lss_share(&self, reach: &LssReach) -> (usize, usize) {
+        let pairs: Vec<_> = Self::lss_pairs(reach).collect();
+        (pairs.iter().filter(|&&(state, command)| self.lss_count(state, command) > 0).count(), pairs.len())
+    }
+
+    /// All LSS combinations that were seen: state, command, whether it was answered, how often.
+    pub fn lss_rows(&self) -> impl Iterator<Item = (LssState, LssCommand, bool, u64)> {
+        LssState::ALL.iter().flat_map(move |&state| {
+            LssCommand::ALL.iter().flat_map(move |&command| {
+                [false, true].into_iter().filter_map(move |answered| {
+                    let count = self.lss[state as usize][command as usize][usize::from(answered)];
+                    (count > 0).then_some((state, command, answered, count))
+                })
+            })
+        })
+    }
+
+    /// All SDO combinations that were seen: state, command, answer, how often.
+    pub fn sdo_rows(&self) -> impl Iterator<Item = (SdoState, Command, Answer, u64)> {
+        SdoState::ALL.iter().flat_map(move |&state| {
+            Command::ALL.iter().flat_map(move |&command| {
+                Answer::ALL.iter().filter_map(move |&answer| {
+                    let count = self.sdo[state as usize][command as usize][answer as usize];
+                    (count > 0).then_some((state, command, answer, count))
+                })
+            })
+        })
+    }
+}

@@ -1,0 +1,73 @@
+//! Objects to read and write, and values at the edges of what they take.
+
+use super::Script;
+use crate::Known;
+use canvass_analyzer::Multiplexer;
+
+impl Script<'_> {
+    /// An object that exists, or nearly.
+    pub(super) fn object(&mut self) -> Multiplexer {
+        let entries = self.knowledge().entries();
+        match (self.dice.below(12), self.dice.pick(entries)) {
+            (0, Some(known)) => Multiplexer::new(known.at.index.0, known.at.sub.0.wrapping_add(self.dice.byte() | 1)),
+            (1, _) => {
+                let raw = self.dice.number();
+                // Where manufacturers begin to count.
+                let index = if raw >> 32 & 1 == 0 { raw as u16 } else { 0x2000 + (raw as u16 & 0x1F) };
+                Multiplexer::new(index, (raw >> 16) as u8 & 3)
+            }
+            (2, Some(known)) => {
+                let near = self.dice.one_of([1, 2, 3, 4, 8, 10, 16]);
+                Multiplexer::new(known.at.index.0.wrapping_add(near), known.at.sub.0)
+            }
+            (_, Some(known)) => known.at,
+            (_, None) => self.dice.one_of([
+                Multiplexer::new(0x1000, 0),
+                Multiplexer::new(0x1001, 0),
+                Multiplexer::new(0x1008, 0),
+                Multiplexer::new(0x1017, 0),
+                Multiplexer::new(0x1018, 1),
+                Multiplexer::new(0x1800, 2),
+            ]),
+        }
+    }
+
+    /// An object that fits, if chance meets one.
+    pub(super) fn object_where(&mut self, fits: impl Fn(&Known) -> bool) -> Option<&'_ Known> {
+        let entries = self.plan.knowledge.entries();
+        let first = self.dice.below(entries.len().max(1));
+        let (head, tail) = entries.split_at(first.min(entries.len()));
+        tail.iter().chain(head).find(|known| fits(known))
+    }
+
+    /// A value near the edges of what the object takes.
+    pub(super) fn value_of(&mut self, known: &Known) -> u64 {
+        let (low, high) = known.limits;
+        let power_on = known.power_on.unwrap_or(0);
+        match self.dice.below(12) {
+            0 => 0,
+            1 => 1,
+            2 => u64::MAX,
+            3 => low.map_or(0, |low| low as u64),
+            4 => low.map_or(u64::MAX, |low| (low - 1) as u64),
+            5 => high.map_or(0x7FFF_FFFF, |high| high as u64),
+            6 => high.map_or(0x8000_0000, |high| (high + 1) as u64),
+            7 => power_on,
+            8 => power_on ^ 1 << self.dice.below(32),
+            9 => self.dice.number() & 0xFF,
+            10 => self.dice.number() & 0xFFFF,
+            _ => self.dice.number(),
+        }
+    }
+
+    /// The bytes of a value of that object; `None` length: a text.
+    pub(super) fn bytes_for(&mut self, known: &Known) -> Vec<u8> {
+        match known.size {
+            Some(size) => self.value_of(known).to_le_bytes().into_iter().chain([0; 8]).take(size.min(16)).collect(),
+            None => {
+                let len = self.dice.one_of([0, 1, 4, 5, 7, 8, 14, 15, 21, 30]);
+                (0..len).map(|_| self.dice.byte()).collect()
+            }
+        }
+    }
+}

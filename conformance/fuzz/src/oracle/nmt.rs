@@ -1,0 +1,521 @@
+//! The NMT slave and its error control: states by command, boot-up, heartbeat, guarding.
+
+use super::belief::{Belief, Extent};
+use super::{Served, Violation, violation};
+use crate::Knowledge;
+use crate::property::Property;
+use crate::stimulus::Start;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::emcy::Emcy;
+use canvass_analyzer::wire::error_control::{ErrorControl, State};
+use canvass_analyzer::wire::nmt::{Command, Nmt};
+use canvass_traces::{Duration, Frame, Timestamp};
+
+/// Frames that were on their way when a command came may still come, for so long and the jitter of the measurement.
+pub(super) const GRACE: Duration = Duration::from_millis(3);
+
+/// Where the device is, as far as it is known.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum Phase {
+    /// Without node-ID.
+    Unconfigured,
+    /// Between reset and boot-up.
+    Booting,
+    PreOperational,
+    Operational,
+    Stopped,
+    /// Pre-operational or operational: after the boot-up message some devices go on by themselves (1F80h, 6000h).
+    Running,
+    /// Any state: after a frame about which the standard says nothing.
+    Unsure,
+}
+
+/// So many sub-indices of 1029h are looked at: communication, and what device profile and manufacturer add.
+const ERROR_CLASSES: u8 = 16;
+
+/// What a frame changed.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Change {
+    None,
+    State,
+    Reset(Extent),
+}
+
+/// The slave.
+#[derive(Clone, Debug)]
+pub(crate) struct Slave {
+    phase: Phase,
+    /// What the phase was before [`Slave::changed`].
+    before: Phase,
+    changed: Timestamp,
+    /// A boot-up message is overdue then.
+    boot_due: Timestamp,
+    /// The answer to a guarding request is overdue then.
+    guard_due: Timestamp,
+    /// Guarding requests that may be answered.
+    guard_open: u8,
+    /// The toggle bit of the next answer; `None`: not known.
+    toggle: Option<bool>,
+    last_heartbeat: Option<Timestamp>,
+    /// The last command that came before the boot-up message.
+    hasty: Timestamp,
+    /// That one may have waited for the bus.
+    waited: bool,
+    /// Other frames of the device that follow each other without a pause: when the first of them ended, and the last one.
+    train: (Timestamp, Timestamp),
+    /// The period of the heartbeat, once it was written; `None`: not known.
+    period: Option<Duration>,
+    period_since: Timestamp,
+    /// By how much times may be off.
+    jitter: Duration,
+    /// How long frames of the time before a command may come.
+    grace: Duration,
+    /// The device says when it has booted.
+    announces: bool,
+    /// A command came while it may still have been booting.
+    early: bool,
+}
+
+impl Slave {
+    pub fn new(jitter: Duration, announces: bool) -> Self {
+        Self {
+            jitter,
+            announces,
+            early: false,
+            grace: Duration(jitter.nanos() + GRACE.nanos()),
+            phase: Phase::Unsure,
+            before: Phase::Unsure,
+            changed: Timestamp::ZERO,
+            boot_due: Timestamp::MAX,
+            guard_due: Timestamp::MAX,
+            guard_open: 0,
+            toggle: Some(false),
+            last_heartbeat: None,
+            hasty: Timestamp::ZERO,
+            waited: false,
+            train: (Timestamp::ZERO, Timestamp::ZERO),
+            period: None,
+            period_since: Timestamp::ZERO,
+        }
+    }
+
+    /// The device has booted, or waits for a node-ID.
+    pub fn start(&mut self, now: Timestamp, start: Start) {
+        *self = Self::new(self.jitter, self.announces);
+        self.phase = match start {
+            Start::Configured => Phase::Running,
+            Start::Unconfigured => Phase::Unconfigured,
+        };
+        self.changed = now;
+    }
+
+    /// Whether the device has certainly not been operational before the last change.
+    pub fn comes_from_rest(&self) -> bool {
+        !matches!(self.before, Phase::Operational | Phase::Running | Phase::Unsure)
+    }
+
+    /// Where the device is.
+    pub fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    /// How long frames of the time before a command may come.
+    pub fn grace(&self) -> Duration {
+        self.grace
+    }
+
+    /// Whether the SDO server has to answer.
+    pub fn serves_sdo(&self) -> Served {
+        match self.phase {
+            Phase::PreOperational | Phase::Operational | Phase::Running => Served::Yes,
+            // Without a boot-up message nobody can tell when initialisation ends.
+            Phase::Booting if !self.announces => Served::Unsure,
+            Phase::Unconfigured | Phase::Booting | Phase::Stopped => Served::No,
+            Phase::Unsure => Served::Unsure,
+        }
+    }
+
+    /// Whether a PDO may come now.
+    pub fn serves_pdo(&self, now: Timestamp) -> Served {
+        match self.phase {
+            Phase::Operational => Served::Yes,
+            Phase::Unsure | Phase::Running => Served::Unsure,
+            _ if matches!(self.before, Phase::Operational | Phase::Running) && now < self.changed + self.grace => {
+                Served::Unsure
+            }
+            _ => Served::No,
+        }
+    }
+
+    /// Whether an EMCY may come now.
+    pub fn serves_emcy(&self, now: Timestamp) -> bool {
+        !matches!(self.phase, Phase::Stopped) || now < self.changed + self.grace
+    }
+
+    fn enter(&mut self, now: Timestamp, phase: Phase) -> Change {
+        if self.phase == phase {
+            return Change::None;
+        }
+        self.before = self.phase;
+        self.phase = phase;
+        self.changed = now;
+        Change::State
+    }
+
+    /// Starts anew with a node-ID.
+    pub fn boots(&mut self, now: Timestamp, knowledge: &Knowledge) {
+        self.enter(now, Phase::Booting);
+        self.changed = now;
+        self.boot_due = now + knowledge.patience.boot;
+        self.guard_due = Timestamp::MAX;
+        self.guard_open = 0;
+        self.toggle = self.announces.then_some(false);
+        self.last_heartbeat = None;
+        self.period = None;
+    }
+
+    /// An NMT frame of the fuzzer.
+    pub fn commanded(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Change {
+        let boots = self.phase == Phase::Booting;
+        if boots && self.announces {
+            self.hasty = now;
+            if resets(frame, knowledge) {
+                // A device that obeys in initialisation too begins it anew.
+                self.boot_due = now + knowledge.patience.boot;
+            }
+        }
+        if self.phase == Phase::Unconfigured || boots && self.announces {
+            return Change::None;
+        }
+        let Ok(message) = Nmt::read(frame.data()) else { return Change::None };
+        if message.node != 0 && message.node != knowledge.node.raw() {
+            return Change::None;
+        }
+        if boots && !message.command.is_reset() {
+            // It may have come too early to be obeyed.
+            self.early = true;
+            return Change::None;
+        }
+        let change = match message.command {
+            Command::START => self.enter(now, Phase::Operational),
+            Command::STOP => self.enter(now, Phase::Stopped),
+            Command::ENTER_PRE_OPERATIONAL => self.enter(now, Phase::PreOperational),
+            Command::RESET_NODE => Change::Reset(Extent::Node),
+            Command::RESET_COMMUNICATION => Change::Reset(Extent::Communication),
+            _ => Change::None,
+        };
+        if frame.len() > 2 && change != Change::None {
+            // The standard has two bytes; what a device makes of more is its own affair.
+            self.enter(now, Phase::Unsure);
+            self.boot_due = Timestamp::MAX;
+            return Change::State;
+        }
+        if let Change::Reset(_) = change {
+            self.boots(now, knowledge);
+        }
+        change
+    }
+
+    /// A guarding request of the fuzzer.
+    pub fn guarded(&mut self, now: Timestamp, writing: bool, belief: &Belief, knowledge: &Knowledge) {
+        if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
+            return;
+        }
+        if knowledge.services.guarding != Some(false) {
+            self.guard_open = self.guard_open.saturating_add(1);
+        }
+        // What is being written may switch the heartbeat on.
+        let known = self.phase != Phase::Unsure && !writing;
+        if knowledge.services.guarding == Some(true) && produces_heartbeat(belief, knowledge) == Some(false) && known {
+            self.guard_due = now + knowledge.patience.answer;
+        }
+    }
+
+    /// A value was written that changes error control.
+    pub fn configured(&mut self, now: Timestamp, change: (Multiplexer, u64)) {
+        if change.0 == Multiplexer::new(0x1017, 0) {
+            self.period = Some(Duration::from_millis(change.1));
+            self.period_since = now;
+            self.last_heartbeat = None;
+            // A request of the moment before may have come too late.
+            self.guard_due = Timestamp::MAX;
+            self.guard_open = 0;
+            self.toggle = None;
+        }
+    }
+
+    /// Whether the device may send anything but error control now.
+    ///
+    /// # Errors
+    /// [`Violation`] if it may not.
+    pub fn may_speak(&self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Result<(), Violation> {
+        let silent = match self.phase {
+            Phase::Unconfigured => true,
+            // Without a boot-up message nobody can tell when initialisation ends.
+            Phase::Booting => knowledge.services.boot_up_message,
+            _ => false,
+        };
+        if !silent || now < self.changed + self.grace {
+            return Ok(());
+        }
+        let expected = "nothing but the boot-up message in initialisation";
+        Err(violation(Property::Silent, "frame before the boot-up message", expected, format!("{frame}"), now))
+    }
+
+    /// A frame on the identifier of error control.
+    ///
+    /// # Errors
+    /// [`Violation`] if it shows what is not so.
+    pub fn shown(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) -> Result<Change, Violation> {
+        let &[byte] = frame.data() else {
+            let expected = "an error control message of one byte";
+            return Err(violation(Property::NmtState, "length of error control", expected, format!("{frame}"), now));
+        };
+        let message = ErrorControl { toggle: byte & 0x80 != 0, state: State(byte & 0x7F) };
+        if self.phase == Phase::Booting && self.announces {
+            return self.booted(now, message);
+        }
+        if self.phase == Phase::Booting {
+            self.boot_due = Timestamp::MAX;
+            self.enter(now, Phase::Unsure);
+        }
+        if message.is_boot_up() && self.announces {
+            let expected = "no boot-up message: nobody reset the device";
+            let property = Property::NoRestart;
+            return Err(violation(property, "boot-up without reset", expected, "a boot-up message", now));
+        }
+        match produces_heartbeat(belief, knowledge) {
+            Some(false) if self.guard_open > 0 => {
+                self.guard_open -= 1;
+                self.guard_due = Timestamp::MAX;
+                self.check_toggle(now, message)?;
+            }
+            Some(false) if knowledge.services.guarding == Some(false) && now >= self.period_since + self.grace => {
+                let expected = "nothing: there is neither heartbeat nor guarding";
+                let actual = "an error control message";
+                return Err(violation(Property::NmtState, "error control without need", expected, actual, now));
+            }
+            Some(_) => self.check_heartbeat(now, message)?,
+            // It may be either.
+            None => {
+                (self.period, self.toggle) = (None, None);
+                (self.guard_open, self.guard_due) = (0, Timestamp::MAX);
+            }
+        }
+        self.check_state(now, message)
+    }
+
+    fn booted(&mut self, now: Timestamp, message: ErrorControl) -> Result<Change, Violation> {
+        if !message.is_boot_up() {
+            if now < self.changed + self.grace {
+                return Ok(Change::None);
+            }
+            let expected = "the boot-up message, 00h";
+            let actual = format!("{:02X}h", message.state.0);
+            return Err(violation(Property::NmtState, "boot-up message", expected, actual, now));
+        }
+        self.boot_due = Timestamp::MAX;
+        // A command that came while the boot-up message waited for the bus may have been obeyed.
+        let hasty = self.hasty > Timestamp::ZERO && now < self.hasty + self.grace;
+        Ok(self.enter(now, if hasty { Phase::Unsure } else { Phase::Running }))
+    }
+
+    /// The device has reported an error: 1029h says where it goes then.
+    /// For errors of communication it is sub-index 1; which class of others the device counts an error to is its own.
+    pub fn erred(&mut self, now: Timestamp, emcy: &Frame, belief: &Belief, knowledge: &Knowledge) -> Change {
+        if self.phase != Phase::Operational {
+            return Change::None;
+        }
+        let code = Emcy::read(emcy.data()).ok().and_then(|emcy| emcy.code());
+        let communication = code.is_some_and(|code| matches!(code.0 >> 8, 0x81 | 0x82));
+        let classes = 1..=if communication { 1 } else { ERROR_CLASSES };
+        let exists = |sub: &u8| !knowledge.is_described() || knowledge.entry(Multiplexer::new(0x1029, *sub)).is_some();
+        let (mut stays, mut leaves) = (false, false);
+        for sub in classes.filter(exists) {
+            match belief.number(knowledge, 0x1029, sub) {
+                Some(1) => stays = true,
+                Some(0) => leaves = true,
+                _ => return self.enter(now, Phase::Unsure),
+            }
+        }
+        if stays && !leaves { Change::None } else { self.enter(now, Phase::Running) }
+    }
+
+    /// The device may leave operational by itself.
+    pub fn doubt(&mut self, now: Timestamp) {
+        if self.phase == Phase::Operational {
+            self.enter(now, Phase::Running);
+        }
+    }
+
+    /// The bus was full until now.
+    pub const fn held_up(&mut self, now: Timestamp) {
+        self.last_heartbeat = None;
+        self.period_since = now;
+    }
+
+    /// Another frame of the device has passed.
+    pub fn passed(&mut self, now: Timestamp) {
+        let begin = if now.since(self.train.1) > self.jitter { now } else { self.train.0 };
+        self.train = (begin, now);
+    }
+
+    /// Whether the device has sent more important frames without a pause since `due`: heartbeats have the last place.
+    fn is_behind(&self, now: Timestamp, due: Timestamp) -> bool {
+        self.train.0 <= due && now.since(self.train.1) <= self.jitter
+    }
+
+    /// Nothing has come for a while: nobody answers earlier guarding requests any more.
+    pub const fn quiet(&mut self) {
+        self.guard_open = 0;
+    }
+
+    fn check_toggle(&mut self, now: Timestamp, message: ErrorControl) -> Result<(), Violation> {
+        let before = self.toggle.replace(!message.toggle);
+        if let Some(toggle) = before.filter(|&toggle| toggle != message.toggle) {
+            let expected = format!("the toggle bit {}", u8::from(toggle));
+            let actual = format!("{}", u8::from(message.toggle));
+            return Err(violation(Property::NmtState, "toggle bit of guarding", expected, actual, now));
+        }
+        Ok(())
+    }
+
+    fn check_heartbeat(&mut self, now: Timestamp, message: ErrorControl) -> Result<(), Violation> {
+        if message.toggle {
+            let expected = "bit 7 of a heartbeat 0";
+            return Err(violation(Property::NmtState, "heartbeat with toggle bit", expected, "1", now));
+        }
+        let Some(period) = self.period else { return Ok(()) };
+        if period > Duration(0) && now < self.period_since + self.jitter.times(2) {
+            // It may have waited for the bus; the next one comes in its time.
+            (self.last_heartbeat, self.waited) = (Some(now), true);
+            return Ok(());
+        }
+        let since = self.last_heartbeat.replace(now);
+        if period == Duration(0) {
+            if now < self.period_since + self.jitter {
+                return Ok(());
+            }
+            let expected = "no heartbeat: 1017h is 0";
+            return Err(violation(Property::NmtState, "heartbeat although off", expected, "a heartbeat", now));
+        }
+        let Some(since) = since else { return Ok(()) };
+        let tolerance = self.tolerance(period);
+        let actual = now.since(since);
+        // A heartbeat may come early when the state has changed.
+        let late =
+            actual.nanos() > period.nanos() + tolerance.nanos() && !self.is_behind(now, since + period + tolerance);
+        // One that had to wait for the bus is followed by the next one in time.
+        let is_long = period > self.jitter.times(20);
+        let early = !std::mem::take(&mut self.waited)
+            && is_long
+            && actual.nanos() + tolerance.nanos() < period.nanos()
+            && now.since(self.changed) > period;
+        if late || early {
+            let expected = format!("heartbeats every {period}");
+            return Err(violation(Property::NmtState, "period of the heartbeat", expected, format!("{actual}"), now));
+        }
+        Ok(())
+    }
+
+    fn check_state(&mut self, now: Timestamp, message: ErrorControl) -> Result<Change, Violation> {
+        let shown = match message.state {
+            State::PRE_OPERATIONAL => Phase::PreOperational,
+            State::OPERATIONAL => Phase::Operational,
+            State::STOPPED => Phase::Stopped,
+            other => {
+                let expected = "a state of 04h, 05h or 7Fh";
+                let actual = format!("{:02X}h", other.0);
+                return Err(violation(Property::NmtState, "unknown state", expected, actual, now));
+            }
+        };
+        match self.phase {
+            Phase::Unsure => Ok(self.enter(now, shown)),
+            // It may be of the time before the last command.
+            Phase::Running if now < self.changed + self.grace => Ok(Change::None),
+            Phase::Running if shown != Phase::Stopped => Ok(self.enter(now, shown)),
+            phase if phase == shown => Ok(Change::None),
+            _ if now < self.changed + self.grace => Ok(Change::None),
+            phase => {
+                let rule = "state in error control";
+                Err(violation(Property::NmtState, rule, format!("{phase:?}"), format!("{shown:?}"), now))
+            }
+        }
+    }
+
+    /// When something is overdue.
+    pub fn due(&self) -> Option<Timestamp> {
+        let due = self.boot_due.min(self.guard_due);
+        (due < Timestamp::MAX).then_some(due)
+    }
+
+    /// Something is overdue.
+    ///
+    /// # Errors
+    /// [`Violation`] if it had to come.
+    pub fn expire(&mut self, now: Timestamp, knowledge: &Knowledge) -> Result<(), Violation> {
+        if now >= self.boot_due {
+            self.boot_due = Timestamp::MAX;
+            let early = std::mem::take(&mut self.early);
+            self.enter(now, if early { Phase::Unsure } else { Phase::Running });
+            if knowledge.services.boot_up_message {
+                let expected = format!("a boot-up message within {}", knowledge.patience.boot);
+                return Err(violation(Property::NmtState, "boot-up after reset", expected, "none", now));
+            }
+        }
+        if now >= self.guard_due {
+            self.guard_due = Timestamp::MAX;
+            self.guard_open = 0;
+            let expected = "an answer to the guarding request";
+            return Err(violation(Property::NmtState, "guarding", expected, "none", now));
+        }
+        Ok(())
+    }
+
+    /// Whether heartbeats are missing.
+    ///
+    /// # Errors
+    /// [`Violation`] if they are.
+    pub fn finish(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) -> Result<(), Violation> {
+        if produces_heartbeat(belief, knowledge).is_none() {
+            return Ok(());
+        }
+        let Some(period) = self.period.filter(|period| *period > Duration(0)) else { return Ok(()) };
+        let last = self.last_heartbeat.unwrap_or(self.period_since);
+        let running = !matches!(self.phase, Phase::Unconfigured | Phase::Booting);
+        if running && now.since(last).nanos() > period.nanos() + self.tolerance(period).nanos() {
+            let expected = format!("heartbeats every {period}");
+            let actual = format!("none for {}", now.since(last));
+            return Err(violation(Property::NmtState, "period of the heartbeat", expected, actual, now));
+        }
+        Ok(())
+    }
+
+    /// By how much a heartbeat may be off.
+    fn tolerance(&self, period: Duration) -> Duration {
+        Duration((period.nanos() / 10).max(self.jitter.nanos()))
+    }
+}
+
+/// Whether a frame commands the device, alone or among all, to reset itself.
+fn resets(frame: &Frame, knowledge: &Knowledge) -> bool {
+    let named = |node: u8| node == 0 || node == knowledge.node.raw();
+    Nmt::read(frame.data()).is_ok_and(|nmt| named(nmt.node) && nmt.command.is_reset())
+}
+
+/// Whether the device produces heartbeats; `None`: not known.
+fn produces_heartbeat(belief: &Belief, knowledge: &Knowledge) -> Option<bool> {
+    let exists = knowledge.entry(Multiplexer::new(0x1017, 0)).is_some();
+    match belief.number(knowledge, 0x1017, 0) {
+        Some(period) => Some(period != 0),
+        None if exists || !knowledge.is_described() => None,
+        None => Some(false),
+    }
+}

@@ -1,0 +1,454 @@
+//! PDOs of the device: on which identifiers, in which state, how long, how often.
+
+use super::belief::Belief;
+use super::nmt::{Phase, Slave};
+use super::{Served, Violation, violation};
+use crate::Knowledge;
+use crate::property::Property;
+use canvass_analyzer::{CobId, Multiplexer};
+use canvass_traces::{Duration, Frame, Timestamp};
+
+/// A TPDO as it was seen.
+#[derive(Clone, Debug)]
+struct Seen {
+    /// The index of its communication parameters.
+    index: u16,
+    last: Option<Timestamp>,
+    /// Its configuration, or the NMT state, changed last then.
+    since: Timestamp,
+    /// SYNC messages since then.
+    syncs: u64,
+    /// Whether the device has counted the same: a SYNC that it may or may not have understood leaves that open.
+    in_step: bool,
+    /// A SYNC came while the device may have been operational.
+    heard: bool,
+    /// How many SYNC messages and remote frames may still be answered.
+    open: u8,
+    /// The answer to a SYNC is overdue then.
+    due: Timestamp,
+    /// Since the last one the bus was full for a while.
+    held_up: bool,
+    /// It is not the answer to a SYNC, but to a remote frame.
+    remote: bool,
+    /// Its configuration, by the values of [`Pdos::version`].
+    parameters: Parameters,
+}
+
+/// All TPDOs.
+#[derive(Clone, Debug)]
+pub(super) struct Pdos {
+    seen: Vec<Seen>,
+    /// [`Belief::version`] of the parameters.
+    version: Option<u64>,
+}
+
+impl Pdos {
+    pub fn new(knowledge: &Knowledge) -> Self {
+        let parameters = knowledge
+            .entries()
+            .iter()
+            .filter(|known| (0x1800..0x1A00).contains(&known.at.index.0) && known.at.sub.0 == 1);
+        Self { seen: parameters.map(|known| Seen::new(known.at.index.0)).collect(), version: None }
+    }
+
+    pub fn reset(&mut self) {
+        for seen in &mut self.seen {
+            *seen = Seen { parameters: seen.parameters, ..Seen::new(seen.index) };
+        }
+    }
+
+    /// Takes the configuration over that is believed now, if it is another one.
+    fn learn(&mut self, belief: &Belief, knowledge: &Knowledge) {
+        if self.version != Some(belief.version()) {
+            self.version = Some(belief.version());
+            for seen in &mut self.seen {
+                seen.parameters = Parameters::of(seen.index, belief, knowledge);
+            }
+        }
+    }
+
+    /// Whether a valid PDO has that identifier of another service, so that nobody can tell whose frame it was.
+    pub fn shares(&mut self, now: Timestamp, can_id: u16, belief: &Belief, knowledge: &Knowledge) -> bool {
+        self.learn(belief, knowledge);
+        let mut shares = false;
+        for seen in self.seen.iter_mut().filter(|seen| seen.has(can_id.into())) {
+            seen.begin(now);
+            shares = true;
+        }
+        shares
+    }
+
+    pub fn due(&self) -> Option<Timestamp> {
+        self.seen.iter().map(|seen| seen.due).min().filter(|due| *due < Timestamp::MAX)
+    }
+
+    /// Another NMT state: timers and counters begin anew, if it is one.
+    pub fn state_changed(&mut self, now: Timestamp, nmt: &Slave) {
+        let from_rest = nmt.comes_from_rest();
+        for seen in &mut self.seen {
+            seen.begin(now);
+            seen.heard &= !from_rest;
+            seen.in_step = !seen.heard;
+        }
+    }
+
+    /// An object was written.
+    pub fn configured(&mut self, now: Timestamp, (at, _): (Multiplexer, u64)) {
+        let communication = (0x1000..0x1400).contains(&at.index.0);
+        for seen in &mut self.seen {
+            // A device may begin anew with all PDOs when one is configured, or go on.
+            if !communication {
+                let in_step = seen.in_step && !seen.heard;
+                seen.begin(now);
+                seen.in_step = in_step;
+            }
+            if communication {
+                (seen.last, seen.since) = (None, now);
+            }
+            if matches!(at.index.0, 0x1005 | 0x1019) {
+                seen.in_step = false;
+            }
+        }
+    }
+
+    /// A SYNC of the fuzzer.
+    ///
+    /// # Errors
+    /// None so far: what is due is judged when it is overdue.
+    pub fn synchronised(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        writing: bool,
+        nmt: &Slave,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) -> Result<(), Violation> {
+        self.learn(belief, knowledge);
+        let counter = belief.number(knowledge, 0x1019, 0).unwrap_or(0);
+        let understood = frame.len() == usize::from(counter != 0);
+        let rests = !matches!(nmt.phase(), Phase::Operational | Phase::Running | Phase::Unsure);
+        for seen in &mut self.seen {
+            if rests {
+                continue;
+            }
+            seen.heard = true;
+            if nmt.phase() != Phase::Operational || !understood || writing {
+                // Whether it counts is not known.
+                seen.open();
+                seen.in_step = false;
+                continue;
+            }
+            let parameters = seen.parameters;
+            seen.syncs += 1;
+            match parameters.transmission {
+                Some(kind @ 1..=240) if parameters.is_plain() && (seen.in_step || kind == 1) => {
+                    let due = seen.syncs.is_multiple_of(u64::from(kind));
+                    if due {
+                        seen.open();
+                    }
+                    if due && seen.due == Timestamp::MAX {
+                        seen.remote = false;
+                        seen.due = now + knowledge.patience.answer;
+                    }
+                }
+                _ => seen.open(),
+            }
+        }
+        Ok(())
+    }
+
+    /// A SYNC of the device itself: whether it counts for its own PDOs is left open.
+    pub fn synchronises_itself(&mut self) {
+        for seen in &mut self.seen {
+            seen.heard = true;
+            seen.open();
+            seen.in_step = false;
+        }
+    }
+
+    /// The bus was full until now.
+    pub fn held_up(&mut self, now: Timestamp) {
+        for seen in &mut self.seen {
+            (seen.last, seen.since) = (None, now);
+            seen.due = Timestamp::MAX;
+            seen.held_up = true;
+        }
+    }
+
+    /// A remote frame of the fuzzer.
+    pub fn asked(
+        &mut self,
+        now: Timestamp,
+        can_id: u16,
+        writing: bool,
+        nmt: &Slave,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) {
+        self.learn(belief, knowledge);
+        let has = |seen: &Seen| seen.has(can_id.into());
+        let alone = self.seen.iter().filter(|seen| has(seen)).count() == 1;
+        let certain = alone && !writing && nmt.phase() == Phase::Operational;
+        for seen in &mut self.seen {
+            seen.open();
+            if certain && has(seen) && seen.parameters.answers_remote() && seen.due == Timestamp::MAX {
+                seen.due = now + knowledge.patience.answer;
+                seen.remote = true;
+            }
+        }
+    }
+
+    /// A frame of the device that belongs to no other service.
+    ///
+    /// # Errors
+    /// [`Violation`] if it must not send it.
+    pub fn came(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        nmt: &Slave,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) -> Result<(), Violation> {
+        if !knowledge.is_described() {
+            return Ok(());
+        }
+        self.learn(belief, knowledge);
+        let id = u32::from(frame.id().as_standard().unwrap_or(u16::MAX));
+        let unknown = frame.id().as_standard().is_none()
+            || frame.is_remote()
+            || self.seen.iter().any(|seen| seen.parameters.cob_id.is_none());
+        let mut own = self.seen.iter_mut().filter(|seen| seen.has(id));
+        if let Some(first) = own.next() {
+            let Some(second) = own.next() else { return first.came(now, frame, nmt, knowledge) };
+            // Two PDOs with one identifier can't be told apart.
+            [first, second].into_iter().chain(own).for_each(|seen| seen.begin(now));
+            return Ok(());
+        }
+        // An identifier that changed a moment ago may still be on its way.
+        let changing = self.seen.iter().any(|seen| now.since(seen.since) < knowledge.patience.jitter.times(2));
+        if unknown || changing {
+            return Ok(());
+        }
+        let expected = "frames only on the identifiers of its services and valid PDOs";
+        Err(violation(Property::Pdo, "identifier", expected, format!("{frame}"), now))
+    }
+
+    /// The answer to a SYNC is overdue.
+    ///
+    /// # Errors
+    /// [`Violation`] if it had to come.
+    pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
+        for seen in &mut self.seen {
+            if now >= seen.due {
+                seen.due = Timestamp::MAX;
+                let (rule, cause) = match std::mem::take(&mut seen.remote) {
+                    true => ("remote frame", "the remote frame, which bit 30 of its COB-ID allows"),
+                    false => ("synchronous TPDO", "the SYNC"),
+                };
+                let expected = format!("the TPDO of {:04X}h after {cause}", seen.index);
+                return Err(violation(Property::Pdo, rule, expected, "none", now));
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether cyclic PDOs are missing.
+    ///
+    /// # Errors
+    /// [`Violation`] if they are.
+    pub fn finish(
+        &mut self,
+        now: Timestamp,
+        nmt: &Slave,
+        belief: &Belief,
+        knowledge: &Knowledge,
+    ) -> Result<(), Violation> {
+        if nmt.phase() != Phase::Operational {
+            return Ok(());
+        }
+        self.learn(belief, knowledge);
+        for seen in &self.seen {
+            let Some(period) = seen.parameters.period() else { continue };
+            let last = seen.last.unwrap_or(seen.since).max(seen.since);
+            if last > Timestamp::ZERO && now.since(last) > late(period, knowledge.patience.jitter) {
+                let expected = format!("the TPDO of {:04X}h every {period}", seen.index);
+                let actual = format!("none for {}", now.since(last));
+                return Err(violation(Property::Pdo, "event timer", expected, actual, now));
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Seen {
+    const fn new(index: u16) -> Self {
+        Self {
+            index,
+            parameters: Parameters::UNKNOWN,
+            last: None,
+            since: Timestamp::ZERO,
+            syncs: 0,
+            in_step: true,
+            heard: false,
+            open: 0,
+            due: Timestamp::MAX,
+            remote: false,
+            held_up: false,
+        }
+    }
+
+    /// Whether it is a PDO with that identifier.
+    fn has(&self, can_id: u32) -> bool {
+        self.parameters.cob_id.is_some_and(|cob_id| cob_id.is_valid() && cob_id.can_id() == can_id)
+    }
+
+    fn begin(&mut self, now: Timestamp) {
+        self.last = None;
+        self.since = now;
+        self.syncs = 0;
+        self.in_step = true;
+        self.due = Timestamp::MAX;
+        self.open = 1;
+    }
+
+    fn open(&mut self) {
+        self.open = self.open.saturating_add(1);
+    }
+
+    fn came(&mut self, now: Timestamp, frame: &Frame, nmt: &Slave, knowledge: &Knowledge) -> Result<(), Violation> {
+        let parameters = self.parameters;
+        let jitter = knowledge.patience.jitter;
+        let wrong = |rule, expected: String, actual: String| Err(violation(Property::Pdo, rule, expected, actual, now));
+        if nmt.serves_pdo(now) == Served::No {
+            let expected = "no PDO outside operational".to_owned();
+            return wrong("PDO outside operational", expected, format!("{frame} in {:?}", nmt.phase()));
+        }
+        if let Some(len) = parameters.length
+            && frame.len() != len
+            // Type 252 sends what it took at the last SYNC, maybe before it was configured.
+            && parameters.transmission != Some(252)
+            && !(frame.len() == 8 && knowledge.services.padded_tpdos.contains(&(self.index - 0x17FF)))
+            && now.since(self.since) > jitter
+        {
+            return wrong("length of a PDO", format!("{len} bytes, as mapped"), format!("{} bytes", frame.len()));
+        }
+        let last = self.last.replace(now);
+        let asked = self.open > 0;
+        self.open = self.open.saturating_sub(1);
+        self.due = Timestamp::MAX;
+        if let (Some(kind @ 1..=240), true) = (parameters.transmission, parameters.is_plain() && self.in_step)
+            && !asked
+            && nmt.phase() == Phase::Operational
+        {
+            let expected = format!("the TPDO after every {kind} SYNC");
+            return wrong("synchronous TPDO", expected, format!("one after {} SYNC", self.syncs));
+        }
+        if std::mem::take(&mut self.held_up) {
+            // It waited for the bus, the next one may not have to.
+            (self.last, self.since) = (None, now);
+        }
+        if asked {
+            // An answer to a remote frame keeps to no time, and the next one to none after it.
+            (self.last, self.since) = (None, now);
+        }
+        let Some(last) = last else { return Ok(()) };
+        let interval = now.since(last);
+        if let (Some(inhibit), Some(254 | 255)) = (parameters.inhibit, parameters.transmission)
+            && !asked
+            && inhibit > jitter
+            && interval.nanos() + jitter.nanos() < inhibit.nanos()
+        {
+            return wrong("inhibit time", format!("at least {inhibit} between two"), format!("{interval}"));
+        }
+        match parameters.period() {
+            Some(period) if interval > late(period, jitter) => {
+                wrong("event timer", format!("the TPDO every {period}"), format!("after {interval}"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// The latest that a cyclic PDO may come.
+fn late(period: Duration, jitter: Duration) -> Duration {
+    Duration(period.nanos() + (period.nanos() / 10).max(jitter.nanos()))
+}
+
+/// Communication parameters and mapping, as far as they are known.
+#[derive(Clone, Copy, Debug)]
+struct Parameters {
+    cob_id: Option<CobId>,
+    transmission: Option<u8>,
+    inhibit: Option<Duration>,
+    event_timer: Option<Duration>,
+    start_value: u64,
+    /// The window after a SYNC in which synchronous PDOs are sent has no end.
+    open_window: bool,
+    /// Whether something is mapped: a PDO that carries nothing is not sent.
+    mapped: bool,
+    /// Of what is mapped, in bytes.
+    length: Option<usize>,
+}
+
+impl Parameters {
+    const UNKNOWN: Self = Self {
+        cob_id: None,
+        transmission: None,
+        inhibit: None,
+        event_timer: None,
+        start_value: 0,
+        open_window: false,
+        mapped: false,
+        length: None,
+    };
+
+    fn of(index: u16, belief: &Belief, knowledge: &Knowledge) -> Self {
+        let number = |sub| belief.number(knowledge, index, sub);
+        Self {
+            cob_id: number(1).map(|raw| CobId(raw as u32)),
+            transmission: number(2).map(|raw| raw as u8),
+            inhibit: number(3).map(|raw| Duration::from_micros(raw * 100)),
+            event_timer: number(5).map(Duration::from_millis),
+            start_value: number(6).unwrap_or(0),
+            open_window: match knowledge.entry(Multiplexer::new(0x1007, 0)) {
+                Some(_) => belief.number(knowledge, 0x1007, 0) == Some(0),
+                None => true,
+            },
+            mapped: belief.number(knowledge, index + 0x200, 0).is_some_and(|count| (1..=64).contains(&count)),
+            length: mapped_length(index + 0x200, belief, knowledge),
+        }
+    }
+
+    /// Whether the PDO exists and follows every n-th SYNC from the first on.
+    fn is_plain(&self) -> bool {
+        // Whether an inhibit time that began before the type was changed still counts is left open.
+        let free = self.inhibit.is_none_or(|inhibit| inhibit == Duration::ZERO);
+        free && self.mapped && self.open_window && self.start_value == 0 && self.cob_id.is_some_and(CobId::is_valid)
+    }
+
+    /// Whether a remote frame must be answered.
+    fn answers_remote(&self) -> bool {
+        let allows = self.cob_id.is_some_and(|cob_id| cob_id.is_valid() && cob_id.allows_rtr());
+        allows
+            && self.mapped
+            && self.inhibit.is_none_or(|inhibit| inhibit == Duration::ZERO)
+            && matches!(self.transmission, Some(253..=255))
+    }
+
+    /// The time between two, for a PDO with an event timer.
+    fn period(&self) -> Option<Duration> {
+        let cyclic =
+            self.mapped && matches!(self.transmission, Some(254 | 255)) && self.cob_id.is_some_and(CobId::is_valid);
+        let timer = self.event_timer.filter(|timer| cyclic && timer.nanos() > 0)?;
+        Some(timer.max(self.inhibit?))
+    }
+}
+
+/// The length of a PDO in bytes by its mapping, where that is known.
+fn mapped_length(mapping: u16, belief: &Belief, knowledge: &Knowledge) -> Option<usize> {
+    let count = belief.number(knowledge, mapping, 0).filter(|count| (1..=64).contains(count))?;
+    let bits = (1..=count as u8).map(|sub| belief.number(knowledge, mapping, sub).map(|entry| entry & 0xFF));
+    bits.sum::<Option<u64>>().map(|bits| bits.div_ceil(8) as usize)
+}

@@ -1,0 +1,366 @@
+//! The SDO server as CiA 301 demands it, seen from outside: which answers are right in which state.
+//!
+//! A request is first turned into what is awaited ([`Awaited`]); the answer is then held against it. States are those
+//! of the transfer; a state carries only what it knows.
+
+mod awaited;
+mod block;
+mod initiate;
+mod response;
+mod segment;
+
+use super::belief::Belief;
+use super::codes::{self, CodeSet};
+use super::{Served, Violation, violation};
+use crate::Knowledge;
+use crate::coverage::{Answer, Command, Coverage, SdoState};
+use crate::property::Property;
+use awaited::Awaited;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::{BlockSegment, Request};
+use canvass_traces::{Duration, Frame, Timestamp};
+
+/// The longest value whose bytes are followed; of longer ones only the length is judged.
+const LONGEST: usize = 1 << 16;
+
+/// The server.
+#[derive(Clone, Debug)]
+pub(crate) struct Server {
+    state: State,
+    awaited: Awaited,
+    /// When the awaited answer is overdue.
+    due: Timestamp,
+    /// A second request was sent before the first was answered: what comes now can belong to either.
+    overlapped: bool,
+    grace: Timestamp,
+    /// When the last request came that was not due to be served.
+    unserved: Option<Timestamp>,
+    /// The bytes of the running transfer.
+    data: Vec<u8>,
+    /// For coverage: where the request found the server.
+    asked_in: Option<SdoState>,
+    command: Command,
+    /// The object that the last request named.
+    named: Option<Multiplexer>,
+}
+
+/// The state of the transfer.
+#[derive(Clone, Copy, PartialEq, Debug)]
+enum State {
+    Idle,
+    /// The server takes segments.
+    Download {
+        at: Multiplexer,
+        entry: Option<usize>,
+        toggle: bool,
+        announced: Option<u32>,
+    },
+    /// The server sends segments.
+    Upload {
+        at: Multiplexer,
+        entry: Option<usize>,
+        toggle: bool,
+        announced: Option<u32>,
+    },
+    /// The server takes the segments of a block.
+    BlockDownload {
+        at: Multiplexer,
+        entry: Option<usize>,
+        announced: Option<u32>,
+        size: u8,
+        sequence: u8,
+        crc: bool,
+    },
+    /// The last segment has come; the end of the transfer follows.
+    BlockDownloadEnd {
+        at: Multiplexer,
+        entry: Option<usize>,
+        announced: Option<u32>,
+        crc: bool,
+    },
+    /// The server waits for the start.
+    BlockUploadReady {
+        at: Multiplexer,
+        entry: Option<usize>,
+        announced: Option<u32>,
+        size: u8,
+        crc: bool,
+    },
+    /// The server sends a block, or waits for its confirmation once it has sent the last segment of it.
+    BlockUpload(block::Upload),
+    /// The server has announced the end.
+    BlockUploadEnd,
+    /// Not known: after a request that the standard does not describe.
+    Unsure,
+}
+
+impl State {
+    /// For the statistics; `None`: nobody knows, and nothing is counted.
+    const fn class(self) -> Option<SdoState> {
+        Some(match self {
+            Self::Unsure => return None,
+            Self::Idle => SdoState::Idle,
+            Self::Download { .. } => SdoState::Download,
+            Self::Upload { .. } => SdoState::Upload,
+            Self::BlockDownload { .. } => SdoState::BlockDownload,
+            Self::BlockDownloadEnd { .. } => SdoState::BlockDownloadEnd,
+            Self::BlockUploadReady { .. } => SdoState::BlockUploadReady,
+            Self::BlockUpload(_) => SdoState::BlockUpload,
+            Self::BlockUploadEnd => SdoState::BlockUploadEnd,
+        })
+    }
+}
+
+impl Server {
+    pub fn new() -> Self {
+        Self {
+            state: State::Idle,
+            awaited: Awaited::Nothing,
+            due: Timestamp::MAX,
+            overlapped: false,
+            grace: Timestamp::ZERO,
+            unserved: None,
+            data: Vec::with_capacity(256),
+            asked_in: None,
+            command: Command::Abort,
+            named: None,
+        }
+    }
+
+    /// The server was started anew.
+    pub fn reset(&mut self) {
+        self.state = State::Idle;
+        self.awaited = Awaited::Nothing;
+        self.due = Timestamp::MAX;
+        self.overlapped = false;
+        self.grace = Timestamp::ZERO;
+        self.unserved = None;
+        self.data.clear();
+    }
+
+    /// The device has shown another state than it was believed to be in: it has booted. A request of the moment before
+    /// may have come when its boot-up message waited for the bus, and be served.
+    pub fn booted(&mut self, now: Timestamp, grace: Duration) {
+        if self.unserved.take().is_some_and(|asked| now < asked + grace) {
+            self.state = State::Unsure;
+            self.awaited = Awaited::Anything;
+        }
+    }
+
+    /// Another NMT state. Responses that were on their way already may still come for `grace`.
+    pub fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration) {
+        match served {
+            Served::No => {
+                self.reset();
+                self.grace = now + grace;
+            }
+            // What was under way may go on.
+            Served::Unsure => {
+                self.reset();
+                (self.state, self.awaited) = (State::Unsure, Awaited::Anything);
+            }
+            Served::Yes if self.awaited != Awaited::Nothing => {
+                (self.awaited, self.due) = (Awaited::Anything, Timestamp::MAX);
+            }
+            Served::Yes => {}
+        }
+    }
+
+    /// The state, for the statistics.
+    pub fn class(&self) -> Option<SdoState> {
+        self.state.class()
+    }
+
+    fn count(&self, coverage: &mut Coverage, answer: Answer) {
+        if let Some(state) = self.asked_in {
+            coverage.sdo(state, self.command, answer);
+        }
+    }
+
+    /// When the awaited answer is overdue.
+    pub fn due(&self) -> Option<Timestamp> {
+        (self.due < Timestamp::MAX).then_some(self.due)
+    }
+
+    /// A request of the client. `true`: what it does can't be followed.
+    pub fn asked(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        served: Served,
+        knowledge: &Knowledge,
+        belief: &mut Belief,
+        coverage: &mut Coverage,
+    ) -> bool {
+        self.asked_in = self.class();
+        self.command = Command::of(frame, matches!(self.state, State::BlockDownload { .. }));
+        match served {
+            Served::Yes => {}
+            Served::No => {
+                self.unserved = Some(now);
+                return false;
+            }
+            Served::Unsure => {
+                self.state = State::Unsure;
+                self.await_answer(now, Awaited::Anything, knowledge);
+                return stores(frame, knowledge);
+            }
+        }
+        self.overlapped |= self.due < Timestamp::MAX || self.awaited == Awaited::Anything;
+        let mut awaited = self.judge_request(frame, knowledge, belief);
+        if self.overlapped {
+            // Whether the first request is answered, or given up for the second, is left to the server.
+            self.state = State::Unsure;
+            awaited = Awaited::Anything;
+        }
+        if matches!(awaited, Awaited::Nothing | Awaited::Anything | Awaited::ConfirmBlock { required: false, .. }) {
+            self.count(coverage, Answer::None);
+        }
+        self.await_answer(now, awaited, knowledge);
+        awaited == Awaited::Anything && stores(frame, knowledge)
+    }
+
+    fn await_answer(&mut self, now: Timestamp, awaited: Awaited, knowledge: &Knowledge) {
+        self.due = if awaited.is_required() { now + knowledge.patience.answer } else { Timestamp::MAX };
+        self.awaited = awaited;
+    }
+
+    /// Whether the next frame is, or may be, taken for a segment of a block download.
+    pub fn is_in_blocks(&self) -> bool {
+        matches!(self.state, State::Unsure | State::BlockDownload { .. })
+    }
+
+    /// Whether a value is on its way that may be read already.
+    pub fn is_busy(&self) -> bool {
+        self.awaited != Awaited::Nothing || self.state != State::Idle
+    }
+
+    /// Whether segments of a block come one after the other.
+    pub fn is_sending_blocks(&self) -> bool {
+        matches!(self.state, State::BlockUpload(_) | State::Unsure)
+    }
+
+    /// Whether a value is on its way that may be written already.
+    pub fn is_writing(&self) -> bool {
+        self.overlapped
+            || matches!(
+                self.awaited,
+                Awaited::Anything
+                    | Awaited::Write { .. }
+                    | Awaited::ConfirmSegment { last: Some(_), .. }
+                    | Awaited::ConfirmEnd { .. }
+            )
+    }
+
+    /// Whether one of these objects may be written already, though nothing has confirmed it.
+    pub fn may_move(&self, objects: &[Multiplexer]) -> bool {
+        match self.awaited {
+            _ if self.overlapped => !objects.is_empty(),
+            Awaited::Anything => !objects.is_empty(),
+            Awaited::Write { at, .. }
+            | Awaited::ConfirmSegment { last: Some((at, _)), .. }
+            | Awaited::ConfirmEnd { at, .. } => objects.contains(&at),
+            _ => false,
+        }
+    }
+
+    /// Whether an answer may come that need not come.
+    pub fn is_open(&self) -> bool {
+        self.overlapped || self.awaited == Awaited::Anything
+    }
+
+    /// Nothing has come for a while: no answer to an earlier request is under way.
+    pub const fn quiet(&mut self) {
+        self.overlapped = false;
+        if matches!(self.awaited, Awaited::Anything) {
+            self.awaited = Awaited::Nothing;
+        }
+    }
+
+    /// What the server has to answer, and in which state the request leaves it meanwhile.
+    fn judge_request(&mut self, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief) -> Awaited {
+        if frame.len() != 8 {
+            // The standard knows only messages of eight bytes; what a server makes of others is its own affair.
+            self.state = State::Unsure;
+            return Awaited::Anything;
+        }
+        if let State::BlockDownload { .. } = self.state
+            && frame.data().first() != Some(&0x80)
+        {
+            let Ok(segment) = BlockSegment::read(frame.data()) else { return Awaited::Anything };
+            return self.block_segment(segment, knowledge);
+        }
+        let Ok(request) = Request::read(frame.data()) else { return Awaited::Anything };
+        self.named = request.multiplexer();
+        if self.named.is_some() && self.awaited == Awaited::Nothing {
+            belief.resume();
+        }
+        if self.state == State::Unsure && frame.bytes()[0] != 0x80 {
+            // It may be taken for the segment of a block download that nobody knows of. The answer tells.
+            return Awaited::Anything;
+        }
+        match request {
+            Request::InitiateUpload { multiplexer } => self.begin_upload(multiplexer, knowledge),
+            Request::InitiateDownload { multiplexer, payload } => {
+                self.begin_download(multiplexer, payload, frame, knowledge, belief)
+            }
+            Request::InitiateBlockUpload { multiplexer, block_size, threshold, crc } => {
+                self.begin_block_upload(multiplexer, block_size, threshold, crc, knowledge)
+            }
+            Request::InitiateBlockDownload { multiplexer, size, crc } => {
+                self.begin_block_download(multiplexer, size, crc, knowledge)
+            }
+            Request::DownloadSegment(segment) => self.download_segment(segment, knowledge, belief),
+            Request::UploadSegment { toggle } => self.upload_segment(toggle),
+            Request::Abort(_) => {
+                self.give_up(belief);
+                Awaited::Nothing
+            }
+            Request::StartBlockUpload => self.start_block_upload(),
+            Request::ConfirmBlockUpload { sequence, block_size } => self.confirm_block_upload(sequence, block_size),
+            Request::EndBlockUpload => self.end_block_upload(),
+            Request::EndBlockDownload { unused, crc } => self.end_block_download(unused, crc, knowledge, belief),
+            Request::Unknown { .. } => self.refuse(codes::COMMAND, "a command specifier that does not exist", belief),
+        }
+    }
+
+    /// The transfer ends in an abort.
+    fn refuse(&mut self, codes: CodeSet, why: &'static str, belief: &mut Belief) -> Awaited {
+        self.give_up(belief);
+        Awaited::Abort { codes, at: None, why }
+    }
+
+    /// The transfer ends; a download has no effect.
+    fn give_up(&mut self, belief: &mut Belief) {
+        if let State::Download { entry, .. }
+        | State::BlockDownload { entry, .. }
+        | State::BlockDownloadEnd { entry, .. } = self.state
+        {
+            belief.aborted = entry;
+        }
+        self.state = State::Idle;
+    }
+
+    /// An answer is overdue.
+    ///
+    /// # Errors
+    /// [`Violation`]: silence where an answer is due.
+    pub fn expire(&mut self, now: Timestamp) -> Result<(), Violation> {
+        if now < self.due {
+            return Ok(());
+        }
+        let expected = self.awaited.text();
+        let rule = self.awaited.rule();
+        self.reset();
+        Err(violation(Property::LegalSdo, rule, expected, "no answer", now))
+    }
+}
+
+/// Whether the request, or the transfer that it begins, may store: the device may be silent for long then.
+fn stores(frame: &Frame, knowledge: &Knowledge) -> bool {
+    let [command, low, high, sub, ..] = frame.bytes();
+    let at = Multiplexer::from_bytes([low, high, sub]);
+    let is_store = matches!(at.index.0, 0x1010 | 0x1011) || knowledge.services.bus_save_object == Some(at);
+    is_store && matches!(command >> 5, 1 | 6)
+}

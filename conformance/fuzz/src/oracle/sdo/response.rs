@@ -1,0 +1,569 @@
+//! Holds what the server sends against what is awaited.
+
+use super::super::belief::Belief;
+use super::super::codes::{self, CodeSet};
+use super::super::encoder;
+use super::super::{Served, Violation, violation};
+use super::awaited::{Awaited, Reading, Writing};
+use super::block::Upload;
+use super::{LONGEST, Server, State};
+use crate::Knowledge;
+use crate::coverage::{Answer, Coverage};
+use crate::property::Property;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::{Abort, BlockSegment, Payload, Response, Segment, crc16};
+use canvass_traces::{Frame, Timestamp};
+
+/// What an answer shows to be wrong: the property, what was expected instead of the awaited text, what came.
+struct Wrong {
+    property: Property,
+    expected: Option<String>,
+    actual: String,
+}
+
+type Judged = Result<(), Wrong>;
+
+fn wrong(property: Property, actual: impl Into<String>) -> Wrong {
+    Wrong { property, expected: None, actual: actual.into() }
+}
+
+fn instead(property: Property, expected: impl Into<String>, actual: impl Into<String>) -> Wrong {
+    Wrong { property, expected: Some(expected.into()), actual: actual.into() }
+}
+
+impl Server {
+    /// A frame of the server. `true`: it leads where the models can't follow.
+    ///
+    /// # Errors
+    /// [`Violation`] if the server must not send it now.
+    pub fn answered(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        served: Served,
+        knowledge: &Knowledge,
+        belief: &mut Belief,
+        coverage: &mut Coverage,
+    ) -> Result<bool, Violation> {
+        if now < self.grace && self.awaited == Awaited::Nothing {
+            return Ok(false);
+        }
+        let awaited = self.awaited;
+        if served == Served::No {
+            let expected = "no SDO response: the NMT state is not one in which SDO works";
+            return Err(violation(Property::Silent, "SDO in a state without SDO", expected, shown(frame), now));
+        }
+        let judged = self.judge(frame, knowledge, belief, coverage);
+        judged.map(|()| belief.has_stored()).map_err(|wrong| {
+            let expected = wrong.expected.unwrap_or_else(|| awaited.text());
+            self.reset();
+            violation(wrong.property, awaited.rule(), expected, wrong.actual, now)
+        })
+    }
+
+    fn judge(&mut self, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief, coverage: &mut Coverage) -> Judged {
+        if frame.len() != 8 {
+            return Err(instead(Property::LegalSdo, "an SDO response of eight bytes", shown(frame)));
+        }
+        if let Awaited::Block = self.awaited
+            && frame.data().first() != Some(&0x80)
+        {
+            self.count(coverage, Answer::Block);
+            return self.judge_block(frame);
+        }
+        let Ok(response) = Response::read(frame.data()) else {
+            return Err(wrong(Property::LegalSdo, shown(frame)));
+        };
+        let awaited = self.take_awaited();
+        // What may be the segment of a block can have any bytes.
+        if awaited != Awaited::Anything {
+            check_reserved(frame, response)?;
+        }
+        self.count(coverage, Answer::of(&response));
+        self.judge_response(awaited, response, frame, knowledge, belief)
+    }
+
+    /// One answer for each request.
+    fn take_awaited(&mut self) -> Awaited {
+        let awaited = self.awaited;
+        if awaited != Awaited::Anything {
+            self.awaited = Awaited::Nothing;
+        }
+        self.due = Timestamp::MAX;
+        awaited
+    }
+
+    fn judge_response(
+        &mut self,
+        awaited: Awaited,
+        response: Response,
+        frame: &Frame,
+        knowledge: &Knowledge,
+        belief: &mut Belief,
+    ) -> Judged {
+        let refused = || wrong(Property::LegalSdo, shown(frame));
+        if let Response::Abort(abort) = response
+            && self.state != State::Idle
+            && abort.code == canvass_analyzer::wire::sdo::AbortCode::TIMEOUT
+            && matches!(awaited, Awaited::Nothing | Awaited::ConfirmBlock { required: false, .. })
+        {
+            self.give_up(belief);
+            return Ok(());
+        }
+        match awaited {
+            Awaited::Nothing => Err(unsolicited(frame)),
+            Awaited::Anything => self.anything_came(response, frame, belief),
+            Awaited::Abort { codes, at, .. } => match response {
+                Response::Abort(abort) => check_abort(abort, codes, at),
+                _ => Err(refused()),
+            },
+            Awaited::Read(reading) => match response {
+                Response::Abort(abort) => refused_read(abort, reading),
+                Response::InitiateUpload { multiplexer, payload } => {
+                    self.upload_begins(multiplexer, payload, reading, knowledge, belief)
+                }
+                _ => Err(refused()),
+            },
+            Awaited::BlockRead { reading, block_size, threshold, crc } => match response {
+                Response::Abort(abort) => refused_read(abort, reading),
+                Response::InitiateUpload { multiplexer, payload } => {
+                    check_threshold(&payload, threshold, frame)?;
+                    self.upload_begins(multiplexer, payload, reading, knowledge, belief)
+                }
+                Response::InitiateBlockUpload { multiplexer, crc: server, size } => {
+                    check_multiplexer(multiplexer, reading.at)?;
+                    check_readable(reading, frame)?;
+                    check_size(size, reading, knowledge)?;
+                    let crc = crc && server;
+                    self.state = State::BlockUploadReady {
+                        at: reading.at,
+                        entry: reading.entry,
+                        announced: size,
+                        size: block_size,
+                        crc,
+                    };
+                    Ok(())
+                }
+                _ => Err(refused()),
+            },
+            Awaited::Write { at, writing } => match response {
+                Response::Abort(abort) => refused_write(abort, at, writing, belief),
+                Response::InitiateDownload { multiplexer } => {
+                    check_multiplexer(multiplexer, at)?;
+                    confirm(writing, frame, knowledge, belief)
+                }
+                _ => Err(refused()),
+            },
+            Awaited::BeginDownload { at, writing, announced } => match response {
+                Response::Abort(abort) => refused_write(abort, at, writing, belief),
+                Response::InitiateDownload { multiplexer } => {
+                    check_multiplexer(multiplexer, at)?;
+                    // What can't be written may be refused at once or at the end; it must be refused.
+                    self.state = State::Download { at, entry: writing.entry, toggle: false, announced };
+                    Ok(())
+                }
+                _ => Err(refused()),
+            },
+            Awaited::BeginBlockDownload { at, writing, announced, crc } => match response {
+                Response::Abort(abort) => refused_write(abort, at, writing, belief),
+                Response::InitiateBlockDownload { multiplexer, crc: server, block_size } => {
+                    check_multiplexer(multiplexer, at)?;
+                    check_block_size(block_size, frame)?;
+                    let crc = crc && server;
+                    self.state = State::BlockDownload {
+                        at,
+                        entry: writing.entry,
+                        announced,
+                        size: block_size,
+                        sequence: 0,
+                        crc,
+                    };
+                    Ok(())
+                }
+                _ => Err(refused()),
+            },
+            Awaited::ConfirmSegment { toggle, last } => {
+                self.segment_answered(toggle, last, response, frame, knowledge, belief)
+            }
+            Awaited::Segment { toggle } => match response {
+                Response::UploadSegment(segment) if segment.toggle == toggle => {
+                    self.segment_came(segment, frame, knowledge, belief)
+                }
+                Response::Abort(abort) => {
+                    self.state = State::Idle;
+                    check_abort(abort, codes::NO_DATA, None)
+                }
+                _ => Err(refused()),
+            },
+            Awaited::ConfirmBlock { sequence, last, .. } => match response {
+                Response::ConfirmBlockDownload { sequence: confirmed, block_size } => {
+                    self.block_confirmed(sequence, confirmed, block_size, last, frame)
+                }
+                Response::Abort(abort) => {
+                    self.give_up(belief);
+                    let codes = codes::SEQUENCE
+                        .or(codes::REFUSED)
+                        .or(codes::TOO_LONG)
+                        .or(codes::TOO_SHORT)
+                        .or(codes::READ_ONLY)
+                        .or(codes::NO_OBJECT)
+                        .or(codes::NO_SUB_INDEX);
+                    check_abort(abort, codes, None)
+                }
+                _ => Err(refused()),
+            },
+            Awaited::ConfirmEnd { at, writing } => match response {
+                Response::EndBlockDownload => confirm(writing, frame, knowledge, belief),
+                Response::Abort(abort) => {
+                    let mut writing = writing;
+                    writing.may = writing.may.or(codes::TOO_LONG).or(codes::TOO_SHORT);
+                    refused_late(abort, at, writing, belief)
+                }
+                _ => Err(refused()),
+            },
+            Awaited::Block => match response {
+                Response::Abort(abort) => {
+                    self.state = State::Idle;
+                    check_abort(abort, codes::NO_DATA.or(codes::COMMAND), None)
+                }
+                _ => Err(refused()),
+            },
+            Awaited::EndOfBlocks { upload, odd_size } => match response {
+                Response::EndBlockUpload { unused, crc } => self.blocks_end(upload, unused, crc, knowledge, belief),
+                Response::Abort(abort) if odd_size => {
+                    self.state = State::Idle;
+                    check_abort(abort, codes::BLOCK_SIZE.or(codes::COMMAND), None)
+                }
+                _ => Err(refused()),
+            },
+        }
+    }
+
+    /// An answer that nobody can foretell says at least where the server is now, if it can't be the segment of a block.
+    fn anything_came(&mut self, response: Response, frame: &Frame, belief: &mut Belief) -> Judged {
+        self.state = match response {
+            Response::Abort(_) if frame.bytes()[0] == 0x80 => State::Idle,
+            Response::InitiateUpload { payload: Payload::Expedited(_), multiplexer }
+                if self.named == Some(multiplexer) =>
+            {
+                State::Idle
+            }
+            _ => State::Unsure,
+        };
+        match response {
+            Response::InitiateDownload { multiplexer } => belief.forget(Some(multiplexer)),
+            Response::DownloadSegment { .. } | Response::EndBlockDownload => belief.forget(None),
+            _ => {}
+        }
+        Ok(())
+    }
+
+    fn upload_begins(
+        &mut self,
+        multiplexer: Multiplexer,
+        payload: Payload,
+        reading: Reading,
+        knowledge: &Knowledge,
+        belief: &mut Belief,
+    ) -> Judged {
+        check_multiplexer(multiplexer, reading.at)?;
+        if !reading.must.is_empty() {
+            return Err(wrong(Property::Consistent, format!("a value: {payload:?}")));
+        }
+        let known = reading.entry.and_then(|entry| knowledge.entries().get(entry));
+        match payload {
+            Payload::Expedited(value) => {
+                check_length(value.data().len(), reading, knowledge)?;
+                check_value(value.data(), reading.entry, knowledge, belief)
+            }
+            Payload::ExpeditedUnsized(value) => {
+                let size = known.and_then(|known| known.size).unwrap_or(4).min(4);
+                check_value(&value[..size], reading.entry, knowledge, belief)
+            }
+            Payload::Segmented(size) => {
+                check_size(Some(size), reading, knowledge)?;
+                self.begin_segments(reading, Some(size));
+                Ok(())
+            }
+            Payload::SegmentedUnsized => {
+                self.begin_segments(reading, None);
+                Ok(())
+            }
+        }
+    }
+
+    fn begin_segments(&mut self, reading: Reading, announced: Option<u32>) {
+        self.data.clear();
+        self.state = State::Upload { at: reading.at, entry: reading.entry, toggle: false, announced };
+    }
+
+    fn segment_came(&mut self, segment: Segment, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief) -> Judged {
+        let State::Upload { at, entry, toggle, announced } = self.state else { return Ok(()) };
+        if self.data.len() < LONGEST {
+            self.data.extend_from_slice(segment.data());
+        }
+        let received = self.data.len() as u32;
+        if announced.is_some_and(|size| received > size) {
+            let expected = format!("at most the {} announced bytes", announced.unwrap_or(0));
+            return Err(instead(Property::LegalSdo, expected, format!("{received} bytes with {}", shown(frame))));
+        }
+        if !segment.last {
+            if announced == Some(received) {
+                let expected = format!("the last of {received} bytes marked as the last");
+                return Err(instead(Property::LegalSdo, expected, shown(frame)));
+            }
+            self.state = State::Upload { at, entry, toggle: !toggle, announced };
+            return Ok(());
+        }
+        self.state = State::Idle;
+        if announced.is_some_and(|size| received < size) {
+            let expected = format!("all {} announced bytes", announced.unwrap_or(0));
+            return Err(instead(Property::LegalSdo, expected, format!("the end after {received}")));
+        }
+        let reading = Reading { at, entry, must: CodeSet::NONE, may: CodeSet::NONE };
+        check_length(self.data.len(), reading, knowledge)?;
+        check_value(&self.data, entry, knowledge, belief)
+    }
+
+    fn segment_answered(
+        &mut self,
+        toggle: bool,
+        last: Option<(Multiplexer, Writing)>,
+        response: Response,
+        frame: &Frame,
+        knowledge: &Knowledge,
+        belief: &mut Belief,
+    ) -> Judged {
+        match (response, last) {
+            (Response::DownloadSegment { toggle: confirmed }, _) if confirmed != toggle => {
+                Err(wrong(Property::LegalSdo, shown(frame)))
+            }
+            (Response::DownloadSegment { .. }, None) => Ok(()),
+            (Response::DownloadSegment { .. }, Some((_, writing))) => confirm(writing, frame, knowledge, belief),
+            (Response::Abort(abort), None) => {
+                // A wrong length, or what can't be written, may be refused before the end.
+                self.give_up(belief);
+                let early = codes::TOO_LONG.or(codes::TOO_SHORT).or(codes::REFUSED).or(codes::READ_ONLY);
+                check_abort(abort, early.or(codes::NO_OBJECT).or(codes::NO_SUB_INDEX), None)
+            }
+            (Response::Abort(abort), Some((at, writing))) => refused_late(abort, at, writing, belief),
+            _ => Err(wrong(Property::LegalSdo, shown(frame))),
+        }
+    }
+
+    fn block_confirmed(&mut self, sequence: u8, confirmed: u8, block_size: u8, last: bool, frame: &Frame) -> Judged {
+        if confirmed != sequence {
+            return Err(wrong(Property::LegalSdo, shown(frame)));
+        }
+        if !last {
+            check_block_size(block_size, frame)?;
+        }
+        if let State::BlockDownload { at, entry, announced, crc, .. } = self.state {
+            self.state = State::BlockDownload { at, entry, announced, size: block_size, sequence: 0, crc };
+        }
+        Ok(())
+    }
+
+    fn judge_block(&mut self, frame: &Frame) -> Judged {
+        let State::BlockUpload(mut upload) = self.state else { return Ok(()) };
+        let Ok(segment) = BlockSegment::read(frame.data()) else { return Ok(()) };
+        if segment.sequence != upload.sequence + 1 {
+            let expected = format!("the segment with sequence number {}", upload.sequence + 1);
+            return Err(instead(Property::LegalSdo, expected, shown(frame)));
+        }
+        upload.sequence = segment.sequence;
+        upload.complete = segment.last;
+        if self.data.len() < LONGEST {
+            self.data.extend_from_slice(&segment.data);
+        }
+        let received = self.data.len() as u32;
+        if upload.announced.is_some_and(|size| received >= size.max(1).saturating_add(7)) {
+            let expected = format!("no more segments than {} bytes need", upload.announced.unwrap_or(0));
+            return Err(instead(Property::LegalSdo, expected, shown(frame)));
+        }
+        self.state = State::BlockUpload(upload);
+        if upload.is_sent() {
+            self.awaited = Awaited::Nothing;
+            self.due = Timestamp::MAX;
+        }
+        Ok(())
+    }
+
+    fn blocks_end(
+        &mut self,
+        upload: Upload,
+        unused: u8,
+        crc: u16,
+        knowledge: &Knowledge,
+        belief: &mut Belief,
+    ) -> Judged {
+        let len = self.data.len().saturating_sub(usize::from(unused));
+        self.data.truncate(len);
+        if upload.announced.is_some_and(|size| size as usize != len) {
+            let expected = format!("{} bytes, as announced", upload.announced.unwrap_or(0));
+            return Err(instead(Property::LegalSdo, expected, format!("{len} bytes")));
+        }
+        let right = if upload.crc { crc16(0, &self.data) } else { 0 };
+        if upload.crc && crc != right {
+            return Err(instead(Property::LegalSdo, format!("the checksum {right:04X}h"), format!("{crc:04X}h")));
+        }
+        let reading = Reading { at: upload.at, entry: upload.entry, must: CodeSet::NONE, may: CodeSet::NONE };
+        check_length(len, reading, knowledge)?;
+        check_value(&self.data, upload.entry, knowledge, belief)
+    }
+}
+
+/// `43 00 10 00 96 01 01 00`, or the abort in words.
+fn shown(frame: &Frame) -> String {
+    let bytes: Vec<String> = frame.data().iter().map(|byte| format!("{byte:02X}")).collect();
+    let bytes = bytes.join(" ");
+    match Response::read(frame.data()) {
+        Ok(Response::Abort(abort)) => {
+            let code = abort.code.0;
+            format!("{bytes} (abort {:04X} {:04X}h of {})", code >> 16, code & 0xFFFF, abort.multiplexer)
+        }
+        _ => bytes,
+    }
+}
+
+fn unsolicited(frame: &Frame) -> Wrong {
+    instead(Property::OneAnswer, "no response: none is outstanding", shown(frame))
+}
+
+/// Reserved bytes and bits are 0. Bytes of a value that don't count may hold anything.
+fn check_reserved(frame: &Frame, response: Response) -> Judged {
+    let mut expected = [0; 8];
+    response.emit(&mut expected);
+    let mut actual = frame.bytes();
+    let free = match response {
+        Response::InitiateUpload { payload: Payload::Expedited(value), .. } => 4 + value.data().len()..8,
+        Response::UploadSegment(segment) => 1 + segment.data().len()..8,
+        _ => 8..8,
+    };
+    actual[free.clone()].copy_from_slice(&expected[free]);
+    if actual == expected {
+        return Ok(());
+    }
+    Err(instead(Property::LegalSdo, format!("reserved bits and bytes 0: {expected:02X?}"), shown(frame)))
+}
+
+fn check_multiplexer(actual: Multiplexer, expected: Multiplexer) -> Judged {
+    if actual == expected {
+        return Ok(());
+    }
+    Err(instead(Property::LegalSdo, format!("an answer that names {expected}"), format!("one that names {actual}")))
+}
+
+fn check_abort(abort: Abort, codes: CodeSet, at: Option<Multiplexer>) -> Judged {
+    if let Some(at) = at {
+        check_multiplexer(abort.multiplexer, at)?;
+    }
+    if codes.has(abort.code) {
+        return Ok(());
+    }
+    let code = abort.code.0;
+    let actual = format!("abort {:04X} {:04X}h", code >> 16, code & 0xFFFF);
+    Err(instead(Property::LegalSdo, format!("abort {}", codes.text()), actual))
+}
+
+fn check_readable(reading: Reading, frame: &Frame) -> Judged {
+    if reading.must.is_empty() { Ok(()) } else { Err(wrong(Property::Consistent, shown(frame))) }
+}
+
+fn refused_read(abort: Abort, reading: Reading) -> Judged {
+    check_multiplexer(abort.multiplexer, reading.at)?;
+    let codes = reading.must.or(reading.may);
+    if codes.has(abort.code) {
+        return Ok(());
+    }
+    let code = abort.code.0;
+    Err(wrong(Property::Consistent, format!("abort {:04X} {:04X}h", code >> 16, code & 0xFFFF)))
+}
+
+fn refused_write(abort: Abort, at: Multiplexer, writing: Writing, belief: &mut Belief) -> Judged {
+    check_multiplexer(abort.multiplexer, at)?;
+    refused_late(abort, at, writing, belief)
+}
+
+/// At the end of a transfer too the abort names the object.
+fn refused_late(abort: Abort, at: Multiplexer, writing: Writing, belief: &mut Belief) -> Judged {
+    belief.aborted = writing.entry;
+    check_abort(abort, if writing.must.is_empty() { writing.may } else { writing.must }, Some(at))
+}
+
+fn confirm(writing: Writing, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief) -> Judged {
+    if !writing.must.is_empty() {
+        let property = if writing.pdo_rule { Property::Pdo } else { Property::LegalSdo };
+        return Err(wrong(property, format!("{}: it is confirmed", shown(frame))));
+    }
+    if let Some(entry) = writing.entry {
+        belief.written(knowledge, entry, writing.raw);
+    }
+    Ok(())
+}
+
+fn check_length(len: usize, reading: Reading, knowledge: &Knowledge) -> Judged {
+    let size = reading.entry.and_then(|entry| knowledge.entries().get(entry)).and_then(|known| known.size);
+    match size {
+        Some(size) if size != len => {
+            let expected = format!("a value of {size} bytes, as the description says of {}", reading.at);
+            Err(instead(Property::Consistent, expected, format!("{len} bytes")))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn check_size(size: Option<u32>, reading: Reading, knowledge: &Knowledge) -> Judged {
+    size.map_or(Ok(()), |size| check_length(size as usize, reading, knowledge))
+}
+
+/// Up to the threshold a server may answer with a normal upload (CiA 301); a threshold of 0 forbids it.
+fn check_threshold(payload: &Payload, threshold: u8, frame: &Frame) -> Judged {
+    let size = match payload {
+        Payload::Expedited(value) => Some(value.data().len() as u32),
+        Payload::ExpeditedUnsized(_) => Some(1),
+        Payload::Segmented(size) => Some(*size),
+        Payload::SegmentedUnsized => None,
+    };
+    if threshold > 0 && size.is_none_or(|size| size <= u32::from(threshold)) {
+        return Ok(());
+    }
+    Err(wrong(Property::LegalSdo, format!("{}: a normal upload", shown(frame))))
+}
+
+fn check_block_size(block_size: u8, frame: &Frame) -> Judged {
+    if (1..=127).contains(&block_size) {
+        return Ok(());
+    }
+    Err(instead(Property::LegalSdo, "a block size from 1 to 127", shown(frame)))
+}
+
+fn check_value(value: &[u8], entry: Option<usize>, knowledge: &Knowledge, belief: &mut Belief) -> Judged {
+    let Some(entry) = entry else { return Ok(()) };
+    if let Some((expected, actual)) = encoder::misplaced(value, entry, knowledge, belief) {
+        return Err(instead(Property::PositionInRange, expected, actual));
+    }
+    let Some(known) = knowledge.entries().get(entry).filter(|known| known.stable && known.size.is_some()) else {
+        return Ok(());
+    };
+    if value.len() > 8 {
+        return Ok(());
+    }
+    let raw = value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));
+    let expected = belief.certain(entry);
+    let judged = match expected {
+        Some(expected) if expected != raw => {
+            let property = match belief.aborted {
+                Some(aborted) if aborted == entry => Property::AbortedUnchanged,
+                _ if known.constant => Property::Consistent,
+                _ if belief.is_by_reset(entry) => Property::Restored,
+                _ => Property::ReadBack,
+            };
+            Err(instead(property, format!("{} holds {expected:X}h", known.at), format!("{raw:X}h")))
+        }
+        _ => Ok(()),
+    };
+    belief.read(knowledge, entry, raw);
+    judged
+}

@@ -1,0 +1,73 @@
+//! Every fault that the fuzzer claims to find.
+
+use canvass_device::Fault;
+use canvass_fuzzer::detection::{Limit, detect};
+use canvass_suite::case::Touch;
+use std::time::Duration;
+
+const SEED: u64 = 1;
+
+/// Ten seconds of one core in an optimised build are millions of exchanges, which `canvass selftest --fuzz` gives each
+/// fault. In a test a fault gets few of them, and as much time as the slowest machine needs for these.
+const LIMIT: Limit = Limit { exchanges: 12_000, time: Duration::from_secs(120) };
+
+/// So many percent of the faults have to be found with these.
+const SOON: usize = 70;
+
+/// Frames of the longest minimal sequence.
+const LONGEST: usize = 8;
+
+#[test]
+fn at_least_eighty_faults_are_claimed() {
+    let claimed = Fault::ALL.iter().filter(|fault| fault.is_fuzzed()).count();
+    assert!(claimed >= 80, "{claimed}");
+    // What is not claimed has a reason.
+    for fault in Fault::ALL {
+        let found = fault.is_fuzzed() || fault.fuzz_needs().is_some();
+        assert_eq!(found, fault.unfuzzed().is_none(), "{fault}");
+        assert!(fault.fuzz_needs().is_none_or(|name| name.parse::<Touch>().is_ok()), "{fault}");
+    }
+}
+
+/// Of the faults those of this share; several tests run at the same time.
+fn share(number: usize, of: usize) {
+    let (mut lengths, mut late) = (Vec::new(), Vec::new());
+    for (n, &fault) in Fault::ALL.iter().filter(|fault| fault.unfuzzed().is_none()).enumerate() {
+        if n % of != number {
+            continue;
+        }
+        let trial = detect(fault, SEED, LIMIT).unwrap();
+        let Some(detected) = trial.found else {
+            late.push(fault);
+            continue;
+        };
+        let found = detected.found;
+        assert!(detected.caused, "{fault}: {:?} shows without it", found.violation);
+        assert!(found.confirmed, "{fault}: {:?} does not come back", found.violation);
+        assert!(found.sequence.stimuli.len() <= LONGEST, "{fault}: {:?} by {:?}", found.violation, found.sequence);
+        lengths.push(found.sequence.stimuli.len());
+    }
+    assert!(lengths.len() * 100 >= (lengths.len() + late.len()) * SOON, "not found soon: {late:?}");
+    lengths.sort_unstable();
+    assert!(lengths[lengths.len() / 2] <= 3, "{lengths:?}");
+}
+
+#[test]
+fn claimed_faults_are_found_1() {
+    share(0, 4);
+}
+
+#[test]
+fn claimed_faults_are_found_2() {
+    share(1, 4);
+}
+
+#[test]
+fn claimed_faults_are_found_3() {
+    share(2, 4);
+}
+
+#[test]
+fn claimed_faults_are_found_4() {
+    share(3, 4);
+}

@@ -1,0 +1,94 @@
+//! SDO block transfers, and the raw messages of cases that break off in the middle of one.
+
+use super::Bench;
+use super::sdo::Attempt;
+use crate::verdict::Verdict;
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_bus::client::block_download::DownloadManner;
+use canvass_bus::client::block_upload::{UploadManner, abort};
+use canvass_bus::client::{BlockDownload, BlockStep, BlockTransfer, BlockUpload, Message, Outcome};
+use canvass_traces::Frame;
+
+/// A block transfer never has more messages of the server than this: a value of a megabyte has 150 000.
+const MOST_MESSAGES: usize = 200_000;
+
+impl Bench<'_> {
+    /// Reads an object in blocks. The client remembers what the server did.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn block_upload(
+        &mut self,
+        multiplexer: Multiplexer,
+        manner: UploadManner,
+    ) -> Result<(Attempt, BlockUpload), Verdict> {
+        let mut client = BlockUpload::new(multiplexer, manner);
+        let attempt = self.block_transfer(&mut client, format!("block upload of {multiplexer}"))?;
+        Ok((attempt, client))
+    }
+
+    /// Writes an object in blocks. Its value before is put back after the case.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn block_download(
+        &mut self,
+        multiplexer: Multiplexer,
+        value: &[u8],
+        manner: DownloadManner,
+    ) -> Result<(Attempt, BlockDownload), Verdict> {
+        self.remember(multiplexer)?;
+        let mut client = BlockDownload::new(multiplexer, value, manner);
+        let what = format!("block download of {} bytes to {multiplexer}", value.len());
+        let attempt = self.block_transfer(&mut client, what)?;
+        Ok((attempt, client))
+    }
+
+    fn block_transfer(&mut self, client: &mut dyn BlockTransfer, what: String) -> Result<Attempt, Verdict> {
+        self.drain()?;
+        let begin = client.begin();
+        self.send_message(begin)?;
+        let mut responses: Vec<Frame> = Vec::new();
+        for _ in 0..MOST_MESSAGES {
+            let Some(frame) = self.wait_for_response(self.timing().sdo_response)? else {
+                self.send_message(abort(client.multiplexer(), AbortCode::TIMEOUT))?;
+                return Ok(Attempt { what, outcome: Outcome::Silent, responses });
+            };
+            if responses.len() < 256 {
+                responses.push(frame);
+            }
+            let outcome = match client.handle(frame.bytes()) {
+                BlockStep::Wait => continue,
+                BlockStep::Send(messages) => {
+                    self.send_messages(&messages)?;
+                    continue;
+                }
+                BlockStep::Finish(messages, outcome) => {
+                    self.send_messages(&messages)?;
+                    outcome
+                }
+                BlockStep::Done(outcome) => outcome,
+            };
+            if matches!(outcome, Outcome::Violated(_)) {
+                self.send_message(abort(client.multiplexer(), AbortCode::GENERAL))?;
+            }
+            return Ok(Attempt { what, outcome, responses });
+        }
+        self.send_message(abort(client.multiplexer(), AbortCode::GENERAL))?;
+        Ok(Attempt { what, outcome: Outcome::Violated(canvass_bus::client::Violation::Endless), responses })
+    }
+
+    fn send_messages(&mut self, messages: &[Message]) -> Result<(), Verdict> {
+        messages.iter().try_for_each(|message| self.send_message(*message))
+    }
+
+    /// Sends eight bytes to the SDO server, whatever they mean.
+    ///
+    /// # Errors
+    /// As [`Bench::send`].
+    pub fn send_message(&mut self, message: Message) -> Result<(), Verdict> {
+        let cob_id = canvass_analyzer::wire::sdo::REQUEST_BASE + u16::from(self.node().raw());
+        self.send_bytes(cob_id, &message).map(|_| ())
+    }
+}

@@ -1,0 +1,267 @@
+//! Which objects of this device serve a case.
+
+use super::Bench;
+use crate::verdict::{Reason, Verdict};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::DataType;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response};
+use canvass_bus::client::Outcome;
+
+/// COB-ID of TPDO 1.
+pub const TPDO_COB_ID: Multiplexer = Multiplexer::new(0x1800, 1);
+/// Transmission type of TPDO 1.
+pub const TRANSMISSION_TYPE: Multiplexer = Multiplexer::new(0x1800, 2);
+/// Inhibit time of TPDO 1, in 100 µs.
+pub const INHIBIT_TIME: Multiplexer = Multiplexer::new(0x1800, 3);
+/// How many objects TPDO 1 carries.
+pub const TPDO_MAPPED: Multiplexer = Multiplexer::new(0x1A00, 0);
+/// The first object that TPDO 1 carries.
+pub const TPDO_FIRST_ENTRY: Multiplexer = Multiplexer::new(0x1A00, 1);
+/// Event timer of TPDO 1, in ms.
+pub const EVENT_TIMER: Multiplexer = Multiplexer::new(0x1800, 5);
+
+/// An object that can be written and read back without consequence.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Scratch {
+    /// The object.
+    pub multiplexer: Multiplexer,
+    /// Its value now.
+    pub value: Vec<u8>,
+    /// A legal value that differs from it.
+    pub other: Vec<u8>,
+}
+
+/// An object that may serve as scratch, with two values that are legal wherever it exists.
+struct Candidate {
+    multiplexer: Multiplexer,
+    data_type: DataType,
+    values: [u32; 2],
+}
+
+const fn candidate(index: u16, sub: u8, data_type: DataType, values: [u32; 2]) -> Candidate {
+    Candidate { multiplexer: Multiplexer::new(index, sub), data_type, values }
+}
+
+/// The best first: what takes effect only with something else that no case switches on, then what merely changes a
+/// period.
+const CANDIDATES: [Candidate; 9] = [
+    candidate(0x1017, 0, DataType::UNSIGNED16, [1_000, 2_000]),
+    // Without life time factor (100Dh = 0) the guard time does nothing.
+    candidate(0x100C, 0, DataType::UNSIGNED16, [1_000, 2_000]),
+    candidate(0x1015, 0, DataType::UNSIGNED16, [0, 100]),
+    candidate(0x1800, 5, DataType::UNSIGNED16, [100, 200]),
+    // Error behaviour on communication errors: none is provoked.
+    candidate(0x1029, 1, DataType::UNSIGNED8, [0, 1]),
+    // Only a SYNC producer uses the period, only synchronous PDOs the window.
+    candidate(0x1006, 0, DataType::UNSIGNED32, [100_000, 200_000]),
+    candidate(0x1007, 0, DataType::UNSIGNED32, [0, 100_000]),
+    candidate(0x6401, 0, DataType::INTEGER32, [16, 32]),
+    candidate(0x6200, 0, DataType::UNSIGNED16, [100, 200]),
+];
+
+/// For devices that have none of them: nothing is sent before the device is operational.
+const LAST_CANDIDATE: Candidate = candidate(0x1800, 2, DataType::UNSIGNED8, [1, 2]);
+
+impl Bench<'_> {
+    /// The scratch objects that the device has, best first, with their values of now.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn scratch_objects(&mut self) -> Result<Vec<Scratch>, Verdict> {
+        let mut found = Vec::new();
+        for candidate in &CANDIDATES {
+            found.extend(self.scratch_of(candidate)?);
+        }
+        if found.is_empty() {
+            found.extend(self.received_objects()?);
+            found.extend(self.scratch_of(&LAST_CANDIDATE)?);
+        }
+        Ok(found)
+    }
+
+    /// Values that RPDOs carry are made to be written: one of each length.
+    fn received_objects(&mut self) -> Result<Vec<Scratch>, Verdict> {
+        let mut found: Vec<Scratch> = Vec::new();
+        for mapped in self.rpdo_objects() {
+            let bytes = usize::from(mapped.bits / 8);
+            let is_known = found.iter().any(|scratch| scratch.value.len() == bytes);
+            if bytes <= 4 && !is_known && self.is_described_as_writable(mapped.at) {
+                found.extend(self.flipped(mapped.at)?);
+            }
+        }
+        Ok(found)
+    }
+
+    /// An object with its value of now, and one that differs from it in its lowest bit.
+    fn flipped(&mut self, at: Multiplexer) -> Result<Option<Scratch>, Verdict> {
+        let Outcome::Uploaded(value) = self.upload(at)?.outcome else { return Ok(None) };
+        let other = value.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
+        Ok(Some(Scratch { multiplexer: at, value, other }))
+    }
+
+    fn scratch_of(&mut self, candidate: &Candidate) -> Result<Option<Scratch>, Verdict> {
+        if !self.can_write(candidate.multiplexer)? {
+            return Ok(None);
+        }
+        let Outcome::Uploaded(value) = self.upload(candidate.multiplexer)?.outcome else { return Ok(None) };
+        if candidate.data_type.bytes() != Some(value.len()) {
+            return Ok(None);
+        }
+        let bytes = |number: u32| number.to_le_bytes().into_iter().take(value.len()).collect::<Vec<u8>>();
+        let [first, second] = candidate.values;
+        let other = if bytes(first) == value { bytes(second) } else { bytes(first) };
+        Ok(Some(Scratch { multiplexer: candidate.multiplexer, value, other }))
+    }
+
+    /// The best scratch object of that many bytes.
+    ///
+    /// # Errors
+    /// [`Verdict::NotApplicable`] if the device has none.
+    pub fn scratch(&mut self, lengths: &[usize]) -> Result<Scratch, Verdict> {
+        let found = self.scratch_objects()?.into_iter().find(|scratch| lengths.contains(&scratch.value.len()));
+        found.ok_or_else(|| {
+            let lengths: Vec<String> = lengths.iter().map(ToString::to_string).collect();
+            let duty = format!("an object of {} bytes can be written without consequence", lengths.join(" or "));
+            Verdict::NotApplicable(Reason::new(duty, "one of the objects that the tester knows", "none"))
+        })
+    }
+
+    /// Without a description every object may be writable.
+    pub(super) fn is_described_as_writable(&self, multiplexer: Multiplexer) -> bool {
+        self.target.description.as_ref().is_none_or(|description| {
+            description.dictionary.entry(multiplexer).is_ok_and(|entry| entry.access.is_writable())
+        })
+    }
+
+    /// A readable object of at least that many bytes: a name or version, else one that the description calls long.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Verdict> {
+        for multiplexer in self.long_candidates() {
+            let attempt = self.upload(multiplexer)?;
+            // What the server announces decides, not what it then delivers: that is what cases judge.
+            let announced = attempt.responses.first().and_then(|frame| Response::read(frame.data()).ok());
+            let is_long = match announced {
+                Some(Response::InitiateUpload { payload: Payload::Segmented(size), .. }) => size as usize >= at_least,
+                Some(Response::InitiateUpload { payload: Payload::SegmentedUnsized, .. }) => {
+                    matches!(&attempt.outcome, Outcome::Uploaded(value) if value.len() >= at_least)
+                }
+                _ => false,
+            };
+            if is_long {
+                return Ok(Some(multiplexer));
+            }
+        }
+        Ok(None)
+    }
+
+    fn long_candidates(&self) -> Vec<Multiplexer> {
+        const ENOUGH: usize = 16;
+        let mut candidates: Vec<Multiplexer> = NAMES.to_vec();
+        if let Some(description) = &self.target.description {
+            let is_long = |data_type: DataType| data_type.bytes().is_none_or(|bytes| bytes > 4);
+            let described = description.dictionary.entries().filter(|(_, entry)| {
+                entry.access.is_readable() && !entry.flags.refuses_read_on_scan() && is_long(entry.data_type)
+            });
+            candidates.extend(described.map(|(multiplexer, _)| multiplexer).take(ENOUGH));
+        }
+        candidates
+    }
+
+    /// An object of the application, 2000h and above, that can be written and read back without consequence: one that
+    /// the tester knows, or one in the manufacturer's area that is there for the user to keep what he likes.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn application_scratch(&mut self) -> Result<Option<Scratch>, Verdict> {
+        const KNOWN: [Candidate; 4] = [
+            candidate(0x6402, 0, DataType::INTEGER32, [1_000, 2_000]),
+            candidate(0x6402, 1, DataType::UNSIGNED32, [1_000, 2_000]),
+            candidate(0x6401, 0, DataType::INTEGER32, [16, 32]),
+            candidate(0x2140, 1, DataType::UNSIGNED32, [1, 2]),
+        ];
+        for candidate in &KNOWN {
+            if let Some(scratch) = self.scratch_of(candidate)? {
+                return Ok(Some(scratch));
+            }
+        }
+        // A value that RPDOs carry is made to be written.
+        let (profile, own): (Vec<_>, Vec<_>) =
+            self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= 0x6000);
+        for mapped in profile.into_iter().chain(own) {
+            if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
+                return self.flipped(mapped.at);
+            }
+        }
+        Ok(None)
+    }
+
+    /// A string that the description lets be written and read, and that is long enough to be worth segments.
+    ///
+    /// # Errors
+    /// [`Verdict::NotApplicable`] if there is none.
+    pub fn long_scratch(&mut self) -> Result<Multiplexer, Verdict> {
+        self.long_writable().ok_or_else(|| {
+            let duty = "a string can be written without consequence";
+            Verdict::NotApplicable(Reason::new(duty, "one that the description names", "none"))
+        })
+    }
+
+    pub(super) fn long_writable(&self) -> Option<Multiplexer> {
+        let description = self.target.description.as_ref()?;
+        let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::DOMAIN];
+        let mut entries = description.dictionary.entries().filter(|(multiplexer, entry)| {
+            // 1F50h and its like load programs.
+            let is_own = matches!(multiplexer.index.0, 0x2000..=0x9FFF);
+            let is_free = !entry.flags.refuses_write_on_download() && !entry.flags.refuses_read_on_scan();
+            let is_restorable = entry.access.is_writable() && entry.access.is_readable();
+            is_own && is_free && is_restorable && strings.contains(&entry.data_type)
+        });
+        entries.next().map(|(multiplexer, _)| multiplexer)
+    }
+
+    /// An object whose description gives it no characters, if the device agrees or says nothing.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn empty_object(&mut self) -> Result<Option<Multiplexer>, Verdict> {
+        let Some(description) = &self.target.description else { return Ok(None) };
+        let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
+        let node = self.node();
+        let mut entries = description.dictionary.entries().filter(|(_, entry)| {
+            let is_text = strings.contains(&entry.data_type) && entry.access.is_readable();
+            let value = entry.start_value(node).and_then(|value| value.encode(entry.data_type).ok());
+            is_text && !entry.flags.refuses_read_on_scan() && value.is_none_or(|value| value.is_empty())
+        });
+        let candidates: Vec<Multiplexer> = entries.by_ref().map(|(multiplexer, _)| multiplexer).take(8).collect();
+        for multiplexer in candidates {
+            match self.upload(multiplexer)?.outcome {
+                Outcome::Uploaded(value) if !value.is_empty() => {}
+                Outcome::Aborted(abort) if abort.code != AbortCode::NO_DATA => {}
+                // Silence too: how it is answered is the matter of the case.
+                _ => return Ok(Some(multiplexer)),
+            }
+        }
+        Ok(None)
+    }
+
+    /// The device's name and versions, as far as it has them. They come from the device: they may hold anything.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn names(&mut self) -> Result<Vec<(Multiplexer, Vec<u8>)>, Verdict> {
+        let mut found = Vec::new();
+        for multiplexer in NAMES {
+            if let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome {
+                found.push((multiplexer, value));
+            }
+        }
+        Ok(found)
+    }
+}
+
+/// Manufacturer device name, hardware version, software version.
+pub const NAMES: [Multiplexer; 3] =
+    [Multiplexer::new(0x1008, 0), Multiplexer::new(0x1009, 0), Multiplexer::new(0x100A, 0)];

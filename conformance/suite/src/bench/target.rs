@@ -1,0 +1,139 @@
+//! What is tested, and under which conditions.
+
+use crate::case::{Case, Touch};
+use crate::catalogue;
+use crate::verdict::{Authority, Reason};
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_device::Faults;
+use canvass_device::models::Model;
+use canvass_traces::Duration;
+use std::collections::BTreeSet;
+
+/// The device under test.
+#[derive(Clone, Debug)]
+pub struct Target {
+    /// Its node-ID.
+    pub node: NodeId,
+    /// What the user calls it: the id of a model or the path of an EDS. Empty if neither was given.
+    pub model: String,
+    /// What its EDS or model says about it.
+    pub description: Option<DeviceDescription>,
+    /// Where its own documentation announces that it differs from the standard.
+    pub deviations: Vec<Deviation>,
+}
+
+/// A difference from the standard that the device's own documentation announces, or that its user puts up with.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Deviation {
+    /// The case that it explains: an id, or a pattern with `*`.
+    pub case: String,
+    /// Only failures that name this object (`1016h` or `1016h:01`) are explained; `None`: all of the case.
+    pub object: Option<String>,
+    /// What the documentation or the waiver says, and where.
+    pub documented: String,
+    /// Who says so.
+    pub by: Authority,
+}
+
+impl Deviation {
+    /// What a manual says of a case.
+    pub fn of_manual(case: impl Into<String>, documented: impl Into<String>) -> Self {
+        Self { case: case.into(), object: None, documented: documented.into(), by: Authority::Manual }
+    }
+
+    /// What the manual of a built-in model says.
+    pub fn of_model(model: &Model) -> Vec<Self> {
+        model.deviations().iter().map(|row| Self::of_manual(&row.case, &row.documented)).collect()
+    }
+
+    /// Whether it explains that failure of that case.
+    pub fn explains(&self, case: &Case, reason: &Reason) -> bool {
+        let names = |object: &String| {
+            let texts = [&reason.duty, &reason.expected, &reason.actual];
+            texts.iter().any(|text| text.contains(object.as_str()))
+        };
+        catalogue::matches(&self.case, case.id) && self.object.as_ref().is_none_or(names)
+    }
+}
+
+/// How to test.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Options {
+    /// What the cases may do beyond what leaves no trace.
+    pub allow: BTreeSet<Touch>,
+    /// How long to wait for what.
+    pub timing: Timing,
+    /// How often each case runs; 0 and 1: once.
+    pub repeat: u32,
+    /// Whether cases that try samples try everything: every index, every restricted CAN-ID.
+    pub exhaustive: bool,
+}
+
+/// How long to wait for what. CiA 301 gives no numbers for any of these: all are the tester's.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Timing {
+    /// For each response of an SDO server.
+    pub sdo_response: Duration,
+    /// For the response to a store or restore command (1010h, 1011h).
+    pub store: Duration,
+    /// From a reset command to the boot-up message.
+    pub boot_up: Duration,
+    /// From an NMT command to the state it leads to.
+    pub reaction: Duration,
+    /// How long nothing must come where nothing may come.
+    pub silence: Duration,
+    /// How far the mean of a period may be off, in percent (but see [`Timing::PERIOD_FLOOR`]).
+    pub period_tolerance: u32,
+}
+
+impl Default for Timing {
+    fn default() -> Self {
+        Self {
+            // Most masters give up after 500 ms to 1 s; a server slower than that does not work in the field.
+            sdo_response: Duration::from_millis(1_000),
+            // EEPROMs are written in 10 ms to 3 s, and some devices are silent meanwhile.
+            store: Duration::from_millis(10_000),
+            // Encoders with a bootloader and a self-test take up to 2 s.
+            boot_up: Duration::from_millis(5_000),
+            // Stacks handle NMT in their main loop, every 1 to 20 ms.
+            reaction: Duration::from_millis(50),
+            // Twice what a slow server takes to answer.
+            silence: Duration::from_millis(200),
+            period_tolerance: 5,
+        }
+    }
+}
+
+impl Timing {
+    /// A period is never held to less than this, whatever the percentage: timers tick in milliseconds.
+    pub const PERIOD_FLOOR: Duration = Duration::from_millis(1);
+
+    /// By how much a mean period may differ.
+    pub fn tolerance(&self, period: Duration) -> Duration {
+        let share = period.nanos() / 100 * u64::from(self.period_tolerance);
+        Duration::from_nanos(share.max(Self::PERIOD_FLOOR.nanos()))
+    }
+}
+
+impl Target {
+    /// A device of which only the node-ID is known.
+    pub fn unknown(node: NodeId) -> Self {
+        Self { node, model: String::new(), description: None, deviations: Vec::new() }
+    }
+
+    /// A device of a built-in model: its description, and what its manual says that it does otherwise.
+    pub fn of(model: &Model, node: NodeId) -> Self {
+        Self::with_faults(model, node, Faults::NONE)
+    }
+
+    /// As [`Target::of`], from a maker whose description has those faults; those of the firmware change nothing here.
+    pub fn with_faults(model: &Model, node: NodeId, faults: Faults) -> Self {
+        Self {
+            node,
+            model: model.id().to_owned(),
+            description: Some(model.description_with(faults)),
+            deviations: Deviation::of_model(model),
+        }
+    }
+}

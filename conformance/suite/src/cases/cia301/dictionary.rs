@@ -1,0 +1,152 @@
+//! The object dictionary against the device's description.
+
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::DataType;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_bus::client::Outcome;
+use canvass_bus::client::sdo::Bytes;
+
+/// Every object that the description calls readable can be read, and has the length of its data type.
+///
+/// An object that has nothing to give at the moment may answer with abort 0800 0020h to 0800 0024h, as an empty error
+/// history does.
+#[case(id = "301/dictionary/described", clause = "CiA 301 7.4", confidence = Known, level = Must,
+       needs = [Description], catches = [ErrorRegisterMissing, EdsSubIndexMissing, EdsDataTypeWrong, IdentityRevisionMissing, SdoSegmentLengthWrong,
+                  ErrorControlMissing, OperatingStatusMissing, AlarmsMissing, PositionSixteenBit,
+                  OperatingParametersThirtyTwoBit], cct = "4.1")]
+fn described(bench: &mut Bench<'_>) -> Judged {
+    for (multiplexer, data_type) in readable(bench) {
+        let attempt = bench.upload(multiplexer)?;
+        match &attempt.outcome {
+            Outcome::Uploaded(value) => {
+                let length = data_type.bytes();
+                demand(length.is_none_or(|length| length == value.len()), || {
+                    let expected = format!("{} bytes, as {data_type} has", length.unwrap_or_default());
+                    let duty = format!("{multiplexer} has the length of its data type");
+                    Reason::new(duty, expected, Bytes(value).to_string())
+                })?;
+            }
+            Outcome::Aborted(abort) if is_momentary(abort.code) => {}
+            other => {
+                let duty = format!("{multiplexer} can be read, as the description says");
+                return Err(Verdict::Fail(Reason::new(duty, "the value", other.to_string())));
+            }
+        }
+    }
+    Ok(Verdict::Pass)
+}
+
+/// Sub-indexes above the highest that sub-index 0 names do not exist: abort 0609 0011h.
+#[case(id = "301/dictionary/highest-sub-index", clause = "CiA 301 7.4.8", confidence = Known, level = Must,
+       catches = [SdoWrongCodeForNoSubIndex])]
+fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    for index in [0x1018, 0x1800, 0x1A00, 0x1400, 0x1600, 0x1029, 0x1016] {
+        let Outcome::Uploaded(highest) = bench.upload(Multiplexer::new(index, 0))?.outcome else { continue };
+        let Some(beyond) = highest.first().and_then(|highest| highest.checked_add(1)).filter(|&sub| sub < 0xFF) else {
+            continue;
+        };
+        // Mapping objects count the valid entries: those behind them may exist.
+        if matches!(index, 0x1600 | 0x1A00) {
+            continue;
+        }
+        let attempt = bench.upload(Multiplexer::new(index, beyond))?;
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])?);
+    }
+    Ok(verdict)
+}
+
+fn readable(bench: &Bench<'_>) -> Vec<(Multiplexer, DataType)> {
+    let Some(description) = &bench.target().description else { return Vec::new() };
+    let entries = description.dictionary.entries();
+    let wanted = entries.filter(|(_, entry)| entry.access.is_readable() && !entry.flags.refuses_read_on_scan());
+    wanted.map(|(multiplexer, entry)| (multiplexer, entry.data_type)).collect()
+}
+
+/// The object exists, but can't give its value now.
+const fn is_momentary(code: AbortCode) -> bool {
+    matches!(code.0, 0x0800_0020..=0x0800_0024)
+}
+
+/// Sub-index FFh, where an object has it, tells the object code and the data type of the description; where it does not,
+/// it is refused with abort 0609 0011h.
+#[case(id = "301/dictionary/structure", clause = "CiA 301 7.4.8", confidence = Known, level = Should,
+       catches = [SdoWrongCodeForNoSubIndex, StructureEntryWrong], cct = "4.5")]
+fn structure(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    for index in [0x1018_u16, 0x1003, 0x1800, 0x1A00, 0x1400] {
+        if !bench.has(Multiplexer::new(index, 0))? {
+            continue;
+        }
+        let attempt = bench.upload(Multiplexer::new(index, 0xFF))?;
+        let Outcome::Uploaded(value) = &attempt.outcome else {
+            verdict = verdict.and(attempt.expect_abort(&[AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])?);
+            continue;
+        };
+        let object = bench.target().description.as_ref();
+        let object = object.and_then(|described| described.dictionary.object(canvass_analyzer::Index(index)));
+        // Bits 0 to 7 are the object code: 7 VAR, 8 ARRAY, 9 RECORD.
+        let expected = object.map(|object| u32::from(object.code.0));
+        let found = crate::bench::sdo::number(value) & 0xFF;
+        let is_known = matches!(found, 7..=9) && value.len() == 4;
+        demand(is_known && expected.is_none_or(|expected| expected == found), || {
+            let expected = expected.map_or_else(|| "7, 8 or 9".to_owned(), |expected| expected.to_string());
+            let duty = format!("{index:04X}h:FF tells the object code in bits 0 to 7");
+            Reason::new(duty, expected, Bytes(value).to_string())
+        })?;
+    }
+    Ok(verdict)
+}
+
+/// After every reset node the parameters have the same values. Those that are not the defaults of the description are
+/// noted: they may have been stored.
+#[case(id = "301/dictionary/after-reset", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+       needs = [Description], catches = [ParameterDriftsAtReset], cct = "4.8")]
+fn after_reset(bench: &mut Bench<'_>) -> Judged {
+    let before = parameters(bench)?;
+    bench.reset(canvass_analyzer::wire::nmt::Command::RESET_NODE)?;
+    let after = parameters(bench)?;
+    let changed = before.iter().zip(&after).find(|(before, after)| before.1 != after.1);
+    demand(changed.is_none(), || match changed {
+        Some(((at, before), (_, after))) => {
+            let duty = format!("{at} is the same after every reset node");
+            Reason::new(duty, Bytes(before).to_string(), Bytes(after).to_string())
+        }
+        None => Reason::default(),
+    })?;
+    let node = bench.node();
+    let differs = |(at, value): &&(Multiplexer, Vec<u8>)| {
+        let entry = bench.target().description.as_ref().and_then(|it| it.dictionary.entry(*at).ok());
+        let default = entry.and_then(|entry| entry.start_value(node)?.encode(entry.data_type).ok());
+        default.is_some_and(|default| default != *value)
+    };
+    let other: Vec<String> = after.iter().filter(differs).take(8).map(|(at, _)| at.to_string()).collect();
+    if !other.is_empty() {
+        bench.note(format!("not the default of the description: {}", other.join(", ")));
+    }
+    Ok(Verdict::Pass)
+}
+
+/// Writable parameters of communication and profile that keep their value: nothing that is measured or commands.
+fn parameters(bench: &mut Bench<'_>) -> Result<Vec<(Multiplexer, Vec<u8>)>, Verdict> {
+    let Some(description) = &bench.target().description else { return Ok(Vec::new()) };
+    let is_parameter = |at: Multiplexer| {
+        matches!(at.index.0, 0x1005..=0x1007 | 0x100C | 0x100D | 0x1012 | 0x1014..=0x1017 | 0x1019..=0x1029)
+            || matches!(at.index.0, 0x1200..=0x1BFF | 0x6000..=0x6002 | 0x6200 | 0x6401..=0x6402)
+    };
+    let entries = description.dictionary.entries().filter(|(at, entry)| {
+        let is_constant = entry.access.is_writable() && entry.access.is_readable() && !entry.pdo_mappable;
+        is_constant && is_parameter(*at) && entry.data_type.bytes().is_some() && !entry.flags.refuses_read_on_scan()
+    });
+    let objects: Vec<Multiplexer> = entries.map(|(at, _)| at).collect();
+    let mut values = Vec::with_capacity(objects.len());
+    for at in objects {
+        if let Outcome::Uploaded(value) = bench.upload(at)?.outcome {
+            values.push((at, value));
+        }
+    }
+    Ok(values)
+}

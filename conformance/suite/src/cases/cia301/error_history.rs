@@ -1,0 +1,136 @@
+//! The error history (1003h).
+
+use super::emcy::{begin_monitoring, emergencies, sign_of_life};
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_bus::client::sdo::Bytes;
+use canvass_traces::Duration;
+
+const COUNT: Multiplexer = Multiplexer::new(0x1003, 0);
+const NEWEST: Multiplexer = Multiplexer::new(0x1003, 1);
+/// Long enough for the loss of the one who is monitored.
+const UNTIL_LOST: Duration = Duration::from_millis(600);
+
+fn clear(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+    bench.write(COUNT, &[0])
+}
+
+/// Entries of an empty history hold no error: reading one is refused with abort 0800 0024h.
+///
+/// Manuals differ: some devices let the entries read as 0, which says the same. What this one does is noted.
+#[case(id = "301/error-history/empty", clause = "CiA 301 7.5.2.4", confidence = Derived, level = Should,
+       needs = [ErrorHistory], catches = [ErrorHistoryEmptyReadsZero], cct = "5.3")]
+fn empty(bench: &mut Bench<'_>) -> Judged {
+    // The code for "no data" came with V4.0 of CiA 301; 1004h went with it.
+    if bench.has(Multiplexer::new(0x1004, 0))? {
+        let reason =
+            Reason::new("the device knows abort 0800 0024h", "CiA 301 V4.0", "a device of DS-301 V3.0 (1004h)");
+        return Err(Verdict::NotApplicable(reason));
+    }
+    clear(bench)?;
+    let attempt = bench.upload(NEWEST)?;
+    attempt.expect_abort(&[AbortCode::NO_DATA, AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])
+}
+
+/// An error is in the history: 1003h:00 counts it, the lower word of 1003h:01 is its code.
+#[case(id = "301/error-history/entry", clause = "CiA 301 7.5.2.4", confidence = Derived, level = Must,
+       needs = [ErrorHistory, Monitoring], catches = [ErrorHistoryNotKept])]
+fn entry(bench: &mut Bench<'_>) -> Judged {
+    clear(bench)?;
+    begin_monitoring(bench)?;
+    bench.listen(UNTIL_LOST)?;
+    let count = bench.read_number(COUNT)?;
+    demand(count == 1, || Reason::new("1003h:00 counts the error", "1", count.to_string()))?;
+    let code = bench.read_number(NEWEST)? & 0xFFFF;
+    demand(code == 0x8130, || Reason::new("1003h:01 holds the error", "code 8130h", format!("code {code:04X}h")))
+}
+
+/// The newest error is at 1003h:01, the one before it at 1003h:02.
+#[case(id = "301/error-history/newest-first", clause = "CiA 301 7.5.2.4", confidence = Derived, level = Must,
+       needs = [ErrorHistory, HeartbeatConsumer, RpdoMapping], catches = [ErrorHistoryReversed])]
+fn newest_first(bench: &mut Bench<'_>) -> Judged {
+    use crate::bench::pdo::RPDO;
+    clear(bench)?;
+    begin_monitoring(bench)?;
+    bench.listen(UNTIL_LOST)?;
+    let first = bench.read_number(NEWEST)? & 0xFFFF;
+    // A second error of another code: an RPDO that is too short.
+    let mapped = bench.rpdo_objects().into_iter().find(|mapped| mapped.bits > 8);
+    let Some(mapped) = mapped else {
+        let reason = Reason::new("an RPDO can carry two bytes", "an object of the description", "none");
+        return Err(Verdict::NotApplicable(reason));
+    };
+    bench.set_mapping(RPDO, &[mapped])?;
+    bench.set_pdo(RPDO, &[(2, &[255])])?;
+    let can_id = (bench.pdo_cob_id(RPDO)?.can_id() & 0x7FF) as u16;
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction)?;
+    bench.send_bytes(can_id, &[0])?;
+    let heard = emergencies(bench, Duration::from_millis(200))?;
+    if heard.is_empty() {
+        let reason = Reason::new("an RPDO that is too short is an error", "an EMCY", "none: there is no second error");
+        return Err(Verdict::NotApplicable(reason));
+    }
+    let newest = bench.read_number(NEWEST)? & 0xFFFF;
+    let before = bench.read_number(Multiplexer::new(0x1003, 2))? & 0xFFFF;
+    demand(newest != first && before == first, || {
+        let actual = format!("{newest:04X}h at 1003h:01, {before:04X}h at 1003h:02");
+        Reason::new("the newest error comes first", format!("{first:04X}h at 1003h:02"), actual)
+    })
+}
+
+/// The history never counts more errors than it has entries.
+#[case(id = "301/error-history/full", clause = "CiA 301 7.5.2.4", confidence = Derived, level = Must,
+       needs = [ErrorHistory, Monitoring, Description], catches = [ErrorHistoryOverflows])]
+fn full(bench: &mut Bench<'_>) -> Judged {
+    let entries = bench.target().description.as_ref().map_or(0, |description| {
+        description.dictionary.entries().filter(|(at, _)| at.index.0 == 0x1003 && at.sub.0 > 0).count()
+    });
+    if entries < 2 {
+        let reason = Reason::new("the description names the entries of 1003h", "two or more", entries.to_string());
+        return Err(Verdict::NotApplicable(reason));
+    }
+    clear(bench)?;
+    let monitored = begin_monitoring(bench)?;
+    for _ in 0..=entries.min(16) {
+        bench.listen(Duration::from_millis(300))?;
+        sign_of_life(bench, monitored)?;
+        bench.listen(Duration::from_millis(30))?;
+    }
+    let count = bench.read_number(COUNT)?;
+    demand(count as usize <= entries, || {
+        Reason::new("1003h:00 counts the errors in the history", format!("{entries} at most"), count.to_string())
+    })?;
+    let last = Multiplexer::new(0x1003, u8::try_from(count).unwrap_or(u8::MAX).max(1));
+    bench.upload(last)?.value()?;
+    Ok(Verdict::Pass)
+}
+
+/// Entries of the history can't be written: abort 0601 0002h.
+#[case(id = "301/error-history/read-only", clause = "CiA 301 7.5.2.4", confidence = Derived, level = Must,
+       needs = [ErrorHistory], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "4.3")]
+fn read_only(bench: &mut Bench<'_>) -> Judged {
+    let attempt = bench.download(NEWEST, &[0; 4])?;
+    let tolerated = [AbortCode::UNSUPPORTED_ACCESS, AbortCode::NO_DATA, AbortCode::GENERAL];
+    attempt.expect_abort(&[AbortCode::READ_ONLY], &tolerated)
+}
+
+/// An error that comes in stopped, when no EMCY may be sent, is in the history afterwards.
+#[case(id = "301/state/stopped/error-history", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+       needs = [ErrorHistory, Monitoring], catches = [EmcyLostWhenStopped, ErrorHistoryNotKept, LifeGuardingUnreported])]
+fn stopped(bench: &mut Bench<'_>) -> Judged {
+    clear(bench)?;
+    begin_monitoring(bench)?;
+    bench.command(Command::STOP)?;
+    bench.listen(UNTIL_LOST)?;
+    bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+    bench.listen(Duration::from_millis(200))?;
+    let value = bench.upload(COUNT)?.value()?;
+    demand(value.first().is_some_and(|&count| count > 0), || {
+        Reason::new("an error that came in stopped is in 1003h", "1003h:00 of 1 or more", Bytes(&value).to_string())
+    })
+}

@@ -1,0 +1,236 @@
+//! The communication parameters of all PDOs that the description names (1400h, 1800h).
+
+use crate::bench::Bench;
+use crate::bench::pdo::{Pdo, RPDO, TPDO};
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::CobId;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_bus::client::sdo::Bytes;
+use canvass_traces::Duration;
+
+/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+const FREE: u32 = 0x6A0;
+
+/// The first four PDOs of either direction that the device has, with the bases of their predefined CAN-IDs.
+fn predefined(bench: &mut Bench<'_>) -> Result<Vec<(Pdo, u32)>, Verdict> {
+    let mut found = Vec::new();
+    for (first, base) in [(TPDO, 0x180), (RPDO, 0x200)] {
+        for number in 1..=4_u16 {
+            let pdo = first.numbered(number);
+            if bench.has(pdo.parameter(1))? {
+                found.push((pdo, base + u32::from(number - 1) * 0x100));
+            }
+        }
+    }
+    Ok(found)
+}
+
+/// Sub-index 0 of a communication parameter names its highest sub-index, 2 to 6, and can't be written.
+#[case(id = "301/pdo/parameter-count", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+       needs = [Tpdo], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "3.1")]
+fn parameter_count(bench: &mut Bench<'_>) -> Judged {
+    let mut verdict = Verdict::Pass;
+    for (pdo, _) in predefined(bench)? {
+        let value = bench.upload(pdo.parameter(0))?.value()?;
+        demand(matches!(value.as_slice(), [2..=6]), || {
+            let duty = format!("{} names the highest sub-index", pdo.parameter(0));
+            Reason::new(duty, "one byte, 2 to 6", Bytes(&value).to_string())
+        })?;
+        let attempt = bench.download(pdo.parameter(0), &value)?;
+        let tolerated = [AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::READ_ONLY], &tolerated)?);
+    }
+    Ok(verdict)
+}
+
+/// The first four PDOs of either direction have their predefined CAN-IDs as delivered, or are switched off.
+#[case(id = "301/pdo/cob-id/predefined", clause = "CiA 301 7.3.3", confidence = Attested, level = Must,
+       needs = [Tpdo], catches = [PdoIdNotPredefined], cct = "3.1")]
+fn cob_id_predefined(bench: &mut Bench<'_>) -> Judged {
+    let node = u32::from(bench.node().raw());
+    for (pdo, base) in predefined(bench)? {
+        let cob_id = bench.pdo_cob_id(pdo)?;
+        let described = bench.target().description.as_ref().and_then(|description| {
+            let entry = description.dictionary.entry(pdo.parameter(1)).ok()?;
+            u32::try_from(entry.start_value(bench.node())?.as_number()?).ok()
+        });
+        let is_right = !cob_id.is_valid() || cob_id.can_id() == base + node || described == Some(cob_id.0);
+        demand(is_right, || {
+            let expected = format!("{:03X}h, or bit 31", base + node);
+            Reason::new(format!("{} is predefined", pdo.parameter(1)), expected, format!("{:08X}h", cob_id.0))
+        })?;
+    }
+    Ok(Verdict::Pass)
+}
+
+/// A TPDO that gets another CAN-ID while it is off is sent with it, and no longer with the old one.
+#[case(id = "301/pdo/cob-id/moved", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+       needs = [EventTimer, DynamicMapping], catches = [TpdoKeepsCanId])]
+fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
+    bench.set_pdo(TPDO, &[(2, &[255]), (5, &100_u16.to_le_bytes())])?;
+    let own = bench.pdo_off(TPDO)?;
+    let moved = CobId(own.0 & !0x7FF | FREE | CobId::INVALID);
+    bench.download(TPDO.parameter(1), &moved.0.to_le_bytes())?.expect_confirmation()?;
+    bench.pdo_on(TPDO, moved)?;
+    bench.command(canvass_analyzer::wire::nmt::Command::START)?;
+    bench.listen(bench.timing().reaction)?;
+    let (mut new, mut old) = (0, 0);
+    let old_id = (own.can_id() & 0x7FF) as u16;
+    bench.wait_for(Duration::from_millis(500), |record| {
+        match record.frame.cob_id() {
+            Some(id) if u32::from(id) == FREE => new += 1,
+            Some(id) if id == old_id => old += 1,
+            _ => {}
+        }
+        None::<()>
+    })?;
+    demand(new > 0 && old == 0, || {
+        let actual = format!("{new} with the new one, {old} with the old one");
+        Reason::new(format!("TPDO 1 is sent with its new CAN-ID {FREE:03X}h"), "only with the new one", actual)
+    })
+}
+
+/// Writing the COB-ID that a PDO has already is confirmed.
+#[case(id = "301/pdo/cob-id/same", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
+       needs = [Tpdo, DynamicMapping], catches = [SameCobIdRefused])]
+fn cob_id_same(bench: &mut Bench<'_>) -> Judged {
+    let own = bench.read(TPDO.parameter(1))?;
+    bench.download(TPDO.parameter(1), &own)?.expect_confirmation()?;
+    bench.expect_unchanged(TPDO.parameter(1), &own)
+}
+
+/// An 11-bit frame can't have a CAN-ID above 7FFh: such a COB-ID is refused with abort 0609 0030h.
+#[case(id = "301/pdo/cob-id/too-high", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
+       needs = [Tpdo, DynamicMapping], catches = [CanIdTooHighAccepted])]
+fn cob_id_too_high(bench: &mut Bench<'_>) -> Judged {
+    let own = bench.pdo_off(TPDO)?;
+    let wrong = own.0 & 0x4000_0000 | 0x0000_0812;
+    let attempt = bench.download(TPDO.parameter(1), &wrong.to_le_bytes())?;
+    attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::VALUE_TOO_HIGH, AbortCode::GENERAL])
+}
+
+/// A device that knows only 11-bit CAN-IDs refuses bit 29 of a COB-ID with abort 0609 0030h; one that takes it sends
+/// 29-bit frames.
+#[case(id = "301/pdo/cob-id/extended", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
+       needs = [EventTimer, DynamicMapping], catches = [ExtendedBitAccepted])]
+fn cob_id_extended(bench: &mut Bench<'_>) -> Judged {
+    bench.set_pdo(TPDO, &[(2, &[255]), (5, &100_u16.to_le_bytes())])?;
+    let own = bench.pdo_off(TPDO)?;
+    let extended = own.0 & 0x4000_0000 | 1 << 29 | 0x0012_3456;
+    let attempt = bench.download(TPDO.parameter(1), &extended.to_le_bytes())?;
+    if attempt.abort().is_some() {
+        return attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::VALUE_TOO_HIGH, AbortCode::GENERAL]);
+    }
+    bench.command(canvass_analyzer::wire::nmt::Command::START)?;
+    let sent = bench.wait_for(Duration::from_millis(500), |record| {
+        let id = record.frame.id();
+        (id.is_extended() && id.raw() == 0x0012_3456).then_some(())
+    })?;
+    demand(sent.is_some(), || {
+        let duty = "a device that takes a 29-bit COB-ID uses it";
+        Reason::new(duty, "TPDOs with 00123456h, or abort 0609 0030h", "confirmation, but no such frame")
+    })
+}
+
+/// A device that answers no remote frames refuses to clear bit 30 of a TPDO's COB-ID with abort 0609 0030h.
+#[case(id = "301/pdo/cob-id/remote", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
+       needs = [EventTimer, DynamicMapping], catches = [RtrBitClearable])]
+fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
+    bench.set_pdo(TPDO, &[(2, &[255]), (5, &0_u16.to_le_bytes())])?;
+    let own = bench.pdo_off(TPDO)?;
+    let with_remote = own.0 & !(CobId::NO_RTR | CobId::INVALID);
+    let attempt = bench.download(TPDO.parameter(1), &with_remote.to_le_bytes())?;
+    if attempt.abort().is_some() {
+        return attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL]);
+    }
+    bench.command(canvass_analyzer::wire::nmt::Command::START)?;
+    bench.listen(Duration::from_millis(200))?;
+    let can_id = own.can_id() & 0x7FF;
+    if let Some(request) = canvass_traces::Frame::remote(canvass_traces::CanId::standard_masked(can_id), 8) {
+        bench.send(&request)?;
+    }
+    let answers = bench.frames_of((can_id & 0x7FF) as u16, bench.timing().silence)?;
+    demand(answers.iter().any(|record| !record.frame.is_remote()), || {
+        let duty = "a device that takes a COB-ID without bit 30 answers remote frames";
+        Reason::new(duty, "a TPDO, or abort 0609 0030h", "confirmation, but no answer")
+    })
+}
+
+/// The transmission types 252 and 253, which need remote frames, are refused for a PDO without them: abort 0609 0030h.
+///
+/// A device that knows remote frames may take them: bit 30 can still be cleared before the PDO becomes valid.
+#[case(id = "301/pdo/transmission-type/remote", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
+       needs = [Tpdo, DynamicMapping], catches = [RtrTypeWithoutRtrAccepted])]
+fn remote_type(bench: &mut Bench<'_>) -> Judged {
+    let own = bench.pdo_off(TPDO)?;
+    let without = own.0 | CobId::NO_RTR | CobId::INVALID;
+    bench.write(TPDO.parameter(1), &without.to_le_bytes())?;
+    let with = own.0 & !(CobId::NO_RTR | CobId::INVALID);
+    let knows_remote = bench.download(TPDO.parameter(1), &with.to_le_bytes())?.abort().is_none();
+    bench.write(TPDO.parameter(1), &without.to_le_bytes())?;
+    let mut verdict = Verdict::Pass;
+    for transmission_type in [252_u8, 253] {
+        let attempt = bench.download(TPDO.parameter(2), &[transmission_type])?;
+        if knows_remote && attempt.abort().is_none() {
+            let expected = "abort 0609 0030h, or bit 30 cleared before the PDO becomes valid";
+            let duty = "transmission types 252 and 253 need remote frames";
+            verdict = verdict.and(Verdict::Tolerated(Reason::new(duty, expected, "confirmation")));
+            continue;
+        }
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
+    }
+    Ok(verdict)
+}
+
+/// The inhibit time of a PDO that is valid can't be changed: abort 0609 0030h.
+#[case(id = "301/pdo/inhibit-time/valid", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+       needs = [EventTimer], catches = [InhibitTimeChangeWhileValid])]
+fn inhibit_time_valid(bench: &mut Bench<'_>) -> Judged {
+    while_valid(bench, 3, &500_u16.to_le_bytes())
+}
+
+/// The SYNC start value of a PDO that is valid can't be changed: abort 0609 0030h.
+#[case(id = "301/pdo/sync-start/valid", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+       needs = [EventTimer], catches = [SyncStartValueChangeWhileValid])]
+fn sync_start_valid(bench: &mut Bench<'_>) -> Judged {
+    while_valid(bench, 6, &[3])
+}
+
+fn while_valid(bench: &mut Bench<'_>, sub: u8, other: &[u8]) -> Judged {
+    let multiplexer = TPDO.parameter(sub);
+    if !bench.can_write(multiplexer)? {
+        let reason = Reason::new("the parameter can be written", multiplexer.to_string(), "absent or read-only");
+        return Err(Verdict::NotApplicable(reason));
+    }
+    let before = bench.read(multiplexer)?;
+    let attempt = bench.download(multiplexer, other)?;
+    let verdict = attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::DEVICE_STATE, AbortCode::GENERAL])?;
+    bench.expect_unchanged(multiplexer, &before)?;
+    Ok(verdict)
+}
+
+/// Sub-index 4 of a communication parameter is reserved: reading it is refused with abort 0609 0011h.
+#[case(id = "301/pdo/reserved-entry", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+       needs = [Tpdo], catches = [SdoWrongCodeForNoSubIndex, SdoUnknownAbortCode])]
+fn reserved_entry(bench: &mut Bench<'_>) -> Judged {
+    bench.upload(TPDO.parameter(4))?.expect_abort(&[AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])
+}
+
+/// A PDO that carries nothing can't be made valid: abort 0609 0030h, or it stays silent; it never sends empty frames.
+#[case(id = "301/pdo/empty", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Should,
+       needs = [EventTimer, DynamicMapping], catches = [EmptyPdoValidated])]
+fn empty(bench: &mut Bench<'_>) -> Judged {
+    bench.set_pdo(TPDO, &[(2, &[255]), (5, &100_u16.to_le_bytes())])?;
+    let own = bench.open_mapping(TPDO)?;
+    let attempt = bench.download(TPDO.parameter(1), &(own.0 & !CobId::INVALID).to_le_bytes())?;
+    if attempt.abort().is_some() {
+        return attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::DEVICE_STATE, AbortCode::GENERAL]);
+    }
+    bench.command(canvass_analyzer::wire::nmt::Command::START)?;
+    let sent = bench.frames_of((own.can_id() & 0x7FF) as u16, Duration::from_millis(500))?;
+    demand(sent.is_empty(), || {
+        let actual = format!("{} frames in 500 ms", sent.len());
+        Reason::new("a PDO that carries nothing is not sent", "abort 0609 0030h, or silence", actual)
+    })
+}

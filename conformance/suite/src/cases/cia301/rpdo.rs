@@ -1,0 +1,372 @@
+//! RPDOs: what they do, when, and what they must not do (CiA 301, 7.2.2.4).
+//!
+//! RPDO 1 is given an object that SDOs can read, so that its effect can be seen.
+
+use crate::bench::Bench;
+use crate::bench::pdo::{Mapped, RPDO};
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::emcy::{self, Emcy};
+use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::{CobId, Multiplexer};
+use canvass_bus::client::sdo::Bytes;
+use canvass_traces::{CanId, Duration, Frame};
+
+/// After a PDO: the application takes it over in its own cycle.
+const AFTER_PDO: Duration = Duration::from_millis(50);
+
+/// RPDO 1 with one object mapped, and what it takes to send it.
+struct Subject {
+    mapped: Mapped,
+    can_id: u16,
+    before: Vec<u8>,
+    other: Vec<u8>,
+}
+
+/// Gives RPDO 1 one object and a transmission type.
+fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Verdict> {
+    let Some(mapped) = bench.rpdo_objects().into_iter().find(|mapped| (16..=32).contains(&mapped.bits)) else {
+        let reason = Reason::new("an RPDO can carry an object that SDOs read", "one in the description", "none");
+        return Err(Verdict::NotApplicable(reason));
+    };
+    let before = bench.read(mapped.at)?;
+    bench.write(mapped.at, &before)?;
+    bench.set_mapping(RPDO, &[mapped])?;
+    bench.set_pdo(RPDO, &[(2, &[transmission_type])])?;
+    let can_id = (bench.pdo_cob_id(RPDO)?.can_id() & 0x7FF) as u16;
+    // A number that stays small: some objects have limits.
+    let other = before.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
+    Ok(Subject { mapped, can_id, before, other })
+}
+
+fn operational(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction).map(|_| ())
+}
+
+fn send(bench: &mut Bench<'_>, subject: &Subject, data: &[u8]) -> Result<(), Verdict> {
+    bench.send_bytes(subject.can_id, data)?;
+    bench.listen(AFTER_PDO).map(|_| ())
+}
+
+fn expect_value(bench: &mut Bench<'_>, at: Multiplexer, right: &[u8], duty: &str) -> Judged {
+    let now = bench.read(at)?;
+    demand(now == right, || Reason::new(duty, Bytes(right).to_string(), Bytes(&now).to_string()))
+}
+
+/// Sends the RPDO once as it should be: that it acts shows that its silence in the case means something.
+fn proven(bench: &mut Bench<'_>, subject: &Subject) -> Result<(), Verdict> {
+    send(bench, subject, &subject.other)?;
+    expect_value(bench, subject.mapped.at, &subject.other, "the RPDO acts").map_err(Verdict::as_inconclusive)?;
+    send(bench, subject, &subject.before)
+}
+
+/// An event-driven RPDO sets the objects that it carries, at once.
+#[case(id = "301/rpdo/event-driven", clause = "CiA 301 7.2.2.4", confidence = Known, level = Must,
+       needs = [RpdoMapping], catches = [RpdoIgnored])]
+fn event_driven(bench: &mut Bench<'_>) -> Judged {
+    let subject = subject(bench, 255)?;
+    operational(bench)?;
+    send(bench, &subject, &subject.other)?;
+    let duty = format!("{} has the value of the RPDO", subject.mapped.at);
+    expect_value(bench, subject.mapped.at, &subject.other, &duty)
+}
+
+/// A synchronous RPDO acts with the SYNC after it, not before.
+#[case(id = "301/rpdo/synchronous", clause = "CiA 301 7.2.2.4", confidence = Known, level = Must,
+       needs = [RpdoMapping, Sync], catches = [SynchronousRpdoActsAtOnce])]
+fn synchronous(bench: &mut Bench<'_>) -> Judged {
+    let subject = subject(bench, 1)?;
+    let sync_id = bench.sync_id()?;
+    operational(bench)?;
+    bench.send_bytes(sync_id, &[])?;
+    send(bench, &subject, &subject.other)?;
+    let at = subject.mapped.at;
+    expect_value(bench, at, &subject.before, &format!("{at} keeps its value until SYNC"))?;
+    bench.send_bytes(sync_id, &[])?;
+    bench.listen(AFTER_PDO)?;
+    expect_value(bench, at, &subject.other, &format!("{at} has the value of the RPDO after SYNC"))
+}
+
+/// In pre-operational an RPDO does nothing.
+#[case(id = "301/state/pre-operational/rpdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+       needs = [RpdoMapping], catches = [RpdoInPreOperational])]
+fn pre_operational(bench: &mut Bench<'_>) -> Judged {
+    silent_after(bench, Command::ENTER_PRE_OPERATIONAL, "in pre-operational")
+}
+
+/// In stopped an RPDO does nothing.
+#[case(id = "301/state/stopped/rpdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+       needs = [RpdoMapping], catches = [RpdoWhenStopped])]
+fn stopped(bench: &mut Bench<'_>) -> Judged {
+    silent_after(bench, Command::STOP, "in stopped")
+}
+
+fn silent_after(bench: &mut Bench<'_>, command: Command, state: &str) -> Judged {
+    let subject = subject(bench, 255)?;
+    operational(bench)?;
+    proven(bench, &subject)?;
+    bench.command(command)?;
+    bench.listen(bench.timing().reaction)?;
+    send(bench, &subject, &subject.other)?;
+    // In stopped no SDO is answered.
+    bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+    bench.listen(bench.timing().reaction)?;
+    let duty = format!("an RPDO has no effect {state}");
+    expect_value(bench, subject.mapped.at, &subject.before, &duty)
+}
+
+/// An RPDO that is switched off (bit 31 of its COB-ID) does nothing.
+#[case(id = "301/rpdo/invalid", clause = "CiA 301 7.5.2.35", confidence = Attested, level = Must,
+       needs = [RpdoMapping], catches = [RpdoReceivedWhenInvalid])]
+fn invalid(bench: &mut Bench<'_>) -> Judged {
+    let subject = subject(bench, 255)?;
+    operational(bench)?;
+    proven(bench, &subject)?;
+    // Some devices take PDO parameters in pre-operational only.
+    bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+    bench.listen(bench.timing().reaction)?;
+    bench.pdo_off(RPDO)?;
+    operational(bench)?;
+    send(bench, &subject, &subject.other)?;
+    expect_value(bench, subject.mapped.at, &subject.before, "an RPDO that is switched off has no effect")
+}
+
+/// An RPDO that is shorter than what it carries does nothing; EMCY 8210h may tell of it.
+#[case(id = "301/rpdo/too-short", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
+       needs = [RpdoMapping], catches = [RpdoLengthUnchecked], cct = "5.4")]
+fn too_short(bench: &mut Bench<'_>) -> Judged {
+    let subject = subject(bench, 255)?;
+    operational(bench)?;
+    proven(bench, &subject)?;
+    bench.expect_emergencies();
+    let shorter = subject.other.get(..subject.other.len() - 1).unwrap_or_default().to_vec();
+    bench.drain()?;
+    bench.send_bytes(subject.can_id, &shorter)?;
+    let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
+    let heard = bench.listen(AFTER_PDO)?;
+    let told = heard.iter().find(|record| record.frame.cob_id() == Some(emcy_id));
+    bench.note(match told.and_then(|record| Emcy::read(record.frame.data()).ok()) {
+        Some(emcy) => format!("an RPDO that is too short is reported: {emcy}"),
+        None => "an RPDO that is too short is not reported by EMCY".to_owned(),
+    });
+    expect_value(bench, subject.mapped.at, &subject.before, "an RPDO that is too short has no effect")
+}
+
+/// Of an RPDO that is longer than what it carries the first bytes are taken.
+#[case(id = "301/rpdo/too-long", clause = "CiA 301 7.2.7", confidence = Attested, level = Should,
+       needs = [RpdoMapping], catches = [LongRpdoIgnored])]
+fn too_long(bench: &mut Bench<'_>) -> Judged {
+    let subject = subject(bench, 255)?;
+    operational(bench)?;
+    bench.expect_emergencies();
+    let mut longer = subject.other.clone();
+    longer.push(0xA5);
+    send(bench, &subject, &longer)?;
+    let duty = format!("{} has the first bytes of an RPDO that is too long", subject.mapped.at);
+    expect_value(bench, subject.mapped.at, &subject.other, &duty)
+}
+
+/// A remote frame or a 29-bit frame with the CAN-ID of an RPDO does nothing.
+#[case(id = "301/rpdo/other-frames", clause = "CiA 301 7.2.2", confidence = Known, level = Must,
+       needs = [RpdoMapping], catches = [RemoteFrameTakenAsRpdo, ExtendedFrameObeyed])]
+fn other_frames(bench: &mut Bench<'_>) -> Judged {
+    let subject = subject(bench, 255)?;
+    operational(bench)?;
+    // A value that is not 0: what a remote frame "carries" is often taken for zeros.
+    let value = if subject.before.iter().all(|&byte| byte == 0) { &subject.other } else { &subject.before };
+    send(bench, &subject, value)?;
+    let length = u8::try_from(value.len()).unwrap_or(8);
+    let id = u32::from(subject.can_id);
+    let inverted: Vec<u8> = value.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
+    let frames = [
+        ("a remote frame", Frame::remote(CanId::standard_masked(id), length)),
+        ("a 29-bit frame", Frame::new(CanId::extended_masked(id), &inverted)),
+    ];
+    for (what, frame) in frames {
+        if let Some(frame) = frame {
+            bench.send(&frame)?;
+        }
+        bench.listen(AFTER_PDO)?;
+        let duty = format!("{what} with the CAN-ID of an RPDO has no effect");
+        expect_value(bench, subject.mapped.at, value, &duty)?;
+    }
+    Ok(Verdict::Pass)
+}
+
+/// Of many RPDOs in a row the last one counts, and the device goes on working.
+#[case(id = "301/rpdo/load", clause = "CiA 301 7.2.2.4", confidence = Known, level = Must,
+       needs = [RpdoMapping], catches = [WatchdogResetUnderLoad])]
+fn load(bench: &mut Bench<'_>) -> Judged {
+    const FRAMES: usize = 1_000;
+    let subject = subject(bench, 255)?;
+    operational(bench)?;
+    bench.expect_emergencies();
+    for n in 0..FRAMES {
+        let value = if n % 2 == 0 { &subject.before } else { &subject.other };
+        bench.send_bytes(subject.can_id, value)?;
+    }
+    bench.drain()?;
+    // They wait for the bus: 130 µs each at 1 Mbit/s, 2.6 ms at 50 kbit/s.
+    bench.listen(Duration::from_millis(3_000))?;
+    let duty = format!("{} has the value of the last of {FRAMES} RPDOs", subject.mapped.at);
+    expect_value(bench, subject.mapped.at, &subject.other, &duty)
+}
+
+/// An RPDO with a value that an SDO may not write leaves other objects alone, and the device goes on working.
+///
+/// Whether it is limited, ignored or taken as it is, is not said; what this device does is noted.
+#[case(id = "301/rpdo/out-of-range", clause = "CiA 301 7.2.2.4", confidence = Known, level = Should,
+       needs = [RpdoMapping], catches = [RpdoRangeUnchecked])]
+fn out_of_range(bench: &mut Bench<'_>) -> Judged {
+    let node = bench.node();
+    let limited = bench.rpdo_objects().into_iter().find_map(|mapped| {
+        let entry = bench.target().description.as_ref()?.dictionary.entry(mapped.at).ok()?;
+        let limit = entry.high_limit.as_ref()?.resolve(entry.data_type, node).as_number()?;
+        let beyond = u64::try_from(limit + 1).ok().filter(|beyond| mapped.bits == 64 || beyond >> mapped.bits == 0)?;
+        Some((mapped, beyond))
+    });
+    let Some((mapped, beyond)) = limited else {
+        let reason = Reason::new("an RPDO can carry an object with a limit", "one in the description", "none");
+        return Err(Verdict::NotApplicable(reason));
+    };
+    let before = bench.read(mapped.at)?;
+    bench.write(mapped.at, &before)?;
+    bench.set_mapping(RPDO, &[mapped])?;
+    bench.set_pdo(RPDO, &[(2, &[255])])?;
+    operational(bench)?;
+    bench.expect_emergencies();
+    let can_id = (bench.pdo_cob_id(RPDO)?.can_id() & 0x7FF) as u16;
+    let length = usize::from(mapped.bits / 8);
+    let data: Vec<u8> = beyond.to_le_bytes().into_iter().take(length).collect();
+    bench.send_bytes(can_id, &data)?;
+    bench.listen(AFTER_PDO)?;
+    let now = bench.read(mapped.at)?;
+    demand(now != data, || {
+        let duty = format!("{} does not take by RPDO what it does not take by SDO", mapped.at);
+        Reason::new(duty, "a value within its limits", Bytes(&now).to_string())
+    })
+}
+
+/// An RPDO whose deadline (event timer) passes is reported by EMCY 8250h.
+#[case(id = "301/rpdo/deadline", clause = "CiA 301 7.5.2.35", confidence = Attested, level = Must,
+       needs = [RpdoMapping], catches = [RpdoDeadlineIgnored])]
+fn deadline(bench: &mut Bench<'_>) -> Judged {
+    const DEADLINE_MS: u16 = 100;
+    let subject = subject(bench, 255)?;
+    if !bench.can_write(RPDO.parameter(5))? {
+        let reason = Reason::new("RPDO 1 has a deadline", "1400h:05", "the device has no 1400h:05 that can be written");
+        return Err(Verdict::NotApplicable(reason));
+    }
+    bench.set_pdo(RPDO, &[(5, &DEADLINE_MS.to_le_bytes())])?;
+    operational(bench)?;
+    bench.expect_emergencies();
+    // Monitoring begins with the first.
+    bench.send_bytes(subject.can_id, &subject.other)?;
+    let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
+    let heard = bench.frames_of(emcy_id, Duration::from_millis(u64::from(DEADLINE_MS) * 4))?;
+    let code = |data: &[u8]| Emcy::read(data).ok().and_then(|emcy| emcy.code()).map(|code| code.0);
+    demand(heard.iter().any(|record| code(record.frame.data()) == Some(0x8250)), || {
+        let shown: Vec<String> = heard.iter().map(|record| record.frame.to_string()).collect();
+        let actual = if shown.is_empty() { "no EMCY".to_owned() } else { shown.join(", ") };
+        Reason::new(format!("an RPDO missing for {DEADLINE_MS} ms is reported"), "EMCY 8250h", actual)
+    })
+}
+
+/// The transmission types 241 to 253, which are reserved for RPDOs, are refused with abort 0609 0030h.
+#[case(id = "301/rpdo/reserved-type", clause = "CiA 301 7.5.2.35", confidence = Attested, level = Must,
+       needs = [Rpdo], catches = [ReservedTransmissionTypeAccepted])]
+fn reserved_type(bench: &mut Bench<'_>) -> Judged {
+    use canvass_analyzer::wire::sdo::AbortCode;
+    if !bench.can_write(RPDO.parameter(2))? {
+        let reason = Reason::new("the transmission type of RPDO 1 can be changed", "1400h:02", "not writable");
+        return Err(Verdict::NotApplicable(reason));
+    }
+    bench.pdo_off(RPDO)?;
+    let before = bench.read(RPDO.parameter(2))?;
+    let mut verdict = Verdict::Pass;
+    for reserved in [241_u8, 247, 251, 252, 253] {
+        let attempt = bench.download(RPDO.parameter(2), &[reserved])?;
+        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
+    }
+    bench.expect_unchanged(RPDO.parameter(2), &before)?;
+    Ok(verdict)
+}
+
+/// The CAN-ID of an RPDO that is valid can't be changed: abort 0609 0030h, and the COB-ID stays.
+#[case(id = "301/rpdo/cob-id/valid", clause = "CiA 301 7.5.2.35", confidence = Attested, level = Must,
+       needs = [RpdoMapping], catches = [CobIdChangeWhileValid])]
+fn cob_id_valid(bench: &mut Bench<'_>) -> Judged {
+    use canvass_analyzer::wire::sdo::AbortCode;
+    /// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+    const FREE: u32 = 0x6A0;
+    let subject = subject(bench, 255)?;
+    let own = bench.read(RPDO.parameter(1))?;
+    let other = crate::bench::sdo::number(&own) & !0x7FF | FREE;
+    let attempt = bench.download(RPDO.parameter(1), &other.to_le_bytes())?;
+    let verdict = attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?;
+    bench.expect_unchanged(RPDO.parameter(1), &own)?;
+    operational(bench)?;
+    proven(bench, &subject)?;
+    Ok(verdict)
+}
+
+/// An RPDO that gets another CAN-ID while it is off is received with it.
+#[case(id = "301/rpdo/cob-id/moved", clause = "CiA 301 7.5.2.35", confidence = Attested, level = Must,
+       needs = [RpdoMapping], catches = [RpdoKeepsCanId])]
+fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
+    const FREE: u16 = 0x6A0;
+    let mut subject = subject(bench, 255)?;
+    let own = bench.pdo_off(RPDO)?;
+    let moved = CobId(own.0 & !0x7FF | u32::from(FREE) | CobId::INVALID);
+    bench.write(RPDO.parameter(1), &moved.0.to_le_bytes())?;
+    bench.pdo_on(RPDO, moved)?;
+    operational(bench)?;
+    subject.can_id = FREE;
+    send(bench, &subject, &subject.other)?;
+    let duty = format!("RPDO 1 is received with CAN-ID {FREE:03X}h");
+    expect_value(bench, subject.mapped.at, &subject.other, &duty)
+}
+
+/// Two objects in one RPDO get their values by their place in the mapping.
+#[case(id = "301/rpdo/layout", clause = "CiA 301 7.5.2.36", confidence = Attested, level = Must,
+       needs = [RpdoMapping], catches = [RpdoBytesReversed])]
+fn layout(bench: &mut Bench<'_>) -> Judged {
+    let objects: Vec<Mapped> = bench.rpdo_objects().into_iter().filter(|mapped| mapped.bits <= 32).take(2).collect();
+    let [first, second] = objects.as_slice() else {
+        let reason = Reason::new("an RPDO can carry two objects", "two in the description", "fewer");
+        return Err(Verdict::NotApplicable(reason));
+    };
+    let before = [bench.read(first.at)?, bench.read(second.at)?];
+    for (mapped, value) in objects.iter().zip(&before) {
+        bench.write(mapped.at, value)?;
+    }
+    bench.set_mapping(RPDO, &objects)?;
+    bench.set_pdo(RPDO, &[(2, &[255])])?;
+    let can_id = (bench.pdo_cob_id(RPDO)?.can_id() & 0x7FF) as u16;
+    operational(bench)?;
+    let changed: Vec<u8> = before[0].iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
+    let data: Vec<u8> = changed.iter().chain(&before[1]).copied().collect();
+    bench.send_bytes(can_id, &data)?;
+    bench.listen(AFTER_PDO)?;
+    expect_value(bench, first.at, &changed, "the first object of an RPDO has its first bytes")?;
+    expect_value(bench, second.at, &before[1], "the second object of an RPDO has the bytes behind them")
+}
+
+/// A device with SYNC takes the synchronous transmission types 0, 1, 2 and 240 for an RPDO.
+#[case(id = "301/rpdo/synchronous-types", clause = "CiA 301 7.5.2.35", confidence = Attested, level = Should,
+       needs = [Rpdo, Sync], catches = [SynchronousRpdoRefused])]
+fn synchronous_types(bench: &mut Bench<'_>) -> Judged {
+    if !bench.can_write(RPDO.parameter(2))? {
+        let reason = Reason::new("the transmission type of RPDO 1 can be changed", "1400h:02", "not writable");
+        return Err(Verdict::NotApplicable(reason));
+    }
+    bench.pdo_off(RPDO)?;
+    for kind in [0_u8, 1, 2, 240] {
+        let mut attempt = bench.download(RPDO.parameter(2), &[kind])?;
+        attempt.what = format!("transmission type {kind} of RPDO 1");
+        attempt.expect_confirmation()?;
+    }
+    Ok(Verdict::Pass)
+}

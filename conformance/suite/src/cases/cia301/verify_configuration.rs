@@ -1,0 +1,60 @@
+//! Verify configuration (1020h): date and time that a configuration tool leaves, so that a master sees whether the
+//! configuration is still the one that it knows.
+
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::client::sdo::Bytes;
+
+const DATE: Multiplexer = Multiplexer::new(0x1020, 1);
+const TIME: Multiplexer = Multiplexer::new(0x1020, 2);
+const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+/// Days since 1984-01-01, and milliseconds since midnight.
+const STAMP: [[u8; 4]; 2] = [15_000_u32.to_le_bytes(), 43_200_000_u32.to_le_bytes()];
+
+fn stamp(bench: &mut Bench<'_>) -> Judged {
+    for (at, value) in [DATE, TIME].into_iter().zip(STAMP) {
+        bench.download(at, &value)?.expect_confirmation()?;
+    }
+    holds(bench, STAMP, "1020h holds what was written")
+}
+
+fn holds(bench: &mut Bench<'_>, expected: [[u8; 4]; 2], duty: &str) -> Judged {
+    let found = [bench.read(DATE)?, bench.read(TIME)?];
+    demand(found == expected, || {
+        let shown =
+            |values: &[&[u8]]| values.iter().map(|value| Bytes(value).to_string()).collect::<Vec<_>>().join(", ");
+        Reason::new(duty, shown(&[&expected[0], &expected[1]]), shown(&[&found[0], &found[1]]))
+    })
+}
+
+/// Date and time in 1020h are 0 as soon as a parameter is changed.
+#[case(id = "301/verify-configuration/cleared", clause = "CiA 301 7.5.2.23", confidence = Derived, level = Must,
+       needs = [VerifyConfiguration, ScratchObject], catches = [ConfigurationDateKept], cct = "8.9")]
+fn cleared(bench: &mut Bench<'_>) -> Judged {
+    let scratch = bench.scratch(&[2, 4, 1])?;
+    stamp(bench)?;
+    bench.write(scratch.multiplexer, &scratch.other)?;
+    let duty = format!("a change of {} sets 1020h to 0", scratch.multiplexer);
+    holds(bench, [[0; 4]; 2], &duty)
+}
+
+/// Date and time in 1020h that were stored are there after reset node. The ones of before are stored again.
+#[case(id = "301/verify-configuration/stored", clause = "CiA 301 7.5.2.23", confidence = Derived, level = Must,
+       needs = [VerifyConfiguration, Store], touches = [Nvm], catches = [ConfigurationDateLost, StoreWithoutEffect],
+       cct = "8.9")]
+fn stored(bench: &mut Bench<'_>) -> Judged {
+    let before = [bench.read(DATE)?, bench.read(TIME)?];
+    stamp(bench)?;
+    bench.write(STORE, b"save")?;
+    let judged = bench
+        .reset(Command::RESET_NODE)
+        .and_then(|()| holds(bench, STAMP, "1020h has its stored value after reset node"));
+    for (at, value) in [DATE, TIME].into_iter().zip(&before) {
+        bench.write(at, value)?;
+    }
+    bench.write(STORE, b"save")?;
+    judged
+}

@@ -1,0 +1,62 @@
+//! Objects that DS-301 V3.0 had and V4.0 dropped: 1004h, 100Bh, 100Eh. Only devices that have them are judged.
+
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::error_control;
+use canvass_bus::client::Outcome;
+
+/// The number in an object that may be absent.
+fn number(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<u32, Verdict> {
+    match bench.upload(multiplexer)?.outcome {
+        Outcome::Uploaded(value) => Ok(crate::bench::sdo::number(&value)),
+        other => {
+            let reason = Reason::new("the device has the object", multiplexer.to_string(), other.to_string());
+            Err(Verdict::NotApplicable(reason))
+        }
+    }
+}
+
+/// 1004h counts the PDOs: receive PDOs in the upper half, transmit PDOs in the lower half; sub-index 0 is the sum of the
+/// synchronous ones in 1 and the asynchronous ones in 2, and as many as there are communication parameters.
+#[case(id = "301/dictionary/number-of-pdos", clause = "CiA 301", confidence = Unknown, level = Should,
+       needs = [Description], catches = [PdoCountWrong])]
+fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
+    let all = number(bench, Multiplexer::new(0x1004, 0))?;
+    let synchronous = number(bench, Multiplexer::new(0x1004, 1))?;
+    let asynchronous = number(bench, Multiplexer::new(0x1004, 2))?;
+    demand(synchronous.wrapping_add(asynchronous) == all, || {
+        let expected = format!("{synchronous:08X}h + {asynchronous:08X}h");
+        Reason::new("1004h:00 is the sum of 1004h:01 and 1004h:02", expected, format!("{all:08X}h"))
+    })?;
+    let dictionary = bench.target().description.as_ref().map(|description| &description.dictionary);
+    let count = |first: u16, last: u16| {
+        let entries = dictionary.into_iter().flat_map(|dictionary| dictionary.entries());
+        entries.filter(|(at, _)| (first..=last).contains(&at.index.0) && at.sub.0 == 1).count() as u32
+    };
+    let there = count(0x1400, 0x15FF) << 16 | count(0x1800, 0x19FF);
+    demand(there == all, || {
+        Reason::new("1004h:00 counts the PDOs that there are", format!("{there:08X}h"), format!("{all:08X}h"))
+    })
+}
+
+/// 100Bh is the node-ID.
+#[case(id = "301/dictionary/node-id", clause = "CiA 301", confidence = Unknown, level = Should,
+       catches = [NodeIdObjectWrong])]
+fn node_id(bench: &mut Bench<'_>) -> Judged {
+    let found = number(bench, Multiplexer::new(0x100B, 0))?;
+    let node = u32::from(bench.node().raw());
+    demand(found == node, || Reason::new("100Bh is the node-ID in use", format!("{node}"), format!("{found}")))
+}
+
+/// 100Eh is the COB-ID on which guarding is answered: 700h + node-ID.
+#[case(id = "301/guarding/cob-id", clause = "CiA 301", confidence = Unknown, level = Should,
+       catches = [GuardingCobIdWrong])]
+fn guarding_cob_id(bench: &mut Bench<'_>) -> Judged {
+    let found = number(bench, Multiplexer::new(0x100E, 0))? & 0x7FF;
+    let used = u32::from(error_control::CAN_ID_BASE) + u32::from(bench.node().raw());
+    demand(found == used, || {
+        Reason::new("100Eh is the guarding COB-ID", format!("{used:03X}h"), format!("{found:03X}h"))
+    })
+}

@@ -1,0 +1,64 @@
+//! The description against the device: what the device has and nobody described.
+
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, demand};
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{Index, Multiplexer};
+use canvass_bus::client::Outcome;
+
+/// Where devices usually have objects, looked at in every run.
+const USUAL: [(u16, u16); 12] = [
+    (0x1000, 0x102A),
+    (0x1200, 0x1203),
+    (0x1280, 0x1283),
+    (0x1400, 0x1407),
+    (0x1600, 0x1607),
+    (0x1800, 0x1807),
+    (0x1A00, 0x1A07),
+    (0x1F50, 0x1F57),
+    (0x1F80, 0x1F83),
+    (0x2000, 0x200F),
+    (0x6000, 0x600F),
+    (0x6500, 0x650F),
+];
+
+/// All of them: with `--exhaustive`.
+const ALL: [(u16, u16); 1] = [(0x1000, 0x9FFF)];
+
+/// The device has no object that its description does not name.
+///
+/// Looked at is where devices usually have objects; with `--exhaustive` every index from 1000h to 9FFFh, which takes
+/// about a minute on a live bus.
+#[case(id = "306/device/undescribed", clause = "CiA 306", confidence = Unknown, level = Should, needs = [Description],
+       catches = [UndescribedObject])]
+fn undescribed(bench: &mut Bench<'_>) -> Judged {
+    const SHOWN: usize = 8;
+    let ranges: &[(u16, u16)] = if bench.options().exhaustive { &ALL } else { &USUAL };
+    let mut found = Vec::new();
+    for index in ranges.iter().flat_map(|&(first, last)| first..=last) {
+        let is_described = |description: &canvass_analyzer::dictionary::DeviceDescription| {
+            description.dictionary.object(Index(index)).is_some()
+        };
+        if bench.target().description.as_ref().is_none_or(is_described) {
+            continue;
+        }
+        let attempt = bench.upload(Multiplexer::new(index, 0))?;
+        let is_there = match &attempt.outcome {
+            Outcome::Uploaded(_) => true,
+            Outcome::Aborted(abort) => abort.code == AbortCode::WRITE_ONLY,
+            _ => false,
+        };
+        if is_there {
+            found.push(format!("{index:04X}h"));
+        }
+    }
+    demand(found.is_empty(), || {
+        let more = found.len().saturating_sub(SHOWN);
+        let mut shown = found.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
+        if more > 0 {
+            shown.push_str(&format!(" and {more} more"));
+        }
+        Reason::new("every object of the device is described", "no other than those of the description", shown)
+    })
+}

@@ -1,0 +1,185 @@
+//! Objects that say the same in different ways: resolutions and ranges (6501h, 6502h, 650Ah), positions of different width
+//! (6004h, 6008h), and the position by SDO and by PDO.
+
+use super::position::{OFFSET, POSITION, RANGE, UNITS_PER_REVOLUTION, is_near, position_at_rest, small_range};
+use super::preset::with_preset;
+use crate::bench::Bench;
+use crate::bench::pdo::TPDO;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::client::sdo::Bytes;
+use canvass_traces::Duration;
+
+const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
+const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
+const LOWEST: Multiplexer = Multiplexer::new(0x650A, 2);
+const HIGHEST: Multiplexer = Multiplexer::new(0x650A, 3);
+const HIGH_PRECISION: Multiplexer = Multiplexer::new(0x6008, 0);
+
+/// Where 650Ah names the lowest and the highest position, so many positions lie between them as 6501h times 6502h gives.
+///
+/// 650Ah is signed: a highest position of 7FFF FFFFh stands for every range that it has no room for.
+#[case(id = "406/resolution/consistent", clause = "CiA 406", confidence = Unknown, level = Must, needs = [Encoder],
+       catches = [RevolutionsZero, HighestPositionWrong])]
+fn resolution(bench: &mut Bench<'_>) -> Judged {
+    if !bench.has(LOWEST)? || !bench.has(HIGHEST)? {
+        let reason = Reason::new("the encoder names its lowest and highest position", "650Ah:02 and 03", "none");
+        return Err(Verdict::NotApplicable(reason));
+    }
+    let (low, high) = (bench.read_number(LOWEST)? as i32, bench.read_number(HIGHEST)? as i32);
+    let steps = u64::from(bench.read_number(SINGLE_TURN)?) * u64::from(bench.read_number(REVOLUTIONS)?);
+    if high == i32::MAX {
+        return demand(steps > u64::from(i32::MAX as u32), || {
+            let duty = "a highest position of 7FFFFFFFh stands for a range that 650Ah has no room for";
+            Reason::new(duty, "6501h * 6502h of 2147483648 or more", steps.to_string())
+        });
+    }
+    if high == 0 && low == 0 {
+        return Err(Verdict::NotApplicable(Reason::new("650Ah names a range", "a highest position", "0 to 0")));
+    }
+    let named = i64::from(high) - i64::from(low) + 1;
+    demand(i64::try_from(steps).is_ok_and(|steps| steps == named), || {
+        let duty = "650Ah:02 to 650Ah:03 are as many positions as 6501h * 6502h";
+        Reason::new(duty, steps.to_string(), named.to_string())
+    })
+}
+
+/// The high-precision position 6008h shows the same place as 6004h: in the same units, or in a power of two more.
+#[case(id = "406/position/high-precision", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, HighPrecision], catches = [HighPrecisionWithoutPreset])]
+fn high_precision(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    let before = position_at_rest(bench)?;
+    with_preset(bench, (before + range / 3) % range, |bench, _| {
+        let position = position_at_rest(bench)?;
+        let bytes = bench.upload(HIGH_PRECISION)?.value()?;
+        let wide = bytes.iter().take(8).rev().fold(0_u64, |value, &byte| value << 8 | u64::from(byte));
+        let fits = |shift: u32| u32::try_from(wide >> shift).is_ok_and(|found| is_near(found, position, range));
+        demand((0..=32).any(fits), || {
+            let duty = "6008h shows the place that 6004h shows";
+            Reason::new(duty, format!("{position}, or that times a power of two"), Bytes(&bytes).to_string())
+        })
+    })
+}
+
+/// The second TPDO, where it is synchronous as delivered and carries the position, follows SYNC with the position of now.
+#[case(id = "406/tpdo/second-synchronous", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, Sync], catches = [SecondTpdoMissing])]
+fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
+    let second = TPDO.numbered(2);
+    let unlike = |actual: String| {
+        let duty = "TPDO 2 is synchronous and carries the position";
+        Verdict::NotApplicable(Reason::new(duty, "transmission type 1, 6004h first", actual))
+    };
+    if !bench.has(second.parameter(2))? || !bench.has(second.entry(1))? {
+        return Err(unlike("there is no TPDO 2".to_owned()));
+    }
+    let (kind, entry) = (bench.read_number(second.parameter(2))?, bench.read_number(second.entry(1))?);
+    let cob_id = bench.pdo_cob_id(second)?;
+    if kind != 1 || entry != 0x6004_0020 || !cob_id.is_valid() {
+        return Err(unlike(format!("type {kind}, mapping {entry:08X}h, COB-ID {cob_id}")));
+    }
+    let can_id = (cob_id.can_id() & 0x7FF) as u16;
+    let sync = bench.sync_id()?;
+    bench.command(Command::START)?;
+    bench.listen(Duration::from_millis(100))?;
+    let position = position_at_rest(bench)?;
+    bench.drain()?;
+    bench.send_bytes(sync, &[])?;
+    let heard = bench.frames_of(can_id, Duration::from_millis(50))?;
+    let Some(first) = heard.first() else {
+        return Err(Verdict::Fail(Reason::new("TPDO 2 follows SYNC", "one within 50 ms", "none")));
+    };
+    let found = crate::bench::sdo::number(first.data());
+    demand(is_near(found, position, u32::MAX), || {
+        Reason::new("TPDO 2 carries the position of now", position.to_string(), Bytes(first.data()).to_string())
+    })
+}
+
+/// After a preset the scaling is changed: the position stays inside the new range, and 6509h goes with it: the position
+/// without offset is that of the shaft. Whether the preset outlives the change is noted.
+#[case(id = "406/preset/scaling-changed", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = [Encoder, VolatilePreset], catches = [ScalingIgnored])]
+fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    let before = position_at_rest(bench)?;
+    let shaft = without_offset(bench, before, range)?;
+    with_preset(bench, (before + range / 3) % range, |bench, _| {
+        let set = position_at_rest(bench)?;
+        bench.write(UNITS_PER_REVOLUTION, &128_u32.to_le_bytes())?;
+        bench.write(RANGE, &(range / 2).to_le_bytes())?;
+        let position = position_at_rest(bench)?;
+        let offset = bench.read_number(OFFSET)? as i32;
+        bench.note(format!("preset to {set}; with half the range the position is {position}, the offset {offset}"));
+        demand(position < range / 2, || {
+            let duty = "with a new range the position lies in it";
+            Reason::new(duty, format!("below {}", range / 2), position.to_string())
+        })?;
+        let found = without_offset(bench, position, range / 2)?;
+        demand(is_near(found, shaft / 2, range / 2), || {
+            let duty = "6004h without 6509h is the place of the shaft in the new units";
+            Reason::new(duty, format!("{}", shaft / 2), format!("{position} - {offset}"))
+        })
+    })
+}
+
+/// The position less 6509h, in the range.
+fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u32, Verdict> {
+    let offset = i64::from(bench.read_number(OFFSET)? as i32);
+    Ok((i64::from(position) - offset).rem_euclid(range.into()) as u32)
+}
+
+/// A preset of a shaft that turns takes effect without a jump beyond the motion, and the position goes on from there.
+#[case(id = "406/preset/moving", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = [Encoder, VolatilePreset, TurningShaft], catches = [PresetGlitch, PresetStopsCounting])]
+fn moving(bench: &mut Bench<'_>) -> Judged {
+    use super::position::PRESET;
+    if bench.keeps_presets() {
+        let actual = "it stores them at once, as its manual says";
+        let reason = Reason::new("a reset takes the preset back", "an encoder that does not store presets", actual);
+        return Err(Verdict::NotApplicable(reason));
+    }
+    let range = super::preset::range_now(bench)?;
+    let (began, first) = (bench.now(), bench.read_number(POSITION)?);
+    bench.listen(Duration::from_millis(200))?;
+    let (ended, second) = (bench.now(), bench.read_number(POSITION)?);
+    let per_ms = shorter(first, second, range).unsigned_abs() as f64 / ended.since(began).as_millis();
+    let wanted = range / 2;
+    bench.download(PRESET, &wanted.to_le_bytes())?.expect_confirmation()?;
+    let set = bench.now();
+    let mut judged = Ok(Verdict::Pass);
+    let mut positions = Vec::new();
+    for _ in 0..20 {
+        let position = bench.read_number(POSITION)?;
+        positions.push(position);
+        // What the shaft can have turned since, a tenth more, and what a reading takes.
+        let most = per_ms * (bench.now().since(set).as_millis() + 5.0) * 1.1 + 4.0;
+        let away = shorter(wanted, position, range).unsigned_abs() as f64;
+        if away > most {
+            let duty = "after a preset the position differs by no more than the motion since";
+            let reason = Reason::new(duty, format!("{wanted} ± {most:.0}"), position.to_string());
+            judged = Err(Verdict::Fail(reason));
+            break;
+        }
+        bench.listen(Duration::from_millis(5))?;
+    }
+    let stands = positions.windows(10).any(|ten| ten.iter().all(|position| Some(position) == ten.first()));
+    // The motion goes on: where the shaft would be without the preset is not known exactly, but near enough.
+    let turned = per_ms * bench.now().since(ended).as_millis();
+    let back = (i64::from(second) + shorter(first, second, range).signum() * turned as i64).rem_euclid(range.into());
+    bench.download(PRESET, &(back as u32).to_le_bytes())?;
+    judged.and_then(|_| {
+        demand(!stands, || {
+            Reason::new("after a preset the position goes on counting", "another one in 50 ms", "always the same")
+        })
+    })
+}
+
+/// From one position to another the shorter way round.
+fn shorter(from: u32, to: u32, range: u32) -> i64 {
+    let range = i64::from(range);
+    let way = (i64::from(to) - i64::from(from)).rem_euclid(range);
+    if way > range / 2 { way - range } else { way }
+}

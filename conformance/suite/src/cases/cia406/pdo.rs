@@ -1,0 +1,95 @@
+//! When an encoder sends its position.
+
+use super::position::position_at_rest;
+use crate::bench::Bench;
+use crate::bench::objects::{EVENT_TIMER, TRANSMISSION_TYPE};
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{CobId, Multiplexer};
+use canvass_bus::client::sdo::Bytes;
+use canvass_traces::{Duration, Record};
+
+const TPDO: Multiplexer = Multiplexer::new(0x1800, 1);
+const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
+const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+
+fn event_driven(bench: &mut Bench<'_>) -> Result<u16, Verdict> {
+    let transmission_type = bench.read_number(TRANSMISSION_TYPE)?;
+    if transmission_type < 254 {
+        let actual = format!("transmission type {transmission_type}");
+        let reason = Reason::new("TPDO 1 is event-driven", "transmission type 254 or 255", actual);
+        return Err(Verdict::NotApplicable(reason));
+    }
+    Ok((CobId(bench.read_number(TPDO)?).can_id() & 0x7FF) as u16)
+}
+
+fn count(heard: &[Record], cob_id: u16) -> usize {
+    heard.iter().filter(|record| record.frame.cob_id() == Some(cob_id)).count()
+}
+
+/// The event-driven TPDO 1 is sent when the device becomes operational, without waiting for its event timer.
+#[case(id = "406/tpdo/sent-on-start", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, EventTimer], catches = [FirstPositionMissing])]
+fn sent_on_start(bench: &mut Bench<'_>) -> Judged {
+    let cob_id = event_driven(bench)?;
+    bench.write(EVENT_TIMER, &5_000_u16.to_le_bytes())?;
+    bench.command(Command::START)?;
+    let heard = bench.listen(bench.timing().silence)?;
+    demand(count(&heard, cob_id) > 0, || {
+        Reason::new("TPDO 1 is sent when the device becomes operational", "a TPDO within 200 ms", "none")
+    })
+}
+
+/// The cyclic timer 6200h sends TPDO 1 periodically; 0 ends that.
+#[case(id = "406/cyclic-timer/off", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, EventTimer], catches = [CyclicTimerNotStopped])]
+fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
+    if !bench.has(CYCLIC_TIMER)? {
+        return Err(Verdict::NotApplicable(Reason::new("the encoder has a cyclic timer", "6200h", "none")));
+    }
+    let cob_id = event_driven(bench)?;
+    bench.write(CYCLIC_TIMER, &50_u16.to_le_bytes())?;
+    bench.command(Command::START)?;
+    let running = bench.listen(Duration::from_millis(520))?;
+    demand(count(&running, cob_id) >= 9, || {
+        let actual = format!("{}", count(&running, cob_id));
+        Reason::new("with 6200h = 50 TPDO 1 comes every 50 ms", "at least 9 in 520 ms", actual)
+    })
+    .map_err(Verdict::as_inconclusive)?;
+    bench.write(CYCLIC_TIMER, &0_u16.to_le_bytes())?;
+    bench.listen(bench.timing().reaction)?;
+    // A shaft that turns sends them on change.
+    position_at_rest(bench)?;
+    let heard = bench.listen(Duration::from_millis(500))?;
+    position_at_rest(bench)?;
+    // A trembling position may still send a TPDO on change.
+    demand(count(&heard, cob_id) <= 2, || {
+        let actual = format!("{} TPDOs in 500 ms", count(&heard, cob_id));
+        Reason::new("with 6200h = 0 TPDO 1 is not sent cyclically", "none at rest", actual)
+    })
+}
+
+/// 6200h follows the event timer of TPDO 1, which is the same timer.
+#[case(id = "406/cyclic-timer/follows-event-timer", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, EventTimer], catches = [EventTimerNotInCyclicTimer])]
+fn follows_event_timer(bench: &mut Bench<'_>) -> Judged {
+    if !bench.has(CYCLIC_TIMER)? {
+        return Err(Verdict::NotApplicable(Reason::new("the encoder has a cyclic timer", "6200h", "none")));
+    }
+    bench.write(EVENT_TIMER, &70_u16.to_le_bytes())?;
+    let read = bench.read(CYCLIC_TIMER)?;
+    demand(read == 70_u16.to_le_bytes(), || {
+        Reason::new("6200h follows 1800h:05 = 70", Bytes(&70_u16.to_le_bytes()).to_string(), Bytes(&read).to_string())
+    })
+}
+
+/// The position can't be written.
+#[case(id = "406/position/read-only", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [PositionWritable])]
+fn read_only(bench: &mut Bench<'_>) -> Judged {
+    let value = bench.read(POSITION)?;
+    let attempt = bench.download(POSITION, &value)?;
+    attempt.expect_abort(&[AbortCode::READ_ONLY], &[AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL])
+}

@@ -1,0 +1,88 @@
+//! Which objects an encoder has, and of which types.
+
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_bus::client::Outcome;
+
+/// What every encoder of class C2 has.
+const MANDATORY: [u16; 14] =
+    [0x6000, 0x6001, 0x6002, 0x6003, 0x6004, 0x6500, 0x6501, 0x6502, 0x6503, 0x6504, 0x6505, 0x6506, 0x6507, 0x6509];
+
+/// The lengths of the data types; two where the profile's versions differ.
+const LENGTHS: [(u16, &[usize]); 17] = [
+    (0x6000, &[2]),
+    (0x6001, &[4]),
+    (0x6002, &[4]),
+    (0x6003, &[4]),
+    (0x6004, &[4]),
+    (0x6200, &[2]),
+    (0x6500, &[2]),
+    (0x6501, &[4]),
+    // UNSIGNED16; more revolutions than that need UNSIGNED32.
+    (0x6502, &[2, 4]),
+    (0x6503, &[2]),
+    (0x6504, &[2]),
+    (0x6505, &[2]),
+    (0x6506, &[2]),
+    (0x6507, &[4]),
+    (0x6508, &[4]),
+    (0x6509, &[4]),
+    (0x650B, &[4]),
+];
+
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
+
+/// The upper word of the device type 1000h fits what the encoder can do: 1 is a single-turn encoder, with one revolution
+/// in 6502h, 2 a multi-turn encoder, with more.
+#[case(id = "406/device-type/turns", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [DeviceTypeTurnsWrong])]
+fn device_type(bench: &mut Bench<'_>) -> Judged {
+    let kind = bench.read_number(DEVICE_TYPE)? >> 16;
+    let revolutions = bench.read_number(REVOLUTIONS)?;
+    let fits = match kind {
+        1 => revolutions <= 1,
+        2 => revolutions > 1,
+        _ => true,
+    };
+    if kind == 0 {
+        bench.note("1000h does not say which kind of encoder it is");
+    }
+    demand(fits, || {
+        let expected = if kind == 1 { "1 revolution, as a single-turn encoder has" } else { "more than 1 revolution" };
+        Reason::new(format!("6502h fits the type {kind} of 1000h"), expected, format!("{revolutions}"))
+    })
+}
+
+/// The objects that class C2 demands exist.
+#[case(id = "406/profile/mandatory-objects", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [OperatingStatusMissing, AlarmsMissing])]
+fn mandatory(bench: &mut Bench<'_>) -> Judged {
+    for index in MANDATORY {
+        let at = Multiplexer::new(index, 0);
+        let attempt = bench.upload(at)?;
+        demand(attempt.abort() != Some(AbortCode::NO_OBJECT), || {
+            let duty = format!("{index:04X}h, which class C2 demands, exists");
+            Reason::new(duty, "the value", attempt.outcome.to_string())
+        })?;
+    }
+    Ok(Verdict::Pass)
+}
+
+/// The objects of the profile have the lengths of its data types.
+#[case(id = "406/profile/data-types", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [PositionSixteenBit, OperatingParametersThirtyTwoBit])]
+fn data_types(bench: &mut Bench<'_>) -> Judged {
+    for (index, lengths) in LENGTHS {
+        let Outcome::Uploaded(value) = bench.upload(Multiplexer::new(index, 0))?.outcome else { continue };
+        demand(lengths.contains(&value.len()), || {
+            let expected: Vec<String> = lengths.iter().map(ToString::to_string).collect();
+            let duty = format!("{index:04X}h has the length of its data type");
+            Reason::new(duty, format!("{} bytes", expected.join(" or ")), format!("{} bytes", value.len()))
+        })?;
+    }
+    Ok(Verdict::Pass)
+}

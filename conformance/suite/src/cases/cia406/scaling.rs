@@ -1,0 +1,107 @@
+//! Measuring units per revolution (6001h) and total measuring range (6002h).
+
+use super::position::{
+    CODE_SEQUENCE, OFFSET, POSITION, RANGE, SCALING, UNITS_PER_REVOLUTION, is_near, operate, position_at_rest,
+    small_range,
+};
+use super::preset::with_preset;
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_bus::client::Outcome;
+
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+
+/// 6001h = 0 is refused, or put right; whatever becomes of it, the device goes on answering.
+#[case(id = "406/scaling/zero-units", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [UnitsZeroWedges])]
+fn zero_units(bench: &mut Bench<'_>) -> Judged {
+    operate(bench, SCALING, 0)?;
+    let attempt = bench.download(UNITS_PER_REVOLUTION, &0_u32.to_le_bytes())?;
+    for at in [POSITION, DEVICE_TYPE] {
+        let alive = bench.upload(at)?;
+        demand(!alive.is_silent(), || {
+            let duty = format!("after 6001h = 0 ({}) the device answers", attempt.outcome);
+            Reason::new(duty, "a response", "no answer")
+        })?;
+    }
+    Ok(Verdict::Pass)
+}
+
+/// A measuring range of less than one revolution is refused, from both sides: 6001h above 6002h, 6002h below 6001h. The
+/// old value stays.
+#[case(id = "406/scaling/units-above-range", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [UnitsAboveRangeAccepted])]
+fn units_above_range(bench: &mut Bench<'_>) -> Judged {
+    let range = small_range(bench)?;
+    for (at, value) in [(UNITS_PER_REVOLUTION, range + 1), (RANGE, 128)] {
+        let before = bench.read(at)?;
+        let attempt = bench.download(at, &value.to_le_bytes())?;
+        demand(attempt.outcome != Outcome::Downloaded, || {
+            Reason::new(format!("{at} = {value}, less than one revolution, is refused"), "an abort", "confirmation")
+        })?;
+        bench.expect_unchanged(at, &before)?;
+    }
+    Ok(Verdict::Pass)
+}
+
+/// 6002h = 0 is refused, or stands for 2^32: the position takes any preset.
+#[case(id = "406/scaling/zero-range", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = [Encoder, VolatilePreset], catches = [RangeZeroStops])]
+fn zero_range(bench: &mut Bench<'_>) -> Judged {
+    const WANTED: u32 = 0x8000_1234;
+    operate(bench, SCALING, 0)?;
+    if bench.download(RANGE, &0_u32.to_le_bytes())?.outcome != Outcome::Downloaded {
+        return Ok(Verdict::Pass);
+    }
+    with_preset(bench, WANTED, |bench, _| {
+        let position = bench.read_number(POSITION)?;
+        demand(position.abs_diff(WANTED) <= 2, || {
+            let duty = "with 6002h = 0 the position has 32 bits";
+            Reason::new(duty, format!("{WANTED}, the preset"), format!("{position}"))
+        })
+    })
+}
+
+/// The same shaft seen in both code sequences: the two positions, without the offset 6509h, add up to the measuring range.
+#[case(id = "406/scaling/mirrored", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [CodeSequenceIgnored])]
+fn mirrored(bench: &mut Bench<'_>) -> Judged {
+    small_range(bench)?;
+    bench.write(UNITS_PER_REVOLUTION, &2_048_u32.to_le_bytes())?;
+    mirror(bench, 4_096)
+}
+
+/// A measuring range that is no power of two is kept: the position stays below it in both code sequences, and the two
+/// add up to it.
+#[case(id = "406/scaling/range-not-binary", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [WrapAtPowerOfTwo, ScalingOverflow])]
+fn not_binary(bench: &mut Bench<'_>) -> Judged {
+    const UNITS: u32 = 600;
+    const UNITS_IN_RANGE: u32 = 2_400;
+    small_range(bench)?;
+    bench.write(UNITS_PER_REVOLUTION, &UNITS.to_le_bytes())?;
+    bench.write(RANGE, &UNITS_IN_RANGE.to_le_bytes())?;
+    mirror(bench, UNITS_IN_RANGE)
+}
+
+fn mirror(bench: &mut Bench<'_>, range: u32) -> Judged {
+    let mut seen = [0_i64; 2];
+    for (slot, (with, without)) in seen.iter_mut().zip([(SCALING, CODE_SEQUENCE), (SCALING | CODE_SEQUENCE, 0)]) {
+        operate(bench, with, without)?;
+        let position = position_at_rest(bench)?;
+        demand(position < range, || {
+            Reason::new("6004h stays below 6002h", format!("below {range}"), format!("{position}"))
+        })?;
+        let offset = bench.read_number(OFFSET)? as i32;
+        *slot = (i64::from(position) - i64::from(offset)).rem_euclid(range.into());
+    }
+    let [up, down] = seen;
+    let sum = u32::try_from((up + down).rem_euclid(range.into())).unwrap_or(u32::MAX);
+    demand(is_near(sum, 0, range), || {
+        let duty = format!("with 6002h = {range} both code sequences mirror each other");
+        let expected = (i64::from(range) - up).rem_euclid(range.into());
+        Reason::new(duty, format!("{up} and {expected}"), format!("{up} and {down}"))
+    })
+}

@@ -1,0 +1,101 @@
+//! Work area: state (6400h) and limits (6401h, 6402h) of channel 1.
+
+use super::position::{POSITION, position_at_rest};
+use super::preset::range_now;
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Verdict, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_bus::client::Outcome;
+
+const STATE: Multiplexer = Multiplexer::new(0x6400, 1);
+const LOW: Multiplexer = Multiplexer::new(0x6401, 1);
+const HIGH: Multiplexer = Multiplexer::new(0x6402, 1);
+const ALL: u32 = 0b111;
+const OUT_OF_RANGE: u32 = 1 << 0;
+const OVERFLOW: u32 = 1 << 1;
+const UNDERFLOW: u32 = 1 << 2;
+/// Between the position and a limit, so that a trembling position stays on its side.
+const DISTANCE: u32 = 100;
+
+/// Sets both limits, in an order in which the low one is never above the high one.
+fn limit(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<(), Verdict> {
+    if low > bench.read_number(HIGH)? {
+        bench.write(HIGH, &high.to_le_bytes())?;
+        return bench.write(LOW, &low.to_le_bytes());
+    }
+    bench.write(LOW, &low.to_le_bytes())?;
+    bench.write(HIGH, &high.to_le_bytes())
+}
+
+fn expect_state(bench: &mut Bench<'_>, where_it_is: &str, mask: u32, expected: u32) -> Judged {
+    let position = bench.read_number(POSITION)?;
+    let state = bench.read_number(STATE)?;
+    demand(state & mask == expected, || {
+        let duty = format!("6400h:01 tells that position {position} is {where_it_is}");
+        Reason::new(duty, format!("{expected:03b} in binary"), format!("{:03b}", state & mask))
+    })
+}
+
+/// A position in the middle of its range, away from both ends.
+fn middle(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+    let (range, position) = (range_now(bench)?, position_at_rest(bench)?);
+    let far = position > 4 * DISTANCE && position < range.saturating_sub(4 * DISTANCE);
+    demand(far, || {
+        let expected = format!("{} to {}", 4 * DISTANCE, range.saturating_sub(4 * DISTANCE));
+        Reason::new("the shaft stands away from the ends of the range", expected, format!("{position}"))
+    })
+    .map_err(|verdict| match verdict {
+        Verdict::Fail(reason) => Verdict::NotApplicable(reason),
+        other => other,
+    })?;
+    Ok(position)
+}
+
+/// While the position lies between the limits, no bit of 6400h is set.
+#[case(id = "406/work-area/inside", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, WorkArea], catches = [WorkAreaInverted])]
+fn inside(bench: &mut Bench<'_>) -> Judged {
+    let position = middle(bench)?;
+    limit(bench, position - DISTANCE, position + DISTANCE)?;
+    expect_state(bench, "inside the work area", ALL, 0)
+}
+
+/// A position above the high limit 6402h is an overflow, bit 1 of 6400h.
+#[case(id = "406/work-area/overflow", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, WorkArea], catches = [WorkAreaBitsSwapped, WorkAreaStuck])]
+fn overflow(bench: &mut Bench<'_>) -> Judged {
+    let position = middle(bench)?;
+    limit(bench, 0, position - DISTANCE)?;
+    expect_state(bench, "above the high limit", ALL & !OUT_OF_RANGE, OVERFLOW)
+}
+
+/// A position below the low limit 6401h is an underflow, bit 2 of 6400h.
+#[case(id = "406/work-area/underflow", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, WorkArea], catches = [WorkAreaBitsSwapped, WorkAreaStuck])]
+fn underflow(bench: &mut Bench<'_>) -> Judged {
+    let position = middle(bench)?;
+    limit(bench, position + DISTANCE, position + 2 * DISTANCE)?;
+    expect_state(bench, "below the low limit", ALL & !OUT_OF_RANGE, UNDERFLOW)
+}
+
+/// A low limit above the high one is refused, or 6400h says out of range.
+#[case(id = "406/work-area/limits-swapped", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = [Encoder, WorkArea], catches = [WorkAreaLimitsSwappedAccepted, LimitsSwappedWrongCode])]
+fn swapped(bench: &mut Bench<'_>) -> Judged {
+    let position = middle(bench)?;
+    limit(bench, position - DISTANCE, position + DISTANCE)?;
+    let attempt = bench.download(LOW, &(position + 2 * DISTANCE).to_le_bytes())?;
+    match attempt.outcome {
+        Outcome::Downloaded => Err(Verdict::Fail(Reason::new(
+            "a low limit above the high one is refused",
+            format!("abort {}", AbortCode::MAXIMUM_BELOW_MINIMUM),
+            "confirmation",
+        ))),
+        _ => attempt.expect_abort(
+            &[AbortCode::MAXIMUM_BELOW_MINIMUM, AbortCode::INVALID_VALUE, AbortCode::VALUE_TOO_HIGH],
+            &[AbortCode::GENERAL, AbortCode::PARAMETER_INCOMPATIBLE],
+        ),
+    }
+}

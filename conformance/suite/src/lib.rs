@@ -1,0 +1,20 @@
+//! The conformance suite: the cases, what they run on, and who runs them.
+//!
+//! - [`catalogue`]: all cases; [`case`](mod@case) says what one is, [`verdict`] how it ends;
+//! - [`bench`](mod@bench): where a case runs;
+//! - [`runner`]: runs cases and reports events; [`waiver`]: which failures the user accepts;
+//! - [`selftest`]: the cases tested on firmware with known faults.
+
+pub mod bench;
+pub mod case;
+mod cases;
+pub mod catalogue;
+pub mod runner;
+#[cfg(test)]
+mod scripted;
+pub mod selftest;
+pub mod verdict;
+pub mod waiver;
+
+pub(crate) use canvass_device::Fault;
+use canvass_suite_macros::case;

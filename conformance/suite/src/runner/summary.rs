@@ -1,0 +1,80 @@
+//! The outcome of a run in numbers.
+
+use crate::verdict::Kind;
+use canvass_bus::Health;
+use canvass_traces::Duration;
+
+/// The outcome of a run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Summary {
+    counts: [usize; Kind::ALL.len()],
+    /// How long the run took on the clock of the bus.
+    pub duration: Duration,
+    /// The user ended the run before all cases had run.
+    pub cancelled: bool,
+    /// How well the tester's own machine kept up, on a live bus.
+    pub host: Option<HostTiming>,
+    /// How often the device was told to write its non-volatile memory: it wears out.
+    pub stores: u32,
+    /// How many cases ended differently when they were repeated.
+    pub flaky: usize,
+}
+
+/// How well the tester's own machine kept up. Each bound is at most twice the longest span that it holds for.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct HostTiming {
+    /// From a frame's time on the bus to the tester's seeing it, while it waited: 99 of 100 within this.
+    pub receive_usually: Duration,
+    /// All within this.
+    pub receive_always: Duration,
+    /// From the tester's handing over a frame to its time on the bus: 99 of 100 within this.
+    pub transmit_usually: Duration,
+    /// All within this.
+    pub transmit_always: Duration,
+    /// Frames that did not reach the tester.
+    pub lost: u64,
+    /// How often the way to the bus was interrupted.
+    pub interruptions: u64,
+}
+
+impl HostTiming {
+    pub(super) fn of(health: &Health) -> Self {
+        let (receive, transmit) = (&health.receive, &health.transmit);
+        Self {
+            receive_usually: receive.quantile(990).unwrap_or_default(),
+            receive_always: receive.longest().unwrap_or_default(),
+            transmit_usually: transmit.quantile(990).unwrap_or_default(),
+            transmit_always: transmit.longest().unwrap_or_default(),
+            lost: health.lost,
+            interruptions: health.interruptions,
+        }
+    }
+}
+
+impl Summary {
+    /// How many cases ended that way.
+    pub const fn count(&self, kind: Kind) -> usize {
+        self.counts[kind as usize]
+    }
+
+    /// How many cases there are reports of.
+    pub fn total(&self) -> usize {
+        self.counts.iter().sum()
+    }
+
+    /// How many cases ran to an end.
+    pub fn executed(&self) -> usize {
+        Kind::ALL.into_iter().filter(|kind| kind.is_executed()).map(|kind| self.count(kind)).sum()
+    }
+
+    /// Whether all that could be judged is good: no case failed, the tester did not fail, and no precondition was out
+    /// of reach. A device about which nothing could be found out must not look like a good one.
+    pub const fn is_good(&self) -> bool {
+        self.count(Kind::Fail) == 0 && self.count(Kind::Error) == 0 && self.count(Kind::Inconclusive) == 0
+    }
+
+    /// Counts a case.
+    pub const fn add(&mut self, kind: Kind) {
+        self.counts[kind as usize] += 1;
+    }
+}

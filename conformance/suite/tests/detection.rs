@@ -1,0 +1,113 @@
+//! The catalogue is tested itself: every case passes on a device without fault, and fails on every fault that it names.
+
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
+use canvass_device::Fault;
+use canvass_device::Faults;
+use canvass_device::models::Model;
+use canvass_suite::bench::Target;
+use canvass_suite::case::{Case, Level};
+use canvass_suite::catalogue;
+use canvass_suite::runner::CaseReport;
+use canvass_suite::selftest::{self, Extent, Matrix, judge_target};
+use canvass_suite::verdict::Kind;
+use std::collections::BTreeSet;
+
+fn describe(report: &CaseReport) -> String {
+    let frames: Vec<String> = report
+        .evidence
+        .frames()
+        .map(|exhibit| {
+            format!("    ({}) {} {}", exhibit.record.timestamp, exhibit.record.frame, exhibit.record.direction)
+        })
+        .collect();
+    let tail = &frames[frames.len().saturating_sub(12)..];
+    format!(
+        "{}: {}: {:?} {:?}\n{}",
+        report.case.id,
+        report.verdict.kind(),
+        report.verdict.reason(),
+        report.notes,
+        tail.join("\n")
+    )
+}
+
+/// No false alarm: no case fails on a model without fault, or can't be judged, and nothing stays changed.
+#[test]
+fn good_devices_pass() {
+    let mut wrong = Vec::new();
+    for model in Model::all() {
+        for case in catalogue::cases() {
+            let report = selftest::judge(case, model, Faults::NONE);
+            let is_wrong = matches!(report.verdict.kind(), Kind::Fail | Kind::Error | Kind::Inconclusive);
+            let is_left = |note: &String| ["EMCY at", "restored", "set back"].iter().any(|word| note.contains(word));
+            if is_wrong || report.notes.iter().any(is_left) {
+                wrong.push(format!("{}: {}", model.id(), describe(&report)));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Of the usual model nothing but what it does not have is left out.
+#[test]
+fn most_encoder_cases_apply_to_the_usual_model() {
+    let model = Model::by_id("kuebler-sendix-58x8").unwrap();
+    let cases = catalogue::cases().into_iter().filter(|case| case.id.starts_with("406/"));
+    let applies = |case: &&'static Case| selftest::judge(case, model, Faults::NONE).verdict.kind() == Kind::Pass;
+    let (applied, left_out): (Vec<_>, Vec<_>) = cases.partition(applies);
+    let left_out: Vec<&str> = left_out.iter().map(|case| case.id).collect();
+    assert!(applied.len() > 50 && left_out.len() < 24, "{} apply, not {left_out:?}", applied.len());
+}
+
+/// Without a description the device itself is asked; what can't be known is not applicable, and nothing fails.
+#[test]
+fn a_good_device_passes_without_a_description() {
+    let model = Model::by_id("kuebler-sendix-58x8").unwrap();
+    // What its manual announces holds without an EDS too.
+    let target = Target { description: None, ..Target::of(model, model.default_node().unwrap()) };
+    let reports = catalogue::cases().into_iter().map(|case| judge_target(case, model, Faults::NONE, &target));
+    let (good, wrong): (Vec<_>, Vec<_>) = reports
+        .filter(|report| report.verdict.kind() != Kind::NotApplicable)
+        .partition(|report| matches!(report.verdict.kind(), Kind::Pass | Kind::Deviation));
+    let wrong: Vec<String> = wrong.iter().map(describe).collect();
+    assert!(wrong.is_empty() && good.len() > 80, "{} passed, {}", good.len(), wrong.join("\n"));
+}
+
+fn matrix() -> Matrix {
+    // `canvass selftest` fills all cells.
+    selftest::run(&catalogue::cases(), Fault::ALL, &[], Extent::OneIn(16))
+}
+
+/// Every fault is detected by every case that names it, no case is vacuous, and no case fails on what is not its matter.
+#[test]
+fn every_case_catches_what_it_names_and_nothing_else() {
+    let matrix = matrix();
+    let mut wrong = Vec::new();
+    for row in &matrix.faults {
+        wrong.extend(row.missed.iter().map(|(case, kind)| format!("{} misses {}: {kind}", case.id, row.fault)));
+        wrong.extend(row.unrelated.iter().map(|case| format!("{} fails on {}, not its matter", case.id, row.fault)));
+        if !row.is_detected() {
+            wrong.push(format!("{} is not detected", row.fault));
+        }
+    }
+    wrong.extend(matrix.vacuous_cases().iter().map(|case| format!("{} fails on no fault", case.id)));
+    assert!(wrong.is_empty() && matrix.is_good(), "{}:\n{}", wrong.len(), wrong.join("\n"));
+    assert_eq!(matrix.faults.len(), Fault::ALL.len(), "every fault's model exists");
+}
+
+/// What a standard demands is worth a case only if its violation shows.
+#[test]
+fn every_demand_is_justified_by_a_fault() {
+    let is_idle = |case: &&'static Case| case.level == Level::Must && case.catches.is_empty();
+    assert_eq!(catalogue::cases().into_iter().find(is_idle).map(|case| case.id), None);
+}
+
+/// No fault goes unnoticed.
+#[test]
+fn every_fault_is_named_by_a_case() {
+    let named: BTreeSet<Fault> = catalogue::cases().iter().flat_map(|case| case.catches).copied().collect();
+    let idle: Vec<&str> = Fault::ALL.iter().filter(|fault| !named.contains(fault)).map(|fault| fault.id()).collect();
+    assert!(idle.is_empty(), "{idle:?}");
+}

@@ -1,0 +1,114 @@
+//! Every case on every model: none fails but for what its manual documents, and the reference devices pass strictly.
+
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
+use canvass_analyzer::NodeId;
+use canvass_bus::SimulatedBus;
+use canvass_device::Faults;
+use canvass_device::models::Model;
+use canvass_device::{Device, Motion};
+use canvass_suite::bench::{Bench, Options, Target};
+use canvass_suite::case::{Need, Touch};
+use canvass_suite::catalogue;
+use canvass_suite::runner::run_case;
+use canvass_suite::verdict::Kind;
+use std::collections::BTreeSet;
+use std::sync::atomic::AtomicBool;
+
+fn check(id: &str, executed_at_least: usize) {
+    let model = Model::by_id(id).unwrap();
+    let deviations = model.deviations();
+    // One that has no node-ID as delivered gets one.
+    let node = model.default_node().or_else(|| NodeId::new(63));
+    let target = Target::of(model, node.unwrap());
+    let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
+    let cancel = AtomicBool::new(false);
+    let (mut wrong, mut executed, mut used) = (Vec::new(), 0, BTreeSet::new());
+    for case in catalogue::cases() {
+        let mut bus = SimulatedBus::new(model.default_bit_rate());
+        // 30 revolutions per minute where the case needs a shaft that turns.
+        let turns = case.needs.contains(&Need::TurningShaft);
+        let motion = Motion::constant(0x4CBA, if turns { 30_000 } else { 0 });
+        bus.attach(Box::new(Device::with_motion(model, node, Faults::NONE, 0, motion)));
+        let mut annotate = |_: &canvass_traces::Record| String::new();
+        let report = run_case(&mut Bench::new(&mut bus, &target, &options, &mut annotate, &cancel), case);
+        let kind = report.verdict.kind();
+        executed += usize::from(kind.is_executed());
+        if kind == Kind::Deviation {
+            let explains =
+                |deviation: &&canvass_device::models::Deviation| catalogue::matches(&deviation.case, case.id);
+            used.extend(deviations.iter().filter(explains).map(|deviation| deviation.case.clone()));
+        }
+        let not_restored = report.notes.iter().any(|note| note.contains("restored") || note.contains("set back"));
+        if matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) || not_restored {
+            wrong.push(format!("{}: {kind}: {:?} {:?}", case.id, report.verdict.reason(), report.notes));
+        }
+    }
+    assert!(wrong.is_empty(), "{id}: {}:\n{}", wrong.len(), wrong.join("\n"));
+    assert!(executed >= executed_at_least, "{id}: {executed} cases were executed");
+    let idle: Vec<&String> =
+        deviations.iter().map(|deviation| &deviation.case).filter(|case| !used.contains(*case)).collect();
+    assert!(idle.is_empty(), "{id}: explained, but not found: {idle:?}");
+}
+
+#[test]
+fn lika_ax58() {
+    check("lika-ax58", 50);
+}
+
+#[test]
+fn tr_c65() {
+    check("tr-c65", 50);
+}
+
+#[test]
+fn tr_lmp30() {
+    check("tr-lmp30", 50);
+}
+
+#[test]
+fn kuebler_sendix_58x8() {
+    check("kuebler-sendix-58x8", 140);
+}
+
+#[test]
+fn kuebler_sendix_f58() {
+    check("kuebler-sendix-f58", 140);
+}
+
+#[test]
+fn kuebler_sendix_m58() {
+    check("kuebler-sendix-m58", 120);
+}
+
+#[test]
+fn kuebler_sendix_f58m() {
+    check("kuebler-sendix-f58m", 120);
+}
+
+#[test]
+fn kuebler_c100() {
+    check("kuebler-c100", 70);
+}
+
+#[test]
+fn kuebler_d125() {
+    check("kuebler-d125", 70);
+}
+
+#[test]
+fn reference_301() {
+    check("reference-301", 90);
+}
+
+#[test]
+fn reference_406() {
+    check("reference-406", 120);
+}
+
+/// Every built-in model is one of the above.
+#[test]
+fn no_model_is_left_out() {
+    assert_eq!(Model::all().len(), 11);
+}

@@ -1,0 +1,93 @@
+//! Devices that are right and not like most: no case may fail on them, or be left out that they have everything for.
+
+use canvass_device::Faults;
+use canvass_device::models::Model;
+use canvass_suite::bench::Target;
+use canvass_suite::catalogue;
+use canvass_suite::selftest::judge_target;
+use canvass_suite::verdict::Kind;
+use std::collections::BTreeMap;
+
+const EDS: &str = include_str!("../../device/models/reference-301.eds");
+const SHEET: &str = include_str!("../../device/models/reference-301.toml");
+
+/// The EDS without the sections whose names begin so.
+fn without(eds: &str, names: &[&str]) -> String {
+    let mut is_kept = true;
+    let lines = eds.lines().filter(|line| {
+        if let Some(name) = line.strip_prefix('[') {
+            is_kept = !names.iter().any(|gone| name.starts_with(gone));
+        }
+        is_kept
+    });
+    lines.map(|line| format!("{line}\n")).collect()
+}
+
+/// The EDS with another line in a section.
+fn with(eds: &str, section: &str, line: &str, other: &str) -> String {
+    let (before, rest) = eds.split_once(&format!("[{section}]\n")).unwrap();
+    let (own, after) = rest.split_once("\n\n").unwrap();
+    assert!(own.contains(line), "{section} has {line}");
+    format!("{before}[{section}]\n{}\n\n{after}", own.replace(line, other))
+}
+
+/// How each case ends on the reference device with another description; none may end badly.
+fn verdicts(eds: &str) -> BTreeMap<&'static str, Kind> {
+    let model: &'static Model = Box::leak(Box::new(Model::read(eds, SHEET).unwrap()));
+    let target = Target::of(model, model.default_node().unwrap());
+    let (mut verdicts, mut wrong) = (BTreeMap::new(), Vec::new());
+    // Those of CiA 306 judge the file, whose lists and counts tell of more than is left in it.
+    for case in catalogue::cases().into_iter().filter(|case| !case.id.starts_with("306/")) {
+        let report = judge_target(case, model, Faults::NONE, &target);
+        let kind = report.verdict.kind();
+        if matches!(kind, Kind::Fail | Kind::Inconclusive | Kind::Error) {
+            wrong.push(format!("{}: {kind}: {:?}", case.id, report.verdict.reason()));
+        }
+        verdicts.insert(case.id, kind);
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+    verdicts
+}
+
+#[test]
+fn a_heartbeat_whose_period_is_fixed() {
+    let eds = with(EDS, "1017", "AccessType=rw", "AccessType=const");
+    let verdicts = verdicts(&with(&eds, "1017", "DefaultValue=0", "DefaultValue=200"));
+    // Its state shows without being asked for.
+    for id in ["301/nmt/pre-operational/start", "301/nmt/operational/stop", "301/nmt/back-to-back"] {
+        assert_eq!(verdicts[id], Kind::Pass, "{id}");
+    }
+    let heartbeat = verdicts.iter().filter(|(id, _)| id.starts_with("301/heartbeat/"));
+    assert!(heartbeat.clone().count() > 5);
+    for (id, kind) in heartbeat {
+        assert_eq!(*kind, Kind::NotApplicable, "{id}");
+    }
+}
+
+#[test]
+fn tpdos_without_event_timer() {
+    let verdicts = verdicts(&without(EDS, &["1800sub5", "1801sub5", "1802sub5", "1803sub5"]));
+    for id in [
+        "301/pdo/cob-id/valid",
+        "301/pdo/mapping/procedure",
+        "301/state/pre-operational/tpdo",
+        "301/state/stopped/tpdo",
+        "301/tpdo/sync-cycle",
+    ] {
+        assert_eq!(verdicts[id], Kind::Pass, "{id}");
+    }
+    assert_eq!(verdicts["301/tpdo/event-timer"], Kind::NotApplicable);
+}
+
+/// Nothing of the communication profile can be written but PDO parameters: values of the application serve.
+#[test]
+fn few_objects_that_can_be_written() {
+    let mut eds = with(EDS, "1017", "AccessType=rw", "AccessType=const");
+    eds = with(&eds, "1017", "DefaultValue=0", "DefaultValue=200");
+    eds = with(&eds, "1005", "AccessType=rw", "AccessType=const");
+    let gone = ["1006", "1007", "100C", "100D", "1015", "1019", "1029", "1800sub5", "1801sub5", "1802sub5", "1803sub5"];
+    let verdicts = verdicts(&without(&eds, &gone));
+    for id in ["301/sdo/download/expedited", "301/sdo/download/too-short", "301/sync/consumer-only"] {
+        assert_eq!(verdicts[id], Kind::Pass, "{id}");
+    }
+}
