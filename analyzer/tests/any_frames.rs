@@ -84,7 +84,7 @@ proptest! {
     #[test]
     fn of_described_nodes(records in proptest::collection::vec(record(), 0..100)) {
         static SENDIX: LazyLock<DeviceDescription> = LazyLock::new(|| {
-            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../conformance/models/kuebler-sendix-58x8.eds");
+            let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../conformance/device/models/kuebler-sendix-58x8.eds");
             eds::read(&std::fs::read(path).unwrap()).unwrap()
         });
         let mut trace = Trace::new();

@@ -3,7 +3,7 @@
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DataType, DeviceDescription, Object, ObjectCode, Setting, Value, consistency, eds};
 
-const SENDIX: &str = include_str!("../../conformance/models/kuebler-sendix-58x8.eds");
+const SENDIX: &str = include_str!("../../conformance/device/models/kuebler-sendix-58x8.eds");
 
 /// What is found after one replacement in the Sendix EDS, without what its manual itself has otherwise.
 fn found(from: &str, to: &str) -> Vec<String> {

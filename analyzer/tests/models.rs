@@ -5,7 +5,7 @@ use canvass_analyzer::{Multiplexer, NodeId};
 
 #[test]
 fn sendix_58x8() {
-    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../conformance/models/kuebler-sendix-58x8.eds");
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../conformance/device/models/kuebler-sendix-58x8.eds");
     let description = eds::read(&std::fs::read(path).unwrap()).unwrap();
     assert!(description.problems.is_empty(), "{:#?}", description.problems);
     assert_eq!(description.device.bit_rates, [10, 20, 50, 125, 250, 500, 800, 1000]);
@@ -39,7 +39,7 @@ fn the_other_encoders() {
         ("tr-lmp30", 54, false),
         ("reference-406", 229, true),
     ] {
-        let path = format!("{}/../conformance/models/{model}.eds", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../conformance/device/models/{model}.eds", env!("CARGO_MANIFEST_DIR"));
         let description = eds::read(&std::fs::read(path).unwrap()).unwrap();
         assert!(description.problems.is_empty(), "{model}: {:#?}", description.problems);
         assert_eq!(description.device_profile(), Some(406), "{model}");
@@ -52,7 +52,7 @@ fn the_other_encoders() {
 #[test]
 fn contradictions_to_the_standards() {
     let found = |model: &str| -> Vec<String> {
-        let path = format!("{}/../conformance/models/{model}.eds", env!("CARGO_MANIFEST_DIR"));
+        let path = format!("{}/../conformance/device/models/{model}.eds", env!("CARGO_MANIFEST_DIR"));
         let description = eds::read(&std::fs::read(path).unwrap()).unwrap();
         let problems = consistency::check(&description).into_iter();
         problems.map(|problem| format!("[{}] {}: {}", problem.section, problem.field, problem.found)).collect()

@@ -114,7 +114,7 @@ fn a_device_of_a_description_keeps_its_memory() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
     let (eds, memory, csv) = (path("my.eds"), path("memory.toml"), path("course.csv"));
-    let reference = concat!(env!("CARGO_MANIFEST_DIR"), "/conformance/models/reference-406.eds");
+    let reference = concat!(env!("CARGO_MANIFEST_DIR"), "/conformance/device/models/reference-406.eds");
     std::fs::copy(reference, &eds).unwrap();
     std::fs::write(&csv, "0,0\n1,5\n").unwrap();
     let simulate = |more: &[&str]| {

@@ -8,7 +8,7 @@ use std::process::{Command, Stdio};
 
 const PYTHON: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/peers-venv/bin/python");
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/vcan/peer.py");
-const EDS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/conformance/models/reference-301.eds");
+const EDS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/conformance/device/models/reference-301.eds");
 
 pub fn python(args: &[&str]) -> Command {
     let mut command = Command::new(PYTHON);

@@ -1,4 +1,4 @@
-//! The Rust test of a violation is one: `conformance/tests/reproduced.rs` is what the fuzzer has made, and passes on
+//! The Rust test of a violation is one: `conformance/fuzz/tests/reproduced.rs` is what the fuzzer has made, and passes on
 //! the device without the fault.
 
 use canvass_analyzer::NodeId;
