@@ -1,7 +1,6 @@
 //! Which bit rate the device has, and how it changes to another one (CiA 305, "activate bit timing").
 
 use super::Device;
-use crate::Fault;
 use canvass_traces::{Duration, Timestamp};
 
 /// A change under way: silence, the change, silence again.
@@ -29,7 +28,7 @@ impl Device {
 
     /// The LSS master orders the change: no frame for `delay`, the new bit rate, and no frame for `delay` again.
     pub(super) fn activate_bit_rate(&mut self, now: Timestamp, delay: Duration) {
-        let delay = if self.faults.has(Fault::LssActivatesAtOnce) { Duration::ZERO } else { delay };
+        let delay = if self.firmware.activates_bit_rate_at_once() { Duration::ZERO } else { delay };
         self.activation = Some(Activation { change: now + delay, end: now + delay.times(2) });
         self.outbox.clear();
         self.go_on_with_activation(now);

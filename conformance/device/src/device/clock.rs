@@ -1,8 +1,8 @@
 //! TIME, consumed and produced (1012h), the clock that it sets, and the high resolution time stamp (1013h).
 
 use super::parameters::Parameters;
+use crate::Firmware;
 use crate::models::Network;
-use crate::{Fault, Faults};
 use canvass_analyzer::CobId;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::time::TimeOfDay;
@@ -21,7 +21,7 @@ pub(super) struct Clock {
     /// Zero: TIME is not sent.
     period: Duration,
     due: Timestamp,
-    faults: Faults,
+    firmware: Firmware,
 }
 
 /// 1012h bit 31.
@@ -31,7 +31,7 @@ const PRODUCES: u32 = 1 << 30;
 
 impl Clock {
     /// At power-on.
-    pub const fn new(now: Timestamp, faults: Faults) -> Self {
+    pub const fn new(now: Timestamp, firmware: &Firmware) -> Self {
         Self {
             base: 0,
             set: now,
@@ -40,7 +40,7 @@ impl Clock {
             consumes: false,
             period: Duration::ZERO,
             due: Timestamp::MAX,
-            faults,
+            firmware: *firmware,
         }
     }
 
@@ -71,7 +71,7 @@ impl Clock {
 
     /// TIME came.
     pub fn set(&mut self, now: Timestamp, time: TimeOfDay) {
-        if !self.faults.has(Fault::TimeIgnored) {
+        if self.firmware.follows_time() {
             self.base = u64::from(time.days) * u64::from(TimeOfDay::DAY) + u64::from(time.milliseconds());
             self.set = now;
         }
@@ -107,7 +107,7 @@ impl Clock {
         }
         self.due += self.period;
         let mut time = self.time(now);
-        if self.faults.has(Fault::TimeReservedBitsSet) {
+        if self.firmware.sets_reserved_time_bits() {
             time.raw_milliseconds |= 0xF000_0000;
         }
         Some(time)
@@ -119,14 +119,18 @@ impl Clock {
 ///
 /// # Errors
 /// "Invalid value" otherwise.
-pub(super) fn check(value: u64, parameters: &Parameters, network: &Network, faults: Faults) -> Result<(), AbortCode> {
+pub(super) fn check(
+    value: u64,
+    parameters: &Parameters,
+    network: &Network,
+    firmware: &Firmware,
+) -> Result<(), AbortCode> {
     let (old, new) = (CobId(parameters.number_or_zero(0x1012, 0) as u32), CobId(value as u32));
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let impossible = new.0 & PRODUCES != 0 && network.time_period_ms.is_none();
-    let restricted = new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
+    let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let in_use = |cob_id: CobId| cob_id.0 & (CONSUMES | PRODUCES) != 0;
-    let moved =
-        in_use(old) && in_use(new) && new.can_id() != old.can_id() && !faults.has(Fault::TimeIdChangeWhileValid);
+    let moved = in_use(old) && in_use(new) && new.can_id() != old.can_id() && firmware.checks_time_id_while_valid();
     if reserved || impossible || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
 }
 
@@ -136,7 +140,7 @@ mod tests {
 
     #[test]
     fn the_clock_goes_on_over_midnight() {
-        let mut clock = Clock::new(Timestamp::ZERO, Faults::NONE);
+        let mut clock = Clock::new(Timestamp::ZERO, &Firmware::PLAIN);
         let eve = TimeOfDay { raw_milliseconds: TimeOfDay::DAY - 1, days: 100 };
         clock.set(Timestamp(5_000_000_000), eve);
         assert_eq!(clock.time(Timestamp(5_002_000_000)), TimeOfDay { raw_milliseconds: 1, days: 101 });

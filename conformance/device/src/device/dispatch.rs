@@ -6,7 +6,6 @@ use super::nmt::{Phase, Service};
 use super::routes::Route;
 use super::rpdo::{Payload, Received};
 use super::{Device, push};
-use crate::Fault;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_analyzer::wire::sync::Sync as SyncMessage;
@@ -40,7 +39,7 @@ impl Device {
         if self.objects.wedged {
             return;
         }
-        if self.phase.serves(Service::Sdo, self.faults) && self.overload.on_request(self.faults) {
+        if self.phase.serves(Service::Sdo, &self.firmware) && self.overload.on_request(&self.firmware) {
             self.sdo.handle(now, frame, &mut self.objects);
             if self.objects.wedged {
                 return self.sdo.reset();
@@ -53,7 +52,7 @@ impl Device {
     }
 
     fn on_second_sdo(&mut self, now: Timestamp, position: u8, frame: &Frame) {
-        if self.phase.serves(Service::Sdo, self.faults)
+        if self.phase.serves(Service::Sdo, &self.firmware)
             && let Some(channel) = self.second_sdos.get_mut(usize::from(position))
         {
             channel.handle(now, frame, &mut self.objects);
@@ -68,7 +67,7 @@ impl Device {
             if let Some(frame) = tpdo.on_remote(now, &self.objects) {
                 push(&mut self.outbox, frame);
             }
-        } else if self.faults.has(Fault::RemoteFrameTakenAsRpdo)
+        } else if self.firmware.takes_remote_frame_for_rpdo()
             && let Route::Rpdo(position) = self.routes.of(can_id)
         {
             self.on_rpdo(now, position, &[0; 8]);
@@ -102,14 +101,14 @@ impl Device {
     }
 
     fn on_rpdo(&mut self, now: Timestamp, position: u16, data: &[u8]) {
-        if !self.phase.receives_pdos(self.faults) {
+        if !self.phase.receives_pdos(&self.firmware) {
             return;
         }
         let position = usize::from(position);
         let Some(rpdo) = self.rpdos.get_mut(position) else { return };
         let (ordinal, len) = (rpdo.ordinal(), rpdo.len());
         let too_long = data.len() > len;
-        if rpdo.is_synchronous() && self.sync.is_closed() || too_long && self.faults.has(Fault::LongRpdoIgnored) {
+        if rpdo.is_synchronous() && self.sync.is_closed() || too_long && !self.firmware.takes_long_rpdo() {
             return;
         }
         let received = rpdo.on_frame(now, data);
@@ -151,7 +150,7 @@ impl Device {
 
     /// An error control message of another node.
     fn on_peer(&mut self, now: Timestamp, node: u8) {
-        if self.phase.is_running() && self.consumer.on_heartbeat(now, node, self.faults) {
+        if self.phase.is_running() && self.consumer.on_heartbeat(now, node, &self.firmware) {
             self.report(now, Condition::Heartbeat { node }, false);
         }
     }
@@ -227,7 +226,7 @@ impl Device {
 
     /// The producers of this device whose time has come.
     fn produce(&mut self, now: Timestamp) {
-        if let Some(heartbeat) = self.heartbeat.poll(now, self.phase, self.faults) {
+        if let Some(heartbeat) = self.heartbeat.poll(now, self.phase, &self.firmware) {
             self.send_error_control(heartbeat);
         }
         if let Some(time) = self.objects.clock.poll(now) {
@@ -323,7 +322,7 @@ impl Device {
         if route == Route::Others || frame.is_error() || frame.is_fd() || frame.is_xl() {
             return;
         }
-        if self.overload.on_frame(now, self.faults) {
+        if self.overload.on_frame(now, &self.firmware) {
             self.restart(now);
         } else if route == Route::Sdo && is_plain_upload(frame) {
             self.on_sdo(now, frame);
@@ -424,7 +423,7 @@ impl Machine for Device {
         let silent = self.activation.is_some() || self.hangs;
         silent
             || self.is_too_late(pending)
-            || self.service_of(pending).is_some_and(|service| !self.phase.serves(service, self.faults))
+            || self.service_of(pending).is_some_and(|service| !self.phase.serves(service, &self.firmware))
     }
 }
 

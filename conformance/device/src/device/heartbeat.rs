@@ -1,7 +1,7 @@
 //! The heartbeat producer (1017h) and the boot-up message.
 
 use super::nmt::Phase;
-use crate::{Fault, Faults};
+use crate::Firmware;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Duration, Timestamp};
 
@@ -23,25 +23,23 @@ impl HeartbeatProducer {
     }
 
     /// Begins anew with the time of 1017h in milliseconds; 0 is never.
-    pub fn start(&mut self, now: Timestamp, millis: u64, faults: Faults) {
-        if millis == 0 && faults.has(Fault::HeartbeatNotStopped) {
+    pub fn start(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
+        if millis == 0 && !firmware.stops_heartbeat_at_zero() {
             return;
         }
-        let factor = if faults.has(Fault::HeartbeatPeriodDoubled) { 2 } else { 1 };
-        let millis = if faults.has(Fault::HeartbeatTimerRounded) { millis.next_multiple_of(64) } else { millis };
-        if self.is_active() && faults.has(Fault::HeartbeatBurst) {
+        if self.is_active() && firmware.makes_up_for_heartbeats() {
             self.burst = 4;
         }
-        self.period = Duration::from_millis(millis).times(factor);
+        self.period = firmware.heartbeat_period(millis);
         self.due = if millis == 0 { Timestamp::MAX } else { now + self.period };
     }
 
     /// The end of initialisation: the boot-up message is the first heartbeat, the next one follows one period later.
-    pub fn boot(&mut self, now: Timestamp, millis: u64, faults: Faults) {
-        self.start(now, millis, faults);
+    pub fn boot(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
+        self.start(now, millis, firmware);
         self.burst = 0;
         self.last = State::PRE_OPERATIONAL;
-        if self.is_active() && faults.has(Fault::HeartbeatLateAfterBootUp) {
+        if self.is_active() && firmware.delays_first_heartbeat() {
             self.due += self.period.times(2);
         }
     }
@@ -63,7 +61,7 @@ impl HeartbeatProducer {
     }
 
     /// The heartbeat, if it is time for one.
-    pub fn poll(&mut self, now: Timestamp, phase: Phase, faults: Faults) -> Option<ErrorControl> {
+    pub fn poll(&mut self, now: Timestamp, phase: Phase, firmware: &Firmware) -> Option<ErrorControl> {
         if now < self.timeout() {
             return None;
         }
@@ -73,23 +71,9 @@ impl HeartbeatProducer {
             // From the time planned, not from now: periods don't add up delays.
             self.due += self.period;
         }
-        let state = if faults.has(Fault::HeartbeatWrongState) { State::PRE_OPERATIONAL } else { phase.state() };
+        let state = firmware.heartbeat_state(phase.state());
         let before = std::mem::replace(&mut self.last, state);
-        let state = if faults.has(Fault::HeartbeatStateLate) { before } else { state };
-        Some(ErrorControl { toggle: faults.has(Fault::HeartbeatToggles), state })
+        let state = if firmware.shows_stale_state() { before } else { state };
+        Some(ErrorControl { toggle: firmware.sets_toggle_in_heartbeat(), state })
     }
-}
-
-/// The messages at the end of initialisation.
-pub(super) fn boot_up(faults: Faults) -> impl Iterator<Item = ErrorControl> {
-    let count = match () {
-        () if faults.has(Fault::BootUpMissing) => 0,
-        () if faults.has(Fault::BootUpTwice) => 2,
-        () => 1,
-    };
-    let message = match faults.has(Fault::BootUpWrongData) {
-        true => ErrorControl::heartbeat(State::PRE_OPERATIONAL),
-        false => ErrorControl::BOOT_UP,
-    };
-    std::iter::repeat_n(message, count)
 }

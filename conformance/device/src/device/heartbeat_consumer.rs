@@ -1,7 +1,7 @@
 //! The heartbeat consumer (1016h): misses the nodes that it has heard once.
 
 use super::parameters::Parameters;
-use crate::{Fault, Faults};
+use crate::Firmware;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Timestamp};
@@ -29,14 +29,14 @@ impl HeartbeatConsumer {
     }
 
     /// Begins anew with the entries of 1016h.
-    pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, faults: Faults) {
+    pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, firmware: &Firmware) {
         self.watched.clear();
-        let most = if faults.has(Fault::HeartbeatConsumerFirstOnly) { 1 } else { 127 };
+        let most = if firmware.consumes_from_first_only() { 1 } else { 127 };
         let entries = (1..=most).map_while(|sub| parameters.number(0x1016, sub));
-        let at_once = faults.has(Fault::HeartbeatConsumerStartsAtOnce);
+        let at_once = firmware.consumes_before_first_heartbeat();
         self.watched.extend(entries.map(|entry| {
             let (node, time) = split(entry);
-            let in_use = (1..=127).contains(&node) || faults.has(Fault::HeartbeatConsumerWatchesEveryone);
+            let in_use = (1..=127).contains(&node) || firmware.consumes_from_everyone();
             let time = if in_use { Duration::from_millis(time) } else { Duration::ZERO };
             let due = if at_once && time > Duration::ZERO { now + time } else { Timestamp::MAX };
             Watched { node, time, due, lost: false }
@@ -44,12 +44,12 @@ impl HeartbeatConsumer {
     }
 
     /// An error control message of that node came; whether the node was missing.
-    pub fn on_heartbeat(&mut self, now: Timestamp, node: u8, faults: Faults) -> bool {
+    pub fn on_heartbeat(&mut self, now: Timestamp, node: u8, firmware: &Firmware) -> bool {
         let mut back = false;
-        let everyone = faults.has(Fault::HeartbeatConsumerWatchesEveryone);
+        let everyone = firmware.consumes_from_everyone();
         let concerns = |watched: &&mut Watched| watched.node == node || everyone && !(1..=127).contains(&watched.node);
         for watched in self.watched.iter_mut().filter(concerns) {
-            if watched.time > Duration::ZERO && !(watched.lost && faults.has(Fault::HeartbeatConsumerNotRearmed)) {
+            if watched.time > Duration::ZERO && (!watched.lost || firmware.rearms_consumer()) {
                 watched.due = now + watched.time;
                 back |= std::mem::take(&mut watched.lost);
             }
@@ -80,7 +80,12 @@ const fn split(entry: u64) -> (u8, u64) {
 ///
 /// # Errors
 /// "General parameter incompatibility" otherwise.
-pub(super) fn check(at: Multiplexer, value: u64, parameters: &Parameters, faults: Faults) -> Result<(), AbortCode> {
+pub(super) fn check(
+    at: Multiplexer,
+    value: u64,
+    parameters: &Parameters,
+    firmware: &Firmware,
+) -> Result<(), AbortCode> {
     let (node, time) = split(value);
     if node == 0 || time == 0 {
         return Ok(());
@@ -89,7 +94,7 @@ pub(super) fn check(at: Multiplexer, value: u64, parameters: &Parameters, faults
     let is_double = others.map(split).any(|(other, time)| other == node && time > 0);
     let (old, old_time) = split(parameters.number_or_zero(0x1016, at.sub.0));
     let replaces = old_time > 0 && old != 0 && old != node;
-    if (is_double || replaces) && !faults.has(Fault::HeartbeatConsumerDoubleAccepted) {
+    if (is_double || replaces) && firmware.checks_consumer_entries() {
         return Err(AbortCode::PARAMETER_INCOMPATIBLE);
     }
     Ok(())

@@ -10,8 +10,7 @@ use super::rpdo::Rpdo;
 use super::second_sdo::SecondSdo;
 use super::store::Groups;
 use super::tpdo::Tpdo;
-use super::{Device, PLACEHOLDER, heartbeat, push};
-use crate::Fault;
+use super::{Device, PLACEHOLDER, push};
 use crate::models::Trigger;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
@@ -27,7 +26,7 @@ impl Device {
         self.objects.errors.power_on();
         self.lmt.power_on();
         self.store.power_on();
-        self.objects.clock = Clock::new(now, self.faults);
+        self.objects.clock = Clock::new(now, &self.firmware);
         self.objects.received_emcy = 0;
         self.lss = LssSlave::new();
         self.overload = Overload::new();
@@ -52,14 +51,14 @@ impl Device {
 
     /// Begins to initialise, with the stored values of those groups.
     pub(super) fn initialise(&mut self, now: Timestamp, groups: Groups) {
-        if self.node.is_none() && self.faults.has(Fault::UnconfiguredNodeBoots) {
+        if self.node.is_none() && self.firmware.boots_without_node_id() {
             self.node = Some(PLACEHOLDER);
         }
         self.outbox.clear();
         self.activation = None;
         self.heartbeat.stop();
-        self.guarding.reset(self.faults);
-        if !self.faults.has(Fault::SdoTransferSurvivesReset) {
+        self.guarding.reset(&self.firmware);
+        if self.firmware.ends_transfer_at_reset() {
             self.sdo.boot();
         }
         self.second_sdos.iter_mut().for_each(SecondSdo::reset);
@@ -72,7 +71,7 @@ impl Device {
         self.tpdos.iter_mut().for_each(Tpdo::stop);
         self.rpdos.iter_mut().for_each(Rpdo::stop);
         let node = self.node.unwrap_or(PLACEHOLDER);
-        if self.faults.has(Fault::StoreTornByReset) {
+        if self.firmware.tears_store_at_reset() {
             self.store.tear(&self.objects.parameters, node);
         }
         self.store.load(groups, &mut self.objects.parameters, self.objects.encoder.as_mut(), node);
@@ -85,7 +84,7 @@ impl Device {
         };
         self.second_sdos.iter_mut().for_each(|channel| channel.configure(&self.objects));
         self.find_routes();
-        if self.node.is_some() && self.faults.has(Fault::EmcyBeforeBootUp) {
+        if self.node.is_some() && self.firmware.sends_emcy_before_boot_up() {
             let none = Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]);
             push(&mut self.outbox, none.to_frame(emcy::CAN_ID_BASE + u16::from(node.raw())));
         }
@@ -93,11 +92,11 @@ impl Device {
 
     /// What a faulty firmware makes of what it has loaded.
     fn spoil_parameters(&mut self) {
-        if self.faults.has(Fault::ConfigurationDateLost) {
+        if self.firmware.loses_configuration_date() {
             self.objects.parameters.set_number(0x1020, 1, 0);
             self.objects.parameters.set_number(0x1020, 2, 0);
         }
-        if self.faults.has(Fault::ParameterDriftsAtReset) {
+        if self.firmware.drifts_at_reset() {
             self.objects.parameters.set_number(0x1015, 0, u64::from(self.resets));
         }
     }
@@ -106,14 +105,14 @@ impl Device {
     pub(super) fn boot_up(&mut self, now: Timestamp) {
         self.phase = Phase::PreOperational;
         self.resets += 1;
-        let missing = self.resets.is_multiple_of(8) && self.faults.has(Fault::BootUpSometimesMissing);
+        let missing = self.resets.is_multiple_of(8) && self.firmware.skips_some_boot_ups();
         if self.objects.model.sheet().network.boot_up_message && !missing {
-            for message in heartbeat::boot_up(self.faults) {
+            for message in self.firmware.boot_up_messages() {
                 self.send_error_control(message);
             }
         }
         self.start_heartbeat(now);
-        self.consumer.configure(now, &self.objects.parameters, self.faults);
+        self.consumer.configure(now, &self.objects.parameters, &self.firmware);
         self.configure_guarding(now);
         self.configure_rpdos();
         self.configure_sync(now);
@@ -122,7 +121,7 @@ impl Device {
         self.find_routes();
         self.after_change(now);
         self.watch_shaft(now);
-        if self.faults.has(Fault::TpdoInPreOperational) {
+        if self.firmware.sends_pdos_in_pre_operational() {
             self.start_tpdos(now);
         }
         if Encoder::starts_in_operational(&self.objects.parameters) && self.objects.encoder.is_some()
@@ -136,8 +135,7 @@ impl Device {
     fn starts_by_itself(&self) -> bool {
         let start_up = self.objects.model.sheet().network.start_up;
         let set = self.objects.parameters.number(0x1F80, 0);
-        set.is_some_and(|value| value as u32 & start_up.mask == start_up.value)
-            && !self.faults.has(Fault::StartUpIgnored)
+        set.is_some_and(|value| value as u32 & start_up.mask == start_up.value) && self.firmware.heeds_start_up_object()
     }
 
     /// Another NMT state: services that don't work in it end.
@@ -146,33 +144,33 @@ impl Device {
             return;
         }
         let before = std::mem::replace(&mut self.phase, phase);
-        if phase.serves(Service::Pdo, self.faults) {
+        if phase.serves(Service::Pdo, &self.firmware) {
             self.start_tpdos(now);
         } else {
             self.tpdos.iter_mut().for_each(Tpdo::stop);
         }
-        if !phase.receives_pdos(self.faults) {
+        if !phase.receives_pdos(&self.firmware) {
             self.rpdos.iter_mut().for_each(Rpdo::stop);
         }
-        if !phase.serves(Service::Sdo, self.faults) && !self.faults.has(Fault::SdoTransferSurvivesStop) {
+        if !phase.serves(Service::Sdo, &self.firmware) && self.firmware.ends_transfer_when_stopped() {
             self.sdo.reset();
             self.second_sdos.iter_mut().for_each(SecondSdo::reset);
         }
-        let sends = phase.serves(Service::Broadcast, self.faults);
-        if sends != before.serves(Service::Broadcast, self.faults) {
+        let sends = phase.serves(Service::Broadcast, &self.firmware);
+        if sends != before.serves(Service::Broadcast, &self.firmware) {
             self.sync.restart(now, sends);
             self.objects.clock.restart(now, sends);
         }
         let waiting = std::mem::take(&mut self.outbox);
-        let served = |frame: &Frame| self.service_of(frame).is_none_or(|service| phase.serves(service, self.faults));
+        let served = |frame: &Frame| self.service_of(frame).is_none_or(|service| phase.serves(service, &self.firmware));
         self.outbox = waiting.into_iter().filter(served).collect();
-        if self.faults.has(Fault::HeartbeatLostOnStateChange) {
+        if !self.firmware.keeps_heartbeat_over_state_change() {
             self.heartbeat.stop();
         }
     }
 
     fn reset(&mut self, now: Timestamp, order: Order) {
-        let keeps = self.faults.has(Fault::NmtResetCommunicationKeepsParameters);
+        let keeps = self.firmware.reset_communication_keeps_all();
         match order {
             Order::ResetCommunication => {
                 self.take_pending_node_id();
@@ -183,18 +181,18 @@ impl Device {
                         () if self.objects.model.sheet().quirks.reset_communication_loads_all => {
                             Groups::ALL.without(Groups::BUS)
                         }
-                        () if self.faults.has(Fault::NmtResetCommunicationRestoresAll) => Groups::ALL,
+                        () if self.firmware.reset_communication_loads_all() => Groups::ALL,
                         () => Groups::COMMUNICATION,
                     },
                 );
             }
-            _ if self.faults.has(Fault::NmtResetNodeKeepsParameters) => self.initialise(now, Groups::NONE),
+            _ if self.firmware.reset_node_keeps_all() => self.initialise(now, Groups::NONE),
             _ => self.reset_node(now),
         }
     }
 
     fn reset_node(&mut self, now: Timestamp) {
-        if self.faults.has(Fault::LssNodeIdStoredAtOnce) {
+        if self.firmware.takes_lss_node_id_at_reset_node() {
             self.take_pending_node_id();
             return self.initialise(now, Groups::ALL);
         }
@@ -257,7 +255,7 @@ impl Device {
         let Some(node) = self.node else { return };
         // An NMT message has two bytes (CiA 301); others are ignored.
         let message = match *frame.data() {
-            [command] if self.faults.has(Fault::NmtShortFrameObeyed) => {
+            [command] if self.firmware.obeys_short_command() => {
                 nmt_wire::Nmt { command: nmt_wire::Command(command), node: node.raw() }
             }
             [command, node] => nmt_wire::Nmt { command: nmt_wire::Command(command), node },
@@ -265,10 +263,10 @@ impl Device {
         };
         let before = self.last_command.replace(now);
         let too_fast = before.is_some_and(|before| now < before + ONE_COMMAND);
-        if too_fast && self.faults.has(Fault::NmtCommandLost) {
+        if too_fast && self.firmware.keeps_one_command_only() {
             return;
         }
-        match nmt::order(message, node, self.phase, self.faults) {
+        match nmt::order(message, node, self.phase, &self.firmware) {
             Some(Order::Enter(phase)) => self.enter(now, phase),
             Some(order) => self.reset(now, order),
             None => {}

@@ -9,6 +9,7 @@ mod clock;
 mod dispatch;
 mod emcy;
 mod encoder;
+mod firmware;
 mod guarding;
 mod heartbeat;
 mod heartbeat_consumer;
@@ -23,6 +24,7 @@ mod motion;
 mod motion_syntax;
 mod nmt;
 mod objects;
+mod overlay;
 mod overload;
 mod parameters;
 mod pdo;
@@ -39,7 +41,7 @@ pub use memory::{Memory, MemoryError};
 pub use motion::Motion;
 pub use motion_syntax::{MotionError, MotionSpec};
 
-use crate::Faults;
+use crate::Firmware;
 use crate::models::Model;
 use bit_rate::Activation;
 use canvass_analyzer::NodeId;
@@ -77,7 +79,7 @@ pub struct Device {
     delivered_bit_rate: Option<u32>,
     activation: Option<Activation>,
     phase: Phase,
-    faults: Faults,
+    firmware: Firmware,
     objects: Objects,
     store: Store,
     sdo: SdoServer,
@@ -123,14 +125,21 @@ const REST_POSITION: i64 = 0x4CBA;
 impl Device {
     /// A device of that model, switched on at time 0, as delivered but for its node-ID; `None`: it has none, and has
     /// to be given one by LSS. `seed` chooses what is left to chance: how response times vary.
-    pub fn new(model: &Model, node: Option<NodeId>, faults: Faults, seed: u64) -> Self {
-        Self::with_motion(model, node, faults, seed, Motion::still(REST_POSITION))
+    pub fn new(model: &Model, node: Option<NodeId>, firmware: impl Into<Firmware>, seed: u64) -> Self {
+        Self::with_motion(model, node, firmware, seed, Motion::still(REST_POSITION))
     }
 
     /// As [`Device::new`], with a shaft that moves.
-    pub fn with_motion(model: &Model, node: Option<NodeId>, faults: Faults, seed: u64, motion: Motion) -> Self {
+    pub fn with_motion(
+        model: &Model,
+        node: Option<NodeId>,
+        firmware: impl Into<Firmware>,
+        seed: u64,
+        motion: Motion,
+    ) -> Self {
+        let firmware = firmware.into();
         let sheet = model.sheet();
-        let objects = Objects::new(model, node, motion, faults);
+        let objects = Objects::new(model, node, motion, &firmware);
         let blocks = sheet.network.sdo_block_transfer;
         let mut device = Self {
             node,
@@ -139,22 +148,22 @@ impl Device {
             delivered_bit_rate: None,
             activation: None,
             phase: Phase::Unconfigured,
-            faults,
+            firmware,
             store: Store::new(model, &objects.parameters),
             sdo: SdoServer::new(sheet.timing, blocks, seed),
             second_sdos: SecondSdo::all(&objects, sheet.timing, blocks, seed),
             heartbeat: HeartbeatProducer::new(),
             consumer: HeartbeatConsumer::new(),
             guarding: NodeGuarding::new(),
-            sync: SyncObject::new(faults),
+            sync: SyncObject::new(&firmware),
             tpdos: Tpdo::all(&objects.parameters),
-            rpdos: Rpdo::all(&objects.parameters, faults),
+            rpdos: Rpdo::all(&objects.parameters, &firmware),
             lss: LssSlave::new(),
             shaft_due: Timestamp::MAX,
             lmt: LmtSlave::new(sheet.network.default_bit_rate_kbit),
             silent_until: Timestamp::ZERO,
             routes: Routes::new(),
-            mischief: Mischief::new(faults),
+            mischief: Mischief::new(firmware.faults),
             overload: Overload::new(),
             last_command: None,
             resets: 0,

@@ -1,6 +1,6 @@
 //! What a busy firmware does wrong: a watchdog that resets it under load, and memory that is never given back.
 
-use crate::{Fault, Faults};
+use crate::Firmware;
 use canvass_traces::{Duration, Timestamp};
 
 /// Counts what the device had to do.
@@ -26,8 +26,8 @@ impl Overload {
     }
 
     /// A frame for the device came; whether the watchdog bites.
-    pub fn on_frame(&mut self, now: Timestamp, faults: Faults) -> bool {
-        if !faults.has(Fault::WatchdogResetUnderLoad) {
+    pub fn on_frame(&mut self, now: Timestamp, firmware: &Firmware) -> bool {
+        if !firmware.bites_under_load() {
             return false;
         }
         if now > self.since + WINDOW {
@@ -42,8 +42,8 @@ impl Overload {
     }
 
     /// An SDO request came; whether there is memory left for it.
-    pub fn on_request(&mut self, faults: Faults) -> bool {
+    pub fn on_request(&mut self, firmware: &Firmware) -> bool {
         self.requests = self.requests.saturating_add(1);
-        !faults.has(Fault::SdoMemoryLeak) || self.requests <= MOST_REQUESTS
+        !firmware.leaks_memory() || self.requests <= MOST_REQUESTS
     }
 }

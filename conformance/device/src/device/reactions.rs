@@ -5,7 +5,6 @@ use super::nmt::{Phase, Service};
 use super::objects::Objects;
 use super::store::StoreCommand;
 use super::{Device, PLACEHOLDER, push};
-use crate::Fault;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::{emcy as emcy_wire, error_control};
 use canvass_analyzer::{CobId, Multiplexer};
@@ -39,7 +38,7 @@ impl Device {
     fn act_on(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
         let storage = &self.objects.model.sheet().storage;
         if let Some(command) = StoreCommand::of(at, storage) {
-            if matches!(command, StoreCommand::Restore(_)) && self.faults.has(Fault::RestoreAtOnce) {
+            if matches!(command, StoreCommand::Restore(_)) && self.firmware.restores_at_once() {
                 self.objects.parameters.restore(self.node.unwrap_or(PLACEHOLDER));
             }
             self.begin_store(now, command);
@@ -53,9 +52,9 @@ impl Device {
             0x1012 => self.configure_clock(now),
             0x1013 => self.objects.clock.stamp(now, value as u32),
             0x1016 if self.heartbeat_consumer_acts(at) => {
-                self.consumer.configure(now, &self.objects.parameters, self.faults);
+                self.consumer.configure(now, &self.objects.parameters, &self.firmware);
             }
-            0x1017 => self.heartbeat.start(now, value, self.faults),
+            0x1017 => self.heartbeat.start(now, value, &self.firmware),
             0x1200..0x1280 => self.second_sdos.iter_mut().for_each(|channel| channel.configure(&self.objects)),
             0x1400..0x1800 => self.configure_rpdos(),
             0x1800..0x1C00 => self.configure_tpdos(now),
@@ -77,7 +76,7 @@ impl Device {
             }
             self.objects.take_waiting();
         }
-        self.store.begin(done, command, self.faults);
+        self.store.begin(done, command, &self.firmware);
     }
 
     /// Some objects are stored as soon as they are written.
@@ -110,7 +109,7 @@ impl Device {
     /// 1020h: date and time of the configuration are gone as soon as it is changed.
     fn forget_verification(&mut self, at: Multiplexer) {
         let is_command = StoreCommand::of(at, &self.objects.model.sheet().storage).is_some();
-        let kept = self.faults.has(Fault::ConfigurationDateKept);
+        let kept = self.firmware.keeps_configuration_date();
         if !matches!(at.index.0, 0x1003 | 0x1020) && !is_command && !kept {
             self.objects.parameters.set_number(0x1020, 1, 0);
             self.objects.parameters.set_number(0x1020, 2, 0);
@@ -137,7 +136,7 @@ impl Device {
         let limits = parameters.number(0x2120, 2).zip(parameters.number(0x2120, 3));
         let shaft = encoder.as_ref().map(|it| (it.is_overspeed(now, parameters), it.has_position_error()));
         if let Some((low, high)) = limits.map(|(low, high)| (low as u8, high as u8)) {
-            let outside = !(low..=high).contains(&TEMPERATURE) && !self.faults.has(Fault::WarningWithoutEmcy);
+            let outside = !(low..=high).contains(&TEMPERATURE) && self.firmware.reports_temperature();
             self.report(now, Condition::Temperature { now: TEMPERATURE, low, high }, outside);
         }
         if let Some((too_fast, wrong_position)) = shaft {
@@ -166,15 +165,15 @@ impl Device {
     /// 1029h: the NMT state that follows an error. Without its first entry operational is left when the master or a
     /// watched node is missing.
     pub(super) fn react(&mut self, now: Timestamp, condition: Condition) {
-        let Some(sub) = condition.behaviour().filter(|_| !self.faults.has(Fault::ErrorBehaviourIgnored)) else {
+        let Some(sub) = condition.behaviour().filter(|_| self.firmware.heeds_error_behaviour()) else {
             return;
         };
-        if sub == 2 && self.faults.has(Fault::ProfileErrorIgnored) {
+        if sub == 2 && self.firmware.ignores_profile_errors() {
             return;
         }
-        let leaves_stopped = self.phase == Phase::Stopped && self.faults.has(Fault::ErrorBehaviourLeavesStopped);
+        let leaves_stopped = self.phase == Phase::Stopped && self.firmware.leaves_stopped_on_error();
         let behaviour = match self.objects.parameters.number(0x1029, sub) {
-            Some(1) if sub == 2 && self.faults.has(Fault::ProfileErrorAlwaysLeaves) => Some(0),
+            Some(1) if sub == 2 && self.firmware.leaves_on_any_profile_error() => Some(0),
             behaviour => behaviour.or((sub == 1).then_some(0)),
         };
         match behaviour {
@@ -186,12 +185,12 @@ impl Device {
 
     pub(super) fn start_heartbeat(&mut self, now: Timestamp) {
         let time = self.objects.parameters.number_or_zero(0x1017, 0);
-        self.heartbeat.boot(now, time, self.faults);
+        self.heartbeat.boot(now, time, &self.firmware);
     }
 
     pub(super) fn configure_guarding(&mut self, now: Timestamp) {
         let number = |index| self.objects.parameters.number_or_zero(index, 0);
-        self.guarding.configure(now, number(0x100C), number(0x100D), self.faults);
+        self.guarding.configure(now, number(0x100C), number(0x100D), &self.firmware);
     }
 
     pub(super) fn configure_tpdos(&mut self, now: Timestamp) {
@@ -203,7 +202,7 @@ impl Device {
     }
 
     pub(super) fn configure_sync(&mut self, now: Timestamp) {
-        let may_send = self.phase.serves(Service::Broadcast, self.faults);
+        let may_send = self.phase.serves(Service::Broadcast, &self.firmware);
         let Objects { parameters, model, .. } = &self.objects;
         self.sync.configure(now, parameters, &model.sheet().network, may_send);
         // The SYNC start value of TPDOs counts only while SYNC has a counter.
@@ -211,7 +210,7 @@ impl Device {
     }
 
     pub(super) fn configure_clock(&mut self, now: Timestamp) {
-        let may_send = self.phase.serves(Service::Broadcast, self.faults);
+        let may_send = self.phase.serves(Service::Broadcast, &self.firmware);
         let Objects { parameters, model, clock, .. } = &mut self.objects;
         clock.configure(now, parameters, &model.sheet().network, may_send);
     }
@@ -240,7 +239,7 @@ impl Device {
         loop {
             let emcy = self.objects.errors.poll(now, inhibit)?;
             let cob_id = self.emcy_cob_id()?;
-            if cob_id.is_valid() || self.faults.has(Fault::EmcySentWhenInvalid) {
+            if cob_id.is_valid() || self.firmware.sends_emcy_when_invalid() {
                 return Some(emcy.to_frame(cob_id.can_id() as u16));
             }
         }
@@ -252,7 +251,7 @@ impl Device {
     }
 
     pub(super) fn emcy_timeout(&self) -> Timestamp {
-        match self.phase.serves(Service::Emcy, self.faults) {
+        match self.phase.serves(Service::Emcy, &self.firmware) {
             true => self.objects.errors.timeout(),
             false => Timestamp::MAX,
         }

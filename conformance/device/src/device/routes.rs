@@ -1,7 +1,6 @@
 //! Which CAN-ID belongs to which service of the device: most frames of a bus are for others, and are told by one look.
 
 use super::Device;
-use crate::Fault;
 use canvass_analyzer::CobId;
 use canvass_analyzer::wire::{error_control, lss, nmt, sdo};
 
@@ -80,6 +79,6 @@ impl Device {
 
     /// Whether a frame in the 29-bit format is taken for one with 11 bits.
     pub(super) fn confuses_formats(&self) -> bool {
-        self.faults.has(Fault::ExtendedFrameObeyed)
+        self.firmware.takes_extended_for_base_format()
     }
 }

@@ -3,7 +3,7 @@
 use super::objects::Objects;
 use super::parameters::Parameters;
 use super::pdo::{self, Direction};
-use crate::{Fault, Faults};
+use crate::Firmware;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, extract};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Timestamp};
@@ -24,7 +24,7 @@ pub(super) struct Rpdo {
     due: Timestamp,
     /// Received, and not yet acting: it waits for SYNC.
     held: Option<Payload>,
-    faults: Faults,
+    firmware: Firmware,
 }
 
 /// The data of a PDO, filled up with zeros.
@@ -43,7 +43,7 @@ pub(super) enum Received {
 
 impl Rpdo {
     /// The RPDOs of the dictionary.
-    pub fn all(parameters: &Parameters, faults: Faults) -> Vec<Self> {
+    pub fn all(parameters: &Parameters, firmware: &Firmware) -> Vec<Self> {
         let new = |number| Self {
             number,
             cob_id: CobId(CobId::INVALID),
@@ -53,7 +53,7 @@ impl Rpdo {
             deadline: Duration::ZERO,
             due: Timestamp::MAX,
             held: None,
-            faults,
+            firmware: *firmware,
         };
         pdo::numbers(Direction::Receive, parameters).map(new).collect()
     }
@@ -79,7 +79,7 @@ impl Rpdo {
 
     /// Its CAN-ID, if it is received.
     pub fn can_id(&self) -> Option<u16> {
-        let received = self.cob_id.is_valid() || self.faults.has(Fault::RpdoReceivedWhenInvalid);
+        let received = self.cob_id.is_valid() || self.firmware.receives_invalid_rpdo();
         (received && !self.mapping.is_empty()).then_some(self.cob_id.can_id() as u16)
     }
 
@@ -96,15 +96,15 @@ impl Rpdo {
 
     /// A PDO came.
     pub fn on_frame(&mut self, now: Timestamp, data: &[u8]) -> Received {
-        if data.len() < self.len && !self.faults.has(Fault::RpdoLengthUnchecked) {
+        if data.len() < self.len && self.firmware.checks_rpdo_length() {
             return Received::TooShort;
         }
-        if self.deadline > Duration::ZERO && !self.faults.has(Fault::RpdoDeadlineIgnored) {
+        if self.deadline > Duration::ZERO && self.firmware.heeds_rpdo_deadline() {
             self.due = now + self.deadline;
         }
         let mut payload = [0; 8];
         payload.iter_mut().zip(data).for_each(|(to, from)| *to = *from);
-        if self.is_synchronous() && !self.faults.has(Fault::SynchronousRpdoActsAtOnce) {
+        if self.is_synchronous() && self.firmware.holds_synchronous_rpdo() {
             self.held = Some(payload);
             return Received::Hold;
         }

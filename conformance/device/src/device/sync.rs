@@ -1,8 +1,8 @@
 //! SYNC: consumed and produced, with or without a counter (1005h, 1006h, 1007h, 1019h).
 
 use super::parameters::Parameters;
+use crate::Firmware;
 use crate::models::Network;
-use crate::{Fault, Faults};
 use canvass_analyzer::CobId;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::sync::{CAN_ID, Sync as SyncMessage};
@@ -25,7 +25,7 @@ pub(super) struct SyncObject {
     window: Duration,
     window_end: Timestamp,
     is_closed: bool,
-    faults: Faults,
+    firmware: Firmware,
 }
 
 /// The counter goes on after this one without 1019h.
@@ -33,7 +33,7 @@ const FIRST: u8 = 1;
 
 impl SyncObject {
     /// Neither consumed nor produced.
-    pub const fn new(faults: Faults) -> Self {
+    pub const fn new(firmware: &Firmware) -> Self {
         Self {
             cob_id: CobId(CobId::INVALID),
             produces: false,
@@ -45,7 +45,7 @@ impl SyncObject {
             window: Duration::ZERO,
             window_end: Timestamp::MAX,
             is_closed: false,
-            faults,
+            firmware: *firmware,
         }
     }
 
@@ -55,12 +55,11 @@ impl SyncObject {
         let before = (self.produces, self.period, self.overflow);
         // Without 1005h it is the predefined one.
         self.cob_id = CobId(parameters.number(0x1005, 0).unwrap_or(CAN_ID.into()) as u32);
-        let factor = if self.faults.has(Fault::SyncPeriodDoubled) { 2 } else { 1 };
-        self.period = Duration::from_micros(number(0x1006)).times(factor);
+        self.period = self.firmware.sync_period(number(0x1006));
         self.produces = network.sync_producer && is_producing(number(0x1005)) && self.period > Duration::ZERO;
         self.counts = parameters.number(0x1019, 0).is_some();
         self.overflow = number(0x1019) as u8;
-        let ignored = self.faults.has(Fault::SyncWindowIgnored);
+        let ignored = !self.firmware.heeds_sync_window();
         self.window = if ignored { Duration::ZERO } else { Duration::from_micros(number(0x1007)) };
         if self.window == Duration::ZERO {
             self.window_end = Timestamp::MAX;
@@ -74,8 +73,8 @@ impl SyncObject {
     /// Begins to produce anew, or stops: in the NMT states stopped and initialisation no SYNC is sent.
     pub fn restart(&mut self, now: Timestamp, may_send: bool) {
         self.due = if self.produces && may_send { now + self.period } else { Timestamp::MAX };
-        if !self.faults.has(Fault::SyncCounterNotReset) {
-            self.counter = if self.faults.has(Fault::SyncCounterFromZero) { 0 } else { FIRST };
+        if self.firmware.resets_sync_counter() {
+            self.counter = self.firmware.first_sync_counter();
         }
     }
 
@@ -110,7 +109,7 @@ impl SyncObject {
 
     /// Whether a received SYNC has the length that 1019h asks for.
     pub fn has_length(&self, len: usize) -> bool {
-        !self.counts || self.faults.has(Fault::SyncLengthUnchecked) || len == usize::from(self.overflow != 0)
+        !self.counts || !self.firmware.checks_sync_length() || len == usize::from(self.overflow != 0)
     }
 
     /// A SYNC was received or sent: the window opens.
@@ -151,14 +150,14 @@ pub(super) fn check_cob_id(
     value: u64,
     parameters: &Parameters,
     network: &Network,
-    faults: Faults,
+    firmware: &Firmware,
 ) -> Result<(), AbortCode> {
     let (old, new) = (CobId(parameters.number_or_zero(0x1005, 0) as u32), CobId(value as u32));
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let impossible = is_producing(value) && !network.sync_producer;
-    let restricted = new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
+    let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let moved = is_producing(old.0.into()) && new.can_id() != old.can_id() && is_producing(value);
-    let moved = moved && !faults.has(Fault::SyncIdChangeWhileProducing);
+    let moved = moved && firmware.checks_sync_id_while_producing();
     if reserved || impossible || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
 }
 
@@ -175,10 +174,10 @@ pub(super) fn check_period(value: u64, network: &Network) -> Result<(), AbortCod
 ///
 /// # Errors
 /// "Invalid value", or "present device state".
-pub(super) fn check_overflow(value: u64, parameters: &Parameters, faults: Faults) -> Result<(), AbortCode> {
-    if parameters.number_or_zero(0x1006, 0) != 0 && !faults.has(Fault::SyncOverflowChangeWhileProducing) {
+pub(super) fn check_overflow(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
+    if parameters.number_or_zero(0x1006, 0) != 0 && firmware.checks_overflow_while_producing() {
         return Err(AbortCode::DEVICE_STATE);
     }
-    let known = matches!(value, 0 | 2..=240) || faults.has(Fault::SyncOverflowUnchecked);
+    let known = matches!(value, 0 | 2..=240) || !firmware.checks_overflow();
     if known { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
 }

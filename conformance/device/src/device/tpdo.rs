@@ -3,7 +3,6 @@
 use super::objects::Objects;
 use super::parameters::Parameters;
 use super::pdo::{self, Direction};
-use crate::Fault;
 use canvass_analyzer::CobId;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
@@ -86,10 +85,10 @@ impl Tpdo {
     /// Takes the parameters over, and begins anew with them.
     pub fn configure(&mut self, now: Timestamp, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(0x1800 + self.number, sub);
-        let faults = objects.faults;
+        let firmware = &objects.firmware;
         // What was taken at a SYNC had the identifier and the mapping of that time.
         self.sampled = None;
-        self.sends_empty = faults.has(Fault::EmptyPdoValidated);
+        self.sends_empty = firmware.validates_empty_pdo();
         self.cob_id = CobId(number(1) as u32);
         self.transmission = TransmissionType(number(2) as u8);
         let padded = &objects.model.sheet().network.padded_tpdos;
@@ -97,14 +96,10 @@ impl Tpdo {
         // Where 6200h is the only event, there is no event timer of its own, and changes of value don't send it.
         let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
         self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
-        // In multiples of 100 us.
-        let unit = if faults.has(Fault::InhibitTimeInMilliseconds) { 1_000 } else { 100 };
-        self.inhibit = Duration::from_micros(unit * number(3));
+        self.inhibit = firmware.inhibit_time(number(3));
         let event_timer = if is_cyclic { objects.parameters.number_or_zero(0x6200, 0) } else { number(5) };
-        let late = faults.has(Fault::EventTimerOffByOne) && event_timer > 0;
-        let factor = if faults.has(Fault::EventTimerDoubled) { 2 } else { 1 };
-        self.event_timer = Duration::from_millis(event_timer * factor + u64::from(late));
-        let ignored = faults.has(Fault::SyncStartValueIgnored) || objects.parameters.number_or_zero(0x1019, 0) == 0;
+        self.event_timer = firmware.event_timer(event_timer);
+        let ignored = !firmware.heeds_sync_start_value() || objects.parameters.number_or_zero(0x1019, 0) == 0;
         let sync_start = if ignored { 0 } else { number(6) as u8 };
         self.awaits_start = sync_start != 0 && (self.awaits_start || sync_start != self.sync_start);
         self.sync_start = sync_start;
@@ -128,7 +123,7 @@ impl Tpdo {
     /// The device became operational: event-driven PDOs are sent at once (CiA 406).
     pub fn start(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         self.running = true;
-        if !objects.faults.has(Fault::SyncCountNotReset) {
+        if objects.firmware.resets_sync_count() {
             self.syncs = 0;
         }
         self.awaits_start = self.sync_start != 0;
@@ -144,8 +139,8 @@ impl Tpdo {
         if !self.is_event_driven() {
             return None;
         }
-        let is_first_missing = objects.faults.has(Fault::FirstPositionMissing) && self.event_timer > Duration::ZERO;
-        if is_first_missing || objects.faults.has(Fault::TpdoNotSentAtStart) {
+        let is_first_missing = objects.firmware.misses_first_timed_pdo() && self.event_timer > Duration::ZERO;
+        if is_first_missing || !objects.firmware.sends_pdo_at_start() {
             self.last = self.is_active().then(|| self.frame(now, objects));
             return None;
         }
@@ -212,7 +207,7 @@ impl Tpdo {
     /// A SYNC came, with a counter where the producer counts.
     pub fn on_sync(&mut self, now: Timestamp, counter: Option<u8>, objects: &Objects) -> Option<Frame> {
         if !self.is_active() {
-            self.remembered = !self.running && objects.faults.has(Fault::SyncRememberedOverStart);
+            self.remembered = !self.running && objects.firmware.remembers_sync_over_start();
             return None;
         }
         if self.awaits_start && self.is_synchronous() {
@@ -224,7 +219,7 @@ impl Tpdo {
         match self.transmission {
             TransmissionType::SYNCHRONOUS_ACYCLIC => {
                 let event = self.last != Some(self.frame(now, objects));
-                let always = objects.faults.has(Fault::AcyclicTpdoWithoutEvent);
+                let always = objects.firmware.sends_acyclic_without_event();
                 if event || always { self.transmit(now, objects) } else { None }
             }
             TransmissionType::RTR_SYNCHRONOUS => {
@@ -234,11 +229,11 @@ impl Tpdo {
             transmission => {
                 let cycle = transmission.cycle()?;
                 self.syncs = self.syncs.saturating_add(1);
-                if self.syncs < cycle && !objects.faults.has(Fault::SyncCycleIgnored) {
+                if self.syncs < cycle && objects.firmware.heeds_sync_cycle() {
                     return None;
                 }
                 self.syncs = 0;
-                if objects.faults.has(Fault::SyncTpdoLate) {
+                if objects.firmware.delays_synchronous_pdo() {
                     (self.waiting, self.inhibited_until) = (true, now + LATE);
                     return None;
                 }
@@ -249,12 +244,12 @@ impl Tpdo {
 
     /// A remote frame asks for the PDO.
     pub fn on_remote(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
-        let allowed = self.cob_id.allows_rtr() || objects.faults.has(Fault::RemoteFrameAnsweredWhenNotAllowed);
-        if !self.is_active() || !allowed || objects.faults.has(Fault::TpdoRemoteUnanswered) {
+        let allowed = self.cob_id.allows_rtr() || !objects.firmware.checks_rtr_permission();
+        if !self.is_active() || !allowed || !objects.firmware.answers_pdo_requests() {
             return None;
         }
         match self.transmission {
-            TransmissionType::RTR_SYNCHRONOUS if !objects.faults.has(Fault::RtrTypeSampledAtOnce) => self.sampled,
+            TransmissionType::RTR_SYNCHRONOUS if objects.firmware.samples_rtr_type_at_sync() => self.sampled,
             _ => Some(self.frame(now, objects)),
         }
     }
@@ -269,7 +264,7 @@ impl Tpdo {
             self.waiting = true;
             return None;
         }
-        if self.is_event_driven() && !objects.faults.has(Fault::InhibitTimeIgnored) {
+        if self.is_event_driven() && objects.firmware.heeds_inhibit_time() {
             self.inhibited_until = now + self.inhibit;
         }
         if self.event_due < Timestamp::MAX {
@@ -277,7 +272,7 @@ impl Tpdo {
         }
         let frame = self.frame(now, objects);
         self.last = Some(frame);
-        if objects.faults.has(Fault::TpdoPositionLate) {
+        if objects.firmware.sends_last_value() {
             return self.late.replace(frame).or(Some(frame));
         }
         Some(frame)
