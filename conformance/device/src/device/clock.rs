@@ -1,12 +1,18 @@
 //! TIME, consumed and produced (1012h), the clock that it sets, and the high resolution time stamp (1013h).
 
+use super::context::Context;
+use super::nmt;
+use super::objects::Objects;
 use super::parameters::Parameters;
+use super::routes::{Route, Routes};
+use super::service::{Event, Service};
 use crate::Firmware;
 use crate::models::Network;
 use canvass_analyzer::CobId;
+use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::time::TimeOfDay;
-use canvass_traces::{Duration, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// The device's clock: at power-on it shows the beginning of 1984.
 #[derive(Clone, Debug)]
@@ -111,6 +117,62 @@ impl Clock {
             time.raw_milliseconds |= 0xF000_0000;
         }
         Some(time)
+    }
+}
+
+/// Consumes and produces TIME; the clock itself is an object.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TimeService;
+
+impl TimeService {
+    fn configure(now: Timestamp, context: &mut Context) {
+        let may_send = context.serves(nmt::Service::Broadcast);
+        let Objects { parameters, model, clock, .. } = &mut context.objects;
+        clock.configure(now, parameters, &model.sheet().network, may_send);
+    }
+}
+
+impl Service for TimeService {
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        if context.phase.is_running()
+            && frame.len() == 6
+            && let Ok(time) = TimeOfDay::read(frame.data())
+        {
+            context.objects.clock.set(now, time);
+            context.events.push_back(Event::Changed);
+        }
+    }
+
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Started => Self::configure(now, context),
+            Event::Entered { before } => {
+                let sends = context.serves(nmt::Service::Broadcast);
+                if sends != before.serves(nmt::Service::Broadcast, context.firmware()) {
+                    context.objects.clock.restart(now, sends);
+                }
+            }
+            Event::Written(at, _) if at.index.0 == 0x1012 => {
+                Self::configure(now, context);
+                context.routes_changed = true;
+            }
+            Event::Written(at, micros) if at.index.0 == 0x1013 => context.objects.clock.stamp(now, micros as u32),
+            _ => {}
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if let Some(time) = context.objects.clock.poll(now) {
+            context.send(time.to_frame(context.objects.clock.own_can_id()));
+        }
+    }
+
+    fn timeout(&self, context: &Context) -> Timestamp {
+        context.objects.clock.timeout()
+    }
+
+    fn find_routes(&self, context: &Context, routes: &mut Routes) {
+        context.objects.clock.can_id().into_iter().for_each(|can_id| routes.set(can_id, Route::Time));
     }
 }
 

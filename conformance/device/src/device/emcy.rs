@@ -1,12 +1,17 @@
 //! Errors: the error register (1001h), the history (1003h) and the EMCY messages (1014h, 1015h).
 
+use super::context::Context;
+use super::nmt;
 use super::parameters::Parameters;
+use super::routes::{Route, Routes};
+use super::service::{Event, Service};
 use crate::Firmware;
 use crate::models::Quirks;
 use canvass_analyzer::CobId;
-use canvass_analyzer::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_traces::{Duration, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 use std::collections::VecDeque;
 
 /// Something that can be wrong with the device. Each is present or not; only changes are reported.
@@ -316,6 +321,74 @@ impl Errors {
     pub fn power_on(&mut self) {
         self.history.clear();
         self.reset();
+    }
+}
+
+/// Sends what is to be said of errors, and hears what others say of theirs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EmcyService;
+
+impl EmcyService {
+    /// The next EMCY, if there is one and it may be sent.
+    fn next(now: Timestamp, context: &mut Context) -> Option<Frame> {
+        if now < Self.timeout(context) {
+            return None;
+        }
+        let inhibit = Duration::from_micros(100 * context.objects.parameters.number_or_zero(0x1015, 0));
+        // One that 1014h silences is gone, the next one may follow at once.
+        loop {
+            let emcy = context.objects.errors.poll(now, inhibit)?;
+            let cob_id = Self::cob_id(context)?;
+            if cob_id.is_valid() || context.firmware().sends_emcy_when_invalid() {
+                return Some(emcy.to_frame(cob_id.can_id() as u16));
+            }
+        }
+    }
+
+    fn due(context: &Context) -> Timestamp {
+        if context.serves(nmt::Service::Emcy) { context.objects.errors.timeout() } else { Timestamp::MAX }
+    }
+
+    fn cob_id(context: &Context) -> Option<CobId> {
+        let usual = CobId(u32::from(emcy::CAN_ID_BASE) + u32::from(context.node?.raw()));
+        Some(context.objects.parameters.number(0x1014, 0).map_or(usual, |raw| CobId(raw as u32)))
+    }
+}
+
+impl Service for EmcyService {
+    /// The EMCY of a node of 1028h.
+    fn handle(&mut self, _: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        if frame.len() == 8 && context.phase.is_running() {
+            context.objects.received_emcy = u64::from_le_bytes(frame.bytes());
+        }
+    }
+
+    fn on_event(&mut self, _: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Initialise => context.objects.errors.reset(),
+            Event::Written(at, _) if at.index.0 == 0x1003 => context.objects.errors.clear_history(),
+            Event::Written(at, _) if matches!(at.index.0, 0x1014 | 0x1028) => context.routes_changed = true,
+            _ => {}
+        }
+    }
+
+    fn timeout(&self, context: &Context) -> Timestamp {
+        Self::due(context)
+    }
+
+    fn transmit(&mut self, now: Timestamp, context: &mut Context) {
+        while let Some(frame) = Self::next(now, context) {
+            context.send(frame);
+        }
+    }
+
+    fn find_routes(&self, context: &Context, routes: &mut Routes) {
+        let parameters = &context.objects.parameters;
+        for cob_id in (1..=127).map_while(|sub| parameters.number(0x1028, sub)).map(|raw| CobId(raw as u32)) {
+            if cob_id.is_valid() && cob_id.can_id() != 0 {
+                routes.set(cob_id.can_id() as u16, Route::PeerEmcy);
+            }
+        }
     }
 }
 

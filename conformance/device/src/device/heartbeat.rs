@@ -1,6 +1,8 @@
 //! The heartbeat producer (1017h) and the boot-up message.
 
+use super::context::Context;
 use super::nmt::Phase;
+use super::service::{Event, Service};
 use crate::Firmware;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Duration, Timestamp};
@@ -23,7 +25,7 @@ impl HeartbeatProducer {
     }
 
     /// Begins anew with the time of 1017h in milliseconds; 0 is never.
-    pub fn start(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
+    fn start(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
         if millis == 0 && !firmware.stops_heartbeat_at_zero() {
             return;
         }
@@ -35,7 +37,7 @@ impl HeartbeatProducer {
     }
 
     /// The end of initialisation: the boot-up message is the first heartbeat, the next one follows one period later.
-    pub fn boot(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
+    fn boot(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
         self.start(now, millis, firmware);
         self.burst = 0;
         self.last = State::PRE_OPERATIONAL;
@@ -45,26 +47,18 @@ impl HeartbeatProducer {
     }
 
     /// Initialisation: no heartbeat.
-    pub const fn stop(&mut self) {
+    const fn stop(&mut self) {
         self.due = Timestamp::MAX;
         self.burst = 0;
     }
 
     /// Whether there is one at all.
-    pub fn is_active(&self) -> bool {
+    fn is_active(&self) -> bool {
         self.due < Timestamp::MAX
     }
 
-    /// When the next one is sent.
-    pub const fn timeout(&self) -> Timestamp {
-        if self.burst > 0 && self.due.0 < Timestamp::MAX.0 { Timestamp::ZERO } else { self.due }
-    }
-
-    /// The heartbeat, if it is time for one.
-    pub fn poll(&mut self, now: Timestamp, phase: Phase, firmware: &Firmware) -> Option<ErrorControl> {
-        if now < self.timeout() {
-            return None;
-        }
+    /// The heartbeat of now.
+    fn heartbeat(&mut self, phase: Phase, firmware: &Firmware) -> ErrorControl {
         if self.burst > 0 {
             self.burst -= 1;
         } else {
@@ -74,6 +68,33 @@ impl HeartbeatProducer {
         let state = firmware.heartbeat_state(phase.state());
         let before = std::mem::replace(&mut self.last, state);
         let state = if firmware.shows_stale_state() { before } else { state };
-        Some(ErrorControl { toggle: firmware.sets_toggle_in_heartbeat(), state })
+        ErrorControl { toggle: firmware.sets_toggle_in_heartbeat(), state }
+    }
+}
+
+impl Service for HeartbeatProducer {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        let firmware = context.firmware();
+        match event {
+            Event::Initialise => self.stop(),
+            Event::Started | Event::Resumed => {
+                self.boot(now, context.objects.parameters.number_or_zero(0x1017, 0), firmware);
+            }
+            Event::Entered { .. } if !firmware.keeps_heartbeat_over_state_change() => self.stop(),
+            Event::Written(at, millis) if at.index.0 == 0x1017 => self.start(now, millis, firmware),
+            _ => {}
+        }
+        context.is_heartbeat_active = self.is_active();
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if now >= self.timeout(context) {
+            let heartbeat = self.heartbeat(context.phase, context.firmware());
+            context.send_error_control(heartbeat);
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        if self.burst > 0 && self.is_active() { Timestamp::ZERO } else { self.due }
     }
 }

@@ -1,10 +1,15 @@
 //! The heartbeat consumer (1016h): misses the nodes that it has heard once.
 
+use super::context::Context;
+use super::emcy::Condition;
 use super::parameters::Parameters;
+use super::routes::{Route, Routes};
+use super::service::{Event, Service};
 use crate::Firmware;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_traces::{Duration, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// What is awaited of other nodes, one for each sub-index of 1016h.
 #[derive(Clone, Debug)]
@@ -29,7 +34,7 @@ impl HeartbeatConsumer {
     }
 
     /// Begins anew with the entries of 1016h.
-    pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, firmware: &Firmware) {
+    fn configure(&mut self, now: Timestamp, parameters: &Parameters, firmware: &Firmware) {
         self.watched.clear();
         let most = if firmware.consumes_from_first_only() { 1 } else { 127 };
         let entries = (1..=most).map_while(|sub| parameters.number(0x1016, sub));
@@ -44,7 +49,7 @@ impl HeartbeatConsumer {
     }
 
     /// An error control message of that node came; whether the node was missing.
-    pub fn on_heartbeat(&mut self, now: Timestamp, node: u8, firmware: &Firmware) -> bool {
+    fn on_heartbeat(&mut self, now: Timestamp, node: u8, firmware: &Firmware) -> bool {
         let mut back = false;
         let everyone = firmware.consumes_from_everyone();
         let concerns = |watched: &&mut Watched| watched.node == node || everyone && !(1..=127).contains(&watched.node);
@@ -57,17 +62,54 @@ impl HeartbeatConsumer {
         back
     }
 
-    /// When the next node is missed.
-    pub fn timeout(&self) -> Timestamp {
-        self.watched.iter().map(|watched| watched.due).min().unwrap_or(Timestamp::MAX)
-    }
-
     /// A node that is missed from now on, if there is one: called until there is none.
-    pub fn poll(&mut self, now: Timestamp) -> Option<u8> {
+    fn next_lost(&mut self, now: Timestamp) -> Option<u8> {
         let watched = self.watched.iter_mut().find(|watched| now >= watched.due)?;
         watched.due = Timestamp::MAX;
         watched.lost = true;
         Some(watched.node)
+    }
+}
+
+/// Whether a written entry of 1016h acts at once.
+fn acts(at: Multiplexer, context: &Context) -> bool {
+    let needs_store = context.objects.model.sheet().network.heartbeat_consumer_needs_store;
+    !needs_store || context.store.number(at, &context.objects.parameters).is_some()
+}
+
+impl Service for HeartbeatConsumer {
+    /// An error control message of another node.
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        let node = (frame.id().raw() & 0x7F) as u8;
+        if context.phase.is_running() && self.on_heartbeat(now, node, context.firmware()) {
+            context.report(Condition::Heartbeat { node }, false);
+        }
+    }
+
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Started => self.configure(now, &context.objects.parameters, context.firmware()),
+            Event::Written(at, _) if at.index.0 == 0x1016 && acts(at, context) => {
+                self.configure(now, &context.objects.parameters, context.firmware());
+            }
+            _ => {}
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        while let Some(node) = self.next_lost(now) {
+            context.report(Condition::Heartbeat { node }, true);
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.watched.iter().map(|watched| watched.due).min().unwrap_or(Timestamp::MAX)
+    }
+
+    fn find_routes(&self, _: &Context, routes: &mut Routes) {
+        for node in 1..=0x7F {
+            routes.set(error_control::CAN_ID_BASE + node, Route::PeerErrorControl);
+        }
     }
 }
 

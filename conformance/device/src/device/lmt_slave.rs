@@ -7,9 +7,10 @@
 //! Nothing but inquiries, configurations and "identify" is answered. What is configured is stored by 17h and acts after
 //! power-off; only 15h takes a new bit rate over before that.
 
-use super::Device;
-use super::push;
-use super::store::Groups;
+use super::context::Context;
+use super::nmt::Order;
+use super::routes::{Route, Routes};
+use super::service::Service;
 use crate::Firmware;
 use crate::models::{BitRate, LmtAddress};
 use canvass_analyzer::NodeId;
@@ -77,7 +78,7 @@ impl LmtSlave {
         self.in_use_kbit
     }
 
-    fn handle(
+    fn on_request(
         &mut self,
         request: Request,
         address: &LmtAddress,
@@ -237,46 +238,47 @@ fn binary(digits: Seven) -> Seven {
     Seven([a, b, c, d, e, f, g])
 }
 
-impl Device {
-    /// A frame of the LMT master came.
-    pub(super) fn on_lmt(&mut self, now: Timestamp, frame: &Frame) {
-        let Ok(request) = lmt::Request::read(frame.data()) else { return };
-        let sheet = self.objects.model.sheet();
-        let Some(address) = sheet.lmt else { return };
-        if !self.phase.is_running() || frame.len() != 8 {
-            return;
-        }
-        let (response, effect) = self.lmt.handle(request, &address, &sheet.bit_rates, &self.firmware);
-        if let Some(response) = response {
-            push(&mut self.outbox, response.to_frame(lmt::SLAVE_CAN_ID));
-        }
-        match effect {
-            Some(Effect::Store) => self.store_lmt(),
-            Some(Effect::Activate(delay)) => self.activate_lmt_bit_rate(delay, now),
-            Some(Effect::TakeNodeId(node)) if self.node == Some(node) => {}
-            Some(Effect::TakeNodeId(node)) => {
-                self.node = Some(node);
-                let outbox = std::mem::take(&mut self.outbox);
-                self.initialise(now, Groups::ALL);
-                self.outbox = outbox;
-            }
-            None => {}
-        }
-    }
-
-    fn store_lmt(&mut self) {
-        let pending = self.lmt.pending;
-        self.lmt.stored_kbit = pending.kbit.unwrap_or(self.lmt.stored_kbit);
-        if let (Some(at), Some(node)) = (self.objects.model.sheet().network.node_id_object, pending.node_id) {
-            self.store.save_number(at, u64::from(node.raw()), &self.objects.parameters);
+impl LmtSlave {
+    fn store(&mut self, context: &mut Context) {
+        self.stored_kbit = self.pending.kbit.unwrap_or(self.stored_kbit);
+        let at = context.objects.model.sheet().network.node_id_object;
+        if let (Some(at), Some(node)) = (at, self.pending.node_id) {
+            context.store.save_number(at, u64::from(node.raw()), &context.objects.parameters);
         }
     }
 
     /// Silent for one delay before the change and one after it.
-    fn activate_lmt_bit_rate(&mut self, delay: Duration, now: Timestamp) {
-        self.lmt.in_use_kbit = self.lmt.pending.kbit.unwrap_or(self.lmt.in_use_kbit);
-        if self.firmware.is_silent_at_lmt_activation() && delay > Duration::ZERO {
-            self.silent_until = now + delay.times(2);
+    fn activate(&mut self, now: Timestamp, delay: Duration, context: &mut Context) {
+        self.in_use_kbit = self.pending.kbit.unwrap_or(self.in_use_kbit);
+        if context.firmware().is_silent_at_lmt_activation() && delay > Duration::ZERO {
+            context.silent_until = now + delay.times(2);
+        }
+    }
+}
+
+impl Service for LmtSlave {
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        let Ok(request) = lmt::Request::read(frame.data()) else { return };
+        let sheet = context.objects.model.sheet();
+        let Some(address) = sheet.lmt else { return };
+        if !context.phase.is_running() || frame.len() != 8 {
+            return;
+        }
+        let (response, effect) = self.on_request(request, &address, &sheet.bit_rates, context.firmware());
+        if let Some(response) = response {
+            context.send(response.to_frame(lmt::SLAVE_CAN_ID));
+        }
+        match effect {
+            Some(Effect::Store) => self.store(context),
+            Some(Effect::Activate(delay)) => self.activate(now, delay, context),
+            Some(Effect::TakeNodeId(node)) if context.node != Some(node) => context.order(Order::MoveTo(node)),
+            Some(Effect::TakeNodeId(_)) | None => {}
+        }
+    }
+
+    fn find_routes(&self, context: &Context, routes: &mut Routes) {
+        if context.objects.model.sheet().lmt.is_some() {
+            routes.set(lmt::MASTER_CAN_ID, Route::Lmt);
         }
     }
 }

@@ -1,8 +1,12 @@
 //! The LSS slave: node-ID and bit rate over the bus (CiA 305).
 
-use super::nmt::Phase;
-use super::store::{Groups, StoredNetwork};
-use super::{Device, push};
+use super::context::Context;
+use super::nmt::{Order, Phase};
+use super::objects::Objects;
+use super::parameters::Parameters;
+use super::routes::{Route, Routes};
+use super::service::Service;
+use super::store::StoredNetwork;
 use crate::Firmware;
 use crate::models::{BitRate, Model};
 use canvass_analyzer::NodeId;
@@ -65,7 +69,7 @@ impl LssSlave {
     }
 
     /// A message of the master came. `node` is the node-ID in use, or [`UNCONFIGURED`].
-    pub fn handle(
+    fn on_request(
         &mut self,
         request: Request,
         address: Address,
@@ -232,82 +236,86 @@ impl LssSlave {
     }
 }
 
-impl Device {
-    /// 1018h:01 to 04.
-    pub(super) fn lss_address(&self) -> Address {
-        [1, 2, 3, 4].map(|sub| self.objects.parameters.number_or_zero(0x1018, sub) as u32)
-    }
-
-    /// A frame of the LSS master came.
-    pub(super) fn on_lss(&mut self, now: Timestamp, frame: &Frame) {
-        let network = &self.objects.model.sheet().network;
-        let state = self.phase.state();
-        let works = network.lss_states.is_empty()
-            || self.phase == Phase::Unconfigured
-            || network.lss_states.iter().any(|name| state.name() == Some(name));
-        let booting = matches!(self.phase, Phase::Initialising { .. });
-        let Ok(request) = lss::Request::read(frame.data()) else { return };
-        if !network.lss || !works || booting || frame.len() != 8 {
+impl LssSlave {
+    fn store(&self, context: &mut Context) {
+        if !context.firmware().keeps_lss_configuration() {
             return;
         }
-        let address = self.lss_address();
-        let node = self.node.map_or(UNCONFIGURED, NodeId::raw);
-        let model = self.objects.model.clone();
-        let (response, effect) = self.lss.handle(request, address, node, &model, &self.firmware);
-        if let Some(response) = response {
-            push(&mut self.outbox, response.to_frame(lss::SLAVE_CAN_ID));
-        }
-        match effect {
-            Some(Effect::Store) => self.store_lss(),
-            Some(Effect::Leave) => self.leave_lss(now),
-            Some(Effect::Activate(delay)) => self.activate_bit_rate(now, delay),
-            Some(Effect::Hang) => self.hang(),
-            None => self.take_node_id_at_once(),
-        }
-    }
-
-    fn store_lss(&mut self) {
-        if !self.firmware.keeps_lss_configuration() {
-            return;
-        }
-        let network = &self.objects.model.sheet().network;
-        let pending = self.lss.pending;
-        let rate = pending.bit_timing.and_then(|code| self.bit_rate_of_lss(code)).and_then(|rate| rate.object_code);
-        let stored =
-            [(network.node_id_object, pending.node_id.map(u64::from)), (network.bit_rate_object, rate.map(u64::from))];
+        let Objects { model, parameters, .. } = &context.objects;
+        let network = &model.sheet().network;
+        let rate = self.pending.bit_timing.and_then(|code| bit_rate(model, code)).and_then(|rate| rate.object_code);
+        let node_id = self.pending.node_id.map(u64::from);
+        let stored = [(network.node_id_object, node_id), (network.bit_rate_object, rate.map(u64::from))];
         for (at, number) in stored {
             if let (Some(at), Some(number)) = (at, number) {
-                self.store.save_number(at, number, &self.objects.parameters);
+                context.store.save_number(at, number, parameters);
             }
         }
-        let before = self.store.network();
-        self.store.save_network(StoredNetwork {
-            node_id: pending.node_id.or(before.node_id),
-            bit_timing: pending.bit_timing.or(before.bit_timing),
+        let before = context.store.network();
+        context.store.save_network(StoredNetwork {
+            node_id: self.pending.node_id.or(before.node_id),
+            bit_timing: self.pending.bit_timing.or(before.bit_timing),
         });
     }
 
     /// A new node-ID is taken over by a restart: at once where the manual says so, or where there was none; else at the
     /// next reset communication (CiA 305).
-    fn leave_lss(&mut self, now: Timestamp) {
-        let restarts = self.objects.model.sheet().network.lss_restarts || self.node.is_none();
-        if restarts && let Some(node_id) = self.lss.pending.node_id.take() {
-            self.node = NodeId::new(node_id);
-            self.lss = LssSlave::new();
-            self.initialise(now, Groups::ALL);
+    fn leave(&mut self, context: &mut Context) {
+        let restarts = context.objects.model.sheet().network.lss_restarts || context.node.is_none();
+        if restarts && let Some(node_id) = self.pending.node_id.take() {
+            *self = Self::new();
+            context.order(Order::Restart(NodeId::new(node_id)));
         }
     }
 
-    fn take_node_id_at_once(&mut self) {
-        let node_id = self.lss.pending.node_id.and_then(NodeId::new);
-        if self.firmware.takes_lss_node_id_at_once() && self.node.is_some() && node_id.is_some() {
-            self.node = node_id;
-            self.find_routes();
+    fn take_node_id_at_once(&self, context: &mut Context) {
+        let node_id = self.pending.node_id.and_then(NodeId::new);
+        if context.firmware().takes_lss_node_id_at_once() && context.node.is_some() && node_id.is_some() {
+            context.node = node_id;
+            context.routes_changed = true;
+        }
+    }
+}
+
+impl Service for LssSlave {
+    fn handle(&mut self, _: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        let network = &context.objects.model.sheet().network;
+        let state = context.phase.state();
+        let works = network.lss_states.is_empty()
+            || context.phase == Phase::Unconfigured
+            || network.lss_states.iter().any(|name| state.name() == Some(name));
+        let booting = matches!(context.phase, Phase::Initialising { .. });
+        let Ok(request) = lss::Request::read(frame.data()) else { return };
+        if !network.lss || !works || booting || frame.len() != 8 {
+            return;
+        }
+        let address = address(&context.objects.parameters);
+        let node = context.node.map_or(UNCONFIGURED, NodeId::raw);
+        let (response, effect) =
+            self.on_request(request, address, node, &context.objects.model, &context.objects.firmware);
+        if let Some(response) = response {
+            context.send(response.to_frame(lss::SLAVE_CAN_ID));
+        }
+        match effect {
+            Some(Effect::Store) => self.store(context),
+            Some(Effect::Leave) => self.leave(context),
+            Some(Effect::Activate(delay)) => context.order(Order::ActivateBitRate(delay)),
+            Some(Effect::Hang) => context.order(Order::Hang),
+            None => self.take_node_id_at_once(context),
         }
     }
 
-    /// The bit rate with that code of LSS.
-    pub(super) fn bit_rate_of_lss(&self, code: u8) -> Option<BitRate> {
-        self.objects.model.sheet().bit_rates.iter().find(|rate| rate.lss_code == Some(code)).copied()
+    fn find_routes(&self, _: &Context, routes: &mut Routes) {
+        routes.set(lss::MASTER_CAN_ID, Route::Lss);
     }
+}
+
+/// 1018h:01 to 04.
+pub(super) fn address(parameters: &Parameters) -> Address {
+    [1, 2, 3, 4].map(|sub| parameters.number_or_zero(0x1018, sub) as u32)
+}
+
+/// The bit rate with that code of LSS.
+pub(super) fn bit_rate(model: &Model, code: u8) -> Option<BitRate> {
+    model.sheet().bit_rates.iter().find(|rate| rate.lss_code == Some(code)).copied()
 }

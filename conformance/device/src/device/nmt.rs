@@ -1,10 +1,14 @@
 //! The NMT slave: states, commands, and which service works in which state (CiA 301, 7.3.2).
 
+use super::context::Context;
+use super::routes::{Route, Routes};
+use super::service;
 use crate::Firmware;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::error_control::State;
+use canvass_analyzer::wire::nmt;
 use canvass_analyzer::wire::nmt::{Command, Nmt};
-use canvass_traces::Timestamp;
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// An NMT state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -32,12 +36,20 @@ pub(super) enum Service {
     Broadcast,
 }
 
-/// What a command makes the device do.
+/// What a service makes the device as a whole do.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Order {
     Enter(Phase),
     ResetNode,
     ResetCommunication,
+    /// LSS is over: a new node-ID, or none, is taken over by a restart.
+    Restart(Option<NodeId>),
+    /// LMT has a new node-ID taken over while the device goes on.
+    MoveTo(NodeId),
+    /// A new bit rate, silent for that time before and after.
+    ActivateBitRate(Duration),
+    /// A faulty firmware does nothing any more.
+    Hang,
 }
 
 impl Phase {
@@ -86,7 +98,7 @@ impl Phase {
 }
 
 /// What an NMT message means to the node; `None` if it is for others or has no meaning.
-pub(super) fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmware) -> Option<Order> {
+fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmware) -> Option<Order> {
     let addressed = match message.node {
         0 => firmware.obeys_broadcasts(),
         id => id == node.raw() || firmware.obeys_commands_to_others(),
@@ -119,4 +131,49 @@ pub(super) fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmwar
         _ if firmware.stops_on_unknown_command() => Order::Enter(Phase::Stopped),
         _ => return None,
     })
+}
+
+/// NMT commands that follow each other faster than that are too much for a firmware that keeps only one.
+const ONE_COMMAND: Duration = Duration::from_millis(1);
+
+/// Takes the commands of the master.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NmtSlave {
+    /// When the last command came.
+    last: Option<Timestamp>,
+}
+
+impl NmtSlave {
+    /// Before the first command.
+    pub const fn new() -> Self {
+        Self { last: None }
+    }
+}
+
+impl service::Service for NmtSlave {
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        let Some(node) = context.node else { return };
+        // An NMT message has two bytes (CiA 301); others are ignored.
+        let message = match *frame.data() {
+            [command] if context.firmware().obeys_short_command() => {
+                Nmt { command: Command(command), node: node.raw() }
+            }
+            [command, node] => Nmt { command: Command(command), node },
+            _ => return,
+        };
+        let before = self.last.replace(now);
+        let too_fast = before.is_some_and(|before| now < before + ONE_COMMAND);
+        if too_fast && context.firmware().keeps_one_command_only() {
+            return;
+        }
+        if let Some(order) = order(message, node, context.phase, context.firmware()) {
+            context.order(order);
+        }
+    }
+
+    fn find_routes(&self, context: &Context, routes: &mut Routes) {
+        if context.node.is_some() {
+            routes.set(nmt::CAN_ID, Route::Nmt);
+        }
+    }
 }

@@ -3,7 +3,7 @@
 
 use super::Encoder;
 use crate::device::parameters::Parameters;
-use crate::device::reactions::TEMPERATURE;
+use crate::device::shaft::TEMPERATURE;
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Timestamp;
 
