@@ -165,8 +165,8 @@ impl Args {
         let (model, description) = match (named, model) {
             (Some(device), _) => (device.to_owned(), Some(describe(device)?)),
             (None, Some(model)) => {
-                let faults = opened.devices.first().map(|device| device.faults).unwrap_or_default();
-                (model.id().to_owned(), Some(model.description_with(faults)))
+                let firmware = opened.devices.first().map(|device| device.firmware).unwrap_or_default();
+                (model.id().to_owned(), Some(model.description_with(firmware)))
             }
             (None, None) => (String::new(), None),
         };

@@ -76,7 +76,7 @@ impl Objects {
             }
             (0x1019, _) => sync::check_overflow(value, parameters, firmware),
             (0x1028, 1..) => check_peer_cob_id(value, old(), firmware, firmware.checks_emcy_ids_while_valid()),
-            (0x1029, 1..) if value > 2 && firmware.checks_error_behaviour() => Err(AbortCode::INVALID_VALUE),
+            (0x1029, 1..) if value > 2 && firmware.checks_error_behaviour() => Err(firmware.limit_code()),
             (0x1200..0x1280, 1 | 2) => check_peer_cob_id(value, old(), firmware, firmware.checks_sdo_ids_while_valid()),
             (0x1400..0x1600 | 0x1800..0x1A00, _) => pdo::check_communication(at, value, self),
             _ => Ok(()),

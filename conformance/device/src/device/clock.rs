@@ -193,7 +193,10 @@ pub(super) fn check(
     let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let in_use = |cob_id: CobId| cob_id.0 & (CONSUMES | PRODUCES) != 0;
     let moved = in_use(old) && in_use(new) && new.can_id() != old.can_id() && firmware.checks_time_id_while_valid();
-    if reserved || impossible || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    if reserved || impossible || restricted {
+        return Err(AbortCode::INVALID_VALUE);
+    }
+    if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }
 }
 
 #[cfg(test)]

@@ -82,7 +82,7 @@ impl Device {
         self.services.transmit(now, &mut self.context);
         self.beside_sdo = Timestamp::ZERO;
         self.wake = match self.context.phase {
-            Phase::Unconfigured => self.activation_timeout(),
+            Phase::Unconfigured => self.activation_timeout().min(self.services.lss.timeout(&self.context)),
             // What services still waited for at the reset is settled when they start again.
             Phase::Initialising { until } => {
                 let ready = self.services.emcy.timeout(&self.context).min(self.services.sdo.next());
@@ -206,7 +206,7 @@ impl Machine for Device {
         match self.context.phase {
             Phase::Initialising { until } if now >= until => self.boot_up(now),
             Phase::Initialising { .. } => self.services.sdo.poll(now, &mut self.context),
-            Phase::Unconfigured => {}
+            Phase::Unconfigured => self.services.lss.poll(now, &mut self.context),
             _ if now < self.context.silent_until => {}
             _ => {
                 if self.context.silent_until > Timestamp::ZERO {

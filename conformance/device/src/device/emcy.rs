@@ -198,7 +198,7 @@ impl Errors {
             Some(&entry) => Ok(u64::from(entry)),
             None if self.quirks.empty_error_history_reads_zero => Ok(0),
             None if self.firmware.reads_empty_history_as_zero() => Ok(0),
-            None => Err(AbortCode::NO_DATA),
+            None => Err(self.firmware.empty_history_code()),
         }
     }
 
@@ -248,7 +248,7 @@ impl Errors {
         let register = ErrorRegister(if !self.firmware.shows_register_in_emcy() { 0 } else { self.register() });
         if present {
             self.remember(condition);
-            let emcy = Emcy::new(condition.code(&self.quirks), register, condition.manufacturer());
+            let emcy = Emcy::new(self.code(condition), register, condition.manufacturer());
             self.push(emcy);
             if self.firmware.repeats_emcy() {
                 self.push(emcy);
@@ -259,16 +259,21 @@ impl Errors {
         true
     }
 
+    /// The code that is signalled.
+    fn code(&self, condition: Condition) -> EmcyCode {
+        if self.firmware.has_generic_codes_only() { EmcyCode::GENERIC } else { condition.code(&self.quirks) }
+    }
+
     fn remember(&mut self, condition: Condition) {
         let kept = if self.firmware.overflows_history() { 254 } else { self.capacity };
         self.history.truncate(kept.saturating_sub(1));
         let [low, high, ..] = condition.manufacturer();
         let information = u32::from(u16::from_le_bytes([low, high]));
-        self.history.push_front(information << 16 | u32::from(condition.code(&self.quirks).0));
+        self.history.push_front(information << 16 | u32::from(self.code(condition).0));
     }
 
     fn push(&mut self, emcy: Emcy) {
-        if self.queue.len() < LONGEST_QUEUE {
+        if self.queue.len() < LONGEST_QUEUE && self.firmware.signals_errors() {
             self.queue.push_back(emcy);
         }
     }
@@ -303,6 +308,16 @@ impl Errors {
         if !self.firmware.keeps_emcy_when_stopped() {
             self.queue.clear();
             self.clear_history();
+        }
+    }
+
+    /// The device has left stopped: what came meanwhile may be signalled now.
+    fn after_stopped(&mut self) {
+        if self.firmware.drops_emcy_of_stopped() {
+            self.queue.clear();
+        }
+        if self.firmware.signals_newest_after_stopped() {
+            self.queue.drain(..self.queue.len().saturating_sub(1));
         }
     }
 
@@ -363,9 +378,13 @@ impl Service for EmcyService {
         }
     }
 
-    fn on_event(&mut self, _: Timestamp, event: Event, context: &mut Context) {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
         match event {
             Event::Initialise => context.objects.errors.reset(),
+            Event::Entered { before: nmt::Phase::Stopped } => context.objects.errors.after_stopped(),
+            Event::Written(at, value) if at.index.0 == 0x1015 && context.firmware().inhibits_from_write() => {
+                context.objects.errors.inhibited_until = now + Duration::from_micros(100 * value);
+            }
             Event::Written(at, _) if at.index.0 == 0x1003 => context.objects.errors.clear_history(),
             Event::Written(at, _) if matches!(at.index.0, 0x1014 | 0x1028) => context.routes_changed = true,
             _ => {}
@@ -397,11 +416,14 @@ impl Service for EmcyService {
 /// # Errors
 /// "Invalid value" otherwise.
 pub(super) fn check_cob_id(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
-    let old = CobId(parameters.number_or_zero(0x1014, 0) as u32);
+    let (old, new) = (CobId(parameters.number_or_zero(0x1014, 0) as u32), CobId(value as u32));
+    if firmware.refuses_cob_id_rewrite() && old.is_valid() && new.is_valid() {
+        return Err(firmware.cob_id_code(AbortCode::INVALID_VALUE));
+    }
     check_peer_cob_id(value, old, firmware, firmware.checks_emcy_ids_while_valid())
 }
 
-/// The same for the COB-IDs of 1028h and of the second SDO channels.
+/// The same for the COB-IDs of 1028h and of the further SDO channels.
 ///
 /// # Errors
 /// "Invalid value" otherwise.
@@ -414,6 +436,9 @@ pub(super) fn check_peer_cob_id(
     let new = CobId(value as u32);
     let reserved = new.0 & (0x1FFF_F800 | CobId::NO_RTR) != 0 || new.is_extended();
     let restricted = new.is_valid() && new.is_restricted() && firmware.checks_restricted_can_ids();
+    if reserved || restricted {
+        return Err(AbortCode::INVALID_VALUE);
+    }
     let moved = old.is_valid() && new.is_valid() && new.can_id() != old.can_id() && stays_while_valid;
-    if reserved || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }
 }

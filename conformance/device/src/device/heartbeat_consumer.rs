@@ -98,7 +98,11 @@ impl Service for HeartbeatConsumer {
 
     fn poll(&mut self, now: Timestamp, context: &mut Context) {
         while let Some(node) = self.next_lost(now) {
-            context.report(Condition::Heartbeat { node }, true);
+            if context.firmware().reports_lost_heartbeat() {
+                context.report(Condition::Heartbeat { node }, true);
+            } else {
+                context.react(Condition::Heartbeat { node });
+            }
         }
     }
 

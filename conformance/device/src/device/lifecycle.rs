@@ -119,8 +119,11 @@ impl Device {
         }
     }
 
-    /// 1F80h: whether the device goes to operational without its master.
+    /// 1F80h, or local control: whether the device goes to operational without its master.
     fn starts_by_itself(&self) -> bool {
+        if self.context.firmware().starts_by_itself() {
+            return true;
+        }
         let start_up = self.context.objects.model.sheet().network.start_up;
         let set = self.context.objects.parameters.number(0x1F80, 0);
         set.is_some_and(|value| value as u32 & start_up.mask == start_up.value)
@@ -173,7 +176,11 @@ impl Device {
             self.take_stored_node_id();
             self.take_stored_bit_rate();
         }
-        self.initialise(now, Groups::ALL);
+        let kept = match self.context.firmware().keeps_manufacturer_variables() {
+            true => Groups::MANUFACTURER,
+            false => Groups::NONE,
+        };
+        self.initialise(now, Groups::ALL.without(kept));
         if quirks.reset_node_restores_profile {
             self.context.objects.parameters.restore_profile(self.context.node_or_placeholder());
         }

@@ -5,7 +5,7 @@ use super::nmt::{Order, Phase};
 use super::objects::Objects;
 use super::parameters::Parameters;
 use super::routes::{Route, Routes};
-use super::service::Service;
+use super::service::{Event, Service};
 use super::store::StoredNetwork;
 use crate::Firmware;
 use crate::models::{BitRate, Model};
@@ -32,7 +32,12 @@ pub(super) struct LssSlave {
     scanning: u8,
     /// What was configured and not yet taken over.
     pub pending: Pending,
+    /// An answer that takes its time.
+    later: Option<(Timestamp, Frame)>,
 }
+
+/// How long a slow memory takes.
+const SLOW_STORE: Duration = Duration::from_millis(2_000);
 
 /// A new configuration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -65,6 +70,7 @@ impl LssSlave {
             identified: 0,
             scanning: 0,
             pending: Pending { node_id: None, bit_timing: None },
+            later: None,
         }
     }
 
@@ -85,6 +91,7 @@ impl LssSlave {
                 let answers = node == UNCONFIGURED || firmware.answers_non_configured_always();
                 answers.then_some(Response::NonConfigured)
             }
+            Request::Fastscan { .. } if !firmware.knows_fastscan() => None,
             Request::Fastscan { sub, next, .. } if (sub > 3 || next > 3) && firmware.hangs_of_fastscan() => {
                 return (None, Some(Effect::Hang));
             }
@@ -229,6 +236,7 @@ impl LssSlave {
                 }
                 configured(ConfigureCommand::BitTiming, ok || !firmware.checks_lss_bit_timing())
             }
+            Request::Inquire { .. } | Request::InquireNodeId if !firmware.knows_lss_inquiry() => return None,
             Request::Inquire { part } => Response::Part { part, value: *address.get(part as usize)? },
             Request::InquireNodeId => Response::NodeId(node),
             _ => return None,
@@ -278,7 +286,7 @@ impl LssSlave {
 }
 
 impl Service for LssSlave {
-    fn handle(&mut self, _: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         let network = &context.objects.model.sheet().network;
         let state = context.phase.state();
         let works = network.lss_states.is_empty()
@@ -293,8 +301,11 @@ impl Service for LssSlave {
         let node = context.node.map_or(UNCONFIGURED, NodeId::raw);
         let (response, effect) =
             self.on_request(request, address, node, &context.objects.model, &context.objects.firmware);
-        if let Some(response) = response {
-            context.send(response.to_frame(lss::SLAVE_CAN_ID));
+        if let Some(frame) = response.map(|response| response.to_frame(lss::SLAVE_CAN_ID)) {
+            match effect == Some(Effect::Store) && context.firmware().stores_lss_slowly() {
+                true => self.later = Some((now + SLOW_STORE, frame)),
+                false => context.send(frame),
+            }
         }
         match effect {
             Some(Effect::Store) => self.store(context),
@@ -303,6 +314,22 @@ impl Service for LssSlave {
             Some(Effect::Hang) => context.order(Order::Hang),
             None => self.take_node_id_at_once(context),
         }
+    }
+
+    fn on_event(&mut self, _: Timestamp, event: Event, _: &mut Context) {
+        if event == Event::Initialise {
+            self.later = None;
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if let Some((_, frame)) = self.later.take_if(|(due, _)| now >= *due) {
+            context.send(frame);
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.later.map_or(Timestamp::MAX, |(due, _)| due)
     }
 
     fn find_routes(&self, _: &Context, routes: &mut Routes) {

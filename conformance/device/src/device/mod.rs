@@ -28,6 +28,7 @@ mod nmt;
 mod objects;
 mod overlay;
 mod overload;
+mod own_traffic;
 mod parameters;
 mod pdo;
 mod routes;
@@ -64,6 +65,7 @@ use mischief::Mischief;
 use nmt::NmtSlave;
 use objects::Objects;
 use overload::Overload;
+use own_traffic::OwnTraffic;
 use routes::Routes;
 use rpdo::Rpdos;
 use sdo_channels::SdoChannels;
@@ -121,6 +123,7 @@ impl Device {
         motion: Motion,
     ) -> Self {
         let firmware = firmware.into();
+        let model = &*model.taking(firmware.liberties);
         let objects = Objects::new(model, node, motion, &firmware);
         let services = Services {
             storing: Storing,
@@ -137,6 +140,7 @@ impl Device {
             lmt: LmtSlave::new(model.sheet().network.default_bit_rate_kbit),
             lss: LssSlave::new(),
             nmt: NmtSlave::new(),
+            own_traffic: OwnTraffic::new(),
         };
         let store = Store::new(model, &objects.parameters);
         let mut device = Self {

@@ -1,7 +1,7 @@
-//! Faults in what the dictionary holds, not in what the firmware does: they lie over the description.
+//! Faults, and liberties, in what the dictionary holds, not in what the firmware does: they lie over the description.
 
 use super::parameters::{Content, Parameters};
-use crate::{Fault, Firmware};
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 
@@ -10,9 +10,12 @@ const SINGLE_TURN: u64 = 0x0001_0000;
 /// A bit of 6503h and 6504h that is reserved.
 const RESERVED_ALARM: u64 = 1 << 3;
 
-/// Changes what the dictionary says, as the faults have it.
+/// Changes what the dictionary says, as the firmware has it.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     plant_encoder(parameters, firmware);
+    if firmware.takes(Liberty::HeartbeatAbsent) {
+        parameters.remove(0x1017, None);
+    }
     let vendor_id = Multiplexer::new(0x1018, 1);
     let device_type = Multiplexer::new(0x1000, 0);
     if firmware.has(Fault::VendorIdZero) {

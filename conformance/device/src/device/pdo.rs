@@ -70,6 +70,9 @@ pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
     let cob_id = CobId(parameters.number_or_zero(at.index.0, 1) as u32);
     let is_valid_and_changes = cob_id.is_valid() && value != parameters.number_or_zero(at.index.0, at.sub.0);
+    if at.sub.0 != 1 && cob_id.is_valid() && firmware.locks_pdo_parameters() {
+        return Err(AbortCode::INVALID_VALUE);
+    }
     let fits = match (at.sub.0, direction) {
         (1, _) => return check_cob_id(at, cob_id, CobId(value as u32), direction, number, objects),
         (2, _) => is_transmission_type(direction, value, cob_id, objects),
@@ -121,7 +124,10 @@ fn check_cob_id(
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let moved = old.is_valid() && new.is_valid() && new.can_id() != old.can_id();
     if moved && !reserved && firmware.checks_pdo_id_while_valid() {
-        return Err(objects.model.sheet().abort(Rule::CanIdWhileInvalid, at));
+        return Err(firmware.cob_id_code(objects.model.sheet().abort(Rule::CanIdWhileInvalid, at)));
+    }
+    if firmware.refuses_cob_id_rewrite() && old.is_valid() && new.is_valid() {
+        return Err(firmware.cob_id_code(AbortCode::INVALID_VALUE));
     }
     let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let asks_for_rtr =
@@ -146,9 +152,10 @@ pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> R
         return Err(objects.model.sheet().abort(Rule::MappingWhileDisabled, at));
     }
     if at.sub.0 != 0 {
-        return if value == 0 { Ok(()) } else { check_entry(MappingEntry(value as u32), direction, objects) };
+        let checked = check_entry(MappingEntry(value as u32), direction, objects);
+        return if value == 0 { Ok(()) } else { checked.map_err(|code| firmware.entry_code(code)) };
     }
-    check_count(at, value, direction, objects)
+    check_count(at, value, direction, objects).map_err(|code| firmware.count_code(code))
 }
 
 /// Sub-index 0 was written: the entries have to exist, to be possible, and to fit into a PDO.
@@ -174,6 +181,9 @@ fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Obje
 /// Whether an object can be mapped, with that length.
 fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
     let firmware = &objects.firmware;
+    if firmware.maps_whole_bytes_only() && !entry.bits().is_multiple_of(8) {
+        return Err(AbortCode::NOT_MAPPABLE);
+    }
     if entry.is_dummy() {
         return check_dummy(entry, direction, objects);
     }

@@ -194,7 +194,8 @@ impl Rpdos {
         let too_short = received == Received::TooShort;
         let ordinal = rpdo.ordinal();
         context.report(Condition::RpdoTooShort { rpdo: ordinal }, too_short);
-        context.report(Condition::RpdoTooLong { rpdo: ordinal }, too_long);
+        let reported = too_long && context.firmware().reports_long_rpdo();
+        context.report(Condition::RpdoTooLong { rpdo: ordinal }, reported);
         if !too_short {
             context.report(Condition::RpdoLate { rpdo: ordinal }, false);
         }

@@ -13,6 +13,7 @@ use super::heartbeat_consumer::HeartbeatConsumer;
 use super::lmt_slave::LmtSlave;
 use super::lss_slave::LssSlave;
 use super::nmt::{NmtSlave, Order, Phase};
+use super::own_traffic::OwnTraffic;
 use super::routes::{Route, Routes};
 use super::rpdo::Rpdos;
 use super::sdo_channels::SdoChannels;
@@ -141,4 +142,5 @@ services! {
     lmt: LmtSlave,
     lss: LssSlave,
     nmt: NmtSlave,
+    own_traffic: OwnTraffic,
 }

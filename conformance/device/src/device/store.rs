@@ -28,7 +28,7 @@ impl Groups {
     /// Everything.
     pub const ALL: Self = Self(15);
     /// What 1010h:01 and 1011h:01 mean.
-    const PARAMETERS: Self = Self(7);
+    pub const PARAMETERS: Self = Self(7);
 
     const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)

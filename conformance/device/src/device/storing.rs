@@ -2,8 +2,9 @@
 //! which forgets its date with every other change.
 
 use super::context::Context;
+use super::lss_slave::UNCONFIGURED;
 use super::service::{Event, Service};
-use super::store::StoreCommand;
+use super::store::{Groups, StoreCommand, StoredNetwork};
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Timestamp;
 
@@ -49,6 +50,10 @@ fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
             context.silent_until = done;
         }
         context.objects.take_waiting();
+    }
+    if command == StoreCommand::Restore(Groups::PARAMETERS) && context.firmware().restores_node_id() {
+        let network = context.store.network();
+        context.store.save_network(StoredNetwork { node_id: Some(UNCONFIGURED), ..network });
     }
     context.store.begin(done, command, &context.objects.firmware);
 }

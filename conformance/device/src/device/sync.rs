@@ -139,7 +139,7 @@ impl Service for SyncObject {
             return;
         }
         let fits = self.has_length(frame.len(), context.firmware());
-        context.report(Condition::SyncLength, !fits);
+        context.report(Condition::SyncLength, !fits && context.firmware().reports_sync_length());
         if fits {
             self.open(now);
             context.events.push_back(Event::Sync { counter: frame.data().first().copied() });
@@ -210,7 +210,10 @@ pub(super) fn check_cob_id(
     let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let moved = is_producing(old.0.into()) && new.can_id() != old.can_id() && is_producing(value);
     let moved = moved && firmware.checks_sync_id_while_producing();
-    if reserved || impossible || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    if reserved || impossible || restricted {
+        return Err(AbortCode::INVALID_VALUE);
+    }
+    if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }
 }
 
 /// The conditions of a write to 1006h: not faster than the device can.
@@ -228,8 +231,12 @@ pub(super) fn check_period(value: u64, network: &Network) -> Result<(), AbortCod
 /// "Invalid value", or "present device state".
 pub(super) fn check_overflow(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
     if parameters.number_or_zero(0x1006, 0) != 0 && firmware.checks_overflow_while_producing() {
-        return Err(AbortCode::DEVICE_STATE);
+        return Err(firmware.overflow_code());
     }
     let known = matches!(value, 0 | 2..=240) || !firmware.checks_overflow();
-    if known { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
+    match value {
+        _ if known => Ok(()),
+        241.. => Err(firmware.limit_code()),
+        _ => Err(AbortCode::INVALID_VALUE),
+    }
 }

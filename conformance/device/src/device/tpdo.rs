@@ -222,7 +222,8 @@ impl Tpdo {
         }
         match self.transmission {
             TransmissionType::SYNCHRONOUS_ACYCLIC => {
-                let event = self.last != Some(self.frame(now, objects));
+                let changed = self.last != Some(self.frame(now, objects));
+                let event = changed && objects.firmware.takes_writes_for_events();
                 let always = objects.firmware.sends_acyclic_without_event();
                 if event || always { self.transmit(now, objects) } else { None }
             }

@@ -137,6 +137,12 @@ impl Model {
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
     }
 
+    /// The same model with another description and another sheet.
+    pub(crate) fn with(&self, description: DeviceDescription, sheet: Sheet) -> Self {
+        let deviations = Arc::clone(&self.deviations);
+        Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations }
+    }
+
     /// What tells that a node is of this model.
     pub fn candidate(&self) -> Candidate {
         let mut candidate = Candidate::of(self.id(), Arc::clone(&self.description));

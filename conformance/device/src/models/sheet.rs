@@ -480,6 +480,13 @@ pub struct Value {
     pub note: ForPeople,
 }
 
+impl Value {
+    /// A number or a text.
+    pub(crate) fn new(at: Multiplexer, value: impl Into<toml::Value>) -> Self {
+        Self { at, value: value.into(), note: ForPeople }
+    }
+}
+
 const fn yes() -> bool {
     true
 }

@@ -12,20 +12,26 @@ mod guarding;
 mod heartbeat;
 mod heartbeat_consumer;
 mod layer_setting;
+mod liberties;
 mod nmt;
 mod pdo;
 mod sdo;
 mod store;
 
-/// Defines hooks: `NAME with FAULT` is true for a firmware that has the fault, `NAME unless FAULT` for one that has not.
+/// Defines hooks: `NAME with FAULT` is true for a firmware that has the fault, `NAME unless FAULT` for one that has not;
+/// `or LIBERTY` does the same for a liberty; `NAME by LIBERTY` and `NAME but LIBERTY` are about a liberty alone.
 macro_rules! hooks {
-    ($($name:ident $how:ident $fault:ident,)*) => {
+    ($($name:ident $how:ident $what:ident $(or $liberty:ident)?,)*) => {
         impl Firmware {
-            $(pub(in crate::device) const fn $name(&self) -> bool { hooks!(@ $how self.has(Fault::$fault)) })*
+            $(pub(in crate::device) const fn $name(&self) -> bool { hooks!(@ self $how $what $($liberty)?) })*
         }
     };
-    (@ with $has:expr) => { $has };
-    (@ unless $has:expr) => { !$has };
+    (@ $self:ident with $fault:ident) => { $self.has(Fault::$fault) };
+    (@ $self:ident unless $fault:ident) => { !$self.has(Fault::$fault) };
+    (@ $self:ident with $fault:ident $liberty:ident) => { $self.has(Fault::$fault) || $self.takes(Liberty::$liberty) };
+    (@ $self:ident unless $fault:ident $liberty:ident) => { !$self.has(Fault::$fault) && !$self.takes(Liberty::$liberty) };
+    (@ $self:ident by $liberty:ident) => { $self.takes(Liberty::$liberty) };
+    (@ $self:ident but $liberty:ident) => { !$self.takes(Liberty::$liberty) };
 }
 use hooks;
 

@@ -1,12 +1,12 @@
 use super::hooks;
-use crate::{Fault, Firmware};
+use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 
 hooks! {
     is_busy_in_upload with SdoBusyAfterAbandonedTransfer,
     is_busy_in_download with SdoBusyAfterAbandonedDownload,
-    is_busy_in_block_transfer with SdoBusyAfterAbandonedBlock,
+    is_busy_in_block_transfer with SdoBusyAfterAbandonedBlock or BlockInitiateRefused,
     ignores_client_abort with SdoAbortIgnored,
     ignores_abort_in_block_download with SdoBlockAbortIgnored,
     answers_client_abort with SdoAbortAnswered,
@@ -31,7 +31,7 @@ hooks! {
     toggles_upload unless SdoUploadToggleStuck,
     marks_end_of_upload unless SdoUploadEndMissing,
     toggles_confirmations unless SdoConfirmationToggleStuck,
-    answers_wrong_download_toggle unless SdoDownloadToggleSilent,
+    answers_wrong_download_toggle unless SdoDownloadToggleSilent or ToggleIgnored,
     answers_empty_segment unless SdoEmptySegmentSilent,
     writes_segments_at_once with SdoSegmentsWrittenAtOnce,
     answers_unsized_download unless SdoUnsizedDownloadSilent,
@@ -94,9 +94,9 @@ impl Firmware {
             AbortCode::BLOCK_SIZE => (Fault::SdoBlockSizeWrongCode, AbortCode::INVALID_VALUE),
             AbortCode::WRITE_ONLY => (Fault::SdoWriteOnlyWrongCode, AbortCode::NO_OBJECT),
             AbortCode::NO_SUB_INDEX => (Fault::SdoUnknownAbortCode, AbortCode(0x0A00_0001)),
-            code => return code,
+            code => return self.free_code(code),
         };
-        if self.has(wrong.0) { wrong.1 } else { code }
+        if self.has(wrong.0) { wrong.1 } else { self.free_code(code) }
     }
 
     /// The abort code for an object, or a sub-index, that does not exist.

@@ -37,8 +37,11 @@ pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, object
     };
     match begun {
         Ok(longest) => {
-            let block_size = if objects.firmware.offers_empty_blocks() { 0 } else { BLOCK_SIZE };
-            let response = Response::InitiateBlockDownload { multiplexer: object, crc: true, block_size };
+            let firmware = &objects.firmware;
+            let block_size = if firmware.offers_empty_blocks() { 0 } else { firmware.block_size(BLOCK_SIZE) };
+            let crc = crc && firmware.knows_block_crc();
+            let response =
+                Response::InitiateBlockDownload { multiplexer: object, crc: firmware.knows_block_crc(), block_size };
             let download = BlockDownload { object, crc, size, longest, data: Vec::new(), sequence: 0, received: 0 };
             Next::answer(Transfer::BlockDownload(download), response)
         }
@@ -73,12 +76,13 @@ impl BlockDownload {
         }
         // One that comes twice does not end the transfer.
         let is_end = segment.last && taken;
-        if !is_end && !segment.last && segment.sequence < BLOCK_SIZE && self.received < BLOCK_SIZE {
+        let block_size = firmware.block_size(BLOCK_SIZE);
+        if !is_end && !segment.last && segment.sequence < block_size && self.received < block_size {
             return Next::silence(Transfer::BlockDownload(self));
         }
         let too_few = u8::from(firmware.miscounts_block());
         let sequence = self.sequence.saturating_sub(too_few);
-        let response = Response::ConfirmBlockDownload { sequence, block_size: BLOCK_SIZE };
+        let response = Response::ConfirmBlockDownload { sequence, block_size };
         self.sequence = 0;
         self.received = 0;
         match is_end {
@@ -100,6 +104,10 @@ impl BlockDownloadEnd {
         let unused = if firmware.keeps_padding() { 0 } else { unused };
         let BlockDownload { object, crc: has_crc, size, mut data, .. } = self.0;
         data.truncate(data.len().saturating_sub(usize::from(unused)));
+        let too_short = size.is_some_and(|size| data.len() < size) && firmware.checks_block_length();
+        if too_short && firmware.checks_length_before_crc() {
+            return Next::abort(object, AbortCode::LENGTH_TOO_LOW);
+        }
         if has_crc && crc != crc16(0, &data) && firmware.checks_crc() {
             if firmware.writes_before_crc_check() {
                 // Refused all the same.

@@ -50,21 +50,22 @@ pub(super) fn initiate(
     let block_size = block_size.clamp(1, BlockSegment::MAX);
     let bytes = reading.bytes();
     // Up to the threshold a normal upload is shorter; without one the client wants blocks, also of nothing.
-    if threshold > 0 && bytes.len() <= usize::from(threshold) {
+    if threshold > 0 && bytes.len() <= usize::from(threshold) && objects.firmware.switches_protocol() {
         if objects.firmware.cuts_switched_upload() {
-            return upload::begin(object, bytes.get(1..).unwrap_or_default());
+            return upload::begin(object, bytes.get(1..).unwrap_or_default(), objects);
         }
         return upload::initiate(now, object, objects);
     }
     let more = u32::from(objects.firmware.announces_one_byte_more_in_block());
-    let size = Some(bytes.len() as u32 + more);
-    let response = Response::InitiateBlockUpload { multiplexer: object, crc: true, size };
+    let size = objects.firmware.announces_sizes().then_some(bytes.len() as u32 + more);
+    let knows_crc = objects.firmware.knows_block_crc();
+    let response = Response::InitiateBlockUpload { multiplexer: object, crc: knows_crc, size };
     let value = bytes.to_vec();
     Next::answer(
         Transfer::BlockUpload(BlockUpload {
             object,
             value,
-            crc,
+            crc: crc && knows_crc,
             block_size,
             confirmed: 0,
             stage: Stage::Announced,

@@ -340,7 +340,7 @@ impl SdoServer {
             self.wedged = true;
             return;
         }
-        if let Some(object) = transfer.object() {
+        if let Some(object) = transfer.object().filter(|_| objects.firmware.aborts_at_timeout()) {
             self.answer(now, Response::abort(object, AbortCode::TIMEOUT), objects);
         }
     }

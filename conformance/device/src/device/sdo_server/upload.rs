@@ -38,18 +38,18 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
             let payload = Payload::Segmented(size.saturating_add(1));
             Next::answer(Transfer::Upload(upload), Response::InitiateUpload { multiplexer, payload })
         }
-        Response::InitiateUpload { payload: Payload::Segmented(_), .. } => {
-            let upload = SegmentedUpload { object, value: bytes.to_vec(), sent: 0, toggle: false };
-            Next::answer(Transfer::Upload(upload), response)
-        }
+        Response::InitiateUpload { payload: Payload::Segmented(_), .. } => begin(object, bytes, objects),
         response => Next::end(response),
     }
 }
 
 /// The start of an upload of that value, in segments whatever its length.
-pub(super) fn begin(object: Multiplexer, value: &[u8]) -> Next {
+pub(super) fn begin(object: Multiplexer, value: &[u8], objects: &Objects) -> Next {
     let upload = SegmentedUpload { object, value: value.to_vec(), sent: 0, toggle: false };
-    let payload = Payload::Segmented(value.len() as u32);
+    let payload = match objects.firmware.announces_sizes() {
+        true => Payload::Segmented(value.len() as u32),
+        false => Payload::SegmentedUnsized,
+    };
     Next::answer(Transfer::Upload(upload), Response::InitiateUpload { multiplexer: object, payload })
 }
 
@@ -57,6 +57,9 @@ impl SegmentedUpload {
     /// The request for the next segment.
     pub fn on_request(mut self, toggle: bool, objects: &Objects) -> Next {
         if toggle != self.toggle && objects.firmware.checks_toggle() {
+            if !objects.firmware.answers_wrong_upload_toggle() {
+                return Next::silence(Transfer::Upload(self));
+            }
             return Next::abort(self.object, AbortCode::TOGGLE);
         }
         let rest = self.value.get(self.sent..).unwrap_or_default();
