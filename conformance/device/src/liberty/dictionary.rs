@@ -7,8 +7,11 @@ use canvass_analyzer::dictionary::{Access, DeviceDescription, Entry};
 use canvass_analyzer::{CobId, Multiplexer};
 use std::borrow::Cow;
 
+/// The first and the last of a series.
+type Span<T> = (T, T);
+
 /// Objects that a device need not have, by liberty.
-const ABSENT: [(Liberty, &[(u16, u16)]); 13] = [
+const ABSENT: [(Liberty, &[Span<u16>]); 16] = [
     (Liberty::NoNames, &[(0x1008, 0x100A)]),
     (Liberty::NoEmcy, &[(0x1014, 0x1015)]),
     (Liberty::NoEmcyInhibitTime, &[(0x1015, 0x1015)]),
@@ -22,17 +25,13 @@ const ABSENT: [(Liberty, &[(u16, u16)]); 13] = [
     (Liberty::NoTime, &[(0x1012, 0x1013)]),
     (Liberty::NoStore, &[(0x1010, 0x1011)]),
     (Liberty::NoConfigurationDate, &[(0x1020, 0x1020)]),
-];
-
-/// The same for objects that come several times.
-const ABSENT_SERIES: [(Liberty, &[(u16, u16)]); 3] = [
     (Liberty::NoFurtherSdo, &[(0x1201, 0x127F)]),
     (Liberty::NoEmcyConsumer, &[(0x1028, 0x1028)]),
     (Liberty::OnePdo, &[(0x1401, 0x15FF), (0x1601, 0x17FF), (0x1801, 0x19FF), (0x1A01, 0x1BFF)]),
 ];
 
 /// Sub-indexes that objects need not have.
-const ABSENT_SUBS: [(Liberty, (u16, u16), (u8, u8)); 6] = [
+const ABSENT_SUBS: [(Liberty, Span<u16>, Span<u8>); 6] = [
     (Liberty::VendorIdAlone, (0x1018, 0x1018), (2, 255)),
     (Liberty::ShortErrorHistory, (0x1003, 0x1003), (2, 255)),
     (Liberty::OneHeartbeatConsumer, (0x1016, 0x1016), (2, 255)),
@@ -103,7 +102,7 @@ fn services(edit: &mut Edit<'_>, liberties: Liberties) {
 
 /// Which objects there are.
 fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
-    for (_, ranges) in ABSENT.iter().chain(&ABSENT_SERIES).filter(|(liberty, _)| liberties.has(*liberty)) {
+    for (_, ranges) in ABSENT.iter().filter(|(liberty, _)| liberties.has(*liberty)) {
         edit.remove(ranges.iter().map(|&(first, last)| first..=last));
     }
     for (_, (first, last), (low, high)) in ABSENT_SUBS.into_iter().filter(|(liberty, ..)| liberties.has(*liberty)) {
