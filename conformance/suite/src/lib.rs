@@ -13,6 +13,7 @@ pub mod runner;
 #[cfg(test)]
 mod scripted;
 pub mod selftest;
+pub mod situation;
 pub mod verdict;
 pub mod waiver;
 

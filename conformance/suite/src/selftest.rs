@@ -161,7 +161,7 @@ fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
         let kind = verdict.kind();
         row.executed += usize::from(kind.is_executed());
         if matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) {
-            row.alarms.push((case, kind, verdict.reason().cloned().unwrap_or_default()));
+            row.alarms.push((case, kind, verdict.reason().unwrap_or_default()));
         }
     }
     row

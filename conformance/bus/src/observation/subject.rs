@@ -101,13 +101,13 @@ impl FromStr for Subject {
     }
 }
 
-/// `1016`, `1016h`, `1016:01` or `1016h:01`.
+/// `1016`, `1016h` or `1016:*`, all entries; `1016:01` or `1016h:01`, one.
 fn object(text: &str) -> Option<Subject> {
     let (index, sub) = text.split_once(':').map_or((text, None), |(index, sub)| (index, Some(sub)));
     let index = index.trim_end_matches(['h', 'H']);
     let index = (index.len() == 4).then(|| u16::from_str_radix(index, 16).ok()).flatten().map(Index)?;
     match sub {
-        None => Some(Subject::Object(index)),
+        None | Some("*") => Some(Subject::Object(index)),
         Some(sub) => {
             let sub = u8::from_str_radix(sub.trim_end_matches(['h', 'H']), 16).ok().map(SubIndex)?;
             Some(Subject::Entry(Multiplexer { index, sub }))

@@ -3,7 +3,7 @@
 use super::Bench;
 use super::objects::TPDO_FIRST_ENTRY;
 use crate::case::{Need, Touch};
-use crate::verdict::Verdict;
+use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_device::models::Model;
 use canvass_traces::Duration;
@@ -18,7 +18,7 @@ const KUEBLER: u32 = 0x13;
 const TREMBLE: u32 = 4;
 
 impl Bench<'_> {
-    pub(super) fn of_encoder(&mut self, need: Need) -> Result<Result<(), String>, Verdict> {
+    pub(super) fn of_encoder(&mut self, need: Need) -> Result<Result<(), String>, Stop> {
         match need {
             Need::VolatilePreset => Ok(self.volatile_preset()),
             Need::WorkArea => self.all(&[(0x6400, 1), (0x6401, 1), (0x6402, 1)]),
@@ -37,7 +37,7 @@ impl Bench<'_> {
         }
     }
 
-    fn all(&mut self, objects: &[(u16, u8)]) -> Result<Result<(), String>, Verdict> {
+    fn all(&mut self, objects: &[(u16, u8)]) -> Result<Result<(), String>, Stop> {
         for &(index, sub) in objects {
             let at = Multiplexer::new(index, sub);
             if !self.has(at)? {
@@ -48,14 +48,14 @@ impl Bench<'_> {
     }
 
     /// Objects in the manufacturer's area mean something only with the vendor-ID.
-    fn of_kuebler(&mut self, objects: &[(u16, u8)]) -> Result<Result<(), String>, Verdict> {
+    fn of_kuebler(&mut self, objects: &[(u16, u8)]) -> Result<Result<(), String>, Stop> {
         if !self.has(VENDOR_ID)? || self.read_number(VENDOR_ID)? != KUEBLER {
             return Ok(Err("the device is not one of Kübler's".to_owned()));
         }
         self.all(objects)
     }
 
-    fn redundant_channels(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn redundant_channels(&mut self) -> Result<Result<(), String>, Stop> {
         let second = Multiplexer::new(TPDO_FIRST_ENTRY.index.0, 2);
         for entry in [TPDO_FIRST_ENTRY, second] {
             if !self.has(entry)? || self.read_number(entry)? >> 16 != u32::from(LENGTH.index.0) {
@@ -80,7 +80,7 @@ impl Bench<'_> {
         Model::by_id(&self.target.model).is_some_and(|model| model.sheet().storage.persist_at_once.contains(&PRESET))
     }
 
-    pub(super) fn turning_shaft(&mut self) -> Result<Result<(), String>, Verdict> {
+    pub(super) fn turning_shaft(&mut self) -> Result<Result<(), String>, Stop> {
         let at = if self.has(POSITION)? { POSITION } else { LENGTH };
         if !self.has(at)? {
             return Ok(Err("the device has no position".to_owned()));

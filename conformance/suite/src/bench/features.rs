@@ -6,7 +6,7 @@ use super::pdo::RPDO;
 use super::sdo::number;
 use super::state::{GUARD_TIME, Heartbeats};
 use crate::case::{Need, Touch};
-use crate::verdict::Verdict;
+use crate::verdict::Stop;
 use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
@@ -18,9 +18,9 @@ const SYNC_ID: Multiplexer = Multiplexer::new(0x1005, 0);
 const PRODUCES: u32 = 1 << 30;
 
 /// A need that is not met is no error.
-fn not_applicable(verdict: Verdict) -> Result<Result<(), String>, Verdict> {
-    match verdict {
-        Verdict::NotApplicable(reason) => Ok(Err(reason.actual)),
+fn not_applicable(stop: Stop) -> Result<Result<(), String>, Stop> {
+    match stop {
+        Stop::NotApplicable(reason) => Ok(Err(reason.actual)),
         other => Err(other),
     }
 }
@@ -29,8 +29,8 @@ impl Bench<'_> {
     /// Whether a case's need is met; if not, why not. Asked once in a run.
     ///
     /// # Errors
-    /// [`Verdict::Error`] if the bus fails, [`Verdict::Inconclusive`] if the run was cancelled.
-    pub fn meets(&mut self, need: Need) -> Result<Result<(), String>, Verdict> {
+    /// [`Stop::Error`] if the bus fails, [`Stop::Inconclusive`] if the run was cancelled.
+    pub fn meets(&mut self, need: Need) -> Result<Result<(), String>, Stop> {
         // Other nodes can turn up at any time.
         if need == Need::Alone {
             return self.alone();
@@ -47,7 +47,7 @@ impl Bench<'_> {
         Ok(met)
     }
 
-    fn find_out(&mut self, need: Need) -> Result<Result<(), String>, Verdict> {
+    fn find_out(&mut self, need: Need) -> Result<Result<(), String>, Stop> {
         let absent = |what: &str| Err(format!("the device has no {what}"));
         Ok(match need {
             Need::VisibleState => match self.heartbeats()? != Heartbeats::None || self.has(GUARD_TIME)? {
@@ -183,7 +183,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn has(&mut self, multiplexer: Multiplexer) -> Result<bool, Verdict> {
+    pub fn has(&mut self, multiplexer: Multiplexer) -> Result<bool, Stop> {
         if let Some(described) = self.described(multiplexer) {
             return Ok(described);
         }
@@ -201,7 +201,7 @@ impl Bench<'_> {
     }
 
     /// Whether a block upload begins as one. It is aborted at once.
-    fn block_upload_feature(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn block_upload_feature(&mut self) -> Result<Result<(), String>, Stop> {
         let Some(multiplexer) = self.long_object(8)? else {
             return Ok(Err("no object that was found gives more than 7 bytes".to_owned()));
         };
@@ -217,7 +217,7 @@ impl Bench<'_> {
     }
 
     /// Whether a block download begins as one, and whether with CRC. It is aborted before any data.
-    fn block_download_feature(&mut self) -> Result<Result<bool, String>, Verdict> {
+    fn block_download_feature(&mut self) -> Result<Result<bool, String>, Stop> {
         let Some(scratch) = self.scratch_objects()?.into_iter().next() else {
             return Ok(Err("the device has no object that can be written without consequence".to_owned()));
         };
@@ -233,7 +233,7 @@ impl Bench<'_> {
         })
     }
 
-    fn all_there(&mut self, objects: &[Multiplexer]) -> Result<Result<(), String>, Verdict> {
+    fn all_there(&mut self, objects: &[Multiplexer]) -> Result<Result<(), String>, Stop> {
         for &multiplexer in objects {
             if !self.has(multiplexer)? {
                 return Ok(Err(format!("the device has no {multiplexer}")));
@@ -242,7 +242,7 @@ impl Bench<'_> {
         Ok(Ok(()))
     }
 
-    fn all_writable(&mut self, objects: &[Multiplexer]) -> Result<Result<(), String>, Verdict> {
+    fn all_writable(&mut self, objects: &[Multiplexer]) -> Result<Result<(), String>, Stop> {
         for &multiplexer in objects {
             if !self.can_write(multiplexer)? {
                 return Ok(Err(format!("{multiplexer} is absent or can't be written")));
@@ -252,7 +252,7 @@ impl Bench<'_> {
     }
 
     /// Whether bit 30 of 1005h can be set while the period is 0: then nothing is sent.
-    fn sync_producer(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn sync_producer(&mut self) -> Result<Result<(), String>, Stop> {
         let period = Multiplexer::new(0x1006, 0);
         if let Err(why) = self.all_writable(&[SYNC_ID, period])? {
             return Ok(Err(why));
@@ -264,7 +264,7 @@ impl Bench<'_> {
         Ok(if produces { Ok(()) } else { Err("bit 30 of 1005h can't be set".to_owned()) })
     }
 
-    fn tpdo(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn tpdo(&mut self) -> Result<Result<(), String>, Stop> {
         let Outcome::Uploaded(cob_id) = self.upload(TPDO_COB_ID)?.outcome else {
             return Ok(Err(format!("the device has no {TPDO_COB_ID}")));
         };
@@ -274,7 +274,7 @@ impl Bench<'_> {
         self.all_there(&[TPDO_MAPPED])
     }
 
-    fn event_timer(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn event_timer(&mut self) -> Result<Result<(), String>, Stop> {
         Ok(match self.tpdo()? {
             Ok(()) if !self.has(EVENT_TIMER)? => Err(format!("the device has no {EVENT_TIMER}")),
             met => met,
@@ -285,7 +285,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub(crate) fn can_be_guarded(&mut self) -> Result<bool, Verdict> {
+    pub(crate) fn can_be_guarded(&mut self) -> Result<bool, Stop> {
         let is_settable = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
         Ok(is_settable && !matches!(self.heartbeats()?, Heartbeats::Fixed(_)))
     }
@@ -296,7 +296,7 @@ impl Bench<'_> {
         model.is_some_and(|model| model.sheet().network.heartbeat_consumer_needs_store)
     }
 
-    fn heartbeat_consumer(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn heartbeat_consumer(&mut self) -> Result<Result<(), String>, Stop> {
         Ok(match (self.has(Multiplexer::new(0x1016, 1))?, self.vacant_neighbour()) {
             (false, _) => Err("the device has no 1016h:01".to_owned()),
             (true, None) => Err("every node-ID beside that of the device is in use".to_owned()),
@@ -308,7 +308,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Verdict> {
+    pub fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Stop> {
         if !self.is_described_as_writable(multiplexer) || !self.has(multiplexer)? {
             return Ok(false);
         }
@@ -321,7 +321,7 @@ impl Bench<'_> {
         Ok(!matches!(refusal, Some(AbortCode::READ_ONLY | AbortCode::UNSUPPORTED_ACCESS)))
     }
 
-    fn dynamic_mapping(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn dynamic_mapping(&mut self) -> Result<Result<(), String>, Stop> {
         for multiplexer in [TPDO_COB_ID, TPDO_MAPPED, TPDO_FIRST_ENTRY] {
             if !self.can_write(multiplexer)? {
                 return Ok(Err(format!("{multiplexer} is absent or can't be written")));
@@ -330,7 +330,7 @@ impl Bench<'_> {
         Ok(Ok(()))
     }
 
-    fn encoder(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn encoder(&mut self) -> Result<Result<(), String>, Stop> {
         let Outcome::Uploaded(device_type) = self.upload(Multiplexer::new(0x1000, 0))?.outcome else {
             return Ok(Err("1000h can't be read".to_owned()));
         };
@@ -349,7 +349,7 @@ impl Bench<'_> {
         }
     }
 
-    fn lmt(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn lmt(&mut self) -> Result<Result<(), String>, Stop> {
         let described = self.target.description.as_ref();
         if described.is_some_and(|description| description.device.lss_supported) {
             return Ok(Err("the description says that the device has LSS".to_owned()));
@@ -360,7 +360,7 @@ impl Bench<'_> {
         })
     }
 
-    fn alone(&mut self) -> Result<Result<(), String>, Verdict> {
+    fn alone(&mut self) -> Result<Result<(), String>, Stop> {
         if self.options.allow.contains(&Touch::OtherNodes) {
             return Ok(Ok(()));
         }

@@ -36,7 +36,7 @@ pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
 
 use crate::case::Need;
-use crate::verdict::{Reason, Verdict};
+use crate::verdict::{Breach, Check, Judged, Reason, Stop};
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
@@ -53,6 +53,8 @@ pub struct Bench<'a> {
     annotate: &'a mut dyn Annotate,
     cancel: &'a AtomicBool,
     evidence: Evidence,
+    /// What the case has found wrong so far.
+    breaches: Vec<Breach>,
     watch: Watch,
     changes: Vec<Change>,
     notes: Vec<String>,
@@ -110,6 +112,7 @@ impl<'a> Bench<'a> {
             annotate,
             cancel,
             evidence: Evidence::default(),
+            breaches: Vec::new(),
             watch: Watch::new(target.node),
             changes: Vec::new(),
             notes: Vec::new(),
@@ -204,6 +207,48 @@ impl<'a> Bench<'a> {
         self.cancel.load(Ordering::Relaxed)
     }
 
+    /// Takes what a check found wrong, and lets the case go on.
+    ///
+    /// # Errors
+    /// Those of later waits only: a breach that the rest of the case can't be judged after is returned with `?` instead.
+    pub fn check(&mut self, check: Check) -> Judged {
+        if let Err(breach) = check {
+            self.record(*breach);
+        }
+        Ok(())
+    }
+
+    /// Runs a check for each of several subjects: a breach of one does not keep the others from being judged.
+    ///
+    /// # Errors
+    /// What ends the case: the bus failed, or a precondition of one subject can't be reached.
+    pub fn each<T>(
+        &mut self,
+        subjects: impl IntoIterator<Item = T>,
+        mut check: impl FnMut(&mut Self, T) -> Judged,
+    ) -> Judged {
+        for subject in subjects {
+            match check(self, subject) {
+                Err(Stop::Breach(breach)) => self.record(*breach),
+                other => other?,
+            }
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, breach: Breach) {
+        let seen = breach.seen.or_else(|| self.evidence.last());
+        self.breaches.push(Breach { seen, ..breach });
+    }
+
+    /// What the case has found wrong so far; `last` ended it.
+    pub(crate) fn take_breaches(&mut self, last: Option<Box<Breach>>) -> Vec<Breach> {
+        if let Some(last) = last {
+            self.record(*last);
+        }
+        std::mem::take(&mut self.breaches)
+    }
+
     /// Adds a sentence to the case's report. Does not change the verdict.
     pub fn note(&mut self, text: impl Into<String>) {
         self.notes.push(text.into());
@@ -232,6 +277,7 @@ impl<'a> Bench<'a> {
     /// Forgets the case before: nothing of it counts for the next one.
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();
+        self.breaches.clear();
         self.notes.clear();
         self.foreign = Foreign::default();
         self.measurements.clear();
@@ -258,10 +304,10 @@ impl<'a> Bench<'a> {
         Remains { evidence, notes, restarted: self.watch.restarted(), measurements }
     }
 
-    fn check_cancelled(&self) -> Result<(), Verdict> {
+    fn check_cancelled(&self) -> Result<(), Stop> {
         if self.is_cancelled() && !self.restoring {
             let reason = Reason::new("the case runs to its end", "no interruption", "the run was cancelled");
-            return Err(Verdict::Inconclusive(reason));
+            return Err(Stop::Inconclusive(reason));
         }
         Ok(())
     }

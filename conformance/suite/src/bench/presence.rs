@@ -1,7 +1,7 @@
 //! Who is on the bus: whether the device is still there, as one that was switched off fails nothing, and who else is.
 
 use super::Bench;
-use crate::verdict::{Reason, Verdict};
+use crate::verdict::{Reason, Stop};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
@@ -29,7 +29,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub(crate) fn look_for_others(&mut self) -> Result<(), Verdict> {
+    pub(crate) fn look_for_others(&mut self) -> Result<(), Stop> {
         if std::mem::replace(&mut self.knowledge.others_known, true) {
             return Ok(());
         }
@@ -59,8 +59,8 @@ impl Bench<'_> {
     /// Looks for a device that had left.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if it is still away.
-    pub(crate) fn look_for_it(&mut self) -> Result<(), Verdict> {
+    /// [`Stop::Inconclusive`] if it is still away.
+    pub(crate) fn look_for_it(&mut self) -> Result<(), Stop> {
         if !self.gone {
             return Ok(());
         }
@@ -73,7 +73,7 @@ impl Bench<'_> {
             Some(()) => Ok(()),
             None => {
                 let actual = "it left the bus in an earlier case";
-                Err(Verdict::Inconclusive(Reason::new("the device is on the bus", "a sign of the device", actual)))
+                Err(Stop::Inconclusive(Reason::new("the device is on the bus", "a sign of the device", actual)))
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Bench;
 use crate::case::{Case, Need, Touch};
-use crate::verdict::Verdict;
+use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome};
@@ -22,7 +22,7 @@ pub(super) const fn is_trigger(multiplexer: Multiplexer) -> bool {
 
 impl Bench<'_> {
     /// Keeps the value of an object that is about to be written. What can't be read can't be put back.
-    pub(super) fn remember(&mut self, multiplexer: Multiplexer) -> Result<(), Verdict> {
+    pub(super) fn remember(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
         let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
         if known || is_trigger(multiplexer) {
             return Ok(());
@@ -78,7 +78,7 @@ impl Bench<'_> {
         if !changes.is_empty()
             && let Err(verdict) = self.wake()
         {
-            self.notes.push(format!("not restored: {}", verdict.reason().cloned().unwrap_or_default()));
+            self.notes.push(format!("not restored: {}", verdict.reason()));
         }
         let mut stuck: Vec<Change> =
             changes.into_iter().rev().filter(|change| self.put_back(change).is_some()).collect();
@@ -95,7 +95,7 @@ impl Bench<'_> {
     }
 
     /// Only in stopped the SDO server must not answer.
-    fn wake(&mut self) -> Result<(), Verdict> {
+    fn wake(&mut self) -> Result<(), Stop> {
         if !self.answers()? {
             self.command(Command::ENTER_PRE_OPERATIONAL)?;
             self.listen(self.timing().reaction)?;
@@ -107,7 +107,7 @@ impl Bench<'_> {
     fn put_back(&mut self, change: &Change) -> Option<String> {
         let now = match self.upload(change.multiplexer) {
             Ok(attempt) => attempt.outcome,
-            Err(verdict) => return Some(verdict.reason().cloned().unwrap_or_default().to_string()),
+            Err(verdict) => return Some(verdict.reason().to_string()),
         };
         if now == Outcome::Uploaded(change.original.clone()) {
             return None;
@@ -115,7 +115,7 @@ impl Bench<'_> {
         match self.download_as(change.multiplexer, &change.original, Mode::Shortest) {
             Ok(attempt) if attempt.outcome == Outcome::Downloaded => None,
             Ok(attempt) => Some(attempt.outcome.to_string()),
-            Err(verdict) => Some(verdict.reason().cloned().unwrap_or_default().to_string()),
+            Err(verdict) => Some(verdict.reason().to_string()),
         }
     }
 }

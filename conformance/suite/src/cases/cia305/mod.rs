@@ -9,7 +9,7 @@ mod switch;
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::lss::{ConfigureCommand, Part, Request, Response};
 use dialogue::{configure, exchange, shown};
 
@@ -17,8 +17,8 @@ use dialogue::{configure, exchange, shown};
 /// case stored others.
 ///
 /// # Errors
-/// As [`Bench::wait_for`]; [`Verdict::Inconclusive`] if no slave answers.
-pub(crate) fn rescue(bench: &mut Bench<'_>, stored: bool) -> Result<(), Verdict> {
+/// As [`Bench::wait_for`]; [`Stop::Inconclusive`] if no slave answers.
+pub(crate) fn rescue(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
     configuration::restore(bench, stored)
 }
 
@@ -35,7 +35,7 @@ fn inquiries(bench: &mut Bench<'_>) -> Judged {
     // Silence means something only if the slave is there.
     configure(bench)?;
     exchange(bench, Request::SwitchGlobal { mode: 0 })?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Node-IDs that don't exist, 0 and 128 to 254, are refused with error code 1.
@@ -58,9 +58,9 @@ fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
     bench.watch_restart();
     exchange(bench, Request::SwitchGlobal { mode: 0 })?;
     match wrong {
-        None => Ok(Verdict::Pass),
+        None => Ok(()),
         Some((node_id, actual)) => {
-            Err(Verdict::Fail(Reason::new(format!("node-ID {node_id} is refused"), "error code 1", actual)))
+            Err(Stop::from(Reason::new(format!("node-ID {node_id} is refused"), "error code 1", actual)))
         }
     }
 }
