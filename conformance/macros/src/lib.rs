@@ -12,8 +12,8 @@ use proc_macro::TokenStream;
 ///
 /// - `id`: stable and textual, such as `"301/sdo/download/read-only"`;
 /// - `clause`: the standard and, where it is known, the section: `"CiA 301 7.2.8.2.3.1"`;
-/// - `confidence`: `Attested`, `Derived`, `Known` or `Unknown`: how sure the section's number is;
-/// - `level`: `Must`, `Should` or `May`;
+/// - `confidence`: `Cited`, `Attested`, `Derived`, `Known` or `Unknown`: how sure the section's number is;
+/// - `level`: `Must`, `Should` or `Open`;
 /// - `catches`: at least one firmware fault that makes the case fail;
 /// - `needs` (optional): features without which the case is not applicable;
 /// - `touches` (optional): what the user must allow first;

@@ -55,9 +55,11 @@ pub struct Clause {
     pub confidence: Confidence,
 }
 
-/// How sure the number of a section is. The standard is not public: numbers come from those who cite it.
+/// How sure the number of a section is. Of most standards the text is not public: their numbers come from those who cite it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Confidence {
+    /// The clause was read, in a public edition of the standard.
+    Cited,
     /// An independent source cites it.
     Attested,
     /// Counted between two attested sections.
@@ -72,6 +74,7 @@ impl Confidence {
     /// The word for it in JSON.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Cited => "cited",
             Self::Attested => "attested",
             Self::Derived => "derived",
             Self::Known => "known",
@@ -94,7 +97,7 @@ impl Clause {
 impl fmt::Display for Clause {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match (self.section, self.confidence) {
-            (Some(section), Confidence::Attested) => write!(f, "{} {section}", self.standard),
+            (Some(section), Confidence::Cited | Confidence::Attested) => write!(f, "{} {section}", self.standard),
             (Some(section), Confidence::Derived) => write!(f, "{} {section} (derived)", self.standard),
             (Some(section), _) => write!(f, "{} {section} (unconfirmed)", self.standard),
             (None, _) => write!(f, "{}, section unknown", self.standard),
@@ -109,8 +112,8 @@ pub enum Level {
     Must,
     /// The standard recommends it, or several readings are plausible.
     Should,
-    /// Optional.
-    May,
+    /// The standard leaves it open: what the device does is recorded and never fails.
+    Open,
 }
 
 impl Level {
@@ -119,7 +122,7 @@ impl Level {
         match self {
             Self::Must => "must",
             Self::Should => "should",
-            Self::May => "may",
+            Self::Open => "open",
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::blame::{blameless, overload};
 use super::event::CaseReport;
 use crate::bench::{Bench, Deviation, Evidence, Remains};
-use crate::case::{Case, Touch};
+use crate::case::{Case, Level, Touch};
 use crate::verdict::{Breach, End, Excuse, Grade, Judged, Reason, Ruled, Stop, Verdict};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Timestamp;
@@ -44,7 +44,8 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     if breaches.is_empty() && end.is_none() {
         breaches.extend(restarted.map(restarted_by_itself));
     }
-    let ruled = breaches.into_iter().map(|breach| rule(breach, case, &bench.target().deviations)).collect();
+    let graded = breaches.into_iter().map(|breach| graded(breach, case));
+    let ruled = graded.map(|breach| rule(breach, case, &bench.target().deviations)).collect();
     let verdict = Verdict::new(ruled, end);
     let outcomes = vec![verdict.kind()];
     CaseReport { case, verdict, evidence, notes, measurements, outcomes, duration: bench.now().since(started) }
@@ -98,6 +99,11 @@ fn panicked(panic: &(dyn Any + Send)) -> Reason {
     let text = panic.downcast_ref::<&str>().map(|s| (*s).to_owned());
     let text = text.or_else(|| panic.downcast_ref::<String>().cloned());
     Reason::new("the tester works", "a verdict", text.unwrap_or_else(|| "a panic".to_owned()))
+}
+
+/// What the standard leaves open is recorded and never fails.
+fn graded(breach: Breach, case: &Case) -> Breach {
+    if case.level == Level::Open { breach.open() } else { breach }
 }
 
 /// What the device's documentation or its user announces is excused: that case, that subject, that behaviour, and

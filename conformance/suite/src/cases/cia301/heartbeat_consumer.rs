@@ -207,7 +207,7 @@ fn no_node(bench: &mut Bench<'_>) -> Judged {
 
 /// Heartbeats of a watched node that have another length, or bit 7 set, and its boot-up message, do not disturb the
 /// device. Whether they count as a sign of life is noted: CiA 301 does not say.
-#[case(id = "301/heartbeat-consumer/malformed", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = May,
+#[case(id = "301/heartbeat-consumer/malformed", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = Should,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerCrashes])]
 fn malformed(bench: &mut Bench<'_>) -> Judged {
     let node = watch(bench)?;

@@ -264,7 +264,7 @@ fn not_supported(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// "save" in operational is carried out, or refused with abort 0800 0022h. Which of the two is noted.
-#[case(id = "301/store/operational", clause = "CiA 301 7.5.2.13", confidence = Derived, level = May,
+#[case(id = "301/store/operational", clause = "CiA 301 7.5.2.13", confidence = Derived, level = Should,
        needs = [Store], touches = [Nvm], catches = [StoreSilentWhenOperational, SdoSilentWhenOperational])]
 fn operational(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::START)?;

@@ -146,7 +146,7 @@ fn change(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// When the device becomes operational, event-driven TPDOs are sent once.
-#[case(id = "301/tpdo/at-start", clause = "CiA 301 7.2.2.3", confidence = Known, level = May,
+#[case(id = "301/tpdo/at-start", clause = "CiA 301 7.2.2.3", confidence = Known, level = Should,
        needs = [Changeable], catches = [TpdoNotSentAtStart])]
 fn at_start(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 254)?;

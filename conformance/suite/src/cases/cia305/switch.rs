@@ -185,7 +185,7 @@ fn inquiry_node_id(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// LSS works in stopped as in pre-operational.
-#[case(id = "305/state/stopped", clause = "CiA 305", confidence = Unknown, level = May,
+#[case(id = "305/state/stopped", clause = "CiA 305", confidence = Unknown, level = Should,
        needs = [Lss, Alone], catches = [LssSwitchGlobalIgnored])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     in_state(bench, Command::STOP, "stopped")

@@ -100,7 +100,7 @@ fn tilted(bench: &mut Bench<'_>) -> Result<i64, Stop> {
 }
 
 /// 3003h turns the direction in which the angle counts.
-#[case(id = "406/inclinometer/direction", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/inclinometer/direction", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Inclinometer], catches = [AngleDirectionIgnored])]
 fn direction(bench: &mut Bench<'_>) -> Judged {
     bench.write(DIRECTION, &[1])?;
@@ -113,7 +113,7 @@ fn direction(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// 3004h = 1 shows angles from -180 to 180 degrees, 0 from 0 to 360.
-#[case(id = "406/inclinometer/range", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/inclinometer/range", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Inclinometer], catches = [AngleRangeIgnored])]
 fn range(bench: &mut Bench<'_>) -> Judged {
     let positive = tilted(bench)? > 0;
@@ -139,7 +139,7 @@ fn range(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// 3005h = 1 lets the second angle run opposite to the first one, 0 the same way.
-#[case(id = "406/inclinometer/redundant-angle", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/inclinometer/redundant-angle", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Inclinometer], catches = [RedundantAngleSame])]
 fn redundant_angle(bench: &mut Bench<'_>) -> Judged {
     tilted(bench)?;
@@ -158,7 +158,7 @@ fn redundant_angle(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// 3010h = 1 makes the angle of now zero, 0 takes that back.
-#[case(id = "406/inclinometer/zero-point", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/inclinometer/zero-point", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Inclinometer], catches = [ZeroPointIgnored])]
 fn zero_point(bench: &mut Bench<'_>) -> Judged {
     if bench.read_number(ZERO_POINT)? != 0 {

@@ -31,7 +31,7 @@ fn preset(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// 2161h is the inverse of the raw position 2160h, as the manufacturer's manual says: all bits are turned.
-#[case(id = "406/raw-position/inverse", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/raw-position/inverse", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Encoder, RawData], catches = [RawInverseWrong])]
 fn inverse(bench: &mut Bench<'_>) -> Judged {
     let (raw, inverse) = (bench.read_number(RAW_DATA)?, bench.read_number(INVERSE)?);
@@ -41,7 +41,7 @@ fn inverse(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// 2162h is the CRC-16 (polynomial 1021h, start 1021h) of the raw position 2160h, as the manufacturer's manual says.
-#[case(id = "406/raw-position/checksum", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/raw-position/checksum", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Encoder, RawData], catches = [RawCrcStartWrong])]
 fn checksum(bench: &mut Bench<'_>) -> Judged {
     let mut last = (0, 0);

@@ -99,7 +99,7 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
 
 /// An NMT frame of more than two bytes is obeyed or ignored, but its surplus bytes are not taken for a command. Which of
 /// the two is noted: CiA 301 does not say.
-#[case(id = "301/nmt/long-frame", clause = "CiA 301", confidence = Unknown, level = May, needs = [VisibleState],
+#[case(id = "301/nmt/long-frame", clause = "CiA 301", confidence = Unknown, level = Should, needs = [VisibleState],
        catches = [NmtLongFrameMisread])]
 fn long_frame(bench: &mut Bench<'_>) -> Judged {
     let node = bench.node().raw();
