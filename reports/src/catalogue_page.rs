@@ -48,7 +48,7 @@ pub fn markdown(cases: &[&'static Case]) -> String {
     let of = |level| cases.iter().filter(|case| case.level == level).count();
     let (must, should, open) = (of(Level::Must), of(Level::Should), of(Level::Open));
     // Writing to a string can't fail.
-    let _ = writeln!(page, "\n## The catalogue\n\n{} cases: {must} must, {should} should, {may} may.", cases.len());
+    let _ = writeln!(page, "\n## The catalogue\n\n{} cases: {must} must, {should} should, {open} open.", cases.len());
     for family in cases.chunk_by(|a, b| a.family() == b.family()) {
         let _ = writeln!(page, "\n### {}\n", family.first().map_or("", |case| case.family()));
         for case in family {
