@@ -22,6 +22,7 @@ pub mod objects;
 pub mod pdo;
 mod presence;
 mod restore;
+mod rewrite;
 pub mod sdo;
 pub mod state;
 mod target;
@@ -40,7 +41,7 @@ use crate::verdict::{Breach, Check, Judged, Reason, Stop};
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
-use restore::Change;
+use rewrite::Original;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use watch::Watch;
@@ -56,7 +57,10 @@ pub struct Bench<'a> {
     /// What the case has found wrong so far.
     breaches: Vec<Breach>,
     watch: Watch,
-    changes: Vec<Change>,
+    /// What the case has changed, with the values before.
+    changes: Vec<Original>,
+    /// What earlier cases have changed and could not put back.
+    unrestored: Vec<Original>,
     notes: Vec<String>,
     measurements: Vec<Measurement>,
     /// Waits end at once when the user cancels, except while things are being put back.
@@ -64,8 +68,8 @@ pub struct Bench<'a> {
     /// The case did not come to its own end, nor to the putting right that belongs to it.
     ended_early: bool,
     foreign: Foreign,
-    /// The device left the bus and did not come back.
-    gone: bool,
+    /// The case in which the device left the bus, if it did not come back.
+    gone: Option<&'static str>,
     /// While a case runs: how many frames were lost before it.
     lost_before: Option<u64>,
     /// Frames taken since then.
@@ -115,12 +119,13 @@ impl<'a> Bench<'a> {
             breaches: Vec::new(),
             watch: Watch::new(target.node),
             changes: Vec::new(),
+            unrestored: Vec::new(),
             notes: Vec::new(),
             measurements: Vec::new(),
             restoring: false,
             ended_early: false,
             foreign: Foreign::default(),
-            gone: false,
+            gone: None,
             lost_before: None,
             taken: 0,
             knowledge: Knowledge::default(),
