@@ -8,7 +8,9 @@
 pub mod address;
 mod device;
 mod fault;
+mod firmware;
 pub mod models;
 
 pub use device::{Device, Memory, MemoryError, Motion, MotionError, MotionSpec};
 pub use fault::{Fault, Faults, UnknownFault};
+pub use firmware::Firmware;

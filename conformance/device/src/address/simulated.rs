@@ -12,7 +12,7 @@
 //! the next one that is free.
 
 use super::parse_bit_rate;
-use crate::models::Model;
+use crate::models::{self, Model};
 use crate::{Fault, Faults};
 use crate::{Motion, MotionSpec};
 use canvass_analyzer::NodeId;
@@ -123,7 +123,11 @@ fn name<'a>(text: &'a str, piece: &str) -> Option<(DeviceName, &'a str)> {
 }
 
 fn no_model(found: &str) -> String {
-    let known: Vec<&str> = Model::all().iter().map(Model::id).collect();
+    let models = match models::built_in() {
+        Ok(models) => models,
+        Err(unreadable) => return unreadable.to_string(),
+    };
+    let known: Vec<&str> = models.iter().map(Model::id).collect();
     format!("expected a device description (.eds) or one of the models {}, found \"{found}\"", known.join(", "))
 }
 
