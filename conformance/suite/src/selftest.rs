@@ -5,7 +5,7 @@
 //! to the chapter of one that does: else it judges something that it is not about.
 
 use crate::bench::{Bench, Knowledge, Options, Target};
-use crate::case::{Case, Need, Touch};
+use crate::case::{Case, Touch};
 use crate::catalogue;
 use crate::runner::{CaseReport, run_case};
 use crate::verdict::{Kind, Reason};
@@ -200,7 +200,7 @@ fn judge_knowing(
     knowledge: &mut Knowledge,
 ) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
-    let motion = Motion::constant(REST, if case.needs.contains(&Need::TurningShaft) { TURNING } else { 0 });
+    let motion = Motion::constant(REST, if case.requires(&crate::needs::TURNING_SHAFT) { TURNING } else { 0 });
     bus.attach(Box::new(Device::with_motion(model, Some(target.node), faults, 0, motion)));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
