@@ -123,6 +123,8 @@ situations! {
         aborts [INVALID_VALUE], tolerated [VALUE_TOO_HIGH, GENERAL];
     /// Changing 1019h while SYNC has a period is refused
     OverflowWhilePeriod = "overflow-while-period", "7.5.2.22", Must: aborts [DEVICE_STATE, GENERAL];
+    /// Setting bit 30 of 1005h is refused by a device that can't produce SYNC
+    SyncNotProduced = "sync-not-produced", "7.5.2.5", Must: aborts [INVALID_VALUE], tolerated [GENERAL];
     /// Bits 0 to 29 of a COB-ID in use don't change
     ValidCobIdChanged = "valid-cob-id-changed", "7.5.2.37", Must: any_abort true;
     /// A parameter of a PDO that is valid does not change

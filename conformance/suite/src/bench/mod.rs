@@ -6,15 +6,14 @@
 //! - [`sdo`], [`block`]: transfers and single messages;
 //! - [`pdo`]: PDO parameters and mapping;
 //! - [`objects`]: which objects of this device serve a case;
-//! - [`features`]: what this device has;
+//! - `features`: what this device has;
 //! - `restore`: as it was found.
 
 pub mod block;
 mod decoder;
 mod dictionary;
-mod encoder_features;
 mod evidence;
-pub mod features;
+mod features;
 mod foreign;
 mod measurement;
 pub mod nmt;
@@ -36,7 +35,7 @@ pub use measurement::{Measurement, Unit, percentile};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
 
-use crate::case::Need;
+use crate::need::Found;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop};
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, Health};
@@ -80,7 +79,7 @@ pub struct Bench<'a> {
 /// What was found out about the device, and need not be found out again.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Knowledge {
-    features: BTreeMap<Need, Result<(), String>>,
+    features: BTreeMap<&'static str, Found>,
     starts_by_itself: Option<bool>,
     heartbeats: Option<state::Heartbeats>,
     /// Other nodes were looked for.

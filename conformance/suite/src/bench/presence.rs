@@ -1,6 +1,8 @@
 //! Who is on the bus: whether the device is still there, as one that was switched off fails nothing, and who else is.
 
 use super::Bench;
+use crate::case::Touch;
+use crate::need::Met;
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
@@ -43,6 +45,24 @@ impl Bench<'_> {
         self.watch.expect_boot_up();
         self.wait_for_boot_up()?;
         Ok(true)
+    }
+
+    /// Whether the device is the only one on the bus, or the user allows that others are commanded too.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub(crate) fn is_alone(&mut self) -> Result<Met, Stop> {
+        if self.options.allow.contains(&Touch::OtherNodes) {
+            return Ok(Ok(()));
+        }
+        self.look_for_others()?;
+        Ok(match self.watch.others().first() {
+            None => Ok(()),
+            Some(other) => Err(format!(
+                "node {other} is on this bus too; with --allow {} it is commanded as well",
+                Touch::OtherNodes
+            )),
+        })
     }
 
     /// Looks for other nodes, once in a run: those that send no heartbeats show themselves by their SDO servers. Reading
@@ -107,7 +127,6 @@ impl Bench<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::case::Need;
     use crate::scripted::{table, with_bench};
 
     /// Node 64 sends nothing by itself, but answers: `640#40..` is asked and `5C0#43..` said.
@@ -116,13 +135,13 @@ mod tests {
     #[test]
     fn a_silent_neighbour_is_not_commanded() {
         let (alone, vacant) =
-            with_bench(table(SILENT_NEIGHBOUR), |bench| (bench.meets(Need::Alone).unwrap(), bench.vacant_neighbour()));
+            with_bench(table(SILENT_NEIGHBOUR), |bench| (bench.is_alone().unwrap(), bench.vacant_neighbour()));
         assert!(alone.is_err_and(|why| why.contains("node 64")));
         assert_eq!(vacant, Some(62));
     }
 
     #[test]
     fn without_an_answer_nobody_is_there() {
-        assert_eq!(with_bench(table(&[]), |bench| bench.meets(Need::Alone).unwrap()), Ok(()));
+        assert_eq!(with_bench(table(&[]), |bench| bench.is_alone().unwrap()), Ok(()));
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Bench;
 use super::rewrite::{Original, companions};
-use crate::case::{Case, Need, Touch};
+use crate::case::{Case, Touch};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
@@ -49,13 +49,9 @@ impl Bench<'_> {
         self.ended_early = true;
         let touches = case.touches.iter().any(|touch| matches!(touch, Touch::NodeId | Touch::BitRate | Touch::Nvm));
         let stored = self.watch.has_stored();
+        let rescue = case.needs.iter().find_map(|need| need.rescue()).filter(|_| touches);
         // What can fail here shows in the answers of the device, which are compared after the run.
-        let _ = self.uncancelled(|bench| match () {
-            () if !touches => Ok(()),
-            () if case.needs.contains(&Need::Lss) => crate::cases::cia305::rescue(bench, stored),
-            () if case.needs.contains(&Need::Lmt) => crate::cases::ds205::rescue(bench),
-            () => Ok(()),
-        });
+        let _ = self.uncancelled(|bench| rescue.map_or(Ok(()), |rescue| rescue(bench, stored)));
     }
 
     /// The values that are in use again are also those that are stored, if the case stored others.

@@ -10,7 +10,7 @@ pub use one_case::run_case;
 pub use summary::{HostTiming, Summary};
 
 use crate::bench::{Bench, objects};
-use crate::case::{Case, Need};
+use crate::case::Case;
 use crate::verdict::{End, Lack, Stop};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -112,7 +112,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
 /// Whether a case could not be judged because nobody has described the device.
 fn lacks_description(bench: &Bench<'_>, report: &CaseReport) -> bool {
     let Some(End::NotApplicable(reason)) = report.verdict.end() else { return false };
-    let lacks = reason.lack == Lack::Description || report.case.needs.contains(&Need::Description);
+    let lacks = reason.lack == Lack::Description || report.case.requires(&crate::needs::DESCRIPTION);
     lacks && bench.target().description.is_none()
 }
 

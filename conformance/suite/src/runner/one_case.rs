@@ -95,12 +95,7 @@ fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
     bench.end_when_frames_are_lost();
     bench.look_for_it()?;
     bench.prepare()?;
-    for &need in case.needs {
-        if let Err(why) = bench.meets(need)? {
-            let expected = need.text();
-            return Err(Stop::NotApplicable(Reason::new("the case has what it needs", expected, why)));
-        }
-    }
+    case.require(bench)?;
     (case.run)(bench)
 }
 

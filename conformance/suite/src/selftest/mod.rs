@@ -9,7 +9,7 @@ mod masking;
 pub use masking::{Masked, Masking};
 
 use crate::bench::{Bench, Knowledge, Options, Target};
-use crate::case::{Case, Level, Need, Touch};
+use crate::case::{Case, Level, Touch};
 use crate::catalogue;
 use crate::runner::{CaseReport, run_case};
 use crate::verdict::{Grade, Kind, Reason, Verdict};
@@ -220,7 +220,7 @@ fn judge_knowing(
     knowledge: &mut Knowledge,
 ) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
-    let motion = Motion::constant(REST, if case.needs.contains(&Need::TurningShaft) { TURNING } else { 0 });
+    let motion = Motion::constant(REST, if case.requires(&crate::needs::TURNING_SHAFT) { TURNING } else { 0 });
     bus.attach(Box::new(Device::with_motion(model, Some(target.node), faults, 0, motion)));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);

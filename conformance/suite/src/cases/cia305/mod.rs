@@ -5,6 +5,7 @@ mod crowd;
 mod dialogue;
 mod fastscan;
 mod identify;
+pub(crate) mod needs;
 mod switch;
 
 use crate::bench::Bench;
@@ -12,15 +13,6 @@ use crate::case;
 use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::lss::{ConfigureCommand, Part, Request, Response};
 use dialogue::{configure, exchange, shown};
-
-/// After a case that could not go on: the device has its own node-ID and the bit rate of the bus again, stored if the
-/// case stored others.
-///
-/// # Errors
-/// As [`Bench::wait_for`]; [`Stop::Inconclusive`] if no slave answers.
-pub(crate) fn rescue(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
-    configuration::restore(bench, stored)
-}
 
 /// In waiting the slave answers no inquiry; in configuration it does.
 #[case(id = "305/waiting/inquiries", clause = "CiA 305 6.5", confidence = Attested, level = Must,

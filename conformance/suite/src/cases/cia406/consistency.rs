@@ -136,7 +136,7 @@ fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u3
        needs = [Encoder, VolatilePreset, TurningShaft], catches = [PresetGlitch, PresetStopsCounting])]
 fn moving(bench: &mut Bench<'_>) -> Judged {
     use super::position::PRESET;
-    if bench.keeps_presets() {
+    if super::needs::keeps_presets(bench) {
         let actual = "it stores them at once, as its manual says";
         let reason = Reason::new("a reset takes the preset back", "an encoder that does not store presets", actual);
         return Err(Stop::NotApplicable(reason));

@@ -6,6 +6,7 @@
 mod configuration;
 mod inquiry;
 mod mode;
+pub(crate) mod needs;
 
 use crate::bench::Bench;
 use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
@@ -83,21 +84,10 @@ fn other(value: Seven) -> Seven {
 ///
 /// # Errors
 /// As [`Bench::wait_for`].
-pub(crate) fn rescue(bench: &mut Bench<'_>) -> Result<(), Stop> {
+fn rescue(bench: &mut Bench<'_>, _stored: bool) -> Result<(), Stop> {
     in_configuration(bench, |bench| {
         configuration::configure_own(bench)?;
         configuration::configure_own_rate(bench)
     })
     .map(|_| ())
-}
-
-/// Whether the bus has an LMT slave: it is asked in configuration, and led back.
-///
-/// # Errors
-/// [`Stop::Error`] if the bus fails, [`Stop::Inconclusive`] if the run was cancelled.
-pub(crate) fn has_slave(bench: &mut Bench<'_>) -> Result<bool, Stop> {
-    exchange(bench, Request::SwitchGlobal { mode: 1 })?;
-    let answers = is_configuring(bench)?;
-    exchange(bench, Request::SwitchGlobal { mode: 0 })?;
-    Ok(answers)
 }
