@@ -1,11 +1,15 @@
 //! Lets every rule look at a capture, once, record by record.
 
-use super::context::{Context, Scene, Seen};
+use super::capture::{self, Copies};
+use super::context::{Context, Scene};
 use super::facts::Facts;
 use super::finding::Finding;
 use super::registry;
-use super::rule::{Also, Metadata, Rule, Thresholds};
+use super::rule::{Also, Make, Metadata, Rule};
+use super::seen::Seen;
 use super::sink::{Findings, Reported, Sink};
+use super::source::SourceQuality;
+use super::thresholds::Thresholds;
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::Service;
@@ -25,15 +29,6 @@ pub struct Diagnosis {
     decoded: Option<Decoded>,
     /// Frames of channels beyond [`Diagnosis::BUSES`], which no rule looked at.
     unwatched: u64,
-}
-
-/// One of the captures that were read, and how far it can be trusted.
-#[derive(Clone, Copy, Debug)]
-pub struct SourceQuality<'a> {
-    /// Its name.
-    pub name: &'a str,
-    /// What was seen of it.
-    pub quality: &'a Quality,
 }
 
 /// What has come out.
@@ -188,7 +183,7 @@ impl Diagnosis {
         for watch in self.buses.iter_mut().flatten() {
             watch.finish(&self.network, &mut self.findings);
         }
-        super::capture::check(sources, &self.thresholds, &mut self.findings);
+        capture::check(sources, &self.thresholds, &mut self.findings);
         let (findings, omitted) = self.findings.into_sorted();
         let buses = self.buses.into_iter().flatten();
         let buses =
@@ -238,7 +233,7 @@ impl BusWatch {
         let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
         let (mut of_encoder_values, mut of_known_tpdos, mut of_resetting) = (Vec::new(), Vec::new(), Vec::new());
         for definition in registry::all() {
-            let Some(make) = definition.make else { continue };
+            let Make::Bus(make) = definition.make else { continue };
             match definition.also {
                 Also::Nothing => {}
                 Also::EncoderValues => of_encoder_values.push(rules.len() as u8),
@@ -367,7 +362,7 @@ impl BusWatch {
             if news.is_known_tpdo { &self.of_known_tpdos } else { &[] },
             if resets { &self.of_resetting } else { &[] },
         ];
-        let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus: Some((bus, self.known.channel)) };
+        let mut sink = Sink { findings, rule: Copies::METADATA, bus: Some((bus, self.known.channel)) };
         for list in wanted {
             for &at in list {
                 if let Some((metadata, rule)) = self.rules.get_mut(usize::from(at)) {
@@ -406,8 +401,8 @@ impl BusWatch {
         });
         if let (Some(bus), Some((time, place))) = (network.bus(self.known.channel), self.first_copy) {
             let bus = Some((bus, self.known.channel));
-            let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus };
-            super::capture::tell_copies(self.statistics.copies(), time, place, &mut sink);
+            let mut sink = Sink { findings, rule: Copies::METADATA, bus };
+            capture::tell_copies(self.statistics.copies(), time, place, &mut sink);
         }
     }
 }

@@ -3,9 +3,10 @@
 use super::context::Scene;
 use super::finding::{Exhibit, Finding, Severity};
 use super::rule::Metadata;
-use crate::network::{Bus, Decoded};
+use super::seen::Evidence;
+use crate::network::Bus;
 use crate::{Meaning, NodeId};
-use canvass_traces::{ChannelId, Place, Record, Timestamp};
+use canvass_traces::{ChannelId, Place, Timestamp};
 use std::collections::HashMap;
 
 /// All findings so far.
@@ -39,15 +40,6 @@ struct Key {
     source: Option<usize>,
     node: Option<NodeId>,
     detail: u64,
-}
-
-/// A frame that proves something.
-#[derive(Clone, Copy)]
-pub struct Evidence<'a> {
-    /// The frame.
-    pub record: &'a Record,
-    /// What it meant when it was seen.
-    pub decoded: &'a Decoded,
 }
 
 /// What a rule reports, beside its words.

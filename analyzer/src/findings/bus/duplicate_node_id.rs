@@ -1,39 +1,33 @@
 use super::interleaving::Interleaving;
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
 use crate::network::sdo::ChannelIndex;
 use crate::wire::error_control::State;
 use crate::wire::sdo::{Request, Response};
-use crate::{Multiplexer, NodeId};
+use crate::{Multiplexer, NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(DuplicateNodeId::default())),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/duplicate-node-id",
-    severity: Severity::Error,
-    title: "two devices have the same node-ID",
-    what: "One node-ID speaks with two voices: its heartbeats alternate between two states without any command, or \
-           between two intervals; one SDO request gets two different answers, or several requests get the same answer twice; a second boot-up follows the first \
-           without a reset while the other device's heartbeat goes on; or a part of its identity that can't change \
-           is read with two values, without a boot-up in between. Copies of a frame that the interface itself made \
-           don't count.",
-    why: "Both devices obey and answer whatever is sent to this node-ID. Configuration of one destroys the other's, \
-          and data of both are mixed on the same CAN-IDs, where equal beginnings even cause bus errors.",
-    advice: "Disconnect the devices one by one until the node-ID is silent, and give one of them another. Devices of \
-             the same type that were all delivered with the default node-ID are the usual cause.",
-    thresholds: &[],
-};
-
+/// two devices have the same node-ID
+///
+/// One node-ID speaks with two voices: its heartbeats alternate between two states without any command, or between two
+/// intervals; one SDO request gets two different answers, or several requests get the same answer twice; a second
+/// boot-up follows the first without a reset while the other device's heartbeat goes on; or a part of its identity that
+/// can't change is read with two values, without a boot-up in between. Copies of a frame that the interface itself made
+/// don't count.
+///
+/// # Why
+/// Both devices obey and answer whatever is sent to this node-ID. Configuration of one destroys the other's, and data
+/// of both are mixed on the same CAN-IDs, where equal beginnings even cause bus errors.
+///
+/// # What to do
+/// Disconnect the devices one by one until the node-ID is silent, and give one of them another. Devices of the same
+/// type that were all delivered with the default node-ID are the usual cause.
+#[rule(id = "bus/duplicate-node-id", severity = Error, services = [Heartbeat, BootUp, Nmt, Sdo])]
 struct DuplicateNodeId {
-    nodes: Vec<Voice>,
+    nodes: PerNode<Voice>,
 }
 
 /// What a node-ID has said of late.
@@ -62,12 +56,6 @@ struct Answer {
     seen: Seen,
 }
 
-impl Default for DuplicateNodeId {
-    fn default() -> Self {
-        Self { nodes: (0..128).map(|_| Voice::default()).collect() }
-    }
-}
-
 impl Voice {
     /// So many changes of state to and fro are no accident.
     const FLIPS: u32 = 4;
@@ -86,9 +74,7 @@ impl Rule for DuplicateNodeId {
             if !context.begins_anew() {
                 return;
             }
-            let all = nmt.node == 0;
-            let named = self.nodes.iter_mut().enumerate().filter(|(id, _)| all || usize::from(nmt.node) == *id);
-            return named.for_each(|(_, voice)| {
+            return self.nodes.named_mut(nmt.node).for_each(|(_, voice)| {
                 voice.commanded();
                 if nmt.command.is_reset() {
                     voice.last_boot_up = None;
@@ -96,7 +82,7 @@ impl Rule for DuplicateNodeId {
             });
         }
         let Some(node) = context.node() else { return };
-        let voice = &mut self.nodes[usize::from(node.raw())];
+        let voice = &mut self.nodes[node];
         match context.message() {
             Message::ErrorControl(message) if context.decoded.service == Service::Heartbeat => {
                 voice.heartbeat(message.state, node, context, sink);
@@ -113,7 +99,7 @@ impl Rule for DuplicateNodeId {
     }
 
     fn interrupted(&mut self) {
-        for voice in &mut self.nodes {
+        for voice in self.nodes.values_mut() {
             voice.commanded();
             (voice.last_boot_up, voice.answer, voice.outstanding) = (None, None, 0);
         }

@@ -10,19 +10,6 @@ mod restricted_cob_id;
 mod two_producers;
 mod unknown_ids;
 
-use super::rule::Definition;
-
-pub static RULES: &[Definition] = &[
-    load::RULE,
-    restricted_cob_id::RULE,
-    overlapping_cob_id::RULE,
-    two_producers::RULE,
-    duplicate_node_id::RULE,
-    before_boot_up::RULE,
-    unknown_ids::RULE,
-    no_canopen::RULE,
-];
-
 /// The objects that hold the COB-ID of something that a node sends or serves.
 const fn is_cob_id(index: u16, sub: u8) -> bool {
     matches!((index, sub), (0x1005 | 0x1012 | 0x1014, 0) | (0x1200..=0x12FF, 1 | 2) | (0x1400..=0x15FF | 0x1800..=0x19FF, 1))

@@ -1,32 +1,24 @@
 use super::is_cob_id;
 use crate::CobId;
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::Service;
 use crate::network::Event;
 use crate::network::sdo::{Direction, Outcome};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(RestrictedCobId)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/restricted-cob-id",
-    severity: Severity::Error,
-    title: "a COB-ID was set to a restricted CAN-ID",
-    what: "An SDO download has set a COB-ID of SYNC, TIME, EMCY, SDO or a PDO to a CAN-ID that CiA 301 restricts \
-           (000h to 07Fh, 101h to 180h, 581h to 5FFh, 601h to 67Fh, 6E0h to 6FFh, 701h to 7FFh), and the device has \
-           accepted it.",
-    why: "These CAN-IDs belong to NMT, default SDOs, error control and LSS. Process data there are taken for commands \
-          or answers by others.",
-    advice: "Choose another CAN-ID in the configuration. The device should have refused it with abort 0609 0030h.",
-    thresholds: &[],
-};
-
+/// a COB-ID was set to a restricted CAN-ID
+///
+/// An SDO download has set a COB-ID of SYNC, TIME, EMCY, SDO or a PDO to a CAN-ID that CiA 301 restricts (000h to 07Fh,
+/// 101h to 180h, 581h to 5FFh, 601h to 67Fh, 6E0h to 6FFh, 701h to 7FFh), and the device has accepted it.
+///
+/// # Why
+/// These CAN-IDs belong to NMT, default SDOs, error control and LSS. Process data there are taken for commands or
+/// answers by others.
+///
+/// # What to do
+/// Choose another CAN-ID in the configuration. The device should have refused it with abort 0609 0030h.
+#[rule(id = "bus/restricted-cob-id", severity = Error, services = [Sdo])]
 struct RestrictedCobId;
 
 impl Rule for RestrictedCobId {

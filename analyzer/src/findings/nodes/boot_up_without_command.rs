@@ -1,31 +1,24 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, NodeFacts, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, NodeFacts, Seen};
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::BootUp],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(BootUpWithoutCommand)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/boot-up-without-command",
-    severity: Severity::Warning,
-    title: "a node restarts by itself",
-    what: "A boot-up message of a node that was already running, and that no NMT reset command, LSS service or program \
-           control (1F51h) explains. The first boot-up in a capture is not reported: the node was switched on. Of two \
-           boot-ups after one reset command the second one is. Within ten seconds of a store, a boot-up is taken for \
-           the power cycle that makes stored parameters take effect.",
-    why: "The node has restarted: a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational \
-          with its stored parameters, and sends no process data until it is started again.",
-    advice: "See whether several nodes restart together (supply), what the node sent just before (EMCY), and whether \
-             it happens again. 6505h bit 2 of encoders tells of a watchdog reset.",
-    thresholds: &[],
-};
-
+/// a node restarts by itself
+///
+/// A boot-up message of a node that was already running, and that no NMT reset command, LSS service or program control
+/// (1F51h) explains. The first boot-up in a capture is not reported: the node was switched on. Of two boot-ups after
+/// one reset command the second one is. Within ten seconds of a store, a boot-up is taken for the power cycle that
+/// makes stored parameters take effect.
+///
+/// # Why
+/// The node has restarted: a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational with its
+/// stored parameters, and sends no process data until it is started again.
+///
+/// # What to do
+/// See whether several nodes restart together (supply), what the node sent just before (EMCY), and whether it happens
+/// again. 6505h bit 2 of encoders tells of a watchdog reset.
+#[rule(id = "nodes/boot-up-without-command", severity = Warning, services = [BootUp])]
 struct BootUpWithoutCommand;
 
 /// Whether something that was said to the node explains its boot-up.

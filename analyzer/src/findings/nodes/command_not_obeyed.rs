@@ -1,50 +1,37 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::PerNode;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
 use crate::wire::error_control::State;
 use crate::wire::nmt::Command;
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Nmt, Service::Heartbeat, Service::Guarding, Service::BootUp],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(CommandNotObeyed {
-            settle: Duration::from_millis(thresholds.get(&METADATA, "settle")),
-            reset: Duration::from_millis(thresholds.get(&METADATA, "reset")),
-            nodes: (0..128).map(|_| None).collect(),
-            obedient: vec![false; 128],
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/command-not-obeyed",
-    severity: Severity::Error,
-    title: "a node does not reach the commanded NMT state",
-    what: "After an NMT command, and time to obey it, heartbeats or guarding answers of the node still show another \
-           state: two of them, so that one that was already queued does not count. The NMT master does not hear its own \
-           commands: a node that stays operational although all are told otherwise is only worth knowing as long as no \
-           command has named it, it has not obeyed one to stop, has answered no SDO client, and sends neither TPDOs nor \
-           EMCY.",
-    why: "The master believes that the node is in another state than it is: it sends no process data, or goes on \
-          sending them.",
-    advice: "See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the \
-             command really names this node.",
-    thresholds: &[
-        Threshold { name: "settle", default: 100, unit: "ms", meaning: "time to reach a state" },
-        Threshold { name: "reset", default: 2000, unit: "ms", meaning: "time to begin a reset" },
-    ],
-};
-
+/// a node does not reach the commanded NMT state
+///
+/// After an NMT command, and time to obey it, heartbeats or guarding answers of the node still show another state: two
+/// of them, so that one that was already queued does not count. The NMT master does not hear its own commands: a node
+/// that stays operational although all are told otherwise is only worth knowing as long as no command has named it, it
+/// has not obeyed one to stop, has answered no SDO client, and sends neither TPDOs nor EMCY.
+///
+/// # Why
+/// The master believes that the node is in another state than it is: it sends no process data, or goes on sending them.
+///
+/// # What to do
+/// See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the command
+/// really names this node.
+#[rule(id = "nodes/command-not-obeyed", severity = Error, services = [Nmt, Heartbeat, Guarding, BootUp])]
 struct CommandNotObeyed {
+    /// time to reach a state
+    #[threshold(ms = 100)]
     settle: Duration,
+    /// time to begin a reset
+    #[threshold(ms = 2000)]
     reset: Duration,
-    nodes: Vec<Option<Pending>>,
+    nodes: PerNode<Option<Pending>>,
     /// The nodes that have left operational, or started anew, when they were told to.
-    obedient: Vec<bool>,
+    obedient: PerNode<bool>,
 }
 
 struct Pending {
@@ -63,13 +50,10 @@ impl CommandNotObeyed {
             Command::RESET_NODE | Command::RESET_COMMUNICATION => State::BOOT_UP,
             _ => return,
         };
-        for (id, pending) in self.nodes.iter_mut().enumerate().skip(1) {
-            if node == 0 || usize::from(node) == id {
-                // The same command again: the node has had its time since the first one.
-                let waits = pending.as_ref().is_some_and(|pending| pending.expected == expected);
-                if waits && expected != State::BOOT_UP {
-                    continue;
-                }
+        for (_, pending) in self.nodes.named_mut(node) {
+            // The same command again: the node has had its time since the first one.
+            let waits = pending.as_ref().is_some_and(|pending| pending.expected == expected);
+            if !waits || expected == State::BOOT_UP {
                 *pending = Some(Pending { command: context.seen(), expected, against: 0 });
             }
         }
@@ -82,7 +66,7 @@ impl Rule for CommandNotObeyed {
             return self.commanded(nmt.command, nmt.node, context);
         }
         let (Some(node), Message::ErrorControl(message)) = (context.node(), context.message()) else { return };
-        let slot = &mut self.nodes[usize::from(node.raw())];
+        let slot = &mut self.nodes[node];
         let Some(pending) = slot else { return };
         let is_reset = pending.expected == State::BOOT_UP;
         // Without a boot-up message, pre-operational shows that the reset has taken place.
@@ -90,7 +74,7 @@ impl Rule for CommandNotObeyed {
             || context.decoded.service == Service::BootUp
             || is_reset && message.state == State::PRE_OPERATIONAL
         {
-            self.obedient[usize::from(node.raw())] |= pending.expected != State::OPERATIONAL;
+            self.obedient[node] |= pending.expected != State::OPERATIONAL;
             *slot = None;
             return;
         }
@@ -103,7 +87,7 @@ impl Rule for CommandNotObeyed {
         if pending.against >= 2 {
             let expected = pending.expected;
             let command = pending.command.evidence();
-            let is_slave = self.obedient[usize::from(node.raw())] || context.scene.facts.node(node).is_slave;
+            let is_slave = self.obedient[node] || context.scene.facts.node(node).is_slave;
             let is_master = !is_slave && message.state == State::OPERATIONAL;
             let report = Report::at(pending.command.time()).node(node).detail(u64::from(expected.0));
             let report = if is_master { report.severity(Severity::Info) } else { report };
@@ -119,6 +103,6 @@ impl Rule for CommandNotObeyed {
     }
 
     fn interrupted(&mut self) {
-        self.nodes.fill_with(|| None);
+        self.nodes.reset();
     }
 }

@@ -1,32 +1,26 @@
 use crate::findings::rhythm::Rhythm;
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Percent, Seen};
+use crate::message::Message;
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sync, Service::Nmt, Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(SyncMissing { percent: thresholds.get(&METADATA, "percent"), rhythm: Rhythm::default() })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/sync-missing",
-    severity: Severity::Error,
-    title: "a SYNC message is missing",
-    what: "SYNC has kept a period, and then at least one was left out. Pauses around NMT commands are not counted, as \
-           masters stop SYNC for a restart, nor is what follows when 1005h or 1006h is written.",
-    why: "Synchronous PDOs are not sent and outputs are not updated in that cycle; drives in interpolated modes stop.",
-    advice: "Look at what the SYNC producer was doing, and at the bus load: SYNC has a high priority, so that a full bus \
-             alone does not delay it.",
-    thresholds: &[Threshold { name: "percent", default: 180, unit: "%", meaning: "of the period; later is missing" }],
-};
-
+/// a SYNC message is missing
+///
+/// SYNC has kept a period, and then at least one was left out. Pauses around NMT commands are not counted, as masters
+/// stop SYNC for a restart, nor is what follows when 1005h or 1006h is written.
+///
+/// # Why
+/// Synchronous PDOs are not sent and outputs are not updated in that cycle; drives in interpolated modes stop.
+///
+/// # What to do
+/// Look at what the SYNC producer was doing, and at the bus load: SYNC has a high priority, so that a full bus alone
+/// does not delay it.
+#[rule(id = "pdo/sync-missing", severity = Error, services = [Sync, Nmt, Sdo])]
 struct SyncMissing {
-    percent: u64,
+    /// of the period; later is missing
+    #[threshold(percent = 180)]
+    percent: Percent,
     rhythm: Rhythm,
 }
 

@@ -1,40 +1,28 @@
-use super::pending::Step;
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::Context;
+use crate::findings::facts::Step;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::Service;
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(Late {
-            answer: Duration::from_millis(thresholds.get(&METADATA, "answer")),
-            store: Duration::from_millis(thresholds.get(&METADATA, "store")),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "sdo/late",
-    severity: Severity::Warning,
-    title: "an SDO server answers late",
-    what: "The answer to an SDO request comes later than usual time-outs allow. Storing and restoring parameters may \
-           take longer.",
-    why: "Many clients give up after 500 ms, repeat the request, and then take the late answer for the answer to the \
-          next one.",
-    advice: "Compare with the other response times of the node in the statistics. If only some objects are late, they \
-             touch slow memory: lengthen the client's time-out for them.",
-    thresholds: &[
-        Threshold { name: "answer", default: 500, unit: "ms", meaning: "later is late" },
-        Threshold { name: "store", default: 5000, unit: "ms", meaning: "later is late for 1010h, 1011h, 1F50h, 1F51h" },
-    ],
-};
-
+/// an SDO server answers late
+///
+/// The answer to an SDO request comes later than usual time-outs allow. Storing and restoring parameters may take
+/// longer.
+///
+/// # Why
+/// Many clients give up after 500 ms, repeat the request, and then take the late answer for the answer to the next one.
+///
+/// # What to do
+/// Compare with the other response times of the node in the statistics. If only some objects are late, they touch slow
+/// memory: lengthen the client's time-out for them.
+#[rule(id = "sdo/late", severity = Warning, services = [Sdo])]
 struct Late {
+    /// later is late
+    #[threshold(ms = 500)]
     answer: Duration,
+    /// later is late for 1010h, 1011h, 1F50h, 1F51h
+    #[threshold(ms = 5000)]
     store: Duration,
 }
 
