@@ -19,6 +19,11 @@ impl<T> PerNode<T> {
         NodeId::all().zip(self.0.iter().skip(1))
     }
 
+    /// All with their node-IDs, for good.
+    pub fn into_all(self) -> impl Iterator<Item = (NodeId, T)> {
+        NodeId::all().zip(self.0.into_iter().skip(1))
+    }
+
     /// All with their node-IDs, to change.
     pub fn iter_mut(&mut self) -> impl Iterator<Item = (NodeId, &mut T)> {
         NodeId::all().zip(self.0.iter_mut().skip(1))

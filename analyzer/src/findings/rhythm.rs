@@ -1,6 +1,6 @@
 //! The period of something that comes again and again: told by a parameter, or learned from what was seen.
 
-use super::thresholds::Percent;
+use super::percent::Percent;
 use canvass_traces::{Duration, Timestamp};
 
 /// How many intervals are remembered.

@@ -1,5 +1,6 @@
 //! What rules compare with: the defaults, and what the user has set.
 
+use super::percent::Percent;
 use super::registry;
 use super::rule::Metadata;
 use canvass_traces::Duration;
@@ -35,10 +36,6 @@ pub enum Unit {
     /// How often, or how much of what is named; nothing is named of a mere number.
     Count(&'static str),
 }
-
-/// A share of something.
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
-pub struct Percent(pub u64);
 
 /// The thresholds of all rules: their defaults, and what was set.
 #[derive(Clone, Debug, Default)]
@@ -91,19 +88,6 @@ pub enum ThresholdError {
         /// As given.
         found: u64,
     },
-}
-
-impl Percent {
-    /// That share of a time.
-    pub const fn of(self, whole: Duration) -> Duration {
-        Duration(whole.nanos().saturating_mul(self.0) / 100)
-    }
-}
-
-impl fmt::Display for Percent {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        write!(f, "{} %", self.0)
-    }
 }
 
 impl fmt::Display for Unit {

@@ -5,6 +5,7 @@ use super::cob_ids::{Source, Use};
 use super::event::{Event, Move};
 use super::layer_setting::Before;
 use super::node::{Node, Shown};
+use super::number::number;
 use super::scaling::is_scaling_parameter;
 use super::sdo::{Channel, ChannelIndex, Direction, Outcome};
 use super::{configured, recognition};
@@ -54,11 +55,32 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     let value = number(transfer.data());
     if shown == Shown::Read && bus.candidates.want(object) {
         let data = transfer.data().to_vec();
-        recognition::shown(bus, server, object, &data);
+        recognise(bus, server, object, &data);
     }
     let Some(value) = value else { return };
     learn(bus, server, object, value, shown);
     learn_cob_id(bus, server, object, value, Source::Trace);
+}
+
+/// A node has shown the value of an object.
+fn recognise(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
+    let candidates = bus.candidates.get();
+    if !candidates.iter().any(|candidate| candidate.facts.iter().any(|fact| fact.0 == object)) {
+        return;
+    }
+    let node = bus.node_mut(id);
+    node.identity.insert(object, data[..data.len().min(recognition::LONGEST)].to_vec());
+    // What the user says is not doubted.
+    if node.description.is_some() && node.recognition.is_none() {
+        return;
+    }
+    let Some((place, recognition)) = recognition::recognise(&candidates, &node.identity) else { return };
+    let before = node.recognition.replace(recognition);
+    if before.map(|before| before.model) != node.recognition.as_ref().map(|now| Arc::clone(&now.model))
+        && let Some(candidate) = candidates.get(place)
+    {
+        after_recognition(bus, id, &candidate.description);
+    }
 }
 
 fn learn(bus: &mut Bus, server: NodeId, object: Multiplexer, value: u32, shown: Shown) {
@@ -220,13 +242,6 @@ fn mappings(bus: &mut Bus, id: NodeId) -> Vec<(PdoNumber, Option<Vec<MappingEntr
 /// Communication parameters, the cyclic timer and the revolutions of encoders, and what decides the unit of others.
 fn is_learned(object: Multiplexer) -> bool {
     matches!(object.index.0, 0x1000..=0x1FFF | 0x6200 | 0x6502) || is_scaling_parameter(object)
-}
-
-/// A value of 1 to 4 bytes.
-pub fn number(data: &[u8]) -> Option<u32> {
-    let mut bytes = [0; 4];
-    bytes.get_mut(..data.len())?.copy_from_slice(data);
-    (!data.is_empty()).then(|| u32::from_le_bytes(bytes))
 }
 
 /// Gives a COB-ID parameter's CAN-ID its use.

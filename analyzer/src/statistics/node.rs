@@ -130,7 +130,7 @@ impl NodeStatistics {
         self.last = now;
         self.frames[decoded.service as usize] += 1;
         self.bits += u64::from(bits);
-        self.present |= crate::findings::is_from_node(decoded);
+        self.present |= decoded.is_from_node();
         match decoded.service {
             Service::BootUp => {
                 self.boot_ups += 1;

@@ -1,7 +1,7 @@
 use crate::PerNode;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, is_from_node};
+use crate::findings::{Context, Seen};
 use crate::message::Service;
 use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
@@ -36,7 +36,7 @@ impl Rule for BeforeBootUp {
         let reset = context.scene.facts.node(node).pending_reset;
         let early = &mut self.early[node];
         if context.decoded.service != Service::BootUp {
-            let is_meant = context.decoded.service != Service::Guarding && is_from_node(context.decoded);
+            let is_meant = context.decoded.service != Service::Guarding && context.decoded.is_from_node();
             let Some(reset) = reset.filter(|_| is_meant) else { return };
             if early.is_none() && context.now().since(reset) > self.grace {
                 *early = Some(context.seen());

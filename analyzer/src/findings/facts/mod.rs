@@ -57,20 +57,6 @@ pub struct News {
     pub operands: Vec<Operand>,
 }
 
-/// Whether the node that a frame is about has sent it itself.
-pub const fn is_from_node(decoded: &Decoded) -> bool {
-    match decoded.message {
-        Message::ErrorControl(_)
-        | Message::Emcy(_)
-        | Message::Pdo(PdoNumber::Transmit(_))
-        | Message::Mpdo(PdoNumber::Transmit(_), _)
-        | Message::SdoResponse(_)
-        | Message::SdoBlockUpload(_) => true,
-        Message::Malformed(service, _) => matches!(service, Service::Heartbeat | Service::Emcy),
-        _ => false,
-    }
-}
-
 /// Whether a request asks to store or restore parameters.
 fn stores(request: Request) -> bool {
     let Request::InitiateDownload { multiplexer, payload } = request else { return false };
@@ -144,7 +130,7 @@ impl Facts {
             _ => {}
         }
         let Some(node) = decoded.node else { return };
-        if is_from_node(decoded) {
+        if decoded.is_from_node() {
             let facts = &mut self.nodes[node];
             facts.is_slave |= matches!(decoded.service, Service::Sdo | Service::Pdo | Service::Emcy);
             facts.last_seen = Some(now);
