@@ -1,6 +1,7 @@
 //! What a rule sees.
 
 use super::facts::{Facts, News, Parameters};
+use super::latest::Latest;
 use super::seen::{Evidence, Seen};
 use crate::NodeId;
 use crate::message::{Message, PdoNumber};
@@ -20,6 +21,8 @@ pub struct Scene<'a> {
     pub channel: ChannelId,
     /// What its nodes have done, before the frame.
     pub facts: &'a Facts,
+    /// The last frame of each CAN-ID, before the frame.
+    pub latest: &'a Latest,
     /// How far the times of this bus can be trusted.
     pub quality: &'a Quality,
     /// The bit rate in bit/s, where the user said it, or the frames until now have shown it.

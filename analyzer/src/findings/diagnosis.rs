@@ -4,9 +4,9 @@ use super::capture::{self, Copies};
 use super::context::{Context, Scene};
 use super::facts::Facts;
 use super::finding::Finding;
+use super::latest::Latest;
 use super::registry;
 use super::rule::{Also, Make, Metadata, Rule};
-use super::seen::Seen;
 use super::sink::{Findings, Reported, Sink};
 use super::source::SourceQuality;
 use super::thresholds::Thresholds;
@@ -54,9 +54,6 @@ pub struct Observed<'a> {
     pub reported: &'a [Reported],
 }
 
-/// The last frames of 128 CAN-IDs.
-type Page = Box<[Option<Seen>]>;
-
 /// A frame that comes in.
 struct Incoming<'a> {
     record: &'a Record,
@@ -77,14 +74,14 @@ struct BusWatch {
     of_known_tpdos: Vec<u8>,
     /// Those of the rules that want frames about nodes that reset themselves.
     of_resetting: Vec<u8>,
+    /// Those of the rules that want frames of nodes that were away.
+    of_returning: Vec<u8>,
     known: Known,
     statistics: Statistics,
     /// Where a frame was first recorded twice.
     first_copy: Option<(Timestamp, Place)>,
     /// When to infer the bit rate again.
     next_look: Timestamp,
-    /// The last frame of each CAN-ID, in pages of 128.
-    latest: Box<[Option<Page>]>,
     next_tick: Timestamp,
 }
 
@@ -92,6 +89,7 @@ struct BusWatch {
 struct Known {
     channel: ChannelId,
     facts: Facts,
+    latest: Latest,
     quality: Quality,
     said_bit_rate: Option<u32>,
     /// As said, or as far as it could be inferred until now.
@@ -109,6 +107,7 @@ impl Known {
             bus,
             channel: self.channel,
             facts: &self.facts,
+            latest: &self.latest,
             quality: &self.quality,
             bit_rate: self.bit_rate,
             is_inferred: self.said_bit_rate.is_none(),
@@ -222,16 +221,12 @@ fn latest_id(record: &Record) -> Option<u16> {
     frame.id().as_standard().filter(|_| classical)
 }
 
-/// The last frame with that CAN-ID.
-fn latest(pages: &[Option<Page>], id: u16) -> Option<&Seen> {
-    pages.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F))?.as_ref()
-}
-
 impl BusWatch {
     fn new(first: &Record, thresholds: &Thresholds, bit_rate: Option<u32>) -> Self {
         let mut rules = Vec::new();
         let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
-        let (mut of_encoder_values, mut of_known_tpdos, mut of_resetting) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut of_encoder_values, mut of_known_tpdos) = (Vec::new(), Vec::new());
+        let (mut of_resetting, mut of_returning) = (Vec::new(), Vec::new());
         for definition in registry::all() {
             let Make::Bus(make) = definition.make else { continue };
             match definition.also {
@@ -239,6 +234,7 @@ impl BusWatch {
                 Also::EncoderValues => of_encoder_values.push(rules.len() as u8),
                 Also::KnownTpdos => of_known_tpdos.push(rules.len() as u8),
                 Also::Resetting => of_resetting.push(rules.len() as u8),
+                Also::Returning => of_returning.push(rules.len() as u8),
             }
             for service in definition.services {
                 by_service[*service as usize].push(rules.len() as u8);
@@ -251,9 +247,11 @@ impl BusWatch {
             of_encoder_values,
             of_known_tpdos,
             of_resetting,
+            of_returning,
             known: Known {
                 channel: first.channel,
                 facts: Facts::default(),
+                latest: Latest::default(),
                 quality: Quality::default(),
                 said_bit_rate: bit_rate,
                 bit_rate,
@@ -263,7 +261,6 @@ impl BusWatch {
             statistics: Statistics::default(),
             first_copy: None,
             next_look: first.timestamp,
-            latest: (0..16).map(|_| None).collect(),
             next_tick: first.timestamp + Diagnosis::TICK,
         }
     }
@@ -303,7 +300,7 @@ impl BusWatch {
     fn original(&mut self, incoming: &Incoming<'_>) -> Option<Decoded> {
         let Incoming { record, id, bits } = *incoming;
         const GIVEN_BACK: Duration = Duration::from_millis(1);
-        let seen = latest(&self.latest, id?)?;
+        let seen = self.known.latest.get(id?)?;
         let apart = record.timestamp.since(seen.time());
         if apart > GIVEN_BACK || seen.record.frame != record.frame || record.timestamp < seen.time() {
             return None;
@@ -323,7 +320,7 @@ impl BusWatch {
     }
 
     fn interrupted(&mut self) {
-        self.known.facts.interrupted();
+        self.known.facts.interrupted(self.known.now);
         for (_, rule) in &mut self.rules {
             rule.interrupted();
         }
@@ -352,15 +349,16 @@ impl BusWatch {
         if let Some(node) = reconfigured {
             self.rules.iter_mut().for_each(|(_, rule)| rule.reconfigured(node, &scene));
         }
-        let previous = id.and_then(|id| latest(&self.latest, id));
+        let previous = id.and_then(|id| self.known.latest.get(id));
         let context = Context { scene: &scene, record, bits, decoded, previous };
         let news = &self.known.facts.news;
         let resets = decoded.node.is_some_and(|node| self.known.facts.node(node).pending_reset.is_some());
-        let wanted: [&[u8]; 4] = [
+        let wanted: [&[u8]; 5] = [
             &self.by_service[decoded.service as usize],
             if news.operands.is_empty() { &[] } else { &self.of_encoder_values },
             if news.is_known_tpdo { &self.of_known_tpdos } else { &[] },
             if resets { &self.of_resetting } else { &[] },
+            if news.returned.is_some() { &self.of_returning } else { &[] },
         ];
         let mut sink = Sink { findings, rule: Copies::METADATA, bus: Some((bus, self.known.channel)) };
         for list in wanted {
@@ -372,22 +370,9 @@ impl BusWatch {
             }
         }
         self.statistics.frame(record, bits, decoded, bus);
-        self.known.facts.note(self.known.now, decoded, bus);
+        self.known.facts.note(record, decoded, bus);
         if let Some(id) = id {
-            self.keep(id, record, decoded);
-        }
-    }
-
-    /// Keeps a frame as the latest with its CAN-ID.
-    fn keep(&mut self, id: u16, record: &Record, decoded: &Decoded) {
-        let Some(page) = self.latest.get_mut(usize::from(id >> 7)) else { return };
-        let page = page.get_or_insert_with(|| (0..128).map(|_| None).collect());
-        match &mut page[usize::from(id & 0x7F)] {
-            Some(seen) => {
-                seen.record.clone_from(record);
-                seen.decoded = *decoded;
-            }
-            free => *free = Some(Seen { record: record.clone(), decoded: *decoded }),
+            self.known.latest.keep(id, record, decoded);
         }
     }
 

@@ -53,6 +53,10 @@ pub struct Finding {
     pub first: Timestamp,
     /// When it was last seen.
     pub last: Timestamp,
+    /// When it was under way, of the first times: at most [`Finding::WINDOWS`].
+    pub windows: Vec<(Timestamp, Timestamp)>,
+    /// The node that it comes from, where that is another one than it is about.
+    pub origin: Option<NodeId>,
     /// How often it was seen.
     pub count: u64,
     /// What happened: of several times the worst. It may hold text that came off the bus, with control characters
@@ -65,6 +69,8 @@ pub struct Finding {
 impl Finding {
     /// How many frames of evidence are kept.
     pub const EVIDENCE: usize = 8;
+    /// How many times are kept with their begin and end.
+    pub const WINDOWS: usize = 32;
 }
 
 /// A frame that proves a finding, or only a place in a capture.

@@ -12,6 +12,8 @@ const ENOUGH: usize = 4;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rhythm {
     last: Option<Timestamp>,
+    /// The beat may begin anew at any moment of the interval that is under way.
+    shifted: bool,
     window: [u64; WINDOW],
     filled: usize,
     next: usize,
@@ -25,6 +27,8 @@ pub struct Interval {
     pub length: Duration,
     /// How long it should have been, where that is known.
     pub expected: Option<Duration>,
+    /// Whether the beat may have begun anew within it: then it is up to one period longer.
+    pub shifted: bool,
 }
 
 impl Rhythm {
@@ -35,8 +39,12 @@ impl Rhythm {
 
     /// A beat; returns the interval that it ends.
     pub fn beat(&mut self, now: Timestamp) -> Option<Interval> {
+        let shifted = std::mem::take(&mut self.shifted);
         let last = self.last.replace(now)?;
-        let interval = Interval { length: now.since(last), expected: self.period() };
+        let interval = Interval { length: now.since(last), expected: self.period(), shifted };
+        if shifted {
+            return Some(interval);
+        }
         self.window[self.next] = interval.length.nanos();
         self.next = (self.next + 1) % WINDOW;
         self.filled = (self.filled + 1).min(WINDOW);
@@ -60,6 +68,11 @@ impl Rhythm {
         let near = |length: u64| length.abs_diff(median) <= (median / 4).max(2_000_000);
         let agreeing: usize = sorted[..self.filled].iter().map(|&length| usize::from(near(length))).sum();
         (median > 0 && agreeing * 4 >= self.filled * 3).then_some(Duration(median))
+    }
+
+    /// The beat may begin anew within the interval that is under way.
+    pub const fn shift(&mut self) {
+        self.shifted = true;
     }
 
     /// The next beat ends no interval: it may have been delayed for a known reason, or frames are missing.
@@ -106,7 +119,8 @@ impl Interval {
     /// Whether it is longer than that share of what was expected, beyond `slack`; and the period.
     pub fn exceeds(self, percent: Percent, slack: Duration) -> Option<Duration> {
         let expected = self.expected?;
-        let limit = percent.of(expected) + slack;
+        let shift = if self.shifted { expected } else { Duration::ZERO };
+        let limit = percent.of(expected) + slack + shift;
         (self.length > limit).then_some(expected)
     }
 
@@ -132,7 +146,7 @@ pub struct Jitter {
 impl Jitter {
     /// Counts an interval. One that misses its beat altogether is no jitter.
     pub fn count(&mut self, now: Timestamp, interval: Interval, percent: Percent, slack: Duration) {
-        let Some(expected) = interval.expected else { return };
+        let Some(expected) = interval.expected.filter(|_| !interval.shifted) else { return };
         let deviation = interval.length.nanos().abs_diff(expected.nanos());
         if interval.length > expected.times(2) {
             return;

@@ -53,6 +53,8 @@ pub enum Also {
     KnownTpdos,
     /// Those that are about a node which was told to reset itself, and whose boot-up has not come yet.
     Resetting,
+    /// Those of a node that has sent nothing for so long that it was lost.
+    Returning,
 }
 
 /// Makes a rule's state.

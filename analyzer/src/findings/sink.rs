@@ -46,6 +46,8 @@ struct Key {
 #[derive(Clone, Copy)]
 pub struct Report<'e> {
     time: Timestamp,
+    until: Option<Timestamp>,
+    origin: Option<NodeId>,
     node: Option<NodeId>,
     detail: u64,
     measure: u64,
@@ -61,6 +63,8 @@ impl<'e> Report<'e> {
     pub const fn at(time: Timestamp) -> Self {
         Self {
             time,
+            until: None,
+            origin: None,
             node: None,
             detail: 0,
             measure: 0,
@@ -75,6 +79,16 @@ impl<'e> Report<'e> {
     /// The node that it is about.
     pub fn node(self, node: impl Into<Option<NodeId>>) -> Self {
         Self { node: node.into(), ..self }
+    }
+
+    /// When it was over, where it took some time.
+    pub const fn until(self, until: Timestamp) -> Self {
+        Self { until: Some(until), ..self }
+    }
+
+    /// The node that it comes from, where that is another one than it is about.
+    pub const fn origin(self, origin: NodeId) -> Self {
+        Self { origin: Some(origin), ..self }
     }
 
     /// Tells findings of the same rule and node apart, such as by object or code.
@@ -161,6 +175,9 @@ impl<'a> Sink<'a> {
         };
         finding.count += report.times;
         finding.last = finding.last.max(report.time);
+        if finding.windows.len() < Finding::WINDOWS && report.times > 0 {
+            finding.windows.push((report.time, report.until.unwrap_or(report.time)));
+        }
         finding.severity = finding.severity.max(report.severity.unwrap_or(self.rule.severity));
         if report.measure > *worst || report.times == 0 {
             *worst = report.measure.max(*worst);
@@ -193,6 +210,8 @@ impl<'a> Sink<'a> {
             source: report.source,
             first: report.time,
             last: report.time,
+            windows: vec![(report.time, report.until.unwrap_or(report.time))],
+            origin: report.origin,
             count: report.times,
             message: message(),
             evidence: exhibits(report, self.bus.map(|bus| bus.0)).collect(),

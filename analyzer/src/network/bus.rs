@@ -47,11 +47,13 @@ impl Bus {
     }
 
     /// What is known of a node, if it was seen or described.
+    #[inline]
     pub fn node(&self, id: NodeId) -> Option<&Node> {
         self.nodes[id].as_deref()
     }
 
     /// The transfer under way on an SDO channel, or the last one.
+    #[inline]
     pub fn transfer(&self, channel: ChannelIndex) -> Option<&Transfer> {
         self.channels.get(usize::from(channel.0)).and_then(Channel::transfer)
     }
@@ -73,10 +75,12 @@ impl Bus {
     }
 
     /// All that the last frame brought about, in its order; with the first frame also what descriptions said before.
+    #[inline]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
+    #[inline]
     pub(super) fn node_mut(&mut self, id: NodeId) -> &mut Node {
         self.nodes[id].get_or_insert_default()
     }

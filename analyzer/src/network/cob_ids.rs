@@ -65,6 +65,7 @@ impl Default for CobIds {
 
 impl CobIds {
     /// The use of a CAN-ID and where it is known from.
+    #[inline]
     pub fn get(&self, can_id: u16) -> (Use, Source) {
         self.table.get(usize::from(can_id)).copied().unwrap_or((Use::Unknown, Source::Predefined))
     }

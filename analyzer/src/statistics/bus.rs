@@ -5,10 +5,10 @@ use super::load::Load;
 use super::node::NodeStatistics;
 use super::peak::Peak;
 use super::test_run::TestRun;
-use crate::{NodeId, PerNode};
 use crate::message::{Message, Service};
 use crate::network::{Bus, Cause, Decoded};
 use crate::wire::error_control::State;
+use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Record, Timestamp};
 
 /// Collects the figures of one bus.

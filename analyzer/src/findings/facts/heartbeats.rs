@@ -31,8 +31,11 @@ impl Heartbeats {
     /// Takes any other frame. `changes_state`: it is an NMT command that changes the state of some node.
     pub fn other(&mut self, decoded: &Decoded, changes_state: bool, bus: &Bus) {
         match (decoded.service, decoded.message) {
-            // A state change may shift the beat, a reset ends it.
-            (Service::Nmt, Message::Nmt(nmt)) if changes_state => self.pause(nmt.node),
+            // A reset ends the beat, another change of state may let it begin anew.
+            (Service::Nmt, Message::Nmt(nmt)) if nmt.command.is_reset() => self.pause(nmt.node),
+            (Service::Nmt, Message::Nmt(nmt)) if changes_state => {
+                self.nodes.named_mut(nmt.node).for_each(|(_, rhythm)| rhythm.shift());
+            }
             (Service::BootUp, _) => {
                 // What was stored is in force again.
                 if let Some(node) = decoded.node {
@@ -96,6 +99,11 @@ impl Heartbeats {
     /// The rhythm of a node.
     fn rhythm(&mut self, node: NodeId) -> &mut Rhythm {
         &mut self.nodes[node]
+    }
+
+    /// The rhythm of a node, to look at.
+    pub fn of(&self, node: NodeId) -> &Rhythm {
+        &self.nodes[node]
     }
 
     /// All nodes with their rhythms.

@@ -3,12 +3,14 @@
 mod heartbeats;
 mod node;
 mod operands;
+mod presence;
 mod requests;
 mod tpdos;
 
 pub use heartbeats::Heartbeats;
 pub use node::NodeFacts;
 pub use operands::Operand;
+pub use presence::{Orders, Outage, Presence, Sign};
 pub use requests::{Pending, Requests, Step};
 pub use tpdos::{AllParameters, Parameters, TPDOS};
 
@@ -20,7 +22,7 @@ use crate::wire::lss;
 use crate::wire::nmt::{Command, Nmt};
 use crate::wire::sdo::Request;
 use crate::{NodeId, PerNode};
-use canvass_traces::{Record, Timestamp};
+use canvass_traces::{Duration, Record, Timestamp};
 
 /// What all nodes of a bus have done so far.
 #[derive(Default)]
@@ -38,6 +40,8 @@ pub struct Facts {
     pub heartbeats: Heartbeats,
     /// The SDO requests that wait for an answer, after the frame.
     pub requests: Requests,
+    /// Which nodes are there, before the frame.
+    pub presence: Presence,
     /// What the frame means to several rules.
     pub news: News,
 }
@@ -49,6 +53,10 @@ pub struct News {
     pub begins_anew: bool,
     /// Whether it is a TPDO of whose parameters something is known.
     pub is_known_tpdo: bool,
+    /// Whether the node that it is about has sent it.
+    pub is_from_node: bool,
+    /// The silence of its node that it ends, if it was an outage.
+    pub returned: Option<Outage>,
     /// Of a heartbeat: the interval that it ends.
     pub heartbeat: Option<Interval>,
     /// Of an SDO message: what it does to the requests that wait.
@@ -79,7 +87,10 @@ impl Facts {
         let now = record.timestamp;
         let begins_anew = matches!(decoded.message, Message::Nmt(nmt) if !self.is_repeated(nmt));
         let reconfigured = self.tpdos.frame(decoded, bus);
+        let is_from_node = decoded.is_from_node();
+        let returned = decoded.node.filter(|_| is_from_node).and_then(|node| self.returned(node, now));
         let news = &mut self.news;
+        (news.is_from_node, news.returned) = (is_from_node, returned);
         (news.begins_anew, news.is_known_tpdo, news.heartbeat) = (begins_anew, false, None);
         // Most frames are no SDO messages: nothing to take away.
         if !matches!(news.request, Step::None) {
@@ -94,6 +105,9 @@ impl Facts {
             Service::Heartbeat => {
                 let facts = decoded.node.map(|node| &self.nodes[node]);
                 news.heartbeat = facts.and_then(|facts| self.heartbeats.beat(now, decoded, facts));
+                if let (Some(node), Some(interval)) = (decoded.node, news.heartbeat) {
+                    self.presence.beat(node, interval.expected);
+                }
             }
             Service::Sdo | Service::BootUp | Service::Nmt => {
                 news.request = self.requests.frame(record, decoded);
@@ -106,16 +120,40 @@ impl Facts {
         reconfigured
     }
 
+    /// The silence of a node that a frame of it ends, if it was an outage.
+    #[inline]
+    fn returned(&self, node: NodeId, now: Timestamp) -> Option<Outage> {
+        let since = self.nodes[node].last_seen?;
+        if self.presence.is_long(node, now.since(since)) { self.outage(node, now) } else { None }
+    }
+
+    /// The silence of a node, if it is longer than its heartbeat or guarding allows and nothing explains it.
+    #[cold]
+    pub fn outage(&self, node: NodeId, now: Timestamp) -> Option<Outage> {
+        let period = self.heartbeats.of(node).period();
+        self.presence.outage(node, now, &self.nodes[node], period, self.layer_setting)
+    }
+
     /// Frames may be missing here, or the clock has stepped.
-    pub(super) fn interrupted(&mut self) {
+    pub(super) fn interrupted(&mut self, now: Timestamp) {
+        self.presence.interrupted(now);
         self.heartbeats.interrupted();
         self.requests.interrupted();
     }
 
     /// Takes the frame after the rules have seen it.
-    pub(super) fn note(&mut self, now: Timestamp, decoded: &Decoded, bus: &Bus) {
+    pub(super) fn note(&mut self, record: &Record, decoded: &Decoded, bus: &Bus) {
+        let now = record.timestamp;
         match decoded.message {
-            Message::Nmt(nmt) => self.commanded(now, nmt.command, nmt.node),
+            Message::Nmt(nmt) => {
+                self.commanded(now, nmt.command, nmt.node);
+                self.presence.commanded(now, nmt);
+            }
+            Message::GuardingRequest => {
+                if let Some(node) = decoded.node {
+                    self.presence.guarded(now, node);
+                }
+            }
             Message::LssRequest(lss::Request::SwitchGlobal { .. } | lss::Request::ActivateBitTiming { .. }) => {
                 self.layer_setting = Some(now);
             }
@@ -130,21 +168,32 @@ impl Facts {
             _ => {}
         }
         let Some(node) = decoded.node else { return };
-        if decoded.is_from_node() {
+        if self.news.is_from_node {
+            self.presence.heard(node);
             let facts = &mut self.nodes[node];
             facts.is_slave |= matches!(decoded.service, Service::Sdo | Service::Pdo | Service::Emcy);
-            facts.last_seen = Some(now);
+            (facts.last_seen, facts.last_id) = (Some(now), record.frame.cob_id());
             if facts.first_seen.replace(facts.first_seen.unwrap_or(now)).is_none() {
                 self.present = self.present.saturating_add(1);
             }
         }
         if decoded.service == Service::BootUp {
+            self.restarted(node, now);
             let facts = &mut self.nodes[node];
             (facts.last_boot_up, facts.pending_reset, facts.has_moved) = (Some(now), None, false);
             self.moved(bus);
         }
         if decoded.event == Some(Event::TransferEnded) {
             self.transferred(now, node, decoded, bus);
+        }
+    }
+
+    /// A node has started: how long it takes after a reset is known, if it was there before that.
+    fn restarted(&mut self, node: NodeId, now: Timestamp) {
+        const LONGEST: Duration = Duration::from_secs(60);
+        let took = self.nodes[node].pending_reset.map(|reset| now.since(reset));
+        if let Some(took) = took.filter(|took| *took <= LONGEST && self.news.returned.is_none()) {
+            self.presence.restarted(node, took);
         }
     }
 

@@ -10,6 +10,8 @@ pub struct NodeFacts {
     pub first_seen: Option<Timestamp>,
     /// When it last sent something.
     pub last_seen: Option<Timestamp>,
+    /// The CAN-ID of that.
+    pub last_id: Option<u16>,
     /// The last NMT command to it, alone or among all.
     pub command: Option<(Command, Timestamp)>,
     /// The last reset by NMT command that no boot-up has followed yet.

@@ -38,7 +38,8 @@ impl Rule for HeartbeatEnded {
             let is_late = silence > period.times(self.periods) + scene.slack() + Duration::from_millis(10);
             let facts = scene.facts.node(node);
             // A device without boot-up message is not silent after a reset.
-            if !is_late || facts.is_resetting(scene.now) || facts.is_storing(scene.now) {
+            let is_lost = scene.facts.outage(node, scene.now).is_some();
+            if !is_late || is_lost || facts.is_resetting(scene.now) || facts.is_storing(scene.now) {
                 continue;
             }
             let report = Report::at(last).node(node).evidence(seen.evidence());

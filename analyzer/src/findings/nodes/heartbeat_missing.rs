@@ -29,7 +29,7 @@ pub fn percent(thresholds: &Thresholds) -> Percent {
 
 impl Rule for HeartbeatMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Some(interval) = context.news().heartbeat else { return };
+        let Some(interval) = context.news().heartbeat.filter(|_| context.news().returned.is_none()) else { return };
         let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };
         let begin = context.previous.map_or(context.now(), Seen::time);
         let report = Report::at(begin).node(context.node()).measure(interval.length.nanos());

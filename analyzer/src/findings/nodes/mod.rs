@@ -10,6 +10,7 @@ mod heartbeat_jitter;
 mod heartbeat_late;
 mod heartbeat_missing;
 mod life_guarding;
+mod lost;
 mod no_boot_up;
 mod pdo_outside_operational;
 mod repeated_resets;

@@ -55,6 +55,10 @@ impl Rule for NoBootUp {
             let device_type = scene.bus.node(node).and_then(|known| known.parameter(node, DEVICE_TYPE));
             let is_linear = device_type.is_some_and(|device_type| matches!(device_type >> 16, 0x08 | 0x09));
             let waited = scene.now.since(reset) > self.wait;
+            // What had dropped out before is told as that.
+            if scene.facts.outage(node, scene.now).is_some() {
+                continue;
+            }
             if !is_linear && waited && facts.is_silent_since_reset() {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
                     format!("nothing more was heard in the {} after its reset", scene.now.since(reset))

@@ -41,7 +41,7 @@ impl Rule for RepeatedResets {
         if context.scene.facts.node(node).last_seen.is_none() || !context.scene.has_times() {
             return;
         }
-        if is_explained(context, context.scene.facts.node(node)) {
+        if is_explained(context, node, context.scene.facts.node(node)) {
             *restarts = Restarts::default();
             return;
         }
