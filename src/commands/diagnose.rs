@@ -7,8 +7,9 @@ use crate::output::{Color, Output};
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use anyhow::{Context, anyhow};
-use canvass_analyzer::findings::{Diagnosis, Severity, SourceQuality, Thresholds};
+use canvass_analyzer::findings::{Diagnosis, InOrder, Severity, SourceQuality, Thresholds};
 use canvass_conformance::models::Model;
+use canvass_traces::Record;
 use canvass_reports::diagnosis::{self, Diagnosed, Style, html};
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
@@ -102,21 +103,29 @@ impl Args {
         let output = Output::default();
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
         let mut damages = 0;
+        let mut order = InOrder::default();
         // A frame that contradicts itself proves nothing.
         while let Some(seen) = inputs.advance()? {
             let found = inputs.damages();
             if found != damages {
                 damages = found;
+                while let Some(record) = order.flush() {
+                    look_at(&record, &mut diagnosis, &mut collector, &inputs)?;
+                }
                 diagnosis.interrupted();
             }
             let record = inputs.record();
             if seen == Seen::Record && range.contains(record.timestamp) {
-                let observed = diagnosis.record(record);
-                if let (Some(collector), Some(observed)) = (&mut collector, observed) {
-                    collector.frame(record, inputs.channels(), &observed)?;
+                order.push(record.clone());
+                while let Some(record) = order.pop() {
+                    look_at(&record, &mut diagnosis, &mut collector, &inputs)?;
                 }
             }
         }
+        while let Some(record) = order.flush() {
+            look_at(&record, &mut diagnosis, &mut collector, &inputs)?;
+        }
+        diagnosis.disordered(order.disorder());
         let captures = inputs.captures();
         let sources: Vec<_> =
             captures.iter().map(|capture| SourceQuality { name: capture.name, quality: capture.quality }).collect();
@@ -190,6 +199,20 @@ impl Args {
             Some(path) => Ok(written.with_context(|| format!("can't write {}", path.display()))?),
             None => Ok(written?),
         }
+    }
+}
+
+/// Takes a record, in the order of their times.
+fn look_at(
+    record: &Record,
+    diagnosis: &mut Diagnosis,
+    collector: &mut Option<html::Collector>,
+    inputs: &Inputs<'_>,
+) -> io::Result<()> {
+    let observed = diagnosis.record(record);
+    match (collector, observed) {
+        (Some(collector), Some(observed)) => collector.frame(record, inputs.channels(), &observed),
+        _ => Ok(()),
     }
 }
 

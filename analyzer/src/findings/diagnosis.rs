@@ -1,10 +1,11 @@
 //! Lets every rule look at a capture, once, record by record.
 
-use super::capture::{self, Copies};
+use super::capture::{self, Copies, OutOfOrder};
 use super::context::{Context, Scene};
 use super::facts::Facts;
 use super::finding::Finding;
 use super::latest::Latest;
+use super::order::Disorder;
 use super::registry;
 use super::rule::{Also, Make, Metadata, Rule};
 use super::sink::{Findings, Reported, Sink};
@@ -29,6 +30,7 @@ pub struct Diagnosis {
     decoded: Option<Decoded>,
     /// Frames of channels beyond [`Diagnosis::BUSES`], which no rule looked at.
     unwatched: u64,
+    disorder: Disorder,
 }
 
 /// What has come out.
@@ -132,6 +134,7 @@ impl Diagnosis {
             findings: Findings::default(),
             decoded: None,
             unwatched: 0,
+            disorder: Disorder::default(),
         }
     }
 
@@ -177,11 +180,18 @@ impl Diagnosis {
         }
     }
 
+    /// The records were in another order than they came: [`InOrder`](super::InOrder) tells.
+    pub const fn disordered(&mut self, disorder: Disorder) {
+        self.disorder = disorder;
+    }
+
     /// The capture has ended.
     pub fn finish(mut self, sources: &[SourceQuality<'_>]) -> Results {
         for watch in self.buses.iter_mut().flatten() {
             watch.finish(&self.network, &mut self.findings);
         }
+        let mut sink = Sink { findings: &mut self.findings, rule: OutOfOrder::METADATA, bus: None };
+        capture::tell_disorder(&self.disorder, &mut sink);
         capture::check(sources, &self.thresholds, &mut self.findings);
         let (findings, omitted) = self.findings.into_sorted();
         let buses = self.buses.into_iter().flatten();
@@ -344,6 +354,10 @@ impl BusWatch {
         let Incoming { record, id, bits } = *incoming;
         let bits = bits.map_or(0, |bits| bits + INTERMISSION);
         let Some(bus) = network.bus(self.known.channel) else { return };
+        if decoded.repeats_boot_up() {
+            self.statistics.frame(record, bits, decoded, bus);
+            return;
+        }
         let reconfigured = self.known.facts.follow(record, decoded, bus);
         let scene = self.known.scene(bus);
         if let Some(node) = reconfigured {

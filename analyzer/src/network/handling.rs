@@ -15,11 +15,12 @@ use crate::wire::flying_master::FlyingMaster;
 use crate::wire::lmt::{self, Dialect};
 use crate::wire::mpdo::Mpdo;
 use crate::wire::nmt::{Command, Nmt};
+use crate::wire::sdo::{Request, Response};
 use crate::wire::srdo::Half;
 use crate::wire::sync::Sync;
 use crate::wire::time::TimeOfDay;
 use crate::wire::{Malformed, Wire, emcy::Emcy, lss};
-use canvass_traces::{Frame, FrameKind, Record, Timestamp};
+use canvass_traces::{Duration, Frame, FrameKind, Record, Timestamp};
 use std::sync::Arc;
 
 impl Bus {
@@ -70,6 +71,12 @@ impl Bus {
             Use::Unknown => self.unknown(now, can_id, frame),
         };
         decoded.source = source;
+        if source != Source::Predefined {
+            let fits = fits(&decoded);
+            if !fits || self.cob_ids.is_doubted(can_id) {
+                self.cob_ids.judge(can_id, fits);
+            }
+        }
         decoded
     }
 
@@ -193,7 +200,8 @@ impl Bus {
         } else {
             (Service::Heartbeat, message.state, Cause::ErrorControl)
         };
-        let event = self.state_seen(id, to, cause);
+        let is_known = message.is_boot_up() && self.has_just_started(now, id, false);
+        let event = if is_known { None } else { self.state_seen(id, to, cause) };
         Decoded { event, ..plain(service, Some(id), Message::ErrorControl(message)) }
     }
 
@@ -224,8 +232,19 @@ impl Bus {
             return decoded;
         }
         // Before CiA 301 V4 this was the boot-up message.
-        let event = self.state_seen(id, State::PRE_OPERATIONAL, Cause::BootUp);
+        let is_known = self.has_just_started(now, id, true);
+        let event = if is_known { None } else { self.state_seen(id, State::PRE_OPERATIONAL, Cause::BootUp) };
         Decoded { service: Service::BootUp, event, ..decoded }
+    }
+
+    /// Whether a boot-up message says once more what the other kind of boot-up message has said just before: devices
+    /// between the versions of CiA 301 send both.
+    fn has_just_started(&mut self, now: Timestamp, id: NodeId, by_emcy: bool) -> bool {
+        const SOON: Duration = Duration::from_millis(1_000);
+        let started = &mut self.node_mut(id).started;
+        let is_known = started.is_some_and(|(at, other)| other != by_emcy && now.since(at) <= SOON);
+        *started = if is_known { None } else { Some((now, by_emcy)) };
+        is_known
     }
 
     fn emergency(&mut self, now: Timestamp, id: NodeId, message: &Message) {
@@ -276,6 +295,15 @@ impl Bus {
             violation: step.violation,
             ..plain(Service::Sdo, Some(server), step.message)
         }
+    }
+}
+
+/// Whether a frame can be what the use of its CAN-ID makes of it.
+const fn fits(decoded: &Decoded) -> bool {
+    match decoded.message {
+        Message::Malformed(..) => false,
+        Message::SdoRequest(Request::Unknown { .. }) | Message::SdoResponse(Response::Unknown { .. }) => false,
+        _ => !matches!(decoded.violation, Some(Violation::Unexpected)),
     }
 }
 

@@ -1,7 +1,7 @@
 //! COB-IDs and mappings learned from descriptions and from the SDO traffic of the trace itself.
 
 use super::bus::Bus;
-use super::cob_ids::{Source, Use};
+use super::cob_ids::{self, Source, Use};
 use super::event::{Event, Move};
 use super::layer_setting::Before;
 use super::node::{Node, Shown};
@@ -58,6 +58,10 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         recognise(bus, server, object, &data);
     }
     let Some(value) = value else { return };
+    // The COB-IDs of the first SDO server are fixed: what a device says of them moves nothing, unless it was told to.
+    if object.index.0 == 0x1200 && shown == Shown::Read {
+        return;
+    }
     learn(bus, server, object, value, shown);
     learn_cob_id(bus, server, object, value, Source::Trace);
 }
@@ -247,6 +251,9 @@ fn is_learned(object: Multiplexer) -> bool {
 /// Gives a COB-ID parameter's CAN-ID its use.
 fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     let cob_id = CobId(value);
+    if !is_possible(used, cob_id) {
+        return;
+    }
     // Bit 31 of 1005h and 1012h does not mean that there is no SYNC or TIME, and SRDOs have no such bit.
     let exists = match used {
         Use::Sync | Use::Time => true,
@@ -267,6 +274,18 @@ fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     bus.cob_ids.assign(cob_id.can_id(), used, source);
     if !matches!(used, Use::Sync | Use::Time) || source == Source::Trace {
         bus.cob_ids.release(used, Some(cob_id.can_id()));
+    }
+}
+
+/// Whether a CAN-ID can have that use at all, whatever a device says: CiA 301 (7.3.5) restricts some; but SRDOs lie
+/// there.
+fn is_possible(used: Use, cob_id: CobId) -> bool {
+    match used {
+        Use::Srdo(..) => true,
+        // Switched off: whatever else it says.
+        Use::Pdo(..) | Use::Emcy(_) | Use::SdoRequest(_) | Use::SdoResponse(_) if !cob_id.is_valid() => true,
+        // Where no standard has put anything, devices do as they like.
+        _ => !cob_id.is_restricted() || u16::try_from(cob_id.can_id()).is_ok_and(cob_ids::is_free),
     }
 }
 

@@ -67,6 +67,11 @@ pub struct Decoded {
 }
 
 impl Decoded {
+    /// Whether it is a boot-up message that says only what another one has just said.
+    pub fn repeats_boot_up(&self) -> bool {
+        self.service == Service::BootUp && self.event.is_none()
+    }
+
     /// Whether the node that the frame is about has sent it itself.
     pub const fn is_from_node(&self) -> bool {
         match self.message {

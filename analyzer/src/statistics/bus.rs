@@ -54,7 +54,7 @@ pub struct BusStatistics {
     pub peaks: [Peak; Service::ALL.len()],
     /// Frames that the interface recorded twice; they are counted as frames, and nowhere else.
     pub copies: u64,
-    /// The nodes that sent something or were addressed.
+    /// The nodes that sent something, or were asked and did not answer.
     pub nodes: Vec<(NodeId, NodeStatistics)>,
     /// The cases of CiA's conformance test tool, if it was at work.
     pub test_run: TestRun,
@@ -153,7 +153,7 @@ impl Statistics {
             peak: self.peak,
             peaks: self.peaks,
             copies: self.copies,
-            nodes: self.nodes.into_all().filter_map(|(id, node)| Some((id, *node?))).collect(),
+            nodes: self.nodes.into_all().filter_map(|(id, node)| Some((id, node?.shown()?))).collect(),
             test_run: self.test_run,
         }
     }

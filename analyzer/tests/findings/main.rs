@@ -12,6 +12,8 @@ mod emcy_lss;
 #[cfg(test)]
 mod encoder;
 #[cfg(test)]
+mod field;
+#[cfg(test)]
 mod guarding;
 #[cfg(test)]
 mod healthy;

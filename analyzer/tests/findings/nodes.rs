@@ -169,8 +169,7 @@ fn a_heartbeat_that_a_consumer_waits_for_in_vain() {
     let mut traffic = machine();
     traffic.sdo(600, 3, "2316100196000100", "6016100100000000");
     traffic.silence(0x701, 25_000, END);
-    let finding =
-        traffic.finds_among(&["nodes/consumer-time", "nodes/lost"], "nodes/consumer-time", Some(3), 24_910);
+    let finding = traffic.finds_among(&["nodes/consumer-time", "nodes/lost"], "nodes/consumer-time", Some(3), 24_910);
     assert!(finding.message.contains("waits 150 ms for the heartbeat of node 1"), "{}", finding.message);
 }
 

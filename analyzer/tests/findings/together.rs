@@ -63,6 +63,7 @@ const EXPECTED: &[(&str, Option<u8>, u64)] = &[
 /// Rules with captures of their own, which would disturb all others here: a full bus, an irregular SYNC, a damaged file.
 const ELSEWHERE: &[&str] = &[
     "bus/load",
+    "bus/malformed",
     "bus/no-canopen",
     "bus/two-producers",
     "capture/bus-off",
@@ -74,10 +75,12 @@ const ELSEWHERE: &[&str] = &[
     "capture/error-frames",
     "capture/error-passive",
     "capture/gaps",
+    "capture/out-of-order",
     "capture/overrun",
     "encoder/position-frozen",
     "lss/store-wear",
     "pdo/sync-jitter",
+    "sdo/impatient-client",
 ];
 
 /// Times that a finding takes from its worst moment: they are not compared.

@@ -40,11 +40,15 @@ struct Voice {
     /// The state before the last one.
     earlier: Option<State>,
     last_boot_up: Option<Timestamp>,
-    /// The state in the last heartbeat before a boot-up that no command explains.
-    surviving: Option<State>,
+    /// The last heartbeat, and how long after the one before it came.
+    beat: Option<(Timestamp, Duration)>,
+    /// The state in the last heartbeat before a boot-up that no command explains, with that heartbeat.
+    surviving: Option<(State, Timestamp, Duration)>,
     answer: Option<Answer>,
     /// Requests that have no answer yet: a repeated one gets two answers rightly.
     outstanding: u8,
+    /// The latest request: much later, what was left without an answer gets none.
+    asked: Option<Timestamp>,
     /// Requests that have got the same answer twice.
     doubles: u32,
     identity: [Option<u32>; 4],
@@ -88,10 +92,9 @@ impl Rule for DuplicateNodeId {
                 voice.heartbeat(message.state, node, context, sink);
             }
             Message::ErrorControl(_) => voice.boot_up(context),
-            Message::SdoRequest(Request::Abort(_)) => {}
+            Message::SdoRequest(Request::Abort(_)) => voice.answer = None,
             Message::SdoRequest(_) | Message::SdoBlockDownload(_) => {
-                voice.answer = None;
-                voice.outstanding = voice.outstanding.saturating_add(1);
+                voice.asked(context.now());
             }
             Message::SdoResponse(response) => voice.answered(*response, node, context, sink),
             _ => {}
@@ -101,12 +104,22 @@ impl Rule for DuplicateNodeId {
     fn interrupted(&mut self) {
         for voice in self.nodes.values_mut() {
             voice.commanded();
-            (voice.last_boot_up, voice.answer, voice.outstanding) = (None, None, 0);
+            (voice.last_boot_up, voice.answer) = (None, None);
         }
     }
 }
 
 impl Voice {
+    /// A request: what was asked long ago and not answered is not waited for any more.
+    fn asked(&mut self, now: Timestamp) {
+        const FORGOTTEN: Duration = Duration::from_secs(10);
+        if self.asked.replace(now).is_some_and(|before| now.since(before) > FORGOTTEN) {
+            self.outstanding = 0;
+        }
+        self.answer = None;
+        self.outstanding = self.outstanding.saturating_add(1);
+    }
+
     fn heartbeat(&mut self, state: State, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
         let report = Report::at(context.now()).node(node);
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
@@ -127,9 +140,12 @@ impl Voice {
                 });
             }
         }
-        if let Some(before) = self.surviving.take()
+        let interval = self.beat.map(|(last, _)| context.now().since(last));
+        self.beat = Some((context.now(), interval.unwrap_or_default()));
+        if let Some((before, last, period)) = self.surviving.take()
             && before == state
             && state != State::PRE_OPERATIONAL
+            && goes_on(last, period, context.now())
         {
             sink.report(report.detail(3), || {
                 format!("a second boot-up, but a heartbeat goes on to say {state}: another device has started")
@@ -142,10 +158,13 @@ impl Voice {
         let recent = |then: Timestamp| context.now().since(then) <= Duration::from_secs(10);
         let repeated = self.last_boot_up.is_some_and(recent);
         self.last_boot_up = Some(context.now());
-        self.surviving = if repeated { self.state } else { None };
+        let survivor = self.state.zip(self.beat).map(|(state, (at, period))| (state, at, period));
+        self.surviving = survivor.filter(|_| repeated);
+        self.beat = None;
         (self.flips, self.earlier, self.state) = (0, None, None);
         self.interleaving.restart();
-        (self.answer, self.outstanding, self.doubles) = (None, 0, 0);
+        // What was asked before may still be answered: requests and answers wait in queues.
+        (self.answer, self.doubles) = (None, 0);
         // Another device may have been put in its place, or another firmware into it.
         self.identity = [None; 4];
     }
@@ -179,7 +198,8 @@ impl Voice {
         }
         self.identify(response, node, context, sink);
         self.outstanding = self.outstanding.saturating_sub(1);
-        self.answer = (self.outstanding == 0).then(|| Answer { channel, seen: context.seen() });
+        let is_last = self.outstanding == 0 && self.asked.is_some();
+        self.answer = is_last.then(|| Answer { channel, seen: context.seen() });
     }
 
     /// Vendor-ID, product code, revision and serial number can't change while the node is running.
@@ -204,10 +224,21 @@ fn identity(response: Response) -> Option<(u8, u32)> {
     (multiplexer.index.0 == 0x1018).then(|| (sub, u32::from_le_bytes(*value)))
 }
 
-/// Whether two answers to one request, about the same object, say different things. A server that has confirmed a
-/// download may still abort it.
+/// Whether a heartbeat comes when one was due if nothing had happened since the last one: within a tenth of its period.
+fn goes_on(last: Timestamp, period: Duration, now: Timestamp) -> bool {
+    let Some(phase) = now.since(last).nanos().checked_rem(period.nanos()) else { return false };
+    phase.min(period.nanos() - phase) <= period.nanos() / 10
+}
+
+/// Whether two answers to one request, about the same object, say different things. A server that has only begun a
+/// transfer, or confirmed a download, may still abort it.
 fn contradicts(a: Response, b: Response) -> bool {
-    if matches!((a, b), (Response::InitiateDownload { .. }, Response::Abort(_))) {
+    let ends = match a {
+        Response::InitiateUpload { payload, .. } => payload.value().is_some(),
+        Response::Abort(_) => true,
+        _ => false,
+    };
+    if !ends && matches!(b, Response::Abort(_)) {
         return false;
     }
     let object = |response: Response| -> Option<Multiplexer> { response.multiplexer() };

@@ -4,6 +4,7 @@ mod before_boot_up;
 mod duplicate_node_id;
 mod interleaving;
 mod load;
+mod malformed;
 mod no_canopen;
 mod overlapping_cob_id;
 mod restricted_cob_id;

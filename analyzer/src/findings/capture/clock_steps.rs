@@ -19,7 +19,7 @@ use canvass_traces::Duration;
 #[rule(id = "capture/clock-steps", severity = Warning, of = capture)]
 struct ClockSteps {
     /// the largest step must be as long
-    #[threshold(ms = 1)]
+    #[threshold(ms = 20)]
     least: Duration,
 }
 

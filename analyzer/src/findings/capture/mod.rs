@@ -11,9 +11,11 @@ mod dropped;
 mod error_frames;
 mod error_passive;
 mod gaps;
+mod out_of_order;
 mod overrun;
 
 pub use copies::{Copies, tell as tell_copies};
+pub use out_of_order::{OutOfOrder, tell as tell_disorder};
 
 use super::registry;
 use super::rule::Make;

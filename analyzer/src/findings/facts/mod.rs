@@ -172,6 +172,9 @@ impl Facts {
             self.presence.heard(node);
             let facts = &mut self.nodes[node];
             facts.is_slave |= matches!(decoded.service, Service::Sdo | Service::Pdo | Service::Emcy);
+            if let (Some(_), Some(last)) = (facts.pending_reset, facts.last_seen) {
+                facts.longest_pause = facts.longest_pause.max(now.since(last));
+            }
             (facts.last_seen, facts.last_id) = (Some(now), record.frame.cob_id());
             if facts.first_seen.replace(facts.first_seen.unwrap_or(now)).is_none() {
                 self.present = self.present.saturating_add(1);
@@ -230,7 +233,9 @@ impl Facts {
         for (_, facts) in self.nodes.named_mut(node) {
             facts.command = Some((command, now));
             facts.is_slave |= node != 0;
-            facts.pending_reset = if resets { Some(now) } else { facts.pending_reset };
+            if resets {
+                (facts.pending_reset, facts.longest_pause) = (Some(now), Duration::ZERO);
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! Whether nodes are there: silences that are longer than their heartbeat, or the guarding of the master, allows.
 
 use super::node::NodeFacts;
+use crate::findings::percent::Percent;
 use crate::wire::nmt::{Command, Nmt};
 use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Timestamp};
@@ -35,6 +36,8 @@ pub struct Orders {
     pub last_reset: Option<Timestamp>,
     /// The last of all commands.
     pub last: Option<(Command, Timestamp)>,
+    /// Whether another command came before the first reset: the heartbeat may begin anew with it.
+    pub shifts: bool,
 }
 
 /// How the master guards a node.
@@ -67,8 +70,10 @@ pub struct Outage {
 }
 
 impl Presence {
-    /// So many heartbeats or guarding answers in a row must be missing.
-    const MISSING: u64 = 3;
+    /// A longer silence, of the period, is an outage.
+    const MISSING: Percent = Percent(300);
+    /// The same before a reset: a master that waits for one and a half periods resets the node sooner.
+    const BEFORE_RESET: Percent = Percent(150);
     /// How long a node that is there may take to restart, before the capture has shown how long it takes.
     const RESTART: Duration = Duration::from_secs(10);
     /// How long a node may be silent around layer setting.
@@ -95,23 +100,28 @@ impl Presence {
         if since < self.since || facts.has_moved || facts.last_program_control > facts.last_boot_up {
             return None;
         }
-        let Orders { first_reset, last, .. } = watch.orders;
-        // What follows a reset is not judged here.
-        let silence = first_reset.unwrap_or(now).since(since);
+        let Orders { resets, first_reset, shifts, .. } = watch.orders;
+        // What follows a reset is the reset's, unless the master has to repeat it.
+        let repeated = resets > 1 && first_reset.is_some_and(|reset| now.since(reset) > self.restart_limit(node));
+        let end = first_reset.filter(|_| !repeated);
+        let silence = end.unwrap_or(now).since(since);
+        let missing = if end.is_some() { Self::BEFORE_RESET } else { Self::MISSING };
         let sign = match period {
             Some(period) => Sign::Heartbeat(period),
-            None => Sign::Guarding(watch.guarding.interval.filter(|_| watch.guarding.unanswered >= 3)?),
+            None => {
+                Sign::Guarding(watch.guarding.interval.filter(|_| watch.guarding.unanswered >= 3 || end.is_some())?)
+            }
         };
         let (Sign::Heartbeat(period) | Sign::Guarding(period)) = sign;
         // A command that changes the state may let the heartbeat begin anew.
-        let shift = if last.is_some() { period } else { Duration::ZERO };
+        let shift = if shifts { period } else { Duration::ZERO };
         let excuse = |then: Option<Timestamp>, length: Duration| {
             let end = then.filter(|then| *then + length > since).map(|then| then + length);
             end.map_or(Duration::ZERO, |end| end.since(since))
         };
         let excused =
             excuse(facts.last_store, NodeFacts::STORING).max(excuse(layer_setting, Self::LAYER_SETTING)).max(shift);
-        let is_lost = silence > period.times(Self::MISSING) + excused + Duration::from_millis(10);
+        let is_lost = silence > missing.of(period) + excused + Duration::from_millis(10);
         is_lost.then_some(Outage { since, sign, orders: watch.orders })
     }
 
@@ -122,7 +132,7 @@ impl Presence {
 
     /// A heartbeat has come, and the next one is due after that period.
     pub fn beat(&mut self, node: NodeId, period: Option<Duration>) {
-        self.nodes[node].alarm = period.map(|period| period.times(Self::MISSING));
+        self.nodes[node].alarm = period.map(|period| Self::BEFORE_RESET.of(period));
     }
 
     /// A node has sent something.
@@ -146,6 +156,7 @@ impl Presence {
         for (_, watch) in self.nodes.named_mut(nmt.node) {
             let orders = &mut watch.orders;
             orders.last = Some((nmt.command, now));
+            orders.shifts |= !nmt.command.is_reset() && orders.resets == 0;
             if nmt.command.is_reset() {
                 orders.resets += 1;
                 orders.first_reset.get_or_insert(now);
@@ -162,7 +173,7 @@ impl Presence {
             && guarding.unanswered == 0
         {
             guarding.interval = Some(interval);
-            watch.alarm = watch.alarm.max(Some(interval.times(Self::MISSING)));
+            watch.alarm = watch.alarm.max(Some(Self::BEFORE_RESET.of(interval)));
         }
         guarding.unanswered += u32::from(watch.orders.resets == 0);
     }

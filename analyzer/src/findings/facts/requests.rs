@@ -13,9 +13,12 @@ use canvass_traces::{Duration, Record, Timestamp};
 #[derive(Default)]
 pub struct Requests {
     channels: Vec<Option<Pending>>,
+    /// The latest requests that a client has given up, and when: their answers may still come.
+    left: Vec<(ChannelIndex, Pending, Timestamp)>,
 }
 
 /// A request that waits for its answer.
+#[derive(Clone)]
 pub struct Pending {
     /// The request.
     pub request: Seen,
@@ -35,11 +38,16 @@ pub enum Step {
     Answered(Pending),
     /// The client sent something else: it does not wait any more.
     GivenUp(Pending),
+    /// The answer came to a request that the client had given up at that time.
+    AnsweredLate(Pending, Timestamp),
     /// The client sent the same request again.
     Repeated,
 }
 
 impl Requests {
+    /// So many requests that were given up are remembered, and for so long.
+    const LEFT: usize = 32;
+    const REMEMBERED: Duration = Duration::from_secs(10);
     /// Copies that an interface loops back come within this time.
     const COPY: Duration = Duration::from_millis(1);
 
@@ -51,7 +59,7 @@ impl Requests {
         };
         match decoded.message {
             Message::SdoRequest(Request::Abort(_)) => match self.slot(channel).take() {
-                Some(pending) => Step::GivenUp(pending),
+                Some(pending) => self.give_up(channel, pending, record.timestamp),
                 None => Step::None,
             },
             // The server does not answer the end of a block upload, nor segments of a block one by one.
@@ -60,9 +68,11 @@ impl Requests {
                 Step::None
             }
             Message::SdoRequest(_) => self.request(channel, record, decoded),
-            Message::SdoResponse(_) | Message::SdoBlockUpload(_) => {
-                self.slot(channel).take().map_or(Step::None, Step::Answered)
-            }
+            Message::SdoResponse(response) => match self.left(channel, response.multiplexer(), record.timestamp) {
+                Some((pending, gave_up)) => Step::AnsweredLate(pending, gave_up),
+                None => self.slot(channel).take().map_or(Step::None, Step::Answered),
+            },
+            Message::SdoBlockUpload(_) => self.slot(channel).take().map_or(Step::None, Step::Answered),
             _ => Step::None,
         }
     }
@@ -84,8 +94,43 @@ impl Requests {
                 open.since = now;
                 Step::Repeated
             }
-            false => slot.replace(pending).map_or(Step::None, Step::GivenUp),
+            false => match slot.replace(pending) {
+                Some(open) => self.give_up(channel, open, now),
+                None => Step::None,
+            },
         }
+    }
+
+    /// The client does not wait any more.
+    #[cold]
+    fn give_up(&mut self, channel: ChannelIndex, pending: Pending, now: Timestamp) -> Step {
+        if self.left.len() >= Self::LEFT {
+            self.left.remove(0);
+        }
+        self.left.push((channel, pending.clone(), now));
+        Step::GivenUp(pending)
+    }
+
+    /// The request that was given up, if an answer about that object is to it: none that waits asks for the same.
+    #[inline]
+    fn left(
+        &mut self,
+        channel: ChannelIndex,
+        object: Option<Multiplexer>,
+        now: Timestamp,
+    ) -> Option<(Pending, Timestamp)> {
+        if self.left.is_empty() {
+            return None;
+        }
+        self.left.retain(|(.., gave_up)| now.since(*gave_up) <= Self::REMEMBERED);
+        let object = object?;
+        let open = self.channels.get(usize::from(channel.0)).and_then(Option::as_ref);
+        if open.is_some_and(|open| open.object == Some(object)) {
+            return None;
+        }
+        let at = self.left.iter().position(|(of, pending, _)| *of == channel && pending.object == Some(object))?;
+        let (_, pending, gave_up) = self.left.remove(at);
+        Some((pending, gave_up))
     }
 
     /// A node that restarts has forgotten what it was asked.
@@ -121,6 +166,7 @@ impl Requests {
     /// Answers may have come unseen.
     pub fn interrupted(&mut self) {
         self.channels.fill_with(|| None);
+        self.left.clear();
     }
 }
 

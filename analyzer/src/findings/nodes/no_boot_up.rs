@@ -54,6 +54,9 @@ impl Rule for NoBootUp {
             // Linear devices of some manufacturers come up silently: nothing to wait for.
             let device_type = scene.bus.node(node).and_then(|known| known.parameter(node, DEVICE_TYPE));
             let is_linear = device_type.is_some_and(|device_type| matches!(device_type >> 16, 0x08 | 0x09));
+            let period = scene.facts.heartbeats.of(node).period();
+            // That it goes on as if nothing had happened is told as a command that it does not obey.
+            let paused = period.is_none_or(|period| facts.longest_pause > period + Duration(period.nanos() / 10));
             let waited = scene.now.since(reset) > self.wait;
             // What had dropped out before is told as that.
             if scene.facts.outage(node, scene.now).is_some() {
@@ -63,7 +66,7 @@ impl Rule for NoBootUp {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
                     format!("nothing more was heard in the {} after its reset", scene.now.since(reset))
                 });
-            } else if waited && facts.is_slave && facts.last_boot_up.is_some() && seen > reset + self.wait {
+            } else if waited && paused && facts.is_slave && facts.last_boot_up.is_some() && seen > reset + self.wait {
                 let report = Report::at(reset).node(node).severity(Severity::Warning).evidence(self.reset_of(node));
                 sink.report(report, || {
                     "it sends again after its reset, but not its boot-up message, as it did before".to_owned()

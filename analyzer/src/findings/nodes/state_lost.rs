@@ -31,12 +31,15 @@ impl Rule for StateLost {
             self.nodes.reset_named(nmt.node);
             return;
         }
+        if let (Some(node), Service::BootUp) = (context.node(), context.decoded.service) {
+            self.nodes[node] = None;
+            return;
+        }
         let (Some(node), Message::ErrorControl(message)) = (context.node(), context.message()) else { return };
-        let boots = context.decoded.service == Service::BootUp;
         let known = &mut self.nodes[node];
-        let before = std::mem::replace(known, (!boots).then_some(message.state));
+        let before = known.replace(message.state);
         let known_states = [State::STOPPED, State::PRE_OPERATIONAL];
-        if before == Some(State::OPERATIONAL) && !boots && known_states.contains(&message.state) {
+        if before == Some(State::OPERATIONAL) && known_states.contains(&message.state) {
             let report = Report::at(context.now()).node(node).detail(u64::from(message.state.0));
             let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
             sink.report(report, || format!("from operational to {} without a command", message.state));

@@ -36,7 +36,11 @@ impl Rule for TimeJump {
             let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
             sink.report(report, || {
                 let way = if off > 0 { "ahead" } else { "back" };
-                format!("TIME jumps {way} by {jump}")
+                // A millisecond counter of 32 bits.
+                const WRAPPED: u64 = (1 << 32) * 1_000_000;
+                let wrapped = jump.nanos().abs_diff(WRAPPED) <= self.most.nanos();
+                let why = if wrapped { ": 2^32 ms, the producer's counter of milliseconds has wrapped" } else { "" };
+                format!("TIME jumps {way} by {jump}{why}")
             });
         }
     }

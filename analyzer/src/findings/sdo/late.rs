@@ -1,13 +1,13 @@
-use crate::findings::Context;
-use crate::findings::facts::Step;
+use crate::findings::facts::{Pending, Step};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Thresholds};
 use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
 /// an SDO server answers late
 ///
-/// The answer to an SDO request comes later than usual time-outs allow. Storing and restoring parameters may take
+/// The answer to an SDO request comes later than usual time-outs allow, counted from the first time that it was sent. Storing and restoring parameters may take
 /// longer.
 ///
 /// # Why
@@ -26,17 +26,44 @@ struct Late {
     store: Duration,
 }
 
+/// How long answers may take.
+#[derive(Clone, Copy)]
+pub struct Limits {
+    answer: Duration,
+    store: Duration,
+}
+
+impl Limits {
+    /// How long the answer to a request may take.
+    pub fn of(self, pending: &Pending) -> Duration {
+        if pending.is_store() { self.store } else { self.answer }
+    }
+}
+
+/// How long answers may take.
+pub fn limits(thresholds: &Thresholds) -> Limits {
+    let Late { answer, store } = Late::new(thresholds);
+    Limits { answer, store }
+}
+
 impl Rule for Late {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Step::Answered(pending) = &context.news().request else { return };
-        let limit = if pending.is_store() { self.store } else { self.answer };
-        let took = context.now().since(pending.since);
+        let (pending, gave_up) = match &context.news().request {
+            Step::Answered(pending) => (pending, None),
+            Step::AnsweredLate(pending, gave_up) => (pending, Some(*gave_up)),
+            _ => return,
+        };
+        let limit = Limits { answer: self.answer, store: self.store }.of(pending);
+        // However often it was repeated.
+        let asked = pending.request.time();
+        let took = context.now().since(asked);
         if took <= limit + context.scene.slack() {
             return;
         }
         let report = Report::at(context.now()).node(context.node()).detail(pending.detail()).measure(took.nanos());
         sink.report(report.evidence(pending.request.evidence()).evidence(context.evidence()), || {
-            format!("the answer{} took {took}", pending.about())
+            let gave_up = gave_up.map(|at| format!("; the client had given up after {}", at.since(asked)));
+            format!("the answer{} took {took}{}", pending.about(), gave_up.unwrap_or_default())
         });
     }
 }

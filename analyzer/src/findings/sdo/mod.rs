@@ -1,6 +1,7 @@
 //! Rules about SDO transfers.
 
 mod aborted;
+mod impatient_client;
 mod late;
 mod protocol_violation;
 mod retries;

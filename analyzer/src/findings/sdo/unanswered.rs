@@ -38,8 +38,12 @@ struct Unanswered {
     /// so many silent nodes make it a scan
     #[threshold(count = 4)]
     scan: u64,
+    #[from(super::impatient_client::patience)]
+    patience: Duration,
     /// The channels whose waiting request was reported.
     told: Vec<ChannelIndex>,
+    /// The requests that were given up, with why: an answer may still come.
+    given_up: Vec<(ChannelIndex, Pending, String)>,
     /// The first request to each node that has not sent anything so far.
     absent: PerNode<Option<(Seen, String)>>,
 }
@@ -67,28 +71,63 @@ fn tell(
     sink.report(report.evidence(pending.request.evidence()), || message);
 }
 
+impl Unanswered {
+    /// So many requests that were given up are waited for.
+    const MOST: usize = 64;
+
+    /// The client does not wait any more; who gives up at once is impatient, which is told elsewhere.
+    fn give_up(&mut self, pending: &Pending, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let waited = context.now().since(pending.request.time());
+        let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
+        if aborts && waited < self.patience {
+            return;
+        }
+        if waited < TWO_CLIENTS && !aborts {
+            let why = format!("another one followed after {waited}, as if two clients used this channel");
+            return tell(&mut self.absent, pending, &why, context.scene, sink);
+        }
+        let why = format!("the client gave up after {waited}");
+        let Some(channel) = context.decoded.channel else { return };
+        if self.given_up.len() >= Self::MOST {
+            self.tell_given_up(None, context.scene, sink);
+        }
+        self.given_up.push((channel, pending.clone(), why));
+    }
+
+    /// Tells the requests that were given up and have had that time for their answer, or all.
+    fn tell_given_up(&mut self, wait: Option<Duration>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let due = |pending: &Pending| wait.is_none_or(|wait| scene.now.since(pending.request.time()) > wait);
+        for (_, pending, why) in self.given_up.extract_if(.., |row| due(&row.1)) {
+            tell(&mut self.absent, &pending, &why, scene, sink);
+        }
+    }
+}
+
 impl Rule for Unanswered {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let request = &context.news().request;
         if matches!(request, Step::Repeated) {
             return;
         }
-        let told = self.told.iter().position(|channel| Some(*channel) == context.decoded.channel);
+        let channel = context.decoded.channel;
+        let told = self.told.iter().position(|told| Some(*told) == channel);
         let told = told.map(|at| self.told.swap_remove(at));
-        if let Step::GivenUp(pending) = request
-            && told.is_none()
-        {
-            let waited = context.now().since(pending.since);
-            let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
-            let why = match waited < TWO_CLIENTS && !aborts {
-                true => format!("another one followed after {waited}, as if two clients used this channel"),
-                false => format!("the client gave up after {waited}"),
-            };
-            tell(&mut self.absent, pending, &why, context.scene, sink);
+        match request {
+            Step::GivenUp(pending) if told.is_none() => self.give_up(pending, context, sink),
+            Step::AnsweredLate(pending, _) => {
+                let answered = |row: &(ChannelIndex, Pending, String)| {
+                    Some(row.0) == channel && row.1.request.time() == pending.request.time()
+                };
+                self.given_up.retain(|row| !answered(row));
+            }
+            _ => {}
         }
     }
 
     fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        if !self.given_up.is_empty() {
+            self.tell_given_up(Some(self.wait), scene, sink);
+        }
         for (channel, pending) in scene.facts.requests.open() {
             let limit = if pending.is_store() { self.store } else { self.wait };
             // Since the first time, however often it was repeated.
@@ -102,9 +141,11 @@ impl Rule for Unanswered {
 
     fn interrupted(&mut self) {
         self.told.clear();
+        self.given_up.clear();
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        self.tell_given_up(None, scene, sink);
         // Cut off by the end of the capture: then half of the time must do.
         for (channel, pending) in scene.facts.requests.open() {
             let limit = if pending.is_store() { self.store } else { self.wait };
