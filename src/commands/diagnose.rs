@@ -9,8 +9,8 @@ use crate::time_range::TimeRange;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::findings::{Diagnosis, InOrder, Severity, SourceQuality, Thresholds};
 use canvass_conformance::models::Model;
-use canvass_traces::Record;
 use canvass_reports::diagnosis::{self, Diagnosed, Style, html};
+use canvass_traces::Record;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
@@ -30,6 +30,9 @@ pub struct Args {
     /// Write the result to a file, which is overwritten, instead of standard output
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Print every finding with all its frames, and every node, however many there are
+    #[arg(long, short)]
+    verbose: bool,
     /// From which severity on findings make the exit status 1
     #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
     fail_on: FailOn,
@@ -186,7 +189,7 @@ impl Args {
         let written = match self.format {
             DiagnoseFormat::Table => {
                 let width = terminal_size::terminal_size().map(|(width, _)| width.0).filter(|_| !to_file);
-                let style = Style { color: color.on_stdout() && !to_file, width };
+                let style = Style { color: color.on_stdout() && !to_file, width, verbose: self.verbose };
                 diagnosis::table(diagnosed, style, &mut out)
             }
             DiagnoseFormat::Json => diagnosis::json(diagnosed, &mut out),

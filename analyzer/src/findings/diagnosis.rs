@@ -10,6 +10,7 @@ use super::registry;
 use super::rule::{Also, Make, Metadata, Rule};
 use super::sink::{Findings, Reported, Sink};
 use super::source::SourceQuality;
+use super::stories::{self, Story};
 use super::thresholds::Thresholds;
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
@@ -38,6 +39,8 @@ pub struct Diagnosis {
 pub struct Results {
     /// The findings: the worst first, then by time.
     pub findings: Vec<Finding>,
+    /// What they tell: what has the worst consequences first.
+    pub stories: Vec<Story>,
     /// The rules of which there were more findings than are kept, with how many reports were left out.
     pub omitted: Vec<(&'static str, u64)>,
     /// Frames of channels beyond [`Diagnosis::BUSES`], which were not looked at.
@@ -197,7 +200,8 @@ impl Diagnosis {
         let buses = self.buses.into_iter().flatten();
         let buses =
             buses.map(|watch| (watch.known.channel, watch.statistics.finish(watch.known.now, self.bit_rate))).collect();
-        Results { findings, omitted, unwatched: self.unwatched, buses }
+        let stories = stories::tell(&findings);
+        Results { findings, stories, omitted, unwatched: self.unwatched, buses }
     }
 }
 

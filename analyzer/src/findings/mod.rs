@@ -28,6 +28,7 @@ mod sdo;
 mod seen;
 mod sink;
 mod source;
+mod stories;
 mod thresholds;
 mod wear;
 
@@ -43,4 +44,5 @@ pub use rule::{Also, CaptureRule, Definition, Make, Metadata, Rule};
 pub use seen::{Evidence, Seen};
 pub use sink::{Report, Reported, Sink};
 pub use source::SourceQuality;
+pub use stories::{Consequence, Story};
 pub use thresholds::{Threshold, ThresholdError, Thresholds, Unit};

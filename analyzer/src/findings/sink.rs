@@ -5,7 +5,7 @@ use super::finding::{Exhibit, Finding, Severity};
 use super::rule::Metadata;
 use super::seen::Evidence;
 use crate::network::Bus;
-use crate::{Meaning, NodeId};
+use crate::{Meaning, Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Place, Timestamp};
 use std::collections::HashMap;
 
@@ -48,6 +48,8 @@ pub struct Report<'e> {
     time: Timestamp,
     until: Option<Timestamp>,
     origin: Option<NodeId>,
+    kind: u64,
+    object: Option<Multiplexer>,
     node: Option<NodeId>,
     detail: u64,
     measure: u64,
@@ -65,6 +67,8 @@ impl<'e> Report<'e> {
             time,
             until: None,
             origin: None,
+            kind: 0,
+            object: None,
             node: None,
             detail: 0,
             measure: 0,
@@ -89,6 +93,16 @@ impl<'e> Report<'e> {
     /// The node that it comes from, where that is another one than it is about.
     pub const fn origin(self, origin: NodeId) -> Self {
         Self { origin: Some(origin), ..self }
+    }
+
+    /// What tells kinds of the same rule apart that are worth telling apart, such as a code.
+    pub const fn kind(self, kind: u64) -> Self {
+        Self { kind, ..self }
+    }
+
+    /// The object that it is about, where findings are told apart by that.
+    pub fn object(self, object: impl Into<Option<Multiplexer>>) -> Self {
+        Self { object: object.into(), ..self }
     }
 
     /// Tells findings of the same rule and node apart, such as by object or code.
@@ -212,6 +226,8 @@ impl<'a> Sink<'a> {
             last: report.time,
             windows: vec![(report.time, report.until.unwrap_or(report.time))],
             origin: report.origin,
+            kind: report.kind,
+            object: report.object,
             count: report.times,
             message: message(),
             evidence: exhibits(report, self.bus.map(|bus| bus.0)).collect(),

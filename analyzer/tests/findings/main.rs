@@ -28,6 +28,8 @@ mod sdo;
 #[cfg(test)]
 mod statistics;
 #[cfg(test)]
+mod stories;
+#[cfg(test)]
 mod together;
 #[cfg(test)]
 mod traffic;

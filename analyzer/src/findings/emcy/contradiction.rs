@@ -25,7 +25,8 @@ impl Rule for Contradiction {
         let old = code.0 == 0x8100;
         let lacking = if old { 0 } else { code.register_bits() & !register.0 };
         if !code.is_reset() && (register.0 == 0 || lacking != 0) {
-            let report = Report::at(context.now()).node(context.node()).detail(u64::from(code.0));
+            let report =
+                Report::at(context.now()).node(context.node()).detail(u64::from(code.0)).kind(u64::from(code.0));
             sink.report(report.evidence(context.evidence()), || {
                 format!("code {code}, but the error register is {:02X}h", register.0)
             });

@@ -38,7 +38,11 @@ impl Rule for NeverCleared {
         for (node, errors) in self.nodes.iter() {
             for (code, seen) in errors.iter() {
                 let Message::Emcy(emcy) = &seen.decoded.message else { continue };
-                let report = Report::at(seen.time()).node(node).detail(u64::from(code.0)).evidence(seen.evidence());
+                let report = Report::at(seen.time())
+                    .node(node)
+                    .detail(u64::from(code.0))
+                    .kind(u64::from(code.0))
+                    .evidence(seen.evidence());
                 sink.report(report, || match scene.now.since(seen.time()) {
                     Duration::ZERO => format!("EMCY {emcy}, with which the capture ends"),
                     later => format!("EMCY {emcy}, still present {later} later at the end"),

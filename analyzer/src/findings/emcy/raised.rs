@@ -52,7 +52,7 @@ impl Rule for Raised {
 impl Raised {
     fn emcy(&mut self, node: NodeId, emcy: &Emcy, context: &Context<'_>, sink: &mut Sink<'_>) {
         if let Some(code) = emcy.code().filter(|code| !code.is_reset()) {
-            let report = Report::at(context.now()).node(node).detail(u64::from(code.0));
+            let report = Report::at(context.now()).node(node).detail(u64::from(code.0)).kind(u64::from(code.0));
             sink.report(report.evidence(context.evidence()), || {
                 format!("EMCY {}", EmcyText::of(emcy, node, context.scene.bus))
             });
@@ -60,7 +60,7 @@ impl Raised {
         let by_reading = self.register_read[node].is_some_and(|read| context.now().since(read) <= ACKNOWLEDGED);
         for (code, raised) in self.nodes[node].handle(emcy, || context.seen()) {
             let lasted = context.now().since(raised.time());
-            let report = Report::at(context.now()).node(node).detail(u64::from(code.0)).amend();
+            let report = Report::at(context.now()).node(node).detail(u64::from(code.0)).kind(u64::from(code.0)).amend();
             let report = report.measure(lasted.nanos()).evidence(raised.evidence()).evidence(context.evidence());
             sink.report(report, || {
                 let text = match &raised.decoded.message {

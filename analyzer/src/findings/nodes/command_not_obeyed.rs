@@ -141,7 +141,10 @@ impl CommandNotObeyed {
         for (_, watched) in self.nodes.named_mut(node) {
             // The same command again: the node has had its time since the first one.
             let waits = watched.pending.as_ref().is_some_and(|pending| pending.expected == expected);
-            if !waits || expected == State::BOOT_UP {
+            // Of a node that was not seen before, nobody knows whether it has just been switched on.
+            if expected == State::BOOT_UP && watched.beat.is_none() {
+                watched.pending = None;
+            } else if !waits || expected == State::BOOT_UP {
                 let (command, before) = (context.seen(), watched.beat);
                 watched.pending = Some(Pending { command, expected, against: 0, before, on_time: 0 });
             }

@@ -66,7 +66,11 @@ impl ConsumerTime {
             if silence <= consumer.time + scene.slack() || consumer.told && next.is_none() {
                 continue;
             }
-            let report = Report::at(last.time()).node(consumer.node).detail(u64::from(producer.raw()));
+            let report = Report::at(last.time())
+                .node(consumer.node)
+                .origin(producer)
+                .until(scene.now)
+                .detail(u64::from(producer.raw()));
             let report = if consumer.told { report.amend() } else { report };
             let report = report.measure(silence.nanos()).evidence(last.evidence());
             sink.report(report.evidence(next.map(Context::evidence)), || {

@@ -32,7 +32,7 @@ impl Rule for HeartbeatMissing {
         let Some(interval) = context.news().heartbeat.filter(|_| context.news().returned.is_none()) else { return };
         let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };
         let begin = context.previous.map_or(context.now(), Seen::time);
-        let report = Report::at(begin).node(context.node()).measure(interval.length.nanos());
+        let report = Report::at(begin).until(context.now()).node(context.node()).measure(interval.length.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || {
             let missed = (interval.length.nanos() + period.nanos() / 2) / period.nanos().max(1) - 1;

@@ -59,7 +59,7 @@ impl LifeGuarding {
         if silence <= self.percent.of(life) + scene.slack() {
             return;
         }
-        let report = Report::at(guarded.request.time() + life).node(node).measure(silence.nanos());
+        let report = Report::at(guarded.request.time() + life).until(scene.now).node(node).measure(silence.nanos());
         // When the next request comes, it is known how long it took.
         let report = if std::mem::replace(&mut guarded.told, true) { report.amend() } else { report };
         let report = report.evidence(guarded.request.evidence()).evidence(next.map(Seen::evidence));

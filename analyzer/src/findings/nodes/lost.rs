@@ -69,6 +69,7 @@ impl Losses {
         let reset = match *reset {
             0 => String::new(),
             all if all == *times => ", each time reset by the master".to_owned(),
+            1 => ", once reset by the master".to_owned(),
             some => format!(", {some} times reset by the master"),
         };
         format!("dropped out {times} times{reset}, at most for {longest}, for {total} together; the first time {first}")

@@ -38,6 +38,8 @@ impl Rule for Aborted {
         let address = u64::from(multiplexer.index.0) << 8 | u64::from(multiplexer.sub.0);
         let detail = address << 33 | u64::from(code.0) << 1 | u64::from(side == Side::Client);
         let report = Report::at(context.now()).node(context.node()).detail(detail);
+        let kind = u64::from(code.0) << 1 | u64::from(side == Side::Client);
+        let report = report.kind(kind).object(multiplexer);
         let report = if looks { report.severity(Severity::Info) } else { report };
         sink.report(report.evidence(context.evidence()), || {
             let direction = direction.map(|direction| format!("{direction} of ")).unwrap_or_default();

@@ -40,18 +40,21 @@ impl Rule for ImpatientClient {
             Step::GivenUp(pending) if aborts => {
                 let waited = context.now().since(pending.request.time());
                 if waited < self.patience {
-                    let report = Report::at(pending.request.time()).node(context.node()).detail(pending.detail());
+                    let report = Report::at(pending.request.time())
+                        .node(context.node())
+                        .detail(pending.detail())
+                        .object(pending.object);
                     let report = report.evidence(pending.request.evidence()).evidence(context.evidence());
                     sink.report(report, || format!("the client gave up the request{} after {waited}", pending.about()));
                 }
             }
-            Step::AnsweredLate(pending, gave_up) => {
+            Step::AnsweredLate { pending, gave_up, by_client: true } => {
                 let asked = pending.request.time();
                 let (took, waited) = (context.now().since(asked), gave_up.since(asked));
                 if took > self.limits.of(pending) + context.scene.slack() {
                     return;
                 }
-                let report = Report::at(asked).node(context.node()).detail(pending.detail());
+                let report = Report::at(asked).node(context.node()).detail(pending.detail()).object(pending.object);
                 let report = if waited < self.patience { report.amend() } else { report };
                 sink.report(report.evidence(pending.request.evidence()).evidence(context.evidence()), || {
                     format!(

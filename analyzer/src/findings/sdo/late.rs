@@ -50,7 +50,7 @@ impl Rule for Late {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let (pending, gave_up) = match &context.news().request {
             Step::Answered(pending) => (pending, None),
-            Step::AnsweredLate(pending, gave_up) => (pending, Some(*gave_up)),
+            Step::AnsweredLate { pending, gave_up, .. } => (pending, Some(*gave_up)),
             _ => return,
         };
         let limit = Limits { answer: self.answer, store: self.store }.of(pending);
@@ -60,9 +60,13 @@ impl Rule for Late {
         if took <= limit + context.scene.slack() {
             return;
         }
-        let report = Report::at(context.now()).node(context.node()).detail(pending.detail()).measure(took.nanos());
+        let report = Report::at(context.now())
+            .node(context.node())
+            .detail(pending.detail())
+            .object(pending.object)
+            .measure(took.nanos());
         sink.report(report.evidence(pending.request.evidence()).evidence(context.evidence()), || {
-            let gave_up = gave_up.map(|at| format!("; the client had given up after {}", at.since(asked)));
+            let gave_up = gave_up.map(|at| format!("; nobody waited for it any more after {}", at.since(asked)));
             format!("the answer{} took {took}{}", pending.about(), gave_up.unwrap_or_default())
         });
     }

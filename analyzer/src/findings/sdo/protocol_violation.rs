@@ -1,3 +1,4 @@
+use crate::findings::facts::Step;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
@@ -33,6 +34,10 @@ impl Rule for ProtocolViolation {
         }
         self.begun[at] |= begins(context.message());
         let Some(violation) = context.decoded.violation else { return };
+        // Late, which is told as that.
+        if violation == Violation::Unexpected && matches!(context.news().request, Step::AnsweredLate { .. }) {
+            return;
+        }
         if violation == Violation::Unexpected && !self.begun[at] && !is_unsolicited(context) {
             return;
         }

@@ -67,7 +67,7 @@ fn tell(
         absent[node].get_or_insert_with(|| (pending.request.clone(), message));
         return;
     }
-    let report = Report::at(pending.request.time()).node(node).detail(pending.detail());
+    let report = Report::at(pending.request.time()).node(node).detail(pending.detail()).object(pending.object);
     sink.report(report.evidence(pending.request.evidence()), || message);
 }
 
@@ -114,7 +114,7 @@ impl Rule for Unanswered {
         let told = told.map(|at| self.told.swap_remove(at));
         match request {
             Step::GivenUp(pending) if told.is_none() => self.give_up(pending, context, sink),
-            Step::AnsweredLate(pending, _) => {
+            Step::AnsweredLate { pending, .. } => {
                 let answered = |row: &(ChannelIndex, Pending, String)| {
                     Some(row.0) == channel && row.1.request.time() == pending.request.time()
                 };
