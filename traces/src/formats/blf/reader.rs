@@ -175,7 +175,7 @@ impl BlfReader {
     fn take(&mut self, content: Content, place: Place) -> Result<Option<Record>, Damage> {
         match content {
             Content::Lost(0) => Ok(None),
-            Content::Lost(n) => Err(Damage::new(DamageKind::Dropped(n), place, "no lost frames", b"")),
+            Content::Lost(n) => Err(Damage::dropped(n, place)),
             Content::Frame { mut record, channel } => {
                 let start = self.file.and_then(|file| file.start).unwrap_or_default();
                 record.timestamp = Timestamp(start.saturating_add(record.timestamp.nanos()));
