@@ -142,7 +142,7 @@ fn rules() -> Vec<Value> {
             json!({
                 "name": threshold.name,
                 "default": threshold.default,
-                "unit": threshold.unit,
+                "unit": threshold.unit.to_string(),
                 "summary": threshold.meaning,
             })
         };

@@ -2,7 +2,7 @@
 //! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo
 //! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
 //! memory`: what it needs for captures of gigabytes. `cargo xtask storm`: ten million random frames for each simulated
-//! device.
+//! device. `cargo xtask rooms`: whether the folders of the crates use each other in one direction only.
 
 mod bench;
 mod browser;
@@ -13,6 +13,7 @@ mod measure;
 mod memory;
 mod packages;
 mod peers;
+mod rooms;
 mod run;
 mod simulation;
 mod storm;
@@ -31,12 +32,13 @@ fn main() -> Result<()> {
         Some("bench") => bench::bench(),
         Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
+        Some("rooms") => rooms::rooms(&std::env::args().skip(2).collect::<Vec<_>>()),
         Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(&std::env::args().skip(2).collect::<Vec<_>>()),
         Some("vcan-load") => vcan::load(),
         _ => {
             bail!(
-                "usage: cargo xtask ci | fuzz | storm | peers | browser | vcan | bench [--instructions] | memory | vcan-load"
+                "usage: cargo xtask ci | fuzz | storm | peers | browser | vcan | bench [--instructions] | memory | rooms [CRATE...] | vcan-load"
             )
         }
     }

@@ -12,6 +12,8 @@ mod emcy_lss;
 #[cfg(test)]
 mod encoder;
 #[cfg(test)]
+mod field;
+#[cfg(test)]
 mod guarding;
 #[cfg(test)]
 mod healthy;
@@ -25,6 +27,8 @@ mod pdo;
 mod sdo;
 #[cfg(test)]
 mod statistics;
+#[cfg(test)]
+mod stories;
 #[cfg(test)]
 mod together;
 #[cfg(test)]

@@ -2,7 +2,8 @@
 //!
 //! - [`Bus`]: what every bus can do; [`SimulatedBus`], [`socketcan`] and [`slcan`] are buses;
 //! - [`Machine`]: what takes part in a bus without I/O and clock of its own; [`participate`] lets it do so;
-//! - [`client`]: the state machines of an SDO client and an LSS master.
+//! - [`client`]: the state machines of an SDO client and an LSS master;
+//! - [`observation`]: what a device did, as data.
 
 pub mod client;
 mod clock;
@@ -10,6 +11,7 @@ mod hardware_clock;
 mod health;
 mod inbox;
 mod machine;
+pub mod observation;
 mod participant;
 mod simulated;
 pub mod slcan;

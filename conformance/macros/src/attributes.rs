@@ -70,7 +70,7 @@ impl Keys {
         let id = required(self.id, "id = \"301/…\"", whole)?;
         check_id(&id)?;
         let clause = required(self.clause, "clause = \"CiA 301 …\"", whole)?;
-        let confidence = required(self.confidence, "confidence = Attested|Derived|Known|Unknown", whole)?;
+        let confidence = required(self.confidence, "confidence = Cited|Attested|Derived|Known|Unknown", whole)?;
         let (standard, section) = split_clause(&clause, &confidence)?;
         let catches = required(self.catches, "catches = [a firmware fault]", whole)?;
         if catches.is_empty() {
@@ -81,7 +81,7 @@ impl Keys {
             standard,
             section,
             confidence,
-            level: required(self.level, "level = Must|Should|May", whole)?,
+            level: required(self.level, "level = Must|Should|Open", whole)?,
             needs: self.needs.unwrap_or_default(),
             touches: self.touches.unwrap_or_default(),
             catches,

@@ -12,10 +12,11 @@ use proc_macro::TokenStream;
 ///
 /// - `id`: stable and textual, such as `"301/sdo/download/read-only"`;
 /// - `clause`: the standard and, where it is known, the section: `"CiA 301 7.2.8.2.3.1"`;
-/// - `confidence`: `Attested`, `Derived`, `Known` or `Unknown`: how sure the section's number is;
-/// - `level`: `Must`, `Should` or `May`;
+/// - `confidence`: `Cited`, `Attested`, `Derived`, `Known` or `Unknown`: how sure the section's number is;
+/// - `level`: `Must`, `Should` or `Open`;
 /// - `catches`: at least one firmware fault that makes the case fail;
-/// - `needs` (optional): features without which the case is not applicable;
+/// - `needs` (optional): features without which the case is not applicable: `VisibleState` is the static
+///   `crate::needs::VISIBLE_STATE`;
 /// - `touches` (optional): what the user must allow first;
 /// - `cct` (optional): the number of a comparable case of CiA's conformance test tool.
 #[proc_macro_attribute]

@@ -1,24 +1,30 @@
-//! The waiver file: failures that the user of a device puts up with, each with a reason.
+//! The waiver file: breaches that the user of a device accepts, each with a reason.
 //!
 //! ```toml
 //! [[waiver]]
 //! case = "301/pdo/mapping/*"              # an id or a pattern with *
+//! object = "1A00:01"                      # what the breach is about, as reports name it
+//! does = "abort 0604 0041h"               # what the device does, as reports name it
 //! reason = "mapping is fixed, ticket 4711"
-//! object = "1A00:01"                      # optional: only failures that name this object
 //! expires = 2027-06-30                    # optional: the last day on which the waiver holds
 //! ```
 //!
-//! A waived failure has the verdict *deviation*. A waiver for a case that does not exist is an error; one that
-//! explained nothing is reported, and so is one that has expired: waivers must not outlive what they are for.
+//! A waiver excuses that behaviour of that object in that case; the verdict is then *deviation*. Whatever else the case
+//! finds still fails. A waiver for a case that does not exist is an error; one that excused nothing is reported with what
+//! was found instead, and so is one that has expired: waivers must not outlive what they are for.
 
 use crate::bench::Deviation;
 use crate::catalogue;
 use crate::runner::CaseReport;
-use crate::verdict::Authority;
+use crate::verdict::{Authority, Grade};
+use canvass_bus::observation::{BadPattern, BadSubject, Pattern, Subject};
 use serde::Deserialize;
 use std::collections::BTreeSet;
 use toml::Spanned;
 use toml::value::Datetime;
+
+/// As many other breaches are named for a waiver that excused nothing.
+const SHOWN: usize = 3;
 
 /// The waivers of a file.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
@@ -33,10 +39,12 @@ pub struct Waiver {
     pub line: usize,
     /// An id, or a pattern with `*`.
     pub case: String,
-    /// Why the failure is put up with.
+    /// What the breach is about.
+    pub subject: Subject,
+    /// What the device does.
+    pub does: Pattern,
+    /// Why that is accepted.
     pub reason: String,
-    /// Only failures that name this object, as the reports write it: `1016h` or `1016h:01`.
-    pub object: Option<String>,
     /// The last day on which it holds, `YYYY-MM-DD`.
     pub expires: Option<String>,
 }
@@ -62,8 +70,9 @@ struct File {
 #[serde(deny_unknown_fields)]
 struct Row {
     case: String,
+    object: String,
+    does: String,
     reason: String,
-    object: Option<String>,
     expires: Option<Datetime>,
 }
 
@@ -91,22 +100,21 @@ impl Waivers {
         valid.map(Waiver::deviation).collect()
     }
 
-    /// A sentence about each waiver that did nothing in a run: it has expired, or no failure of the cases that ran was
-    /// its.
+    /// A sentence about each waiver that excused nothing in a run: it has expired, or the cases that ran found nothing wrong,
+    /// or something else.
     pub fn idle(&self, today: &str, reports: &[&CaseReport]) -> Vec<String> {
-        let used: BTreeSet<Option<Authority>> = reports.iter().map(|report| report.verdict.authority()).collect();
-        let idle = self.waivers.iter().filter_map(|waiver| {
-            let Waiver { line, case, .. } = waiver;
-            let ran = reports.iter().any(|r| r.verdict.kind().is_executed() && catalogue::matches(case, r.case.id));
-            if waiver.has_expired(today) {
-                let day = waiver.expires.as_deref().unwrap_or_default();
-                return Some(format!("the waiver for {case} (line {line}) has expired on {day}"));
-            }
-            let is_used = used.contains(&Some(Authority::Waiver { line: *line }));
-            (ran && !is_used).then(|| format!("the waiver for {case} (line {line}) was not needed: nothing failed"))
-        });
-        idle.collect()
+        let used: BTreeSet<usize> = reports.iter().flat_map(|report| waivers_of(report)).collect();
+        let idle = self.waivers.iter().filter(|waiver| !used.contains(&waiver.line));
+        idle.filter_map(|waiver| waiver.why_idle(today, reports)).collect()
     }
+}
+
+/// The lines of the waivers that excuse something in a report.
+fn waivers_of(report: &CaseReport) -> impl Iterator<Item = usize> {
+    report.verdict.breaches().iter().filter_map(|ruled| match ruled.excuse.as_ref()?.by {
+        Authority::Waiver { line } => Some(line),
+        Authority::Manual => None,
+    })
 }
 
 impl Waiver {
@@ -114,11 +122,41 @@ impl Waiver {
         self.expires.as_deref().is_some_and(|last| last < today)
     }
 
+    /// Why it excused nothing; `None` if none of its cases ran.
+    fn why_idle(&self, today: &str, reports: &[&CaseReport]) -> Option<String> {
+        let Self { line, case, subject, does, .. } = self;
+        let this = format!("the waiver for {case} (line {line})");
+        if self.has_expired(today) {
+            return Some(format!("{this} has expired on {}", self.expires.as_deref().unwrap_or_default()));
+        }
+        let ran =
+            |report: &&&CaseReport| report.verdict.kind().is_executed() && catalogue::matches(case, report.case.id);
+        let ran: Vec<_> = reports.iter().filter(ran).collect();
+        if ran.is_empty() {
+            return None;
+        }
+        let found = ran.iter().flat_map(|report| report.verdict.breaches());
+        let wrong = found.filter(|ruled| ruled.breach.grade == Grade::Wrong);
+        let mut others: Vec<String> =
+            wrong.map(|ruled| format!("{}: {}", ruled.breach.subject, ruled.breach.actual)).collect();
+        others.dedup();
+        if others.is_empty() {
+            return Some(format!("{this} was not needed: nothing was found wrong"));
+        }
+        let more = others.len().saturating_sub(SHOWN);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        others.truncate(SHOWN);
+        let others = others.join("; ");
+        Some(format!("{this} excused nothing: it accepts {subject}: {does}; found was {others}{more}"))
+    }
+
     fn deviation(&self) -> Deviation {
         let until = self.expires.as_ref().map(|day| format!(", until {day}")).unwrap_or_default();
         Deviation {
             case: self.case.clone(),
-            object: self.object.clone(),
+            subject: self.subject,
+            does: self.does.clone(),
+            any: false,
             documented: format!("waived: {} (line {}{until})", self.reason, self.line),
             by: Authority::Waiver { line: self.line },
         }
@@ -126,33 +164,21 @@ impl Waiver {
 }
 
 fn waiver(line: usize, row: Row) -> Result<Waiver, String> {
-    let Row { case, reason, object, expires } = row;
+    let Row { case, object, does, reason, expires } = row;
     if reason.trim().is_empty() {
-        return Err("expected a reason: a waiver says why the failure is put up with".to_owned());
+        return Err("expected a reason: a waiver says why the breach is accepted".to_owned());
     }
     if !catalogue::cases().iter().any(|known| catalogue::matches(&case, known.id)) {
         return Err(format!("no case is called \"{case}\": `canvass list cases` shows them"));
     }
-    let object = object.as_deref().map(shown_object).transpose()?;
+    let subject = object.parse().map_err(|error: BadSubject| error.to_string())?;
+    let does = does.parse().map_err(|error: BadPattern| error.to_string())?;
     let expires = match expires {
         Some(Datetime { date: Some(date), time: None, .. }) => Some(date.to_string()),
         Some(other) => return Err(format!("expected a day such as 2027-06-30, found {other}")),
         None => None,
     };
-    Ok(Waiver { line, case, reason, object, expires })
-}
-
-/// `1016` or `1016:01` as reports write it: `1016h`, `1016h:01`.
-fn shown_object(text: &str) -> Result<String, String> {
-    let (index, sub) = text.split_once(':').map_or((text, None), |(index, sub)| (index, Some(sub)));
-    let index = index.trim_end_matches(['h', 'H']);
-    let parsed = u16::from_str_radix(index, 16).ok().map(|index| format!("{index:04X}h"));
-    let shown = match (parsed, sub) {
-        (Some(index), None) => Some(index),
-        (Some(index), Some(sub)) => u8::from_str_radix(sub, 16).ok().map(|sub| format!("{index}:{sub:02X}")),
-        (None, _) => None,
-    };
-    shown.ok_or_else(|| format!("expected an object such as \"1016\" or \"1016:01\", found \"{text}\""))
+    Ok(Waiver { line, case, subject, does, reason, expires })
 }
 
 /// The line of a byte, from 1.
@@ -163,24 +189,56 @@ fn line_of(text: &str, at: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verdict::Reason;
+    use crate::bench::Evidence;
+    use crate::verdict::{Breach, Excuse, Ruled, Verdict};
+    use canvass_bus::observation::Observation;
+    use canvass_traces::Duration;
 
-    const FILE: &str = "# ours\n\n[[waiver]]\ncase = \"301/heartbeat/*\"\nreason = \"slow timer\"\n\n\
-        [[waiver]]\ncase = \"301/identity/names\"\nreason = \"ticket 7\"\nobject = \"1008\"\nexpires = 2027-06-30\n";
+    const FILE: &str = "# ours\n\n[[waiver]]\ncase = \"301/heartbeat/*\"\nobject = \"heartbeat\"\n\
+        does = \"time 90 ms..110 ms\"\nreason = \"slow timer\"\n\n\
+        [[waiver]]\ncase = \"301/identity/names\"\nobject = \"1008\"\ndoes = \"value *\"\nreason = \"ticket 7\"\n\
+        expires = 2027-06-30\n";
+
+    fn breach(subject: &str) -> Breach {
+        Breach::new(subject.parse::<Subject>().unwrap(), "it is printable").found(Observation::Value(vec![7]))
+    }
+
+    fn report(ruled: Vec<Ruled>) -> CaseReport {
+        CaseReport {
+            case: catalogue::find("301/identity/names").unwrap(),
+            verdict: Verdict::new(ruled, None),
+            evidence: Evidence::default(),
+            notes: Vec::new(),
+            measurements: Vec::new(),
+            outcomes: Vec::new(),
+            duration: Duration::ZERO,
+        }
+    }
 
     #[test]
     fn waivers_explain_their_cases_until_they_expire() {
         let waivers = Waivers::read(FILE).unwrap();
         let names = catalogue::find("301/identity/names").unwrap();
-        let reason = |duty: &str| Reason::new(duty, "", "");
-        let explains = |today: &str, duty: &str| {
-            waivers.deviations(today).iter().any(|deviation| deviation.explains(names, &reason(duty)))
+        let explains = |today: &str, breach: &Breach| {
+            waivers.deviations(today).iter().any(|deviation| deviation.explains(names, breach))
         };
-        assert!(explains("2027-06-30", "1008h:00 is printable"));
-        assert!(!explains("2027-06-30", "1009h:00 is printable"), "another object");
-        assert!(!explains("2027-07-01", "1008h:00 is printable"), "expired");
-        assert_eq!(waivers.deviations("2027-01-01")[1].by, Authority::Waiver { line: 7 });
-        assert!(waivers.idle("2028-01-01", &[])[0].contains("expired on 2027-06-30"));
+        assert!(explains("2027-06-30", &breach("1008:00")));
+        assert!(!explains("2027-06-30", &breach("1009:00")), "another object");
+        assert!(!explains("2027-06-30", &breach("1008:00").found(Observation::Silence)), "another behaviour");
+        assert!(!explains("2027-07-01", &breach("1008:00")), "expired");
+        assert_eq!(waivers.deviations("2027-01-01")[1].by, Authority::Waiver { line: 9 });
+    }
+
+    #[test]
+    fn a_waiver_that_excused_nothing_says_why() {
+        let waivers = Waivers::read(FILE).unwrap();
+        let idle = |today: &str, ruled: Vec<Ruled>| waivers.idle(today, &[&report(ruled)]);
+        let excuse = Some(Excuse { documented: String::new(), by: Authority::Waiver { line: 9 } });
+        assert!(idle("2027-01-01", vec![Ruled { breach: breach("1008:00"), excuse }]).is_empty());
+        assert!(idle("2027-01-01", Vec::new())[0].ends_with("was not needed: nothing was found wrong"));
+        let other = Ruled { breach: breach("1009:00"), excuse: None };
+        assert!(idle("2027-01-01", vec![other])[0].ends_with("accepts 1008h: value *; found was 1009h:00: value 07"));
+        assert!(idle("2028-01-01", Vec::new())[0].contains("expired on 2027-06-30"));
     }
 
     #[test]
@@ -189,10 +247,12 @@ mod tests {
         for (from, to, line, says) in [
             ("\"slow timer\"", "\" \"", 3, "expected a reason"),
             ("reason = \"slow timer\"\n", "", 3, "missing field `reason`"),
-            ("301/identity/names", "301/identity/nmaes", 7, "canvass list cases"),
-            ("expires =", "until =", 11, "unknown field `until`"),
-            ("2027-06-30", "12:00:00", 7, "expected a day"),
-            ("\"1008\"", "\"name\"", 7, "expected an object"),
+            ("does = \"value *\"\n", "", 9, "missing field `does`"),
+            ("\"value *\"", "\"*\"", 9, "expected what the device does"),
+            ("301/identity/names", "301/identity/nmaes", 9, "canvass list cases"),
+            ("expires =", "until =", 14, "unknown field `until`"),
+            ("2027-06-30", "12:00:00", 9, "expected a day"),
+            ("\"1008\"", "\"name\"", 9, "expected an object"),
             ("case = \"301/heartbeat/*\"", "case = \"301", 4, ""),
         ] {
             let error = with(from, to);

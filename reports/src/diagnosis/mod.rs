@@ -5,6 +5,7 @@ mod json;
 mod junit;
 mod markdown;
 mod rules;
+mod story;
 mod terminal;
 
 pub use json::render as json;

@@ -234,6 +234,24 @@ impl fmt::Display for Outcome {
     }
 }
 
+impl Violation {
+    /// The word for it in patterns: what kind of violation, without its figures.
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Unexpected(_) => "response",
+            Self::Malformed(_) => "form",
+            Self::Multiplexer(_) => "multiplexer",
+            Self::Toggle => "toggle",
+            Self::Size { .. } => "size",
+            Self::Endless => "end",
+            Self::Sequence { .. } => "sequence",
+            Self::Confirmation { .. } => "acknowledgement",
+            Self::BlockSize(_) => "block size",
+            Self::Checksum { .. } => "CRC",
+        }
+    }
+}
+
 impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,12 +1,32 @@
 //! What a model's sheet says of differences from the standard that the manual documents.
+//!
+//! ```toml
+//! [[deviation]]
+//! standard = "CiA 301"                   # where the standard says otherwise
+//! expected = "100Ch is rw"               # what it says
+//! device = "100Ch is ro"                 # what the manual says
+//! source = "6.2"                         # where in the manual
+//! object = "100C:00"                     # what it is about
+//! breaches = [                           # the breaches that this explains, and no others
+//!     { case = "301/guarding/time", does = "abort 0601 0002h" },   # its own `object` where it is another
+//! ]
+//! ```
 
-use serde::Deserialize;
+use canvass_bus::observation::{Pattern, Subject};
+use serde::{Deserialize, Deserializer, de};
+use std::str::FromStr;
 
-/// A difference from the standard that the manual documents.
+/// A difference from the standard that the manual documents: of one case, about one subject, in one behaviour.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Deviation {
-    /// The cases that it explains: an id, or a pattern with `*`.
+    /// The case that it explains: an id, or a pattern with `*`.
     pub case: String,
+    /// What it is about.
+    pub subject: Subject,
+    /// What the device does instead.
+    pub does: Pattern,
+    /// Transitional: whatever the case finds.
+    pub any: bool,
     /// What the manual says, and where.
     pub documented: String,
 }
@@ -27,28 +47,64 @@ struct Manual {
     edition: Option<String>,
 }
 
-/// One difference. Without `cases` it is only for people: no case of the catalogue fails because of it.
+/// One difference. Without breaches it is only for people: no case of the catalogue fails because of it.
 #[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
 struct Row {
     standard: String,
     expected: String,
     device: String,
     source: String,
-    /// The cases whose failure it explains: ids, or patterns with `*`.
+    /// What the breaches are about that don't name their own.
+    #[serde(default, deserialize_with = "parsed_or_none")]
+    object: Option<Subject>,
+    #[serde(default)]
+    breaches: Vec<Explained>,
+    /// Transitional: cases all of whose breaches are explained.
     #[serde(default)]
     cases: Vec<String>,
 }
 
+/// A breach that a difference explains.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Explained {
+    case: String,
+    #[serde(default, deserialize_with = "parsed_or_none")]
+    object: Option<Subject>,
+    #[serde(deserialize_with = "parsed")]
+    does: Pattern,
+}
+
+fn parsed<'de, D: Deserializer<'de>, T: FromStr<Err: std::fmt::Display>>(deserializer: D) -> Result<T, D::Error> {
+    String::deserialize(deserializer)?.parse().map_err(de::Error::custom)
+}
+
+fn parsed_or_none<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<Subject>, D::Error> {
+    parsed(deserializer).map(Some)
+}
+
 impl DeviationTables {
-    /// One deviation for each case pattern of each row.
+    /// One deviation for each breach of each row.
     pub(super) fn deviations(&self) -> Vec<Deviation> {
         let manual = self.manual.as_ref().map(Manual::name).unwrap_or_default();
         let of_row = |row: &Row| {
             let documented = row.documented(&manual);
-            row.cases
-                .iter()
-                .map(|case| Deviation { case: case.clone(), documented: documented.clone() })
-                .collect::<Vec<_>>()
+            let of_breach = |Explained { case, object, does }: &Explained| Deviation {
+                case: case.clone(),
+                subject: object.or(row.object).unwrap_or(Subject::Device),
+                does: does.clone(),
+                any: false,
+                documented: documented.clone(),
+            };
+            let of_case = |case: &String| Deviation {
+                case: case.clone(),
+                subject: Subject::Device,
+                does: "silence".parse().unwrap_or_else(|_| unreachable!()),
+                any: true,
+                documented: documented.clone(),
+            };
+            row.breaches.iter().map(of_breach).chain(row.cases.iter().map(of_case)).collect::<Vec<_>>()
         };
         self.deviations.iter().flat_map(of_row).collect()
     }

@@ -2,7 +2,7 @@
 
 use super::Bench;
 use super::sdo::Attempt;
-use crate::verdict::Verdict;
+use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::block_download::DownloadManner;
@@ -22,7 +22,7 @@ impl Bench<'_> {
         &mut self,
         multiplexer: Multiplexer,
         manner: UploadManner,
-    ) -> Result<(Attempt, BlockUpload), Verdict> {
+    ) -> Result<(Attempt, BlockUpload), Stop> {
         let mut client = BlockUpload::new(multiplexer, manner);
         let attempt = self.block_transfer(&mut client, format!("block upload of {multiplexer}"))?;
         Ok((attempt, client))
@@ -37,7 +37,7 @@ impl Bench<'_> {
         multiplexer: Multiplexer,
         value: &[u8],
         manner: DownloadManner,
-    ) -> Result<(Attempt, BlockDownload), Verdict> {
+    ) -> Result<(Attempt, BlockDownload), Stop> {
         self.remember(multiplexer)?;
         let mut client = BlockDownload::new(multiplexer, value, manner);
         let what = format!("block download of {} bytes to {multiplexer}", value.len());
@@ -45,7 +45,7 @@ impl Bench<'_> {
         Ok((attempt, client))
     }
 
-    fn block_transfer(&mut self, client: &mut dyn BlockTransfer, what: String) -> Result<Attempt, Verdict> {
+    fn block_transfer(&mut self, client: &mut dyn BlockTransfer, what: String) -> Result<Attempt, Stop> {
         self.drain()?;
         let begin = client.begin();
         self.send_message(begin)?;
@@ -53,7 +53,7 @@ impl Bench<'_> {
         for _ in 0..MOST_MESSAGES {
             let Some(frame) = self.wait_for_response(self.timing().sdo_response)? else {
                 self.send_message(abort(client.multiplexer(), AbortCode::TIMEOUT))?;
-                return Ok(Attempt { what, outcome: Outcome::Silent, responses });
+                return Ok(Attempt { multiplexer: client.multiplexer(), what, outcome: Outcome::Silent, responses });
             };
             if responses.len() < 256 {
                 responses.push(frame);
@@ -73,13 +73,18 @@ impl Bench<'_> {
             if matches!(outcome, Outcome::Violated(_)) {
                 self.send_message(abort(client.multiplexer(), AbortCode::GENERAL))?;
             }
-            return Ok(Attempt { what, outcome, responses });
+            return Ok(Attempt { multiplexer: client.multiplexer(), what, outcome, responses });
         }
         self.send_message(abort(client.multiplexer(), AbortCode::GENERAL))?;
-        Ok(Attempt { what, outcome: Outcome::Violated(canvass_bus::client::Violation::Endless), responses })
+        Ok(Attempt {
+            multiplexer: client.multiplexer(),
+            what,
+            outcome: Outcome::Violated(canvass_bus::client::Violation::Endless),
+            responses,
+        })
     }
 
-    fn send_messages(&mut self, messages: &[Message]) -> Result<(), Verdict> {
+    fn send_messages(&mut self, messages: &[Message]) -> Result<(), Stop> {
         messages.iter().try_for_each(|message| self.send_message(*message))
     }
 
@@ -87,7 +92,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::send`].
-    pub fn send_message(&mut self, message: Message) -> Result<(), Verdict> {
+    pub fn send_message(&mut self, message: Message) -> Result<(), Stop> {
         let cob_id = canvass_analyzer::wire::sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send_bytes(cob_id, &message).map(|_| ())
     }

@@ -1,6 +1,6 @@
 //! The frames that were on the bus while a case ran.
 
-use canvass_traces::Record;
+use canvass_traces::{Record, Timestamp};
 use std::collections::VecDeque;
 
 /// Frames with their decoded text, bounded: the first and the last of them.
@@ -54,6 +54,11 @@ impl Evidence {
         self.head.iter().chain(&self.tail)
     }
 
+    /// When the latest frame was on the bus.
+    pub(crate) fn last(&self) -> Option<Timestamp> {
+        self.tail.back().or_else(|| self.head.last()).map(|exhibit| exhibit.record.timestamp)
+    }
+
     /// How many frames were left out.
     pub const fn omitted(&self) -> u64 {
         self.omitted
@@ -68,7 +73,7 @@ impl Evidence {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use canvass_traces::{CanId, ChannelId, Frame, Timestamp};
+    use canvass_traces::{CanId, ChannelId, Frame};
 
     #[test]
     fn first_and_last_frames_are_kept() {

@@ -6,15 +6,14 @@
 //! - [`sdo`], [`block`]: transfers and single messages;
 //! - [`pdo`]: PDO parameters and mapping;
 //! - [`objects`]: which objects of this device serve a case;
-//! - [`features`]: what this device has;
+//! - `features`: what this device has;
 //! - `restore`: as it was found.
 
 pub mod block;
 mod decoder;
 mod dictionary;
-mod encoder_features;
 mod evidence;
-pub mod features;
+mod features;
 mod foreign;
 mod measurement;
 pub mod nmt;
@@ -22,6 +21,7 @@ pub mod objects;
 pub mod pdo;
 mod presence;
 mod restore;
+mod rewrite;
 pub mod sdo;
 pub mod state;
 mod target;
@@ -35,12 +35,12 @@ pub use measurement::{Measurement, Unit, percentile};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
 
-use crate::case::Need;
-use crate::verdict::{Reason, Verdict};
+use crate::need::Found;
+use crate::verdict::{Breach, Check, Judged, Reason, Stop};
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
-use restore::Change;
+use rewrite::Original;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use watch::Watch;
@@ -53,8 +53,13 @@ pub struct Bench<'a> {
     annotate: &'a mut dyn Annotate,
     cancel: &'a AtomicBool,
     evidence: Evidence,
+    /// What the case has found wrong so far.
+    breaches: Vec<Breach>,
     watch: Watch,
-    changes: Vec<Change>,
+    /// What the case has changed, with the values before.
+    changes: Vec<Original>,
+    /// What earlier cases have changed and could not put back.
+    unrestored: Vec<Original>,
     notes: Vec<String>,
     measurements: Vec<Measurement>,
     /// Waits end at once when the user cancels, except while things are being put back.
@@ -62,8 +67,8 @@ pub struct Bench<'a> {
     /// The case did not come to its own end, nor to the putting right that belongs to it.
     ended_early: bool,
     foreign: Foreign,
-    /// The device left the bus and did not come back.
-    gone: bool,
+    /// The case in which the device left the bus, if it did not come back.
+    gone: Option<&'static str>,
     /// While a case runs: how many frames were lost before it.
     lost_before: Option<u64>,
     /// Frames taken since then.
@@ -74,7 +79,7 @@ pub struct Bench<'a> {
 /// What was found out about the device, and need not be found out again.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Knowledge {
-    features: BTreeMap<Need, Result<(), String>>,
+    features: BTreeMap<&'static str, Found>,
     starts_by_itself: Option<bool>,
     heartbeats: Option<state::Heartbeats>,
     /// Other nodes were looked for.
@@ -110,14 +115,16 @@ impl<'a> Bench<'a> {
             annotate,
             cancel,
             evidence: Evidence::default(),
+            breaches: Vec::new(),
             watch: Watch::new(target.node),
             changes: Vec::new(),
+            unrestored: Vec::new(),
             notes: Vec::new(),
             measurements: Vec::new(),
             restoring: false,
             ended_early: false,
             foreign: Foreign::default(),
-            gone: false,
+            gone: None,
             lost_before: None,
             taken: 0,
             knowledge: Knowledge::default(),
@@ -204,6 +211,48 @@ impl<'a> Bench<'a> {
         self.cancel.load(Ordering::Relaxed)
     }
 
+    /// Takes what a check found wrong, and lets the case go on.
+    ///
+    /// # Errors
+    /// Those of later waits only: a breach that the rest of the case can't be judged after is returned with `?` instead.
+    pub fn check(&mut self, check: Check) -> Judged {
+        if let Err(breach) = check {
+            self.record(*breach);
+        }
+        Ok(())
+    }
+
+    /// Runs a check for each of several subjects: a breach of one does not keep the others from being judged.
+    ///
+    /// # Errors
+    /// What ends the case: the bus failed, or a precondition of one subject can't be reached.
+    pub fn each<T>(
+        &mut self,
+        subjects: impl IntoIterator<Item = T>,
+        mut check: impl FnMut(&mut Self, T) -> Judged,
+    ) -> Judged {
+        for subject in subjects {
+            match check(self, subject) {
+                Err(Stop::Breach(breach)) => self.record(*breach),
+                other => other?,
+            }
+        }
+        Ok(())
+    }
+
+    fn record(&mut self, breach: Breach) {
+        let seen = breach.seen.or_else(|| self.evidence.last());
+        self.breaches.push(Breach { seen, ..breach });
+    }
+
+    /// What the case has found wrong so far; `last` ended it.
+    pub(crate) fn take_breaches(&mut self, last: Option<Box<Breach>>) -> Vec<Breach> {
+        if let Some(last) = last {
+            self.record(*last);
+        }
+        std::mem::take(&mut self.breaches)
+    }
+
     /// Adds a sentence to the case's report. Does not change the verdict.
     pub fn note(&mut self, text: impl Into<String>) {
         self.notes.push(text.into());
@@ -232,6 +281,7 @@ impl<'a> Bench<'a> {
     /// Forgets the case before: nothing of it counts for the next one.
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();
+        self.breaches.clear();
         self.notes.clear();
         self.foreign = Foreign::default();
         self.measurements.clear();
@@ -258,10 +308,10 @@ impl<'a> Bench<'a> {
         Remains { evidence, notes, restarted: self.watch.restarted(), measurements }
     }
 
-    fn check_cancelled(&self) -> Result<(), Verdict> {
+    fn check_cancelled(&self) -> Result<(), Stop> {
         if self.is_cancelled() && !self.restoring {
             let reason = Reason::new("the case runs to its end", "no interruption", "the run was cancelled");
-            return Err(Verdict::Inconclusive(reason));
+            return Err(Stop::Inconclusive(reason));
         }
         Ok(())
     }

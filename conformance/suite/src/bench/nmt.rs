@@ -1,7 +1,7 @@
 //! NMT commands, resets and boot-up.
 
 use super::{Bench, Sent};
-use crate::verdict::{Reason, Verdict};
+use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
@@ -28,7 +28,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::send`].
-    pub fn command(&mut self, command: Command) -> Result<Sent, Verdict> {
+    pub fn command(&mut self, command: Command) -> Result<Sent, Stop> {
         self.command_to(self.node().raw(), command)
     }
 
@@ -36,7 +36,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::send`].
-    pub fn command_all(&mut self, command: Command) -> Result<Sent, Verdict> {
+    pub fn command_all(&mut self, command: Command) -> Result<Sent, Stop> {
         self.command_to(0, command)
     }
 
@@ -44,7 +44,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::send`].
-    pub fn command_to(&mut self, node: u8, command: Command) -> Result<Sent, Verdict> {
+    pub fn command_to(&mut self, node: u8, command: Command) -> Result<Sent, Stop> {
         let concerned = node == 0 || node == self.node().raw();
         if concerned && command.is_reset() {
             self.watch.expect_boot_up();
@@ -71,7 +71,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub fn wait_for_boot_up(&mut self) -> Result<Option<Timestamp>, Verdict> {
+    pub fn wait_for_boot_up(&mut self) -> Result<Option<Timestamp>, Stop> {
         let boot_up = error_control::CAN_ID_BASE + u16::from(self.node().raw());
         self.wait_for(self.timing().boot_up, |record| {
             let is_boot_up = record.frame.cob_id() == Some(boot_up)
@@ -84,8 +84,8 @@ impl Bench<'_> {
     /// has started too: that the message is missing is the matter of the cases on boot-up, not of all others.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device does not come back.
-    pub fn reset(&mut self, command: Command) -> Result<(), Verdict> {
+    /// [`Stop::Inconclusive`] if the device does not come back.
+    pub fn reset(&mut self, command: Command) -> Result<(), Stop> {
         self.drain()?;
         self.command(command)?;
         if self.wait_for_boot_up()?.is_none() {
@@ -95,7 +95,7 @@ impl Bench<'_> {
             self.command(command)?;
             if self.wait_for_boot_up()?.is_none() && !self.answers()? {
                 let (duty, expected) = (format!("after {command} the device starts"), "a boot-up message");
-                return Err(Verdict::Inconclusive(Reason::new(duty, expected, "neither boot-up nor SDO response")));
+                return Err(Stop::Inconclusive(Reason::new(duty, expected, "neither boot-up nor SDO response")));
             }
         }
         self.listen(AFTER_BOOT_UP)?;
@@ -107,7 +107,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub fn record_start(&mut self, command: Command, after: Duration) -> Result<Start, Verdict> {
+    pub fn record_start(&mut self, command: Command, after: Duration) -> Result<Start, Stop> {
         self.drain()?;
         self.command(command)?;
         // The command itself must be on the bus first: what the device sent before it does not belong to the start.
@@ -125,7 +125,7 @@ impl Bench<'_> {
         Ok(start)
     }
 
-    fn record_until_boot_up(&mut self, span: Duration, start: &mut Start) -> Result<(), Verdict> {
+    fn record_until_boot_up(&mut self, span: Duration, start: &mut Start) -> Result<(), Stop> {
         let node = self.node();
         let error_control = error_control::CAN_ID_BASE + u16::from(node.raw());
         let boot_up = self.wait_for(span, |record| {
@@ -147,7 +147,7 @@ impl Bench<'_> {
     }
 
     /// Waits until an own frame of that CAN-ID was on the bus.
-    fn wait_for_own(&mut self, cob_id: u16) -> Result<(), Verdict> {
+    fn wait_for_own(&mut self, cob_id: u16) -> Result<(), Stop> {
         let deadline = self.now() + self.timing().reaction;
         while let Some(record) = self.receive(deadline)? {
             let is_own = record.direction == canvass_traces::Direction::Tx;
@@ -162,15 +162,15 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub fn answers(&mut self) -> Result<bool, Verdict> {
+    pub fn answers(&mut self) -> Result<bool, Stop> {
         Ok(!self.upload(Multiplexer::new(0x1000, 0))?.is_silent())
     }
 
     /// What every case starts from: reset, boot-up seen, pre-operational even if the device starts by itself.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device does not get there.
-    pub fn prepare(&mut self) -> Result<(), Verdict> {
+    /// [`Stop::Inconclusive`] if the device does not get there.
+    pub fn prepare(&mut self) -> Result<(), Stop> {
         self.reset(Command::RESET_NODE)?;
         if self.starts_by_itself()? {
             self.command(Command::ENTER_PRE_OPERATIONAL)?;
@@ -181,7 +181,7 @@ impl Bench<'_> {
 
     /// Whether the device is operational after a reset without being told: 1F80h, or an object of its own, can make it
     /// so. A device that does not show its state is taken for one that may. Found out once, by one more reset.
-    fn starts_by_itself(&mut self) -> Result<bool, Verdict> {
+    fn starts_by_itself(&mut self) -> Result<bool, Stop> {
         if let Some(known) = self.knowledge.starts_by_itself {
             return Ok(known);
         }

@@ -1,7 +1,7 @@
 //! Which objects of this device serve a case.
 
 use super::Bench;
-use crate::verdict::{Reason, Verdict};
+use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::wire::Wire;
@@ -68,7 +68,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn scratch_objects(&mut self) -> Result<Vec<Scratch>, Verdict> {
+    pub fn scratch_objects(&mut self) -> Result<Vec<Scratch>, Stop> {
         let mut found = Vec::new();
         for candidate in &CANDIDATES {
             found.extend(self.scratch_of(candidate)?);
@@ -81,7 +81,7 @@ impl Bench<'_> {
     }
 
     /// Values that RPDOs carry are made to be written: one of each length.
-    fn received_objects(&mut self) -> Result<Vec<Scratch>, Verdict> {
+    fn received_objects(&mut self) -> Result<Vec<Scratch>, Stop> {
         let mut found: Vec<Scratch> = Vec::new();
         for mapped in self.rpdo_objects() {
             let bytes = usize::from(mapped.bits / 8);
@@ -94,13 +94,13 @@ impl Bench<'_> {
     }
 
     /// An object with its value of now, and one that differs from it in its lowest bit.
-    fn flipped(&mut self, at: Multiplexer) -> Result<Option<Scratch>, Verdict> {
+    fn flipped(&mut self, at: Multiplexer) -> Result<Option<Scratch>, Stop> {
         let Outcome::Uploaded(value) = self.upload(at)?.outcome else { return Ok(None) };
         let other = value.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
         Ok(Some(Scratch { multiplexer: at, value, other }))
     }
 
-    fn scratch_of(&mut self, candidate: &Candidate) -> Result<Option<Scratch>, Verdict> {
+    fn scratch_of(&mut self, candidate: &Candidate) -> Result<Option<Scratch>, Stop> {
         if !self.can_write(candidate.multiplexer)? {
             return Ok(None);
         }
@@ -117,13 +117,13 @@ impl Bench<'_> {
     /// The best scratch object of that many bytes.
     ///
     /// # Errors
-    /// [`Verdict::NotApplicable`] if the device has none.
-    pub fn scratch(&mut self, lengths: &[usize]) -> Result<Scratch, Verdict> {
+    /// [`Stop::NotApplicable`] if the device has none.
+    pub fn scratch(&mut self, lengths: &[usize]) -> Result<Scratch, Stop> {
         let found = self.scratch_objects()?.into_iter().find(|scratch| lengths.contains(&scratch.value.len()));
         found.ok_or_else(|| {
             let lengths: Vec<String> = lengths.iter().map(ToString::to_string).collect();
             let duty = format!("an object of {} bytes can be written without consequence", lengths.join(" or "));
-            Verdict::NotApplicable(Reason::new(duty, "one of the objects that the tester knows", "none"))
+            Stop::NotApplicable(Reason::new(duty, "one of the objects that the tester knows", "none"))
         })
     }
 
@@ -138,7 +138,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Verdict> {
+    pub fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Stop> {
         for multiplexer in self.long_candidates() {
             let attempt = self.upload(multiplexer)?;
             // What the server announces decides, not what it then delivers: that is what cases judge.
@@ -175,7 +175,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn application_scratch(&mut self) -> Result<Option<Scratch>, Verdict> {
+    pub fn application_scratch(&mut self) -> Result<Option<Scratch>, Stop> {
         const KNOWN: [Candidate; 4] = [
             candidate(0x6402, 0, DataType::INTEGER32, [1_000, 2_000]),
             candidate(0x6402, 1, DataType::UNSIGNED32, [1_000, 2_000]),
@@ -201,15 +201,15 @@ impl Bench<'_> {
     /// A string that the description lets be written and read, and that is long enough to be worth segments.
     ///
     /// # Errors
-    /// [`Verdict::NotApplicable`] if there is none.
-    pub fn long_scratch(&mut self) -> Result<Multiplexer, Verdict> {
+    /// [`Stop::NotApplicable`] if there is none.
+    pub fn long_scratch(&mut self) -> Result<Multiplexer, Stop> {
         self.long_writable().ok_or_else(|| {
             let duty = "a string can be written without consequence";
-            Verdict::NotApplicable(Reason::new(duty, "one that the description names", "none"))
+            Stop::NotApplicable(Reason::new(duty, "one that the description names", "none"))
         })
     }
 
-    pub(super) fn long_writable(&self) -> Option<Multiplexer> {
+    pub(crate) fn long_writable(&self) -> Option<Multiplexer> {
         let description = self.target.description.as_ref()?;
         let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::DOMAIN];
         let mut entries = description.dictionary.entries().filter(|(multiplexer, entry)| {
@@ -226,7 +226,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn empty_object(&mut self) -> Result<Option<Multiplexer>, Verdict> {
+    pub fn empty_object(&mut self) -> Result<Option<Multiplexer>, Stop> {
         let Some(description) = &self.target.description else { return Ok(None) };
         let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
         let node = self.node();
@@ -251,7 +251,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn names(&mut self) -> Result<Vec<(Multiplexer, Vec<u8>)>, Verdict> {
+    pub fn names(&mut self) -> Result<Vec<(Multiplexer, Vec<u8>)>, Stop> {
         let mut found = Vec::new();
         for multiplexer in NAMES {
             if let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome {

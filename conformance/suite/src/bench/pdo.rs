@@ -2,7 +2,7 @@
 
 use super::Bench;
 use super::sdo::number;
-use crate::verdict::{Reason, Verdict};
+use crate::verdict::{Reason, Stop};
 use canvass_analyzer::wire::sync;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Record};
@@ -62,16 +62,16 @@ impl Bench<'_> {
     /// The COB-ID of a PDO.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if it can't be read.
-    pub fn pdo_cob_id(&mut self, pdo: Pdo) -> Result<CobId, Verdict> {
+    /// [`Stop::Inconclusive`] if it can't be read.
+    pub fn pdo_cob_id(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
         self.read_number(pdo.parameter(1)).map(CobId)
     }
 
     /// Switches a PDO off (bit 31 of its COB-ID); returns the COB-ID before.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device refuses it.
-    pub fn pdo_off(&mut self, pdo: Pdo) -> Result<CobId, Verdict> {
+    /// [`Stop::Inconclusive`] if the device refuses it.
+    pub fn pdo_off(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
         let before = self.pdo_cob_id(pdo)?;
         self.write(pdo.parameter(1), &(before.0 | CobId::INVALID).to_le_bytes())?;
         Ok(before)
@@ -80,8 +80,8 @@ impl Bench<'_> {
     /// Switches a PDO on with the CAN-ID of a COB-ID.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device refuses it.
-    pub fn pdo_on(&mut self, pdo: Pdo, cob_id: CobId) -> Result<(), Verdict> {
+    /// [`Stop::Inconclusive`] if the device refuses it.
+    pub fn pdo_on(&mut self, pdo: Pdo, cob_id: CobId) -> Result<(), Stop> {
         self.write(pdo.parameter(1), &(cob_id.0 & !CobId::INVALID).to_le_bytes())
     }
 
@@ -89,8 +89,8 @@ impl Bench<'_> {
     /// does not have is off: 0 is not written to it.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device refuses it.
-    pub fn set_pdo(&mut self, pdo: Pdo, parameters: &[(u8, &[u8])]) -> Result<(), Verdict> {
+    /// [`Stop::Inconclusive`] if the device refuses it.
+    pub fn set_pdo(&mut self, pdo: Pdo, parameters: &[(u8, &[u8])]) -> Result<(), Stop> {
         let cob_id = self.pdo_off(pdo)?;
         for (sub, value) in parameters {
             let is_off = *sub > 2 && value.iter().all(|&byte| byte == 0);
@@ -104,8 +104,8 @@ impl Bench<'_> {
     /// What a PDO carries.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if it can't be read.
-    pub fn mapping(&mut self, pdo: Pdo) -> Result<Vec<Mapped>, Verdict> {
+    /// [`Stop::Inconclusive`] if it can't be read.
+    pub fn mapping(&mut self, pdo: Pdo) -> Result<Vec<Mapped>, Stop> {
         let count = self.read_number(pdo.entry(0))?;
         let subs = 1..=u8::try_from(count.min(64)).unwrap_or(0);
         subs.map(|sub| self.read_number(pdo.entry(sub)).map(Mapped::from_entry)).collect()
@@ -114,8 +114,8 @@ impl Bench<'_> {
     /// Switches a PDO and its mapping off, so that entries can be written; returns the COB-ID before.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device refuses it.
-    pub fn open_mapping(&mut self, pdo: Pdo) -> Result<CobId, Verdict> {
+    /// [`Stop::Inconclusive`] if the device refuses it.
+    pub fn open_mapping(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
         let cob_id = self.pdo_off(pdo)?;
         self.write(pdo.entry(0), &[0])?;
         Ok(cob_id)
@@ -124,8 +124,8 @@ impl Bench<'_> {
     /// Gives a PDO another mapping, in the five steps of CiA 301.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device refuses one of them.
-    pub fn set_mapping(&mut self, pdo: Pdo, mapping: &[Mapped]) -> Result<(), Verdict> {
+    /// [`Stop::Inconclusive`] if the device refuses one of them.
+    pub fn set_mapping(&mut self, pdo: Pdo, mapping: &[Mapped]) -> Result<(), Stop> {
         let cob_id = self.open_mapping(pdo)?;
         for (sub, mapped) in (1..=u8::MAX).zip(mapping) {
             self.write(pdo.entry(sub), &mapped.entry().to_le_bytes())?;
@@ -161,8 +161,8 @@ impl Bench<'_> {
     /// differs from the one it has.
     ///
     /// # Errors
-    /// [`Verdict::NotApplicable`] if there is none.
-    pub fn changeable(&mut self) -> Result<(Mapped, Vec<u8>), Verdict> {
+    /// [`Stop::NotApplicable`] if there is none.
+    pub fn changeable(&mut self) -> Result<(Mapped, Vec<u8>), Stop> {
         for mapped in self.tpdo_objects() {
             if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
                 let before = self.read(mapped.at)?;
@@ -171,14 +171,14 @@ impl Bench<'_> {
             }
         }
         let duty = "an object that a TPDO carries can be written by SDO";
-        Err(Verdict::NotApplicable(Reason::new(duty, "one in the description", "none")))
+        Err(Stop::NotApplicable(Reason::new(duty, "one in the description", "none")))
     }
 
     /// The frames with a CAN-ID that come within a time.
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub fn frames_of(&mut self, can_id: u16, span: Duration) -> Result<Vec<Record>, Verdict> {
+    pub fn frames_of(&mut self, can_id: u16, span: Duration) -> Result<Vec<Record>, Stop> {
         const MOST: usize = 20_000;
         let mut heard = Vec::new();
         self.wait_for(span, |record| {
@@ -194,7 +194,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn sync_id(&mut self) -> Result<u16, Verdict> {
+    pub fn sync_id(&mut self) -> Result<u16, Stop> {
         let object = Multiplexer::new(0x1005, 0);
         if !self.has(object)? {
             return Ok(sync::CAN_ID);

@@ -1,7 +1,9 @@
 //! Who is on the bus: whether the device is still there, as one that was switched off fails nothing, and who else is.
 
 use super::Bench;
-use crate::verdict::{Reason, Verdict};
+use crate::case::Touch;
+use crate::need::Met;
+use crate::verdict::{Reason, Stop};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
@@ -12,16 +14,55 @@ use canvass_traces::{Direction, Duration};
 const LOOK: Duration = Duration::from_millis(250);
 
 impl Bench<'_> {
-    /// Whether the device has left the bus: it neither answers nor starts when it is reset.
-    pub(crate) fn has_left(&mut self) -> bool {
-        if self.gone {
-            return true;
+    /// Whether the device has left the bus during a case: it neither answers, nor starts when it is reset.
+    pub(crate) fn has_left(&mut self, case: &'static str) -> bool {
+        if self.gone.is_some() {
+            return false;
         }
-        self.restoring = true;
-        let there = matches!(self.answers(), Ok(true)) || self.reset(Command::RESET_NODE).is_ok();
-        self.restoring = false;
-        self.gone = !there;
-        self.gone
+        let there = self.uncancelled(Self::is_there);
+        self.gone = (!there).then_some(case);
+        !there
+    }
+
+    fn is_there(&mut self) -> bool {
+        matches!(self.answers(), Ok(true)) || self.reset(Command::RESET_NODE).is_ok()
+    }
+
+    /// Switches the supply of the device off and on by the user's own command. Says whether there is one.
+    ///
+    /// # Errors
+    /// [`Stop::Error`] if the command can't be run or fails.
+    pub(crate) fn power_cycle(&mut self) -> Result<bool, Stop> {
+        let Some(command) = &self.options.power_cycle else { return Ok(false) };
+        let failed = |actual: String| {
+            Stop::Error(Reason::new("the command of --power-cycle switches the device off and on", "status 0", actual))
+        };
+        let status = std::process::Command::new("sh").arg("-c").arg(command).status();
+        let status = status.map_err(|error| failed(error.to_string()))?;
+        if !status.success() {
+            return Err(failed(status.to_string()));
+        }
+        self.watch.expect_boot_up();
+        self.wait_for_boot_up()?;
+        Ok(true)
+    }
+
+    /// Whether the device is the only one on the bus, or the user allows that others are commanded too.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub(crate) fn is_alone(&mut self) -> Result<Met, Stop> {
+        if self.options.allow.contains(&Touch::OtherNodes) {
+            return Ok(Ok(()));
+        }
+        self.look_for_others()?;
+        Ok(match self.watch.others().first() {
+            None => Ok(()),
+            Some(other) => Err(format!(
+                "node {other} is on this bus too; with --allow {} it is commanded as well",
+                Touch::OtherNodes
+            )),
+        })
     }
 
     /// Looks for other nodes, once in a run: those that send no heartbeats show themselves by their SDO servers. Reading
@@ -29,7 +70,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub(crate) fn look_for_others(&mut self) -> Result<(), Verdict> {
+    pub(crate) fn look_for_others(&mut self) -> Result<(), Stop> {
         if std::mem::replace(&mut self.knowledge.others_known, true) {
             return Ok(());
         }
@@ -56,24 +97,29 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Looks for a device that had left.
+    /// Looks for a device that had left; where the user has given a command that switches it off and on, that is tried
+    /// first.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if it is still away.
-    pub(crate) fn look_for_it(&mut self) -> Result<(), Verdict> {
-        if !self.gone {
+    /// [`Stop::Inconclusive`] if it is still away.
+    pub(crate) fn look_for_it(&mut self) -> Result<(), Stop> {
+        let Some(case) = self.gone else { return Ok(()) };
+        if self.power_cycle()? && self.is_there() {
+            self.gone = None;
             return Ok(());
         }
         let node = self.node();
         let request = Request::upload(Multiplexer::new(0x1000, 0));
         self.send_request(&request)?;
         let sign = self.wait_for(LOOK, |record| super::traffic::is_from(node, &record.frame).then_some(()))?;
-        self.gone = sign.is_none();
         match sign {
-            Some(()) => Ok(()),
+            Some(()) => {
+                self.gone = None;
+                Ok(())
+            }
             None => {
-                let actual = "it left the bus in an earlier case";
-                Err(Verdict::Inconclusive(Reason::new("the device is on the bus", "a sign of the device", actual)))
+                let actual = format!("it stopped answering during {case}");
+                Err(Stop::Inconclusive(Reason::new("the device is on the bus", "a sign of the device", actual)))
             }
         }
     }
@@ -81,7 +127,6 @@ impl Bench<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::case::Need;
     use crate::scripted::{table, with_bench};
 
     /// Node 64 sends nothing by itself, but answers: `640#40..` is asked and `5C0#43..` said.
@@ -90,13 +135,13 @@ mod tests {
     #[test]
     fn a_silent_neighbour_is_not_commanded() {
         let (alone, vacant) =
-            with_bench(table(SILENT_NEIGHBOUR), |bench| (bench.meets(Need::Alone).unwrap(), bench.vacant_neighbour()));
+            with_bench(table(SILENT_NEIGHBOUR), |bench| (bench.is_alone().unwrap(), bench.vacant_neighbour()));
         assert!(alone.is_err_and(|why| why.contains("node 64")));
         assert_eq!(vacant, Some(62));
     }
 
     #[test]
     fn without_an_answer_nobody_is_there() {
-        assert_eq!(with_bench(table(&[]), |bench| bench.meets(Need::Alone).unwrap()), Ok(()));
+        assert_eq!(with_bench(table(&[]), |bench| bench.is_alone().unwrap()), Ok(()));
     }
 }

@@ -1,16 +1,20 @@
 //! SDO transfers and single SDO messages, each judged by what it had to lead to.
 
 use super::Bench;
-use crate::verdict::{Judged, Reason, Verdict, demand};
-use canvass_analyzer::Multiplexer;
+use crate::situation::{Judgement, Situation};
+use crate::verdict::{Breach, Check, Judged, Precondition, Stop, demand, observed, observed_response};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
+use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome, Step, Transfer, Violation, name};
+use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Frame};
 
 /// A transfer that was tried, and how it ended.
 #[derive(Clone, Debug)]
 pub struct Attempt {
+    /// The object of the transfer.
+    pub multiplexer: Multiplexer,
     /// `download of 1 byte to 1000h:00`.
     pub what: String,
     /// How it ended.
@@ -22,6 +26,8 @@ pub struct Attempt {
 /// One message to the server and the one that came back, if any.
 #[derive(Clone, Debug)]
 pub struct Reply {
+    /// The object that was asked for, where the message names one; else the service.
+    pub subject: Subject,
     /// What was sent, in words.
     pub what: String,
     /// What came.
@@ -34,8 +40,8 @@ impl Bench<'_> {
     /// Reads an object.
     ///
     /// # Errors
-    /// [`Verdict::Error`] if the bus fails, [`Verdict::Inconclusive`] if the run was cancelled.
-    pub fn upload(&mut self, multiplexer: Multiplexer) -> Result<Attempt, Verdict> {
+    /// [`Stop::Error`] if the bus fails, [`Stop::Inconclusive`] if the run was cancelled.
+    pub fn upload(&mut self, multiplexer: Multiplexer) -> Result<Attempt, Stop> {
         let (transfer, request) = Transfer::upload(multiplexer);
         self.transfer(transfer, request, format!("upload of {multiplexer}"))
     }
@@ -44,7 +50,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn download(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Verdict> {
+    pub fn download(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Stop> {
         self.remember(multiplexer)?;
         self.download_as(multiplexer, value, Mode::Shortest)
     }
@@ -53,17 +59,12 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn download_segmented(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Verdict> {
+    pub fn download_segmented(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Stop> {
         self.remember(multiplexer)?;
         self.download_as(multiplexer, value, Mode::Segmented)
     }
 
-    pub(super) fn download_as(
-        &mut self,
-        multiplexer: Multiplexer,
-        value: &[u8],
-        mode: Mode,
-    ) -> Result<Attempt, Verdict> {
+    pub(super) fn download_as(&mut self, multiplexer: Multiplexer, value: &[u8], mode: Mode) -> Result<Attempt, Stop> {
         let (transfer, request) = Transfer::download(multiplexer, value, mode);
         let plural = if value.len() == 1 { "" } else { "s" };
         let how = if mode == Mode::Segmented { "segmented download" } else { "download" };
@@ -73,16 +74,16 @@ impl Bench<'_> {
     /// Reads a value that the case needs but is not about.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device does not give it.
-    pub fn read(&mut self, multiplexer: Multiplexer) -> Result<Vec<u8>, Verdict> {
-        self.upload(multiplexer)?.value().map_err(Verdict::as_inconclusive)
+    /// [`Stop::Inconclusive`] if the device does not give it.
+    pub fn read(&mut self, multiplexer: Multiplexer) -> Result<Vec<u8>, Stop> {
+        self.upload(multiplexer)?.value().or_inconclusive()
     }
 
     /// Reads a number of up to four bytes that the case needs but is not about.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device does not give it.
-    pub fn read_number(&mut self, multiplexer: Multiplexer) -> Result<u32, Verdict> {
+    /// [`Stop::Inconclusive`] if the device does not give it.
+    pub fn read_number(&mut self, multiplexer: Multiplexer) -> Result<u32, Stop> {
         let value = self.read(multiplexer)?;
         Ok(number(&value))
     }
@@ -90,58 +91,60 @@ impl Bench<'_> {
     /// Writes a value that the case needs but is not about.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device refuses it.
-    pub fn write(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Verdict> {
-        self.download(multiplexer, value)?.expect_confirmation().map(|_| ()).map_err(Verdict::as_inconclusive)
+    /// [`Stop::Inconclusive`] if the device refuses it.
+    pub fn write(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
+        self.download(multiplexer, value)?.expect_confirmation().or_inconclusive()
     }
 
     /// Sends one SDO message, in or out of place, and waits for one response.
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn exchange(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Verdict> {
+    pub fn exchange(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
         self.drain()?;
         self.send_request(request)?;
         let frame = self.wait_for_response(self.timing().sdo_response)?;
         let response = frame.and_then(|frame| Response::read(frame.data()).ok());
-        Ok(Reply { what: what.into(), response, frame })
+        Ok(Reply { subject: subject_of(request), what: what.into(), response, frame })
     }
 
     /// Sends one SDO message that must not be answered, and waits as long as silence takes.
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub fn send_unanswered(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Verdict> {
+    pub fn send_unanswered(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
         self.drain()?;
         self.send_request(request)?;
         let frame = self.wait_for_response(self.timing().silence)?;
         let response = frame.and_then(|frame| Response::read(frame.data()).ok());
-        Ok(Reply { what: what.into(), response, frame })
+        Ok(Reply { subject: subject_of(request), what: what.into(), response, frame })
     }
 
     /// Reads an object again and demands that it still has the value of before.
     ///
     /// # Errors
-    /// [`Verdict::Fail`] if it has another.
+    /// [`Stop::Fail`] if it has another.
     pub fn expect_unchanged(&mut self, multiplexer: Multiplexer, before: &[u8]) -> Judged {
         let now = self.read(multiplexer)?;
-        demand(now == before, || {
-            let duty = format!("{multiplexer} keeps its value after the refusal");
-            Reason::new(duty, Bytes(before).to_string(), Bytes(&now).to_string())
-        })
+        self.check(demand(now == before, || {
+            Breach::new(multiplexer, format!("{multiplexer} keeps its value after the refusal"))
+                .expected(Observation::Value(before.to_vec()))
+                .found(Observation::Value(now))
+        }))
     }
 
-    fn transfer(&mut self, mut transfer: Transfer, first: Request, what: String) -> Result<Attempt, Verdict> {
+    fn transfer(&mut self, mut transfer: Transfer, first: Request, what: String) -> Result<Attempt, Stop> {
         self.drain()?;
         let stores = first.multiplexer().is_some_and(|object| matches!(object.index.0, 0x1010 | 0x1011));
         let patience = if stores { self.timing().store } else { self.timing().sdo_response };
+        let multiplexer = transfer.multiplexer();
         let mut request = first;
         let mut responses = Vec::new();
         loop {
             self.send_request(&request)?;
             let Some(frame) = self.wait_for_response(patience)? else {
                 self.send_request(&transfer.abort(AbortCode::TIMEOUT))?;
-                return Ok(Attempt { what, outcome: Outcome::Silent, responses });
+                return Ok(Attempt { multiplexer, what, outcome: Outcome::Silent, responses });
             };
             // Of a long upload the first frames tell enough of their form.
             if responses.len() < 256 {
@@ -157,7 +160,7 @@ impl Bench<'_> {
                     if matches!(outcome, Outcome::Violated(_)) {
                         self.send_request(&transfer.abort(AbortCode::GENERAL))?;
                     }
-                    return Ok(Attempt { what, outcome, responses });
+                    return Ok(Attempt { multiplexer, what, outcome, responses });
                 }
             }
         }
@@ -167,12 +170,12 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::send`].
-    pub fn send_request(&mut self, request: &Request) -> Result<(), Verdict> {
+    pub fn send_request(&mut self, request: &Request) -> Result<(), Stop> {
         let cob_id = sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send(&request.to_frame(cob_id)).map(|_| ())
     }
 
-    pub(super) fn wait_for_response(&mut self, span: Duration) -> Result<Option<Frame>, Verdict> {
+    pub(super) fn wait_for_response(&mut self, span: Duration) -> Result<Option<Frame>, Stop> {
         let cob_id = sdo::RESPONSE_BASE + u16::from(self.node().raw());
         self.wait_for(span, |record| (record.frame.cob_id() == Some(cob_id)).then_some(record.frame))
     }
@@ -195,35 +198,46 @@ impl Attempt {
     /// The value that was read.
     ///
     /// # Errors
-    /// [`Verdict::Fail`] if there is none.
-    pub fn value(self) -> Result<Vec<u8>, Verdict> {
+    /// The breach if there is none.
+    pub fn value(self) -> Result<Vec<u8>, Box<Breach>> {
         match self.outcome {
             Outcome::Uploaded(value) => Ok(value),
-            other => Err(Verdict::Fail(Reason::new(
-                format!("the {} is answered", self.what),
-                "the value",
-                other.to_string(),
-            ))),
+            ref other => {
+                let breach = Breach::new(self.multiplexer, format!("the {} is answered", self.what));
+                Err(Box::new(breach.expected("the value").found(observed(other)).told(other.to_string())))
+            }
         }
     }
 
     /// Demands that the server took all that was written.
     ///
     /// # Errors
-    /// [`Verdict::Fail`] if it did not.
-    pub fn expect_confirmation(&self) -> Judged {
-        demand(self.outcome == Outcome::Downloaded, || {
-            Reason::new(format!("the {} is confirmed", self.what), "confirmation", self.outcome.to_string())
-        })
+    /// The breach if it did not.
+    pub fn expect_confirmation(&self) -> Check {
+        self.judged(Situation::Confirmed)
     }
 
-    /// Demands an abort: one of the `strict` codes, which CiA 301 gives for this reason, passes; one that CiA's test
-    /// tool also accepts is tolerated.
+    /// Demands the refusal that the standard allows in a situation.
     ///
     /// # Errors
-    /// [`Verdict::Fail`] for everything else.
-    pub fn expect_abort(&self, strict: &[AbortCode], tolerated: &[AbortCode]) -> Judged {
-        judge_abort(&self.what, self.abort(), &self.outcome.to_string(), strict, tolerated)
+    /// The breach for everything else.
+    pub fn refused(&self, situation: Situation) -> Check {
+        self.judged(situation)
+    }
+
+    pub fn refused_with(&self, strict: &[AbortCode], tolerated: &[AbortCode]) -> Check {
+        judge_codes(
+            self.multiplexer.into(),
+            &self.what,
+            observed(&self.outcome),
+            self.outcome.to_string(),
+            strict,
+            tolerated,
+        )
+    }
+
+    fn judged(&self, situation: Situation) -> Check {
+        judge(self.multiplexer.into(), situation, &self.what, observed(&self.outcome), || self.outcome.to_string())
     }
 }
 
@@ -238,6 +252,15 @@ impl Reply {
         }
     }
 
+    /// What came.
+    pub fn observation(&self) -> Observation {
+        match (&self.response, &self.frame) {
+            (Some(response), _) => observed_response(response),
+            (None, Some(frame)) => Observation::Frame(*frame),
+            (None, None) => Observation::Silence,
+        }
+    }
+
     /// The abort code, if the server aborted.
     pub const fn abort(&self) -> Option<AbortCode> {
         match &self.response {
@@ -246,48 +269,74 @@ impl Reply {
         }
     }
 
-    /// Demands an abort, as [`Attempt::expect_abort`].
+    /// Demands the refusal that the standard allows in a situation.
     ///
     /// # Errors
-    /// [`Verdict::Fail`] for everything else.
-    pub fn expect_abort(&self, strict: &[AbortCode], tolerated: &[AbortCode]) -> Judged {
-        judge_abort(&self.what, self.abort(), &self.actual(), strict, tolerated)
+    /// The breach for everything else.
+    pub fn refused(&self, situation: Situation) -> Check {
+        judge(self.subject, situation, &self.what, self.observation(), || self.actual())
+    }
+
+    pub fn refused_with(&self, strict: &[AbortCode], tolerated: &[AbortCode]) -> Check {
+        judge_codes(self.subject, &self.what, self.observation(), self.actual(), strict, tolerated)
     }
 
     /// Demands that nothing came.
     ///
     /// # Errors
-    /// [`Verdict::Fail`] if something did.
-    pub fn expect_silence(&self) -> Judged {
-        demand(self.frame.is_none(), || {
-            Reason::new(format!("the {} is not answered", self.what), "silence", self.actual())
-        })
+    /// The breach if something did.
+    pub fn expect_silence(&self) -> Check {
+        self.refused(Situation::Unanswered)
     }
 
     /// Demands a response that `right` recognises.
     ///
     /// # Errors
-    /// [`Verdict::Fail`] for everything else.
-    pub fn expect(&self, expected: &str, right: impl FnOnce(&Response) -> bool) -> Judged {
+    /// The breach for everything else.
+    pub fn expect(&self, expected: &'static str, right: impl FnOnce(&Response) -> bool) -> Check {
         demand(self.response.as_ref().is_some_and(right), || {
-            Reason::new(format!("the {} is answered", self.what), expected, self.actual())
+            let breach = Breach::new(self.subject, format!("the {} is answered", self.what));
+            breach.expected(expected).found(self.observation()).told(self.actual())
         })
     }
 }
 
-fn judge_abort(
+/// What a message is about.
+fn subject_of(request: &Request) -> Subject {
+    request.multiplexer().map_or(Subject::Service(Service::Sdo), Subject::Entry)
+}
+
+fn judge_codes(
+    subject: Subject,
     what: &str,
-    found: Option<AbortCode>,
-    actual: &str,
+    found: Observation,
+    told: String,
     strict: &[AbortCode],
     tolerated: &[AbortCode],
-) -> Judged {
-    let codes: Vec<String> = strict.iter().map(ToString::to_string).collect();
-    let reason = || Reason::new(format!("the {what} is refused"), format!("abort {}", codes.join(" or ")), actual);
+) -> Check {
+    let allowed = crate::verdict::Allowed::OneOf(strict.iter().copied().map(Observation::Abort).collect());
+    let breach =
+        Breach::new(subject, format!("the {what} is refused")).expected(allowed).found(found.clone()).told(told);
     match found {
-        Some(code) if strict.contains(&code) => Ok(Verdict::Pass),
-        Some(code) if tolerated.contains(&code) => Ok(Verdict::Tolerated(reason())),
-        _ => Err(Verdict::Fail(reason())),
+        Observation::Abort(code) if strict.contains(&code) => Ok(()),
+        Observation::Abort(code) if tolerated.contains(&code) => Err(Box::new(breach.tolerated())),
+        _ => Err(Box::new(breach)),
+    }
+}
+
+/// Holds an answer against the table of what is allowed.
+fn judge(
+    subject: Subject,
+    situation: Situation,
+    what: &str,
+    found: Observation,
+    told: impl FnOnce() -> String,
+) -> Check {
+    let breach = || Breach::listed(subject, situation, what).found(found.clone()).told(told());
+    match situation.judge(&found) {
+        Judgement::Allowed => Ok(()),
+        Judgement::Tolerated => Err(Box::new(breach().tolerated())),
+        Judgement::Wrong => Err(Box::new(breach())),
     }
 }
 
@@ -300,6 +349,7 @@ pub fn number(value: &[u8]) -> u32 {
 mod tests {
     use super::*;
     use crate::scripted::{frame, table, with_bench};
+    use crate::verdict::Grade;
 
     const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
@@ -341,14 +391,17 @@ mod tests {
         let judged = |answer: &'static [(&'static str, &'static str)]| {
             with_bench(table(answer), |bench| {
                 let attempt = bench.upload(DEVICE_TYPE).unwrap();
-                attempt.expect_abort(&[AbortCode::NO_OBJECT], &[AbortCode::GENERAL])
+                attempt.refused(Situation::MissingObject)
             })
         };
-        assert_eq!(judged(&[("63F#4000100000000000", "5BF#8000100000000206")]), Ok(Verdict::Pass));
-        assert!(matches!(judged(&[("63F#4000100000000000", "5BF#8000100000000008")]), Ok(Verdict::Tolerated(_))));
-        let Err(Verdict::Fail(reason)) = judged(&[("63F#4000100000000000", "5BF#8000100011000906")]) else { panic!() };
-        assert_eq!(reason.expected, "abort 0602 0000h object does not exist in the object dictionary");
-        assert_eq!(reason.actual, "abort 0609 0011h sub-index does not exist");
+        assert_eq!(judged(&[("63F#4000100000000000", "5BF#8000100000000206")]), Ok(()));
+        let tolerated = judged(&[("63F#4000100000000000", "5BF#8000100000000008")]).unwrap_err();
+        assert_eq!(tolerated.grade, Grade::Tolerated);
+        let breach = judged(&[("63F#4000100000000000", "5BF#8000100011000906")]).unwrap_err();
+        assert_eq!((breach.grade, breach.subject), (Grade::Wrong, DEVICE_TYPE.into()));
+        assert_eq!(breach.actual, Observation::Abort(AbortCode::NO_SUB_INDEX));
+        assert_eq!(breach.allowed.to_string(), "abort 0602 0000h object does not exist in the object dictionary");
+        assert_eq!(breach.found_text(), "abort 0609 0011h sub-index does not exist");
     }
 
     /// What a case writes is put back.

@@ -1,11 +1,12 @@
 //! NMT states: how they are seen, and how they are reached.
 
 use super::Bench;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{CanId, Duration, Frame};
 
 /// Producer heartbeat time.
@@ -38,7 +39,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::upload`].
-    pub(crate) fn heartbeats(&mut self) -> Result<Heartbeats, Verdict> {
+    pub(crate) fn heartbeats(&mut self) -> Result<Heartbeats, Stop> {
         if let Some(known) = self.knowledge.heartbeats {
             return Ok(known);
         }
@@ -60,8 +61,8 @@ impl Bench<'_> {
     /// before the device is stopped; a reset ends it. One with a fixed period shows it by itself.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device has a heartbeat producer but does not take the time.
-    pub fn show_state(&mut self) -> Result<(), Verdict> {
+    /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not take the time.
+    pub fn show_state(&mut self) -> Result<(), Stop> {
         match self.heartbeats()? {
             Heartbeats::Settable => self.write(HEARTBEAT_TIME, &PERIOD_MS.to_le_bytes()),
             Heartbeats::Fixed(_) | Heartbeats::None => Ok(()),
@@ -71,8 +72,8 @@ impl Bench<'_> {
     /// Ends the heartbeats of the device, a stored time too: only then guarding is answered.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if the device has a heartbeat producer but does not take the time.
-    pub fn prefer_guarding(&mut self) -> Result<(), Verdict> {
+    /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not take the time.
+    pub fn prefer_guarding(&mut self) -> Result<(), Stop> {
         if self.heartbeats()? == Heartbeats::Settable && self.read_number(HEARTBEAT_TIME)? != 0 {
             self.write(HEARTBEAT_TIME, &[0, 0])?;
         }
@@ -83,7 +84,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub fn state(&mut self) -> Result<Option<State>, Verdict> {
+    pub fn state(&mut self) -> Result<Option<State>, Stop> {
         let period = match self.heartbeats()? {
             Heartbeats::Settable => Duration::from_millis(u64::from(PERIOD_MS)),
             Heartbeats::Fixed(period) => period,
@@ -97,7 +98,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub fn guard(&mut self) -> Result<Option<State>, Verdict> {
+    pub fn guard(&mut self) -> Result<Option<State>, Stop> {
         self.ask_for_state()?;
         self.wait_for_state(self.timing().silence)
     }
@@ -106,7 +107,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub fn ask_for_state(&mut self) -> Result<(), Verdict> {
+    pub fn ask_for_state(&mut self) -> Result<(), Stop> {
         self.drain()?;
         let id = CanId::standard_masked(u32::from(error_control::CAN_ID_BASE) + u32::from(self.node().raw()));
         match Frame::remote(id, 1) {
@@ -115,7 +116,7 @@ impl Bench<'_> {
         }
     }
 
-    fn wait_for_state(&mut self, span: Duration) -> Result<Option<State>, Verdict> {
+    fn wait_for_state(&mut self, span: Duration) -> Result<Option<State>, Stop> {
         let cob_id = error_control::CAN_ID_BASE + u16::from(self.node().raw());
         self.wait_for(span, |record| {
             let is_ours = record.frame.cob_id() == Some(cob_id);
@@ -127,8 +128,8 @@ impl Bench<'_> {
     /// Brings the device into a state and sees it there.
     ///
     /// # Errors
-    /// [`Verdict::Inconclusive`] if it does not get there.
-    pub fn reach(&mut self, state: State) -> Result<(), Verdict> {
+    /// [`Stop::Inconclusive`] if it does not get there.
+    pub fn reach(&mut self, state: State) -> Result<(), Stop> {
         self.show_state()?;
         // A command for the state that it is in already is a stimulus of its own.
         if self.state()? == Some(state) {
@@ -137,27 +138,44 @@ impl Bench<'_> {
         if let Some(command) = command_to(state) {
             self.command(command)?;
         }
-        self.expect_state(state, "the precondition").map(|_| ()).map_err(Verdict::as_inconclusive)
+        self.require_state(state)
     }
 
     /// Demands that the device now is in that state, `after` something. Gives it the time to get there.
     ///
     /// # Errors
-    /// [`Verdict::Fail`] if it shows another or none.
+    /// [`Stop::Fail`] if it shows another or none.
     pub fn expect_state(&mut self, expected: State, after: &str) -> Judged {
         self.listen(self.timing().reaction)?;
         let found = self.state()?;
-        demand(found == Some(expected), || {
-            let actual = found.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
-            Reason::new(format!("the device is {expected} after {after}"), expected.to_string(), actual)
-        })
+        self.check(demand(found == Some(expected), || {
+            let actual = found.map_or(Observation::Silence, Observation::State);
+            Breach::new(Subject::Device, format!("the device is {expected} after {after}"))
+                .expected(Observation::State(expected))
+                .found(actual)
+        }))
+    }
+
+    /// As [`Bench::expect_state`], of a state that a case needs first but is not about.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the device shows another or none.
+    fn require_state(&mut self, expected: State) -> Judged {
+        self.listen(self.timing().reaction)?;
+        let found = self.state()?;
+        if found == Some(expected) {
+            return Ok(());
+        }
+        let actual = found.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
+        let duty = format!("the device can be brought into {expected}");
+        Err(Stop::Inconclusive(Reason::new(duty, expected.to_string(), actual)))
     }
 
     /// Whether the device says by itself that it is operational: it was at work before the run.
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub(crate) fn is_operational(&mut self) -> Result<bool, Verdict> {
+    pub(crate) fn is_operational(&mut self) -> Result<bool, Stop> {
         let cob_id = error_control::CAN_ID_BASE + u16::from(self.node().raw());
         let state = self.wait_for(LONGEST_HEARTBEAT, |record| {
             let is_ours = record.frame.cob_id() == Some(cob_id);

@@ -2,9 +2,10 @@
 
 use crate::case::{Case, Touch};
 use crate::catalogue;
-use crate::verdict::{Authority, Reason};
+use crate::verdict::{Authority, Breach};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_bus::observation::{Pattern, Subject};
 use canvass_device::Faults;
 use canvass_device::models::Model;
 use canvass_traces::Duration;
@@ -23,13 +24,18 @@ pub struct Target {
     pub deviations: Vec<Deviation>,
 }
 
-/// A difference from the standard that the device's own documentation announces, or that its user puts up with.
+/// A difference from the standard that the device's own documentation announces, or that its user accepts: of one case,
+/// about one subject, in one behaviour.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Deviation {
     /// The case that it explains: an id, or a pattern with `*`.
     pub case: String,
-    /// Only failures that name this object (`1016h` or `1016h:01`) are explained; `None`: all of the case.
-    pub object: Option<String>,
+    /// What it is about.
+    pub subject: Subject,
+    /// What the device does instead of what the standard says.
+    pub does: Pattern,
+    /// Transitional: whatever the case finds.
+    pub any: bool,
     /// What the documentation or the waiver says, and where.
     pub documented: String,
     /// Who says so.
@@ -37,23 +43,23 @@ pub struct Deviation {
 }
 
 impl Deviation {
-    /// What a manual says of a case.
-    pub fn of_manual(case: impl Into<String>, documented: impl Into<String>) -> Self {
-        Self { case: case.into(), object: None, documented: documented.into(), by: Authority::Manual }
-    }
-
     /// What the manual of a built-in model says.
     pub fn of_model(model: &Model) -> Vec<Self> {
-        model.deviations().iter().map(|row| Self::of_manual(&row.case, &row.documented)).collect()
+        let of_row = |row: &canvass_device::models::Deviation| Self {
+            case: row.case.clone(),
+            subject: row.subject,
+            does: row.does.clone(),
+            any: row.any,
+            documented: row.documented.clone(),
+            by: Authority::Manual,
+        };
+        model.deviations().iter().map(of_row).collect()
     }
 
-    /// Whether it explains that failure of that case.
-    pub fn explains(&self, case: &Case, reason: &Reason) -> bool {
-        let names = |object: &String| {
-            let texts = [&reason.duty, &reason.expected, &reason.actual];
-            texts.iter().any(|text| text.contains(object.as_str()))
-        };
-        catalogue::matches(&self.case, case.id) && self.object.as_ref().is_none_or(names)
+    /// Whether it explains that breach of that case.
+    pub fn explains(&self, case: &Case, breach: &Breach) -> bool {
+        catalogue::matches(&self.case, case.id)
+            && (self.any || self.subject.covers(breach.subject) && self.does.accepts(&breach.actual))
     }
 }
 
@@ -66,6 +72,8 @@ pub struct Options {
     pub timing: Timing,
     /// How often each case runs; 0 and 1: once.
     pub repeat: u32,
+    /// A command of the user, for `sh`, that switches the supply of the device off and on.
+    pub power_cycle: Option<String>,
     /// Whether cases that try samples try everything: every index, every restricted CAN-ID.
     pub exhaustive: bool,
 }

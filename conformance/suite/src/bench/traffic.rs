@@ -1,7 +1,7 @@
 //! Frames out and in.
 
 use super::{Bench, Exhibit};
-use crate::verdict::{Reason, Verdict};
+use crate::verdict::{Reason, Stop};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::{emcy, error_control, sdo};
 use canvass_bus::BusError;
@@ -27,8 +27,8 @@ impl Bench<'_> {
     /// Sends a frame as it is, however wrong.
     ///
     /// # Errors
-    /// [`Verdict::Error`] if the bus does not take it, [`Verdict::Inconclusive`] if the run was cancelled.
-    pub fn send(&mut self, frame: &Frame) -> Result<Sent, Verdict> {
+    /// [`Stop::Error`] if the bus does not take it, [`Stop::Inconclusive`] if the run was cancelled.
+    pub fn send(&mut self, frame: &Frame) -> Result<Sent, Stop> {
         self.check_cancelled()?;
         let at = self.bus.now();
         self.bus.send(frame).map_err(|error| broken(&error))?;
@@ -38,11 +38,11 @@ impl Bench<'_> {
     /// Sends up to eight bytes with an 11-bit CAN-ID.
     ///
     /// # Errors
-    /// As [`Bench::send`]; [`Verdict::Error`] if there are more than eight bytes.
-    pub fn send_bytes(&mut self, cob_id: u16, bytes: &[u8]) -> Result<Sent, Verdict> {
+    /// As [`Bench::send`]; [`Stop::Error`] if there are more than eight bytes.
+    pub fn send_bytes(&mut self, cob_id: u16, bytes: &[u8]) -> Result<Sent, Stop> {
         match Frame::new(CanId::standard_masked(u32::from(cob_id)), bytes) {
             Some(frame) => self.send(&frame),
-            None => Err(Verdict::Error(Reason::new(
+            None => Err(Stop::Error(Reason::new(
                 "the tester sends a classical CAN frame",
                 "up to 8 bytes",
                 format!("{} bytes", bytes.len()),
@@ -51,7 +51,7 @@ impl Bench<'_> {
     }
 
     /// The next frame on the bus until `deadline`, own frames among them. Each becomes evidence.
-    pub(super) fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, Verdict> {
+    pub(super) fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, Stop> {
         loop {
             self.check_cancelled()?;
             let slice = deadline.min(self.bus.now() + SLICE);
@@ -72,7 +72,7 @@ impl Bench<'_> {
     }
 
     /// A tester that does not keep up with the bus (a node that babbles faster than any bus) must still come to an end.
-    fn check_lost(&mut self) -> Result<(), Verdict> {
+    fn check_lost(&mut self) -> Result<(), Stop> {
         self.taken += 1;
         let Some(before) = self.lost_before.filter(|_| !self.restoring && self.taken.is_multiple_of(LOOK_AT_LOSSES))
         else {
@@ -82,19 +82,19 @@ impl Bench<'_> {
             return Ok(());
         }
         let actual = "it was ended, as frames were lost";
-        Err(Verdict::Inconclusive(Reason::new("the case runs to its end", "no frame is lost", actual)))
+        Err(Stop::Inconclusive(Reason::new("the case runs to its end", "no frame is lost", actual)))
     }
 
     /// Waits for a frame of another participant that `wanted` recognises. Other traffic goes by. `None` when `span`
     /// has passed without it.
     ///
     /// # Errors
-    /// [`Verdict::Error`] if the bus fails, [`Verdict::Inconclusive`] if the run was cancelled.
+    /// [`Stop::Error`] if the bus fails, [`Stop::Inconclusive`] if the run was cancelled.
     pub fn wait_for<T>(
         &mut self,
         span: Duration,
         mut wanted: impl FnMut(&Record) -> Option<T>,
-    ) -> Result<Option<T>, Verdict> {
+    ) -> Result<Option<T>, Stop> {
         let deadline = self.bus.now() + span;
         while let Some(record) = self.receive(deadline)? {
             if record.direction != Direction::Tx
@@ -114,7 +114,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub fn listen(&mut self, span: Duration) -> Result<Vec<Record>, Verdict> {
+    pub fn listen(&mut self, span: Duration) -> Result<Vec<Record>, Stop> {
         let node = self.node();
         let mut heard = Vec::new();
         self.wait_for(span, |record| {
@@ -130,7 +130,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// As [`Bench::wait_for`].
-    pub fn drain(&mut self) -> Result<(), Verdict> {
+    pub fn drain(&mut self) -> Result<(), Stop> {
         self.wait_for(Duration::ZERO, |_| None::<()>).map(|_| ())
     }
 }
@@ -150,8 +150,8 @@ pub const fn is_tpdo(cob_id: u16) -> bool {
 }
 
 /// A failure of the bus is never the device's.
-fn broken(error: &BusError) -> Verdict {
-    Verdict::Error(Reason::new("the bus works", "frames in and out", error.to_string()))
+fn broken(error: &BusError) -> Stop {
+    Stop::Error(Reason::new("the bus works", "frames in and out", error.to_string()))
 }
 
 #[cfg(test)]
@@ -198,7 +198,7 @@ mod tests {
         let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
         let hour = Duration::from_secs(3_600);
         bench.end_when_frames_are_lost();
-        assert!(matches!(bench.wait_for(hour, |_| None::<()>), Err(Verdict::Inconclusive(_))));
+        assert!(matches!(bench.wait_for(hour, |_| None::<()>), Err(Stop::Inconclusive(_))));
         assert!(bench.now() < Timestamp(1_000_000), "{:?}", bench.now());
         let second = Duration::from_secs(1);
         assert_eq!(bench.uncancelled(|bench| bench.wait_for(second, |_| None::<()>)), Ok(None));

@@ -10,8 +10,8 @@ pub use one_case::run_case;
 pub use summary::{HostTiming, Summary};
 
 use crate::bench::{Bench, objects};
-use crate::case::{Case, Need};
-use crate::verdict::Verdict;
+use crate::case::Case;
+use crate::verdict::{End, Lack, Stop};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
@@ -91,9 +91,9 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     // values that nobody knows.
     if summary.total() > 0 {
         bench.leave(was_operational);
-        for notice in bench.put_back_dictionary(&info.dictionary) {
-            report(&RunEvent::Noticed(&notice));
-        }
+        let mut notices = bench.put_back_dictionary(&info.dictionary);
+        notices.extend(bench.left_behind());
+        notices.iter().for_each(|notice| report(&RunEvent::Noticed(notice)));
     }
     if undescribed > 0 {
         report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));
@@ -111,9 +111,9 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
 
 /// Whether a case could not be judged because nobody has described the device.
 fn lacks_description(bench: &Bench<'_>, report: &CaseReport) -> bool {
-    let open = matches!(report.verdict, Verdict::NotApplicable(_));
-    let named = report.verdict.reason().is_some_and(|reason| reason.actual.contains("description"));
-    open && bench.target().description.is_none() && (named || report.case.needs.contains(&Need::Description))
+    let Some(End::NotApplicable(reason)) = report.verdict.end() else { return false };
+    let lacks = reason.lack == Lack::Description || report.case.requires(&crate::needs::DESCRIPTION);
+    lacks && bench.target().description.is_none()
 }
 
 fn without_description(cases: usize, found: usize) -> String {
@@ -126,8 +126,7 @@ fn without_description(cases: usize, found: usize) -> String {
 
 /// Sees that the device is there; says whether it was operational.
 fn reach_device(bench: &mut Bench<'_>) -> Result<bool, RunError> {
-    let bus =
-        |verdict: Verdict| RunError::Bus(verdict.reason().map(|reason| reason.actual.clone()).unwrap_or_default());
+    let bus = |stop: Stop| RunError::Bus(stop.reason().actual);
     bench.begin();
     let was_operational = bench.is_operational().map_err(bus)?;
     if bench.answers().map_err(bus)? {
@@ -136,7 +135,7 @@ fn reach_device(bench: &mut Bench<'_>) -> Result<bool, RunError> {
     // Stopped, or with a server that does not work: a reset shows whether anyone is there.
     match bench.reset(Command::RESET_NODE) {
         Ok(()) => Ok(was_operational),
-        Err(verdict @ Verdict::Error(_)) => Err(bus(verdict)),
+        Err(stop @ Stop::Error(_)) => Err(bus(stop)),
         Err(_) => Err(RunError::Unreachable { node: bench.node(), waited: bench.timing().boot_up }),
     }
 }
@@ -175,12 +174,13 @@ fn repeat_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
 
 #[cfg(test)]
 mod tests {
-    use super::one_case::documented;
+    use super::one_case::rule;
     use super::*;
     use crate::bench::Deviation;
     use crate::case::{Clause, Confidence, Level, Touch};
     use crate::scripted::{table, with_bench};
-    use crate::verdict::{Judged, Kind, Reason};
+    use crate::verdict::{Authority, Breach, Judged, Kind};
+    use canvass_bus::observation::{Observation, Subject};
 
     /// A device that answers only when its device type is read or it is reset.
     const ROWS: &[(&str, &str)] = &[("63F#4000100000000000", "5BF#4300100096010200"), ("000#813F", "73F#00")];
@@ -191,9 +191,9 @@ mod tests {
         Case { id, requirement: "A test.", clause, level: Level::Must, needs, touches, catches, cct: None, run }
     }
 
-    static PASSES: Case = test_case("test/passes", |_| Ok(Verdict::Pass));
+    static PASSES: Case = test_case("test/passes", |_| Ok(()));
     static PANICS: Case = test_case("test/panics", |_| panic!("out of luck"));
-    static TOUCHES: Case = Case { touches: &[Touch::Nvm], ..test_case("test/touches", |_| Ok(Verdict::Pass)) };
+    static TOUCHES: Case = Case { touches: &[Touch::Nvm], ..test_case("test/touches", |_| Ok(())) };
     static RESETS: Case = test_case("test/resets", |bench| {
         // After the start that the bench commanded is over.
         bench.listen(Duration::from_secs(1))?;
@@ -201,7 +201,7 @@ mod tests {
         let node = bench.node().raw();
         bench.send_bytes(0, &[0x81, node])?;
         bench.wait_for_boot_up()?;
-        Ok(Verdict::Pass)
+        Ok(())
     });
 
     fn run_cases(rows: &'static [(&str, &str)], cases: &[&'static Case]) -> (Result<Summary, RunError>, Vec<String>) {
@@ -249,10 +249,22 @@ mod tests {
     }
 
     #[test]
-    fn a_documented_failure_is_a_deviation() {
-        let deviations = [Deviation::of_manual("test/*", "manual, 5.1")];
-        let verdict = documented(Verdict::Fail(Reason::default()), &PASSES, &deviations);
-        assert_eq!(verdict.documented(), Some("manual, 5.1"));
-        assert_eq!(documented(Verdict::Pass, &PASSES, &deviations), Verdict::Pass);
+    fn a_documented_breach_is_a_deviation_and_hides_no_other() {
+        let silent = Breach::new(Subject::Device, "it works").found(Observation::Silence);
+        let deviations = [Deviation {
+            case: "test/*".to_owned(),
+            subject: Subject::Device,
+            does: "silence".parse().unwrap(),
+            any: false,
+            documented: "manual, 5.1".to_owned(),
+            by: Authority::Manual,
+        }];
+        let kind = |breach: &Breach| rule(breach.clone(), &PASSES, &deviations).kind();
+        assert_eq!(kind(&silent), Kind::Deviation);
+        assert_eq!(kind(&silent.clone().found(Observation::Confirmation)), Kind::Fail, "it does something else");
+        let elsewhere = Breach { subject: Multiplexer::new(0x1000, 0).into(), ..silent.clone() };
+        assert_eq!(kind(&elsewhere), Kind::Fail, "another object does it");
+        let other_case = test_case("other/case", |_| Ok(()));
+        assert_eq!(rule(silent, &other_case, &deviations).kind(), Kind::Fail);
     }
 }

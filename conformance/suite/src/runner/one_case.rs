@@ -3,8 +3,10 @@
 use super::blame::{blameless, overload};
 use super::event::CaseReport;
 use crate::bench::{Bench, Deviation, Evidence, Remains};
-use crate::case::{Case, Touch};
-use crate::verdict::{Reason, Verdict};
+use crate::case::{Case, Level, Touch};
+use crate::verdict::{Breach, End, Excuse, Grade, Judged, Reason, Ruled, Stop, Verdict};
+use canvass_bus::observation::{Observation, Subject};
+use canvass_traces::Timestamp;
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
@@ -14,14 +16,17 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let health = bench.health();
     bench.begin();
     let judged = catch_unwind(AssertUnwindSafe(|| judge(bench, case)));
-    let verdict = judged.unwrap_or_else(|panic| Verdict::Error(panicked(&*panic)));
+    let judged = judged.unwrap_or_else(|panic| Err(Stop::Error(panicked(&*panic))));
+    let (last, end) = ended(judged);
+    let breaches = bench.take_breaches(last);
+    let (breaches, end) = not_left_behind(bench, breaches, end);
     let took = bench.now().since(started);
-    let overload = matches!(verdict, Verdict::Fail(_)).then(|| overload(bench, took)).flatten();
-    // A device that has gone is looked for while its frames are still evidence.
-    let suspicious = matches!(verdict, Verdict::Fail(_) | Verdict::Inconclusive(_));
-    let has_left = suspicious && bench.is_live() && bench.has_left();
+    let overload = (!breaches.is_empty()).then(|| overload(bench, took)).flatten();
+    // A device that has gone is looked for while its frames are still evidence; a case that passed may have stopped it, too.
+    let ran = !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
+    let has_left = ran && bench.has_left(case.id);
     // Also what puts the device back could panic; the run goes on.
-    let ended_early = matches!(verdict, Verdict::Inconclusive(_) | Verdict::Error(_));
+    let ended_early = matches!(end, Some(End::Inconclusive(_) | End::Error(_)));
     let clean_up = || {
         if ended_early {
             bench.rescue(case);
@@ -35,37 +40,63 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
         restarted: None,
         measurements: Vec::new(),
     });
-    let verdict = blameless(verdict, &bench.health().since(&health), overload, has_left);
-    let verdict = match (verdict, restarted) {
-        (Verdict::Pass | Verdict::Tolerated(_), Some(at)) => Verdict::Fail(Reason::new(
-            "the device does not restart by itself",
-            "no boot-up message after the case has begun",
-            format!("a boot-up message at {at} s"),
-        )),
-        (verdict, _) => verdict,
-    };
-    let verdict = documented(verdict, case, &bench.target().deviations);
+    let (mut breaches, end) = blameless(breaches, end, &bench.health().since(&health), overload);
+    breaches.extend(has_left.then(stopped_answering));
+    if breaches.is_empty() && end.is_none() {
+        breaches.extend(restarted.map(restarted_by_itself));
+    }
+    let graded = breaches.into_iter().map(|breach| graded(breach, case));
+    let ruled = graded.map(|breach| rule(breach, case, &bench.target().deviations)).collect();
+    let verdict = Verdict::new(ruled, end);
     let outcomes = vec![verdict.kind()];
     CaseReport { case, verdict, evidence, notes, measurements, outcomes, duration: bench.now().since(started) }
 }
 
-fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Verdict {
-    let judged = (|| {
-        if let Some(touch) = case.touches.iter().find(|touch| !bench.options().allow.contains(touch)) {
-            return Err(Verdict::NotApplicable(not_allowed(*touch)));
-        }
-        bench.end_when_frames_are_lost();
-        bench.look_for_it()?;
-        bench.prepare()?;
-        for &need in case.needs {
-            if let Err(why) = bench.meets(need)? {
-                let expected = need.text();
-                return Err(Verdict::NotApplicable(Reason::new("the case has what it needs", expected, why)));
-            }
-        }
-        (case.run)(bench)
-    })();
-    judged.unwrap_or_else(|verdict| verdict)
+/// A case that judges an object that an earlier case has left behind says nothing of the device's own value.
+fn not_left_behind(bench: &Bench<'_>, breaches: Vec<Breach>, end: Option<End>) -> (Vec<Breach>, Option<End>) {
+    let (ours, its): (Vec<Breach>, Vec<Breach>) =
+        breaches.into_iter().partition(|breach| bench.is_left_behind(breach.subject));
+    let end = ours.first().map_or(end, |breach| {
+        let duty = format!("{} has the device's own value", breach.subject);
+        let reason =
+            Reason::new(duty, "the value before the run", "one that an earlier case left, which could not be put back");
+        Some(End::Inconclusive(reason))
+    });
+    (its, end)
+}
+
+/// The breach that ended a case, or why else it did not come to its own end.
+fn ended(judged: Judged) -> (Option<Box<Breach>>, Option<End>) {
+    match judged {
+        Ok(()) => (None, None),
+        Err(Stop::Breach(breach)) => (Some(breach), None),
+        Err(Stop::Inconclusive(reason)) => (None, Some(End::Inconclusive(reason))),
+        Err(Stop::NotApplicable(reason)) => (None, Some(End::NotApplicable(reason))),
+        Err(Stop::Error(reason)) => (None, Some(End::Error(reason))),
+    }
+}
+
+fn stopped_answering() -> Breach {
+    Breach::new(Subject::Device, "the device stays on the bus")
+        .expected("an answer, or a start after a reset")
+        .found(Observation::named("the device stopped answering"))
+}
+
+fn restarted_by_itself(at: Timestamp) -> Breach {
+    let breach = Breach::new(Subject::Device, "the device does not restart by itself");
+    let breach = breach.expected("no boot-up message after the case has begun").found(Observation::BootUp);
+    Breach { seen: Some(at), ..breach.told(format!("a boot-up message at {at} s")) }
+}
+
+fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
+    if let Some(touch) = case.touches.iter().find(|touch| !bench.options().allow.contains(touch)) {
+        return Err(Stop::NotApplicable(not_allowed(*touch)));
+    }
+    bench.end_when_frames_are_lost();
+    bench.look_for_it()?;
+    bench.prepare()?;
+    case.require(bench)?;
+    (case.run)(bench)
 }
 
 fn not_allowed(touch: Touch) -> Reason {
@@ -79,13 +110,16 @@ fn panicked(panic: &(dyn Any + Send)) -> Reason {
     Reason::new("the tester works", "a verdict", text.unwrap_or_else(|| "a panic".to_owned()))
 }
 
-/// A failure that the device's documentation or its user announces is a deviation.
-pub(super) fn documented(verdict: Verdict, case: &Case, deviations: &[Deviation]) -> Verdict {
-    let Verdict::Fail(reason) = verdict else { return verdict };
-    match deviations.iter().find(|deviation| deviation.explains(case, &reason)) {
-        Some(Deviation { documented, by, .. }) => {
-            Verdict::Deviation { reason, documented: documented.clone(), by: *by }
-        }
-        None => Verdict::Fail(reason),
-    }
+/// What the standard leaves open is recorded and never fails.
+fn graded(breach: Breach, case: &Case) -> Breach {
+    if case.level == Level::Open { breach.open() } else { breach }
+}
+
+/// What the device's documentation or its user announces is excused: that case, that subject, that behaviour, and
+/// nothing else.
+pub(super) fn rule(breach: Breach, case: &Case, deviations: &[Deviation]) -> Ruled {
+    let announced = deviations.iter().filter(|_| breach.grade == Grade::Wrong);
+    let announced = announced.into_iter().find(|deviation| deviation.explains(case, &breach));
+    let excuse = announced.map(|Deviation { documented, by, .. }| Excuse { documented: documented.clone(), by: *by });
+    Ruled { breach, excuse }
 }

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::bench::nmt::Start;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::Command;
@@ -32,9 +32,9 @@ fn exactly_one_boot_up(bench: &mut Bench<'_>, command: Command) -> Judged {
     let start = bench.record_start(command, SECOND_BOOT_UP)?;
     let duty = || format!("{command} ends in exactly one boot-up message");
     demand(start.boot_ups.len() == 1, || Reason::new(duty(), "one frame with the data 00", seen(bench, &start)))?;
-    demand(start.boot_ups.iter().all(|record| bench.is_boot_up(&record.frame)), || {
+    bench.check(demand(start.boot_ups.iter().all(|record| bench.is_boot_up(&record.frame)), || {
         Reason::new(duty(), "one byte", seen(bench, &start))
-    })
+    }))
 }
 
 /// From a reset command to its boot-up message the device is silent: initialisation knows no communication.
@@ -42,10 +42,10 @@ fn exactly_one_boot_up(bench: &mut Bench<'_>, command: Command) -> Judged {
        catches = [BootUpWrongData, EmcyBeforeBootUp])]
 fn silent_before(bench: &mut Bench<'_>) -> Judged {
     let start = bench.record_start(Command::RESET_NODE, Duration::ZERO)?;
-    demand(start.before.is_empty(), || {
+    bench.check(demand(start.before.is_empty(), || {
         let duty = "the device sends nothing between reset node and its boot-up message";
         Reason::new(duty, "silence", frames(&start.before))
-    })
+    }))
 }
 
 fn seen(bench: &Bench<'_>, start: &Start) -> String {
@@ -79,7 +79,7 @@ fn every_time(bench: &mut Bench<'_>) -> Judged {
         let Some(at) = bench.wait_for_boot_up()? else {
             let actual = format!("none after reset {n}, within {}", bench.timing().boot_up);
             let duty = format!("each of {RESETS} resets ends in a boot-up message");
-            return Err(Verdict::Fail(Reason::new(duty, "a boot-up message", actual)));
+            return Err(Stop::from(Reason::new(duty, "a boot-up message", actual)));
         };
         times.push(at.since(sent));
         bench.listen(Duration::from_millis(50))?;
@@ -89,7 +89,7 @@ fn every_time(bench: &mut Bench<'_>) -> Judged {
             bench.measure(format!("reset to boot-up, {name}"), time);
         }
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Before its boot-up message the device answers no SDO request.
@@ -122,7 +122,7 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
         let actual = early.map(|frame| frame.to_string()).unwrap_or_default();
         Reason::new("no SDO is answered before the boot-up message", "silence", actual)
     })?;
-    demand(booted, || Reason::new("the device starts", "a boot-up message", "none")).map_err(Verdict::as_inconclusive)
+    demand(booted, || Reason::new("the device starts", "a boot-up message", "none")).or_inconclusive()
 }
 
 /// With 1F80h stored so that the device starts by itself (bit 2 is 0) it is operational after its boot-up message. The
@@ -148,8 +148,8 @@ fn self_start(bench: &mut Bench<'_>) -> Judged {
     bench.write(STORE, b"save")?;
     bench.reset(Command::RESET_NODE)?;
     let state = state?;
-    demand(state == Some(State::OPERATIONAL), || {
+    bench.check(demand(state == Some(State::OPERATIONAL), || {
         let actual = state.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
         Reason::new("with bit 2 of 1F80h cleared the device starts by itself", "operational", actual)
-    })
+    }))
 }

@@ -2,7 +2,8 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -32,18 +33,17 @@ fn described(bench: &mut Bench<'_>) -> Judged {
             Outcome::Aborted(abort) if is_momentary(abort.code) => {}
             other => {
                 let duty = format!("{multiplexer} can be read, as the description says");
-                return Err(Verdict::Fail(Reason::new(duty, "the value", other.to_string())));
+                return Err(Stop::from(Reason::new(duty, "the value", other.to_string())));
             }
         }
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Sub-indexes above the highest that sub-index 0 names do not exist: abort 0609 0011h.
 #[case(id = "301/dictionary/highest-sub-index", clause = "CiA 301 7.4.8", confidence = Known, level = Must,
        catches = [SdoWrongCodeForNoSubIndex])]
 fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     for index in [0x1018, 0x1800, 0x1A00, 0x1400, 0x1600, 0x1029, 0x1016] {
         let Outcome::Uploaded(highest) = bench.upload(Multiplexer::new(index, 0))?.outcome else { continue };
         let Some(beyond) = highest.first().and_then(|highest| highest.checked_add(1)).filter(|&sub| sub < 0xFF) else {
@@ -54,9 +54,9 @@ fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
             continue;
         }
         let attempt = bench.upload(Multiplexer::new(index, beyond))?;
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])?);
+        bench.check(attempt.refused(Situation::MissingEntry))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 fn readable(bench: &Bench<'_>) -> Vec<(Multiplexer, DataType)> {
@@ -76,14 +76,13 @@ const fn is_momentary(code: AbortCode) -> bool {
 #[case(id = "301/dictionary/structure", clause = "CiA 301 7.4.8", confidence = Known, level = Should,
        catches = [SdoWrongCodeForNoSubIndex, StructureEntryWrong], cct = "4.5")]
 fn structure(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     for index in [0x1018_u16, 0x1003, 0x1800, 0x1A00, 0x1400] {
         if !bench.has(Multiplexer::new(index, 0))? {
             continue;
         }
         let attempt = bench.upload(Multiplexer::new(index, 0xFF))?;
         let Outcome::Uploaded(value) = &attempt.outcome else {
-            verdict = verdict.and(attempt.expect_abort(&[AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])?);
+            bench.check(attempt.refused(Situation::MissingEntry))?;
             continue;
         };
         let object = bench.target().description.as_ref();
@@ -98,7 +97,7 @@ fn structure(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, expected, Bytes(value).to_string())
         })?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// After every reset node the parameters have the same values. Those that are not the defaults of the description are
@@ -127,11 +126,11 @@ fn after_reset(bench: &mut Bench<'_>) -> Judged {
     if !other.is_empty() {
         bench.note(format!("not the default of the description: {}", other.join(", ")));
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Writable parameters of communication and profile that keep their value: nothing that is measured or commands.
-fn parameters(bench: &mut Bench<'_>) -> Result<Vec<(Multiplexer, Vec<u8>)>, Verdict> {
+fn parameters(bench: &mut Bench<'_>) -> Result<Vec<(Multiplexer, Vec<u8>)>, Stop> {
     let Some(description) = &bench.target().description else { return Ok(Vec::new()) };
     let is_parameter = |at: Multiplexer| {
         matches!(at.index.0, 0x1005..=0x1007 | 0x100C | 0x100D | 0x1012 | 0x1014..=0x1017 | 0x1019..=0x1029)

@@ -5,13 +5,13 @@ use super::heartbeat_consumer::entry;
 use crate::bench::Bench;
 use crate::bench::state::GUARD_TIME;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::Command;
-use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::sdo::Bytes;
 use canvass_traces::{Duration, Record};
 
@@ -36,7 +36,7 @@ pub(super) enum Monitored {
 }
 
 /// A sign of life from the one who is monitored.
-pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Result<(), Verdict> {
+pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Result<(), Stop> {
     match monitored {
         Monitored::Master => bench.guard().map(|_| ()),
         Monitored::Node(node) => {
@@ -48,7 +48,7 @@ pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Resul
 
 /// Lets the device monitor someone who gives one sign of life: monitoring begins with it. Life guarding is preferred:
 /// some devices watch nodes only once that is stored.
-pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Verdict> {
+pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Stop> {
     bench.expect_emergencies();
     let monitored = if bench.can_be_guarded()? {
         bench.write(GUARD_TIME, &GUARD_MS.to_le_bytes())?;
@@ -57,7 +57,7 @@ pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Verdi
     } else {
         let Some(node) = bench.vacant_neighbour() else {
             let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
-            return Err(Verdict::NotApplicable(reason));
+            return Err(Stop::NotApplicable(reason));
         };
         bench.write(WATCHED, &entry(node, CONSUMER_MS))?;
         Monitored::Node(node)
@@ -66,7 +66,7 @@ pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Verdi
     Ok(monitored)
 }
 
-pub(super) fn emergencies(bench: &mut Bench<'_>, span: Duration) -> Result<Vec<Record>, Verdict> {
+pub(super) fn emergencies(bench: &mut Bench<'_>, span: Duration) -> Result<Vec<Record>, Stop> {
     let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     let heard = bench.listen(span)?;
     Ok(heard.into_iter().filter(|record| record.frame.cob_id() == Some(cob_id)).collect())
@@ -95,9 +95,9 @@ fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
     )?;
     let register = bench.upload(ERROR_REGISTER)?.value()?;
     let sent = heard.first().and_then(|record| record.data().get(2).copied());
-    demand(register.first().copied() == sent, || {
+    bench.check(demand(register.first().copied() == sent, || {
         Reason::new("byte 2 of the EMCY is 1001h", Bytes(&register).to_string(), shown(&heard))
-    })
+    }))
 }
 
 /// In the error register the generic bit is set together with every other bit.
@@ -108,9 +108,9 @@ fn generic_bit(bench: &mut Bench<'_>) -> Judged {
     bench.listen(UNTIL_LOST)?;
     let register = ErrorRegister(bench.upload(ERROR_REGISTER)?.value()?.first().copied().unwrap_or_default());
     demand(register.0 != 0, || Reason::new("the loss shows in 1001h", "bits 0 and 4", register.to_string()))?;
-    demand(register.0 & ErrorRegister::GENERIC.0 != 0, || {
+    bench.check(demand(register.0 & ErrorRegister::GENERIC.0 != 0, || {
         Reason::new("the generic bit of 1001h is set with every other", "bit 0", register.to_string())
-    })
+    }))
 }
 
 /// When the one who fell silent is back, EMCY 0000h says so.
@@ -119,17 +119,16 @@ fn generic_bit(bench: &mut Bench<'_>) -> Judged {
 fn error_reset(bench: &mut Bench<'_>) -> Judged {
     let monitored = begin_monitoring(bench)?;
     let lost = emergencies(bench, UNTIL_LOST)?;
-    demand(!lost.is_empty(), || Reason::new("the loss is reported", "an EMCY", "none"))
-        .map_err(Verdict::as_inconclusive)?;
+    demand(!lost.is_empty(), || Reason::new("the loss is reported", "an EMCY", "none")).or_inconclusive()?;
     match monitored {
         // EMCY and answer come in any order.
         Monitored::Master => bench.ask_for_state()?,
         Monitored::Node(_) => sign_of_life(bench, monitored)?,
     }
     let back = emergencies(bench, Duration::from_millis(100))?;
-    demand(back.iter().any(|record| code_of(record).is_some_and(EmcyCode::is_reset)), || {
+    bench.check(demand(back.iter().any(|record| code_of(record).is_some_and(EmcyCode::is_reset)), || {
         Reason::new("the end of an error is reported", "EMCY 0000h", shown(&back))
-    })
+    }))
 }
 
 /// In stopped no EMCY is sent; the error history has the error all the same.
@@ -146,7 +145,7 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
     demand(register.iter().any(|&bits| bits != 0), || {
         Reason::new("the error shows in 1001h after stopped", "bits 0 and 4", Bytes(&register).to_string())
     })
-    .map_err(Verdict::as_inconclusive)
+    .or_inconclusive()
 }
 
 /// Writing 0 to 1003h:00 clears the error history; any other value is refused with abort 0609 0030h.
@@ -157,12 +156,11 @@ fn clear(bench: &mut Bench<'_>) -> Judged {
     bench.listen(UNTIL_LOST)?;
     let count = bench.read_number(ERROR_COUNT)?;
     demand(count > 0, || Reason::new("the error is in the history", "1003h:00 of 1 or more", format!("{count}")))
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
     let attempt = bench.download(ERROR_COUNT, &[1])?;
-    let verdict =
-        attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::VALUE_TOO_HIGH, AbortCode::GENERAL])?;
+    let _verdict = bench.check(attempt.refused(Situation::InvalidValue))?;
     bench.download(ERROR_COUNT, &[0])?.expect_confirmation()?;
     let count = bench.read_number(ERROR_COUNT)?;
     demand(count == 0, || Reason::new("the history is empty after 0 was written", "0", format!("{count}")))?;
-    Ok(verdict)
+    Ok(())
 }

@@ -3,10 +3,10 @@
 use super::emcy::{begin_monitoring, code_of, emergencies, shown, sign_of_life};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode};
-use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::Duration;
 
@@ -29,9 +29,9 @@ fn cob_id(bench: &mut Bench<'_>) -> Judged {
     });
     let right = described.unwrap_or(predefined);
     let own = bench.read_number(COB_ID)?;
-    demand(own == right, || {
+    bench.check(demand(own == right, || {
         Reason::new("1014h names the CAN-ID of EMCY", format!("{right:08X}h"), format!("{own:08X}h"))
-    })
+    }))
 }
 
 /// The CAN-ID of EMCY can't be changed while EMCY is valid: abort 0609 0030h.
@@ -41,9 +41,9 @@ fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read(COB_ID)?;
     let other = crate::bench::sdo::number(&own) & !0x7FF | FREE;
     let attempt = bench.download(COB_ID, &other.to_le_bytes())?;
-    let verdict = attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::InvalidValue))?;
     bench.expect_unchanged(COB_ID, &own)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// Restricted CAN-IDs are refused for EMCY with abort 0609 0030h.
@@ -52,12 +52,11 @@ fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
 fn restricted(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
     bench.write(COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
-    let mut verdict = Verdict::Pass;
     for can_id in [0x001_u32, 0x101, 0x581, 0x601, 0x6E0, 0x701] {
         let attempt = bench.download(COB_ID, &can_id.to_le_bytes())?;
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
+        bench.check(attempt.refused(Situation::InvalidValue))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// With bit 31 of 1014h set no EMCY is sent.
@@ -68,7 +67,9 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     bench.write(COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
     begin_monitoring(bench)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
-    demand(heard.is_empty(), || Reason::new("an EMCY that is switched off is not sent", "silence", shown(&heard)))
+    bench.check(demand(heard.is_empty(), || {
+        Reason::new("an EMCY that is switched off is not sent", "silence", shown(&heard))
+    }))
 }
 
 /// An error that persists is reported once, not again and again.
@@ -77,9 +78,9 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
 fn not_repeated(bench: &mut Bench<'_>) -> Judged {
     begin_monitoring(bench)?;
     let heard = emergencies(bench, Duration::from_secs(10))?;
-    demand(heard.len() == 1, || {
+    bench.check(demand(heard.len() == 1, || {
         Reason::new("an error that persists for 10 s is reported", "once", format!("{} times", heard.len()))
-    })
+    }))
 }
 
 /// Between two EMCYs at least the inhibit time passes, and the second is not lost.
@@ -97,20 +98,20 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
         bench.wait_for(UNTIL_LOST, |record| (record.frame.cob_id() == Some(emcy_id)).then_some(record.timestamp))?;
     let Some(lost) = lost else {
         let reason = Reason::new("the loss is reported", "an EMCY", "none");
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     };
     sign_of_life(bench, monitored)?;
     let heard = emergencies(bench, INHIBIT.times(2))?;
     let back = heard.iter().find(|record| code_of(record).is_some_and(EmcyCode::is_reset));
     let Some(back) = back else {
         let duty = "an EMCY within the inhibit time is sent when it is over";
-        return Err(Verdict::Fail(Reason::new(duty, "EMCY 0000h", shown(&heard))));
+        return Err(Stop::from(Reason::new(duty, "EMCY 0000h", shown(&heard))));
     };
     let gap = back.timestamp.since(lost);
     let limit = INHIBIT.nanos() - bench.timing().tolerance(INHIBIT).nanos();
-    demand(gap.nanos() >= limit, || {
+    bench.check(demand(gap.nanos() >= limit, || {
         Reason::new("EMCYs are at least the inhibit time apart", INHIBIT.to_string(), gap.to_string())
-    })
+    }))
 }
 
 /// The error register in an EMCY fits its code: 81xxh is a communication error, bit 4.
@@ -122,10 +123,10 @@ fn register_fits_code(bench: &mut Bench<'_>) -> Judged {
     let heard = emergencies(bench, UNTIL_LOST)?;
     let Some(first) = heard.first() else {
         let reason = Reason::new("the loss is reported", "an EMCY", "none");
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     };
     let register = Emcy::read(first.frame.data()).ok().and_then(|_| first.data().get(2).copied()).unwrap_or_default();
-    demand(register & ErrorRegister::COMMUNICATION.0 != 0, || {
+    bench.check(demand(register & ErrorRegister::COMMUNICATION.0 != 0, || {
         Reason::new("byte 2 of EMCY 8130h says that it is a communication error", "bit 4", shown(&heard))
-    })
+    }))
 }

@@ -3,7 +3,7 @@
 use super::heartbeat_consumer::entry;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict};
+use crate::verdict::{Judged, Precondition, Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
@@ -21,7 +21,7 @@ fn lost(bench: &mut Bench<'_>, behaviour: u8, from: State, to: State) -> Judged 
     bench.expect_emergencies();
     let Some(node) = bench.vacant_neighbour() else {
         let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     bench.write(BEHAVIOUR, &[behaviour])?;
     bench.show_state()?;
@@ -30,7 +30,7 @@ fn lost(bench: &mut Bench<'_>, behaviour: u8, from: State, to: State) -> Judged 
     let beat = ErrorControl::heartbeat(State::OPERATIONAL).to_frame(error_control::CAN_ID_BASE + u16::from(node));
     bench.send(&beat)?;
     bench.listen(Duration::from_millis(50))?;
-    bench.expect_state(from, "a heartbeat of the watched node").map_err(Verdict::as_inconclusive)?;
+    bench.expect_state(from, "a heartbeat of the watched node").or_inconclusive()?;
     bench.listen(UNTIL_LOST)?;
     bench.expect_state(to, &format!("the loss of a watched node with 1029h:01 = {behaviour}"))
 }
@@ -67,16 +67,15 @@ fn only_operational(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/error-behaviour/reserved", clause = "CiA 301 7.5.2.32", confidence = Derived, level = Must,
        needs = [ErrorBehaviour], catches = [ErrorBehaviourUnchecked])]
 fn reserved(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     let before = bench.read(BEHAVIOUR)?;
     for value in [3_u8, 127, 255] {
         let attempt = bench.download(BEHAVIOUR, &[value])?;
         let strict = [AbortCode::INVALID_VALUE, AbortCode::VALUE_TOO_HIGH];
-        verdict = verdict.and(attempt.expect_abort(&strict, &[AbortCode::GENERAL])?);
+        bench.check(attempt.refused_with(&strict, &[AbortCode::GENERAL]))?;
     }
     bench.expect_unchanged(BEHAVIOUR, &before)?;
     for value in [0_u8, 1, 2] {
         bench.download(BEHAVIOUR, &[value])?.expect_confirmation()?;
     }
-    Ok(verdict)
+    Ok(())
 }

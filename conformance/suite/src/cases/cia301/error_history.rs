@@ -3,10 +3,10 @@
 use super::emcy::{begin_monitoring, emergencies, sign_of_life};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::sdo::Bytes;
 use canvass_traces::Duration;
 
@@ -15,7 +15,7 @@ const NEWEST: Multiplexer = Multiplexer::new(0x1003, 1);
 /// Long enough for the loss of the one who is monitored.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 
-fn clear(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+fn clear(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.write(COUNT, &[0])
 }
 
@@ -29,11 +29,11 @@ fn empty(bench: &mut Bench<'_>) -> Judged {
     if bench.has(Multiplexer::new(0x1004, 0))? {
         let reason =
             Reason::new("the device knows abort 0800 0024h", "CiA 301 V4.0", "a device of DS-301 V3.0 (1004h)");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     clear(bench)?;
     let attempt = bench.upload(NEWEST)?;
-    attempt.expect_abort(&[AbortCode::NO_DATA, AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])
+    bench.check(attempt.refused(Situation::EmptyHistory))
 }
 
 /// An error is in the history: 1003h:00 counts it, the lower word of 1003h:01 is its code.
@@ -46,7 +46,9 @@ fn entry(bench: &mut Bench<'_>) -> Judged {
     let count = bench.read_number(COUNT)?;
     demand(count == 1, || Reason::new("1003h:00 counts the error", "1", count.to_string()))?;
     let code = bench.read_number(NEWEST)? & 0xFFFF;
-    demand(code == 0x8130, || Reason::new("1003h:01 holds the error", "code 8130h", format!("code {code:04X}h")))
+    bench.check(demand(code == 0x8130, || {
+        Reason::new("1003h:01 holds the error", "code 8130h", format!("code {code:04X}h"))
+    }))
 }
 
 /// The newest error is at 1003h:01, the one before it at 1003h:02.
@@ -62,7 +64,7 @@ fn newest_first(bench: &mut Bench<'_>) -> Judged {
     let mapped = bench.rpdo_objects().into_iter().find(|mapped| mapped.bits > 8);
     let Some(mapped) = mapped else {
         let reason = Reason::new("an RPDO can carry two bytes", "an object of the description", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     bench.set_mapping(RPDO, &[mapped])?;
     bench.set_pdo(RPDO, &[(2, &[255])])?;
@@ -73,14 +75,14 @@ fn newest_first(bench: &mut Bench<'_>) -> Judged {
     let heard = emergencies(bench, Duration::from_millis(200))?;
     if heard.is_empty() {
         let reason = Reason::new("an RPDO that is too short is an error", "an EMCY", "none: there is no second error");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let newest = bench.read_number(NEWEST)? & 0xFFFF;
     let before = bench.read_number(Multiplexer::new(0x1003, 2))? & 0xFFFF;
-    demand(newest != first && before == first, || {
+    bench.check(demand(newest != first && before == first, || {
         let actual = format!("{newest:04X}h at 1003h:01, {before:04X}h at 1003h:02");
         Reason::new("the newest error comes first", format!("{first:04X}h at 1003h:02"), actual)
-    })
+    }))
 }
 
 /// The history never counts more errors than it has entries.
@@ -92,7 +94,7 @@ fn full(bench: &mut Bench<'_>) -> Judged {
     });
     if entries < 2 {
         let reason = Reason::new("the description names the entries of 1003h", "two or more", entries.to_string());
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     clear(bench)?;
     let monitored = begin_monitoring(bench)?;
@@ -107,7 +109,7 @@ fn full(bench: &mut Bench<'_>) -> Judged {
     })?;
     let last = Multiplexer::new(0x1003, u8::try_from(count).unwrap_or(u8::MAX).max(1));
     bench.upload(last)?.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Entries of the history can't be written: abort 0601 0002h.
@@ -115,8 +117,7 @@ fn full(bench: &mut Bench<'_>) -> Judged {
        needs = [ErrorHistory], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "4.3")]
 fn read_only(bench: &mut Bench<'_>) -> Judged {
     let attempt = bench.download(NEWEST, &[0; 4])?;
-    let tolerated = [AbortCode::UNSUPPORTED_ACCESS, AbortCode::NO_DATA, AbortCode::GENERAL];
-    attempt.expect_abort(&[AbortCode::READ_ONLY], &tolerated)
+    bench.check(attempt.refused(Situation::ReadOnly))
 }
 
 /// An error that comes in stopped, when no EMCY may be sent, is in the history afterwards.
@@ -130,7 +131,7 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
     bench.listen(Duration::from_millis(200))?;
     let value = bench.upload(COUNT)?.value()?;
-    demand(value.first().is_some_and(|&count| count > 0), || {
+    bench.check(demand(value.first().is_some_and(|&count| count > 0), || {
         Reason::new("an error that came in stopped is in 1003h", "1003h:00 of 1 or more", Bytes(&value).to_string())
-    })
+    }))
 }

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::bench::state::{GUARD_TIME, HEARTBEAT_TIME, command_to};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
@@ -13,7 +13,7 @@ use canvass_bus::client::sdo::Bytes;
 use canvass_traces::{CanId, Frame};
 
 /// The frame that answers a guarding request, if one does.
-fn answer(bench: &mut Bench<'_>) -> Result<Option<Frame>, Verdict> {
+fn answer(bench: &mut Bench<'_>) -> Result<Option<Frame>, Stop> {
     let cob_id = error_control::CAN_ID_BASE + u16::from(bench.node().raw());
     bench.drain()?;
     if let Some(request) = Frame::remote(CanId::standard_masked(u32::from(cob_id)), 1) {
@@ -47,7 +47,9 @@ fn toggle(bench: &mut Bench<'_>) -> Judged {
     for _ in 0..5 {
         toggles.push(toggle_of(answer(bench)?));
     }
-    demand(toggles == "01010", || Reason::new("the toggle bit of five answers alternates from 0", "01010", toggles))
+    bench.check(demand(toggles == "01010", || {
+        Reason::new("the toggle bit of five answers alternates from 0", "01010", toggles)
+    }))
 }
 
 /// Reset communication sets the toggle bit back: it is 0 in the first answer after it.
@@ -57,13 +59,13 @@ fn toggle_reset(bench: &mut Bench<'_>) -> Judged {
     bench.prefer_guarding()?;
     let before = toggle_of(answer(bench)?);
     demand(before == '0', || Reason::new("guarding is answered", "toggle bit 0", before.to_string()))
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
     bench.reset(Command::RESET_COMMUNICATION)?;
     bench.prefer_guarding()?;
     let after = toggle_of(answer(bench)?);
-    demand(after == '0', || {
+    bench.check(demand(after == '0', || {
         Reason::new("the toggle bit of the first answer after reset communication is 0", "0", after.to_string())
-    })
+    }))
 }
 
 /// The answer to a guarding request is one byte with the NMT state in bits 0 to 6: 7Fh pre-operational, 05h operational,
@@ -87,7 +89,7 @@ fn state(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("{:02X} or {:02X}", state.0, state.0 | 0x80), shown(found))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Heartbeat and guarding exclude each other, and heartbeat wins: with 1017h other than 0 guarding is not answered.
@@ -97,9 +99,9 @@ fn heartbeat_wins(bench: &mut Bench<'_>) -> Judged {
     // Longer than the wait for the answer, so that no heartbeat is taken for one.
     bench.write(HEARTBEAT_TIME, &5_000_u16.to_le_bytes())?;
     let found = answer(bench)?;
-    demand(found.is_none(), || {
+    bench.check(demand(found.is_none(), || {
         Reason::new("guarding is not answered while the heartbeat is on", "silence", shown(found))
-    })
+    }))
 }
 
 /// Every device has a heartbeat producer (1017h) or node guarding (100Ch and 100Dh).
@@ -114,11 +116,11 @@ fn error_control(bench: &mut Bench<'_>) -> Judged {
             found.push(multiplexer);
         }
     }
-    demand(found.contains(&HEARTBEAT_TIME) || found.len() == 2, || {
+    bench.check(demand(found.contains(&HEARTBEAT_TIME) || found.len() == 2, || {
         let found: Vec<String> = found.iter().map(ToString::to_string).collect();
         let actual = if found.is_empty() { "none of them".to_owned() } else { found.join(", ") };
         Reason::new("the device has error control", "1017h:00, or 100Ch:00 and 100Dh:00", actual)
-    })
+    }))
 }
 
 /// A device without guard time, 100Ch, does not answer remote frames for its error control message.
@@ -126,7 +128,7 @@ fn error_control(bench: &mut Bench<'_>) -> Judged {
        needs = [Heartbeat, Description], catches = [GuardingAnsweredUnsupported])]
 fn not_supported(bench: &mut Bench<'_>) -> Judged {
     if bench.has(GUARD_TIME)? {
-        return Err(Verdict::NotApplicable(Reason::new(
+        return Err(Stop::NotApplicable(Reason::new(
             "the device has no node guarding",
             "a device without guard time",
             "100Ch:00 is there",
@@ -134,7 +136,7 @@ fn not_supported(bench: &mut Bench<'_>) -> Judged {
     }
     bench.prefer_guarding()?;
     let answer = answer(bench)?;
-    demand(answer.is_none(), || {
+    bench.check(demand(answer.is_none(), || {
         Reason::new("without 100Ch a guarding request is not answered", "silence", shown(answer))
-    })
+    }))
 }

@@ -3,17 +3,18 @@
 use crate::bench::Bench;
 use crate::bench::state::{HEARTBEAT_TIME, command_to};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_bus::client::sdo::Bytes;
 use canvass_traces::{Duration, Record};
 
-fn set_time(bench: &mut Bench<'_>, milliseconds: u16) -> Result<(), Verdict> {
+fn set_time(bench: &mut Bench<'_>, milliseconds: u16) -> Result<(), Stop> {
     bench.write(HEARTBEAT_TIME, &milliseconds.to_le_bytes())
 }
 
-fn heartbeats(bench: &mut Bench<'_>, span: Duration) -> Result<Vec<Record>, Verdict> {
+fn heartbeats(bench: &mut Bench<'_>, span: Duration) -> Result<Vec<Record>, Stop> {
     let heard = bench.listen(span)?;
     Ok(heard.into_iter().filter(|record| bench.is_error_control(&record.frame)).collect())
 }
@@ -45,7 +46,7 @@ fn period(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("{period} ± {tolerance} on average"), actual)
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 fn mean_period(heard: &[Record]) -> Option<Duration> {
@@ -64,14 +65,14 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     demand(!before.is_empty(), || {
         Reason::new("with 1017h = 100 heartbeats come", "one every 100 ms", "none in 300 ms")
     })
-    .map_err(Verdict::as_inconclusive)?;
+    .or_inconclusive()?;
     set_time(bench, 0)?;
     // One may be on its way.
     bench.listen(bench.timing().reaction)?;
     let after = heartbeats(bench, period.times(5))?;
-    demand(after.is_empty(), || {
+    bench.check(demand(after.is_empty(), || {
         Reason::new("with 1017h = 0 no heartbeat comes", "silence for 500 ms", format!("{} heartbeats", after.len()))
-    })
+    }))
 }
 
 /// A heartbeat is one byte that holds the NMT state: 7Fh pre-operational, 05h operational, 04h stopped; bit 7 is 0.
@@ -96,7 +97,7 @@ fn state(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("{:02X}", state.0), actual.unwrap_or_default())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A new heartbeat time while heartbeats are sent takes effect at once: the timer starts anew, without a burst.
@@ -108,10 +109,10 @@ fn new_time(bench: &mut Bench<'_>) -> Judged {
     // Without waiting for the confirmation: a burst would be over by then.
     bench.send_request(&Request::download(HEARTBEAT_TIME, &100_u16.to_le_bytes()))?;
     let heard = heartbeats(bench, Duration::from_millis(450))?;
-    demand((3..=6).contains(&heard.len()), || {
+    bench.check(demand((3..=6).contains(&heard.len()), || {
         let duty = "after 1017h was changed from 400 to 100 ms heartbeats come every 100 ms";
         Reason::new(duty, "4 in 450 ms, give or take one", heard.len().to_string())
-    })
+    }))
 }
 
 /// A heartbeat time of 1 ms is honoured and one of 65535 ms is taken, or they are refused with abort 0609 0030h to
@@ -123,7 +124,7 @@ fn extremes(bench: &mut Bench<'_>) -> Judged {
     let refused = [AbortCode::INVALID_VALUE, AbortCode::VALUE_TOO_HIGH, AbortCode::VALUE_TOO_LOW];
     let attempt = bench.download(HEARTBEAT_TIME, &1_u16.to_le_bytes())?;
     if attempt.abort().is_some() {
-        attempt.expect_abort(&refused, &[AbortCode::GENERAL])?;
+        bench.check(attempt.refused_with(&refused, &[AbortCode::GENERAL]))?;
     } else {
         let heard = heartbeats(bench, Duration::from_millis(100))?;
         bench.upload(HEARTBEAT_TIME)?.value()?;
@@ -134,22 +135,22 @@ fn extremes(bench: &mut Bench<'_>) -> Judged {
     }
     let attempt = bench.download(HEARTBEAT_TIME, &u16::MAX.to_le_bytes())?;
     if attempt.abort().is_some() {
-        attempt.expect_abort(&refused, &[AbortCode::GENERAL])?;
+        bench.check(attempt.refused_with(&refused, &[AbortCode::GENERAL]))?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// 1017h has two bytes: one or four are refused with abort 0607 0013h or 0607 0012h.
 #[case(id = "301/heartbeat/length", clause = "CiA 301 7.5.2.20", confidence = Derived, level = Must,
        needs = [Heartbeat], catches = [SdoLengthUnchecked, SdoShortLengthUnchecked, SdoLengthWrongCode], cct = "2.8")]
 fn length(bench: &mut Bench<'_>) -> Judged {
-    use canvass_analyzer::wire::sdo::AbortCode;
     let before = bench.read(HEARTBEAT_TIME)?;
-    let tolerated = [AbortCode::LENGTH, AbortCode::GENERAL];
-    let short = bench.download(HEARTBEAT_TIME, &[0])?.expect_abort(&[AbortCode::LENGTH_TOO_LOW], &tolerated)?;
-    let long = bench.download(HEARTBEAT_TIME, &[0; 4])?.expect_abort(&[AbortCode::LENGTH_TOO_HIGH], &tolerated)?;
+    let answer = bench.download(HEARTBEAT_TIME, &[0])?;
+    bench.check(answer.refused(Situation::TooShort))?;
+    let answer = bench.download(HEARTBEAT_TIME, &[0; 4])?;
+    bench.check(answer.refused(Situation::TooLong))?;
     bench.expect_unchanged(HEARTBEAT_TIME, &before)?;
-    Ok(short.and(long))
+    Ok(())
 }
 
 /// The first heartbeat after a change of the NMT state shows the new state.
@@ -180,7 +181,7 @@ fn new_state(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("{:02X}", state.0), Bytes(&first).to_string())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// After a reset the boot-up message counts as the first heartbeat: the next comes after the stored heartbeat time. The
@@ -202,8 +203,8 @@ fn after_boot_up(bench: &mut Bench<'_>) -> Judged {
     bench.write(HEARTBEAT_TIME, &before)?;
     bench.write(STORE, b"save")?;
     let gap = boot_up.zip(heard.first()).map(|(boot_up, first)| first.timestamp.since(boot_up));
-    demand(gap.is_some_and(|gap| gap.nanos() <= Duration::from_millis(250).nanos()), || {
+    bench.check(demand(gap.is_some_and(|gap| gap.nanos() <= Duration::from_millis(250).nanos()), || {
         let actual = gap.map_or_else(|| "none in 800 ms".to_owned(), |gap| format!("after {gap}"));
         Reason::new("with 1017h = 200 stored a heartbeat follows the boot-up message", "after 200 ms", actual)
-    })
+    }))
 }

@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::client::sdo::Bytes;
 
@@ -31,7 +31,7 @@ fn product(bench: &mut Bench<'_>) -> Judged {
             as_described(bench, multiplexer, value)?;
         }
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A device with LSS has all four parts of its LSS address: 1018h:01 to 1018h:04.
@@ -43,7 +43,7 @@ fn lss_address(bench: &mut Bench<'_>) -> Judged {
     for sub in 1..=4 {
         bench.upload(identity(sub))?.value()?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The device type 1000h names the device profile and is that of the description.
@@ -68,7 +68,7 @@ fn mandatory_objects(bench: &mut Bench<'_>) -> Judged {
             Reason::new(format!("{multiplexer} has its standard length"), expected, Bytes(&value).to_string())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Device name, hardware version and software version are VISIBLE_STRINGs: printable characters and nothing after.
@@ -83,18 +83,18 @@ fn names(bench: &mut Bench<'_>) -> Judged {
             Reason::new(format!("{multiplexer} is printable"), "bytes 20h to 7Eh", actual)
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Demands the value that the description gives, where it gives one.
-fn as_described(bench: &Bench<'_>, multiplexer: Multiplexer, value: u32) -> Judged {
+fn as_described(bench: &mut Bench<'_>, multiplexer: Multiplexer, value: u32) -> Judged {
     let node = bench.node();
     let described = bench.target().description.as_ref().and_then(|description| {
         let entry = description.dictionary.entry(multiplexer).ok()?;
         entry.start_value(node)?.as_number()
     });
-    demand(described.is_none_or(|described| described == i128::from(value)), || {
+    bench.check(demand(described.is_none_or(|described| described == i128::from(value)), || {
         let expected = format!("{:08X}h", described.unwrap_or_default());
         Reason::new(format!("{multiplexer} is as described"), expected, format!("{value:08X}h"))
-    })
+    }))
 }

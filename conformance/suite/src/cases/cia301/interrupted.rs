@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{Payload, Request, Response};
@@ -16,14 +16,14 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     let Some(multiplexer) = bench.long_object(8)? else {
         let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let right = bench.read(multiplexer)?;
     let reply = bench.exchange(&Request::upload(multiplexer), format!("upload of {multiplexer}"))?;
     let is_start = |response: &Response| {
         matches!(response, Response::InitiateUpload { payload: Payload::Segmented(_) | Payload::SegmentedUnsized, .. })
     };
-    reply.expect("the start of a segmented upload", is_start).map_err(Verdict::as_inconclusive)?;
+    reply.expect("the start of a segmented upload", is_start).or_inconclusive()?;
     bench.command(Command::STOP)?;
     bench.listen(bench.timing().reaction)?;
     let segment = Request::UploadSegment { toggle: false };
@@ -35,7 +35,9 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
         Reason::new("stop has ended the upload", "abort 0504 0001h or silence", reply.actual())
     })?;
     let value = bench.upload(multiplexer)?.value()?;
-    demand(value == right, || Reason::new("a new upload gives the whole value", "the value of before", "another one"))
+    bench.check(demand(value == right, || {
+        Reason::new("a new upload gives the whole value", "the value of before", "another one")
+    }))
 }
 
 /// Reset communication in the middle of a block download ends it: the device boots, the object has its value of
@@ -50,7 +52,7 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
     reply
         .expect("the start of a block download", |response| matches!(response, Response::InitiateBlockDownload { .. }))
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
     bench.command(Command::RESET_COMMUNICATION)?;
     let boot_up = bench.wait_for_boot_up()?;
     demand(boot_up.is_some() || bench.answers()?, || {

@@ -5,7 +5,7 @@
 use crate::bench::Bench;
 use crate::bench::state::GUARD_TIME;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy};
@@ -32,7 +32,7 @@ impl LifeTime {
 }
 
 /// Sets the life time, where the device lets it be set, and says what it is.
-fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTime, Verdict> {
+fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTime, Stop> {
     bench.expect_emergencies();
     bench.prefer_guarding()?;
     if bench.can_write(GUARD_TIME)? && bench.can_write(LIFE_TIME_FACTOR)? {
@@ -43,13 +43,13 @@ fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTim
     let life_time = LifeTime { guard, factor: u64::from(bench.read_number(LIFE_TIME_FACTOR)?) };
     if life_time.whole() == Duration::ZERO {
         let reason = Reason::new("the device can watch its master", "100Ch and 100Dh other than 0", "0, and read-only");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     Ok(life_time)
 }
 
 /// When the next EMCY comes that is no "error reset", if one does.
-fn next_error(bench: &mut Bench<'_>, span: Duration) -> Result<Option<Timestamp>, Verdict> {
+fn next_error(bench: &mut Bench<'_>, span: Duration) -> Result<Option<Timestamp>, Stop> {
     let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     bench.wait_for(span, |record| {
         let is_ours = record.frame.cob_id() == Some(cob_id);
@@ -59,10 +59,9 @@ fn next_error(bench: &mut Bench<'_>, span: Duration) -> Result<Option<Timestamp>
 }
 
 /// Guards once; says when.
-fn guard(bench: &mut Bench<'_>) -> Result<Timestamp, Verdict> {
+fn guard(bench: &mut Bench<'_>) -> Result<Timestamp, Stop> {
     let state = bench.guard()?;
-    demand(state.is_some(), || Reason::new("guarding is answered", "a state", "no answer"))
-        .map_err(Verdict::as_inconclusive)?;
+    demand(state.is_some(), || Reason::new("guarding is answered", "a state", "no answer")).or_inconclusive()?;
     Ok(bench.now())
 }
 
@@ -75,10 +74,10 @@ fn time(bench: &mut Bench<'_>) -> Judged {
     let lost = next_error(bench, life_time.whole() + life_time.guard.times(2))?;
     let (whole, half) = (life_time.whole(), Duration::from_nanos(life_time.guard.nanos() / 2));
     let is_right = lost.is_some_and(|lost| lost.since(from).nanos().abs_diff(whole.nanos()) <= half.nanos());
-    demand(is_right, || {
+    bench.check(demand(is_right, || {
         let actual = lost.map_or_else(|| "no EMCY".to_owned(), |lost| format!("after {}", lost.since(from)));
         Reason::new("the loss of the master is reported", format!("an EMCY after {whole} ± {half}"), actual)
-    })
+    }))
 }
 
 /// A device that is operational when its master is lost becomes pre-operational, unless 1029h:01 says otherwise.
@@ -94,10 +93,10 @@ fn state(bench: &mut Bench<'_>) -> Judged {
     guard(bench)?;
     bench.listen(life_time.whole() + life_time.guard)?;
     let found = bench.guard()?;
-    demand(found == Some(State::PRE_OPERATIONAL), || {
+    bench.check(demand(found == Some(State::PRE_OPERATIONAL), || {
         let actual = found.map_or_else(|| "no answer".to_owned(), |state| state.to_string());
         Reason::new("a device that has lost its master leaves operational", State::PRE_OPERATIONAL.to_string(), actual)
-    })
+    }))
 }
 
 /// When the master guards again, EMCY 0000h says that the error is gone, and the error register is 0.
@@ -110,7 +109,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     guard(bench)?;
     let lost = next_error(bench, life_time.whole() + life_time.guard)?;
     demand(lost.is_some(), || Reason::new("the loss of the master is reported", "an EMCY", "none"))
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
     let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     bench.guard()?;
     // The EMCY may come before the answer to the remote frame: what is judged is the register, and that it was said.
@@ -120,7 +119,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
         Reason::new(duty, Bytes(&before).to_string(), Bytes(&register).to_string())
     })?;
     if before != [0] {
-        return Ok(Verdict::Pass);
+        return Ok(());
     }
     let said = bench.evidence().frames().any(|exhibit| {
         let frame = &exhibit.record.frame;
@@ -128,7 +127,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
         let emcy = Emcy::read(frame.data()).ok().and_then(|emcy| emcy.code());
         is_late && frame.cob_id() == Some(cob_id) && emcy.is_some_and(emcy::EmcyCode::is_reset)
     });
-    demand(said, || Reason::new("the end of the error is reported", "EMCY 0000h", "none"))
+    bench.check(demand(said, || Reason::new("the end of the error is reported", "EMCY 0000h", "none")))
 }
 
 /// With a guard time or life time factor of 0 the master is not watched; guarding is answered all the same.
@@ -137,7 +136,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
 fn off(bench: &mut Bench<'_>) -> Judged {
     if !bench.can_write(GUARD_TIME)? || !bench.can_write(LIFE_TIME_FACTOR)? {
         let reason = Reason::new("life guarding can be switched off", "100Ch and 100Dh rw", "ro");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     for (multiplexer, zero) in [(GUARD_TIME, &[0, 0][..]), (LIFE_TIME_FACTOR, &[0][..])] {
         let life_time = life_time(bench, 100, 2)?;
@@ -152,7 +151,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
             Reason::new(format!("with {multiplexer} = 0 the master is not watched"), "no EMCY", "an EMCY")
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The master is watched from its first remote frame on: before that it can't be lost.
@@ -163,5 +162,7 @@ fn first_request(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_COMMUNICATION)?;
     let life_time = life_time(bench, 100, 2)?;
     let lost = next_error(bench, life_time.whole().times(2))?;
-    demand(lost.is_none(), || Reason::new("a master that has not guarded yet is not missed", "no EMCY", "an EMCY"))
+    bench.check(demand(lost.is_none(), || {
+        Reason::new("a master that has not guarded yet is not missed", "no EMCY", "an EMCY")
+    }))
 }

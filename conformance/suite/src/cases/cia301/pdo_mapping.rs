@@ -7,7 +7,8 @@ use crate::bench::Bench;
 use crate::bench::objects::{TPDO_FIRST_ENTRY, TPDO_MAPPED};
 use crate::bench::pdo::{Pdo, TPDO};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 
@@ -16,7 +17,7 @@ const NOT_NOW: [AbortCode; 4] =
     [AbortCode::UNSUPPORTED_ACCESS, AbortCode::NOT_MAPPABLE, AbortCode::INVALID_VALUE, AbortCode::DEVICE_STATE];
 
 /// Switches a PDO and its mapping off, so that entries can be written.
-fn open_mapping(bench: &mut Bench<'_>, pdo: Pdo) -> Result<(), Verdict> {
+fn open_mapping(bench: &mut Bench<'_>, pdo: Pdo) -> Result<(), Stop> {
     bench.pdo_off(pdo)?;
     bench.write(Multiplexer::new(pdo.mapping, 0), &[0])
 }
@@ -27,9 +28,9 @@ fn open_mapping(bench: &mut Bench<'_>, pdo: Pdo) -> Result<(), Verdict> {
 fn valid(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read(TPDO_MAPPED)?;
     let attempt = bench.download(TPDO_MAPPED, &[0])?;
-    let verdict = attempt.expect_abort(&NOT_NOW, &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused_with(&NOT_NOW, &[AbortCode::GENERAL]))?;
     bench.expect_unchanged(TPDO_MAPPED, &before)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A mapping of more than 64 bits is refused with abort 0604 0042h: that of each of the first four TPDOs.
@@ -41,20 +42,20 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
     let needed = (64_u32).checked_div(bits).and_then(|fits| u8::try_from(fits + 1).ok());
     let Some(needed) = needed.filter(|&needed| needed <= 64) else {
         let reason = Reason::new("1A00h:01 maps an object", "an entry with a length", format!("{bits} bits"));
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     };
-    let mut verdict = map_too_much(bench, TPDO, &entry, needed)?;
+    map_too_much(bench, TPDO, &entry, needed)?;
     for number in 1..4 {
         let other = Pdo { communication: TPDO.communication + number, mapping: TPDO.mapping + number };
         // What can't be mapped in another one says nothing about the limit.
         if bench.can_write(Multiplexer::new(other.mapping, 1))? {
             match map_too_much(bench, other, &entry, needed) {
-                Err(Verdict::NotApplicable(_) | Verdict::Inconclusive(_)) => {}
-                judged => verdict = verdict.and(judged?),
+                Err(Stop::NotApplicable(_) | Stop::Inconclusive(_)) => {}
+                judged => judged?,
             }
         }
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// Maps the same object so often.
@@ -66,17 +67,16 @@ fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Ju
         match attempt.abort() {
             None => {}
             // Some check the sum with every entry.
-            Some(AbortCode::PDO_LENGTH) => return Ok(Verdict::Pass),
+            Some(AbortCode::PDO_LENGTH) => return Ok(()),
             Some(AbortCode::NO_SUB_INDEX) => {
                 let reason = Reason::new("so many objects can be mapped", format!("{needed}"), format!("{}", sub - 1));
-                return Err(Verdict::NotApplicable(reason));
+                return Err(Stop::NotApplicable(reason));
             }
-            Some(_) => attempt.expect_confirmation().map(|_| ()).map_err(Verdict::as_inconclusive)?,
+            Some(_) => attempt.expect_confirmation().or_inconclusive()?,
         }
     }
     let attempt = bench.download(mapped, &[needed])?;
-    let tolerated = [AbortCode::NO_OBJECT, AbortCode::NOT_MAPPABLE, AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
-    attempt.expect_abort(&[AbortCode::PDO_LENGTH], &tolerated)
+    bench.check(attempt.refused(Situation::MappingRefused))
 }
 
 /// An object that is not for PDOs can't be mapped: abort 0604 0041h.
@@ -87,9 +87,9 @@ fn unmappable(bench: &mut Bench<'_>) -> Judged {
     // The device type, 32 bits.
     let attempt = bench.download(TPDO_FIRST_ENTRY, &0x1000_0020_u32.to_le_bytes())?;
     if attempt.abort().is_some() {
-        return attempt.expect_abort(&[AbortCode::NOT_MAPPABLE], &[AbortCode::NO_OBJECT, AbortCode::GENERAL]);
+        return bench.check(attempt.refused(Situation::Unmappable));
     }
     // Some check the entries only when the mapping is switched on.
     let attempt = bench.download(TPDO_MAPPED, &[1])?;
-    attempt.expect_abort(&[AbortCode::NOT_MAPPABLE], &[AbortCode::NO_OBJECT, AbortCode::GENERAL])
+    bench.check(attempt.refused(Situation::Unmappable))
 }

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::bench::pdo::{Mapped, TPDO};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
@@ -13,16 +13,16 @@ use canvass_traces::Duration;
 const LENGTH: [AbortCode; 2] = [AbortCode::NOT_MAPPABLE, AbortCode::PDO_LENGTH];
 
 /// An object of TPDO 1 whose length is known: the first that is mapped.
-fn first_mapped(bench: &mut Bench<'_>) -> Result<Mapped, Verdict> {
+fn first_mapped(bench: &mut Bench<'_>) -> Result<Mapped, Stop> {
     let mapping = bench.mapping(TPDO)?;
     mapping
         .into_iter()
         .find(|mapped| mapped.at.index.0 >= 0x20)
-        .ok_or_else(|| Verdict::NotApplicable(Reason::new("TPDO 1 maps an object as delivered", "one", "none")))
+        .ok_or_else(|| Stop::NotApplicable(Reason::new("TPDO 1 maps an object as delivered", "one", "none")))
 }
 
 /// Maps one entry and switches the mapping on; what the device answers to the first message that it refuses.
-fn try_entry(bench: &mut Bench<'_>, entry: u32) -> Result<Outcome, Verdict> {
+fn try_entry(bench: &mut Bench<'_>, entry: u32) -> Result<Outcome, Stop> {
     bench.open_mapping(TPDO)?;
     let attempt = bench.download(TPDO.entry(1), &entry.to_le_bytes())?;
     if attempt.outcome != Outcome::Downloaded {
@@ -45,15 +45,15 @@ fn other_length(bench: &mut Bench<'_>) -> Judged {
     let longer = Mapped { bits: first.bits.saturating_add(8).min(64), ..first };
     if longer.bits == first.bits {
         let reason = Reason::new("a mapped object can be mapped longer than it is", "fewer than 64 bits", "64 bits");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let outcome = try_entry(bench, longer.entry())?;
     let refused = matches!(&outcome, Outcome::Aborted(abort)
         if LENGTH.contains(&abort.code) || matches!(abort.code, AbortCode::INVALID_VALUE | AbortCode::GENERAL));
-    demand(refused, || {
+    bench.check(demand(refused, || {
         let duty = format!("{} can't be mapped with {} bits: it has {}", first.at, longer.bits, first.bits);
         Reason::new(duty, "abort 0604 0041h or 0604 0042h", outcome.to_string())
-    })
+    }))
 }
 
 /// Sub-index 0 can't count an entry that is 0: abort 0602 0000h, 0604 0041h or 0609 0030h.
@@ -65,7 +65,7 @@ fn empty_entry(bench: &mut Bench<'_>) -> Judged {
     let mut attempt = bench.download(TPDO.entry(0), &[1])?;
     attempt.what = "switching on of a mapping with an empty entry".to_owned();
     let strict = [AbortCode::NO_OBJECT, AbortCode::NOT_MAPPABLE, AbortCode::INVALID_VALUE];
-    attempt.expect_abort(&strict, &[AbortCode::PDO_LENGTH, AbortCode::GENERAL])
+    bench.check(attempt.refused_with(&strict, &[AbortCode::PDO_LENGTH, AbortCode::GENERAL]))
 }
 
 /// A device whose description gives it a granularity of whole bytes refuses to map single bits of an object.
@@ -77,7 +77,7 @@ fn granularity(bench: &mut Bench<'_>) -> Judged {
         let actual = format!("Granularity={granularity}");
         let reason =
             Reason::new("the description says that only whole bytes are mapped", "Granularity=8 or more", actual);
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let first = first_mapped(bench)?;
     for bits in [1, 4, first.bits.saturating_sub(1)] {
@@ -87,7 +87,7 @@ fn granularity(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, "abort 0604 0041h", outcome.to_string())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// After a new mapping was refused, whatever the step, the old one can be written again and the PDO is sent as before.
@@ -97,7 +97,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let cob_id = bench.pdo_cob_id(TPDO)?;
     if before.is_empty() {
-        return Err(Verdict::NotApplicable(Reason::new("TPDO 1 maps an object as delivered", "one", "none")));
+        return Err(Stop::NotApplicable(Reason::new("TPDO 1 maps an object as delivered", "one", "none")));
     }
     for (step, entry, count) in [("the entry", 0xFFFF_0020_u32, 1_u8), ("the number of entries", before[0].entry(), 65)]
     {
@@ -111,18 +111,18 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
         demand(refused != Outcome::Downloaded, || {
             Reason::new(format!("{step} is refused"), "an abort", refused.to_string())
         })
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
         bench.set_mapping(TPDO, &before).map_err(as_failure)?;
         bench.pdo_on(TPDO, cob_id).map_err(as_failure)?;
         sent_as_before(bench, step)?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// That the old mapping can't be written again is what the case is about.
-fn as_failure(verdict: Verdict) -> Verdict {
-    match verdict {
-        Verdict::Inconclusive(reason) => Verdict::Fail(reason),
+fn as_failure(stop: Stop) -> Stop {
+    match stop {
+        Stop::Inconclusive(reason) => Stop::Breach(Box::new(reason.into())),
         other => other,
     }
 }
@@ -136,8 +136,8 @@ fn sent_as_before(bench: &mut Bench<'_>, step: &str) -> Judged {
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
     bench.listen(bench.timing().reaction)?;
     let length = bits.div_ceil(8) as usize;
-    demand(heard.iter().any(|record| record.data().len() >= length), || {
+    bench.check(demand(heard.iter().any(|record| record.data().len() >= length), || {
         let duty = format!("after {step} was refused and the old mapping written again, TPDO 1 is sent");
         Reason::new(duty, format!("{length} bytes every 50 ms"), format!("{} TPDOs in 300 ms", heard.len()))
-    })
+    }))
 }

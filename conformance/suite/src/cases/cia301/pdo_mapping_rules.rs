@@ -3,7 +3,8 @@
 use crate::bench::Bench;
 use crate::bench::pdo::{Mapped, Pdo, RPDO, TPDO};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -19,12 +20,12 @@ fn refused(bench: &mut Bench<'_>, pdo: Pdo, entry: u32, strict: &[AbortCode], to
     bench.open_mapping(pdo)?;
     let attempt = bench.download(pdo.entry(1), &entry.to_le_bytes())?;
     if attempt.abort().is_some() {
-        return attempt.expect_abort(strict, tolerated);
+        return bench.check(attempt.refused_with(strict, tolerated));
     }
     // Some check the entries only when the mapping is switched on.
     let mut attempt = bench.download(pdo.entry(0), &[1])?;
     attempt.what = format!("mapping of {entry:08X}h");
-    attempt.expect_abort(strict, tolerated)
+    bench.check(attempt.refused_with(strict, tolerated))
 }
 
 /// The mapping as delivered names objects that exist, are for PDOs, have the length that it says, and fit into 8 bytes.
@@ -38,7 +39,7 @@ fn default(bench: &mut Bench<'_>) -> Judged {
             }
         }
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
@@ -67,7 +68,7 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
             Reason::new(duty, "an object for PDOs with its length", actual.unwrap_or_default())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The mapping that a PDO has can be written again, in the five steps of CiA 301.
@@ -91,9 +92,9 @@ fn procedure(bench: &mut Bench<'_>) -> Judged {
         bench.download(multiplexer, &value)?.expect_confirmation()?;
     }
     let after = bench.mapping(TPDO)?;
-    demand(after == before, || {
+    bench.check(demand(after == before, || {
         Reason::new("the mapping is as it was written", format!("{before:?}"), format!("{after:?}"))
-    })
+    }))
 }
 
 /// A TPDO carries its objects in the order of its mapping.
@@ -107,7 +108,7 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
         .find(|mapped| mapped.at != changeable.at && u32::from(mapped.bits) + u32::from(changeable.bits) <= 64);
     let Some(second) = second else {
         let reason = Reason::new("a TPDO can carry two objects", "two in the description", "one");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     bench.set_mapping(TPDO, &[second, changeable])?;
     let has_timer = bench.has(TPDO.parameter(5))?;
@@ -127,14 +128,14 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     let length = usize::from((second.bits + changeable.bits) / 8);
     let Some(last) = heard.last() else {
         let reason = Reason::new("TPDO 1 is sent", "one every 100 ms, or with SYNC", "none in 300 ms");
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     };
     let found = last.data().get(usize::from(second.bits / 8)..).unwrap_or_default();
-    demand(last.data().len() == length && found == other, || {
+    bench.check(demand(last.data().len() == length && found == other, || {
         let duty = format!("{} comes behind {}, as mapped", changeable.at, second.at);
         let expected = format!("{length} bytes that end in {}", Bytes(&other));
         Reason::new(duty, expected, Bytes(last.data()).to_string())
-    })
+    }))
 }
 
 /// The entries of a mapping can't be changed while sub-index 0 counts them.
@@ -144,9 +145,9 @@ fn entry_in_use(bench: &mut Bench<'_>) -> Judged {
     bench.pdo_off(TPDO)?;
     let before = bench.read(TPDO.entry(1))?;
     let attempt = bench.download(TPDO.entry(1), &0_u32.to_le_bytes())?;
-    let verdict = attempt.expect_abort(&NOT_NOW, &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused_with(&NOT_NOW, &[AbortCode::GENERAL]))?;
     bench.expect_unchanged(TPDO.entry(1), &before)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// More objects than the mapping has entries are refused with abort 0604 0042h.
@@ -154,11 +155,10 @@ fn entry_in_use(bench: &mut Bench<'_>) -> Judged {
        needs = [Tpdo, DynamicMapping], catches = [MappingCountUnchecked], cct = "3.25")]
 fn count(bench: &mut Bench<'_>) -> Judged {
     bench.open_mapping(TPDO)?;
-    let mut verdict = Verdict::Pass;
     // FEh and FFh are MPDOs, which a device without them refuses as well.
     for wrong in [65_u8, 0xFE, 0xFF] {
         let attempt = bench.download(TPDO.entry(0), &[wrong])?;
-        let also = [
+        let _also = [
             AbortCode::NO_OBJECT,
             AbortCode::NOT_MAPPABLE,
             AbortCode::UNSUPPORTED_ACCESS,
@@ -166,9 +166,9 @@ fn count(bench: &mut Bench<'_>) -> Judged {
             AbortCode::VALUE_TOO_HIGH,
             AbortCode::GENERAL,
         ];
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::PDO_LENGTH], &also)?);
+        bench.check(attempt.refused(Situation::MappingRefused))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// An object that does not exist can't be mapped: abort 0602 0000h or 0604 0041h.
@@ -185,7 +185,7 @@ fn missing_sub_index(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let Some(first) = before.first() else {
         let reason = Reason::new("TPDO 1 maps an object", "one", "none");
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     };
     let entry = u32::from(first.at.index.0) << 16 | 0xFD00 | u32::from(first.bits);
     let strict = [AbortCode::NO_SUB_INDEX, AbortCode::NO_OBJECT, AbortCode::NOT_MAPPABLE];
@@ -217,7 +217,7 @@ fn dummy_in_rpdo(bench: &mut Bench<'_>) -> Judged {
             refused(bench, RPDO, entry, &[AbortCode::NOT_MAPPABLE, AbortCode::NO_OBJECT], &[AbortCode::GENERAL])?;
         }
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// An object that can only be read can't be mapped into an RPDO: abort 0604 0041h.
@@ -228,7 +228,7 @@ fn read_only_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     let writable = bench.rpdo_objects();
     let Some(object) = candidates.into_iter().find(|mapped| !writable.contains(mapped)) else {
         let reason = Reason::new("an object is for TPDOs only", "one in the description", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let tolerated = [AbortCode::READ_ONLY, AbortCode::GENERAL];
     refused(bench, RPDO, object.entry(), &[AbortCode::NOT_MAPPABLE], &tolerated)
@@ -241,7 +241,7 @@ fn rpdo_object_in_tpdo(bench: &mut Bench<'_>) -> Judged {
     let readable = bench.tpdo_objects();
     let Some(object) = bench.rpdo_objects().into_iter().find(|mapped| !readable.contains(mapped)) else {
         let reason = Reason::new("an object is for RPDOs only", "one in the description", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let tolerated = [AbortCode::WRITE_ONLY, AbortCode::GENERAL];
     refused(bench, TPDO, object.entry(), &[AbortCode::NOT_MAPPABLE], &tolerated)
@@ -275,7 +275,7 @@ fn every_object(bench: &mut Bench<'_>, pdo: Pdo, objects: &[Mapped]) -> Judged {
         attempt.expect_confirmation()?;
         bench.download(pdo.entry(0), &[0])?.expect_confirmation()?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The mapping of an RPDO that is valid can't be changed, and stays as it is.
@@ -288,7 +288,7 @@ fn rpdo_valid(bench: &mut Bench<'_>) -> Judged {
         bench.pdo_on(RPDO, cob_id)?;
     }
     let attempt = bench.download(RPDO.entry(0), &[0])?;
-    let verdict = attempt.expect_abort(&NOT_NOW, &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused_with(&NOT_NOW, &[AbortCode::GENERAL]))?;
     bench.expect_unchanged(RPDO.entry(0), &before)?;
-    Ok(verdict)
+    Ok(())
 }

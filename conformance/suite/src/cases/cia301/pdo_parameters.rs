@@ -3,17 +3,18 @@
 use crate::bench::Bench;
 use crate::bench::pdo::{Pdo, RPDO, TPDO};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::CobId;
-use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
 /// A CAN-ID that no predefined object has and CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
 
 /// The first four PDOs of either direction that the device has, with the bases of their predefined CAN-IDs.
-fn predefined(bench: &mut Bench<'_>) -> Result<Vec<(Pdo, u32)>, Verdict> {
+fn predefined(bench: &mut Bench<'_>) -> Result<Vec<(Pdo, u32)>, Stop> {
     let mut found = Vec::new();
     for (first, base) in [(TPDO, 0x180), (RPDO, 0x200)] {
         for number in 1..=4_u16 {
@@ -30,7 +31,6 @@ fn predefined(bench: &mut Bench<'_>) -> Result<Vec<(Pdo, u32)>, Verdict> {
 #[case(id = "301/pdo/parameter-count", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
        needs = [Tpdo], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "3.1")]
 fn parameter_count(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     for (pdo, _) in predefined(bench)? {
         let value = bench.upload(pdo.parameter(0))?.value()?;
         demand(matches!(value.as_slice(), [2..=6]), || {
@@ -38,10 +38,9 @@ fn parameter_count(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, "one byte, 2 to 6", Bytes(&value).to_string())
         })?;
         let attempt = bench.download(pdo.parameter(0), &value)?;
-        let tolerated = [AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::READ_ONLY], &tolerated)?);
+        bench.check(attempt.refused(Situation::ReadOnly))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// The first four PDOs of either direction have their predefined CAN-IDs as delivered, or are switched off.
@@ -61,7 +60,7 @@ fn cob_id_predefined(bench: &mut Bench<'_>) -> Judged {
             Reason::new(format!("{} is predefined", pdo.parameter(1)), expected, format!("{:08X}h", cob_id.0))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A TPDO that gets another CAN-ID while it is off is sent with it, and no longer with the old one.
@@ -85,10 +84,10 @@ fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
         }
         None::<()>
     })?;
-    demand(new > 0 && old == 0, || {
+    bench.check(demand(new > 0 && old == 0, || {
         let actual = format!("{new} with the new one, {old} with the old one");
         Reason::new(format!("TPDO 1 is sent with its new CAN-ID {FREE:03X}h"), "only with the new one", actual)
-    })
+    }))
 }
 
 /// Writing the COB-ID that a PDO has already is confirmed.
@@ -107,7 +106,7 @@ fn cob_id_too_high(bench: &mut Bench<'_>) -> Judged {
     let own = bench.pdo_off(TPDO)?;
     let wrong = own.0 & 0x4000_0000 | 0x0000_0812;
     let attempt = bench.download(TPDO.parameter(1), &wrong.to_le_bytes())?;
-    attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::VALUE_TOO_HIGH, AbortCode::GENERAL])
+    bench.check(attempt.refused(Situation::InvalidValue))
 }
 
 /// A device that knows only 11-bit CAN-IDs refuses bit 29 of a COB-ID with abort 0609 0030h; one that takes it sends
@@ -120,17 +119,17 @@ fn cob_id_extended(bench: &mut Bench<'_>) -> Judged {
     let extended = own.0 & 0x4000_0000 | 1 << 29 | 0x0012_3456;
     let attempt = bench.download(TPDO.parameter(1), &extended.to_le_bytes())?;
     if attempt.abort().is_some() {
-        return attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::VALUE_TOO_HIGH, AbortCode::GENERAL]);
+        return bench.check(attempt.refused(Situation::InvalidValue));
     }
     bench.command(canvass_analyzer::wire::nmt::Command::START)?;
     let sent = bench.wait_for(Duration::from_millis(500), |record| {
         let id = record.frame.id();
         (id.is_extended() && id.raw() == 0x0012_3456).then_some(())
     })?;
-    demand(sent.is_some(), || {
+    bench.check(demand(sent.is_some(), || {
         let duty = "a device that takes a 29-bit COB-ID uses it";
         Reason::new(duty, "TPDOs with 00123456h, or abort 0609 0030h", "confirmation, but no such frame")
-    })
+    }))
 }
 
 /// A device that answers no remote frames refuses to clear bit 30 of a TPDO's COB-ID with abort 0609 0030h.
@@ -142,7 +141,7 @@ fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
     let with_remote = own.0 & !(CobId::NO_RTR | CobId::INVALID);
     let attempt = bench.download(TPDO.parameter(1), &with_remote.to_le_bytes())?;
     if attempt.abort().is_some() {
-        return attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL]);
+        return bench.check(attempt.refused(Situation::InvalidValue));
     }
     bench.command(canvass_analyzer::wire::nmt::Command::START)?;
     bench.listen(Duration::from_millis(200))?;
@@ -151,10 +150,10 @@ fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
         bench.send(&request)?;
     }
     let answers = bench.frames_of((can_id & 0x7FF) as u16, bench.timing().silence)?;
-    demand(answers.iter().any(|record| !record.frame.is_remote()), || {
+    bench.check(demand(answers.iter().any(|record| !record.frame.is_remote()), || {
         let duty = "a device that takes a COB-ID without bit 30 answers remote frames";
         Reason::new(duty, "a TPDO, or abort 0609 0030h", "confirmation, but no answer")
-    })
+    }))
 }
 
 /// The transmission types 252 and 253, which need remote frames, are refused for a PDO without them: abort 0609 0030h.
@@ -169,18 +168,18 @@ fn remote_type(bench: &mut Bench<'_>) -> Judged {
     let with = own.0 & !(CobId::NO_RTR | CobId::INVALID);
     let knows_remote = bench.download(TPDO.parameter(1), &with.to_le_bytes())?.abort().is_none();
     bench.write(TPDO.parameter(1), &without.to_le_bytes())?;
-    let mut verdict = Verdict::Pass;
     for transmission_type in [252_u8, 253] {
         let attempt = bench.download(TPDO.parameter(2), &[transmission_type])?;
         if knows_remote && attempt.abort().is_none() {
             let expected = "abort 0609 0030h, or bit 30 cleared before the PDO becomes valid";
             let duty = "transmission types 252 and 253 need remote frames";
-            verdict = verdict.and(Verdict::Tolerated(Reason::new(duty, expected, "confirmation")));
+            let breach = Breach::new(TPDO.parameter(2), duty).expected(expected).found(Observation::Confirmation);
+            bench.check(Err(Box::new(breach.tolerated())))?;
             continue;
         }
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
+        bench.check(attempt.refused(Situation::InvalidValue))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// The inhibit time of a PDO that is valid can't be changed: abort 0609 0030h.
@@ -201,20 +200,21 @@ fn while_valid(bench: &mut Bench<'_>, sub: u8, other: &[u8]) -> Judged {
     let multiplexer = TPDO.parameter(sub);
     if !bench.can_write(multiplexer)? {
         let reason = Reason::new("the parameter can be written", multiplexer.to_string(), "absent or read-only");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let before = bench.read(multiplexer)?;
     let attempt = bench.download(multiplexer, other)?;
-    let verdict = attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::DEVICE_STATE, AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::InvalidValue))?;
     bench.expect_unchanged(multiplexer, &before)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// Sub-index 4 of a communication parameter is reserved: reading it is refused with abort 0609 0011h.
 #[case(id = "301/pdo/reserved-entry", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
        needs = [Tpdo], catches = [SdoWrongCodeForNoSubIndex, SdoUnknownAbortCode])]
 fn reserved_entry(bench: &mut Bench<'_>) -> Judged {
-    bench.upload(TPDO.parameter(4))?.expect_abort(&[AbortCode::NO_SUB_INDEX], &[AbortCode::GENERAL])
+    let answer = bench.upload(TPDO.parameter(4))?;
+    bench.check(answer.refused(Situation::MissingEntry))
 }
 
 /// A PDO that carries nothing can't be made valid: abort 0609 0030h, or it stays silent; it never sends empty frames.
@@ -225,12 +225,12 @@ fn empty(bench: &mut Bench<'_>) -> Judged {
     let own = bench.open_mapping(TPDO)?;
     let attempt = bench.download(TPDO.parameter(1), &(own.0 & !CobId::INVALID).to_le_bytes())?;
     if attempt.abort().is_some() {
-        return attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::DEVICE_STATE, AbortCode::GENERAL]);
+        return bench.check(attempt.refused(Situation::InvalidValue));
     }
     bench.command(canvass_analyzer::wire::nmt::Command::START)?;
     let sent = bench.frames_of((own.can_id() & 0x7FF) as u16, Duration::from_millis(500))?;
-    demand(sent.is_empty(), || {
+    bench.check(demand(sent.is_empty(), || {
         let actual = format!("{} frames in 500 ms", sent.len());
         Reason::new("a PDO that carries nothing is not sent", "abort 0609 0030h, or silence", actual)
-    })
+    }))
 }

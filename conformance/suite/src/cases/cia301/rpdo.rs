@@ -5,7 +5,8 @@
 use crate::bench::Bench;
 use crate::bench::pdo::{Mapped, RPDO};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy};
 use canvass_analyzer::wire::nmt::Command;
@@ -25,10 +26,10 @@ struct Subject {
 }
 
 /// Gives RPDO 1 one object and a transmission type.
-fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Verdict> {
+fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
     let Some(mapped) = bench.rpdo_objects().into_iter().find(|mapped| (16..=32).contains(&mapped.bits)) else {
         let reason = Reason::new("an RPDO can carry an object that SDOs read", "one in the description", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let before = bench.read(mapped.at)?;
     bench.write(mapped.at, &before)?;
@@ -40,25 +41,25 @@ fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Verd
     Ok(Subject { mapped, can_id, before, other })
 }
 
-fn operational(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction).map(|_| ())
 }
 
-fn send(bench: &mut Bench<'_>, subject: &Subject, data: &[u8]) -> Result<(), Verdict> {
+fn send(bench: &mut Bench<'_>, subject: &Subject, data: &[u8]) -> Result<(), Stop> {
     bench.send_bytes(subject.can_id, data)?;
     bench.listen(AFTER_PDO).map(|_| ())
 }
 
 fn expect_value(bench: &mut Bench<'_>, at: Multiplexer, right: &[u8], duty: &str) -> Judged {
     let now = bench.read(at)?;
-    demand(now == right, || Reason::new(duty, Bytes(right).to_string(), Bytes(&now).to_string()))
+    bench.check(demand(now == right, || Reason::new(duty, Bytes(right).to_string(), Bytes(&now).to_string())))
 }
 
 /// Sends the RPDO once as it should be: that it acts shows that its silence in the case means something.
-fn proven(bench: &mut Bench<'_>, subject: &Subject) -> Result<(), Verdict> {
+fn proven(bench: &mut Bench<'_>, subject: &Subject) -> Result<(), Stop> {
     send(bench, subject, &subject.other)?;
-    expect_value(bench, subject.mapped.at, &subject.other, "the RPDO acts").map_err(Verdict::as_inconclusive)?;
+    expect_value(bench, subject.mapped.at, &subject.other, "the RPDO acts").or_inconclusive()?;
     send(bench, subject, &subject.before)
 }
 
@@ -192,7 +193,7 @@ fn other_frames(bench: &mut Bench<'_>) -> Judged {
         let duty = format!("{what} with the CAN-ID of an RPDO has no effect");
         expect_value(bench, subject.mapped.at, value, &duty)?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Of many RPDOs in a row the last one counts, and the device goes on working.
@@ -229,7 +230,7 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
     });
     let Some((mapped, beyond)) = limited else {
         let reason = Reason::new("an RPDO can carry an object with a limit", "one in the description", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let before = bench.read(mapped.at)?;
     bench.write(mapped.at, &before)?;
@@ -243,10 +244,10 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
     bench.send_bytes(can_id, &data)?;
     bench.listen(AFTER_PDO)?;
     let now = bench.read(mapped.at)?;
-    demand(now != data, || {
+    bench.check(demand(now != data, || {
         let duty = format!("{} does not take by RPDO what it does not take by SDO", mapped.at);
         Reason::new(duty, "a value within its limits", Bytes(&now).to_string())
-    })
+    }))
 }
 
 /// An RPDO whose deadline (event timer) passes is reported by EMCY 8250h.
@@ -257,7 +258,7 @@ fn deadline(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 255)?;
     if !bench.can_write(RPDO.parameter(5))? {
         let reason = Reason::new("RPDO 1 has a deadline", "1400h:05", "the device has no 1400h:05 that can be written");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     bench.set_pdo(RPDO, &[(5, &DEADLINE_MS.to_le_bytes())])?;
     operational(bench)?;
@@ -267,49 +268,46 @@ fn deadline(bench: &mut Bench<'_>) -> Judged {
     let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     let heard = bench.frames_of(emcy_id, Duration::from_millis(u64::from(DEADLINE_MS) * 4))?;
     let code = |data: &[u8]| Emcy::read(data).ok().and_then(|emcy| emcy.code()).map(|code| code.0);
-    demand(heard.iter().any(|record| code(record.frame.data()) == Some(0x8250)), || {
+    bench.check(demand(heard.iter().any(|record| code(record.frame.data()) == Some(0x8250)), || {
         let shown: Vec<String> = heard.iter().map(|record| record.frame.to_string()).collect();
         let actual = if shown.is_empty() { "no EMCY".to_owned() } else { shown.join(", ") };
         Reason::new(format!("an RPDO missing for {DEADLINE_MS} ms is reported"), "EMCY 8250h", actual)
-    })
+    }))
 }
 
 /// The transmission types 241 to 253, which are reserved for RPDOs, are refused with abort 0609 0030h.
 #[case(id = "301/rpdo/reserved-type", clause = "CiA 301 7.5.2.35", confidence = Attested, level = Must,
        needs = [Rpdo], catches = [ReservedTransmissionTypeAccepted])]
 fn reserved_type(bench: &mut Bench<'_>) -> Judged {
-    use canvass_analyzer::wire::sdo::AbortCode;
     if !bench.can_write(RPDO.parameter(2))? {
         let reason = Reason::new("the transmission type of RPDO 1 can be changed", "1400h:02", "not writable");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     bench.pdo_off(RPDO)?;
     let before = bench.read(RPDO.parameter(2))?;
-    let mut verdict = Verdict::Pass;
     for reserved in [241_u8, 247, 251, 252, 253] {
         let attempt = bench.download(RPDO.parameter(2), &[reserved])?;
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
+        bench.check(attempt.refused(Situation::InvalidValue))?;
     }
     bench.expect_unchanged(RPDO.parameter(2), &before)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// The CAN-ID of an RPDO that is valid can't be changed: abort 0609 0030h, and the COB-ID stays.
 #[case(id = "301/rpdo/cob-id/valid", clause = "CiA 301 7.5.2.35", confidence = Attested, level = Must,
        needs = [RpdoMapping], catches = [CobIdChangeWhileValid])]
 fn cob_id_valid(bench: &mut Bench<'_>) -> Judged {
-    use canvass_analyzer::wire::sdo::AbortCode;
     /// A CAN-ID that no predefined object has and CiA 301 does not restrict.
     const FREE: u32 = 0x6A0;
     let subject = subject(bench, 255)?;
     let own = bench.read(RPDO.parameter(1))?;
     let other = crate::bench::sdo::number(&own) & !0x7FF | FREE;
     let attempt = bench.download(RPDO.parameter(1), &other.to_le_bytes())?;
-    let verdict = attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::InvalidValue))?;
     bench.expect_unchanged(RPDO.parameter(1), &own)?;
     operational(bench)?;
     proven(bench, &subject)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// An RPDO that gets another CAN-ID while it is off is received with it.
@@ -336,7 +334,7 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     let objects: Vec<Mapped> = bench.rpdo_objects().into_iter().filter(|mapped| mapped.bits <= 32).take(2).collect();
     let [first, second] = objects.as_slice() else {
         let reason = Reason::new("an RPDO can carry two objects", "two in the description", "fewer");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let before = [bench.read(first.at)?, bench.read(second.at)?];
     for (mapped, value) in objects.iter().zip(&before) {
@@ -360,7 +358,7 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
 fn synchronous_types(bench: &mut Bench<'_>) -> Judged {
     if !bench.can_write(RPDO.parameter(2))? {
         let reason = Reason::new("the transmission type of RPDO 1 can be changed", "1400h:02", "not writable");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     bench.pdo_off(RPDO)?;
     for kind in [0_u8, 1, 2, 240] {
@@ -368,5 +366,5 @@ fn synchronous_types(bench: &mut Bench<'_>) -> Judged {
         attempt.what = format!("transmission type {kind} of RPDO 1");
         attempt.expect_confirmation()?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

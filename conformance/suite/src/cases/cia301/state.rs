@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::bench::state::command_to;
 use crate::case;
-use crate::verdict::{Judged, Verdict};
+use crate::verdict::Judged;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::sdo::Request;
@@ -21,7 +21,7 @@ fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
     }
     bench.listen(bench.timing().reaction)?;
     let reply = bench.send_unanswered(&Request::upload(DEVICE_TYPE), "upload of 1000h:00 in stopped")?;
-    reply.expect_silence()
+    bench.check(reply.expect_silence())
 }
 
 /// In pre-operational and in operational the SDO server answers.
@@ -37,5 +37,5 @@ fn operational_sdo(bench: &mut Bench<'_>) -> Judged {
         attempt.what = format!("{} in {state}", attempt.what);
         attempt.value()?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

@@ -3,7 +3,8 @@
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -20,7 +21,7 @@ const PERIOD_US: u32 = 50_000;
 const PERIOD_TIME: Duration = Duration::from_millis(50);
 
 /// Lets the device produce SYNC every 50 ms, with a counter if `overflow` is not 0.
-fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<(), Verdict> {
+fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<(), Stop> {
     let own = bench.read_number(COB_ID)?;
     bench.write(PERIOD, &0_u32.to_le_bytes())?;
     if bench.has(OVERFLOW)? {
@@ -30,7 +31,7 @@ fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<(), Verdict> {
     bench.write(COB_ID, &(own | PRODUCES).to_le_bytes())
 }
 
-fn syncs(bench: &mut Bench<'_>, periods: u64) -> Result<Vec<Record>, Verdict> {
+fn syncs(bench: &mut Bench<'_>, periods: u64) -> Result<Vec<Record>, Stop> {
     bench.frames_of(sync::CAN_ID, PERIOD_TIME.times(periods))
 }
 
@@ -53,11 +54,14 @@ fn period(bench: &mut Bench<'_>) -> Judged {
     if let Some(mean) = mean {
         bench.measure("SYNC period, mean", mean);
     }
-    demand(mean.is_some_and(|mean| mean.nanos().abs_diff(PERIOD_TIME.nanos()) <= tolerance.nanos()), || {
-        let actual = mean.map_or_else(|| format!("{} SYNCs", heard.len()), |mean| mean.to_string());
-        let expected = format!("{PERIOD_TIME} ± {tolerance} on average");
-        Reason::new(format!("with 1006h = {PERIOD_US} SYNC comes every {PERIOD_TIME}"), expected, actual)
-    })
+    bench.check(demand(
+        mean.is_some_and(|mean| mean.nanos().abs_diff(PERIOD_TIME.nanos()) <= tolerance.nanos()),
+        || {
+            let actual = mean.map_or_else(|| format!("{} SYNCs", heard.len()), |mean| mean.to_string());
+            let expected = format!("{PERIOD_TIME} ± {tolerance} on average");
+            Reason::new(format!("with 1006h = {PERIOD_US} SYNC comes every {PERIOD_TIME}"), expected, actual)
+        },
+    ))
 }
 
 /// With 1006h = 0 no SYNC is produced.
@@ -67,13 +71,13 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     produce(bench, 0)?;
     let before = syncs(bench, 4)?;
     demand(!before.is_empty(), || Reason::new("SYNC is produced", "one every 50 ms", "none in 200 ms"))
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
     bench.write(PERIOD, &0_u32.to_le_bytes())?;
     bench.listen(bench.timing().reaction)?;
     let after = syncs(bench, 6)?;
-    demand(after.is_empty(), || {
+    bench.check(demand(after.is_empty(), || {
         Reason::new("with 1006h = 0 no SYNC is produced", "silence", format!("{} SYNCs in 300 ms", after.len()))
-    })
+    }))
 }
 
 /// In stopped no SYNC is produced; in pre-operational and operational it is.
@@ -86,15 +90,14 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
         bench.listen(bench.timing().reaction)?;
         let heard = syncs(bench, 4)?;
         let duty = format!("SYNC is produced after {command}");
-        demand(!heard.is_empty(), || Reason::new(duty, "one every 50 ms", "none in 200 ms"))
-            .map_err(Verdict::as_inconclusive)?;
+        demand(!heard.is_empty(), || Reason::new(duty, "one every 50 ms", "none in 200 ms")).or_inconclusive()?;
     }
     bench.command(Command::STOP)?;
     bench.listen(bench.timing().reaction)?;
     let heard = syncs(bench, 6)?;
-    demand(heard.is_empty(), || {
+    bench.check(demand(heard.is_empty(), || {
         Reason::new("no SYNC is produced in stopped", "silence", format!("{} SYNCs in 300 ms", heard.len()))
-    })
+    }))
 }
 
 /// With a counter (1019h) SYNC has one byte that counts from 1 to the overflow value and begins anew.
@@ -108,9 +111,9 @@ fn counter(bench: &mut Bench<'_>) -> Judged {
         [[before], [now]] => (1..=5).contains(before) && *now == before % 5 + 1,
         _ => false,
     };
-    demand(bytes.len() > 6 && bytes.windows(2).all(is_right), || {
+    bench.check(demand(bytes.len() > 6 && bytes.windows(2).all(is_right), || {
         Reason::new("with 1019h = 5 SYNC counts from 1 to 5", "1, 2, 3, 4, 5, 1, …", data(&heard))
-    })
+    }))
 }
 
 /// The counter begins with 1 when the device leaves stopped.
@@ -123,9 +126,9 @@ fn counter_restarts(bench: &mut Bench<'_>) -> Judged {
     bench.listen(bench.timing().reaction)?;
     bench.command(Command::START)?;
     let heard = syncs(bench, 4)?;
-    demand(heard.first().is_some_and(|record| record.data() == [1]), || {
+    bench.check(demand(heard.first().is_some_and(|record| record.data() == [1]), || {
         Reason::new("after stopped the SYNC counter begins with 1", "01", data(&heard))
-    })
+    }))
 }
 
 /// Without a counter (1019h = 0) SYNC carries no data.
@@ -134,9 +137,9 @@ fn counter_restarts(bench: &mut Bench<'_>) -> Judged {
 fn no_counter(bench: &mut Bench<'_>) -> Judged {
     produce(bench, 0)?;
     let heard = syncs(bench, 6)?;
-    demand(!heard.is_empty() && heard.iter().all(|record| record.data().is_empty()), || {
+    bench.check(demand(!heard.is_empty() && heard.iter().all(|record| record.data().is_empty()), || {
         Reason::new("without counter SYNC has no data", "empty frames", data(&heard))
-    })
+    }))
 }
 
 /// 1019h takes 0 and 2 to 240; 1 and 241 to 255 are refused with abort 0609 0030h.
@@ -144,16 +147,14 @@ fn no_counter(bench: &mut Bench<'_>) -> Judged {
        needs = [SyncCounter], catches = [SyncOverflowUnchecked], cct = "6.5")]
 fn overflow_range(bench: &mut Bench<'_>) -> Judged {
     bench.write(PERIOD, &0_u32.to_le_bytes())?;
-    let mut verdict = Verdict::Pass;
     for wrong in [1_u8, 241, 255] {
         let attempt = bench.download(OVERFLOW, &[wrong])?;
-        let tolerated = [AbortCode::VALUE_TOO_HIGH, AbortCode::VALUE_TOO_LOW, AbortCode::GENERAL];
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &tolerated)?);
+        bench.check(attempt.refused(Situation::InvalidValue))?;
     }
     for right in [2_u8, 240, 0] {
         bench.download(OVERFLOW, &[right])?.expect_confirmation()?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// While 1006h is not 0, 1019h can't be changed: abort 0800 0022h.
@@ -164,10 +165,10 @@ fn overflow_while_running(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read(OVERFLOW)?;
     let other = if before == [10] { 20 } else { 10 };
     let attempt = bench.download(OVERFLOW, &[other])?;
-    let verdict = attempt.expect_abort(&[AbortCode::DEVICE_STATE], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::OverflowWhilePeriod))?;
     bench.expect_unchanged(OVERFLOW, &before)?;
     bench.write(PERIOD, &0_u32.to_le_bytes())?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// While the device produces SYNC, its CAN-ID can't be changed: abort 0609 0030h.
@@ -178,10 +179,10 @@ fn cob_id_while_producing(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read(COB_ID)?;
     let other = crate::bench::sdo::number(&own) & !0x7FF | 0x0A0;
     let attempt = bench.download(COB_ID, &other.to_le_bytes())?;
-    let verdict = attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::InvalidValue))?;
     bench.expect_unchanged(COB_ID, &own)?;
     bench.write(COB_ID, &(crate::bench::sdo::number(&own) & !PRODUCES).to_le_bytes())?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// 1005h names the predefined CAN-ID 080h as delivered.
@@ -189,9 +190,9 @@ fn cob_id_while_producing(bench: &mut Bench<'_>) -> Judged {
        needs = [Sync], catches = [SyncIdWrong], cct = "6.1")]
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
-    demand(own & 0x1FFF_FFFF == u32::from(sync::CAN_ID), || {
+    bench.check(demand(own & 0x1FFF_FFFF == u32::from(sync::CAN_ID), || {
         Reason::new("1005h names the predefined CAN-ID", "080h", format!("{own:08X}h"))
-    })
+    }))
 }
 
 /// A consumer that expects a counter takes SYNC of another length than one byte for wrong: it sends no TPDO.
@@ -207,8 +208,7 @@ fn wrong_length(bench: &mut Bench<'_>) -> Judged {
     bench.listen(bench.timing().reaction)?;
     bench.send_bytes(sync::CAN_ID, &[1])?;
     let right = bench.frames_of(can_id, Duration::from_millis(50))?;
-    demand(!right.is_empty(), || Reason::new("SYNC with a counter is obeyed", "a TPDO", "none"))
-        .map_err(Verdict::as_inconclusive)?;
+    demand(!right.is_empty(), || Reason::new("SYNC with a counter is obeyed", "a TPDO", "none")).or_inconclusive()?;
     for wrong in [&[][..], &[2, 0]] {
         bench.drain()?;
         bench.send_bytes(sync::CAN_ID, wrong)?;
@@ -223,7 +223,7 @@ fn wrong_length(bench: &mut Bench<'_>) -> Judged {
             bench.note(format!("SYNC of {} bytes is not reported by EMCY 8240h", wrong.len()));
         }
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A device that only consumes SYNC refuses to produce it: abort 0609 0030h for bit 30 of 1005h.
@@ -232,7 +232,7 @@ fn wrong_length(bench: &mut Bench<'_>) -> Judged {
 fn consumer_only(bench: &mut Bench<'_>) -> Judged {
     if bench.has(PERIOD)? && bench.target().description.is_none() {
         let reason = Reason::new("the device is known to be no producer", "a description", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let own = bench.read_number(COB_ID)?;
     // Where nothing of 1005h can be changed, that is the reason to refuse.
@@ -243,12 +243,12 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
         bench.write(COB_ID, &own.to_le_bytes())?;
         produce(bench, 0)?;
         let heard = syncs(bench, 6)?;
-        return demand(!heard.is_empty(), || {
+        return bench.check(demand(!heard.is_empty(), || {
             let duty = "a device that takes bit 30 of 1005h produces SYNC";
             Reason::new(duty, "SYNC, or abort 0609 0030h", "confirmation, but no SYNC")
-        });
+        }));
     }
-    attempt.expect_abort(&[strict], &[AbortCode::INVALID_VALUE, AbortCode::READ_ONLY, AbortCode::GENERAL])
+    bench.check(attempt.refused_with(&[strict], &[AbortCode::INVALID_VALUE, AbortCode::READ_ONLY, AbortCode::GENERAL]))
 }
 
 /// The synchronous counter overflow value that was stored is there after reset node. The old one is stored again.
@@ -266,8 +266,8 @@ fn overflow_stored(bench: &mut Bench<'_>) -> Judged {
     bench.write(OVERFLOW, &before)?;
     bench.write(STORE, b"save")?;
     let stored = stored?;
-    demand(stored == other, || {
+    bench.check(demand(stored == other, || {
         let duty = "1019h has its stored value after reset node";
         Reason::new(duty, Bytes(&other).to_string(), Bytes(&stored).to_string())
-    })
+    }))
 }

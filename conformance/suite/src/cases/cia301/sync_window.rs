@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_traces::{Duration, Record};
@@ -15,7 +15,7 @@ const IN_THE_WAY: u16 = 0x07F;
 /// So many full frames take 8 ms at 1 Mbit/s, and longer at every other bit rate.
 const FRAMES: usize = 70;
 
-fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Verdict> {
+fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     let none = 0_u16.to_le_bytes();
     bench.set_pdo(TPDO, &[(2, &[1])])?;
     if bench.can_write(TPDO.parameter(5))? {
@@ -33,12 +33,12 @@ fn count(heard: &[Record], can_id: u16) -> usize {
        needs = [EventTimer, Sync, DynamicMapping], catches = [SyncWindowIgnored])]
 fn window(bench: &mut Bench<'_>) -> Judged {
     if !bench.can_write(WINDOW)? {
-        return Err(Verdict::NotApplicable(Reason::new("the device has a synchronous window", "1007h", "none")));
+        return Err(Stop::NotApplicable(Reason::new("the device has a synchronous window", "1007h", "none")));
     }
     if bench.bit_rate().is_none() {
         // Nothing is in anything's way on a bus without wires.
         let reason = Reason::new("frames take their time on the bus", "a known bit rate", "none, as a vcan has none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let can_id = synchronous(bench)?;
     let sync = bench.sync_id()?;
@@ -52,7 +52,7 @@ fn window(bench: &mut Bench<'_>) -> Judged {
         let duty = "with a free bus TPDO 1 comes within the window of 5 ms";
         Reason::new(duty, "one TPDO", format!("{}", count(&free, can_id)))
     })
-    .map_err(Verdict::as_inconclusive)?;
+    .or_inconclusive()?;
     bench.send_bytes(sync, &[])?;
     for _ in 0..FRAMES {
         bench.send_bytes(IN_THE_WAY, &[0xFF; 8])?;
@@ -62,12 +62,12 @@ fn window(bench: &mut Bench<'_>) -> Judged {
     if late == 1 && !is_behind_the_crowd(bench, can_id) {
         // The bus was free between two frames of the tester: it came in time.
         let reason = Reason::new("the bus is busy while the window is open", "no gap", "a TPDO came through at once");
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     }
-    demand(late == 0, || {
+    bench.check(demand(late == 0, || {
         let duty = "a TPDO that could not be sent within 1007h = 5000 µs is not sent at all";
         Reason::new(duty, "none", format!("{late}"))
-    })
+    }))
 }
 
 /// Whether the last TPDO came after the last frame that was in its way.
@@ -93,9 +93,9 @@ fn before_start(bench: &mut Bench<'_>) -> Judged {
     bench.send_bytes(sync, &[])?;
     let after = bench.listen(Duration::from_millis(50))?;
     let found = [&before, &started, &after].map(|heard| count(heard, can_id));
-    demand(found == [0, 0, 1], || {
+    bench.check(demand(found == [0, 0, 1], || {
         let duty = "TPDO 1 of type 1 follows the first SYNC in operational";
         let actual = format!("{} in pre-operational, {} after the start, {} after SYNC", found[0], found[1], found[2]);
         Reason::new(duty, "0 in pre-operational, 0 after the start, 1 after SYNC", actual)
-    })
+    }))
 }

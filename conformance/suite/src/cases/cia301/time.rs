@@ -2,10 +2,10 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DataType, Entry};
-use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::time;
 use canvass_bus::client::sdo::Bytes;
 use canvass_traces::Duration;
@@ -17,7 +17,7 @@ const CONSUMES: u32 = 1 << 31;
 const PRODUCES: u32 = 1 << 30;
 
 /// Switches a direction of TIME on; not applicable where the device refuses.
-fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Verdict> {
+fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Stop> {
     let own = bench.read_number(COB_ID)?;
     let attempt = bench.download(COB_ID, &(own & !(CONSUMES | PRODUCES) | bit).to_le_bytes())?;
     match attempt.abort() {
@@ -25,7 +25,7 @@ fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Verdict>
         Some(code) => {
             let reason =
                 Reason::new(format!("the device {what} TIME"), "a bit of 1012h that can be set", code.to_string());
-            Err(Verdict::NotApplicable(reason))
+            Err(Stop::NotApplicable(reason))
         }
     }
 }
@@ -35,9 +35,9 @@ fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Verdict>
        needs = [Time], catches = [TimeIdWrong])]
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
-    demand(own & 0x1FFF_FFFF == u32::from(time::CAN_ID), || {
+    bench.check(demand(own & 0x1FFF_FFFF == u32::from(time::CAN_ID), || {
         Reason::new("1012h names the predefined CAN-ID", "100h", format!("{own:08X}h"))
-    })
+    }))
 }
 
 /// While TIME is consumed or produced, its CAN-ID can't be changed: abort 0609 0030h.
@@ -48,9 +48,9 @@ fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read(COB_ID)?;
     let other = crate::bench::sdo::number(&own) & !0x7FF | 0x6A0;
     let attempt = bench.download(COB_ID, &other.to_le_bytes())?;
-    let verdict = attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::InvalidValue))?;
     bench.expect_unchanged(COB_ID, &own)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// Restricted CAN-IDs are refused for TIME with abort 0609 0030h.
@@ -59,12 +59,11 @@ fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
 fn restricted(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
     bench.write(COB_ID, &(own & !(CONSUMES | PRODUCES)).to_le_bytes())?;
-    let mut verdict = Verdict::Pass;
     for can_id in [0x001_u32, 0x101, 0x581, 0x601, 0x6E0, 0x701] {
         let attempt = bench.download(COB_ID, &(CONSUMES | can_id).to_le_bytes())?;
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
+        bench.check(attempt.refused(Situation::InvalidValue))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// A consumer of TIME takes the time over: an object of type TIME_OF_DAY that the description names shows it.
@@ -78,7 +77,7 @@ fn consumer(bench: &mut Bench<'_>) -> Judged {
     });
     let Some(clock) = clock else {
         let reason = Reason::new("the device shows its time", "an object of type TIME_OF_DAY", "none is described");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     // 06:00 on 1 January 2020: 28 bits of milliseconds since midnight, days since 1 January 1984.
     let (milliseconds, days) = (6 * 3_600_000_u32, 13_149_u16);
@@ -87,10 +86,10 @@ fn consumer(bench: &mut Bench<'_>) -> Judged {
     bench.send_bytes(time::CAN_ID, &[a, b, c, d, low, high])?;
     bench.listen(bench.timing().reaction)?;
     let value = bench.upload(clock)?.value()?;
-    demand(value.get(4..6) == Some(&[low, high]), || {
+    bench.check(demand(value.get(4..6) == Some(&[low, high]), || {
         let expected = format!("six bytes that end in {}", Bytes(&[low, high]));
         Reason::new(format!("{clock} follows a TIME message"), expected, Bytes(&value).to_string())
-    })
+    }))
 }
 
 /// A producer sends TIME of six bytes whose upper four bits of the milliseconds are 0.
@@ -101,10 +100,10 @@ fn producer(bench: &mut Bench<'_>) -> Judged {
     let heard = bench.frames_of(time::CAN_ID, Duration::from_secs(5))?;
     let Some(first) = heard.first() else {
         let reason = Reason::new("the device produces TIME", "one within 5 s", "none");
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     };
     let is_right = |data: &[u8]| data.len() == 6 && data.get(3).is_some_and(|byte| byte & 0xF0 == 0);
-    demand(heard.iter().all(|record| is_right(record.data())), || {
+    bench.check(demand(heard.iter().all(|record| is_right(record.data())), || {
         Reason::new("TIME has six bytes, bits 28 to 31 are 0", "six bytes", Bytes(first.data()).to_string())
-    })
+    }))
 }

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::bench::objects::{EVENT_TIMER, INHIBIT_TIME, TPDO_COB_ID, TRANSMISSION_TYPE};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::CobId;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_traces::{CanId, Duration, Frame, Record};
@@ -12,19 +12,19 @@ const PERIOD_MS: u16 = 100;
 const PERIOD: Duration = Duration::from_millis(100);
 
 /// Sets TPDO 1 to its event timer and returns its CAN-ID.
-fn cyclic_tpdo(bench: &mut Bench<'_>) -> Result<u16, Verdict> {
+fn cyclic_tpdo(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     let cob_id = CobId(bench.read_number(TPDO_COB_ID)?);
     let transmission_type = bench.read_number(TRANSMISSION_TYPE)?;
     if transmission_type < 254 {
         let actual = format!("transmission type {transmission_type}");
         let reason = Reason::new("TPDO 1 is event-driven", "transmission type 254 or 255", actual);
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     bench.write(EVENT_TIMER, &PERIOD_MS.to_le_bytes())?;
     Ok((cob_id.can_id() & 0x7FF) as u16)
 }
 
-fn tpdos(bench: &mut Bench<'_>, cob_id: u16, span: Duration) -> Result<Vec<Record>, Verdict> {
+fn tpdos(bench: &mut Bench<'_>, cob_id: u16, span: Duration) -> Result<Vec<Record>, Stop> {
     let mut heard = Vec::new();
     bench.wait_for(span, |record| {
         if record.frame.cob_id() == Some(cob_id) && heard.len() < 1_000 {
@@ -51,14 +51,14 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
     });
     let longest = gaps.max();
     let limit = PERIOD + bench.tolerance(PERIOD);
-    demand(heard.len() as u64 >= PERIODS && longest.is_some_and(|gap| gap <= limit), || {
+    bench.check(demand(heard.len() as u64 >= PERIODS && longest.is_some_and(|gap| gap <= limit), || {
         let actual = match longest {
             Some(gap) => format!("{} TPDOs, up to {gap} apart", heard.len()),
             None => format!("{} TPDOs", heard.len()),
         };
         let duty = format!("with {EVENT_TIMER} = {PERIOD_MS} the TPDO comes every {PERIOD}");
         Reason::new(duty, format!("gaps of {limit} at most"), actual)
-    })
+    }))
 }
 
 /// In pre-operational no TPDO is sent, even where its event timer runs.
@@ -83,7 +83,7 @@ fn silent_unless_operational(bench: &mut Bench<'_>, command: Command) -> Judged 
     demand(!running.is_empty(), || {
         Reason::new("TPDO 1 is sent in operational", format!("one {}", trigger.text()), "none in three")
     })
-    .map_err(Verdict::as_inconclusive)?;
+    .or_inconclusive()?;
     bench.command(command)?;
     // One may be on its way.
     bench.listen(bench.timing().reaction)?;
@@ -97,13 +97,13 @@ fn silent_unless_operational(bench: &mut Bench<'_>, command: Command) -> Judged 
 
 /// Nor is it sent where a remote frame asks for it.
 fn not_for_a_remote_frame(bench: &mut Bench<'_>, can_id: u16, command: Command) -> Judged {
-    let Some(request) = Frame::remote(CanId::standard_masked(u32::from(can_id)), 8) else { return Ok(Verdict::Pass) };
+    let Some(request) = Frame::remote(CanId::standard_masked(u32::from(can_id)), 8) else { return Ok(()) };
     bench.send(&request)?;
     let answers = tpdos(bench, can_id, bench.timing().silence)?;
-    demand(answers.is_empty(), || {
+    bench.check(demand(answers.is_empty(), || {
         let duty = format!("after {command} TPDO 1 is not sent");
         Reason::new(duty, "no answer to a remote frame", format!("{} TPDOs", answers.len()))
-    })
+    }))
 }
 
 /// What makes TPDO 1, with that CAN-ID, be sent.
@@ -114,7 +114,7 @@ enum Trigger {
     Sync(u16, u16),
 }
 
-fn trigger(bench: &mut Bench<'_>) -> Result<Trigger, Verdict> {
+fn trigger(bench: &mut Bench<'_>) -> Result<Trigger, Stop> {
     if bench.has(EVENT_TIMER)? {
         return cyclic_tpdo(bench).map(Trigger::Timer);
     }
@@ -126,20 +126,20 @@ fn trigger(bench: &mut Bench<'_>) -> Result<Trigger, Verdict> {
 }
 
 /// Sets the transmission type; some devices of DS-301 V3.0 have a fixed one.
-fn set_type(bench: &mut Bench<'_>, transmission_type: u8) -> Result<(), Verdict> {
+fn set_type(bench: &mut Bench<'_>, transmission_type: u8) -> Result<(), Stop> {
     let attempt = bench.download(TRANSMISSION_TYPE, &[transmission_type])?;
     match attempt.abort() {
         Some(code) => {
             let duty = format!("TPDO 1 can have transmission type {transmission_type}");
-            Err(Verdict::NotApplicable(Reason::new(duty, "confirmation", format!("abort {code}"))))
+            Err(Stop::NotApplicable(Reason::new(duty, "confirmation", format!("abort {code}"))))
         }
-        None => attempt.expect_confirmation().map(|_| ()).map_err(Verdict::as_inconclusive),
+        None => attempt.expect_confirmation().or_inconclusive(),
     }
 }
 
 impl Trigger {
     /// The TPDOs of that many periods or SYNCs.
-    fn listen(&self, bench: &mut Bench<'_>, times: u64) -> Result<Vec<Record>, Verdict> {
+    fn listen(&self, bench: &mut Bench<'_>, times: u64) -> Result<Vec<Record>, Stop> {
         match *self {
             Self::Timer(can_id) => tpdos(bench, can_id, PERIOD.times(times)),
             Self::Sync(can_id, sync_id) => {
@@ -178,7 +178,7 @@ fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
         bench.listen(bench.timing().reaction)?;
         match set_type(bench, cycle) {
-            Err(Verdict::NotApplicable(_)) if cycle == 240 => break,
+            Err(Stop::NotApplicable(_)) if cycle == 240 => break,
             set => set?,
         }
         bench.command(Command::START)?;
@@ -196,7 +196,7 @@ fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("{cycles} TPDOs after {syncs} SYNCs"), format!("{sent}"))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Between two TPDOs at least the inhibit time passes, whatever the event timer says.
@@ -219,8 +219,8 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     });
     let shortest = gaps.min();
     let limit = INHIBIT.nanos().saturating_sub(bench.tolerance(INHIBIT).nanos());
-    demand(shortest.is_some_and(|gap| gap.nanos() >= limit), || {
+    bench.check(demand(shortest.is_some_and(|gap| gap.nanos() >= limit), || {
         let actual = shortest.map_or_else(|| "fewer than two TPDOs".to_owned(), |gap| format!("{gap}"));
         Reason::new("TPDOs are at least the inhibit time apart", INHIBIT.to_string(), actual)
-    })
+    }))
 }

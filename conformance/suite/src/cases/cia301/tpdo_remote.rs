@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
@@ -12,7 +12,7 @@ use canvass_traces::{CanId, Duration, Frame};
 const QUIET: Duration = Duration::from_millis(300);
 
 /// The COB-IDs of the TPDOs that are valid and let themselves be asked for.
-fn candidates(bench: &mut Bench<'_>) -> Result<Vec<u16>, Verdict> {
+fn candidates(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     let mut found = Vec::new();
     for index in 0x1800..0x1804 {
         let Outcome::Uploaded(value) = bench.upload(Multiplexer::new(index, 1))?.outcome else { continue };
@@ -54,7 +54,7 @@ fn remote(bench: &mut Bench<'_>) -> Judged {
     }
     if asked == 0 {
         let reason = Reason::new("a TPDO can be asked for", "bit 30 of 180xh:01 is 0", "none that is quiet by itself");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

@@ -23,11 +23,11 @@ fn stamp(bench: &mut Bench<'_>) -> Judged {
 
 fn holds(bench: &mut Bench<'_>, expected: [[u8; 4]; 2], duty: &str) -> Judged {
     let found = [bench.read(DATE)?, bench.read(TIME)?];
-    demand(found == expected, || {
+    bench.check(demand(found == expected, || {
         let shown =
             |values: &[&[u8]]| values.iter().map(|value| Bytes(value).to_string()).collect::<Vec<_>>().join(", ");
         Reason::new(duty, shown(&[&expected[0], &expected[1]]), shown(&[&found[0], &found[1]]))
-    })
+    }))
 }
 
 /// Date and time in 1020h are 0 as soon as a parameter is changed.

@@ -2,18 +2,18 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::error_control;
 use canvass_bus::client::Outcome;
 
 /// The number in an object that may be absent.
-fn number(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<u32, Verdict> {
+fn number(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<u32, Stop> {
     match bench.upload(multiplexer)?.outcome {
         Outcome::Uploaded(value) => Ok(crate::bench::sdo::number(&value)),
         other => {
             let reason = Reason::new("the device has the object", multiplexer.to_string(), other.to_string());
-            Err(Verdict::NotApplicable(reason))
+            Err(Stop::NotApplicable(reason))
         }
     }
 }
@@ -36,9 +36,9 @@ fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
         entries.filter(|(at, _)| (first..=last).contains(&at.index.0) && at.sub.0 == 1).count() as u32
     };
     let there = count(0x1400, 0x15FF) << 16 | count(0x1800, 0x19FF);
-    demand(there == all, || {
+    bench.check(demand(there == all, || {
         Reason::new("1004h:00 counts the PDOs that there are", format!("{there:08X}h"), format!("{all:08X}h"))
-    })
+    }))
 }
 
 /// 100Bh is the node-ID.
@@ -47,7 +47,9 @@ fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
 fn node_id(bench: &mut Bench<'_>) -> Judged {
     let found = number(bench, Multiplexer::new(0x100B, 0))?;
     let node = u32::from(bench.node().raw());
-    demand(found == node, || Reason::new("100Bh is the node-ID in use", format!("{node}"), format!("{found}")))
+    bench.check(demand(found == node, || {
+        Reason::new("100Bh is the node-ID in use", format!("{node}"), format!("{found}"))
+    }))
 }
 
 /// 100Eh is the COB-ID on which guarding is answered: 700h + node-ID.
@@ -56,7 +58,7 @@ fn node_id(bench: &mut Bench<'_>) -> Judged {
 fn guarding_cob_id(bench: &mut Bench<'_>) -> Judged {
     let found = number(bench, Multiplexer::new(0x100E, 0))? & 0x7FF;
     let used = u32::from(error_control::CAN_ID_BASE) + u32::from(bench.node().raw());
-    demand(found == used, || {
+    bench.check(demand(found == used, || {
         Reason::new("100Eh is the guarding COB-ID", format!("{used:03X}h"), format!("{found:03X}h"))
-    })
+    }))
 }

@@ -3,7 +3,7 @@
 use super::dialogue::{configure, exchange, expect, node_id, shown, wait};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, Request, Response};
@@ -15,12 +15,12 @@ fn is_done(response: Response, wanted: ConfigureCommand) -> bool {
 }
 
 /// Sets the node-ID that the device will use.
-fn set_node_id(bench: &mut Bench<'_>, node_id: u8) -> Result<Option<Response>, Verdict> {
+fn set_node_id(bench: &mut Bench<'_>, node_id: u8) -> Result<Option<Response>, Stop> {
     exchange(bench, Request::ConfigureNodeId { node_id })
 }
 
 /// Gives the device its own node-ID back, as it was.
-fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let own = bench.node().raw();
     configure(bench)?;
     set_node_id(bench, own)?;
@@ -30,7 +30,7 @@ fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Verdict> {
 }
 
 /// Gives the device its own node-ID and the bit rate of the bus back, and stores them where something else is stored.
-pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Verdict> {
+pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
     let own = bench.node().raw();
     let rate = BIT_RATES.iter().position(|rate| rate.is_some() && *rate == bench.bit_rate());
     configure(bench)?;
@@ -48,7 +48,7 @@ pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Verdict
 }
 
 /// A message of that node, whatever its content, within the time that the device has to boot.
-fn boots_as(bench: &mut Bench<'_>, node: u8) -> Result<bool, Verdict> {
+fn boots_as(bench: &mut Bench<'_>, node: u8) -> Result<bool, Stop> {
     let id = error_control::CAN_ID_BASE + u16::from(node);
     let seen = bench.wait_for(bench.timing().boot_up, |record| (record.frame.cob_id() == Some(id)).then_some(()))?;
     Ok(seen.is_some())
@@ -70,8 +70,8 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
     set_node_id(bench, own)?;
     wait(bench)?;
     match wrong {
-        None => Ok(Verdict::Pass),
-        Some((node, answer)) => expect(&format!("node-ID {node}"), "success", answer, |_| false),
+        None => Ok(()),
+        Some((node, answer)) => bench.check(expect(&format!("node-ID {node}"), "success", answer, |_| false)),
     }
 }
 
@@ -80,7 +80,7 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect, NmtBroadcastIgnored])]
 fn takes_effect(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
-        return Err(Verdict::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
+        return Err(Stop::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
     };
     configure(bench)?;
     set_node_id(bench, other)?;
@@ -89,10 +89,10 @@ fn takes_effect(bench: &mut Bench<'_>) -> Judged {
     let booted = boots_as(bench, other)?;
     bench.listen(Duration::from_millis(100))?;
     back_to_own(bench)?;
-    demand(booted, || {
+    bench.check(demand(booted, || {
         let expected = format!("a boot-up message of node {other}");
         Reason::new("the device uses its new node-ID after reset communication", expected, "none")
-    })
+    }))
 }
 
 /// Before a reset the device goes on with its old node-ID.
@@ -100,7 +100,7 @@ fn takes_effect(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdAtOnce])]
 fn pending(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
-        return Err(Verdict::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
+        return Err(Stop::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
     };
     configure(bench)?;
     set_node_id(bench, other)?;
@@ -114,14 +114,14 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
         back_to_own(bench)?;
         bench.note("a new node-ID restarts the device as soon as it is in waiting");
         let reason = Reason::new("a new node-ID waits for a reset", "no restart", "a restart after configuration");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let answers = bench.answers()?;
     back_to_own(bench)?;
-    demand(answers, || {
+    bench.check(demand(answers, || {
         let duty = "before a reset the device answers with its old node-ID";
         Reason::new(duty, "an SDO response", "no answer")
-    })
+    }))
 }
 
 /// A stored node-ID is used after reset node; the old one is stored again afterwards.
@@ -129,7 +129,7 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, Alone], touches = [NodeId, Nvm], catches = [LssStoreNotPersistent, NmtResetNodeKeepsParameters, NmtBroadcastIgnored])]
 fn store_persists(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
-        return Err(Verdict::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
+        return Err(Stop::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
     };
     configure(bench)?;
     set_node_id(bench, other)?;
@@ -139,7 +139,7 @@ fn store_persists(bench: &mut Bench<'_>) -> Judged {
         set_node_id(bench, own)?;
         wait(bench)?;
         let reason = Reason::new("the device stores what LSS configures", "success", "error 1: not supported");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     bench.listen(Duration::from_millis(200))?;
     wait(bench)?;
@@ -160,10 +160,10 @@ fn store_persists(bench: &mut Bench<'_>) -> Judged {
     bench.command_all(Command::RESET_NODE)?;
     boots_as(bench, own)?;
     bench.listen(Duration::from_millis(100))?;
-    demand(booted, || {
+    bench.check(demand(booted, || {
         let expected = format!("a boot-up message of node {other}");
         Reason::new("a node-ID that was stored is used after reset node", expected, "none")
-    })
+    }))
 }
 
 /// Store configuration is answered by success, "not supported" or a failure of the memory.
@@ -174,9 +174,9 @@ fn store_answer(bench: &mut Bench<'_>) -> Judged {
     let answer = exchange(bench, Request::StoreConfiguration)?;
     bench.listen(Duration::from_millis(200))?;
     wait(bench)?;
-    expect("store configuration", "17h with error 0, 1, 2 or 255", answer, |answer| {
+    bench.check(expect("store configuration", "17h with error 0, 1, 2 or 255", answer, |answer| {
         matches!(answer, Response::Configured { command: ConfigureCommand::Store, error: 0 | 1 | 2 | 255, .. })
-    })
+    }))
 }
 
 /// Bit rates of the standard table that the description names are confirmed; all others are refused with error 1.
@@ -208,11 +208,11 @@ fn table(bench: &mut Bench<'_>) -> Judged {
     // Who has one bit rate only has nothing to configure, and may refuse that one too.
     let is_fixed = rates.len() == 1 && refused == 8;
     match wrong {
-        None => Ok(Verdict::Pass),
-        Some(_) if is_fixed => Ok(Verdict::Pass),
+        None => Ok(()),
+        Some(_) if is_fixed => Ok(()),
         Some((index, has, answer)) => {
             let expected = if has { "success" } else { "error 1" };
-            expect(&format!("bit timing {index} of table 0"), expected, answer, |_| false)
+            bench.check(expect(&format!("bit timing {index} of table 0"), expected, answer, |_| false))
         }
     }
 }
@@ -234,15 +234,15 @@ fn reserved(bench: &mut Bench<'_>) -> Judged {
     }
     leave_bit_rate(bench, current)?;
     match wrong {
-        None => Ok(Verdict::Pass),
+        None => Ok(()),
         Some((table, index, answer)) => {
-            expect(&format!("bit timing {index} of table {table}"), "error 1", answer, |_| false)
+            bench.check(expect(&format!("bit timing {index} of table {table}"), "error 1", answer, |_| false))
         }
     }
 }
 
 /// Replaces what is pending by the bit rate in use, and ends configuration.
-fn leave_bit_rate(bench: &mut Bench<'_>, current: Option<u32>) -> Result<(), Verdict> {
+fn leave_bit_rate(bench: &mut Bench<'_>, current: Option<u32>) -> Result<(), Stop> {
     let index = BIT_RATES.iter().position(|rate| rate.is_some() && *rate == current);
     if let Some(index) = index.and_then(|index| u8::try_from(index).ok()) {
         exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
@@ -262,7 +262,7 @@ fn in_waiting(bench: &mut Bench<'_>) -> Judged {
     }
     configure(bench)?;
     wait(bench)?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Every response of the slave has eight bytes, and zeros where nothing is said.
@@ -287,10 +287,10 @@ fn form(bench: &mut Bench<'_>) -> Judged {
     }
     wait(bench)?;
     match wrong {
-        None => Ok(Verdict::Pass),
+        None => Ok(()),
         Some(frame) => {
             let actual = frame.map_or_else(|| "no answer".to_owned(), |frame| frame.to_string());
-            Err(Verdict::Fail(Reason::new("LSS responses have a fixed form", "eight bytes, unused ones 0", actual)))
+            Err(Stop::from(Reason::new("LSS responses have a fixed form", "eight bytes, unused ones 0", actual)))
         }
     }
 }
@@ -300,7 +300,7 @@ fn form(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdAtOnce])]
 fn inquired_pending(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
-        return Err(Verdict::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
+        return Err(Stop::NotApplicable(Reason::new("a node-ID is free", "one", "none")));
     };
     configure(bench)?;
     set_node_id(bench, other)?;
@@ -308,10 +308,10 @@ fn inquired_pending(bench: &mut Bench<'_>) -> Judged {
     let own = bench.node().raw();
     set_node_id(bench, own)?;
     wait(bench)?;
-    demand(given == Some(own), || {
+    bench.check(demand(given == Some(own), || {
         let actual = given.map_or_else(|| shown(None), |node| node.to_string());
         Reason::new("the node-ID in use is given while another one is pending", own.to_string(), actual)
-    })
+    }))
 }
 
 /// Activate bit timing makes the slave silent for its delay, twice: before and after the change.
@@ -323,7 +323,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     let index = BIT_RATES.iter().position(|rate| rate.is_some() && *rate == current);
     let Some(index) = index.and_then(|index| u8::try_from(index).ok()) else {
         let reason = Reason::new("the bit rate of the bus is in table 0", "one of CiA 305", format!("{current:?}"));
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     // The rate that is in use: nobody has to follow.
     bench.show_state()?;
@@ -331,7 +331,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     if !answer.is_some_and(|answer| is_done(answer, ConfigureCommand::BitTiming)) {
         wait(bench)?;
-        return Err(Verdict::NotApplicable(Reason::new("the bit rate can be set", "success", shown(answer))));
+        return Err(Stop::NotApplicable(Reason::new("the bit rate can be set", "success", shown(answer))));
     }
     bench.watch_restart();
     bench.drain()?;
@@ -347,5 +347,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
         let actual = silence.first().map(|record| record.frame.to_string()).unwrap_or_default();
         Reason::new("after activate bit timing the slave is silent for twice the delay", "600 ms of silence", actual)
     })?;
-    demand(answers, || Reason::new("after activate bit timing the device works on", "an SDO response", "none"))
+    bench.check(demand(answers, || {
+        Reason::new("after activate bit timing the device works on", "an SDO response", "none")
+    }))
 }

@@ -4,12 +4,12 @@ use super::dialogue::{address, configure, exchange, expect_silence, wait};
 use super::fastscan::{RESET, scan, unconfigured};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, Bound, Request, Response};
 
 /// Whether a Fastscan message is answered while another slave answers it too.
-fn scan_together(bench: &mut Bench<'_>, id: u32, bit_check: u8, sub: u8, next: u8) -> Result<bool, Verdict> {
+fn scan_together(bench: &mut Bench<'_>, id: u32, bit_check: u8, sub: u8, next: u8) -> Result<bool, Stop> {
     bench.drain()?;
     bench.send(&Request::Fastscan { id, bit_check, sub, next }.to_frame(lss::MASTER_CAN_ID))?;
     bench.send(&Response::Identified.to_frame(lss::SLAVE_CAN_ID))?;
@@ -42,7 +42,7 @@ fn several(bench: &mut Bench<'_>) -> Judged {
         wait(bench)?;
         bench.listen(canvass_traces::Duration::from_millis(1_000))?;
         let answer = scan(bench, 0, RESET, 0, 0)?;
-        expect_silence("the begin of Fastscan by a slave that got its node-ID", answer)
+        bench.check(expect_silence("the begin of Fastscan by a slave that got its node-ID", answer))
     })
 }
 
@@ -71,13 +71,13 @@ fn halving(bench: &mut Bench<'_>) -> Judged {
             *part = low;
         }
     }
-    demand(found == [own[2], own[3]], || {
+    bench.check(demand(found == [own[2], own[3]], || {
         let shown = |parts: [u32; 2]| format!("revision {:08X}h, serial number {:08X}h", parts[0], parts[1]);
         Reason::new("halving the ranges finds the slave", shown([own[2], own[3]]), shown(found))
-    })
+    }))
 }
 
-fn is_within(bench: &mut Bench<'_>, bounds: [u32; 6]) -> Result<bool, Verdict> {
+fn is_within(bench: &mut Bench<'_>, bounds: [u32; 6]) -> Result<bool, Stop> {
     let last = Bound::ALL.len() - 1;
     let mut answered = false;
     for (n, (bound, value)) in Bound::ALL.into_iter().zip(bounds).enumerate() {
@@ -105,7 +105,7 @@ fn not_stored(bench: &mut Bench<'_>) -> Judged {
     demand(matches!(answer, Some(Response::Configured { error: 0, .. })), || {
         Reason::new("a node-ID can be configured", "error code 0", super::dialogue::shown(answer))
     })
-    .map_err(Verdict::as_inconclusive)?;
+    .or_inconclusive()?;
     bench.listen(canvass_traces::Duration::from_millis(500))?;
     bench.command_all(Command::RESET_NODE)?;
     let boot_up = bench.wait_for_boot_up()?;
@@ -113,14 +113,14 @@ fn not_stored(bench: &mut Bench<'_>) -> Judged {
     if !is_back {
         give_back(bench, own)?;
     }
-    demand(is_back, || {
+    bench.check(demand(is_back, || {
         let duty = format!("after reset node a node-ID that was not stored is lost: the device is node {own}");
         Reason::new(duty, format!("a boot-up message of node {own}"), format!("none; it may be node {other}"))
-    })
+    }))
 }
 
 /// The device gets its own node-ID again, stored if the other one was.
-fn give_back(bench: &mut Bench<'_>, own: u8) -> Result<(), Verdict> {
+fn give_back(bench: &mut Bench<'_>, own: u8) -> Result<(), Stop> {
     use canvass_analyzer::wire::nmt::Command;
     configure(bench)?;
     exchange(bench, Request::ConfigureNodeId { node_id: own })?;

@@ -5,7 +5,7 @@
 use super::dialogue::{address, configure, exchange, expect, expect_silence, node_id, wait};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
@@ -31,7 +31,7 @@ pub(super) fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'
     }
     let judged = match is_gone {
         true => test(bench, address),
-        false => Err(Verdict::NotApplicable(Reason::new(
+        false => Err(Stop::NotApplicable(Reason::new(
             "the node-ID can be taken away by LSS",
             "a device without node-ID",
             "it keeps its node-ID",
@@ -42,7 +42,7 @@ pub(super) fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'
     judged.and_then(|verdict| configured.map(|()| verdict))
 }
 
-fn give_back(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+fn give_back(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let own = bench.node().raw();
     configure(bench)?;
     exchange(bench, Request::ConfigureNodeId { node_id: own })?;
@@ -53,13 +53,7 @@ fn give_back(bench: &mut Bench<'_>) -> Result<(), Verdict> {
     bench.listen(Duration::from_millis(1_000)).map(|_| ())
 }
 
-pub(super) fn scan(
-    bench: &mut Bench<'_>,
-    id: u32,
-    bit_check: u8,
-    sub: u8,
-    next: u8,
-) -> Result<Option<Response>, Verdict> {
+pub(super) fn scan(bench: &mut Bench<'_>, id: u32, bit_check: u8, sub: u8, next: u8) -> Result<Option<Response>, Stop> {
     exchange(bench, Request::Fastscan { id, bit_check, sub, next })
 }
 
@@ -79,7 +73,9 @@ fn silent(bench: &mut Bench<'_>) -> Judged {
             Reason::new("a device without node-ID sends nothing after a reset", "silence", actual)
         })?;
         let answers = bench.answers()?;
-        demand(!answers, || Reason::new("a device without node-ID answers no SDO request", "silence", "an answer"))
+        bench.check(demand(!answers, || {
+            Reason::new("a device without node-ID answers no SDO request", "silence", "an answer")
+        }))
     })
 }
 
@@ -89,7 +85,9 @@ fn silent(bench: &mut Bench<'_>) -> Judged {
 fn identify(bench: &mut Bench<'_>) -> Judged {
     unconfigured(bench, |bench, _| {
         let answer = exchange(bench, Request::IdentifyNonConfigured)?;
-        expect("the search for slaves without node-ID", "50h", answer, |answer| answer == Response::NonConfigured)
+        bench.check(expect("the search for slaves without node-ID", "50h", answer, |answer| {
+            answer == Response::NonConfigured
+        }))
     })
 }
 
@@ -105,10 +103,10 @@ fn boots(bench: &mut Bench<'_>) -> Judged {
         bench.drain()?;
         bench.send(&Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
         let boot_up = bench.wait_for_boot_up()?;
-        demand(boot_up.is_some(), || {
+        bench.check(demand(boot_up.is_some(), || {
             let duty = "a device that had no node-ID boots with the one that it got";
             Reason::new(duty, format!("a boot-up message of node {own}"), "none")
-        })
+        }))
     })
 }
 
@@ -120,10 +118,10 @@ fn inquiry(bench: &mut Bench<'_>) -> Judged {
         configure(bench)?;
         let given = node_id(bench)?;
         wait(bench)?;
-        demand(given == Some(255), || {
+        bench.check(demand(given == Some(255), || {
             let actual = given.map_or_else(|| "no answer".to_owned(), |node| node.to_string());
             Reason::new("a device without node-ID says so", "255", actual)
-        })
+        }))
     })
 }
 
@@ -133,12 +131,12 @@ fn inquiry(bench: &mut Bench<'_>) -> Judged {
 fn begin(bench: &mut Bench<'_>) -> Judged {
     unconfigured(bench, |bench, _| {
         let answer = scan(bench, 0, RESET, 0, 0)?;
-        expect("the begin of Fastscan", "4Fh", answer, |answer| answer == Response::Identified)
+        bench.check(expect("the begin of Fastscan", "4Fh", answer, |answer| answer == Response::Identified))
     })
 }
 
 /// Finds the address bit by bit; returns it as far as it was found.
-fn find(bench: &mut Bench<'_>) -> Result<[u32; 4], Verdict> {
+fn find(bench: &mut Bench<'_>) -> Result<[u32; 4], Stop> {
     let mut found = [0_u32; 4];
     scan(bench, 0, RESET, 0, 0)?;
     for sub in 0..4_u8 {
@@ -185,7 +183,7 @@ fn wrong_bit(bench: &mut Bench<'_>) -> Judged {
         let answer = scan(bench, address[0] & 0x8000_0000, 31, 0, 0)?;
         expect("the right bit after it", "4Fh", answer, |answer| answer == Response::Identified)?;
         let answer = scan(bench, (address[0] & 0xC000_0000) ^ 0x8000_0000, 30, 0, 0)?;
-        expect_silence("a Fastscan with another bit above the one that is looked at", answer)
+        bench.check(expect_silence("a Fastscan with another bit above the one that is looked at", answer))
     })
 }
 
@@ -214,7 +212,7 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
             expect_silence(&what, answer)?;
         }
         let answer = scan(bench, 0, RESET, 0, 0)?;
-        expect("the begin of Fastscan after it", "4Fh", answer, |answer| answer == Response::Identified)
+        bench.check(expect("the begin of Fastscan after it", "4Fh", answer, |answer| answer == Response::Identified))
     })
 }
 
@@ -223,5 +221,5 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, Alone], catches = [FastscanAnsweredWhenConfigured])]
 fn with_node_id(bench: &mut Bench<'_>) -> Judged {
     let answer = scan(bench, 0, RESET, 0, 0)?;
-    expect_silence("the begin of Fastscan with a node-ID", answer)
+    bench.check(expect_silence("the begin of Fastscan with a node-ID", answer))
 }

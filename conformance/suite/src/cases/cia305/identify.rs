@@ -3,7 +3,7 @@
 use super::dialogue::{address, exchange, expect, expect_silence};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::lss::{Bound, Request, Response};
 
 /// The six bounds around an address: exact vendor and product, ranges of revision and serial number.
@@ -20,7 +20,7 @@ fn bounds(address: [u32; 4], margin: u32) -> [u32; 6] {
 }
 
 /// Gives the six bounds; returns what came.
-fn identify(bench: &mut Bench<'_>, bounds: [u32; 6]) -> Result<Vec<Response>, Verdict> {
+fn identify(bench: &mut Bench<'_>, bounds: [u32; 6]) -> Result<Vec<Response>, Stop> {
     let mut heard = Vec::new();
     for (bound, value) in Bound::ALL.into_iter().zip(bounds) {
         heard.extend(exchange(bench, Request::IdentifyRemote { bound, value })?);
@@ -34,9 +34,9 @@ fn identify(bench: &mut Bench<'_>, bounds: [u32; 6]) -> Result<Vec<Response>, Ve
 fn within(bench: &mut Bench<'_>) -> Judged {
     let address = address(bench)?;
     let heard = identify(bench, bounds(address, 10))?;
-    demand(heard == [Response::Identified], || {
+    bench.check(demand(heard == [Response::Identified], || {
         Reason::new("a slave within the bounds answers", "one 4Fh", format!("{heard:?}"))
-    })
+    }))
 }
 
 /// Bounds belong to the range: a slave whose numbers equal them answers.
@@ -45,9 +45,9 @@ fn within(bench: &mut Bench<'_>) -> Judged {
 fn at_bounds(bench: &mut Bench<'_>) -> Judged {
     let address = address(bench)?;
     let heard = identify(bench, bounds(address, 0))?;
-    demand(heard == [Response::Identified], || {
+    bench.check(demand(heard == [Response::Identified], || {
         Reason::new("a slave at the bounds answers", "one 4Fh", format!("{heard:?}"))
-    })
+    }))
 }
 
 /// A slave outside of one of the bounds does not answer.
@@ -79,7 +79,7 @@ fn outside(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, "silence", format!("{heard:?}"))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A slave with a node-ID does not answer the search for slaves without one.
@@ -93,5 +93,5 @@ fn configured(bench: &mut Bench<'_>) -> Judged {
     let answer = exchange(bench, Request::InquireNodeId)?;
     super::dialogue::wait(bench)?;
     expect("the inquiry of the node-ID", "the node-ID", answer, |answer| matches!(answer, Response::NodeId(_)))
-        .map_err(Verdict::as_inconclusive)
+        .or_inconclusive()
 }

@@ -5,22 +5,14 @@ mod crowd;
 mod dialogue;
 mod fastscan;
 mod identify;
+pub(crate) mod needs;
 mod switch;
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::lss::{ConfigureCommand, Part, Request, Response};
 use dialogue::{configure, exchange, shown};
-
-/// After a case that could not go on: the device has its own node-ID and the bit rate of the bus again, stored if the
-/// case stored others.
-///
-/// # Errors
-/// As [`Bench::wait_for`]; [`Verdict::Inconclusive`] if no slave answers.
-pub(crate) fn rescue(bench: &mut Bench<'_>, stored: bool) -> Result<(), Verdict> {
-    configuration::restore(bench, stored)
-}
 
 /// In waiting the slave answers no inquiry; in configuration it does.
 #[case(id = "305/waiting/inquiries", clause = "CiA 305 6.5", confidence = Attested, level = Must,
@@ -35,7 +27,7 @@ fn inquiries(bench: &mut Bench<'_>) -> Judged {
     // Silence means something only if the slave is there.
     configure(bench)?;
     exchange(bench, Request::SwitchGlobal { mode: 0 })?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Node-IDs that don't exist, 0 and 128 to 254, are refused with error code 1.
@@ -58,9 +50,9 @@ fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
     bench.watch_restart();
     exchange(bench, Request::SwitchGlobal { mode: 0 })?;
     match wrong {
-        None => Ok(Verdict::Pass),
+        None => Ok(()),
         Some((node_id, actual)) => {
-            Err(Verdict::Fail(Reason::new(format!("node-ID {node_id} is refused"), "error code 1", actual)))
+            Err(Stop::from(Reason::new(format!("node-ID {node_id} is refused"), "error code 1", actual)))
         }
     }
 }

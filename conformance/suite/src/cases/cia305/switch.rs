@@ -5,7 +5,7 @@ use super::dialogue::{
 };
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, demand};
 use canvass_analyzer::wire::lss::{Part, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
 
@@ -35,7 +35,7 @@ fn reserved_mode(bench: &mut Bench<'_>) -> Judged {
         exchange(bench, Request::SwitchGlobal { mode })?;
         expect_waiting(bench, &format!("the reserved mode {mode}"))?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The four parts of its address, in order, bring the slave into configuration; the last one is answered by 44h.
@@ -49,7 +49,7 @@ fn right(bench: &mut Bench<'_>) -> Judged {
     })?;
     expect_configuration(bench, "switch state selective")?;
     wait(bench)?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 fn one_wrong(bench: &mut Bench<'_>, wrong: Part) -> Judged {
@@ -164,10 +164,10 @@ fn inquiry(bench: &mut Bench<'_>) -> Judged {
     }
     wait(bench)?;
     match wrong {
-        None => Ok(Verdict::Pass),
+        None => Ok(()),
         Some((part, right, answer)) => {
             let what = format!("the inquiry of the {}", part.name());
-            expect(&what, &format!("{right:08X}h, as 1018h has it"), answer, |_| false)
+            bench.check(expect(&what, &format!("{right:08X}h, as 1018h has it"), answer, |_| false))
         }
     }
 }
@@ -180,11 +180,12 @@ fn inquiry_node_id(bench: &mut Bench<'_>) -> Judged {
     let answer = exchange(bench, Request::InquireNodeId)?;
     wait(bench)?;
     let own = bench.node().raw();
-    expect("the inquiry of the node-ID", &own.to_string(), answer, |answer| answer == Response::NodeId(own))
+    bench
+        .check(expect("the inquiry of the node-ID", &own.to_string(), answer, |answer| answer == Response::NodeId(own)))
 }
 
 /// LSS works in stopped as in pre-operational.
-#[case(id = "305/state/stopped", clause = "CiA 305", confidence = Unknown, level = May,
+#[case(id = "305/state/stopped", clause = "CiA 305", confidence = Unknown, level = Should,
        needs = [Lss, Alone], catches = [LssSwitchGlobalIgnored])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     in_state(bench, Command::STOP, "stopped")
@@ -215,7 +216,7 @@ fn reserved_commands(bench: &mut Bench<'_>) -> Judged {
     }
     wait(bench)?;
     match wrong {
-        None => Ok(Verdict::Pass),
-        Some((command, answer)) => expect_silence(&format!("the reserved command {command:02X}h"), answer),
+        None => Ok(()),
+        Some((command, answer)) => bench.check(expect_silence(&format!("the reserved command {command:02X}h"), answer)),
     }
 }

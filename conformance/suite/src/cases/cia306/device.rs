@@ -53,12 +53,12 @@ fn undescribed(bench: &mut Bench<'_>) -> Judged {
             found.push(format!("{index:04X}h"));
         }
     }
-    demand(found.is_empty(), || {
+    bench.check(demand(found.is_empty(), || {
         let more = found.len().saturating_sub(SHOWN);
         let mut shown = found.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
         if more > 0 {
             shown.push_str(&format!(" and {more} more"));
         }
         Reason::new("every object of the device is described", "no other than those of the description", shown)
-    })
+    }))
 }

@@ -4,10 +4,11 @@
 //! belongs to one case. A maker of devices delivers both, so both are tested.
 
 mod device;
+pub(crate) mod needs;
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::dictionary::{EdsProblem, ProblemKind, Severity, consistency};
 
 /// What a problem of a description is about.
@@ -55,7 +56,7 @@ fn sound(bench: &mut Bench<'_>, area: Area, duty: &str) -> Judged {
     const SHOWN: usize = 3;
     let Some(description) = &bench.target().description else {
         let reason = Reason::new("the device is described", "an EDS or a built-in model", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let mut found: Vec<EdsProblem> = description.problems.clone();
     found.extend(consistency::check(description));
@@ -64,7 +65,7 @@ fn sound(bench: &mut Bench<'_>, area: Area, duty: &str) -> Judged {
     for problem in notes.iter().take(SHOWN) {
         bench.note(format!("description: {problem}"));
     }
-    demand(wrong.is_empty(), || {
+    bench.check(demand(wrong.is_empty(), || {
         let shown: Vec<String> = wrong.iter().take(SHOWN).map(ToString::to_string).collect();
         let more = match wrong.len().saturating_sub(SHOWN) {
             0 => String::new(),
@@ -72,7 +73,7 @@ fn sound(bench: &mut Bench<'_>, area: Area, duty: &str) -> Judged {
         };
         let expected = wrong.first().map_or("", |problem| problem.expected);
         Reason::new(duty, expected, format!("{}{more}", shown.join("; ")))
-    })
+    }))
 }
 
 /// A device description is lines of text: sections, fields and comments, of no more than 255 characters each.

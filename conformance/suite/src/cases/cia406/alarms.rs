@@ -49,10 +49,10 @@ fn supported_warnings(bench: &mut Bench<'_>) -> Judged {
 
 fn within(bench: &mut Bench<'_>, shown: Multiplexer, supported: Multiplexer) -> Judged {
     let (bits, known) = (bench.read_number(shown)?, bench.read_number(supported)?);
-    demand(bits & !known == 0, || {
+    bench.check(demand(bits & !known == 0, || {
         let duty = format!("{shown} has no bit that {supported} does not support");
         Reason::new(duty, format!("no bit beside {known:04X}h"), format!("{bits:04X}h"))
-    })
+    }))
 }
 
 /// Reserved bits of 6503h, 2 to 11, are 0.
@@ -60,9 +60,9 @@ fn within(bench: &mut Bench<'_>, shown: Multiplexer, supported: Multiplexer) -> 
        needs = [Encoder, Alarms], catches = [ReservedAlarmBitSet])]
 fn reserved_alarms(bench: &mut Bench<'_>) -> Judged {
     let alarms = bench.read_number(ALARMS)?;
-    demand(alarms & RESERVED_ALARMS == 0, || {
+    bench.check(demand(alarms & RESERVED_ALARMS == 0, || {
         Reason::new("reserved bits of 6503h are 0", "bits 2 to 11 are 0", format!("{alarms:04X}h"))
-    })
+    }))
 }
 
 /// An alarm is in the error register too: while 6503h has a bit, 1001h is not 0.
@@ -70,10 +70,10 @@ fn reserved_alarms(bench: &mut Bench<'_>) -> Judged {
        needs = [Encoder, Alarms], catches = [AlarmWithoutEmcy])]
 fn error_register(bench: &mut Bench<'_>) -> Judged {
     let (alarms, register) = (bench.read_number(ALARMS)?, bench.read_number(ERROR_REGISTER)?);
-    demand(alarms == 0 || register != 0, || {
+    bench.check(demand(alarms == 0 || register != 0, || {
         let duty = format!("1001h shows that there is an alarm (6503h = {alarms:04X}h)");
         Reason::new(duty, "bit 0 at least", format!("{register:02X}h"))
-    })
+    }))
 }
 
 /// An EMCY 1000h after the start is an alarm: 6503h has a bit.
@@ -86,9 +86,9 @@ fn alarm_of_emcy(bench: &mut Bench<'_>) -> Judged {
     let heard = bench.listen(bench.timing().boot_up)?;
     let sent = emergencies(bench, &heard);
     let alarms = bench.read_number(ALARMS)?;
-    demand(alarms != 0 || !has_code(&sent, EmcyCode::GENERIC), || {
+    bench.check(demand(alarms != 0 || !has_code(&sent, EmcyCode::GENERIC), || {
         Reason::new("6503h shows what the EMCY 1000h reports", "a bit of 6503h", "0000h")
-    })
+    }))
 }
 
 /// A temperature beyond its limit is a warning: 6505h bit 14 is set, and an EMCY 4200h is sent. When it is back, both say
@@ -117,8 +117,8 @@ fn temperature(bench: &mut Bench<'_>) -> Judged {
     bench.write(TEMPERATURE_LIMIT, &usual)?;
     bench.listen(SPAN)?;
     let warnings = bench.read_number(WARNINGS)?;
-    demand(warnings & TEMPERATURE_WARNING == 0, || {
+    bench.check(demand(warnings & TEMPERATURE_WARNING == 0, || {
         let duty = "6505h bit 14 is clear again when the temperature is within its limits";
         Reason::new(duty, "bit 14 clear", format!("{warnings:04X}h"))
-    })
+    }))
 }

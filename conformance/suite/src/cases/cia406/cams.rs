@@ -6,7 +6,7 @@ use super::position::position_at_rest;
 use super::preset::range_now;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 
 /// The cams of the first position channel, one bit for each.
@@ -21,20 +21,20 @@ const FIRST: u32 = 1;
 const MARGIN: u32 = 200;
 
 /// Sets cam 1, active and not inverted, around or beside the position; low limit first, where that is possible.
-fn set(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<(), Verdict> {
+fn set(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<(), Stop> {
     // Between the two writes the low limit must not be above the high one.
     bench.write(LOW, &0_u32.to_le_bytes())?;
     bench.write(HIGH, &high.to_le_bytes())?;
     bench.write(LOW, &low.to_le_bytes())
 }
 
-fn prepare(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+fn prepare(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let range = range_now(bench)?;
     let position = position_at_rest(bench)?;
     if position < 4 * MARGIN || position > range - 4 * MARGIN {
         let expected = format!("{} to {}", 4 * MARGIN, range - 4 * MARGIN);
         let reason = Reason::new("the position has room on both sides", expected, position.to_string());
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     }
     if bench.has(HYSTERESIS)? {
         bench.write(HYSTERESIS, &0_u16.to_le_bytes())?;
@@ -44,14 +44,14 @@ fn prepare(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
     Ok(position)
 }
 
-fn is_set(bench: &mut Bench<'_>) -> Result<bool, Verdict> {
+fn is_set(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     Ok(bench.read_number(STATE)? & FIRST != 0)
 }
 
 fn expect(bench: &mut Bench<'_>, set: bool, where_: &str) -> Judged {
     let found = is_set(bench)?;
     let shown = |set: bool| if set { "bit 0 set" } else { "bit 0 clear" };
-    demand(found == set, || Reason::new(format!("6300h:01 of a cam {where_}"), shown(set), shown(found)))
+    bench.check(demand(found == set, || Reason::new(format!("6300h:01 of a cam {where_}"), shown(set), shown(found))))
 }
 
 /// The state of an enabled cam is set while the position lies between its limits, and only then; of one that is not
@@ -89,7 +89,7 @@ fn polarity(bench: &mut Bench<'_>) -> Judged {
 fn hysteresis(bench: &mut Bench<'_>) -> Judged {
     let position = prepare(bench)?;
     if !bench.has(HYSTERESIS)? {
-        return Err(Verdict::NotApplicable(Reason::new("the cam has a hysteresis", "6330h:01", "none")));
+        return Err(Stop::NotApplicable(Reason::new("the cam has a hysteresis", "6330h:01", "none")));
     }
     set(bench, position - 2 * MARGIN, position + MARGIN)?;
     bench.write(HYSTERESIS, &(MARGIN as u16).to_le_bytes())?;

@@ -6,7 +6,7 @@ use super::preset::with_preset;
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::Bytes;
@@ -26,24 +26,24 @@ const HIGH_PRECISION: Multiplexer = Multiplexer::new(0x6008, 0);
 fn resolution(bench: &mut Bench<'_>) -> Judged {
     if !bench.has(LOWEST)? || !bench.has(HIGHEST)? {
         let reason = Reason::new("the encoder names its lowest and highest position", "650Ah:02 and 03", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let (low, high) = (bench.read_number(LOWEST)? as i32, bench.read_number(HIGHEST)? as i32);
     let steps = u64::from(bench.read_number(SINGLE_TURN)?) * u64::from(bench.read_number(REVOLUTIONS)?);
     if high == i32::MAX {
-        return demand(steps > u64::from(i32::MAX as u32), || {
+        return bench.check(demand(steps > u64::from(i32::MAX as u32), || {
             let duty = "a highest position of 7FFFFFFFh stands for a range that 650Ah has no room for";
             Reason::new(duty, "6501h * 6502h of 2147483648 or more", steps.to_string())
-        });
+        }));
     }
     if high == 0 && low == 0 {
-        return Err(Verdict::NotApplicable(Reason::new("650Ah names a range", "a highest position", "0 to 0")));
+        return Err(Stop::NotApplicable(Reason::new("650Ah names a range", "a highest position", "0 to 0")));
     }
     let named = i64::from(high) - i64::from(low) + 1;
-    demand(i64::try_from(steps).is_ok_and(|steps| steps == named), || {
+    bench.check(demand(i64::try_from(steps).is_ok_and(|steps| steps == named), || {
         let duty = "650Ah:02 to 650Ah:03 are as many positions as 6501h * 6502h";
         Reason::new(duty, steps.to_string(), named.to_string())
-    })
+    }))
 }
 
 /// The high-precision position 6008h shows the same place as 6004h: in the same units, or in a power of two more.
@@ -57,10 +57,10 @@ fn high_precision(bench: &mut Bench<'_>) -> Judged {
         let bytes = bench.upload(HIGH_PRECISION)?.value()?;
         let wide = bytes.iter().take(8).rev().fold(0_u64, |value, &byte| value << 8 | u64::from(byte));
         let fits = |shift: u32| u32::try_from(wide >> shift).is_ok_and(|found| is_near(found, position, range));
-        demand((0..=32).any(fits), || {
+        bench.check(demand((0..=32).any(fits), || {
             let duty = "6008h shows the place that 6004h shows";
             Reason::new(duty, format!("{position}, or that times a power of two"), Bytes(&bytes).to_string())
-        })
+        }))
     })
 }
 
@@ -71,7 +71,7 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
     let second = TPDO.numbered(2);
     let unlike = |actual: String| {
         let duty = "TPDO 2 is synchronous and carries the position";
-        Verdict::NotApplicable(Reason::new(duty, "transmission type 1, 6004h first", actual))
+        Stop::NotApplicable(Reason::new(duty, "transmission type 1, 6004h first", actual))
     };
     if !bench.has(second.parameter(2))? || !bench.has(second.entry(1))? {
         return Err(unlike("there is no TPDO 2".to_owned()));
@@ -90,12 +90,12 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
     bench.send_bytes(sync, &[])?;
     let heard = bench.frames_of(can_id, Duration::from_millis(50))?;
     let Some(first) = heard.first() else {
-        return Err(Verdict::Fail(Reason::new("TPDO 2 follows SYNC", "one within 50 ms", "none")));
+        return Err(Stop::from(Reason::new("TPDO 2 follows SYNC", "one within 50 ms", "none")));
     };
     let found = crate::bench::sdo::number(first.data());
-    demand(is_near(found, position, u32::MAX), || {
+    bench.check(demand(is_near(found, position, u32::MAX), || {
         Reason::new("TPDO 2 carries the position of now", position.to_string(), Bytes(first.data()).to_string())
-    })
+    }))
 }
 
 /// After a preset the scaling is changed: the position stays inside the new range, and 6509h goes with it: the position
@@ -118,15 +118,15 @@ fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("below {}", range / 2), position.to_string())
         })?;
         let found = without_offset(bench, position, range / 2)?;
-        demand(is_near(found, shaft / 2, range / 2), || {
+        bench.check(demand(is_near(found, shaft / 2, range / 2), || {
             let duty = "6004h without 6509h is the place of the shaft in the new units";
             Reason::new(duty, format!("{}", shaft / 2), format!("{position} - {offset}"))
-        })
+        }))
     })
 }
 
 /// The position less 6509h, in the range.
-fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u32, Verdict> {
+fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u32, Stop> {
     let offset = i64::from(bench.read_number(OFFSET)? as i32);
     Ok((i64::from(position) - offset).rem_euclid(range.into()) as u32)
 }
@@ -136,10 +136,10 @@ fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u3
        needs = [Encoder, VolatilePreset, TurningShaft], catches = [PresetGlitch, PresetStopsCounting])]
 fn moving(bench: &mut Bench<'_>) -> Judged {
     use super::position::PRESET;
-    if bench.keeps_presets() {
+    if super::needs::keeps_presets(bench) {
         let actual = "it stores them at once, as its manual says";
         let reason = Reason::new("a reset takes the preset back", "an encoder that does not store presets", actual);
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let range = super::preset::range_now(bench)?;
     let (began, first) = (bench.now(), bench.read_number(POSITION)?);
@@ -149,7 +149,7 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
     let wanted = range / 2;
     bench.download(PRESET, &wanted.to_le_bytes())?.expect_confirmation()?;
     let set = bench.now();
-    let mut judged = Ok(Verdict::Pass);
+    let mut judged = Ok(());
     let mut positions = Vec::new();
     for _ in 0..20 {
         let position = bench.read_number(POSITION)?;
@@ -160,7 +160,7 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
         if away > most {
             let duty = "after a preset the position differs by no more than the motion since";
             let reason = Reason::new(duty, format!("{wanted} ± {most:.0}"), position.to_string());
-            judged = Err(Verdict::Fail(reason));
+            judged = Err(Stop::from(reason));
             break;
         }
         bench.listen(Duration::from_millis(5))?;
@@ -171,9 +171,9 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
     let back = (i64::from(second) + shorter(first, second, range).signum() * turned as i64).rem_euclid(range.into());
     bench.download(PRESET, &(back as u32).to_le_bytes())?;
     judged.and_then(|_| {
-        demand(!stands, || {
+        bench.check(demand(!stands, || {
             Reason::new("after a preset the position goes on counting", "another one in 50 ms", "always the same")
-        })
+        }))
     })
 }
 

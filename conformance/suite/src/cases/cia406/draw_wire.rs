@@ -4,7 +4,7 @@
 use crate::bench::Bench;
 use crate::bench::objects::TPDO_FIRST_ENTRY;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::pdo::MappingEntry;
 use canvass_analyzer::{CobId, Multiplexer};
@@ -25,7 +25,7 @@ const TURN: i64 = 36_000;
 const TREMBLE: i64 = 200;
 
 /// Both channels of each TPDO in a second.
-fn channels(bench: &mut Bench<'_>, tpdo: Multiplexer, timer: Multiplexer, bits: u8) -> Result<Vec<[u64; 2]>, Verdict> {
+fn channels(bench: &mut Bench<'_>, tpdo: Multiplexer, timer: Multiplexer, bits: u8) -> Result<Vec<[u64; 2]>, Stop> {
     let cob_id = (CobId(bench.read_number(tpdo)?).can_id() & 0x7FF) as u16;
     bench.write(timer, &50_u16.to_le_bytes())?;
     bench.command(Command::START)?;
@@ -41,11 +41,11 @@ fn channels(bench: &mut Bench<'_>, tpdo: Multiplexer, timer: Multiplexer, bits: 
         let actual = format!("{} in 1 s", found.len());
         Reason::new("the TPDO with both channels is sent every 50 ms", "at least 10 in 1 s", actual)
     })
-    .map_err(Verdict::as_inconclusive)?;
+    .or_inconclusive()?;
     Ok(found)
 }
 
-fn width(bench: &mut Bench<'_>) -> Result<u8, Verdict> {
+fn width(bench: &mut Bench<'_>) -> Result<u8, Stop> {
     Ok(MappingEntry(bench.read_number(TPDO_FIRST_ENTRY)?).bits())
 }
 
@@ -54,7 +54,8 @@ fn width(bench: &mut Bench<'_>) -> Result<u8, Verdict> {
        needs = [RedundantChannels], catches = [RedundantChannelDrift])]
 fn sum(bench: &mut Bench<'_>) -> Judged {
     let bits = width(bench)?;
-    expect_constant_sum(&channels(bench, TPDO_1, TIMER_1, bits)?)
+    let channels = channels(bench, TPDO_1, TIMER_1, bits)?;
+    bench.check(expect_constant_sum(&channels))
 }
 
 /// The same while the wire moves.
@@ -62,10 +63,11 @@ fn sum(bench: &mut Bench<'_>) -> Judged {
        needs = [RedundantChannels, TurningShaft], catches = [RedundantChannelNotNegated])]
 fn opposite(bench: &mut Bench<'_>) -> Judged {
     let bits = width(bench)?;
-    expect_constant_sum(&channels(bench, TPDO_1, TIMER_1, bits)?)
+    let channels = channels(bench, TPDO_1, TIMER_1, bits)?;
+    bench.check(expect_constant_sum(&channels))
 }
 
-fn expect_constant_sum(channels: &[[u64; 2]]) -> Judged {
+fn expect_constant_sum(channels: &[[u64; 2]]) -> Check {
     let sums = channels.iter().map(|[a, b]| a + b);
     let (least, most) = (sums.clone().min().unwrap_or(0), sums.max().unwrap_or(0));
     // Both are taken one after the other.
@@ -75,7 +77,7 @@ fn expect_constant_sum(channels: &[[u64; 2]]) -> Judged {
 }
 
 /// The angle in hundredths of a degree, between -180 and 180 degrees.
-fn angle(bench: &mut Bench<'_>) -> Result<i64, Verdict> {
+fn angle(bench: &mut Bench<'_>) -> Result<i64, Stop> {
     Ok(signed(bench.read_number(ANGLE)?.into()))
 }
 
@@ -87,31 +89,31 @@ fn signed(raw: u64) -> i64 {
 }
 
 /// An angle far enough from 0 and 180 degrees to tell its sign.
-fn tilted(bench: &mut Bench<'_>) -> Result<i64, Verdict> {
+fn tilted(bench: &mut Bench<'_>) -> Result<i64, Stop> {
     let angle = angle(bench)?;
     if angle.abs() < 2 * TREMBLE || angle.abs() > TURN / 2 - 2 * TREMBLE {
         let actual = format!("{angle} hundredths of a degree");
         let reason = Reason::new("the housing is tilted", "4 to 176 degrees", actual);
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     Ok(angle)
 }
 
 /// 3003h turns the direction in which the angle counts.
-#[case(id = "406/inclinometer/direction", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/inclinometer/direction", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Inclinometer], catches = [AngleDirectionIgnored])]
 fn direction(bench: &mut Bench<'_>) -> Judged {
     bench.write(DIRECTION, &[1])?;
     let clockwise = tilted(bench)?;
     bench.write(DIRECTION, &[0])?;
     let other = angle(bench)?;
-    demand((clockwise + other).abs() <= TREMBLE, || {
+    bench.check(demand((clockwise + other).abs() <= TREMBLE, || {
         Reason::new("3003h turns the direction of the angle", format!("{}", -clockwise), format!("{other}"))
-    })
+    }))
 }
 
 /// 3004h = 1 shows angles from -180 to 180 degrees, 0 from 0 to 360.
-#[case(id = "406/inclinometer/range", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/inclinometer/range", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Inclinometer], catches = [AngleRangeIgnored])]
 fn range(bench: &mut Bench<'_>) -> Judged {
     let positive = tilted(bench)? > 0;
@@ -133,11 +135,11 @@ fn range(bench: &mut Bench<'_>) -> Judged {
             )
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// 3005h = 1 lets the second angle run opposite to the first one, 0 the same way.
-#[case(id = "406/inclinometer/redundant-angle", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/inclinometer/redundant-angle", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Inclinometer], catches = [RedundantAngleSame])]
 fn redundant_angle(bench: &mut Bench<'_>) -> Judged {
     tilted(bench)?;
@@ -152,19 +154,19 @@ fn redundant_angle(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("{}", sign * first), format!("{second}"))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// 3010h = 1 makes the angle of now zero, 0 takes that back.
-#[case(id = "406/inclinometer/zero-point", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/inclinometer/zero-point", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Inclinometer], catches = [ZeroPointIgnored])]
 fn zero_point(bench: &mut Bench<'_>) -> Judged {
     if bench.read_number(ZERO_POINT)? != 0 {
         let reason = Reason::new("no zero point is set", "3010h = 0", "1");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     tilted(bench)?;
     bench.write(ZERO_POINT, &[1])?;
     let zero = angle(bench)?;
-    demand(zero.abs() <= TREMBLE, || Reason::new("3010h = 1 makes the angle zero", "0", format!("{zero}")))
+    bench.check(demand(zero.abs() <= TREMBLE, || Reason::new("3010h = 1 makes the angle zero", "0", format!("{zero}"))))
 }

@@ -4,7 +4,7 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict};
+use crate::verdict::{Judged, Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::sdo::Request;
@@ -19,7 +19,7 @@ const FREEZING: u8 = 0x40;
 /// is in `to`.
 fn overheated(bench: &mut Bench<'_>, behaviour: u8, to: State) -> Judged {
     if !bench.can_write(BEHAVIOUR)? {
-        return Err(Verdict::NotApplicable(Reason::new("1029h has an entry for the profile", "1029h:02", "none")));
+        return Err(Stop::NotApplicable(Reason::new("1029h has an entry for the profile", "1029h:02", "none")));
     }
     bench.expect_emergencies();
     bench.write(BEHAVIOUR, &[behaviour])?;

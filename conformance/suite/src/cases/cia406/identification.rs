@@ -4,7 +4,7 @@
 use super::position::{UNITS_PER_REVOLUTION, small_range};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;
 
@@ -27,7 +27,9 @@ fn physical(bench: &mut Bench<'_>) -> Judged {
     small_range(bench)?;
     bench.write(UNITS_PER_REVOLUTION, &200_u32.to_le_bytes())?;
     let after = bench.read_number(SINGLE_TURN)?;
-    demand(after == before, || Reason::new("6501h does not follow 6001h", format!("{before}"), format!("{after}")))
+    bench.check(demand(after == before, || {
+        Reason::new("6501h does not follow 6001h", format!("{before}"), format!("{after}"))
+    }))
 }
 
 /// 6501h and 6502h are not 0: every encoder has steps, and at least one revolution.
@@ -38,7 +40,7 @@ fn not_zero(bench: &mut Bench<'_>) -> Judged {
         let value = bench.read_number(at)?;
         demand(value > 0, || Reason::new(format!("{at} tells the physical resolution"), "at least 1", "0"))?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// 6507h holds the version of the profile in one of its words, as major and minor number.
@@ -47,10 +49,10 @@ fn not_zero(bench: &mut Bench<'_>) -> Judged {
 fn version(bench: &mut Bench<'_>) -> Judged {
     let versions = bench.read_number(VERSIONS)?;
     let is_version = |word: u32| matches!(word >> 8, 1..=5) || matches!(word, 0x0100..=0x0599);
-    demand(versions != UNUSED && (is_version(versions & 0xFFFF) || is_version(versions >> 16)), || {
+    bench.check(demand(versions != UNUSED && (is_version(versions & 0xFFFF) || is_version(versions >> 16)), || {
         let duty = "6507h names the version of the profile";
         Reason::new(duty, "a word from 0100h to 05FFh", format!("{versions:08X}h"))
-    })
+    }))
 }
 
 /// 6508h counts tenths of an hour, upwards; FFFF FFFFh says that it does not count.
@@ -60,18 +62,18 @@ fn operating_time(bench: &mut Bench<'_>) -> Judged {
     const SPAN: Duration = Duration::from_secs(3);
     if !bench.has(OPERATING_TIME)? {
         let reason = Reason::new("the encoder counts its operating time", "6508h", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let before = bench.read_number(OPERATING_TIME)?;
     if before == UNUSED {
-        return Ok(Verdict::Pass);
+        return Ok(());
     }
     bench.listen(SPAN)?;
     let after = bench.read_number(OPERATING_TIME)?;
-    demand(after.checked_sub(before).is_some_and(|passed| passed <= 1), || {
+    bench.check(demand(after.checked_sub(before).is_some_and(|passed| passed <= 1), || {
         let duty = format!("{SPAN} add no more than one tenth of an hour to 6508h");
         Reason::new(duty, format!("{before} or {}", u64::from(before) + 1), format!("{after}"))
-    })
+    }))
 }
 
 /// 650Bh is the serial number of the identity object, 1018h:04; FFFF FFFFh says that it is not used.
@@ -80,10 +82,10 @@ fn operating_time(bench: &mut Bench<'_>) -> Judged {
 fn serial_number(bench: &mut Bench<'_>) -> Judged {
     if !bench.has(SERIAL_NUMBER)? || !bench.has(IDENTITY_SERIAL_NUMBER)? {
         let reason = Reason::new("the serial number is in both objects", "650Bh and 1018h:04", "one of them at most");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let (own, identity) = (bench.read_number(SERIAL_NUMBER)?, bench.read_number(IDENTITY_SERIAL_NUMBER)?);
-    demand(own == identity || own == UNUSED, || {
+    bench.check(demand(own == identity || own == UNUSED, || {
         Reason::new("650Bh is the serial number of 1018h:04", format!("{identity}"), format!("{own}"))
-    })
+    }))
 }

@@ -4,7 +4,7 @@
 use super::position::{OPERATING_PARAMETERS, OPERATING_STATUS, POSITION, operate, position_at_rest};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 
 const LIMIT_MIN: Multiplexer = Multiplexer::new(0x2104, 0);
@@ -14,7 +14,7 @@ const ABOVE: u32 = 1 << 13;
 /// So far from the position that its last bits don't matter.
 const MARGIN: u32 = 100;
 
-fn needs_limit_switches(bench: &Bench<'_>) -> Result<(), Verdict> {
+fn needs_limit_switches(bench: &Bench<'_>) -> Result<(), Stop> {
     let described = |multiplexer| {
         let dictionary = bench.target().description.as_ref().map(|description| &description.dictionary);
         let entry = dictionary.and_then(|dictionary| dictionary.entry(multiplexer).ok());
@@ -25,17 +25,17 @@ fn needs_limit_switches(bench: &Bench<'_>) -> Result<(), Verdict> {
     }
     let reason =
         Reason::new("the device has limit switches", "2104h and 2105h described as such", "other objects or none");
-    Err(Verdict::NotApplicable(reason))
+    Err(Stop::NotApplicable(reason))
 }
 
 /// The bits of 6500h with those limits.
-fn status(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<u32, Verdict> {
+fn status(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<u32, Stop> {
     bench.write(LIMIT_MIN, &low.to_le_bytes())?;
     bench.write(LIMIT_MAX, &high.to_le_bytes())?;
     Ok(bench.read_number(OPERATING_STATUS)? & (BELOW | ABOVE))
 }
 
-fn expect(found: u32, expected: u32, when: &str) -> Judged {
+fn expect(found: u32, expected: u32, when: &str) -> Check {
     demand(found == expected, || {
         Reason::new(format!("{OPERATING_STATUS} {when}"), format!("{expected:04X}h"), format!("{found:04X}h"))
     })
@@ -49,7 +49,7 @@ fn bits(bench: &mut Bench<'_>) -> Judged {
     let position = position_at_rest(bench)?;
     let (Some(less), Some(more)) = (position.checked_sub(MARGIN), position.checked_add(MARGIN)) else {
         let reason = Reason::new("there is room beside the position", format!("{MARGIN} units"), format!("{position}"));
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     };
     operate(bench, 0, BELOW | ABOVE)?;
     expect(status(bench, more, less)?, 0, "with both limit switches off")?;
@@ -58,7 +58,7 @@ fn bits(bench: &mut Bench<'_>) -> Judged {
     expect(status(bench, more, more)?, BELOW, "below limit switch min")?;
     expect(status(bench, less, less)?, ABOVE, "above limit switch max")?;
     bench.read(OPERATING_PARAMETERS)?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// On the limit itself a limit switch does not act.
@@ -71,6 +71,6 @@ fn limit(bench: &mut Bench<'_>) -> Judged {
     let found = status(bench, position, position)?;
     let after = bench.read_number(POSITION)?;
     demand(after == position, || Reason::new("the position stands still", format!("{position}"), format!("{after}")))
-        .map_err(Verdict::as_inconclusive)?;
-    expect(found, 0, "on both limits")
+        .or_inconclusive()?;
+    bench.check(expect(found, 0, "on both limits"))
 }

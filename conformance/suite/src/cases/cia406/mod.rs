@@ -9,6 +9,7 @@ mod draw_wire;
 mod error_behaviour;
 mod identification;
 mod limit_switch;
+pub(crate) mod needs;
 mod operating;
 mod pdo;
 mod position;

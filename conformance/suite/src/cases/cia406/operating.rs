@@ -3,7 +3,7 @@
 use super::position::OPERATING_PARAMETERS;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, demand};
 use canvass_bus::client::Outcome;
 
 /// Bits 4 to 11 have no meaning in any version of the profile.
@@ -16,10 +16,10 @@ fn reserved_bits(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read_number(OPERATING_PARAMETERS)?;
     let attempt = bench.download(OPERATING_PARAMETERS, &((before | RESERVED) as u16).to_le_bytes())?;
     if attempt.outcome != Outcome::Downloaded {
-        return Ok(Verdict::Pass);
+        return Ok(());
     }
     let after = bench.read_number(OPERATING_PARAMETERS)?;
-    demand(after & RESERVED == 0, || {
+    bench.check(demand(after & RESERVED == 0, || {
         Reason::new("6000h does not take reserved bits over", "bits 4 to 11 are 0", format!("{after:04X}h"))
-    })
+    }))
 }

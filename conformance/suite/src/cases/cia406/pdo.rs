@@ -4,9 +4,9 @@ use super::position::position_at_rest;
 use crate::bench::Bench;
 use crate::bench::objects::{EVENT_TIMER, TRANSMISSION_TYPE};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
-use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::sdo::Bytes;
 use canvass_traces::{Duration, Record};
@@ -15,12 +15,12 @@ const TPDO: Multiplexer = Multiplexer::new(0x1800, 1);
 const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
 const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
 
-fn event_driven(bench: &mut Bench<'_>) -> Result<u16, Verdict> {
+fn event_driven(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     let transmission_type = bench.read_number(TRANSMISSION_TYPE)?;
     if transmission_type < 254 {
         let actual = format!("transmission type {transmission_type}");
         let reason = Reason::new("TPDO 1 is event-driven", "transmission type 254 or 255", actual);
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     Ok((CobId(bench.read_number(TPDO)?).can_id() & 0x7FF) as u16)
 }
@@ -37,9 +37,9 @@ fn sent_on_start(bench: &mut Bench<'_>) -> Judged {
     bench.write(EVENT_TIMER, &5_000_u16.to_le_bytes())?;
     bench.command(Command::START)?;
     let heard = bench.listen(bench.timing().silence)?;
-    demand(count(&heard, cob_id) > 0, || {
+    bench.check(demand(count(&heard, cob_id) > 0, || {
         Reason::new("TPDO 1 is sent when the device becomes operational", "a TPDO within 200 ms", "none")
-    })
+    }))
 }
 
 /// The cyclic timer 6200h sends TPDO 1 periodically; 0 ends that.
@@ -47,7 +47,7 @@ fn sent_on_start(bench: &mut Bench<'_>) -> Judged {
        needs = [Encoder, EventTimer], catches = [CyclicTimerNotStopped])]
 fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
     if !bench.has(CYCLIC_TIMER)? {
-        return Err(Verdict::NotApplicable(Reason::new("the encoder has a cyclic timer", "6200h", "none")));
+        return Err(Stop::NotApplicable(Reason::new("the encoder has a cyclic timer", "6200h", "none")));
     }
     let cob_id = event_driven(bench)?;
     bench.write(CYCLIC_TIMER, &50_u16.to_le_bytes())?;
@@ -57,7 +57,7 @@ fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
         let actual = format!("{}", count(&running, cob_id));
         Reason::new("with 6200h = 50 TPDO 1 comes every 50 ms", "at least 9 in 520 ms", actual)
     })
-    .map_err(Verdict::as_inconclusive)?;
+    .or_inconclusive()?;
     bench.write(CYCLIC_TIMER, &0_u16.to_le_bytes())?;
     bench.listen(bench.timing().reaction)?;
     // A shaft that turns sends them on change.
@@ -65,10 +65,10 @@ fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
     let heard = bench.listen(Duration::from_millis(500))?;
     position_at_rest(bench)?;
     // A trembling position may still send a TPDO on change.
-    demand(count(&heard, cob_id) <= 2, || {
+    bench.check(demand(count(&heard, cob_id) <= 2, || {
         let actual = format!("{} TPDOs in 500 ms", count(&heard, cob_id));
         Reason::new("with 6200h = 0 TPDO 1 is not sent cyclically", "none at rest", actual)
-    })
+    }))
 }
 
 /// 6200h follows the event timer of TPDO 1, which is the same timer.
@@ -76,13 +76,13 @@ fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
        needs = [Encoder, EventTimer], catches = [EventTimerNotInCyclicTimer])]
 fn follows_event_timer(bench: &mut Bench<'_>) -> Judged {
     if !bench.has(CYCLIC_TIMER)? {
-        return Err(Verdict::NotApplicable(Reason::new("the encoder has a cyclic timer", "6200h", "none")));
+        return Err(Stop::NotApplicable(Reason::new("the encoder has a cyclic timer", "6200h", "none")));
     }
     bench.write(EVENT_TIMER, &70_u16.to_le_bytes())?;
     let read = bench.read(CYCLIC_TIMER)?;
-    demand(read == 70_u16.to_le_bytes(), || {
+    bench.check(demand(read == 70_u16.to_le_bytes(), || {
         Reason::new("6200h follows 1800h:05 = 70", Bytes(&70_u16.to_le_bytes()).to_string(), Bytes(&read).to_string())
-    })
+    }))
 }
 
 /// The position can't be written.
@@ -91,5 +91,5 @@ fn follows_event_timer(bench: &mut Bench<'_>) -> Judged {
 fn read_only(bench: &mut Bench<'_>) -> Judged {
     let value = bench.read(POSITION)?;
     let attempt = bench.download(POSITION, &value)?;
-    attempt.expect_abort(&[AbortCode::READ_ONLY], &[AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL])
+    bench.check(attempt.refused(Situation::ReadOnly))
 }

@@ -2,7 +2,8 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;
 
@@ -20,19 +21,19 @@ pub(super) const SCALING: u32 = 4;
 pub(super) const TREMBLE: u32 = 2;
 
 /// The position of a shaft at rest.
-pub(super) fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+pub(super) fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let first = bench.read_number(POSITION)?;
     bench.listen(Duration::from_millis(50))?;
     let second = bench.read_number(POSITION)?;
     demand(first.abs_diff(second) <= TREMBLE, || {
         Reason::new("the shaft is at rest", format!("{first}"), format!("{second} after 50 ms"))
     })
-    .map_err(Verdict::as_inconclusive)?;
+    .or_inconclusive()?;
     Ok(second)
 }
 
 /// Sets bits of 6000h, and clears those of `without`.
-pub(super) fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<u32, Verdict> {
+pub(super) fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<u32, Stop> {
     let value = bench.read_number(OPERATING_PARAMETERS)? & !without | with;
     let value = u16::try_from(value).unwrap_or(u16::MAX);
     bench.write(OPERATING_PARAMETERS, &value.to_le_bytes())?;
@@ -40,7 +41,7 @@ pub(super) fn operate(bench: &mut Bench<'_>, with: u32, without: u32) -> Result<
 }
 
 /// A range that every encoder can show: one revolution of 256 units, 16 revolutions.
-pub(super) fn small_range(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+pub(super) fn small_range(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     const RANGE_UNITS: u32 = 4_096;
     needs_revolutions(bench)?;
     operate(bench, SCALING, CODE_SEQUENCE)?;
@@ -55,11 +56,11 @@ pub(super) fn is_near(a: u32, b: u32, range: u32) -> bool {
 }
 
 /// Linear encoders (1000h) have no revolutions, and no units per revolution that could be set.
-fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let turns = bench.read_number(Multiplexer::new(0x1000, 0))? >> 16;
     if matches!(turns, 8 | 9) {
         let reason = Reason::new("the encoder is rotary", "another high word of 1000h", format!("{turns}: linear"));
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     Ok(())
 }
@@ -72,9 +73,9 @@ fn preset(bench: &mut Bench<'_>) -> Judged {
     let wanted = (position_at_rest(bench)? + 1_000) % range;
     super::preset::with_preset(bench, wanted, |bench, _| {
         let position = bench.read_number(POSITION)?;
-        demand(is_near(position, wanted, range), || {
+        bench.check(demand(is_near(position, wanted, range), || {
             Reason::new("after a preset 6004h has its value", format!("{wanted}"), format!("{position}"))
-        })
+        }))
     })
 }
 
@@ -82,10 +83,9 @@ fn preset(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "406/preset/out-of-range", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = [Encoder], catches = [PresetOutOfRangeAccepted])]
 fn preset_out_of_range(bench: &mut Bench<'_>) -> Judged {
-    use canvass_analyzer::wire::sdo::AbortCode;
     let range = small_range(bench)?;
     let attempt = bench.download(PRESET, &range.to_le_bytes())?;
-    attempt.expect_abort(&[AbortCode::INVALID_VALUE, AbortCode::VALUE_TOO_HIGH], &[AbortCode::GENERAL])
+    bench.check(attempt.refused(Situation::InvalidValue))
 }
 
 /// The code sequence, bit 0 of 6000h, turns the direction in which the position counts.
@@ -103,12 +103,12 @@ fn code_sequence(bench: &mut Bench<'_>) -> Judged {
     if is_near(before, (range - before) % range, range) {
         let reason =
             Reason::new("the shaft stands where the directions differ", "not 0 or half the range", format!("{before}"));
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     }
-    demand(!is_near(before, after, range), || {
+    bench.check(demand(!is_near(before, after, range), || {
         let duty = "with the code sequence turned the same shaft shows another position";
         Reason::new(duty, format!("not {before}"), format!("{after}"))
-    })
+    }))
 }
 
 /// With scaling on, the position stays below the measuring range 6002h and counts 6001h units per revolution.
@@ -122,16 +122,16 @@ fn scaling(bench: &mut Bench<'_>) -> Judged {
     })?;
     // An offset from a stored preset shifts what follows.
     if bench.read_number(OFFSET)? != 0 {
-        return Ok(Verdict::Pass);
+        return Ok(());
     }
     // Half the units per revolution, half the position; the range then spans twice the revolutions, so the position is
     // known only within half of it.
     bench.write(UNITS_PER_REVOLUTION, &128_u32.to_le_bytes())?;
     let half = position_at_rest(bench)?;
-    demand(is_near(half % (range / 2), position / 2, range / 2), || {
+    bench.check(demand(is_near(half % (range / 2), position / 2, range / 2), || {
         let expected = format!("{} or {}", position / 2, position / 2 + range / 2);
         Reason::new("half the units per revolution give half the position", expected, format!("{half}"))
-    })
+    }))
 }
 
 /// The operating status 6500h shows what 6000h was set to.
@@ -147,5 +147,5 @@ fn status(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("{:04X}h", written & mask), format!("{:04X}h", status & mask))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

@@ -4,7 +4,7 @@ use super::position::{OFFSET, OPERATING_PARAMETERS, POSITION, PRESET, RANGE, SCA
 use crate::bench::Bench;
 use crate::bench::objects::EVENT_TIMER;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
@@ -17,7 +17,7 @@ const TPDO: Multiplexer = Multiplexer::new(0x1800, 1);
 const FIRST_ENTRY: Multiplexer = Multiplexer::new(0x1A00, 1);
 
 /// How many positions the encoder shows as it is set now, at most 2^32 - 1.
-pub(super) fn range_now(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+pub(super) fn range_now(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let scaled = bench.read_number(OPERATING_PARAMETERS)? & SCALING != 0;
     if scaled {
         let range = bench.read_number(RANGE)?;
@@ -34,14 +34,14 @@ pub(super) fn with_preset(
     act: impl FnOnce(&mut Bench<'_>, u32) -> Judged,
 ) -> Judged {
     let before = position_at_rest(bench)?;
-    let set = bench.download(PRESET, &wanted.to_le_bytes()).and_then(|attempt| attempt.expect_confirmation());
+    let set = bench.download(PRESET, &wanted.to_le_bytes()).and_then(|attempt| Ok(attempt.expect_confirmation()?));
     let judged = set.and_then(|_| act(bench, before));
     bench.uncancelled(|bench| bench.download(PRESET, &before.to_le_bytes()))?;
     judged
 }
 
 /// A position well away from the one of now.
-fn elsewhere(bench: &mut Bench<'_>) -> Result<(u32, u32), Verdict> {
+fn elsewhere(bench: &mut Bench<'_>) -> Result<(u32, u32), Stop> {
     let range = range_now(bench)?;
     let position = position_at_rest(bench)?;
     Ok(((position.wrapping_add(range / 3)) % range, range))
@@ -58,10 +58,10 @@ fn offset(bench: &mut Bench<'_>) -> Judged {
         let expected = shift.rem_euclid(range.into()) as u32;
         let offset = bench.read_number(OFFSET)? as i32;
         let found = i64::from(offset).rem_euclid(range.into()) as u32;
-        demand(is_near(found, expected, range), || {
+        bench.check(demand(is_near(found, expected, range), || {
             let duty = "6509h is the shift of the position by the preset";
             Reason::new(duty, format!("{shift}, modulo {range}"), format!("{offset}"))
-        })
+        }))
     })
 }
 
@@ -77,7 +77,7 @@ fn at_once(bench: &mut Bench<'_>) -> Judged {
                 Reason::new("after a preset 6004h has its value at once", format!("{wanted}"), format!("{position}"))
             })?;
         }
-        Ok(Verdict::Pass)
+        Ok(())
     })
 }
 
@@ -88,7 +88,7 @@ fn tpdo(bench: &mut Bench<'_>) -> Judged {
     const PERIOD_MS: u16 = 100;
     if bench.read_number(FIRST_ENTRY)? != 0x6004_0020 {
         let reason = Reason::new("TPDO 1 begins with the position", "1A00h:01 = 60040020h", "another mapping");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let (wanted, range) = elsewhere(bench)?;
     let cob_id = (CobId(bench.read_number(TPDO)?).can_id() & 0x7FF) as u16;
@@ -101,12 +101,12 @@ fn tpdo(bench: &mut Bench<'_>) -> Judged {
         let first = heard.iter().find(|record| record.frame.cob_id() == Some(cob_id));
         let Some(first) = first else {
             let reason = Reason::new("TPDO 1 is sent", "one every 100 ms", "none in 150 ms");
-            return Err(Verdict::Inconclusive(reason));
+            return Err(Stop::Inconclusive(reason));
         };
         let position = crate::bench::sdo::number(first.data());
-        demand(is_near(position, wanted, range), || {
+        bench.check(demand(is_near(position, wanted, range), || {
             Reason::new("the TPDO after a preset carries it", format!("{wanted}"), format!("{position}"))
-        })
+        }))
     })
 }
 
@@ -120,10 +120,10 @@ fn volatile(bench: &mut Bench<'_>) -> Judged {
     with_preset(bench, wanted, |bench, before| {
         bench.reset(Command::RESET_NODE)?;
         let position = position_at_rest(bench)?;
-        demand(is_near(position, before, range), || {
+        bench.check(demand(is_near(position, before, range), || {
             let duty = "a preset that was not stored is gone after reset node";
             Reason::new(duty, format!("{before}, as before the preset"), format!("{position}"))
-        })
+        }))
     })
 }
 
@@ -136,21 +136,21 @@ fn stored(bench: &mut Bench<'_>) -> Judged {
         save(bench)?;
         bench.reset(Command::RESET_NODE)?;
         let position = position_at_rest(bench)?;
-        demand(is_near(position, wanted, range), || {
+        bench.check(demand(is_near(position, wanted, range), || {
             let duty = "a preset that was stored is there after reset node";
             Reason::new(duty, format!("{wanted}"), format!("{position}"))
-        })
+        }))
     });
     // The position of before is back, and stored again.
     bench.uncancelled(save)?;
     judged
 }
 
-fn save(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+fn save(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let attempt = bench.download(SAVE, b"save")?;
     bench.listen(Duration::from_millis(100))?;
     match attempt.outcome {
         Outcome::Downloaded => Ok(()),
-        _ => attempt.expect_confirmation().map(|_| ()).map_err(Verdict::as_inconclusive),
+        _ => attempt.expect_confirmation().or_inconclusive(),
     }
 }

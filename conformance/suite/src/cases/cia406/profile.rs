@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
@@ -51,10 +51,10 @@ fn device_type(bench: &mut Bench<'_>) -> Judged {
     if kind == 0 {
         bench.note("1000h does not say which kind of encoder it is");
     }
-    demand(fits, || {
+    bench.check(demand(fits, || {
         let expected = if kind == 1 { "1 revolution, as a single-turn encoder has" } else { "more than 1 revolution" };
         Reason::new(format!("6502h fits the type {kind} of 1000h"), expected, format!("{revolutions}"))
-    })
+    }))
 }
 
 /// The objects that class C2 demands exist.
@@ -69,7 +69,7 @@ fn mandatory(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, "the value", attempt.outcome.to_string())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The objects of the profile have the lengths of its data types.
@@ -84,5 +84,5 @@ fn data_types(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("{} bytes", expected.join(" or ")), format!("{} bytes", value.len()))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

@@ -4,7 +4,7 @@ use super::position::position_at_rest;
 use super::preset::{range_now, with_preset};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::crc16;
 
@@ -24,24 +24,24 @@ fn preset(bench: &mut Bench<'_>) -> Judged {
     let raw = bench.read_number(RAW_POSITION)?;
     with_preset(bench, wanted, |bench, _| {
         let after = bench.read_number(RAW_POSITION)?;
-        demand(after.abs_diff(raw) <= 64, || {
+        bench.check(demand(after.abs_diff(raw) <= 64, || {
             Reason::new("600Ch does not follow a preset", format!("{raw}"), format!("{after}"))
-        })
+        }))
     })
 }
 
 /// 2161h is the inverse of the raw position 2160h, as the manufacturer's manual says: all bits are turned.
-#[case(id = "406/raw-position/inverse", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/raw-position/inverse", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Encoder, RawData], catches = [RawInverseWrong])]
 fn inverse(bench: &mut Bench<'_>) -> Judged {
     let (raw, inverse) = (bench.read_number(RAW_DATA)?, bench.read_number(INVERSE)?);
-    demand((!inverse).abs_diff(raw) <= 64, || {
+    bench.check(demand((!inverse).abs_diff(raw) <= 64, || {
         Reason::new("2161h is the inverse of 2160h", format!("{:08X}h", !raw), format!("{inverse:08X}h"))
-    })
+    }))
 }
 
 /// 2162h is the CRC-16 (polynomial 1021h, start 1021h) of the raw position 2160h, as the manufacturer's manual says.
-#[case(id = "406/raw-position/checksum", clause = "CiA 406", confidence = Unknown, level = May,
+#[case(id = "406/raw-position/checksum", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Encoder, RawData], catches = [RawCrcStartWrong])]
 fn checksum(bench: &mut Bench<'_>) -> Judged {
     let mut last = (0, 0);
@@ -55,9 +55,11 @@ fn checksum(bench: &mut Bench<'_>) -> Judged {
         let expected = u32::from(crc16(START, &before.to_le_bytes()));
         last = (expected, checksum);
         if expected == checksum {
-            return Ok(Verdict::Pass);
+            return Ok(());
         }
     }
     let (expected, found) = last;
-    demand(false, || Reason::new("2162h is the CRC of 2160h", format!("{expected:04X}h"), format!("{found:04X}h")))
+    bench.check(demand(false, || {
+        Reason::new("2162h is the CRC of 2160h", format!("{expected:04X}h"), format!("{found:04X}h"))
+    }))
 }

@@ -7,7 +7,7 @@ use super::position::{
 use super::preset::with_preset;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::client::Outcome;
 
@@ -26,7 +26,7 @@ fn zero_units(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, "a response", "no answer")
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A measuring range of less than one revolution is refused, from both sides: 6001h above 6002h, 6002h below 6001h. The
@@ -43,7 +43,7 @@ fn units_above_range(bench: &mut Bench<'_>) -> Judged {
         })?;
         bench.expect_unchanged(at, &before)?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// 6002h = 0 is refused, or stands for 2^32: the position takes any preset.
@@ -53,14 +53,14 @@ fn zero_range(bench: &mut Bench<'_>) -> Judged {
     const WANTED: u32 = 0x8000_1234;
     operate(bench, SCALING, 0)?;
     if bench.download(RANGE, &0_u32.to_le_bytes())?.outcome != Outcome::Downloaded {
-        return Ok(Verdict::Pass);
+        return Ok(());
     }
     with_preset(bench, WANTED, |bench, _| {
         let position = bench.read_number(POSITION)?;
-        demand(position.abs_diff(WANTED) <= 2, || {
+        bench.check(demand(position.abs_diff(WANTED) <= 2, || {
             let duty = "with 6002h = 0 the position has 32 bits";
             Reason::new(duty, format!("{WANTED}, the preset"), format!("{position}"))
-        })
+        }))
     })
 }
 
@@ -99,9 +99,9 @@ fn mirror(bench: &mut Bench<'_>, range: u32) -> Judged {
     }
     let [up, down] = seen;
     let sum = u32::try_from((up + down).rem_euclid(range.into())).unwrap_or(u32::MAX);
-    demand(is_near(sum, 0, range), || {
+    bench.check(demand(is_near(sum, 0, range), || {
         let duty = format!("with 6002h = {range} both code sequences mirror each other");
         let expected = (i64::from(range) - up).rem_euclid(range.into());
         Reason::new(duty, format!("{up} and {expected}"), format!("{up} and {down}"))
-    })
+    }))
 }

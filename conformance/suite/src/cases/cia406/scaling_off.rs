@@ -18,9 +18,9 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     let attempt = bench.download(UNITS_PER_REVOLUTION, &(units / 2).max(1).to_le_bytes())?;
     let taken = attempt.outcome == Outcome::Downloaded;
     let after = position_at_rest(bench)?;
-    demand(is_near(before, after, u32::MAX), || {
+    bench.check(demand(is_near(before, after, u32::MAX), || {
         let written = if taken { "taken" } else { "refused" };
         let duty = format!("with scaling off, 6001h = {} ({written}) does not move the position", units / 2);
         Reason::new(duty, format!("{before} (offset {offset})"), format!("{after}"))
-    })
+    }))
 }

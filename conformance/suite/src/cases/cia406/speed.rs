@@ -6,7 +6,7 @@ use super::position::{
 use super::preset::range_now;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::client::Outcome;
 use canvass_traces::Duration;
@@ -19,7 +19,7 @@ const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
 const SPEED_FORMATS: [u32; 2] = [1 << 13, 1 << 12];
 
 /// A signed value of two or four bytes.
-fn signed(bench: &mut Bench<'_>, at: Multiplexer) -> Result<i64, Verdict> {
+fn signed(bench: &mut Bench<'_>, at: Multiplexer) -> Result<i64, Stop> {
     let value = bench.read(at)?;
     Ok(match *value.as_slice() {
         [a, b] => i16::from_le_bytes([a, b]).into(),
@@ -29,7 +29,7 @@ fn signed(bench: &mut Bench<'_>, at: Multiplexer) -> Result<i64, Verdict> {
 }
 
 /// The change of 6004h in units per second, over half a second.
-fn units_per_second(bench: &mut Bench<'_>) -> Result<f64, Verdict> {
+fn units_per_second(bench: &mut Bench<'_>) -> Result<f64, Stop> {
     let range = f64::from(range_now(bench)?);
     let (began, first) = (bench.now(), bench.read_number(POSITION)?);
     bench.listen(Duration::from_millis(500))?;
@@ -46,7 +46,7 @@ fn units_per_second(bench: &mut Bench<'_>) -> Result<f64, Verdict> {
     Ok(change * 1_000.0 / ended.since(began).as_millis())
 }
 
-fn units_per_revolution(bench: &mut Bench<'_>) -> Result<f64, Verdict> {
+fn units_per_revolution(bench: &mut Bench<'_>) -> Result<f64, Stop> {
     let scaled = bench.read_number(OPERATING_PARAMETERS)? & SCALING != 0;
     Ok(bench.read_number(if scaled { UNITS_PER_REVOLUTION } else { SINGLE_TURN })?.into())
 }
@@ -63,7 +63,7 @@ fn rest(bench: &mut Bench<'_>) -> Judged {
     position_at_rest(bench)?;
     bench.listen(Duration::from_secs(2))?;
     let speed = signed(bench, SPEED)?;
-    demand(speed.abs() <= 2, || Reason::new("6030h is 0 at rest", "0", format!("{speed}")))
+    bench.check(demand(speed.abs() <= 2, || Reason::new("6030h is 0 at rest", "0", format!("{speed}"))))
 }
 
 /// In revolutions per minute the speed is what the position turns.
@@ -75,9 +75,9 @@ fn revolutions_per_minute(bench: &mut Bench<'_>) -> Judged {
     operate(bench, 0, format)?;
     let turned = units_per_second(bench)? * 60.0 / units_per_revolution(bench)?;
     let speed = signed(bench, SPEED)? as f64;
-    demand(is_like(speed.abs(), turned.abs()), || {
+    bench.check(demand(is_like(speed.abs(), turned.abs()), || {
         Reason::new("6030h is the speed in revolutions per minute", format!("{turned:.0}"), format!("{speed}"))
-    })
+    }))
 }
 
 /// The sign of the speed is that of the change of position, in both code sequences.
@@ -94,11 +94,11 @@ fn sign(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, if turned > 0.0 { "positive" } else { "negative" }, format!("{speed}"))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The bit that the device takes for the unit of the speed.
-fn in_units_bit(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+fn in_units_bit(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let before = bench.read_number(OPERATING_PARAMETERS)?;
     let [v3, v4] = SPEED_FORMATS;
     let attempt = bench.download(OPERATING_PARAMETERS, &((before | v3) as u16).to_le_bytes())?;
@@ -121,10 +121,10 @@ fn format(bench: &mut Bench<'_>) -> Judged {
     operate(bench, bit, 0)?;
     bench.listen(Duration::from_millis(500))?;
     let fast = signed(bench, SPEED)?;
-    demand(fast.abs() > slow.abs() + 2, || {
+    bench.check(demand(fast.abs() > slow.abs() + 2, || {
         let duty = "in units per second 6030h is 256/60 of that in revolutions per minute, or more";
         Reason::new(duty, format!("{}", slow * 256 / 60), format!("{fast}"))
-    })
+    }))
 }
 
 /// 6031h:04 divides the speed.
@@ -135,9 +135,9 @@ fn divisor(bench: &mut Bench<'_>) -> Judged {
     bench.write(DIVISOR, &5_u16.to_le_bytes())?;
     bench.listen(Duration::from_millis(500))?;
     let part = signed(bench, SPEED)? as f64;
-    demand(is_like(part * 5.0, whole) || (part - whole / 5.0).abs() <= 1.0, || {
+    bench.check(demand(is_like(part * 5.0, whole) || (part - whole / 5.0).abs() <= 1.0, || {
         Reason::new("6031h:04 = 5 divides the speed by 5", format!("{:.0}", whole / 5.0), format!("{part}"))
-    })
+    }))
 }
 
 /// At constant speed the acceleration is 0.
@@ -149,10 +149,12 @@ fn acceleration(bench: &mut Bench<'_>) -> Judged {
     let second = signed(bench, SPEED)?;
     if first.abs_diff(second) > 1 {
         let reason = Reason::new("the shaft turns at constant speed", format!("{first}"), format!("{second}"));
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let acceleration = signed(bench, ACCELERATION)?;
-    demand(acceleration.abs() <= 2, || Reason::new("6040h is 0 at constant speed", "0", format!("{acceleration}")))
+    bench.check(demand(acceleration.abs() <= 2, || {
+        Reason::new("6040h is 0 at constant speed", "0", format!("{acceleration}"))
+    }))
 }
 
 /// At constant speed the jerk 6050h is 0, as the acceleration is.
@@ -166,8 +168,8 @@ fn jerk(bench: &mut Bench<'_>) -> Judged {
     if first.abs().max(second.abs()) > 2 {
         let reason =
             Reason::new("the shaft turns at constant speed", "an acceleration of 0", format!("{first}, {second}"));
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let jerk = signed(bench, JERK)?;
-    demand(jerk.abs() <= 2, || Reason::new("6050h is 0 at constant speed", "0", format!("{jerk}")))
+    bench.check(demand(jerk.abs() <= 2, || Reason::new("6050h is 0 at constant speed", "0", format!("{jerk}"))))
 }

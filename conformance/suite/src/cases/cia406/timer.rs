@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::bench::objects::EVENT_TIMER;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::client::sdo::Bytes;
 
@@ -15,7 +15,7 @@ const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
 fn event_timer(bench: &mut Bench<'_>) -> Judged {
     if !bench.has(CYCLIC_TIMER)? {
         let reason = Reason::new("the encoder has a cyclic timer", "6200h", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     for (to, from, time) in [(CYCLIC_TIMER, EVENT_TIMER, 100_u16), (EVENT_TIMER, CYCLIC_TIMER, 250)] {
         bench.write(to, &time.to_le_bytes())?;
@@ -25,5 +25,5 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, Bytes(&time.to_le_bytes()).to_string(), Bytes(&read).to_string())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

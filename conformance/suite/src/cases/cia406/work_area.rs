@@ -4,7 +4,7 @@ use super::position::{POSITION, position_at_rest};
 use super::preset::range_now;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
@@ -20,7 +20,7 @@ const UNDERFLOW: u32 = 1 << 2;
 const DISTANCE: u32 = 100;
 
 /// Sets both limits, in an order in which the low one is never above the high one.
-fn limit(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<(), Verdict> {
+fn limit(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<(), Stop> {
     if low > bench.read_number(HIGH)? {
         bench.write(HIGH, &high.to_le_bytes())?;
         return bench.write(LOW, &low.to_le_bytes());
@@ -32,25 +32,22 @@ fn limit(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<(), Verdict> {
 fn expect_state(bench: &mut Bench<'_>, where_it_is: &str, mask: u32, expected: u32) -> Judged {
     let position = bench.read_number(POSITION)?;
     let state = bench.read_number(STATE)?;
-    demand(state & mask == expected, || {
+    bench.check(demand(state & mask == expected, || {
         let duty = format!("6400h:01 tells that position {position} is {where_it_is}");
         Reason::new(duty, format!("{expected:03b} in binary"), format!("{:03b}", state & mask))
-    })
+    }))
 }
 
 /// A position in the middle of its range, away from both ends.
-fn middle(bench: &mut Bench<'_>) -> Result<u32, Verdict> {
+fn middle(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let (range, position) = (range_now(bench)?, position_at_rest(bench)?);
     let far = position > 4 * DISTANCE && position < range.saturating_sub(4 * DISTANCE);
-    demand(far, || {
-        let expected = format!("{} to {}", 4 * DISTANCE, range.saturating_sub(4 * DISTANCE));
-        Reason::new("the shaft stands away from the ends of the range", expected, format!("{position}"))
-    })
-    .map_err(|verdict| match verdict {
-        Verdict::Fail(reason) => Verdict::NotApplicable(reason),
-        other => other,
-    })?;
-    Ok(position)
+    if far {
+        return Ok(position);
+    }
+    let expected = format!("{} to {}", 4 * DISTANCE, range.saturating_sub(4 * DISTANCE));
+    let duty = "the shaft stands away from the ends of the range";
+    Err(Stop::NotApplicable(Reason::new(duty, expected, format!("{position}"))))
 }
 
 /// While the position lies between the limits, no bit of 6400h is set.
@@ -88,14 +85,14 @@ fn swapped(bench: &mut Bench<'_>) -> Judged {
     limit(bench, position - DISTANCE, position + DISTANCE)?;
     let attempt = bench.download(LOW, &(position + 2 * DISTANCE).to_le_bytes())?;
     match attempt.outcome {
-        Outcome::Downloaded => Err(Verdict::Fail(Reason::new(
+        Outcome::Downloaded => Err(Stop::from(Reason::new(
             "a low limit above the high one is refused",
             format!("abort {}", AbortCode::MAXIMUM_BELOW_MINIMUM),
             "confirmation",
         ))),
-        _ => attempt.expect_abort(
+        _ => bench.check(attempt.refused_with(
             &[AbortCode::MAXIMUM_BELOW_MINIMUM, AbortCode::INVALID_VALUE, AbortCode::VALUE_TOO_HIGH],
             &[AbortCode::GENERAL, AbortCode::PARAMETER_INCOMPATIBLE],
-        ),
+        )),
     }
 }

@@ -3,7 +3,7 @@
 use super::{exchange, in_configuration, shown};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lmt::{self, BIT_RATES, ConfigureCommand, Request, Response};
@@ -19,7 +19,7 @@ fn error_of(response: Option<Response>, of: ConfigureCommand) -> Option<u8> {
 }
 
 /// Leaves the node-ID that the device has as the one configured last.
-pub(super) fn configure_own(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+pub(super) fn configure_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let node_id = bench.node().raw();
     exchange(bench, Request::ConfigureNmtAddress { node_id }).map(|_| ())
 }
@@ -40,10 +40,10 @@ fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
             }
         }
         configure_own(bench)?;
-        demand(wrong.is_none(), || {
+        bench.check(demand(wrong.is_none(), || {
             let (node_id, actual) = wrong.unwrap_or_default();
             Reason::new(format!("node-ID {node_id} is refused"), "an error code other than 0", actual)
-        })
+        }))
     })
 }
 
@@ -53,7 +53,7 @@ fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
 fn not_at_once(bench: &mut Bench<'_>) -> Judged {
     let Some(node_id) = bench.vacant_neighbour() else {
         let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     in_configuration(bench, |bench| {
         bench.watch_restart();
@@ -65,12 +65,14 @@ fn not_at_once(bench: &mut Bench<'_>) -> Judged {
         demand(error_of(response, ConfigureCommand::NmtAddress) == Some(0), || {
             Reason::new(format!("node-ID {node_id} is taken"), "error code 0", shown(response))
         })?;
-        demand(answers, || Reason::new("the old node-ID is in use until power-off", "an SDO response", "silence"))
+        bench.check(demand(answers, || {
+            Reason::new("the old node-ID is in use until power-off", "an SDO response", "silence")
+        }))
     })
 }
 
 /// Sets the bit rate that the bus has as the one configured last, where it is known.
-pub(super) fn configure_own_rate(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+pub(super) fn configure_own_rate(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if let Some(index) = bench.bit_rate().and_then(index_of) {
         exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     }
@@ -98,11 +100,11 @@ fn table(bench: &mut Bench<'_>) -> Judged {
             }
         }
         configure_own_rate(bench)?;
-        demand(wrong.is_none(), || {
+        bench.check(demand(wrong.is_none(), || {
             let (index, actual) = wrong.unwrap_or_default();
             let rate = BIT_RATES.get(usize::from(index)).map_or(0, |rate| rate / 1000);
             Reason::new(format!("row {index}, {rate} kbit/s, is taken"), "error code 0", actual)
-        })
+        }))
     })
 }
 
@@ -120,10 +122,10 @@ fn invalid_bit_timing(bench: &mut Bench<'_>) -> Judged {
             }
         }
         configure_own_rate(bench)?;
-        demand(wrong.is_none(), || {
+        bench.check(demand(wrong.is_none(), || {
             let (table, index, actual) = wrong.unwrap_or_default();
             Reason::new(format!("row {index} of table {table} is refused"), "error code 1", actual)
-        })
+        }))
     })
 }
 
@@ -136,14 +138,14 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     let Some(index) = bench.bit_rate().and_then(index_of) else {
         let reason =
             Reason::new("the bit rate of the bus is known", "one of table 0", format!("{:?}", bench.bit_rate()));
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     in_configuration(bench, |bench| {
         let response = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
         demand(error_of(response, ConfigureCommand::BitTiming) == Some(0), || {
             Reason::new("the bit rate of the bus can be configured", "error code 0", shown(response))
         })
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
         bench.send(&Request::ActivateBitTiming { delay: DELAY_MS }.to_frame(lmt::MASTER_CAN_ID))?;
         let upload = sdo::Request::upload(Multiplexer::new(0x1000, 0));
         let mut answered = None;
@@ -156,9 +158,9 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
         bench.listen(Duration::from_millis(u64::from(DELAY_MS)))?;
         let works = bench.answers()?;
         if let Some(failure) = answered {
-            return Err(failure);
+            return Err(failure.into());
         }
-        demand(works, || Reason::new("the device works after two delays", "an SDO response", "silence"))
+        bench.check(demand(works, || Reason::new("the device works after two delays", "an SDO response", "silence")))
     })
 }
 
@@ -170,12 +172,12 @@ fn store(bench: &mut Bench<'_>) -> Judged {
         configure_own(bench)?;
         let response = exchange(bench, Request::StoreConfiguration)?;
         bench.note("17h stored the node-ID that the device has: one more write of its non-volatile memory");
-        demand(matches!(error_of(response, ConfigureCommand::Store), Some(0 | 1)), || {
+        bench.check(demand(matches!(error_of(response, ConfigureCommand::Store), Some(0 | 1)), || {
             Reason::new(
                 "store configuration is answered",
                 "error code 0, or 1 where nothing can be stored",
                 shown(response),
             )
-        })
+        }))
     })
 }

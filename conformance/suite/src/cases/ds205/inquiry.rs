@@ -3,7 +3,7 @@
 use super::{address, exchange, in_configuration, inquire, other, shown};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::lmt::{Bound, Part, Request, Response, Seven};
 use canvass_bus::client::sdo::Bytes;
 
@@ -14,7 +14,9 @@ fn serial_number(bench: &mut Bench<'_>) -> Judged {
     in_configuration(bench, |bench| {
         let Seven(bytes) = inquire(bench, Part::SerialNumber)?;
         let is_decimal = bytes.iter().all(|byte| byte >> 4 <= 9 && byte & 0x0F <= 9);
-        demand(is_decimal, || Reason::new("the serial number is BCD", "nibbles of 0 to 9", Bytes(&bytes).to_string()))
+        bench.check(demand(is_decimal, || {
+            Reason::new("the serial number is BCD", "nibbles of 0 to 9", Bytes(&bytes).to_string())
+        }))
     })
 }
 
@@ -33,12 +35,12 @@ fn names(bench: &mut Bench<'_>) -> Judged {
                 Reason::new(duty, "20h to 7Eh, then 00h", Bytes(&bytes).to_string())
             })?;
         }
-        Ok(Verdict::Pass)
+        Ok(())
     })
 }
 
 /// Asks for slaves with these names and a serial number between `low` and `high`; the first answer.
-fn identify(bench: &mut Bench<'_>, names: [Seven; 2], low: Seven, high: Seven) -> Result<Option<Response>, Verdict> {
+fn identify(bench: &mut Bench<'_>, names: [Seven; 2], low: Seven, high: Seven) -> Result<Option<Response>, Stop> {
     let [manufacturer, product] = names;
     let mut answer = None;
     for (bound, value) in Bound::ALL.into_iter().zip([manufacturer, product, low, high]) {
@@ -59,7 +61,7 @@ fn identify_own(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, "\"slave identified\"", shown(answer))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A slave whose serial number is outside the bounds, or whose names are others, does not answer.
@@ -74,5 +76,5 @@ fn identify_other(bench: &mut Bench<'_>) -> Judged {
             Reason::new("the address of another slave is not answered", "silence", shown(answer))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

@@ -6,14 +6,15 @@
 mod configuration;
 mod inquiry;
 mod mode;
+pub(crate) mod needs;
 
 use crate::bench::Bench;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lmt::{self, Part, Request, Response, Seven};
 
 /// Sends a message and waits for the slave's response.
-fn exchange(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Verdict> {
+fn exchange(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Stop> {
     bench.drain()?;
     bench.send(&request.to_frame(lmt::MASTER_CAN_ID))?;
     bench.wait_for(bench.timing().silence, |record| {
@@ -29,13 +30,13 @@ fn shown(response: Option<Response>) -> String {
 /// Demands that a message is not answered.
 fn expect_silence(bench: &mut Bench<'_>, request: Request, when: &str) -> Judged {
     let response = exchange(bench, request)?;
-    demand(response.is_none(), || {
+    bench.check(demand(response.is_none(), || {
         Reason::new(format!("\"{request}\" is not answered {when}"), "silence", shown(response))
-    })
+    }))
 }
 
 /// Whether the slave is in configuration: only then it answers inquiries.
-fn is_configuring(bench: &mut Bench<'_>) -> Result<bool, Verdict> {
+fn is_configuring(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     let response = exchange(bench, Request::Inquire { part: Part::ManufacturerName })?;
     Ok(matches!(response, Some(Response::Part { .. })))
 }
@@ -49,25 +50,25 @@ fn in_configuration(bench: &mut Bench<'_>, judge: impl FnOnce(&mut Bench<'_>) ->
 }
 
 /// A part of the slave's address. Only in configuration.
-fn inquire(bench: &mut Bench<'_>, part: Part) -> Result<Seven, Verdict> {
+fn inquire(bench: &mut Bench<'_>, part: Part) -> Result<Seven, Stop> {
     let response = exchange(bench, Request::Inquire { part })?;
     match response {
         Some(Response::Part { part: found, value }) if found == part => Ok(value),
         response => {
             let duty = format!("in configuration the slave says its {}", part.name());
-            Err(Verdict::Fail(Reason::new(duty, "seven bytes", shown(response))))
+            Err(Stop::from(Reason::new(duty, "seven bytes", shown(response))))
         }
     }
 }
 
 /// The three parts of the slave's address, asked for in configuration; the slave is in operation afterwards.
-fn address(bench: &mut Bench<'_>) -> Result<[Seven; 3], Verdict> {
+fn address(bench: &mut Bench<'_>) -> Result<[Seven; 3], Stop> {
     let mut address = [Seven([0; 7]); 3];
     in_configuration(bench, |bench| {
         for (value, part) in address.iter_mut().zip(Part::ALL) {
-            *value = inquire(bench, part).map_err(Verdict::as_inconclusive)?;
+            *value = inquire(bench, part).or_inconclusive()?;
         }
-        Ok(Verdict::Pass)
+        Ok(())
     })?;
     Ok(address)
 }
@@ -83,21 +84,10 @@ fn other(value: Seven) -> Seven {
 ///
 /// # Errors
 /// As [`Bench::wait_for`].
-pub(crate) fn rescue(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+fn rescue(bench: &mut Bench<'_>, _stored: bool) -> Result<(), Stop> {
     in_configuration(bench, |bench| {
         configuration::configure_own(bench)?;
-        configuration::configure_own_rate(bench).map(|()| Verdict::Pass)
+        configuration::configure_own_rate(bench)
     })
     .map(|_| ())
-}
-
-/// Whether the bus has an LMT slave: it is asked in configuration, and led back.
-///
-/// # Errors
-/// [`Verdict::Error`] if the bus fails, [`Verdict::Inconclusive`] if the run was cancelled.
-pub(crate) fn has_slave(bench: &mut Bench<'_>) -> Result<bool, Verdict> {
-    exchange(bench, Request::SwitchGlobal { mode: 1 })?;
-    let answers = is_configuring(bench)?;
-    exchange(bench, Request::SwitchGlobal { mode: 0 })?;
-    Ok(answers)
 }

@@ -3,7 +3,7 @@
 use super::{address, exchange, expect_silence, is_configuring, other};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::lmt::{Part, Request, Seven};
 
 /// Switch mode global leads into configuration and back without an answer; only in configuration the slave answers
@@ -19,7 +19,7 @@ fn modes(bench: &mut Bench<'_>) -> Judged {
     expect_silence(bench, Request::SwitchGlobal { mode: 0 }, "in configuration")?;
     demand(configuring, || Reason::new("mode 1 leads into configuration", "answers to inquiries", "silence"))?;
     let left = !is_configuring(bench)?;
-    demand(left, || Reason::new("mode 0 leads back to operation", "no answers to inquiries", "answers"))
+    bench.check(demand(left, || Reason::new("mode 0 leads back to operation", "no answers to inquiries", "answers")))
 }
 
 /// Modes other than 0 and 1 are reserved and change nothing.
@@ -34,14 +34,14 @@ fn reserved(bench: &mut Bench<'_>) -> Judged {
             exchange(bench, Request::SwitchGlobal { mode: 0 })?;
         }
     }
-    demand(obeyed.is_none(), || {
+    bench.check(demand(obeyed.is_none(), || {
         let actual = format!("mode {} leads into configuration", obeyed.unwrap_or_default());
         Reason::new("reserved modes change nothing", "operation", actual)
-    })
+    }))
 }
 
 /// Gives an address part by part; says whether the slave is in configuration then, and leads it back.
-fn select(bench: &mut Bench<'_>, address: [Seven; 3]) -> Result<bool, Verdict> {
+fn select(bench: &mut Bench<'_>, address: [Seven; 3]) -> Result<bool, Stop> {
     for (part, value) in Part::ALL.into_iter().zip(address) {
         exchange(bench, Request::SwitchSelective { part, value })?;
     }
@@ -67,7 +67,7 @@ fn silent(bench: &mut Bench<'_>) -> Judged {
         judged?;
     }
     exchange(bench, Request::SwitchGlobal { mode: 0 })?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 fn unselected(bench: &mut Bench<'_>, parts: &[Part]) -> Judged {
@@ -86,7 +86,7 @@ fn unselected(bench: &mut Bench<'_>, parts: &[Part]) -> Judged {
     demand(select(bench, own)?, || {
         Reason::new("the own address leads into configuration", "answers to inquiries", "silence")
     })
-    .map_err(Verdict::as_inconclusive)
+    .or_inconclusive()
 }
 
 /// Switch mode selective with another serial number leaves the slave in operation.

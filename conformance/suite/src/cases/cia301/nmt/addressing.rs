@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::{self, Command};
 use canvass_traces::{CanId, Frame};
@@ -26,14 +26,14 @@ fn other_node(bench: &mut Bench<'_>) -> Judged {
     bench.look_for_others()?;
     let Some(other) = bench.vacant_neighbour() else {
         let reason = Reason::new("a node-ID beside that of the device is free", "no node", "nodes on both sides");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     for command in Command::ALL {
         bench.reach(State::OPERATIONAL)?;
         bench.command_to(other, command)?;
         undisturbed(bench, &format!("{command} to node {other}"))?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A node-ID byte of 128 to 255 addresses nobody.
@@ -48,7 +48,7 @@ fn reserved_node_id(bench: &mut Bench<'_>) -> Judged {
             undisturbed(bench, &format!("{command} to node-ID {node}"))?;
         }
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Command specifiers that CiA 301 does not define are ignored.
@@ -60,7 +60,7 @@ fn reserved_command(bench: &mut Bench<'_>) -> Judged {
         bench.command(Command(specifier))?;
         undisturbed(bench, &format!("the reserved command specifier {specifier:02X}h"))?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// NMT commands as 29-bit or remote frames, or too short to name a node, are ignored.
@@ -82,7 +82,7 @@ fn malformed(bench: &mut Bench<'_>) -> Judged {
         }
         undisturbed(bench, what)?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Of several commands in quick succession the last one decides, and none is lost.
@@ -99,7 +99,7 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
 
 /// An NMT frame of more than two bytes is obeyed or ignored, but its surplus bytes are not taken for a command. Which of
 /// the two is noted: CiA 301 does not say.
-#[case(id = "301/nmt/long-frame", clause = "CiA 301", confidence = Unknown, level = May, needs = [VisibleState],
+#[case(id = "301/nmt/long-frame", clause = "CiA 301", confidence = Unknown, level = Should, needs = [VisibleState],
        catches = [NmtLongFrameMisread])]
 fn long_frame(bench: &mut Bench<'_>) -> Judged {
     let node = bench.node().raw();
@@ -124,5 +124,5 @@ fn long_frame(bench: &mut Bench<'_>) -> Judged {
         true => "NMT frames of 3 to 8 bytes are ignored".to_owned(),
         false => format!("NMT frames of {} bytes are obeyed", seen.join(", ")),
     });
-    Ok(Verdict::Pass)
+    Ok(())
 }

@@ -16,10 +16,10 @@ fn reset(bench: &mut Bench<'_>, command: Command) -> Judged {
     bench.drain()?;
     bench.command_all(command)?;
     let boot_up = bench.wait_for_boot_up()?;
-    demand(boot_up.is_some(), || {
+    bench.check(demand(boot_up.is_some(), || {
         let expected = format!("a boot-up message within {}", bench.timing().boot_up);
         Reason::new(format!("{command} to all nodes resets the device"), expected, "none")
-    })
+    }))
 }
 
 /// Start remote node to node-ID 0 is obeyed like the same command to the device alone.

@@ -3,7 +3,8 @@
 use crate::bench::Bench;
 use crate::bench::objects::Scratch;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
 use canvass_bus::client::block_download::{DownloadManner, Mischief};
@@ -12,14 +13,14 @@ use canvass_bus::client::sdo::Bytes;
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
 /// A scratch object with its value of before written once, so that it is put back.
-fn subject(bench: &mut Bench<'_>) -> Result<Scratch, Verdict> {
+fn subject(bench: &mut Bench<'_>) -> Result<Scratch, Stop> {
     let scratch = bench.scratch(&[4, 2])?;
     bench.write(scratch.multiplexer, &scratch.value)?;
     Ok(scratch)
 }
 
 /// A writable string and a value of so many bytes for it.
-fn long_subject(bench: &mut Bench<'_>, length: usize) -> Result<(Multiplexer, Vec<u8>), Verdict> {
+fn long_subject(bench: &mut Bench<'_>, length: usize) -> Result<(Multiplexer, Vec<u8>), Stop> {
     let multiplexer = bench.long_scratch()?;
     let value = (0..length).map(|n| b'a' + (n % 26) as u8).collect();
     Ok((multiplexer, value))
@@ -27,10 +28,10 @@ fn long_subject(bench: &mut Bench<'_>, length: usize) -> Result<(Multiplexer, Ve
 
 fn has_value(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8]) -> Judged {
     let back = bench.upload(multiplexer)?.value()?;
-    demand(back == right, || {
+    bench.check(demand(back == right, || {
         let duty = format!("{multiplexer} has the value that was written in blocks");
         Reason::new(duty, Bytes(right).to_string(), Bytes(&back).to_string())
-    })
+    }))
 }
 
 /// Writes a string with something wrong in its first block and demands that the server makes it good: it confirms what
@@ -41,7 +42,7 @@ fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Jud
     let (attempt, client) = bench.block_download(multiplexer, &value, manner)?;
     if client.block_size < 6 {
         let reason = Reason::new("the first block takes all segments", "6 or more", client.block_size.to_string());
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     }
     attempt.expect_confirmation()?;
     let first = client.confirmations.first().copied().unwrap_or_default();
@@ -96,9 +97,9 @@ fn wrong_crc(bench: &mut Bench<'_>) -> Judged {
     let manner = DownloadManner { crc_error: 1, ..DownloadManner::right(&scratch.other) };
     let (mut attempt, _) = bench.block_download(scratch.multiplexer, &scratch.other, manner)?;
     attempt.what = format!("{} with a wrong CRC", attempt.what);
-    let verdict = attempt.expect_abort(&[AbortCode::CRC], &[])?;
+    bench.check(attempt.refused(Situation::WrongChecksum))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A block download of fewer bytes than announced is refused with abort 0607 0013h, and the object keeps its value.
@@ -111,9 +112,9 @@ fn too_few_bytes(bench: &mut Bench<'_>) -> Judged {
     let manner = DownloadManner { announce, ..DownloadManner::right(shorter) };
     let (mut attempt, _) = bench.block_download(scratch.multiplexer, shorter, manner)?;
     attempt.what = format!("{} after {} had been announced", attempt.what, scratch.other.len());
-    let verdict = attempt.expect_abort(&[AbortCode::LENGTH_TOO_LOW, AbortCode::LENGTH], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::TooShort))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A block download of more bytes than announced is refused with abort 0607 0012h, and the object keeps its value.
@@ -127,9 +128,9 @@ fn too_many_bytes(bench: &mut Bench<'_>) -> Judged {
     let manner = DownloadManner { announce, ..DownloadManner::right(&longer) };
     let (mut attempt, _) = bench.block_download(scratch.multiplexer, &longer, manner)?;
     attempt.what = format!("{} after {} had been announced", attempt.what, scratch.other.len());
-    let verdict = attempt.expect_abort(&[AbortCode::LENGTH_TOO_HIGH, AbortCode::LENGTH], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::TooLong))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A size that the object can't have is refused with abort 0607 0012h, with the announcement or at the end.
@@ -140,9 +141,9 @@ fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
     let mut longer = scratch.other.clone();
     longer.push(0);
     let (attempt, _) = bench.block_download(scratch.multiplexer, &longer, DownloadManner::right(&longer))?;
-    let verdict = attempt.expect_abort(&[AbortCode::LENGTH_TOO_HIGH, AbortCode::LENGTH], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::TooLong))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// When a segment of a block is lost, the one before it is confirmed, and the rest is taken when it comes again.
@@ -176,7 +177,7 @@ fn sequence_zero(bench: &mut Bench<'_>) -> Judged {
     let manner = DownloadManner { mischief: Mischief::NumberZero, ..DownloadManner::right(&value) };
     let (mut attempt, _) = bench.block_download(multiplexer, &value, manner)?;
     attempt.what = "segment with sequence number 0".to_owned();
-    attempt.expect_abort(&[AbortCode::SEQUENCE_NUMBER], &[AbortCode::COMMAND_SPECIFIER])
+    bench.check(attempt.refused(Situation::SequenceNumber))
 }
 
 /// When the client falls silent in the middle of a block, the server confirms what came or ends the transfer with abort
@@ -190,15 +191,15 @@ fn silent_client(bench: &mut Bench<'_>) -> Judged {
     let request = Request::InitiateBlockDownload { multiplexer, crc: true, size };
     let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
     let is_start = |response: &Response| matches!(response, Response::InitiateBlockDownload { .. });
-    reply.expect("its start", is_start).map_err(Verdict::as_inconclusive)?;
+    reply.expect("its start", is_start).or_inconclusive()?;
     bench.listen(bench.timing().sdo_response.times(3))?;
     let mut attempt = bench.upload(multiplexer)?;
     attempt.what = format!("{} after an unfinished block download", attempt.what);
     let back = attempt.value()?;
-    demand(back == scratch.value, || {
+    bench.check(demand(back == scratch.value, || {
         let duty = format!("{multiplexer} keeps its value when a block download is not finished");
         Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&back).to_string())
-    })
+    }))
 }
 
 /// A request in the middle of a block download ends it; the request is served, and the object keeps its value.
@@ -229,22 +230,21 @@ fn read_only(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = Multiplexer::new(0x1018, 1);
     let request = Request::InitiateBlockDownload { multiplexer, crc: true, size: Some(4) };
     let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
-    reply.expect_abort(&[AbortCode::READ_ONLY], &[AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL])
+    bench.check(reply.refused(Situation::ReadOnly))
 }
 
 /// A block download to an object that does not exist is refused with abort 0602 0000h, to a sub-index with 0609 0011h.
 #[case(id = "301/sdo/block-download/missing", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
        needs = [BlockDownload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     for (multiplexer, code) in
         [(Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT), (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX)]
     {
         let request = Request::InitiateBlockDownload { multiplexer, crc: true, size: Some(4) };
         let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
-        verdict = verdict.and(reply.expect_abort(&[code], &[AbortCode::GENERAL])?);
+        bench.check(reply.refused_with(&[code], &[AbortCode::GENERAL]))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// Strings whose length is around that of whole blocks are written and read back to the byte.
@@ -263,7 +263,7 @@ fn block_ends(bench: &mut Bench<'_>) -> Judged {
         attempt.expect_confirmation()?;
         has_value(bench, multiplexer, &value)?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// An abort of the client ends a block download wherever it stands: before the first segment, in a block, before the
@@ -284,7 +284,7 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
     for (place, segment) in places {
         let reply = bench.exchange(&begin, format!("block download to {multiplexer}"))?;
         let is_start = |response: &Response| matches!(response, Response::InitiateBlockDownload { .. });
-        reply.expect("the start of a block download", is_start).map_err(Verdict::as_inconclusive)?;
+        reply.expect("the start of a block download", is_start).or_inconclusive()?;
         if let Some(segment) = segment {
             bench.send_message(segment)?;
             bench.listen(bench.timing().reaction)?;
@@ -302,5 +302,6 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&now).to_string())
         })?;
     }
-    bench.upload(DEVICE_TYPE)?.value().map(|_| Verdict::Pass)
+    bench.upload(DEVICE_TYPE)?.value()?;
+    Ok(())
 }

@@ -2,7 +2,8 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
 use canvass_bus::client::block_upload::UploadManner;
@@ -11,10 +12,10 @@ use canvass_bus::client::sdo::Bytes;
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
 /// An object of several segments, and its value as a segmented upload gives it.
-fn subject(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Verdict> {
+fn subject(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
     let Some(multiplexer) = bench.long_object(15)? else {
         let reason = Reason::new("an object fills several segments", "more than 14 bytes", "none found");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let value = bench.read(multiplexer)?;
     Ok((multiplexer, value))
@@ -25,10 +26,10 @@ fn same_value(bench: &mut Bench<'_>, manner: UploadManner) -> Judged {
     let (multiplexer, right) = subject(bench)?;
     let (attempt, client) = bench.block_upload(multiplexer, manner)?;
     let value = attempt.value()?;
-    demand(value == right && !client.switched, || {
+    bench.check(demand(value == right && !client.switched, || {
         let duty = format!("the block upload of {multiplexer} gives what the segmented one gave");
         Reason::new(duty, Bytes(&right).to_string(), Bytes(&value).to_string())
-    })
+    }))
 }
 
 fn initiate(multiplexer: Multiplexer, block_size: u8) -> Request {
@@ -36,10 +37,10 @@ fn initiate(multiplexer: Multiplexer, block_size: u8) -> Request {
 }
 
 /// Starts a block upload by hand, up to its announcement.
-fn begin(bench: &mut Bench<'_>, multiplexer: Multiplexer, block_size: u8) -> Result<(), Verdict> {
+fn begin(bench: &mut Bench<'_>, multiplexer: Multiplexer, block_size: u8) -> Result<(), Stop> {
     let reply = bench.exchange(&initiate(multiplexer, block_size), format!("block upload of {multiplexer}"))?;
     let is_start = |response: &Response| matches!(response, Response::InitiateBlockUpload { .. });
-    reply.expect("the start of a block upload", is_start).map(|_| ()).map_err(Verdict::as_inconclusive)
+    reply.expect("the start of a block upload", is_start).or_inconclusive()
 }
 
 /// A block upload without CRC delivers the value: segments numbered from 1, the last one marked, the unused bytes counted,
@@ -70,14 +71,13 @@ fn block_size(bench: &mut Bench<'_>) -> Judged {
        needs = [BlockUpload], catches = [SdoBlockSizeUnchecked, SdoBlockSizeWrongCode], cct = "2.26")]
 fn wrong_block_size(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, _) = subject(bench)?;
-    let mut verdict = Verdict::Pass;
     for size in [0, 128, 255] {
         let what = format!("block upload with blocks of {size} segments");
         let reply = bench.exchange(&initiate(multiplexer, size), what)?;
-        verdict = verdict.and(reply.expect_abort(&[AbortCode::BLOCK_SIZE], &[AbortCode::COMMAND_SPECIFIER])?);
+        bench.check(reply.refused(Situation::BlockSize))?;
     }
     bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A confirmation that asks for blocks of 0 or more than 127 segments is refused with abort 0504 0002h.
@@ -85,14 +85,13 @@ fn wrong_block_size(bench: &mut Bench<'_>) -> Judged {
        needs = [BlockUpload], catches = [SdoBlockSizeUnchecked, SdoBlockSizeWrongCode])]
 fn wrong_next_size(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, _) = subject(bench)?;
-    let mut verdict = Verdict::Pass;
     for size in [0, 128] {
         let manner = UploadManner { block_sizes: vec![1, size], ..UploadManner::default() };
         let (mut attempt, _) = bench.block_upload(multiplexer, manner)?;
         attempt.what = format!("next block of {size} segments");
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::BLOCK_SIZE], &[AbortCode::COMMAND_SPECIFIER])?);
+        bench.check(attempt.refused(Situation::BlockSize))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// A block of which nothing is confirmed comes again.
@@ -117,7 +116,7 @@ fn too_much_confirmed(bench: &mut Bench<'_>) -> Judged {
     let manner = UploadManner { block_sizes: vec![1], confirm: Some((0, 5)), ..UploadManner::default() };
     let (mut attempt, _) = bench.block_upload(multiplexer, manner)?;
     attempt.what = "confirmation of segment 5 of a block of one".to_owned();
-    attempt.expect_abort(&[AbortCode::SEQUENCE_NUMBER], &[AbortCode::COMMAND_SPECIFIER])
+    bench.check(attempt.refused(Situation::SequenceNumber))
 }
 
 /// A value that is shorter than the protocol switch threshold comes by a block upload or by a normal one, and is the same.
@@ -136,7 +135,7 @@ fn switch(bench: &mut Bench<'_>) -> Judged {
         true => "with a threshold of 255 the server switches to a normal upload",
         false => "the server does not switch to a normal upload",
     });
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// After a client that does not confirm the end of a block upload the next transfer works.
@@ -145,14 +144,14 @@ fn switch(bench: &mut Bench<'_>) -> Judged {
 fn end_missing(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, right) = subject(bench)?;
     let (attempt, _) = bench.block_upload(multiplexer, UploadManner { no_end: true, ..UploadManner::default() })?;
-    attempt.value().map_err(Verdict::as_inconclusive)?;
+    attempt.value().or_inconclusive()?;
     let mut next = bench.upload(multiplexer)?;
     next.what = format!("{} after a block upload without end", next.what);
     let value = next.value()?;
-    demand(value == right, || {
+    bench.check(demand(value == right, || {
         let duty = format!("{multiplexer} can be read after a block upload without end");
         Reason::new(duty, Bytes(&right).to_string(), Bytes(&value).to_string())
-    })
+    }))
 }
 
 /// A block upload that is begun again from the start gives the value; nothing is left of the one before.
@@ -180,19 +179,18 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
     bench.exchange(&Request::StartBlockUpload, "start of the block upload")?;
     bench.send_unanswered(&abort, "abort of the client after the first block")?.expect_silence()?;
     bench.upload(multiplexer)?.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A block upload of an object that does not exist is refused with abort 0602 0000h, of a sub-index with 0609 0011h.
 #[case(id = "301/sdo/block-upload/missing", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
        needs = [BlockUpload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     for (multiplexer, code) in
         [(Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT), (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX)]
     {
         let reply = bench.exchange(&initiate(multiplexer, 127), format!("block upload of {multiplexer}"))?;
-        verdict = verdict.and(reply.expect_abort(&[code], &[AbortCode::GENERAL])?);
+        bench.check(reply.refused_with(&[code], &[AbortCode::GENERAL]))?;
     }
-    Ok(verdict)
+    Ok(())
 }

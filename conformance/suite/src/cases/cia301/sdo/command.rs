@@ -2,7 +2,8 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{Abort, AbortCode, Payload, Request, Response, Segment};
@@ -18,9 +19,9 @@ const UNKNOWN: Request = Request::Unknown { command: 0xE0, tail: [0x18, 0x10, 1,
 fn unknown(bench: &mut Bench<'_>) -> Judged {
     bench.read(DEVICE_TYPE)?;
     let reply = bench.exchange(&UNKNOWN, "request with the unknown command specifier 7")?;
-    let verdict = reply.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])?;
+    bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// An unknown command specifier as the first request after boot-up is answered with abort 0504 0001h, and the server
@@ -32,9 +33,9 @@ fn unknown(bench: &mut Bench<'_>) -> Judged {
 fn unknown_first(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_NODE)?;
     let reply = bench.exchange(&UNKNOWN, "first request after boot-up, with the unknown command specifier 7,")?;
-    let verdict = reply.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])?;
+    bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// Segments without a transfer, of a download as of an upload, are answered with abort 0504 0001h.
@@ -49,11 +50,12 @@ fn segment_without_transfer(bench: &mut Bench<'_>) -> Judged {
     ];
     for (request, what) in strays {
         if let Some(request) = request {
-            bench.exchange(&request, what)?.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])?;
+            let answer = bench.exchange(&request, what)?;
+            bench.check(answer.refused(Situation::UnknownCommand))?;
         }
     }
     bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// An abort of the client is not answered, neither without a transfer nor during one.
@@ -68,7 +70,7 @@ fn unanswered(bench: &mut Bench<'_>) -> Judged {
         bench.send_unanswered(&abort, format!("abort of the client in the upload of {name}"))?.expect_silence()?;
     }
     bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The abort that refuses a request names the object of that request, not that of an earlier one.
@@ -86,14 +88,14 @@ fn multiplexer(bench: &mut Bench<'_>) -> Judged {
         let reply = bench.exchange(&request, format!("refused request to {asked}"))?;
         let Some(Response::Abort(Abort { multiplexer, .. })) = reply.response else {
             let reason = Reason::new(format!("the request to {asked} is refused"), "an abort", reply.actual());
-            return Err(Verdict::Inconclusive(reason));
+            return Err(Stop::Inconclusive(reason));
         };
         demand(multiplexer == asked, || {
             let duty = format!("the abort of the request to {asked} names that object");
             Reason::new(duty, asked.to_string(), multiplexer.to_string())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A new request ends the transfer under way, and is served.
@@ -102,7 +104,7 @@ fn multiplexer(bench: &mut Bench<'_>) -> Judged {
 fn restart(bench: &mut Bench<'_>) -> Judged {
     let Some(name) = bench.long_object(8)? else {
         let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let start = bench.exchange(&Request::upload(name), format!("upload of {name}"))?;
     start
@@ -112,12 +114,12 @@ fn restart(bench: &mut Bench<'_>) -> Judged {
                 Response::InitiateUpload { payload: Payload::Segmented(_) | Payload::SegmentedUnsized, .. }
             )
         })
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
     let mut attempt = bench.upload(DEVICE_TYPE)?;
     attempt.what = format!("{} in the middle of another transfer", attempt.what);
     attempt.value()?;
     bench.upload(name)?.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// Every abort of the server has eight bytes and a code that CiA 301 or CAL (CiA DS-202) defines.
@@ -144,5 +146,5 @@ fn known_code(bench: &mut Bench<'_>) -> Judged {
             Reason::new("aborts have a known form and code", expected, reply.actual())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

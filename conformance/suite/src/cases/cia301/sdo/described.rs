@@ -5,7 +5,8 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Access, Entry, Value};
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -13,7 +14,7 @@ use canvass_analyzer::wire::sdo::AbortCode;
 /// An object and what the description says of it.
 type Described = (Multiplexer, Entry);
 
-fn described(bench: &Bench<'_>, wanted: impl Fn(Multiplexer, &Entry) -> bool) -> Result<Vec<Described>, Verdict> {
+fn described(bench: &Bench<'_>, wanted: impl Fn(Multiplexer, &Entry) -> bool) -> Result<Vec<Described>, Stop> {
     let Some(description) = &bench.target().description else {
         return Err(nothing("a description of the device", "none"));
     };
@@ -23,8 +24,8 @@ fn described(bench: &Bench<'_>, wanted: impl Fn(Multiplexer, &Entry) -> bool) ->
     if found.is_empty() { Err(nothing("an object that the case is about", "none is described")) } else { Ok(found) }
 }
 
-fn nothing(expected: &str, actual: &str) -> Verdict {
-    Verdict::NotApplicable(Reason::new("the description names objects to try", expected, actual))
+fn nothing(expected: &str, actual: &str) -> Stop {
+    Stop::NotApplicable(Reason::new("the description names objects to try", expected, actual))
 }
 
 /// Communication and profile objects that hold a configuration, and nothing that acts when it is written.
@@ -40,29 +41,25 @@ fn is_plain(entry: &Entry) -> bool {
 #[case(id = "301/sdo/download/every-read-only", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
        needs = [Description], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode, HeartbeatConsumerNotStopped, PositionWritable, EdsSubIndexMissing], cct = "4.3")]
 fn every_read_only(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     let objects = described(bench, |_, entry| {
         !entry.access.is_writable() && entry.data_type.bytes().is_some_and(|bytes| (1..=4).contains(&bytes))
     })?;
     for (multiplexer, entry) in objects {
         let attempt = bench.download(multiplexer, &vec![0; entry.data_type.bytes().unwrap_or(1)])?;
-        let tolerated = [AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::READ_ONLY], &tolerated)?);
+        bench.check(attempt.refused(Situation::ReadOnly))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// Every object that the description calls write-only refuses to be read with abort 0601 0001h.
 #[case(id = "301/sdo/upload/write-only", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
        needs = [Description], catches = [SdoWriteOnlyWrongCode], cct = "4.4")]
 fn write_only(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     for (multiplexer, _) in described(bench, |_, entry| entry.access == Access::Wo)? {
         let attempt = bench.upload(multiplexer)?;
-        let tolerated = [AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL];
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::WRITE_ONLY], &tolerated)?);
+        bench.check(attempt.refused(Situation::WriteOnly))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// Every writable object refuses values of more bytes than its data type has with abort 0607 0012h.
@@ -85,7 +82,6 @@ fn every_length(
     wrong: fn(usize) -> usize,
     code: AbortCode,
 ) -> Judged {
-    let mut verdict = Verdict::Pass;
     let objects = described(bench, |at, entry| {
         is_harmless(at) && is_plain(entry) && entry.data_type.bytes().is_some_and(|bytes| lengths.contains(&bytes))
     })?;
@@ -96,10 +92,10 @@ fn every_length(
         let in_use = matches!(multiplexer.index.0, 0x1400..=0x1BFF)
             && matches!(attempt.abort(), Some(AbortCode::UNSUPPORTED_ACCESS | AbortCode::DEVICE_STATE));
         if !in_use {
-            verdict = verdict.and(attempt.expect_abort(&[code], &[AbortCode::LENGTH, AbortCode::GENERAL])?);
+            bench.check(attempt.refused_with(&[code], &[AbortCode::LENGTH, AbortCode::GENERAL]))?;
         }
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// The value just below a low limit.
@@ -124,13 +120,11 @@ fn below_range(bench: &mut Bench<'_>) -> Judged {
     if tried.is_empty() {
         return Err(nothing("a low limit above the lowest value of its type", "none"));
     }
-    let mut verdict = Verdict::Pass;
     for (multiplexer, value) in tried {
         let before = bench.read(multiplexer)?;
         let attempt = bench.download(multiplexer, &value)?;
-        let tolerated = [AbortCode::INVALID_VALUE, AbortCode::GENERAL];
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::VALUE_TOO_LOW], &tolerated)?);
+        bench.check(attempt.refused(Situation::TooLow))?;
         bench.expect_unchanged(multiplexer, &before)?;
     }
-    Ok(verdict)
+    Ok(())
 }

@@ -3,7 +3,8 @@
 use super::expect_form;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{Payload, Request};
 use canvass_bus::client::sdo::Bytes;
@@ -39,7 +40,7 @@ fn upload(bench: &mut Bench<'_>) -> Judged {
         let attempt = bench.upload(scratch.multiplexer)?;
         expect_form(&attempt)?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A download with the exact length is confirmed by 60h with the same index and sub-index, and the value can be read
@@ -57,7 +58,7 @@ fn download(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, Bytes(&scratch.other).to_string(), Bytes(&back).to_string())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A download that does not say how many of its four bytes count (command byte 22h) is taken with the object's own
@@ -65,7 +66,7 @@ fn download(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/download/size-not-indicated", clause = "CiA 301 7.2.4.3.3", confidence = Known, level = Should,
        needs = [ScratchObject], catches = [SdoUnsizedDownloadSilent])]
 fn size_not_indicated(bench: &mut Bench<'_>) -> Judged {
-    use canvass_analyzer::wire::sdo::{AbortCode, Response};
+    use canvass_analyzer::wire::sdo::Response;
     let scratch = bench.scratch(&[2, 1, 4])?;
     bench.write(scratch.multiplexer, &scratch.value)?;
     let mut bytes = [0; 4];
@@ -75,12 +76,12 @@ fn size_not_indicated(bench: &mut Bench<'_>) -> Judged {
     let reply = bench.exchange(&request, format!("download of no stated length to {multiplexer}"))?;
     if reply.response == Some(Response::InitiateDownload { multiplexer }) {
         let back = bench.read(multiplexer)?;
-        return demand(back == scratch.other, || {
+        return bench.check(demand(back == scratch.other, || {
             let duty = format!("{multiplexer} takes as many bytes as it has");
             Reason::new(duty, Bytes(&scratch.other).to_string(), Bytes(&back).to_string())
-        });
+        }));
     }
-    let verdict = reply.expect_abort(&[AbortCode::LENGTH, AbortCode::LENGTH_TOO_HIGH], &[])?;
+    bench.check(reply.refused(Situation::TooLong))?;
     bench.expect_unchanged(multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }

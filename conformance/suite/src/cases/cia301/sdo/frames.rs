@@ -2,7 +2,7 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
@@ -15,7 +15,7 @@ fn request_id(bench: &Bench<'_>) -> u32 {
 }
 
 /// What the SDO server sends after a frame.
-fn answers_to(bench: &mut Bench<'_>, frame: Option<Frame>) -> Result<Vec<Record>, Verdict> {
+fn answers_to(bench: &mut Bench<'_>, frame: Option<Frame>) -> Result<Vec<Record>, Stop> {
     bench.drain()?;
     if let Some(frame) = frame {
         bench.send(&frame)?;
@@ -30,7 +30,7 @@ fn still_serves(bench: &mut Bench<'_>, after: &str) -> Judged {
     let mut attempt = bench.upload(DEVICE_TYPE)?;
     attempt.what = format!("{} after {after}", attempt.what);
     attempt.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A remote frame with the CAN-ID of SDO requests is no request: it is not answered.
@@ -81,7 +81,7 @@ fn short(bench: &mut Bench<'_>) -> Judged {
         true => "requests of fewer than eight bytes are ignored".to_owned(),
         false => format!("requests of so many bytes are answered: {}", answered.join(", ")),
     });
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// A request to another node's SDO server is not answered.
@@ -90,7 +90,7 @@ fn short(bench: &mut Bench<'_>) -> Judged {
 fn other_node(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
         let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(other));
     let both = [sdo::RESPONSE_BASE + u16::from(other), sdo::RESPONSE_BASE + u16::from(bench.node().raw())];
@@ -99,8 +99,8 @@ fn other_node(bench: &mut Bench<'_>) -> Judged {
     let answer = bench.wait_for(bench.timing().silence, |record| {
         record.frame.cob_id().is_some_and(|id| both.contains(&id)).then_some(record.frame)
     })?;
-    demand(answer.is_none(), || {
+    bench.check(demand(answer.is_none(), || {
         let actual = answer.map(|frame| frame.to_string()).unwrap_or_default();
         Reason::new(format!("a request to node {other} is not answered"), "silence", actual)
-    })
+    }))
 }

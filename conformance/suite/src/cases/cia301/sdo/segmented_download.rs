@@ -5,26 +5,24 @@ use super::expect_form;
 use crate::bench::Bench;
 use crate::bench::objects::Scratch;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response, Segment};
 use canvass_bus::client::sdo::Bytes;
 
 /// Starts a segmented download to a scratch object by hand.
-fn begin(bench: &mut Bench<'_>, scratch: &Scratch, size: usize) -> Result<(), Verdict> {
+fn begin(bench: &mut Bench<'_>, scratch: &Scratch, size: usize) -> Result<(), Stop> {
     let multiplexer = scratch.multiplexer;
     let payload = Payload::Segmented(u32::try_from(size).unwrap_or(u32::MAX));
     let request = Request::InitiateDownload { multiplexer, payload };
     let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;
-    reply
-        .expect("confirmation", |response| *response == Response::InitiateDownload { multiplexer })
-        .map(|_| ())
-        .map_err(Verdict::as_inconclusive)
+    reply.expect("confirmation", |response| *response == Response::InitiateDownload { multiplexer }).or_inconclusive()
 }
 
-fn segment(toggle: bool, data: &[u8], last: bool) -> Result<Request, Verdict> {
+fn segment(toggle: bool, data: &[u8], last: bool) -> Result<Request, Stop> {
     Segment::new(toggle, data, last).map(Request::DownloadSegment).ok_or_else(|| {
-        Verdict::Error(Reason::new("the tester builds a segment", "up to 7 bytes", format!("{}", data.len())))
+        Stop::Error(Reason::new("the tester builds a segment", "up to 7 bytes", format!("{}", data.len())))
     })
 }
 
@@ -38,10 +36,10 @@ fn segmented(bench: &mut Bench<'_>) -> Judged {
     attempt.expect_confirmation()?;
     expect_form(&attempt)?;
     let back = bench.upload(scratch.multiplexer)?.value()?;
-    demand(back == scratch.other, || {
+    bench.check(demand(back == scratch.other, || {
         let duty = format!("{} has the value that was written", scratch.multiplexer);
         Reason::new(duty, Bytes(&scratch.other).to_string(), Bytes(&back).to_string())
-    })
+    }))
 }
 
 /// A download segment with the wrong toggle bit is refused with abort 0503 0000h, and the object keeps its value.
@@ -52,9 +50,9 @@ fn segment_toggle(bench: &mut Bench<'_>) -> Judged {
     bench.write(scratch.multiplexer, &scratch.value)?;
     begin(bench, &scratch, scratch.value.len())?;
     let reply = bench.exchange(&segment(true, &scratch.other, true)?, "first download segment with toggle 1")?;
-    let verdict = reply.expect_abort(&[AbortCode::TOGGLE], &[])?;
+    bench.check(reply.refused(Situation::RepeatedToggle))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// More bytes in the segments than were announced are refused with abort 0607 0012h, and the object keeps its value.
@@ -68,9 +66,9 @@ fn segments_too_long(bench: &mut Bench<'_>) -> Judged {
     longer.push(0);
     let what = format!("download segment of {} bytes after {} had been announced", longer.len(), scratch.value.len());
     let reply = bench.exchange(&segment(false, &longer, true)?, what)?;
-    let verdict = reply.expect_abort(&[AbortCode::LENGTH_TOO_HIGH, AbortCode::LENGTH], &[AbortCode::GENERAL])?;
+    bench.check(reply.refused(Situation::TooLong))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// Fewer bytes in the segments than were announced are refused with abort 0607 0013h, and the object keeps its value.
@@ -83,9 +81,9 @@ fn segments_too_short(bench: &mut Bench<'_>) -> Judged {
     let shorter = scratch.other.get(..1).unwrap_or_default();
     let what = format!("last download segment after 1 of {} bytes", scratch.value.len());
     let reply = bench.exchange(&segment(false, shorter, true)?, what)?;
-    let verdict = reply.expect_abort(&[AbortCode::LENGTH_TOO_LOW, AbortCode::LENGTH], &[AbortCode::GENERAL])?;
+    bench.check(reply.refused(Situation::TooShort))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// An abort of the client in the middle of a download is not answered, and the object keeps its value.
@@ -101,7 +99,7 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
     bench.send_unanswered(&abort, "abort of the client in a download")?.expect_silence()?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
     bench.upload(scratch.multiplexer)?.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The toggle bit of confirmed segments is that of the segment, which alternates from 0.
@@ -119,10 +117,10 @@ fn confirmation_toggle(bench: &mut Bench<'_>) -> Judged {
         reply.expect("a confirmation with the same toggle bit", |r| *r == Response::DownloadSegment { toggle })?;
     }
     let back = bench.upload(scratch.multiplexer)?.value()?;
-    demand(back == scratch.other, || {
+    bench.check(demand(back == scratch.other, || {
         let duty = format!("{} has the value that came byte by byte", scratch.multiplexer);
         Reason::new(duty, Bytes(&scratch.other).to_string(), Bytes(&back).to_string())
-    })
+    }))
 }
 
 /// A toggle bit that repeats in the second segment is refused with abort 0503 0000h, and the object keeps its value.
@@ -135,9 +133,9 @@ fn second_toggle(bench: &mut Bench<'_>) -> Judged {
     let (first, rest) = scratch.other.split_at(1);
     bench.exchange(&segment(false, first, false)?, "first download segment")?;
     let reply = bench.exchange(&segment(false, rest, true)?, "second download segment with toggle 0 again")?;
-    let verdict = reply.expect_abort(&[AbortCode::TOGGLE], &[])?;
+    bench.check(reply.refused(Situation::RepeatedToggle))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A segmented download that does not announce its size is taken; its length is checked at its end.
@@ -153,10 +151,10 @@ fn size_not_announced(bench: &mut Bench<'_>) -> Judged {
     let reply = bench.exchange(&segment(false, &scratch.other, true)?, "the only download segment")?;
     reply.expect("its confirmation", |response| *response == Response::DownloadSegment { toggle: false })?;
     let back = bench.upload(multiplexer)?.value()?;
-    demand(back == scratch.other, || {
+    bench.check(demand(back == scratch.other, || {
         let duty = format!("{multiplexer} has the value that was written");
         Reason::new(duty, Bytes(&scratch.other).to_string(), Bytes(&back).to_string())
-    })
+    }))
 }
 
 /// A size that the object can't have is refused with abort 0607 0012h or 0607 0013h, with the announcement or at the end,
@@ -170,9 +168,9 @@ fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
     let mut longer = scratch.other.clone();
     longer.extend([0; 2]);
     let attempt = bench.download_segmented(multiplexer, &longer)?;
-    let verdict = attempt.expect_abort(&[AbortCode::LENGTH_TOO_HIGH, AbortCode::LENGTH], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::TooLong))?;
     bench.expect_unchanged(multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A segment without data in the middle of a download is confirmed or refused, but answered.
@@ -197,9 +195,9 @@ fn segmented_read_only(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read(multiplexer)?;
     let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(4) };
     let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;
-    let verdict = reply.expect_abort(&[AbortCode::READ_ONLY], &[AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL])?;
+    bench.check(reply.refused(Situation::ReadOnly))?;
     bench.expect_unchanged(multiplexer, &before)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A segmented download to an object or sub-index that does not exist is refused at once, with abort 0602 0000h or
@@ -207,15 +205,14 @@ fn segmented_read_only(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/download/segmented-missing", clause = "CiA 301 7.2.4.3.17", confidence = Attested,
        level = Must, catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex, SdoNoObjectSilent])]
 fn segmented_missing(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     for (multiplexer, code) in
         [(Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT), (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX)]
     {
         let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(8) };
         let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;
-        verdict = verdict.and(reply.expect_abort(&[code], &[AbortCode::GENERAL])?);
+        bench.check(reply.refused_with(&[code], &[AbortCode::GENERAL]))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// Strings of 6, 7, 8, 13 and 14 bytes are written and read back to the byte: around the ends of segments.
@@ -237,5 +234,5 @@ fn segment_ends(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, Bytes(&value).to_string(), Bytes(&back).to_string())
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

@@ -3,28 +3,28 @@
 use super::expect_form;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response};
 
 /// An object whose upload takes at least two segments.
-fn long_object(bench: &mut Bench<'_>) -> Result<Multiplexer, Verdict> {
+fn long_object(bench: &mut Bench<'_>) -> Result<Multiplexer, Stop> {
     bench.long_object(8)?.ok_or_else(|| {
         let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
-        Verdict::NotApplicable(reason)
+        Stop::NotApplicable(reason)
     })
 }
 
 /// Starts a segmented upload by hand.
-fn begin(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<(), Verdict> {
+fn begin(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<(), Stop> {
     let reply = bench.exchange(&Request::upload(multiplexer), format!("upload of {multiplexer}"))?;
     reply
         .expect("the start of a segmented upload", |response| {
             matches!(response, Response::InitiateUpload { multiplexer: named, payload } if *named == multiplexer
                 && matches!(payload, Payload::Segmented(_) | Payload::SegmentedUnsized))
         })
-        .map(|_| ())
-        .map_err(Verdict::as_inconclusive)
+        .or_inconclusive()
 }
 
 /// A segmented upload delivers as many bytes as announced; toggle bits alternate from 0; unused bytes are 0.
@@ -45,9 +45,9 @@ fn first_toggle(bench: &mut Bench<'_>) -> Judged {
     begin(bench, multiplexer)?;
     let reply =
         bench.exchange(&Request::UploadSegment { toggle: true }, "request for the first segment with toggle 1")?;
-    let verdict = reply.expect_abort(&[AbortCode::TOGGLE], &[])?;
+    bench.check(reply.refused(Situation::RepeatedToggle))?;
     bench.upload(multiplexer)?.value()?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A request for the next segment whose toggle bit repeats is refused with abort 0503 0000h.
@@ -60,11 +60,11 @@ fn repeated_toggle(bench: &mut Bench<'_>) -> Judged {
     bench
         .exchange(&request, "request for the first segment")?
         .expect("an upload segment", |response| matches!(response, Response::UploadSegment(_)))
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
     let reply = bench.exchange(&request, "request for the second segment with toggle 0 again")?;
-    let verdict = reply.expect_abort(&[AbortCode::TOGGLE], &[])?;
+    bench.check(reply.refused(Situation::RepeatedToggle))?;
     bench.upload(multiplexer)?.value()?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// After a toggle error the transfer is over: a further request for a segment is refused with abort 0504 0001h.
@@ -75,12 +75,12 @@ fn over_after_abort(bench: &mut Bench<'_>) -> Judged {
     begin(bench, multiplexer)?;
     let reply =
         bench.exchange(&Request::UploadSegment { toggle: true }, "request for the first segment with toggle 1")?;
-    reply.expect_abort(&[AbortCode::TOGGLE], &[])?;
+    bench.check(reply.refused(Situation::RepeatedToggle))?;
     let reply = bench.exchange(&Request::UploadSegment { toggle: false }, "request for a segment after the abort")?;
-    let verdict = reply.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])?;
+    bench.check(reply.refused(Situation::UnknownCommand))?;
     let value = bench.upload(multiplexer)?.value()?;
     demand(!value.is_empty(), || Reason::new("a new upload works", "the value", "nothing"))?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// After the last segment of an upload the transfer is over: a request for one more is refused with abort 0504 0001h.
@@ -88,13 +88,13 @@ fn over_after_abort(bench: &mut Bench<'_>) -> Judged {
        needs = [SegmentedUpload], catches = [SdoSegmentAfterEndAnswered, SdoCommandWrongCode])]
 fn over_after_end(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = long_object(bench)?;
-    let value = bench.upload(multiplexer)?.value().map_err(Verdict::as_inconclusive)?;
+    let value = bench.upload(multiplexer)?.value().or_inconclusive()?;
     // The toggle bit that would be the next.
     let toggle = value.len().div_ceil(7) % 2 == 1;
     let reply = bench.exchange(&Request::UploadSegment { toggle }, "request for a segment after the last one")?;
-    let verdict = reply.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])?;
+    bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.upload(multiplexer)?.value()?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// The abort of a segment names the object of the transfer.
@@ -107,12 +107,12 @@ fn abort_names_object(bench: &mut Bench<'_>) -> Judged {
     let reply = bench.exchange(&Request::UploadSegment { toggle: true }, what)?;
     let Some(Response::Abort(abort)) = reply.response else {
         let reason = Reason::new(format!("the {what} is refused"), "an abort", reply.actual());
-        return Err(Verdict::Inconclusive(reason));
+        return Err(Stop::Inconclusive(reason));
     };
-    demand(abort.multiplexer == multiplexer, || {
+    bench.check(demand(abort.multiplexer == multiplexer, || {
         let duty = "the abort names the object of the transfer";
         Reason::new(duty, multiplexer.to_string(), abort.multiplexer.to_string())
-    })
+    }))
 }
 
 /// An empty value is read by an announcement of 0 bytes and one empty segment, or refused with abort 0800 0024h.
@@ -121,15 +121,15 @@ fn abort_names_object(bench: &mut Bench<'_>) -> Judged {
 fn empty(bench: &mut Bench<'_>) -> Judged {
     let Some(multiplexer) = bench.empty_object()? else {
         let reason = Reason::new("an object is empty", "a string without characters", "none");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let attempt = bench.upload(multiplexer)?;
     if attempt.abort() == Some(AbortCode::NO_DATA) {
-        return Ok(Verdict::Pass);
+        return Ok(());
     }
     let value = attempt.value()?;
-    demand(value.is_empty(), || {
+    bench.check(demand(value.is_empty(), || {
         let actual = canvass_bus::client::sdo::Bytes(&value).to_string();
         Reason::new(format!("{multiplexer} is empty, as described"), "no bytes", actual)
-    })
+    }))
 }

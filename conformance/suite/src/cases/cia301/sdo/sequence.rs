@@ -3,7 +3,8 @@
 use crate::bench::objects::Scratch;
 use crate::bench::{Bench, percentile};
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, AbortCode, Payload, Request, Response, Segment};
@@ -13,21 +14,21 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
 
 /// Starts a segmented upload of an object of at least two segments.
-fn begin_upload(bench: &mut Bench<'_>) -> Result<Multiplexer, Verdict> {
+fn begin_upload(bench: &mut Bench<'_>) -> Result<Multiplexer, Stop> {
     let Some(name) = bench.long_object(8)? else {
         let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     let reply = bench.exchange(&Request::upload(name), format!("upload of {name}"))?;
     let is_start = |response: &Response| {
         matches!(response, Response::InitiateUpload { payload: Payload::Segmented(_) | Payload::SegmentedUnsized, .. })
     };
-    reply.expect("the start of a segmented upload", is_start).map_err(Verdict::as_inconclusive)?;
+    reply.expect("the start of a segmented upload", is_start).or_inconclusive()?;
     Ok(name)
 }
 
 /// Starts a segmented download to a scratch object.
-fn begin_download(bench: &mut Bench<'_>) -> Result<Scratch, Verdict> {
+fn begin_download(bench: &mut Bench<'_>) -> Result<Scratch, Stop> {
     let scratch = bench.scratch(&[4, 2])?;
     bench.write(scratch.multiplexer, &scratch.value)?;
     let payload = Payload::Segmented(u32::try_from(scratch.value.len()).unwrap_or(u32::MAX));
@@ -36,16 +37,16 @@ fn begin_download(bench: &mut Bench<'_>) -> Result<Scratch, Verdict> {
     let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;
     reply
         .expect("confirmation", |response| *response == Response::InitiateDownload { multiplexer })
-        .map_err(Verdict::as_inconclusive)?;
+        .or_inconclusive()?;
     Ok(scratch)
 }
 
-fn first_segment(bench: &mut Bench<'_>, scratch: &Scratch) -> Result<(), Verdict> {
+fn first_segment(bench: &mut Bench<'_>, scratch: &Scratch) -> Result<(), Stop> {
     let part = scratch.other.get(..1).unwrap_or_default();
     if let Some(segment) = Segment::new(false, part, false) {
         let reply = bench.exchange(&Request::DownloadSegment(segment), "first download segment")?;
         let is_right = |response: &Response| *response == Response::DownloadSegment { toggle: false };
-        reply.expect("its confirmation", is_right).map_err(Verdict::as_inconclusive)?;
+        reply.expect("its confirmation", is_right).or_inconclusive()?;
     }
     Ok(())
 }
@@ -94,7 +95,7 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
         })?;
     }
     bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// An abort of the client ends the transfer: a further segment is refused with abort 0504 0001h.
@@ -105,7 +106,7 @@ fn ends_transfer(bench: &mut Bench<'_>) -> Judged {
     bench.send_request(&Request::abort(name, AbortCode::GENERAL))?;
     let what = "request for a segment after the client's abort";
     let reply = bench.exchange(&Request::UploadSegment { toggle: false }, what)?;
-    reply.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])
+    bench.check(reply.refused(Situation::UnknownCommand))
 }
 
 /// A command that has no place in an upload under way is refused with abort 0504 0001h.
@@ -113,11 +114,11 @@ fn ends_transfer(bench: &mut Bench<'_>) -> Judged {
        needs = [SegmentedUpload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode])]
 fn wrong_in_upload(bench: &mut Bench<'_>) -> Judged {
     begin_upload(bench)?;
-    let Some(segment) = Segment::new(false, &[0; 7], false) else { return Ok(Verdict::Pass) };
+    let Some(segment) = Segment::new(false, &[0; 7], false) else { return Ok(()) };
     let reply = bench.exchange(&Request::DownloadSegment(segment), "download segment in the middle of an upload")?;
-    let verdict = reply.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])?;
+    bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// A command that has no place in a download under way is refused with abort 0504 0001h, and the object keeps its value.
@@ -127,9 +128,9 @@ fn wrong_in_download(bench: &mut Bench<'_>) -> Judged {
     let scratch = begin_download(bench)?;
     let what = "request for an upload segment in the middle of a download";
     let reply = bench.exchange(&Request::UploadSegment { toggle: false }, what)?;
-    let verdict = reply.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])?;
+    bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// Commands of a block upload without one are refused with abort 0504 0001h.
@@ -145,10 +146,11 @@ fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
         (Request::EndBlockUpload, "end of a block upload without one"),
     ];
     for (request, what) in strays {
-        bench.exchange(&request, what)?.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])?;
+        let answer = bench.exchange(&request, what)?;
+        bench.check(answer.refused(Situation::UnknownCommand))?;
     }
     bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The end of a block download without one is refused with abort 0504 0001h.
@@ -157,9 +159,9 @@ fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
 fn stray_block_download(bench: &mut Bench<'_>) -> Judged {
     let request = Request::EndBlockDownload { unused: 0, crc: 0 };
     let reply = bench.exchange(&request, "end of a block download without one")?;
-    let verdict = reply.expect_abort(&[AbortCode::COMMAND_SPECIFIER], &[])?;
+    bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// So long a client may think; a server that supervises its transfers ends them by then.
@@ -188,7 +190,7 @@ fn silent_client(bench: &mut Bench<'_>) -> Judged {
     let mut attempt = bench.upload(DEVICE_TYPE)?;
     attempt.what = format!("{} after an unfinished transfer", attempt.what);
     attempt.value()?;
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// How many requests are timed.
@@ -210,7 +212,7 @@ fn responses(bench: &mut Bench<'_>) -> Judged {
         let Some(at) = answered else {
             let actual = format!("none to request {n} of {REQUESTS}");
             let duty = "every request is answered in time";
-            return Err(Verdict::Fail(Reason::new(duty, format!("a response within {limit}"), actual)));
+            return Err(Stop::from(Reason::new(duty, format!("a response within {limit}"), actual)));
         };
         times.push(at.since(sent));
     }
@@ -219,5 +221,5 @@ fn responses(bench: &mut Bench<'_>) -> Judged {
             bench.measure(format!("SDO response, {name}"), time);
         }
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }

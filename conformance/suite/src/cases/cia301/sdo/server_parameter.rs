@@ -2,7 +2,8 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Verdict, demand};
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
@@ -30,27 +31,26 @@ fn cob_ids(bench: &mut Bench<'_>) -> Judged {
             Reason::new(duty, format!("{right:03X}h"), format!("{value:08X}h"))
         })?;
     }
-    Ok(Verdict::Pass)
+    Ok(())
 }
 
 /// The CAN-IDs of the default SDO channel can't be changed: abort 0601 0002h or 0609 0030h.
 #[case(id = "301/sdo/server/fixed", clause = "CiA 301 7.5.2.33", confidence = Derived, level = Must,
        needs = [ServerParameter], catches = [SdoReadOnlyWritable])]
 fn fixed(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     for sub in [1, 2] {
         let multiplexer = Multiplexer::new(0x1200, sub);
         let before = bench.read(multiplexer)?;
         let attempt = bench.download(multiplexer, &TO_SERVER.to_le_bytes())?;
         let strict = [AbortCode::READ_ONLY, AbortCode::INVALID_VALUE, AbortCode::UNSUPPORTED_ACCESS];
-        verdict = verdict.and(attempt.expect_abort(&strict, &[AbortCode::GENERAL])?);
+        bench.check(attempt.refused_with(&strict, &[AbortCode::GENERAL]))?;
         bench.expect_unchanged(multiplexer, &before)?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// Opens the second channel.
-fn open(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+fn open(bench: &mut Bench<'_>) -> Result<(), Stop> {
     for (sub, id) in [(1, TO_SERVER), (2, TO_CLIENT)] {
         bench.write(second(sub), &(INVALID | id).to_le_bytes())?;
     }
@@ -60,7 +60,7 @@ fn open(bench: &mut Bench<'_>) -> Result<(), Verdict> {
     Ok(())
 }
 
-fn close(bench: &mut Bench<'_>) -> Result<(), Verdict> {
+fn close(bench: &mut Bench<'_>) -> Result<(), Stop> {
     for (sub, id) in [(1, TO_SERVER), (2, TO_CLIENT)] {
         bench.write(second(sub), &(INVALID | id).to_le_bytes())?;
     }
@@ -68,7 +68,7 @@ fn close(bench: &mut Bench<'_>) -> Result<(), Verdict> {
 }
 
 /// Sends a request on the second channel and waits for its response.
-fn ask_second(bench: &mut Bench<'_>, request: &Request) -> Result<Option<Response>, Verdict> {
+fn ask_second(bench: &mut Bench<'_>, request: &Request) -> Result<Option<Response>, Stop> {
     bench.send(&request.to_frame(TO_SERVER as u16))?;
     bench.wait_for(bench.timing().sdo_response, |record| {
         let is_ours = record.frame.cob_id().is_some_and(|id| u32::from(id) == TO_CLIENT);
@@ -83,7 +83,7 @@ fn parallel(bench: &mut Bench<'_>) -> Judged {
     open(bench)?;
     let Some(name) = bench.long_object(8)? else {
         let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
-        return Err(Verdict::NotApplicable(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     bench.exchange(&Request::upload(name), format!("upload of {name} on the first channel"))?;
     let device_type = Multiplexer::new(0x1000, 0);
@@ -94,9 +94,9 @@ fn parallel(bench: &mut Bench<'_>) -> Judged {
         Reason::new("the second SDO channel answers", "the device type", actual)
     })?;
     let reply = bench.exchange(&Request::UploadSegment { toggle: false }, "next segment on the first channel")?;
-    let verdict = reply.expect("an upload segment", |response| matches!(response, Response::UploadSegment(_)))?;
+    reply.expect("an upload segment", |response| matches!(response, Response::UploadSegment(_)))?;
     close(bench)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// The CAN-IDs of a second channel that is valid can't be changed: abort 0609 0030h.
@@ -106,22 +106,21 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
     open(bench)?;
     let before = bench.read(second(1))?;
     let attempt = bench.download(second(1), &(TO_SERVER + 2).to_le_bytes())?;
-    let verdict = attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?;
+    bench.check(attempt.refused(Situation::InvalidValue))?;
     bench.expect_unchanged(second(1), &before)?;
     close(bench)?;
-    Ok(verdict)
+    Ok(())
 }
 
 /// Restricted CAN-IDs are refused for a second channel with abort 0609 0030h.
 #[case(id = "301/sdo/second-server/restricted", clause = "CiA 301 7.3.5", confidence = Attested, level = Must,
        needs = [SecondServer], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {
-    let mut verdict = Verdict::Pass;
     for can_id in [0x001_u32, 0x101, 0x6E0, 0x701] {
         let attempt = bench.download(second(1), &can_id.to_le_bytes())?;
-        verdict = verdict.and(attempt.expect_abort(&[AbortCode::INVALID_VALUE], &[AbortCode::GENERAL])?);
+        bench.check(attempt.refused(Situation::InvalidValue))?;
     }
-    Ok(verdict)
+    Ok(())
 }
 
 /// Reset communication closes a second channel that was not stored.

@@ -6,7 +6,7 @@
 use crate::dictionary::names::ENCODER_PROFILE;
 use crate::message::Service;
 use crate::network::{Bus, Decoded, Event};
-use crate::{Multiplexer, NodeId};
+use crate::{Multiplexer, NodeId, PerNode};
 use canvass_traces::Duration;
 
 /// TPDOs 1 to 8 of a node; further ones are rare, and not judged.
@@ -40,25 +40,15 @@ impl Parameters {
 }
 
 /// The parameters of all TPDOs of a bus.
+#[derive(Default)]
 pub struct AllParameters {
-    nodes: Box<[[Parameters; TPDOS]]>,
+    nodes: PerNode<[Parameters; TPDOS]>,
     /// 1007h of the nodes.
-    windows: Box<[Option<Duration>]>,
+    windows: PerNode<Option<Duration>>,
     /// Whether they were read at all.
-    known: Box<[bool]>,
+    known: PerNode<bool>,
     /// Whether the cyclic timer of an encoder (6200h) was shown later than the event timer of its first TPDO.
-    cyclic: Box<[bool]>,
-}
-
-impl Default for AllParameters {
-    fn default() -> Self {
-        Self {
-            nodes: vec![[Parameters::default(); TPDOS]; 128].into(),
-            windows: vec![None; 128].into(),
-            known: vec![false; 128].into(),
-            cyclic: vec![false; 128].into(),
-        }
-    }
+    cyclic: PerNode<bool>,
 }
 
 impl AllParameters {
@@ -67,7 +57,7 @@ impl AllParameters {
     pub fn frame(&mut self, decoded: &Decoded, bus: &Bus) -> Option<NodeId> {
         let node = decoded.node?;
         // What a description says of objects that can't be written is known from the first frame on.
-        let is_new = !self.known[usize::from(node.raw())];
+        let is_new = !self.known[node];
         let may_change = match decoded.service {
             Service::BootUp => true,
             Service::Sdo => decoded.event == Some(Event::TransferEnded) && is_shown(decoded, bus),
@@ -75,8 +65,8 @@ impl AllParameters {
         };
         (is_new || may_change).then(|| {
             match decoded.object {
-                Some(CYCLIC_TIMER) => self.cyclic[usize::from(node.raw())] = true,
-                Some(EVENT_TIMER) => self.cyclic[usize::from(node.raw())] = false,
+                Some(CYCLIC_TIMER) => self.cyclic[node] = true,
+                Some(EVENT_TIMER) => self.cyclic[node] = false,
                 _ => {}
             }
             self.read(node, bus);
@@ -86,12 +76,12 @@ impl AllParameters {
 
     #[cold]
     fn read(&mut self, node: NodeId, bus: &Bus) {
-        let rows = &mut self.nodes[usize::from(node.raw())];
+        let rows = &mut self.nodes[node];
         *rows = Default::default();
-        let window = &mut self.windows[usize::from(node.raw())];
+        let window = &mut self.windows[node];
         *window = None;
-        self.known[usize::from(node.raw())] = true;
-        let cyclic = self.cyclic[usize::from(node.raw())];
+        self.known[node] = true;
+        let cyclic = self.cyclic[node];
         let Some(known) = bus.node(node) else { return };
         let micros = known.certain(node, Multiplexer::new(SYNC_WINDOW, 0)).filter(|&micros| micros > 0);
         *window = micros.map(|micros| Duration::from_micros(u64::from(micros)));
@@ -116,13 +106,13 @@ impl AllParameters {
     /// The window after SYNC in which a node's synchronous PDOs must come (1007h); `None` where there is none, or it is
     /// not known.
     pub fn sync_window(&self, node: NodeId) -> Option<Duration> {
-        self.windows[usize::from(node.raw())]
+        self.windows[node]
     }
 
     /// The parameters of a TPDO, by its number from 1; nothing is known of those beyond [`TPDOS`].
     pub fn of(&self, node: NodeId, number: u16) -> &Parameters {
         let row = usize::from(number).checked_sub(1);
-        row.and_then(|row| self.nodes[usize::from(node.raw())].get(row)).unwrap_or(&Parameters::UNKNOWN)
+        row.and_then(|row| self.nodes[node].get(row)).unwrap_or(&Parameters::UNKNOWN)
     }
 }
 

@@ -1,10 +1,9 @@
 //! The values of an encoder's objects, wherever they come by: in a PDO or an SDO transfer.
 
 use crate::dictionary::names::ENCODER_PROFILE;
-use crate::findings::Context;
 use crate::message::{Message, PdoNumber};
 use crate::network::sdo::{Direction, Outcome};
-use crate::network::{Bus, Decoded, Event, Layout, Signal};
+use crate::network::{Bus, Decoded, Event, Signal};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Record;
 
@@ -54,12 +53,6 @@ pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec
     }
 }
 
-/// The layout of the PDO in a frame.
-pub fn layout<'a>(context: &Context<'a>) -> Option<&'a Layout> {
-    let Message::Pdo(number) = context.message() else { return None };
-    context.scene.bus.node(context.decoded.node?)?.known_layout(*number)
-}
-
 fn transferred(node: NodeId, decoded: &Decoded, bus: &Bus) -> Option<Operand> {
     let transfer = bus.transfer(decoded.channel?)?;
     let (object, data) = (transfer.multiplexer, transfer.data());
@@ -70,28 +63,4 @@ fn transferred(node: NodeId, decoded: &Decoded, bus: &Bus) -> Option<Operand> {
     bytes.get_mut(..data.len())?.copy_from_slice(data);
     let written = transfer.direction == Direction::Download;
     Some(Operand { node, object, raw: u64::from_le_bytes(bytes), bits: 8 * data.len() as u8, written })
-}
-
-/// Whether the node is known to be an encoder.
-pub fn is_encoder(context: &Context<'_>, node: NodeId) -> bool {
-    context.scene.bus.node(node).and_then(|known| known.profile(node)) == Some(ENCODER_PROFILE)
-}
-
-/// How the shaft or rod of an encoder moves, by the upper word of 1000h.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Kind {
-    /// 01h to 05h of CiA 406, and 0Bh of newer devices.
-    Rotary,
-    /// 08h and 09h.
-    Linear,
-}
-
-/// What kind of encoder a node is; `None` where 1000h is not known or says something else.
-pub fn kind(context: &Context<'_>, node: NodeId) -> Option<Kind> {
-    let device_type = context.scene.bus.node(node)?.parameter(node, Multiplexer::new(0x1000, 0))?;
-    match device_type >> 16 {
-        0x01..=0x05 | 0x0B => Some(Kind::Rotary),
-        0x08 | 0x09 => Some(Kind::Linear),
-        _ => None,
-    }
 }

@@ -1,22 +1,33 @@
 //! What the nodes of a bus have done, as many rules want to know it.
 
-use super::encoder::{self, Operand};
-use super::nodes::Heartbeats;
-use super::pdo::AllParameters;
+mod heartbeats;
+mod node;
+mod operands;
+mod presence;
+mod requests;
+mod tpdos;
+
+pub use heartbeats::Heartbeats;
+pub use node::NodeFacts;
+pub use operands::Operand;
+pub use presence::{Orders, Outage, Presence, Sign};
+pub use requests::{Pending, Requests, Step};
+pub use tpdos::{AllParameters, Parameters, TPDOS};
+
 use super::rhythm::Interval;
-use super::sdo::{Requests, Step};
-use crate::NodeId;
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::sdo::{Direction, Outcome};
 use crate::network::{Bus, Decoded, Event};
 use crate::wire::lss;
 use crate::wire::nmt::{Command, Nmt};
 use crate::wire::sdo::Request;
+use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Record, Timestamp};
 
 /// What all nodes of a bus have done so far.
+#[derive(Default)]
 pub struct Facts {
-    nodes: Box<[NodeFacts]>,
+    nodes: PerNode<NodeFacts>,
     /// When the LSS or LMT master last said something that may make slaves reset themselves.
     pub layer_setting: Option<Timestamp>,
     /// How many nodes have sent something.
@@ -29,6 +40,8 @@ pub struct Facts {
     pub heartbeats: Heartbeats,
     /// The SDO requests that wait for an answer, after the frame.
     pub requests: Requests,
+    /// Which nodes are there, before the frame.
+    pub presence: Presence,
     /// What the frame means to several rules.
     pub news: News,
 }
@@ -40,68 +53,16 @@ pub struct News {
     pub begins_anew: bool,
     /// Whether it is a TPDO of whose parameters something is known.
     pub is_known_tpdo: bool,
+    /// Whether the node that it is about has sent it.
+    pub is_from_node: bool,
+    /// The silence of its node that it ends, if it was an outage.
+    pub returned: Option<Outage>,
     /// Of a heartbeat: the interval that it ends.
     pub heartbeat: Option<Interval>,
     /// Of an SDO message: what it does to the requests that wait.
     pub request: Step,
     /// The values of an encoder's objects in it.
     pub operands: Vec<Operand>,
-}
-
-/// What a node has done so far.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct NodeFacts {
-    /// When it first sent something.
-    pub first_seen: Option<Timestamp>,
-    /// When it last sent something.
-    pub last_seen: Option<Timestamp>,
-    /// The last NMT command to it, alone or among all.
-    pub command: Option<(Command, Timestamp)>,
-    /// The last reset by NMT command that no boot-up has followed yet.
-    pub pending_reset: Option<Timestamp>,
-    /// When an SDO client last wrote anything.
-    pub last_download: Option<Timestamp>,
-    /// When parameters were last asked to be stored or restored, or that was answered: some devices are silent for
-    /// seconds around it.
-    pub last_store: Option<Timestamp>,
-    /// When its program was last started or stopped (1F50h, 1F51h).
-    pub last_program_control: Option<Timestamp>,
-    /// The last boot-up.
-    pub last_boot_up: Option<Timestamp>,
-    /// Whether it has shown to be an NMT slave: a command named it, it has answered an SDO client, or sends TPDOs or EMCY.
-    /// The NMT master does not hear its own commands to all.
-    pub is_slave: bool,
-    /// The node-ID that it had is another one since its reset.
-    pub has_moved: bool,
-}
-
-impl Default for Facts {
-    fn default() -> Self {
-        Self {
-            nodes: vec![NodeFacts::default(); 128].into(),
-            layer_setting: None,
-            present: 0,
-            has_sdo_client: false,
-            tpdos: AllParameters::default(),
-            heartbeats: Heartbeats::default(),
-            requests: Requests::default(),
-            news: News::default(),
-        }
-    }
-}
-
-/// Whether the node that a frame is about has sent it itself.
-pub const fn is_from_node(decoded: &Decoded) -> bool {
-    match decoded.message {
-        Message::ErrorControl(_)
-        | Message::Emcy(_)
-        | Message::Pdo(PdoNumber::Transmit(_))
-        | Message::Mpdo(PdoNumber::Transmit(_), _)
-        | Message::SdoResponse(_)
-        | Message::SdoBlockUpload(_) => true,
-        Message::Malformed(service, _) => matches!(service, Service::Heartbeat | Service::Emcy),
-        _ => false,
-    }
 }
 
 /// Whether a request asks to store or restore parameters.
@@ -115,42 +76,10 @@ fn stores(request: Request) -> bool {
     }
 }
 
-impl NodeFacts {
-    /// Some devices are silent for seconds while they write their memory.
-    pub const STORING: Duration = Duration::from_secs(5);
-
-    /// Whether the node may be silent because it writes its memory.
-    pub fn is_storing(&self, now: Timestamp) -> bool {
-        Self::is_recent(self.last_store, now, Self::STORING)
-    }
-
-    /// Whether the node may be silent because it was reset: lately, or it has not said anything since.
-    pub fn is_resetting(&self, now: Timestamp) -> bool {
-        let lately = self.pending_reset.is_some_and(|reset| now.since(reset) <= Duration::from_secs(5));
-        lately || self.is_silent_since_reset()
-    }
-
-    /// Whether no boot-up has followed the last reset, nor anything else than what was queued then.
-    pub fn is_silent_since_reset(&self) -> bool {
-        const QUEUED: Duration = Duration::from_millis(50);
-        self.pending_reset.is_some_and(|reset| self.last_seen.is_none_or(|seen| seen <= reset + QUEUED))
-    }
-
-    /// Whether something that happened at `then` is at most `span` ago.
-    pub fn is_recent(then: Option<Timestamp>, now: Timestamp, span: Duration) -> bool {
-        then.is_some_and(|then| now.since(then) <= span)
-    }
-}
-
 impl Facts {
     /// What a node has done.
     pub fn node(&self, id: NodeId) -> &NodeFacts {
-        // 128 places for the node-IDs 1 to 127.
-        &self.nodes[usize::from(id.raw())]
-    }
-
-    fn node_mut(&mut self, id: NodeId) -> &mut NodeFacts {
-        &mut self.nodes[usize::from(id.raw())]
+        &self.nodes[id]
     }
 
     /// Takes the next frame before the rules see it, and returns the node whose TPDO parameters may have changed.
@@ -158,7 +87,10 @@ impl Facts {
         let now = record.timestamp;
         let begins_anew = matches!(decoded.message, Message::Nmt(nmt) if !self.is_repeated(nmt));
         let reconfigured = self.tpdos.frame(decoded, bus);
+        let is_from_node = decoded.is_from_node();
+        let returned = decoded.node.filter(|_| is_from_node).and_then(|node| self.returned(node, now));
         let news = &mut self.news;
+        (news.is_from_node, news.returned) = (is_from_node, returned);
         (news.begins_anew, news.is_known_tpdo, news.heartbeat) = (begins_anew, false, None);
         // Most frames are no SDO messages: nothing to take away.
         if !matches!(news.request, Step::None) {
@@ -171,8 +103,11 @@ impl Facts {
                 }
             }
             Service::Heartbeat => {
-                let facts = decoded.node.map(|node| &self.nodes[usize::from(node.raw())]);
+                let facts = decoded.node.map(|node| &self.nodes[node]);
                 news.heartbeat = facts.and_then(|facts| self.heartbeats.beat(now, decoded, facts));
+                if let (Some(node), Some(interval)) = (decoded.node, news.heartbeat) {
+                    self.presence.beat(node, interval.expected);
+                }
             }
             Service::Sdo | Service::BootUp | Service::Nmt => {
                 news.request = self.requests.frame(record, decoded);
@@ -181,20 +116,44 @@ impl Facts {
             Service::Guarding | Service::Lss | Service::Lmt => self.heartbeats.other(decoded, begins_anew, bus),
             _ => {}
         }
-        encoder::collect(record, decoded, bus, &mut news.operands);
+        operands::collect(record, decoded, bus, &mut news.operands);
         reconfigured
     }
 
+    /// The silence of a node that a frame of it ends, if it was an outage.
+    #[inline]
+    fn returned(&self, node: NodeId, now: Timestamp) -> Option<Outage> {
+        let since = self.nodes[node].last_seen?;
+        if self.presence.is_long(node, now.since(since)) { self.outage(node, now) } else { None }
+    }
+
+    /// The silence of a node, if it is longer than its heartbeat or guarding allows and nothing explains it.
+    #[cold]
+    pub fn outage(&self, node: NodeId, now: Timestamp) -> Option<Outage> {
+        let period = self.heartbeats.of(node).period();
+        self.presence.outage(node, now, &self.nodes[node], period, self.layer_setting)
+    }
+
     /// Frames may be missing here, or the clock has stepped.
-    pub(super) fn interrupted(&mut self) {
+    pub(super) fn interrupted(&mut self, now: Timestamp) {
+        self.presence.interrupted(now);
         self.heartbeats.interrupted();
         self.requests.interrupted();
     }
 
     /// Takes the frame after the rules have seen it.
-    pub(super) fn note(&mut self, now: Timestamp, decoded: &Decoded, bus: &Bus) {
+    pub(super) fn note(&mut self, record: &Record, decoded: &Decoded, bus: &Bus) {
+        let now = record.timestamp;
         match decoded.message {
-            Message::Nmt(nmt) => self.commanded(now, nmt.command, nmt.node),
+            Message::Nmt(nmt) => {
+                self.commanded(now, nmt.command, nmt.node);
+                self.presence.commanded(now, nmt);
+            }
+            Message::GuardingRequest => {
+                if let Some(node) = decoded.node {
+                    self.presence.guarded(now, node);
+                }
+            }
             Message::LssRequest(lss::Request::SwitchGlobal { .. } | lss::Request::ActivateBitTiming { .. }) => {
                 self.layer_setting = Some(now);
             }
@@ -202,28 +161,42 @@ impl Facts {
             Message::SdoRequest(request) => {
                 self.has_sdo_client = true;
                 if let (Some(node), true) = (decoded.node, stores(request)) {
-                    self.node_mut(node).last_store = Some(now);
+                    self.nodes[node].last_store = Some(now);
                 }
             }
             Message::SdoBlockDownload(_) => self.has_sdo_client = true,
             _ => {}
         }
         let Some(node) = decoded.node else { return };
-        if is_from_node(decoded) {
-            let facts = self.node_mut(node);
+        if self.news.is_from_node {
+            self.presence.heard(node);
+            let facts = &mut self.nodes[node];
             facts.is_slave |= matches!(decoded.service, Service::Sdo | Service::Pdo | Service::Emcy);
-            facts.last_seen = Some(now);
+            if let (Some(_), Some(last)) = (facts.pending_reset, facts.last_seen) {
+                facts.longest_pause = facts.longest_pause.max(now.since(last));
+            }
+            (facts.last_seen, facts.last_id) = (Some(now), record.frame.cob_id());
             if facts.first_seen.replace(facts.first_seen.unwrap_or(now)).is_none() {
                 self.present = self.present.saturating_add(1);
             }
         }
         if decoded.service == Service::BootUp {
-            let facts = self.node_mut(node);
+            self.restarted(node, now);
+            let facts = &mut self.nodes[node];
             (facts.last_boot_up, facts.pending_reset, facts.has_moved) = (Some(now), None, false);
             self.moved(bus);
         }
         if decoded.event == Some(Event::TransferEnded) {
             self.transferred(now, node, decoded, bus);
+        }
+    }
+
+    /// A node has started: how long it takes after a reset is known, if it was there before that.
+    fn restarted(&mut self, node: NodeId, now: Timestamp) {
+        const LONGEST: Duration = Duration::from_secs(60);
+        let took = self.nodes[node].pending_reset.map(|reset| now.since(reset));
+        if let Some(took) = took.filter(|took| *took <= LONGEST && self.news.returned.is_none()) {
+            self.presence.restarted(node, took);
         }
     }
 
@@ -239,7 +212,7 @@ impl Facts {
         let mut silent = NodeId::all().filter(was_there).filter(|node| self.node(*node).is_silent_since_reset());
         let only = silent.next().filter(|_| silent.next().is_none());
         if let Some(from) = from.or(only) {
-            self.node_mut(from).has_moved = true;
+            self.nodes[from].has_moved = true;
         }
     }
 
@@ -247,8 +220,7 @@ impl Facts {
     /// masters send it again and again.
     fn is_repeated(&self, nmt: Nmt) -> bool {
         let resets = nmt.command.is_reset();
-        let named = self.nodes.iter().enumerate().filter(|(id, _)| nmt.node == 0 || usize::from(nmt.node) == *id);
-        let mut present = named.map(|(_, facts)| facts).filter(|facts| facts.first_seen.is_some());
+        let mut present = self.nodes.named(nmt.node).map(|(_, facts)| facts).filter(|facts| facts.first_seen.is_some());
         !resets
             && present.all(|facts| {
                 let obeyed = |at| facts.last_boot_up.is_none_or(|boot_up| boot_up < at);
@@ -258,11 +230,11 @@ impl Facts {
 
     fn commanded(&mut self, now: Timestamp, command: Command, node: u8) {
         let resets = command.is_reset();
-        for (id, facts) in self.nodes.iter_mut().enumerate().skip(1) {
-            if node == 0 || usize::from(node) == id {
-                facts.command = Some((command, now));
-                facts.is_slave |= node != 0;
-                facts.pending_reset = if resets { Some(now) } else { facts.pending_reset };
+        for (_, facts) in self.nodes.named_mut(node) {
+            facts.command = Some((command, now));
+            facts.is_slave |= node != 0;
+            if resets {
+                (facts.pending_reset, facts.longest_pause) = (Some(now), Duration::ZERO);
             }
         }
     }
@@ -272,7 +244,7 @@ impl Facts {
         if transfer.direction != Direction::Download {
             return;
         }
-        let facts = self.node_mut(node);
+        let facts = &mut self.nodes[node];
         // Some devices store other objects too, by the same signatures.
         let signed = matches!(transfer.data(), b"save" | b"load");
         match transfer.multiplexer.index.0 {

@@ -4,11 +4,15 @@
 //! A fault is detected if a case that names it fails. A case that fails without naming the fault must at least belong
 //! to the chapter of one that does: else it judges something that it is not about.
 
+mod masking;
+
+pub use masking::{Masked, Masking};
+
 use crate::bench::{Bench, Knowledge, Options, Target};
-use crate::case::{Case, Need, Touch};
+use crate::case::{Case, Level, Touch};
 use crate::catalogue;
 use crate::runner::{CaseReport, run_case};
-use crate::verdict::{Kind, Reason};
+use crate::verdict::{Grade, Kind, Reason, Verdict};
 use canvass_analyzer::NodeId;
 use canvass_bus::SimulatedBus;
 use canvass_device::models::Model;
@@ -44,6 +48,8 @@ pub struct Matrix {
     pub faults: Vec<FaultRow>,
     /// One row for each model without fault.
     pub models: Vec<ModelRow>,
+    /// Whether what manuals document hides a fault.
+    pub masking: Masking,
     /// The cases that ran.
     pub cases: Vec<&'static Case>,
 }
@@ -106,6 +112,7 @@ impl Matrix {
         self.detected() == self.faults.len()
             && self.false_alarms() == 0
             && self.vacuous_cases().is_empty()
+            && self.masking.masked.is_empty()
             && self.faults.iter().all(|row| row.missed.is_empty())
     }
 }
@@ -118,13 +125,25 @@ pub fn run(cases: &[&'static Case], faults: &[Fault], models: &[&'static Model],
     order.sort_unstable();
     let fault_rows = in_parallel(&order, |fault| fault_row(*fault, cases, extent));
     let model_rows = in_parallel(models, |model| model_row(model, cases));
-    Matrix { faults: fault_rows.into_iter().flatten().collect(), models: model_rows, cases: cases.to_vec() }
+    let mut masking = Masking::default();
+    // The models whose manuals announce something.
+    let deviating: Vec<_> = models.iter().copied().filter(|model| !model.deviations().is_empty()).collect();
+    in_parallel(&deviating, |model| masking::of_model(model, cases, &order))
+        .into_iter()
+        .for_each(|one| masking.add(one));
+    let faults = fault_rows.into_iter().flatten().collect();
+    Matrix { faults, models: model_rows, masking, cases: cases.to_vec() }
 }
 
 /// The faults that the cases name.
 pub fn named_by(cases: &[&'static Case]) -> Vec<Fault> {
     let named: BTreeSet<Fault> = cases.iter().flat_map(|case| case.catches).copied().collect();
     named.into_iter().collect()
+}
+
+/// A case about what the standard leaves open fails nobody: it detects a fault by what it records.
+fn records(case: &Case, verdict: &Verdict) -> bool {
+    case.level == Level::Open && verdict.breaches().iter().any(|ruled| ruled.breach.grade == Grade::Open)
 }
 
 /// `None` if the fault's model does not exist.
@@ -139,8 +158,9 @@ fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<Fa
         if !extent.contains(fault, n, case) {
             continue;
         }
-        let kind = judge_knowing(case, model, fault.into(), &target, &mut knowledge).verdict.kind();
-        if kind == Kind::Fail {
+        let verdict = judge_knowing(case, model, fault.into(), &target, &mut knowledge).verdict;
+        let kind = verdict.kind();
+        if kind == Kind::Fail || records(case, &verdict) {
             row.failed.push(case);
             if !relatives.contains(chapter(case)) {
                 row.unrelated.push(case);
@@ -161,7 +181,7 @@ fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
         let kind = verdict.kind();
         row.executed += usize::from(kind.is_executed());
         if matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) {
-            row.alarms.push((case, kind, verdict.reason().cloned().unwrap_or_default()));
+            row.alarms.push((case, kind, verdict.reason().unwrap_or_default()));
         }
     }
     row
@@ -200,7 +220,7 @@ fn judge_knowing(
     knowledge: &mut Knowledge,
 ) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
-    let motion = Motion::constant(REST, if case.needs.contains(&Need::TurningShaft) { TURNING } else { 0 });
+    let motion = Motion::constant(REST, if case.requires(&crate::needs::TURNING_SHAFT) { TURNING } else { 0 });
     bus.attach(Box::new(Device::with_motion(model, Some(target.node), faults, 0, motion)));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);

@@ -1,25 +1,20 @@
 //! The heartbeats of all nodes of a bus, and their periods: told by 1017h, or learned.
 
-use crate::NodeId;
-use crate::findings::NodeFacts;
+use super::NodeFacts;
 use crate::findings::rhythm::{Interval, Rhythm};
 use crate::message::{Message, Service};
 use crate::network::sdo::Outcome;
 use crate::network::{Bus, Decoded, Event};
 use crate::wire::lss;
+use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Timestamp};
 
 /// Follows the heartbeats of all nodes.
+#[derive(Default)]
 pub struct Heartbeats {
-    nodes: Box<[Rhythm]>,
+    nodes: PerNode<Rhythm>,
     /// LSS has configured a slave, which is not yet back in waiting state.
     configured_by_lss: bool,
-}
-
-impl Default for Heartbeats {
-    fn default() -> Self {
-        Self { nodes: vec![Rhythm::default(); 128].into(), configured_by_lss: false }
-    }
 }
 
 impl Heartbeats {
@@ -36,8 +31,11 @@ impl Heartbeats {
     /// Takes any other frame. `changes_state`: it is an NMT command that changes the state of some node.
     pub fn other(&mut self, decoded: &Decoded, changes_state: bool, bus: &Bus) {
         match (decoded.service, decoded.message) {
-            // A state change may shift the beat, a reset ends it.
-            (Service::Nmt, Message::Nmt(nmt)) if changes_state => self.pause(nmt.node),
+            // A reset ends the beat, another change of state may let it begin anew.
+            (Service::Nmt, Message::Nmt(nmt)) if nmt.command.is_reset() => self.pause(nmt.node),
+            (Service::Nmt, Message::Nmt(nmt)) if changes_state => {
+                self.nodes.named_mut(nmt.node).for_each(|(_, rhythm)| rhythm.shift());
+            }
             (Service::BootUp, _) => {
                 // What was stored is in force again.
                 if let Some(node) = decoded.node {
@@ -90,25 +88,26 @@ impl Heartbeats {
 
     /// The next beat of a node, or of all where it is 0, ends no interval.
     fn pause(&mut self, node: u8) {
-        match self.nodes.get_mut(usize::from(node)) {
-            Some(rhythm) if node != 0 => rhythm.pause(),
-            _ if node == 0 => self.nodes.iter_mut().for_each(Rhythm::pause),
-            _ => {}
-        }
+        self.nodes.named_mut(node).for_each(|(_, rhythm)| rhythm.pause());
     }
 
     /// The next beats end no intervals.
     pub fn interrupted(&mut self) {
-        self.nodes.iter_mut().for_each(Rhythm::pause);
+        self.nodes.values_mut().for_each(Rhythm::pause);
     }
 
     /// The rhythm of a node.
     fn rhythm(&mut self, node: NodeId) -> &mut Rhythm {
-        &mut self.nodes[usize::from(node.raw())]
+        &mut self.nodes[node]
+    }
+
+    /// The rhythm of a node, to look at.
+    pub fn of(&self, node: NodeId) -> &Rhythm {
+        &self.nodes[node]
     }
 
     /// All nodes with their rhythms.
     pub fn all(&self) -> impl Iterator<Item = (NodeId, &Rhythm)> {
-        NodeId::all().zip(self.nodes.iter().skip(1))
+        self.nodes.iter()
     }
 }

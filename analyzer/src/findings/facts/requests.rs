@@ -13,14 +13,28 @@ use canvass_traces::{Duration, Record, Timestamp};
 #[derive(Default)]
 pub struct Requests {
     channels: Vec<Option<Pending>>,
+    /// The latest requests that a client has given up, and when: their answers may still come.
+    left: Vec<Left>,
+}
+
+/// A request that nobody waits for any more.
+struct Left {
+    channel: ChannelIndex,
+    pending: Pending,
+    since: Timestamp,
+    /// The client has given it up; else a restart of the node has ended it.
+    by_client: bool,
 }
 
 /// A request that waits for its answer.
+#[derive(Clone)]
 pub struct Pending {
     /// The request.
     pub request: Seen,
     /// When it was sent.
     pub since: Timestamp,
+    /// How often it was sent.
+    pub times: u32,
     /// The object that the transfer is about.
     pub object: Option<Multiplexer>,
 }
@@ -35,23 +49,35 @@ pub enum Step {
     Answered(Pending),
     /// The client sent something else: it does not wait any more.
     GivenUp(Pending),
+    /// The answer came to a request that the client had given up at that time, or that a restart had ended then.
+    AnsweredLate {
+        /// The request.
+        pending: Pending,
+        /// When it was given up.
+        gave_up: Timestamp,
+        /// Whether the client did so.
+        by_client: bool,
+    },
     /// The client sent the same request again.
     Repeated,
 }
 
 impl Requests {
+    /// So many requests that were given up are remembered, and for so long.
+    const LEFT: usize = 32;
+    const REMEMBERED: Duration = Duration::from_secs(10);
     /// Copies that an interface loops back come within this time.
     const COPY: Duration = Duration::from_millis(1);
 
     /// Takes a frame of SDO, a boot-up or an NMT command.
     pub fn frame(&mut self, record: &Record, decoded: &Decoded) -> Step {
         let Some(channel) = decoded.channel.filter(|_| decoded.service == Service::Sdo) else {
-            self.forget_node(decoded);
+            self.forget_node(record.timestamp, decoded);
             return Step::None;
         };
         match decoded.message {
             Message::SdoRequest(Request::Abort(_)) => match self.slot(channel).take() {
-                Some(pending) => Step::GivenUp(pending),
+                Some(pending) => self.give_up(channel, pending, record.timestamp),
                 None => Step::None,
             },
             // The server does not answer the end of a block upload, nor segments of a block one by one.
@@ -60,9 +86,11 @@ impl Requests {
                 Step::None
             }
             Message::SdoRequest(_) => self.request(channel, record, decoded),
-            Message::SdoResponse(_) | Message::SdoBlockUpload(_) => {
-                self.slot(channel).take().map_or(Step::None, Step::Answered)
-            }
+            Message::SdoResponse(response) => match self.left(channel, response.multiplexer(), record.timestamp) {
+                Some(late) => late,
+                None => self.slot(channel).take().map_or(Step::None, Step::Answered),
+            },
+            Message::SdoBlockUpload(_) => self.slot(channel).take().map_or(Step::None, Step::Answered),
             _ => Step::None,
         }
     }
@@ -70,7 +98,7 @@ impl Requests {
     fn request(&mut self, channel: ChannelIndex, record: &Record, decoded: &Decoded) -> Step {
         let now = record.timestamp;
         let request = Seen { record: record.clone(), decoded: *decoded };
-        let pending = Pending { request, since: now, object: decoded.object };
+        let pending = Pending { request, since: now, times: 1, object: decoded.object };
         let slot = self.slot(channel);
         let Some(open) = slot.as_mut() else {
             *slot = Some(pending);
@@ -81,25 +109,64 @@ impl Requests {
         match same {
             true if elapsed <= Self::COPY => Step::None,
             true => {
-                open.since = now;
+                (open.since, open.times) = (now, open.times.saturating_add(1));
                 Step::Repeated
             }
-            false => slot.replace(pending).map_or(Step::None, Step::GivenUp),
+            false => match slot.replace(pending) {
+                Some(open) => self.give_up(channel, open, now),
+                None => Step::None,
+            },
         }
     }
 
-    /// A node that restarts has forgotten what it was asked.
-    fn forget_node(&mut self, decoded: &Decoded) {
+    /// The client does not wait any more.
+    #[cold]
+    fn give_up(&mut self, channel: ChannelIndex, pending: Pending, now: Timestamp) -> Step {
+        if self.left.len() >= Self::LEFT {
+            self.left.remove(0);
+        }
+        self.left.push(Left { channel, pending: pending.clone(), since: now, by_client: true });
+        Step::GivenUp(pending)
+    }
+
+    /// What an answer about that object is if its request was given up: none that waits asks for the same.
+    #[inline]
+    fn left(&mut self, channel: ChannelIndex, object: Option<Multiplexer>, now: Timestamp) -> Option<Step> {
+        if self.left.is_empty() {
+            return None;
+        }
+        self.left.retain(|left| now.since(left.since) <= Self::REMEMBERED);
+        let object = object?;
+        let open = self.channels.get(usize::from(channel.0)).and_then(Option::as_ref);
+        if open.is_some_and(|open| open.object == Some(object)) {
+            return None;
+        }
+        let at = self.left.iter().position(|left| left.channel == channel && left.pending.object == Some(object))?;
+        // Each time that it was sent may have an answer.
+        let left = self.left.get_mut(at)?;
+        let (gave_up, by_client) = (left.since, left.by_client);
+        let pending = left.pending.clone();
+        left.pending.times = left.pending.times.saturating_sub(1);
+        if left.pending.times == 0 {
+            self.left.remove(at);
+        }
+        Some(Step::AnsweredLate { pending, gave_up, by_client })
+    }
+
+    /// A node that restarts has forgotten what it was asked, unless that waits in a queue.
+    fn forget_node(&mut self, now: Timestamp, decoded: &Decoded) {
         let named = match decoded.message {
             // Going to operational or pre-operational does not disturb a transfer.
             Message::Nmt(nmt) if matches!(nmt.command, Command::START | Command::ENTER_PRE_OPERATIONAL) => return,
             Message::Nmt(nmt) => nmt.node,
             _ => decoded.node.map_or(0, |node| node.raw()),
         };
-        for slot in &mut self.channels {
+        for (channel, slot) in (0..).map(ChannelIndex).zip(&mut self.channels) {
             let server = slot.as_ref().and_then(|pending| pending.request.decoded.node);
             if named == 0 || server.is_some_and(|server| server.raw() == named) {
-                *slot = None;
+                if let Some(pending) = slot.take().filter(|_| self.left.len() < Self::LEFT) {
+                    self.left.push(Left { channel, pending, since: now, by_client: false });
+                }
             }
         }
     }
@@ -121,6 +188,7 @@ impl Requests {
     /// Answers may have come unseen.
     pub fn interrupted(&mut self) {
         self.channels.fill_with(|| None);
+        self.left.clear();
     }
 }
 

@@ -1,0 +1,21 @@
+//! What the cases of CiA DS-205 need.
+
+use super::{exchange, is_configuring};
+use crate::need::Need;
+use canvass_analyzer::wire::lmt::Request;
+
+/// Layer management: the slave answers an inquiry in configuration. It is led back to operation.
+pub static LMT: Need = Need::new("lmt", "layer management (LMT)", |bench| {
+    let described = bench.target().description.as_ref();
+    if described.is_some_and(|description| description.device.lss_supported) {
+        return Ok(Err("the description says that the device has LSS".to_owned()));
+    }
+    exchange(bench, Request::SwitchGlobal { mode: 1 })?;
+    let answers = is_configuring(bench)?;
+    exchange(bench, Request::SwitchGlobal { mode: 0 })?;
+    Ok(match answers {
+        true => Ok(()),
+        false => Err("no LMT slave answers an inquiry".to_owned()),
+    })
+})
+.rescued_by(super::rescue);
