@@ -134,3 +134,14 @@ fn liberties_can_be_combined() {
     let device = Device::new(model(), NodeId::new(10), Firmware::from(all.iter().copied().collect::<Liberties>()), 0);
     assert_eq!(device.node(), NodeId::new(10));
 }
+
+/// On whatever model: what it has no use for changes nothing, and no device is lost.
+#[test]
+fn every_model_takes_every_liberty() {
+    for model in Model::all() {
+        for &liberty in Liberty::ALL {
+            let found = crate::steps::result(model.id(), liberty, &["5200", "after 60A#40001000"]);
+            assert_ne!(found, "never", "{} with {liberty}", model.id());
+        }
+    }
+}
