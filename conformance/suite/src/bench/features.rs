@@ -3,7 +3,7 @@
 use super::Bench;
 use super::objects::{EVENT_TIMER, TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
 use super::pdo::RPDO;
-use super::sdo::number;
+use super::sdo::{DEVICE_TYPE, Reply, number};
 use super::state::{GUARD_TIME, Heartbeats};
 use crate::case::{Need, Touch};
 use crate::verdict::Stop;
@@ -23,6 +23,15 @@ fn not_applicable(stop: Stop) -> Result<Result<(), String>, Stop> {
         Stop::NotApplicable(reason) => Ok(Err(reason.actual)),
         other => Err(other),
     }
+}
+
+/// How a server says that it does not know a command. Any other refusal of a right request is no word on that.
+pub fn is_unknown_command(code: AbortCode) -> bool {
+    [AbortCode::COMMAND_SPECIFIER, AbortCode::UNSUPPORTED_ACCESS, AbortCode::GENERAL].contains(&code)
+}
+
+fn says_absent(reply: &Reply) -> bool {
+    reply.response.is_none() || reply.abort().is_some_and(is_unknown_command)
 }
 
 impl Bench<'_> {
@@ -202,17 +211,16 @@ impl Bench<'_> {
 
     /// Whether a block upload begins as one. It is aborted at once.
     fn block_upload_feature(&mut self) -> Result<Result<(), String>, Stop> {
-        let Some(multiplexer) = self.long_object(8)? else {
-            return Ok(Err("no object that was found gives more than 7 bytes".to_owned()));
-        };
+        // Without a long object a short one will do.
+        let multiplexer = self.long_object(8)?.unwrap_or(DEVICE_TYPE);
         let request = Request::InitiateBlockUpload { multiplexer, crc: true, block_size: 1, threshold: 0 };
         let reply = self.exchange(&request, format!("block upload of {multiplexer}"))?;
         self.send_request(&Request::abort(multiplexer, AbortCode::GENERAL))?;
         // A firmware that answers aborts does it now, not in the middle of the case.
         self.listen(self.timing().reaction)?;
-        Ok(match reply.response {
-            Some(Response::InitiateBlockUpload { .. }) => Ok(()),
-            _ => Err(format!("a block upload of {multiplexer} is answered by {}", reply.actual())),
+        Ok(match says_absent(&reply) {
+            true => Err(format!("a block upload of {multiplexer} is answered by {}", reply.actual())),
+            false => Ok(()),
         })
     }
 
@@ -229,7 +237,11 @@ impl Bench<'_> {
         self.listen(self.timing().reaction)?;
         Ok(match reply.response {
             Some(Response::InitiateBlockDownload { crc, .. }) => Ok(crc),
-            _ => Err(format!("a block download to {multiplexer} is answered by {}", reply.actual())),
+            _ if says_absent(&reply) => {
+                Err(format!("a block download to {multiplexer} is answered by {}", reply.actual()))
+            }
+            // Refused for another reason than that there are none: the cases judge that.
+            _ => Ok(true),
         })
     }
 
