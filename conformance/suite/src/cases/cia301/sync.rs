@@ -37,7 +37,7 @@ fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<u16, Stop> {
 }
 
 /// 1019h changes only while 1006h is 0; a mere consumer need not have 1006h.
-fn stop_period(bench: &mut Bench<'_>) -> Result<(), Stop> {
+pub(super) fn stop_period(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if bench.has(PERIOD)? && bench.read_number(PERIOD)? != 0 {
         bench.write(PERIOD, &0_u32.to_le_bytes())?;
     }
