@@ -97,6 +97,11 @@ impl Bench<'_> {
         Ok(())
     }
 
+    /// Whether nobody was heard at that node-ID.
+    pub fn is_vacant(&self, node: u8) -> bool {
+        NodeId::new(node).is_some_and(|node| !self.watch.others().contains(&node))
+    }
+
     /// Looks for a device that had left; where the user has given a command that switches it off and on, that is tried
     /// first.
     ///
