@@ -1,8 +1,6 @@
 //! Inquiries (CiA 305, 6.5), and what holds for all services.
 
-use super::dialogue::{
-    address, breach, configure, exchange, expect, expect_silence, parts, shown, tell, wait,
-};
+use super::dialogue::{address, breach, configure, exchange, expect, expect_silence, parts, shown, tell, wait};
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Check, Judged, Reason, Stop, demand};
@@ -53,7 +51,11 @@ fn inquiry(bench: &mut Bench<'_>) -> Judged {
     wait(bench)?;
     if answers.iter().all(|(_, _, answer)| answer.is_none()) {
         let found = "in configuration it answers none of 5Ah to 5Dh";
-        return Err(Stop::NotApplicable(Reason::new("the slave has the inquiries of its address", "5Ah to 5Dh", found)));
+        return Err(Stop::NotApplicable(Reason::new(
+            "the slave has the inquiries of its address",
+            "5Ah to 5Dh",
+            found,
+        )));
     }
     bench.each(answers, |bench, (part, right, answer)| {
         let what = format!("the inquiry of the {}, as 1018h has it,", part.name());
@@ -110,7 +112,8 @@ fn form(bench: &mut Bench<'_>) -> Judged {
 fn expect_form(request: Request, frame: &Frame) -> Check {
     let response = Response::read(frame.data()).ok();
     let is_clean = response.is_some_and(|response| {
-        let means_nothing = matches!(response, Response::Configured { error, specific, .. } if error != 255 && specific != 0);
+        let means_nothing =
+            matches!(response, Response::Configured { error, specific, .. } if error != 255 && specific != 0);
         response.to_frame(lss::SLAVE_CAN_ID) == *frame && !means_nothing
     });
     demand(is_clean, || {
