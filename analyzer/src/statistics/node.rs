@@ -260,8 +260,7 @@ impl NodeStatistics {
             (0x1000, 0) => self.identity.device_type = number.or(self.identity.device_type),
             (0x1018, 1..=4) => self.identity.numbers[usize::from(sub) - 1] = number,
             (0x1008..=0x100A, 0) => {
-                let text = String::from_utf8_lossy(&data[..data.len().min(Self::NAME)]);
-                let text = text.trim_end_matches('\0').escape_debug().to_string();
+                let text = name(&data[..data.len().min(Self::NAME)]);
                 self.identity.names[usize::from(index - 0x1008)] = Some(text);
             }
             _ => {}
@@ -280,5 +279,34 @@ impl NodeStatistics {
     /// All frames.
     pub fn total(&self) -> u64 {
         self.frames.iter().sum()
+    }
+}
+
+/// A name as a device tells it: in UTF-8, or as most firmware writes it in Latin-1. Control characters are escaped, and
+/// nothing else.
+fn name(data: &[u8]) -> String {
+    let text = match std::str::from_utf8(data) {
+        Ok(text) => text.to_owned(),
+        Err(_) => data.iter().map(|&byte| char::from(byte)).collect(),
+    };
+    let mut name = String::new();
+    for character in text.trim_end_matches('\0').chars() {
+        match character.is_control() {
+            true => name.extend(character.escape_debug()),
+            false => name.push(character),
+        }
+    }
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_keep_their_letters_and_quotes() {
+        assert_eq!(name(b"K\xFCbler \"Sendix\" \0\0"), "K\u{fc}bler \"Sendix\" ");
+        assert_eq!(name("Kübler".as_bytes()), "Kübler");
+        assert_eq!(name(b"a\x1b[2Jb\n"), "a\\u{1b}[2Jb\\n");
     }
 }

@@ -18,6 +18,8 @@ mod guarding;
 #[cfg(test)]
 mod healthy;
 #[cfg(test)]
+mod incidents;
+#[cfg(test)]
 mod nmt;
 #[cfg(test)]
 mod nodes;

@@ -66,7 +66,10 @@ pub fn render(diagnosed: &Diagnosed<'_>, style: Style, out: &mut dyn Write) -> i
     cases(diagnosed, style, &mut tail);
     let room = LINES.saturating_sub(head.len() + tail.len());
     let stories = if style.verbose { verbose(diagnosed, style) } else { stories(diagnosed, style, room) };
-    for line in head.iter().chain(&stories).chain(&tail) {
+    // What must be known comes first; what was on the bus after it.
+    let stories = stories.iter().skip_while(|line| line.is_empty());
+    let between = (!diagnosed.results.stories.is_empty()).then_some("");
+    for line in stories.map(String::as_str).chain(between).chain(head.iter().chain(&tail).map(String::as_str)) {
         writeln!(out, "{line}")?;
     }
     out.flush()

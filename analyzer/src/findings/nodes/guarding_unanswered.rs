@@ -15,7 +15,7 @@ use canvass_traces::Duration;
 /// The master declares the node lost. If remote frames do not get through, the node in turn sees a life guarding event.
 ///
 /// # What to do
-/// See whether the node sends anything else. If it does, it may not support guarding (100Ch, 100Dh): use heartbeat.
+/// A node that sends other messages may not support guarding (100Ch, 100Dh): use heartbeat.
 /// Some CAN controllers answer remote frames by themselves, with an old state.
 #[rule(id = "nodes/guarding-unanswered", severity = Error, services = [Guarding, BootUp, Heartbeat])]
 struct GuardingUnanswered {
@@ -33,7 +33,9 @@ impl GuardingUnanswered {
         let facts = scene.facts.node(node);
         if !facts.is_storing(scene.now) && !facts.is_resetting(scene.now) {
             let report = Report::at(request.time()).node(node).evidence(request.evidence());
-            sink.report(report, || format!("no answer within {}", self.wait));
+            let lives = facts.last_seen.is_some_and(|seen| seen > request.time());
+            let also = if lives { ", although the node sends other messages" } else { "" };
+            sink.report(report, || format!("no answer within {}{also}", self.wait));
         }
     }
 }

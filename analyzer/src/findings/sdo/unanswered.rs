@@ -24,7 +24,7 @@ const TWO_CLIENTS: Duration = Duration::from_millis(5);
 /// The client waits for its time-out and then usually aborts; start-up of the machine is delayed or fails.
 ///
 /// # What to do
-/// See whether the node sends anything else at that time: heartbeats that go on point to a busy or hung SDO server,
+/// Where the node still sends other messages, its SDO server is busy or hung;
 /// silence to a node that is off or has another node-ID. Two clients on one channel take each other's answers: give the
 /// second one a channel of its own (1201h).
 #[rule(id = "sdo/unanswered", severity = Error, services = [Sdo])]
@@ -67,8 +67,12 @@ fn tell(
         absent[node].get_or_insert_with(|| (pending.request.clone(), message));
         return;
     }
-    let report = Report::at(pending.request.time()).node(node).detail(pending.detail()).object(pending.object);
-    sink.report(report.evidence(pending.request.evidence()), || message);
+    let asked = pending.request.time();
+    let lives = scene.facts.node(node).last_seen.is_some_and(|seen| seen > asked);
+    let also =
+        if lives { "; the node still sends other messages" } else { "; nor did the node send anything else since" };
+    let report = Report::at(asked).node(node).detail(pending.detail()).object(pending.object);
+    sink.report(report.evidence(pending.request.evidence()), || format!("{message}{also}"));
 }
 
 impl Unanswered {

@@ -3,7 +3,7 @@
 use super::Bench;
 use super::state::{GUARD_TIME, Heartbeats};
 use crate::need::{Found, Met, Need};
-use crate::verdict::{Reason, Stop};
+use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
@@ -20,24 +20,21 @@ impl Bench<'_> {
         self.knowledge.features.insert(need.id, found);
     }
 
-    /// Whether the device has an object: where there is no description, the device decides. Absent are only 0602 0000h and
-    /// 0609 0011h.
+    /// Whether the device has an object. Where there is no description, the device decides: absent are only 0602 0000h,
+    /// 0609 0011h, and what is not answered at all.
     ///
     /// # Errors
-    /// As [`Bench::upload`]; [`Stop::Inconclusive`] if the device does not say.
+    /// As [`Bench::upload`].
     pub fn has(&mut self, multiplexer: Multiplexer) -> Result<bool, Stop> {
         if let Some(described) = self.described(multiplexer) {
             return Ok(described);
         }
-        let attempt = self.upload(multiplexer)?;
-        match attempt.outcome {
-            Outcome::Uploaded(_) => Ok(true),
-            Outcome::Aborted(abort) => Ok(!matches!(abort.code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX)),
-            Outcome::Downloaded | Outcome::Silent | Outcome::Violated(_) => {
-                let (duty, found) = (format!("the {} is answered", attempt.what), attempt.outcome.to_string());
-                Err(Stop::Inconclusive(Reason::new(duty, "a value or an abort", found)))
-            }
-        }
+        let outcome = self.upload(multiplexer)?.outcome;
+        Ok(match outcome {
+            Outcome::Aborted(abort) => !matches!(abort.code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX),
+            Outcome::Silent => false,
+            _ => true,
+        })
     }
 
     /// What the description says of an object; `None` without a description.
@@ -48,10 +45,20 @@ impl Bench<'_> {
     /// Whether the device has all of these objects.
     ///
     /// # Errors
-    /// As [`Bench::has`].
+    /// As [`Bench::has`]; the breach if it is asked for one and does not answer: silence says nothing of absence.
     pub(crate) fn has_all(&mut self, objects: &[Multiplexer]) -> Result<Met, Stop> {
         for &multiplexer in objects {
-            if !self.has(multiplexer)? {
+            let there = match self.described(multiplexer) {
+                Some(described) => described,
+                None => {
+                    let attempt = self.upload(multiplexer)?;
+                    match attempt.abort() {
+                        Some(code) => !matches!(code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX),
+                        None => attempt.value().map(|_| true)?,
+                    }
+                }
+            };
+            if !there {
                 return Ok(Err(format!("the device has no {multiplexer}")));
             }
         }
@@ -61,11 +68,14 @@ impl Bench<'_> {
     /// Whether all of these objects can be written.
     ///
     /// # Errors
-    /// As [`Bench::has`].
+    /// As [`Bench::has_all`].
     pub(crate) fn can_write_all(&mut self, objects: &[Multiplexer]) -> Result<Met, Stop> {
+        if let Err(why) = self.has_all(objects)? {
+            return Ok(Err(why));
+        }
         for &multiplexer in objects {
             if !self.can_write(multiplexer)? {
-                return Ok(Err(format!("{multiplexer} is absent or can't be written")));
+                return Ok(Err(format!("{multiplexer} can't be written")));
             }
         }
         Ok(Ok(()))

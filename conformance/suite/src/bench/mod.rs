@@ -9,6 +9,7 @@
 //! - `features`: what this device has;
 //! - `restore`: as it was found.
 
+mod answers;
 pub mod block;
 mod decoder;
 mod dictionary;
@@ -55,6 +56,8 @@ pub struct Bench<'a> {
     evidence: Evidence,
     /// What the case has found wrong so far.
     breaches: Vec<Breach>,
+    /// Answers of the SDO server whose form is wrong, one of each sort.
+    untidy: Vec<Breach>,
     watch: Watch,
     /// What the case has changed, with the values before.
     changes: Vec<Original>,
@@ -116,6 +119,7 @@ impl<'a> Bench<'a> {
             cancel,
             evidence: Evidence::default(),
             breaches: Vec::new(),
+            untidy: Vec::new(),
             watch: Watch::new(target.node),
             changes: Vec::new(),
             unrestored: Vec::new(),
@@ -282,6 +286,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();
         self.breaches.clear();
+        self.untidy.clear();
         self.notes.clear();
         self.foreign = Foreign::default();
         self.measurements.clear();

@@ -9,6 +9,7 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{Direction, Duration};
+use std::collections::BTreeSet;
 
 /// A device that is gone is looked for so long before each case, so that a run still comes to its end.
 const LOOK: Duration = Duration::from_millis(250);
@@ -65,6 +66,19 @@ impl Bench<'_> {
         })
     }
 
+    /// The other nodes that were heard since the start of the run.
+    pub(crate) fn others(&self) -> &BTreeSet<NodeId> {
+        self.watch.others()
+    }
+
+    /// Says that the device under test is given that node-ID: who turns up with it is no other node. 255, no node-ID, says
+    /// nothing.
+    pub(crate) fn gives_node_id(&mut self, node_id: u8) {
+        if let Some(node) = NodeId::new(node_id) {
+            self.watch.add_given(node);
+        }
+    }
+
     /// Looks for other nodes, once in a run: those that send no heartbeats show themselves by their SDO servers. Reading
     /// changes nothing in them.
     ///
@@ -95,6 +109,11 @@ impl Bench<'_> {
             self.watch.add_other(node);
         }
         Ok(())
+    }
+
+    /// Whether nobody was heard at that node-ID.
+    pub fn is_vacant(&self, node: u8) -> bool {
+        NodeId::new(node).is_some_and(|node| !self.watch.others().contains(&node))
     }
 
     /// Looks for a device that had left; where the user has given a command that switches it off and on, that is tried

@@ -21,3 +21,10 @@ mod scaling_off;
 mod speed;
 mod timer;
 mod work_area;
+
+use canvass_bus::observation::Observation;
+
+/// A number that an object shows.
+fn number(value: impl Into<u64>) -> Observation {
+    Observation::Number(value.into())
+}
