@@ -135,6 +135,8 @@ situations! {
         aborts [INVALID_VALUE], tolerated [VALUE_TOO_HIGH, GENERAL];
     /// Changing 1019h while SYNC has a period is refused
     OverflowWhilePeriod = "overflow-while-period", "7.5.2.22", Must: aborts [DEVICE_STATE, GENERAL];
+    /// Setting bit 30 of 1005h is refused by a device that can't produce SYNC
+    SyncNotProduced = "sync-not-produced", "7.5.2.5", Must: aborts [INVALID_VALUE], tolerated [GENERAL];
     /// Bits 0 to 29 of a COB-ID in use don't change
     ValidCobIdChanged = "valid-cob-id-changed", "7.5.2.37", Must: any_abort true;
     /// A parameter of a PDO that is valid does not change
@@ -153,6 +155,21 @@ situations! {
     /// Switching a mapping on that is wrong or too long is refused
     MappingRefused = "mapping-refused", "7.5.2.38", Must:
         aborts [NO_OBJECT, PDO_LENGTH], tolerated [NOT_MAPPABLE, GENERAL];
+    /// An entry that a mapping does not support, by its object or its length, is refused
+    UnsupportedMapping = "unsupported-mapping", "7.5.2.38", Must: any_abort true;
+    /// Mapping a sub-index that its object does not have is refused
+    UnmappableEntry = "unmappable-entry", "7.5.2.38", Must:
+        aborts [NO_OBJECT, NOT_MAPPABLE], tolerated [NO_SUB_INDEX, GENERAL];
+    /// Mapping an object into a PDO of the other direction is refused
+    WrongDirection = "wrong-direction", "7.5.1", Must:
+        aborts [NOT_MAPPABLE, NO_OBJECT], tolerated [READ_ONLY, WRITE_ONLY, GENERAL];
+    /// An entry with which the mapping would be longer than a PDO is refused
+    MappingEntryTooLong = "mapping-entry-too-long", "7.5.2.38", Must:
+        aborts [PDO_LENGTH, NOT_MAPPABLE, NO_OBJECT], tolerated [GENERAL];
+    /// A reserved number of mapped objects is refused
+    MappingCount = "mapping-count", "7.5.2.38", Must:
+        aborts [PDO_LENGTH, NO_OBJECT, INVALID_VALUE, VALUE_TOO_HIGH],
+        tolerated [NOT_MAPPABLE, UNSUPPORTED_ACCESS, GENERAL];
     /// A second consumer entry for the same node is refused
     DuplicateConsumer = "duplicate-consumer", "7.5.2.19", Must: aborts [PARAMETER_INCOMPATIBLE], tolerated [GENERAL];
     /// A right request is confirmed

@@ -58,7 +58,7 @@ impl Bench<'_> {
     }
 
     /// Does something whose answers are not the matter of the case: finding out what the device has.
-    pub(super) fn unjudged<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
+    pub(crate) fn unjudged<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let (breaches, untidy) = (self.breaches.len(), self.untidy.len());
         let result = act(self);
         self.breaches.truncate(breaches);

@@ -236,7 +236,7 @@ impl Bench<'_> {
         })
     }
 
-    pub(super) fn long_writable(&self) -> Option<Multiplexer> {
+    pub(crate) fn long_writable(&self) -> Option<Multiplexer> {
         let description = self.target.description.as_ref()?;
         let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::DOMAIN];
         let mut entries = description.dictionary.entries().filter(|(multiplexer, entry)| {

@@ -147,6 +147,14 @@ impl Bench<'_> {
         }))
     }
 
+    /// A response that comes though nothing was asked since.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub fn wait_for_late_response(&mut self) -> Result<Option<Frame>, Stop> {
+        self.wait_for_response(self.timing().silence)
+    }
+
     /// Reads an object again and demands that it still has the value of before.
     ///
     /// # Errors

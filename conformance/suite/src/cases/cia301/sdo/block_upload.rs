@@ -2,7 +2,6 @@
 
 use super::by_hand::MISSING;
 use crate::bench::Bench;
-use crate::bench::features::is_unknown_command;
 use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
 use crate::situation::Situation;
@@ -37,7 +36,7 @@ fn subjects(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
 fn gives(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8], manner: UploadManner) -> Judged {
     let may_switch = manner.threshold > 0;
     let (attempt, client) = bench.block_upload(multiplexer, manner)?;
-    if right.len() <= 4 && attempt.abort().is_some_and(is_unknown_command) {
+    if right.len() <= 4 && attempt.abort() == Some(AbortCode::COMMAND_SPECIFIER) {
         bench.note(format!("{multiplexer}, which is short, can't be read in blocks"));
         return Ok(());
     }
