@@ -89,7 +89,10 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     let has_timer = bench.has(TPDO.parameter(5))?;
     match has_timer {
         true => bench.set_pdo(TPDO, &[(2, &[255]), (3, &[0, 0]), (5, &100_u16.to_le_bytes())])?,
-        false => bench.set_pdo(TPDO, &[(2, &[1])])?,
+        false => {
+            bench.expect_plain_sync()?;
+            bench.set_pdo(TPDO, &[(2, &[1])])?;
+        }
     }
     bench.write(changeable.at, &other)?;
     let can_id = (bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16;
