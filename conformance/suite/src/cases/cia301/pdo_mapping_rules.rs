@@ -53,7 +53,7 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
 
 /// The mapping that a PDO has can be written again, in the five steps of CiA 301.
 #[case(id = "301/pdo/mapping/procedure", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
-       needs = [Tpdo, DynamicMapping], catches = [MappingProcedureRefused], cct = "3.22")]
+       needs = [Tpdo, DynamicMapping], catches = [MappingProcedureRefused, SameCobIdRefused], cct = "3.22")]
 fn procedure(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let own = bench.pdo_cob_id(TPDO)?;
