@@ -98,7 +98,7 @@ impl Case {
             }
             _ => {}
         }
-        let met = match (need.check)(bench) {
+        let met = match bench.unjudged(need.check) {
             Err(Stop::NotApplicable(reason)) => Err(reason.actual),
             Err(Stop::Breach(breach)) if self.level != Level::Open => {
                 let why = Reason::from(&*breach);

@@ -9,6 +9,7 @@
 //! - `features`: what this device has;
 //! - `restore`: as it was found.
 
+mod answers;
 pub mod block;
 mod decoder;
 mod dictionary;
@@ -21,6 +22,7 @@ pub mod objects;
 pub mod pdo;
 mod presence;
 mod restore;
+mod rewrite;
 pub mod sdo;
 pub mod state;
 mod target;
@@ -39,7 +41,7 @@ use crate::verdict::{Breach, Check, Judged, Reason, Stop};
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
-use restore::Change;
+use rewrite::Original;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use watch::Watch;
@@ -54,8 +56,13 @@ pub struct Bench<'a> {
     evidence: Evidence,
     /// What the case has found wrong so far.
     breaches: Vec<Breach>,
+    /// Answers of the SDO server whose form is wrong, one of each sort.
+    untidy: Vec<Breach>,
     watch: Watch,
-    changes: Vec<Change>,
+    /// What the case has changed, with the values before.
+    changes: Vec<Original>,
+    /// What earlier cases have changed and could not put back.
+    unrestored: Vec<Original>,
     notes: Vec<String>,
     measurements: Vec<Measurement>,
     /// Waits end at once when the user cancels, except while things are being put back.
@@ -63,8 +70,8 @@ pub struct Bench<'a> {
     /// The case did not come to its own end, nor to the putting right that belongs to it.
     ended_early: bool,
     foreign: Foreign,
-    /// The device left the bus and did not come back.
-    gone: bool,
+    /// The case in which the device left the bus, if it did not come back.
+    gone: Option<&'static str>,
     /// While a case runs: how many frames were lost before it.
     lost_before: Option<u64>,
     /// Frames taken since then.
@@ -112,14 +119,16 @@ impl<'a> Bench<'a> {
             cancel,
             evidence: Evidence::default(),
             breaches: Vec::new(),
+            untidy: Vec::new(),
             watch: Watch::new(target.node),
             changes: Vec::new(),
+            unrestored: Vec::new(),
             notes: Vec::new(),
             measurements: Vec::new(),
             restoring: false,
             ended_early: false,
             foreign: Foreign::default(),
-            gone: false,
+            gone: None,
             lost_before: None,
             taken: 0,
             knowledge: Knowledge::default(),
@@ -277,6 +286,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();
         self.breaches.clear();
+        self.untidy.clear();
         self.notes.clear();
         self.foreign = Foreign::default();
         self.measurements.clear();

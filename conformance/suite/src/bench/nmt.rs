@@ -172,7 +172,7 @@ impl Bench<'_> {
     /// [`Stop::Inconclusive`] if the device does not get there.
     pub fn prepare(&mut self) -> Result<(), Stop> {
         self.reset(Command::RESET_NODE)?;
-        if self.starts_by_itself()? {
+        if self.unjudged(Self::starts_by_itself)? {
             self.command(Command::ENTER_PRE_OPERATIONAL)?;
             self.listen(self.timing().reaction)?;
         }
@@ -181,7 +181,7 @@ impl Bench<'_> {
 
     /// Whether the device is operational after a reset without being told: 1F80h, or an object of its own, can make it
     /// so. A device that does not show its state is taken for one that may. Found out once, by one more reset.
-    fn starts_by_itself(&mut self) -> Result<bool, Stop> {
+    pub(crate) fn starts_by_itself(&mut self) -> Result<bool, Stop> {
         if let Some(known) = self.knowledge.starts_by_itself {
             return Ok(known);
         }

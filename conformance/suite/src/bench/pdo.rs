@@ -2,9 +2,11 @@
 
 use super::Bench;
 use super::sdo::number;
-use crate::verdict::{Reason, Stop};
+use crate::verdict::{Judged, Reason, Stop};
+use canvass_analyzer::dictionary::Value;
 use canvass_analyzer::wire::sync;
 use canvass_analyzer::{CobId, Multiplexer};
+use canvass_bus::observation::Subject;
 use canvass_traces::{Duration, Record};
 
 /// A PDO by the indexes of its parameters.
@@ -45,6 +47,13 @@ impl Pdo {
     /// The PDO of that number, from 1, of the same direction.
     pub const fn numbered(self, number: u16) -> Self {
         Self { communication: self.communication + number - 1, mapping: self.mapping + number - 1 }
+    }
+
+    /// What a breach of this PDO as a whole is about.
+    pub const fn subject(self) -> Subject {
+        let transmit = self.communication >= TPDO.communication;
+        let first = if transmit { TPDO.communication } else { RPDO.communication };
+        Subject::Pdo { transmit, number: self.communication - first + 1 }
     }
 
     /// A communication parameter: 1 COB-ID, 2 transmission type, 3 inhibit time, 5 event timer, 6 SYNC start value.
@@ -134,6 +143,56 @@ impl Bench<'_> {
         self.pdo_on(pdo, cob_id)
     }
 
+    /// Gives a PDO this mapping and COB-ID in the five steps of CiA 301, each of which the device has to confirm.
+    ///
+    /// # Errors
+    /// [`Stop::Breach`] of the first step that is refused.
+    pub fn remap(&mut self, pdo: Pdo, mapping: &[Mapped], cob_id: CobId) -> Judged {
+        let off = (pdo.parameter(1), (cob_id.0 | CobId::INVALID).to_le_bytes().to_vec());
+        let entries = (1..=u8::MAX).zip(mapping);
+        let entries = entries.map(|(sub, mapped)| (pdo.entry(sub), mapped.entry().to_le_bytes().to_vec()));
+        let count = u8::try_from(mapping.len()).unwrap_or(u8::MAX);
+        let on = (pdo.parameter(1), (cob_id.0 & !CobId::INVALID).to_le_bytes().to_vec());
+        let steps = [off, (pdo.entry(0), vec![0])].into_iter().chain(entries).chain([(pdo.entry(0), vec![count]), on]);
+        for (multiplexer, value) in steps {
+            self.download(multiplexer, &value)?.expect_confirmation()?;
+        }
+        Ok(())
+    }
+
+    /// Another value for an object than that of now, within the limits of its description: the nearest one.
+    pub fn other_value(&self, at: Multiplexer, now: &[u8]) -> Vec<u8> {
+        let flipped = || now.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
+        let node = self.node();
+        let entry = self.target.description.as_ref().and_then(|description| description.dictionary.entry(at).ok());
+        let Some(entry) = entry else { return flipped() };
+        let limit = |limit: Option<&canvass_analyzer::dictionary::Setting>| {
+            limit.and_then(|limit| limit.resolve(entry.data_type, node).as_number())
+        };
+        let (low, high) = (limit(entry.low_limit.as_ref()), limit(entry.high_limit.as_ref()));
+        let number = |value: &[u8]| Value::decode(entry.data_type, value).ok().and_then(|value| value.as_number());
+        let fits = |value: &Vec<u8>| {
+            let number = number(value);
+            let is_high_enough = low.is_none_or(|low| number.is_none_or(|number| number >= low));
+            value != now && is_high_enough && high.is_none_or(|high| number.is_none_or(|number| number <= high))
+        };
+        let encoded = |number: i128| number.to_le_bytes().into_iter().take(now.len()).collect();
+        let limits = [low, high].into_iter().flatten().map(encoded);
+        std::iter::once(flipped()).chain(limits).find(fits).unwrap_or_else(flipped)
+    }
+
+    /// The inhibit time of a PDO; zero where it has none.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn pdo_inhibit_time(&mut self, pdo: Pdo) -> Result<Duration, Stop> {
+        let units = match self.upload(pdo.parameter(3))?.outcome {
+            canvass_bus::client::Outcome::Uploaded(value) => u64::from(number(&value)),
+            _ => 0,
+        };
+        Ok(Duration::from_micros(100 * units))
+    }
+
     /// Objects that the description lets a TPDO carry, each with its length.
     pub fn tpdo_objects(&self) -> Vec<Mapped> {
         self.mappable(|entry| entry.access.allows_tpdo())
@@ -166,7 +225,7 @@ impl Bench<'_> {
         for mapped in self.tpdo_objects() {
             if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
                 let before = self.read(mapped.at)?;
-                let other: Vec<u8> = before.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
+                let other = self.other_value(mapped.at, &before);
                 return Ok((mapped, other));
             }
         }

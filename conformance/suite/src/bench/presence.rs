@@ -15,16 +15,37 @@ use std::collections::BTreeSet;
 const LOOK: Duration = Duration::from_millis(250);
 
 impl Bench<'_> {
-    /// Whether the device has left the bus: it neither answers nor starts when it is reset.
-    pub(crate) fn has_left(&mut self) -> bool {
-        if self.gone {
-            return true;
+    /// Whether the device has left the bus during a case: it neither answers, nor starts when it is reset.
+    pub(crate) fn has_left(&mut self, case: &'static str) -> bool {
+        if self.gone.is_some() {
+            return false;
         }
-        self.restoring = true;
-        let there = matches!(self.answers(), Ok(true)) || self.reset(Command::RESET_NODE).is_ok();
-        self.restoring = false;
-        self.gone = !there;
-        self.gone
+        let there = self.uncancelled(Self::is_there);
+        self.gone = (!there).then_some(case);
+        !there
+    }
+
+    fn is_there(&mut self) -> bool {
+        matches!(self.answers(), Ok(true)) || self.reset(Command::RESET_NODE).is_ok()
+    }
+
+    /// Switches the supply of the device off and on by the user's own command. Says whether there is one.
+    ///
+    /// # Errors
+    /// [`Stop::Error`] if the command can't be run or fails.
+    pub(crate) fn power_cycle(&mut self) -> Result<bool, Stop> {
+        let Some(command) = &self.options.power_cycle else { return Ok(false) };
+        let failed = |actual: String| {
+            Stop::Error(Reason::new("the command of --power-cycle switches the device off and on", "status 0", actual))
+        };
+        let status = std::process::Command::new("sh").arg("-c").arg(command).status();
+        let status = status.map_err(|error| failed(error.to_string()))?;
+        if !status.success() {
+            return Err(failed(status.to_string()));
+        }
+        self.watch.expect_boot_up();
+        self.wait_for_boot_up()?;
+        Ok(true)
     }
 
     /// Whether the device is the only one on the bus, or the user allows that others are commanded too.
@@ -90,23 +111,33 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Looks for a device that had left.
+    /// Whether nobody was heard at that node-ID.
+    pub fn is_vacant(&self, node: u8) -> bool {
+        NodeId::new(node).is_some_and(|node| !self.watch.others().contains(&node))
+    }
+
+    /// Looks for a device that had left; where the user has given a command that switches it off and on, that is tried
+    /// first.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if it is still away.
     pub(crate) fn look_for_it(&mut self) -> Result<(), Stop> {
-        if !self.gone {
+        let Some(case) = self.gone else { return Ok(()) };
+        if self.power_cycle()? && self.is_there() {
+            self.gone = None;
             return Ok(());
         }
         let node = self.node();
         let request = Request::upload(Multiplexer::new(0x1000, 0));
         self.send_request(&request)?;
         let sign = self.wait_for(LOOK, |record| super::traffic::is_from(node, &record.frame).then_some(()))?;
-        self.gone = sign.is_none();
         match sign {
-            Some(()) => Ok(()),
+            Some(()) => {
+                self.gone = None;
+                Ok(())
+            }
             None => {
-                let actual = "it left the bus in an earlier case";
+                let actual = format!("it stopped answering during {case}");
                 Err(Stop::Inconclusive(Reason::new("the device is on the bus", "a sign of the device", actual)))
             }
         }

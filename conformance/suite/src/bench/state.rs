@@ -13,6 +13,8 @@ use canvass_traces::{CanId, Duration, Frame};
 pub const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(0x1017, 0);
 /// Guard time.
 pub const GUARD_TIME: Multiplexer = Multiplexer::new(0x100C, 0);
+/// Life time factor.
+pub const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(0x100D, 0);
 
 /// The period at which a case lets the device say its state: short, and no burden on the bus.
 const PERIOD_MS: u16 = 50;
@@ -65,8 +67,22 @@ impl Bench<'_> {
     pub fn show_state(&mut self) -> Result<(), Stop> {
         match self.heartbeats()? {
             Heartbeats::Settable => self.write(HEARTBEAT_TIME, &PERIOD_MS.to_le_bytes()),
-            Heartbeats::Fixed(_) | Heartbeats::None => Ok(()),
+            Heartbeats::Fixed(_) => Ok(()),
+            Heartbeats::None if self.guard()?.is_none() => self.let_guarding_be_answered(),
+            Heartbeats::None => Ok(()),
         }
+    }
+
+    /// Gives guarding a life time of hours, where it can be set: some devices answer guarding requests only with one.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the device has the objects but does not take the values.
+    pub fn let_guarding_be_answered(&mut self) -> Result<(), Stop> {
+        if self.can_write(GUARD_TIME)? && self.can_write(LIFE_TIME_FACTOR)? {
+            self.write(GUARD_TIME, &60_000_u16.to_le_bytes())?;
+            self.write(LIFE_TIME_FACTOR, &[u8::MAX])?;
+        }
+        Ok(())
     }
 
     /// Ends the heartbeats of the device, a stored time too: only then guarding is answered.
@@ -160,7 +176,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device shows another or none.
-    fn require_state(&mut self, expected: State) -> Judged {
+    pub(crate) fn require_state(&mut self, expected: State) -> Judged {
         self.listen(self.timing().reaction)?;
         let found = self.state()?;
         if found == Some(expected) {

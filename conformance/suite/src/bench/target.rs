@@ -72,6 +72,8 @@ pub struct Options {
     pub timing: Timing,
     /// How often each case runs; 0 and 1: once.
     pub repeat: u32,
+    /// A command of the user, for `sh`, that switches the supply of the device off and on.
+    pub power_cycle: Option<String>,
     /// Whether cases that try samples try everything: every index, every restricted CAN-ID.
     pub exhaustive: bool,
 }

@@ -91,9 +91,9 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     // values that nobody knows.
     if summary.total() > 0 {
         bench.leave(was_operational);
-        for notice in bench.put_back_dictionary(&info.dictionary) {
-            report(&RunEvent::Noticed(&notice));
-        }
+        let mut notices = bench.put_back_dictionary(&info.dictionary);
+        notices.extend(bench.left_behind());
+        notices.iter().for_each(|notice| report(&RunEvent::Noticed(notice)));
     }
     if undescribed > 0 {
         report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));

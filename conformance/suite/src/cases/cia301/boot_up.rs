@@ -1,28 +1,31 @@
-//! Boot-up: how a device says that its initialisation is over (CiA 301, 7.2.8.2.3.1).
+//! Boot-up: how a device says that its initialisation is over (CiA 301, 7.2.8.2.3.1 and 7.2.8.3.3).
 
 use crate::bench::Bench;
 use crate::bench::nmt::Start;
 use crate::case;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
-use canvass_analyzer::wire::error_control::State;
+use crate::verdict::{Breach, Judged, Precondition, Stop, demand, observed_response};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::emcy::{self, Emcy};
+use canvass_analyzer::wire::error_control::{self, State};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{self, Request};
+use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
 /// So long after the first boot-up message a second one still belongs to the same start.
 const SECOND_BOOT_UP: Duration = Duration::from_millis(1_000);
 
 /// After reset node the device sends exactly one boot-up message: one byte, 00h, on 700h + node-ID.
-#[case(id = "301/boot-up/reset-node", clause = "CiA 301 7.2.8.2.3.1", confidence = Attested, level = Must,
+#[case(id = "301/boot-up/reset-node", clause = "CiA 301 7.2.8.3.3", confidence = Cited, level = Must,
        catches = [BootUpMissing, BootUpTwice, BootUpWrongData], cct = "9.1")]
 fn reset_node(bench: &mut Bench<'_>) -> Judged {
     exactly_one_boot_up(bench, Command::RESET_NODE)
 }
 
 /// After reset communication the device sends exactly one boot-up message: one byte, 00h, on 700h + node-ID.
-#[case(id = "301/boot-up/reset-communication", clause = "CiA 301 7.2.8.2.3.1", confidence = Attested, level = Must,
+#[case(id = "301/boot-up/reset-communication", clause = "CiA 301 7.2.8.3.3", confidence = Cited, level = Must,
        catches = [BootUpMissing, BootUpTwice, BootUpWrongData], cct = "10.1")]
 fn reset_communication(bench: &mut Bench<'_>) -> Judged {
     exactly_one_boot_up(bench, Command::RESET_COMMUNICATION)
@@ -30,22 +33,35 @@ fn reset_communication(bench: &mut Bench<'_>) -> Judged {
 
 fn exactly_one_boot_up(bench: &mut Bench<'_>, command: Command) -> Judged {
     let start = bench.record_start(command, SECOND_BOOT_UP)?;
-    let duty = || format!("{command} ends in exactly one boot-up message");
-    demand(start.boot_ups.len() == 1, || Reason::new(duty(), "one frame with the data 00", seen(bench, &start)))?;
-    bench.check(demand(start.boot_ups.iter().all(|record| bench.is_boot_up(&record.frame)), || {
-        Reason::new(duty(), "one byte", seen(bench, &start))
-    }))
+    let found = match start.boot_ups.as_slice() {
+        [] => Observation::Silence,
+        [one] if bench.is_boot_up(&one.frame) => return Ok(()),
+        [one] => Observation::Frame(one.frame),
+        more => Observation::Count(more.len() as u64),
+    };
+    let duty = format!("{command} ends in exactly one boot-up message of one byte");
+    let breach = Breach::new(Service::BootUp, duty).expected(Observation::BootUp).found(found);
+    Err(Stop::Breach(Box::new(breach.told(seen(bench, &start)))))
 }
 
-/// From a reset command to its boot-up message the device is silent: initialisation knows no communication.
-#[case(id = "301/boot-up/silent-before", clause = "CiA 301 7.3.2.2", confidence = Attested, level = Must,
-       catches = [BootUpWrongData, EmcyBeforeBootUp])]
+/// From a reset command to its boot-up message the device is silent: in initialisation no service is allowed.
+///
+/// A heartbeat that was due while the command was on its way is no breach.
+#[case(id = "301/boot-up/silent-before", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
+       catches = [EmcyBeforeBootUp])]
 fn silent_before(bench: &mut Bench<'_>) -> Judged {
+    let at_once = bench.now() + bench.timing().reaction;
     let start = bench.record_start(Command::RESET_NODE, Duration::ZERO)?;
-    bench.check(demand(start.before.is_empty(), || {
-        let duty = "the device sends nothing between reset node and its boot-up message";
-        Reason::new(duty, "silence", frames(&start.before))
-    }))
+    let is_early = |record: &&Record| bench.is_error_control(&record.frame) && record.timestamp <= at_once;
+    let sent: Vec<Record> = start.before.iter().filter(|record| !is_early(record)).cloned().collect();
+    let Some(first) = sent.first() else { return Ok(()) };
+    let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
+    let code = || Emcy::read(first.frame.data()).ok().and_then(|emcy| emcy.code());
+    let code = (first.frame.cob_id() == Some(emcy_id)).then(code).flatten();
+    let duty = "the device sends nothing between reset node and its boot-up message";
+    let found = code.map_or(Observation::Frame(first.frame), Observation::Emcy);
+    let breach = Breach::new(Subject::Device, duty).expected(Observation::Silence).found(found);
+    bench.check(Err(Box::new(breach.told(frames(&sent)))))
 }
 
 fn seen(bench: &Bench<'_>, start: &Start) -> String {
@@ -67,7 +83,7 @@ fn frames(records: &[Record]) -> String {
 }
 
 /// Every one of many resets ends in a boot-up message. Its time after the command is reported.
-#[case(id = "301/boot-up/every-time", clause = "CiA 301 7.2.8.2.3.1", confidence = Attested, level = Must,
+#[case(id = "301/boot-up/every-time", clause = "CiA 301 7.2.8.2.3.1", confidence = Cited, level = Must,
        catches = [BootUpSometimesMissing, BootUpMissing])]
 fn every_time(bench: &mut Bench<'_>) -> Judged {
     const RESETS: usize = 20;
@@ -77,9 +93,10 @@ fn every_time(bench: &mut Bench<'_>) -> Judged {
         let sent = bench.now();
         bench.command(Command::RESET_NODE)?;
         let Some(at) = bench.wait_for_boot_up()? else {
-            let actual = format!("none after reset {n}, within {}", bench.timing().boot_up);
             let duty = format!("each of {RESETS} resets ends in a boot-up message");
-            return Err(Stop::from(Reason::new(duty, "a boot-up message", actual)));
+            let breach = Breach::new(Service::BootUp, duty).expected(Observation::BootUp).found(Observation::Silence);
+            let told = format!("none after reset {n}, within {}", bench.timing().boot_up);
+            return Err(Stop::Breach(Box::new(breach.told(told))));
         };
         times.push(at.since(sent));
         bench.listen(Duration::from_millis(50))?;
@@ -93,17 +110,19 @@ fn every_time(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Before its boot-up message the device answers no SDO request.
-#[case(id = "301/boot-up/no-sdo-before", clause = "CiA 301 7.3.2.2.1", confidence = Known, level = Should,
+#[case(id = "301/boot-up/no-sdo-before", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        catches = [SdoAnsweredBeforeBootUp])]
 fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
     let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
     bench.drain()?;
     bench.command(Command::RESET_NODE)?;
     let deadline = bench.now() + bench.timing().boot_up;
-    let error_control = 0x700 + response_id % 0x80;
+    let error_control = error_control::CAN_ID_BASE + u16::from(bench.node().raw());
     // The reset itself takes a while to be seen; a quick device has started by then.
-    let at_once = bench
-        .wait_for(Duration::from_millis(5), |record| (record.frame.cob_id() == Some(error_control)).then_some(()))?;
+    let at_once = bench.wait_for(bench.timing().reaction, |record| {
+        let is_ours = record.frame.cob_id() == Some(error_control);
+        (is_ours && record.data() == [State::BOOT_UP.0]).then_some(())
+    })?;
     let (mut booted, mut early) = (at_once.is_some(), None);
     while !booted && early.is_none() && bench.now() < deadline {
         bench.send_request(&Request::upload(Multiplexer::new(0x1000, 0)))?;
@@ -118,16 +137,24 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
             None => {}
         }
     }
-    demand(early.is_none(), || {
-        let actual = early.map(|frame| frame.to_string()).unwrap_or_default();
-        Reason::new("no SDO is answered before the boot-up message", "silence", actual)
-    })?;
-    demand(booted, || Reason::new("the device starts", "a boot-up message", "none")).or_inconclusive()
+    if let Some(frame) = early {
+        let duty = "no SDO is answered before the boot-up message";
+        let breach = Breach::new(Service::Sdo, duty).expected(Observation::Silence);
+        let response = sdo::Response::read(frame.data()).ok();
+        let found = response.map_or(Observation::Frame(frame), |response| observed_response(&response));
+        return bench.check(Err(Box::new(breach.found(found).told(frame.to_string()))));
+    }
+    demand(booted, || {
+        Breach::new(Service::BootUp, "the device starts").expected(Observation::BootUp).found(Observation::Silence)
+    })
+    .or_inconclusive()
 }
 
 /// With 1F80h stored so that the device starts by itself (bit 2 is 0) it is operational after its boot-up message. The
 /// old value is stored again afterwards.
-#[case(id = "301/boot-up/self-start", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+///
+/// 1F80h is an object of CiA 302-2, whose text is not public; CiA 301, 7.3.2.1, allows the start by local control.
+#[case(id = "301/boot-up/self-start", clause = "CiA 302-2", confidence = Unknown, level = Must,
        needs = [StartUp, Store, VisibleState], touches = [Nvm], catches = [StartUpIgnored, StoreWithoutEffect])]
 fn self_start(bench: &mut Bench<'_>) -> Judged {
     const START_UP: Multiplexer = Multiplexer::new(0x1F80, 0);
@@ -149,7 +176,8 @@ fn self_start(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_NODE)?;
     let state = state?;
     bench.check(demand(state == Some(State::OPERATIONAL), || {
-        let actual = state.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
-        Reason::new("with bit 2 of 1F80h cleared the device starts by itself", "operational", actual)
+        Breach::new(START_UP, "with bit 2 of 1F80h cleared the device starts by itself")
+            .expected(Observation::State(State::OPERATIONAL))
+            .found(state.map_or(Observation::Silence, Observation::State))
     }))
 }

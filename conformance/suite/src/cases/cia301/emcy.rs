@@ -6,19 +6,22 @@ use crate::bench::Bench;
 use crate::bench::state::GUARD_TIME;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
+use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::{Multiplexer, Service};
+use canvass_bus::client::Outcome;
 use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
 const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(0x100D, 0);
 const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
 const ERROR_COUNT: Multiplexer = Multiplexer::new(0x1003, 0);
+const INHIBIT_TIME: Multiplexer = Multiplexer::new(0x1015, 0);
 /// Guard time times life time factor, or consumer time.
 const GUARD_MS: u16 = 100;
 const FACTOR: u8 = 2;
@@ -67,9 +70,18 @@ pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Stop>
 }
 
 pub(super) fn emergencies(bench: &mut Bench<'_>, span: Duration) -> Result<Vec<Record>, Stop> {
-    let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     let heard = bench.listen(span)?;
-    Ok(heard.into_iter().filter(|record| record.frame.cob_id() == Some(cob_id)).collect())
+    Ok(of_device(bench, heard))
+}
+
+fn of_device(bench: &Bench<'_>, heard: Vec<Record>) -> Vec<Record> {
+    let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
+    heard.into_iter().filter(|record| record.frame.cob_id() == Some(cob_id)).collect()
+}
+
+/// The EMCYs that report an error.
+pub(super) fn errors_of(bench: &Bench<'_>, heard: Vec<Record>) -> Vec<Record> {
+    of_device(bench, heard).into_iter().filter(is_error).collect()
 }
 
 pub(super) fn shown(records: &[Record]) -> String {
@@ -81,86 +93,141 @@ pub(super) fn code_of(record: &Record) -> Option<EmcyCode> {
     Emcy::read(record.frame.data()).ok().and_then(|emcy| emcy.code())
 }
 
-/// A master or watched node that falls silent is reported by exactly one EMCY 8130h of eight bytes, with the error
-/// register as it is then.
-#[case(id = "301/emcy/monitoring-lost", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
-       needs = [Monitoring], catches = [EmcyRepeated, ErrorRegisterMissing, EmcyRegisterZero, LifeGuardingUnreported, HeartbeatConsumerSilent], cct = "7.106")]
-fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
-    begin_monitoring(bench)?;
+/// Whether an EMCY says more than that an error is gone.
+pub(super) fn is_error(record: &Record) -> bool {
+    !code_of(record).is_some_and(EmcyCode::is_reset)
+}
+
+/// The first EMCY; silence if there is none.
+pub(super) fn observed(records: &[Record]) -> Observation {
+    records.first().map_or(Observation::Silence, |record| {
+        code_of(record).map_or(Observation::Frame(record.frame), Observation::Emcy)
+    })
+}
+
+/// Whether an EMCY can stand for a lost master or node: by the code for that (8130h, 8F00h + node), by a more general one,
+/// as only 0000h and 1000h are mandatory, or by one of the manufacturer.
+pub(super) fn fits_loss(record: &Record, node: Option<u8>) -> bool {
+    match code_of(record).map(|code| code.0.to_be_bytes()) {
+        Some([0x80, 0x00] | [0x81, 0x00 | 0x30] | [0x10 | 0xFF, _]) => true,
+        Some([0x8F, of]) => node == Some(of),
+        _ => false,
+    }
+}
+
+/// How long to wait for an EMCY that has a reason to come: the inhibit time of the one before may run.
+pub(super) fn patience(bench: &mut Bench<'_>) -> Result<Duration, Stop> {
+    let inhibit = match bench.upload(INHIBIT_TIME)?.outcome {
+        Outcome::Uploaded(value) => crate::bench::sdo::number(&value).min(600_000),
+        _ => 0,
+    };
+    Ok(bench.timing().silence + Duration::from_micros(100 * u64::from(inhibit)))
+}
+
+/// Lets the one who is monitored fall silent; the EMCYs that come. Without one a case about EMCY says nothing: a device
+/// need not report this.
+pub(super) fn reported_loss(bench: &mut Bench<'_>) -> Result<(Monitored, Vec<Record>), Stop> {
+    let monitored = begin_monitoring(bench)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
-    let expected = || "one, 30 81 and six bytes more".to_owned();
-    demand(
-        heard.len() == 1 && heard.iter().all(|r| code_of(r) == Some(EmcyCode::HEARTBEAT) && r.data().len() == 8),
-        || Reason::new("the loss is reported by one EMCY", expected(), shown(&heard)),
-    )?;
-    let register = bench.upload(ERROR_REGISTER)?.value()?;
-    let sent = heard.first().and_then(|record| record.data().get(2).copied());
-    bench.check(demand(register.first().copied() == sent, || {
-        Reason::new("byte 2 of the EMCY is 1001h", Bytes(&register).to_string(), shown(&heard))
+    if heard.iter().any(is_error) {
+        return Ok((monitored, heard));
+    }
+    let found = shown(&heard);
+    Err(Stop::Inconclusive(Reason::new("a master or node that falls silent is reported", "an EMCY", found)))
+}
+
+/// Whether the loss of a master or of a watched node is reported by EMCY 8130h: recorded only, as a device need know no
+/// error codes but 0000h and 1000h.
+#[case(id = "301/emcy/monitoring-lost", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Open,
+       needs = [Monitoring], catches = [LifeGuardingUnreported, HeartbeatConsumerSilent], cct = "7.106")]
+fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
+    let monitored = begin_monitoring(bench)?;
+    let heard = emergencies(bench, UNTIL_LOST)?;
+    let mut codes = vec![EmcyCode::HEARTBEAT];
+    if let Monitored::Node(node) = monitored {
+        codes.push(EmcyCode(0x8F00 | u16::from(node)));
+    }
+    let is_right = heard.first().and_then(code_of).is_some_and(|code| codes.contains(&code));
+    bench.check(demand(is_right, || {
+        Breach::new(Service::Emcy, "a master or node that falls silent is reported by the code for that")
+            .expected(Observation::Emcy(EmcyCode::HEARTBEAT))
+            .found(observed(&heard))
+            .told(shown(&heard))
     }))
 }
 
-/// In the error register the generic bit is set together with every other bit.
-#[case(id = "301/emcy/generic-bit", clause = "CiA 301 7.5.2.2", confidence = Attested, level = Must,
+/// While an error is reported, the generic bit of the error register is set.
+#[case(id = "301/emcy/generic-bit", clause = "CiA 301 7.5.2.2", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [ErrorRegisterGenericMissing])]
 fn generic_bit(bench: &mut Bench<'_>) -> Judged {
-    begin_monitoring(bench)?;
-    bench.listen(UNTIL_LOST)?;
-    let register = ErrorRegister(bench.upload(ERROR_REGISTER)?.value()?.first().copied().unwrap_or_default());
-    demand(register.0 != 0, || Reason::new("the loss shows in 1001h", "bits 0 and 4", register.to_string()))?;
-    bench.check(demand(register.0 & ErrorRegister::GENERIC.0 != 0, || {
-        Reason::new("the generic bit of 1001h is set with every other", "bit 0", register.to_string())
+    reported_loss(bench)?;
+    let register = bench.upload(ERROR_REGISTER)?.value()?;
+    let bits = register.first().copied().unwrap_or_default();
+    bench.check(demand(bits & ErrorRegister::GENERIC.0 != 0, || {
+        let breach = Breach::new(ERROR_REGISTER, "the generic bit of 1001h is set in every error situation");
+        breach.expected("bit 0").found(Observation::Value(register))
     }))
 }
 
 /// When the one who fell silent is back, EMCY 0000h says so.
-#[case(id = "301/emcy/error-reset", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
+#[case(id = "301/emcy/error-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyResetMissing])]
 fn error_reset(bench: &mut Bench<'_>) -> Judged {
-    let monitored = begin_monitoring(bench)?;
-    let lost = emergencies(bench, UNTIL_LOST)?;
-    demand(!lost.is_empty(), || Reason::new("the loss is reported", "an EMCY", "none")).or_inconclusive()?;
+    let patience = patience(bench)?;
+    let (monitored, _) = reported_loss(bench)?;
     match monitored {
         // EMCY and answer come in any order.
         Monitored::Master => bench.ask_for_state()?,
         Monitored::Node(_) => sign_of_life(bench, monitored)?,
     }
-    let back = emergencies(bench, Duration::from_millis(100))?;
-    bench.check(demand(back.iter().any(|record| code_of(record).is_some_and(EmcyCode::is_reset)), || {
-        Reason::new("the end of an error is reported", "EMCY 0000h", shown(&back))
+    let back = emergencies(bench, patience)?;
+    bench.check(demand(back.iter().any(|record| !is_error(record)), || {
+        Breach::new(Service::Emcy, "the end of a reported error is reported")
+            .expected(Observation::Emcy(EmcyCode::NO_ERROR))
+            .found(observed(&back))
+            .told(shown(&back))
     }))
 }
 
-/// In stopped no EMCY is sent; the error history has the error all the same.
-#[case(id = "301/state/stopped/emcy", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+/// In stopped no EMCY is sent: what is triggered there is pending. The most recent one may come afterwards.
+#[case(id = "301/state/stopped/emcy", clause = "CiA 301 7.3.2.2.4", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyWhenStopped])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     begin_monitoring(bench)?;
     bench.command(Command::STOP)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
-    demand(heard.is_empty(), || Reason::new("no EMCY is sent in stopped", "silence", shown(&heard)))?;
+    bench.check(demand(heard.is_empty(), || {
+        let breach = Breach::new(Service::Emcy, "no EMCY is sent in stopped").expected(Observation::Silence);
+        breach.found(observed(&heard)).told(shown(&heard))
+    }))?;
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
-    bench.listen(bench.timing().reaction)?;
+    let afterwards = emergencies(bench, bench.timing().silence)?;
     let register = bench.read(ERROR_REGISTER)?;
-    demand(register.iter().any(|&bits| bits != 0), || {
-        Reason::new("the error shows in 1001h after stopped", "bits 0 and 4", Bytes(&register).to_string())
-    })
-    .or_inconclusive()
+    if heard.is_empty() && afterwards.is_empty() && register.iter().all(|&bits| bits == 0) {
+        let reason = Reason::new("an error came in stopped", "an EMCY afterwards, or 1001h other than 0", "neither");
+        return Err(Stop::Inconclusive(reason));
+    }
+    bench.note(format!("EMCY after stopped: {}", shown(&afterwards)));
+    Ok(())
 }
 
 /// Writing 0 to 1003h:00 clears the error history; any other value is refused with abort 0609 0030h.
-#[case(id = "301/error-history/clear", clause = "CiA 301 7.5.2.4", confidence = Derived, level = Must,
+#[case(id = "301/error-history/clear", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Must,
        needs = [Monitoring, ErrorHistory], catches = [ErrorHistoryNotCleared, ErrorHistoryNonZeroAccepted], cct = "2.10")]
 fn clear(bench: &mut Bench<'_>) -> Judged {
-    begin_monitoring(bench)?;
-    bench.listen(UNTIL_LOST)?;
+    reported_loss(bench)?;
     let count = bench.read_number(ERROR_COUNT)?;
-    demand(count > 0, || Reason::new("the error is in the history", "1003h:00 of 1 or more", format!("{count}")))
-        .or_inconclusive()?;
     let attempt = bench.download(ERROR_COUNT, &[1])?;
-    let _verdict = bench.check(attempt.refused(Situation::InvalidValue))?;
+    bench.check(attempt.refused(Situation::HistoryNotZero))?;
+    demand(count > 0, || {
+        let breach = Breach::new(ERROR_COUNT, "the reported error is in the history").expected("1 or more");
+        breach.found(Observation::Number(u64::from(count)))
+    })
+    .or_inconclusive()?;
     bench.download(ERROR_COUNT, &[0])?.expect_confirmation()?;
     let count = bench.read_number(ERROR_COUNT)?;
-    demand(count == 0, || Reason::new("the history is empty after 0 was written", "0", format!("{count}")))?;
-    Ok(())
+    bench.check(demand(count == 0, || {
+        let breach = Breach::new(ERROR_COUNT, "the history is empty after 0 was written");
+        breach.expected(Observation::Number(0)).found(Observation::Number(u64::from(count)))
+    }))
 }

@@ -1,24 +1,27 @@
 //! The objects of EMCY: its COB-ID (1014h) and its inhibit time (1015h).
 
-use super::emcy::{begin_monitoring, code_of, emergencies, shown, sign_of_life};
+use super::emcy::{begin_monitoring, emergencies, is_error, observed, reported_loss, shown, sign_of_life};
 use crate::bench::Bench;
+use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Reason, Stop, demand};
-use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode};
-use canvass_analyzer::{CobId, Multiplexer};
-use canvass_traces::Duration;
+use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::wire::emcy::{self, EmcyCode, ErrorRegister};
+use canvass_analyzer::{CobId, Multiplexer, Service};
+use canvass_bus::observation::Observation;
+use canvass_traces::{Duration, Record};
 
 const COB_ID: Multiplexer = Multiplexer::new(0x1014, 0);
 const INHIBIT_TIME: Multiplexer = Multiplexer::new(0x1015, 0);
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
 /// Long enough for the loss of the one who is monitored.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 /// A CAN-ID that no predefined object has and CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
 
-/// 1014h names the predefined CAN-ID 080h + node-ID as delivered, unless the description says otherwise.
-#[case(id = "301/emcy/cob-id", clause = "CiA 301 7.5.2.17", confidence = Derived, level = Must,
+/// 1014h names the predefined CAN-ID 080h + node-ID as delivered, unless the description says otherwise. Whether EMCY is
+/// valid then is the device's matter.
+#[case(id = "301/emcy/cob-id", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
        needs = [EmcyObject], catches = [EmcyIdWrong], cct = "5.1")]
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
     let node = bench.node();
@@ -28,63 +31,80 @@ fn cob_id(bench: &mut Bench<'_>) -> Judged {
         u32::try_from(value).ok()
     });
     let right = described.unwrap_or(predefined);
-    let own = bench.read_number(COB_ID)?;
-    bench.check(demand(own == right, || {
-        Reason::new("1014h names the CAN-ID of EMCY", format!("{right:08X}h"), format!("{own:08X}h"))
+    let own = bench.read(COB_ID)?;
+    bench.check(demand(number(&own) & !CobId::INVALID == right & !CobId::INVALID, || {
+        Breach::new(COB_ID, "1014h names the CAN-ID of EMCY, here with bit 31 or without")
+            .expected(Observation::Value(right.to_le_bytes().to_vec()))
+            .found(Observation::Value(own))
     }))
 }
 
-/// The CAN-ID of EMCY can't be changed while EMCY is valid: abort 0609 0030h.
-#[case(id = "301/emcy/cob-id-while-valid", clause = "CiA 301 7.5.2.17", confidence = Derived, level = Must,
+/// The CAN-ID of EMCY does not change while EMCY is valid: the write is refused.
+#[case(id = "301/emcy/cob-id-while-valid", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
        needs = [EmcyId], catches = [EmcyIdChangeWhileValid])]
 fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
-    let own = bench.read(COB_ID)?;
-    let other = crate::bench::sdo::number(&own) & !0x7FF | FREE;
+    let own = bench.read_number(COB_ID)?;
+    if own & CobId::INVALID != 0 {
+        bench.write(COB_ID, &(own & !CobId::INVALID).to_le_bytes())?;
+    }
+    let valid = bench.read(COB_ID)?;
+    let other = number(&valid) & !0x7FF | FREE;
     let attempt = bench.download(COB_ID, &other.to_le_bytes())?;
-    bench.check(attempt.refused(Situation::InvalidValue))?;
-    bench.expect_unchanged(COB_ID, &own)?;
-    Ok(())
+    bench.check(attempt.refused(Situation::ValidCobIdChanged))?;
+    bench.expect_unchanged(COB_ID, &valid)
 }
 
-/// Restricted CAN-IDs are refused for EMCY with abort 0609 0030h.
-#[case(id = "301/emcy/restricted", clause = "CiA 301 7.3.5", confidence = Attested, level = Must,
+/// Restricted CAN-IDs are refused for EMCY.
+#[case(id = "301/emcy/restricted", clause = "CiA 301 7.3.5", confidence = Cited, level = Must,
        needs = [EmcyId], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
     bench.write(COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
-    for can_id in [0x001_u32, 0x101, 0x581, 0x601, 0x6E0, 0x701] {
+    bench.each([0x001_u32, 0x101, 0x581, 0x601, 0x6E0, 0x701], |bench, can_id| {
         let attempt = bench.download(COB_ID, &can_id.to_le_bytes())?;
-        bench.check(attempt.refused(Situation::InvalidValue))?;
-    }
-    Ok(())
+        bench.check(attempt.refused(Situation::RestrictedCanId))
+    })
 }
 
-/// With bit 31 of 1014h set no EMCY is sent.
-#[case(id = "301/emcy/invalid", clause = "CiA 301 7.5.2.17", confidence = Derived, level = Must,
+/// With bit 31 of 1014h set no EMCY is sent, and the bit reads back.
+#[case(id = "301/emcy/invalid", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
        needs = [EmcyId, Monitoring], catches = [EmcySentWhenInvalid])]
 fn invalid(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
     bench.write(COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
+    let now = bench.read(COB_ID)?;
+    bench.check(demand(number(&now) & CobId::INVALID != 0, || {
+        let breach = Breach::new(COB_ID, "bit 31 of 1014h reads as it was written").expected("bit 31");
+        breach.found(Observation::Value(now))
+    }))?;
     begin_monitoring(bench)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
     bench.check(demand(heard.is_empty(), || {
-        Reason::new("an EMCY that is switched off is not sent", "silence", shown(&heard))
+        let breach = Breach::new(COB_ID, "an EMCY that is switched off is not sent").expected(Observation::Silence);
+        breach.found(observed(&heard)).told(shown(&heard))
     }))
 }
 
 /// An error that persists is reported once, not again and again.
-#[case(id = "301/emcy/not-repeated", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
-       needs = [Monitoring], catches = [EmcyRepeated, HeartbeatConsumerSilent])]
+#[case(id = "301/emcy/not-repeated", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
+       needs = [Monitoring], catches = [EmcyRepeated])]
 fn not_repeated(bench: &mut Bench<'_>) -> Judged {
-    begin_monitoring(bench)?;
-    let heard = emergencies(bench, Duration::from_secs(10))?;
-    bench.check(demand(heard.len() == 1, || {
-        Reason::new("an error that persists for 10 s is reported", "once", format!("{} times", heard.len()))
+    let (_, first) = reported_loss(bench)?;
+    let later = emergencies(bench, Duration::from_secs(10))?;
+    let heard: Vec<Record> = first.into_iter().chain(later).filter(is_error).collect();
+    // The same message for the same error, whatever else the device has to say.
+    let times = |one: &Record| heard.iter().filter(|record| record.data() == one.data()).count();
+    let most = heard.iter().map(times).max().unwrap_or(0);
+    bench.check(demand(most <= 1, || {
+        Breach::new(Service::Emcy, "an error that persists for 10 s is reported once")
+            .expected(Allowed::Count { least: 1, most: Some(1) })
+            .found(Observation::Count(most as u64))
+            .told(shown(&heard))
     }))
 }
 
 /// Between two EMCYs at least the inhibit time passes, and the second is not lost.
-#[case(id = "301/emcy/inhibit-time", clause = "CiA 301 7.5.2.18", confidence = Derived, level = Must,
+#[case(id = "301/emcy/inhibit-time", clause = "CiA 301 7.5.2.18", confidence = Cited, level = Must,
        needs = [EmcyInhibit, Monitoring], catches = [EmcyInhibitTimeIgnored, EmcyLostWhenInhibited])]
 fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     const INHIBIT: Duration = Duration::from_millis(1_000);
@@ -94,39 +114,52 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     bench.write(INHIBIT_TIME, &value)?;
     let monitored = begin_monitoring(bench)?;
     let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
-    let lost =
-        bench.wait_for(UNTIL_LOST, |record| (record.frame.cob_id() == Some(emcy_id)).then_some(record.timestamp))?;
+    // In some devices the inhibit time runs from the write of 1015h on.
+    let lost = bench.wait_for(UNTIL_LOST + INHIBIT, |record| {
+        (record.frame.cob_id() == Some(emcy_id)).then_some(record.timestamp)
+    })?;
     let Some(lost) = lost else {
-        let reason = Reason::new("the loss is reported", "an EMCY", "none");
+        let reason = Reason::new("a master or node that falls silent is reported", "an EMCY", "none");
         return Err(Stop::Inconclusive(reason));
     };
     sign_of_life(bench, monitored)?;
     let heard = emergencies(bench, INHIBIT.times(2))?;
-    let back = heard.iter().find(|record| code_of(record).is_some_and(EmcyCode::is_reset));
-    let Some(back) = back else {
-        let duty = "an EMCY within the inhibit time is sent when it is over";
-        return Err(Stop::from(Reason::new(duty, "EMCY 0000h", shown(&heard))));
-    };
-    let gap = back.timestamp.since(lost);
-    let limit = INHIBIT.nanos() - bench.timing().tolerance(INHIBIT).nanos();
-    bench.check(demand(gap.nanos() >= limit, || {
-        Reason::new("EMCYs are at least the inhibit time apart", INHIBIT.to_string(), gap.to_string())
+    let back = heard.iter().find(|record| !is_error(record));
+    let gap = back.map(|back| back.timestamp.since(lost));
+    let least = Duration::from_nanos(INHIBIT.nanos() - bench.timing().tolerance(INHIBIT).nanos());
+    bench.check(demand(gap.is_some_and(|gap| gap >= least), || {
+        let duty = "EMCY 0000h within the inhibit time of the EMCY before is sent when that is over";
+        Breach::new(INHIBIT_TIME, duty)
+            .expected(Allowed::Time { least, most: INHIBIT.times(2) })
+            .found(gap.map_or(Observation::Silence, Observation::Time))
     }))
 }
 
-/// The error register in an EMCY fits its code: 81xxh is a communication error, bit 4.
-#[case(id = "301/emcy/register-fits-code", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
-       needs = [Monitoring], catches = [EmcyRegisterZero])]
+/// An EMCY has eight bytes; the third is the error register as 1001h shows it, with the generic bit.
+///
+/// Whether a communication error (81xxh) has its own bit, 4, is recorded only: bits 1 to 7 are optional.
+#[case(id = "301/emcy/register-fits-code", clause = "CiA 301 7.2.7.3.1", confidence = Cited, level = Must,
+       needs = [Monitoring], catches = [EmcyRegisterZero, ErrorRegisterMissing, ErrorRegisterGenericMissing])]
 fn register_fits_code(bench: &mut Bench<'_>) -> Judged {
-    use canvass_analyzer::wire::emcy::ErrorRegister;
-    begin_monitoring(bench)?;
-    let heard = emergencies(bench, UNTIL_LOST)?;
-    let Some(first) = heard.first() else {
-        let reason = Reason::new("the loss is reported", "an EMCY", "none");
-        return Err(Stop::Inconclusive(reason));
-    };
-    let register = Emcy::read(first.frame.data()).ok().and_then(|_| first.data().get(2).copied()).unwrap_or_default();
-    bench.check(demand(register & ErrorRegister::COMMUNICATION.0 != 0, || {
-        Reason::new("byte 2 of EMCY 8130h says that it is a communication error", "bit 4", shown(&heard))
+    let (_, heard) = reported_loss(bench)?;
+    let Some(last) = heard.iter().rev().find(|record| is_error(record)) else { return Ok(()) };
+    bench.check(demand(last.data().len() == 8, || {
+        let breach = Breach::new(Service::Emcy, "an EMCY has eight bytes").expected("eight bytes");
+        breach.found(Observation::Frame(last.frame))
+    }))?;
+    let sent = last.data().get(2).copied().unwrap_or_default();
+    let found = Observation::Number(u64::from(sent));
+    let breach = |duty| Breach::new(Service::Emcy, duty).found(found.clone()).told(shown(&heard));
+    bench.check(demand(sent & ErrorRegister::GENERIC.0 != 0, || {
+        breach("byte 2 of an EMCY that reports an error has the generic bit").expected("bit 0")
+    }))?;
+    let register = bench.upload(ERROR_REGISTER)?.value()?;
+    let right = number(&register);
+    bench.check(demand(right == u32::from(sent), || {
+        breach("byte 2 of an EMCY is 1001h").expected(Observation::Number(u64::from(right)))
+    }))?;
+    let is_communication = super::emcy::code_of(last) == Some(EmcyCode::HEARTBEAT);
+    bench.check(demand(!is_communication || sent & ErrorRegister::COMMUNICATION.0 != 0, || {
+        breach("byte 2 of EMCY 8130h says that it is a communication error").expected("bit 4").open()
     }))
 }

@@ -1,15 +1,15 @@
 //! Node guarding: the master asks by remote frames, the device answers with its state (CiA 301, 7.2.8.3.2.1).
 
 use crate::bench::Bench;
-use crate::bench::state::{GUARD_TIME, HEARTBEAT_TIME, command_to};
+use crate::bench::state::{GUARD_TIME, HEARTBEAT_TIME, LIFE_TIME_FACTOR, command_to};
 use crate::case;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
+use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::Service;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::Outcome;
-use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::Observation;
 use canvass_traces::{CanId, Frame};
 
 /// The frame that answers a guarding request, if one does.
@@ -34,49 +34,64 @@ fn toggle_of(answer: Option<Frame>) -> char {
     }
 }
 
-fn shown(answer: Option<Frame>) -> String {
-    answer.map_or_else(|| "no answer".to_owned(), |frame| Bytes(frame.data()).to_string())
+fn observed(answer: Option<Frame>) -> Observation {
+    answer.map_or(Observation::Silence, |frame| Observation::Value(frame.data().to_vec()))
+}
+
+/// Makes guarding the device's error control: no heartbeat, and a life time that never passes.
+fn prepare(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    bench.prefer_guarding()?;
+    bench.let_guarding_be_answered()
 }
 
 /// The answers to guarding requests alternate in bit 7, which is 0 in the first answer after a reset.
-#[case(id = "301/guarding/toggle", clause = "CiA 301 7.2.8.3.2.1", confidence = Attested, level = Must,
-       needs = [Guarding], catches = [GuardingToggleStuck, GuardingSilentWhenOff], cct = "7.3")]
+#[case(id = "301/guarding/toggle", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
+       needs = [Guarding], catches = [GuardingToggleStuck], cct = "7.3")]
 fn toggle(bench: &mut Bench<'_>) -> Judged {
-    bench.prefer_guarding()?;
+    prepare(bench)?;
     let mut toggles = String::new();
     for _ in 0..5 {
         toggles.push(toggle_of(answer(bench)?));
     }
+    let named = |toggles: &str| match toggles {
+        "-----" => Observation::Silence,
+        toggles => Observation::Named(format!("toggle bits {toggles}").into()),
+    };
     bench.check(demand(toggles == "01010", || {
-        Reason::new("the toggle bit of five answers alternates from 0", "01010", toggles)
+        let breach = Breach::new(Service::Guarding, "the toggle bit of five answers alternates from 0");
+        breach.expected(named("01010")).found(named(&toggles))
     }))
 }
 
 /// Reset communication sets the toggle bit back: it is 0 in the first answer after it.
-#[case(id = "301/guarding/toggle-reset", clause = "CiA 301 7.2.8.3.2.1", confidence = Attested, level = Must,
+#[case(id = "301/guarding/toggle-reset", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [GuardingToggleNotReset])]
 fn toggle_reset(bench: &mut Bench<'_>) -> Judged {
-    bench.prefer_guarding()?;
-    let before = toggle_of(answer(bench)?);
-    demand(before == '0', || Reason::new("guarding is answered", "toggle bit 0", before.to_string()))
-        .or_inconclusive()?;
+    prepare(bench)?;
+    let before = answer(bench)?;
+    demand(toggle_of(before) == '0', || {
+        let breach = Breach::new(Service::Guarding, "guarding is answered").expected("toggle bit 0");
+        breach.found(observed(before))
+    })
+    .or_inconclusive()?;
     bench.reset(Command::RESET_COMMUNICATION)?;
-    bench.prefer_guarding()?;
-    let after = toggle_of(answer(bench)?);
-    bench.check(demand(after == '0', || {
-        Reason::new("the toggle bit of the first answer after reset communication is 0", "0", after.to_string())
+    prepare(bench)?;
+    let after = answer(bench)?;
+    bench.check(demand(toggle_of(after) == '0', || {
+        let duty = "the toggle bit of the first answer after reset communication is 0";
+        Breach::new(Service::Guarding, duty).expected("toggle bit 0").found(observed(after))
     }))
 }
 
 /// The answer to a guarding request is one byte with the NMT state in bits 0 to 6: 7Fh pre-operational, 05h operational,
 /// 04h stopped.
-#[case(id = "301/guarding/state", clause = "CiA 301 7.2.8.3.2.1", confidence = Attested, level = Must,
+#[case(id = "301/guarding/state", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [GuardingWrongState, NmtStopWhenOperationalIgnored, NmtStartWhenStoppedIgnored],
        cct = "7.2")]
 fn state(bench: &mut Bench<'_>) -> Judged {
-    bench.prefer_guarding()?;
+    prepare(bench)?;
     let states = [State::PRE_OPERATIONAL, State::OPERATIONAL, State::STOPPED, State::OPERATIONAL];
-    for (n, state) in states.into_iter().enumerate() {
+    bench.each(states.into_iter().enumerate(), |bench, (n, state)| {
         // It is pre-operational already: a command for that is a stimulus of its own.
         if let Some(command) = command_to(state).filter(|_| n > 0) {
             bench.command(command)?;
@@ -84,47 +99,74 @@ fn state(bench: &mut Bench<'_>) -> Judged {
         bench.listen(bench.timing().reaction)?;
         let found = answer(bench)?;
         let is_right = found.is_some_and(|frame| matches!(*frame.data(), [byte] if byte & 0x7F == state.0));
-        demand(is_right, || {
+        bench.check(demand(is_right, || {
             let duty = format!("a device that is {state} says so when it is guarded");
-            Reason::new(duty, format!("{:02X} or {:02X}", state.0, state.0 | 0x80), shown(found))
-        })?;
+            let expected = format!("{:02X} or {:02X}", state.0, state.0 | 0x80);
+            Breach::new(Service::Guarding, duty).expected(expected).found(observed(found))
+        }))
+    })
+}
+
+/// Whether guarding is answered while guard time and life time factor are 0: recorded only. That switches life guarding off,
+/// of the answers nothing is said.
+#[case(id = "301/guarding/unset", clause = "CiA 301 7.5.2.11", confidence = Cited, level = Open,
+       needs = [Guarding], catches = [GuardingSilentWhenOff], cct = "7.1")]
+fn unset(bench: &mut Bench<'_>) -> Judged {
+    bench.prefer_guarding()?;
+    for (multiplexer, zero) in [(GUARD_TIME, &[0, 0][..]), (LIFE_TIME_FACTOR, &[0][..])] {
+        if bench.read_number(multiplexer)? != 0 {
+            if !bench.can_write(multiplexer)? {
+                let actual = format!("{multiplexer} can't be set to 0");
+                return Err(Stop::NotApplicable(Reason::new("life guarding can be switched off", "rw", actual)));
+            }
+            bench.write(multiplexer, zero)?;
+        }
     }
-    Ok(())
+    let answer = answer(bench)?;
+    bench.check(demand(answer.is_some(), || {
+        let breach = Breach::new(Service::Guarding, "with 100Ch = 0 and 100Dh = 0 guarding is answered");
+        breach.expected("an answer").found(Observation::Silence)
+    }))
 }
 
 /// Heartbeat and guarding exclude each other, and heartbeat wins: with 1017h other than 0 guarding is not answered.
-#[case(id = "301/guarding/heartbeat-wins", clause = "CiA 301 7.2.8.2.2", confidence = Known, level = Must,
+#[case(id = "301/guarding/heartbeat-wins", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [Guarding, Heartbeat], catches = [GuardingBesideHeartbeat], cct = "7.205")]
 fn heartbeat_wins(bench: &mut Bench<'_>) -> Judged {
+    bench.let_guarding_be_answered()?;
     // Longer than the wait for the answer, so that no heartbeat is taken for one.
     bench.write(HEARTBEAT_TIME, &5_000_u16.to_le_bytes())?;
     let found = answer(bench)?;
     bench.check(demand(found.is_none(), || {
-        Reason::new("guarding is not answered while the heartbeat is on", "silence", shown(found))
+        let breach = Breach::new(Service::Guarding, "guarding is not answered while the heartbeat is on");
+        breach.expected(Observation::Silence).found(observed(found))
     }))
 }
 
 /// Every device has a heartbeat producer (1017h) or node guarding (100Ch and 100Dh).
 ///
 /// Asked is the device, not its description.
-#[case(id = "301/guarding/error-control", clause = "CiA 301 7.2.8.2.2", confidence = Known, level = Must,
+#[case(id = "301/guarding/error-control", clause = "CiA 301 7.2.8.2.2", confidence = Cited, level = Must,
        catches = [ErrorControlMissing])]
 fn error_control(bench: &mut Bench<'_>) -> Judged {
     let mut found = Vec::new();
-    for multiplexer in [HEARTBEAT_TIME, GUARD_TIME, Multiplexer::new(0x100D, 0)] {
+    for multiplexer in [HEARTBEAT_TIME, GUARD_TIME, LIFE_TIME_FACTOR] {
         if matches!(bench.upload(multiplexer)?.outcome, Outcome::Uploaded(_)) {
             found.push(multiplexer);
         }
     }
     bench.check(demand(found.contains(&HEARTBEAT_TIME) || found.len() == 2, || {
         let found: Vec<String> = found.iter().map(ToString::to_string).collect();
-        let actual = if found.is_empty() { "none of them".to_owned() } else { found.join(", ") };
-        Reason::new("the device has error control", "1017h:00, or 100Ch:00 and 100Dh:00", actual)
+        let breach = Breach::new(HEARTBEAT_TIME, "the device has error control");
+        let breach = breach.expected("1017h:00, or 100Ch:00 and 100Dh:00");
+        let told = if found.is_empty() { "none of them".to_owned() } else { format!("only {}", found.join(", ")) };
+        breach.found(Observation::named("neither heartbeat nor guarding")).told(told)
     }))
 }
 
-/// A device without guard time, 100Ch, does not answer remote frames for its error control message.
-#[case(id = "301/guarding/not-supported", clause = "CiA 301 7.2.8.3.2.1", confidence = Attested, level = Should,
+/// A device without guard time, 100Ch, does not answer remote frames for its error control message: with guarding, 100Ch is
+/// mandatory.
+#[case(id = "301/guarding/not-supported", clause = "CiA 301 7.5.2.11", confidence = Cited, level = Should,
        needs = [Heartbeat, Description], catches = [GuardingAnsweredUnsupported])]
 fn not_supported(bench: &mut Bench<'_>) -> Judged {
     if bench.has(GUARD_TIME)? {
@@ -137,6 +179,7 @@ fn not_supported(bench: &mut Bench<'_>) -> Judged {
     bench.prefer_guarding()?;
     let answer = answer(bench)?;
     bench.check(demand(answer.is_none(), || {
-        Reason::new("without 100Ch a guarding request is not answered", "silence", shown(answer))
+        let breach = Breach::new(Service::Guarding, "without 100Ch a guarding request is not answered");
+        breach.expected(Observation::Silence).found(observed(answer))
     }))
 }

@@ -1,22 +1,29 @@
 //! Heartbeat consumer (1016h).
+//!
+//! That a node is missed shows in the NMT state of the device: by default operational is left (CiA 301, 7.5.2.32). An EMCY
+//! is the device's choice, as only the error codes 0000h and 1000h are mandatory (7.2.7.1).
 
-use super::emcy::{code_of, emergencies, shown};
+use super::emcy::{emergencies, errors_of, fits_loss, is_error, observed, patience, shown};
+use super::error_behaviour::after_a_loss;
 use crate::bench::Bench;
+use crate::bench::state::Heartbeats;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Allowed, Breach, Check, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
-use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_bus::client::sdo::Bytes;
-use canvass_traces::Duration;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::observation::Observation;
+use canvass_traces::{Duration, Record, Timestamp};
 
 const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
 const CONSUMER_MS: u16 = 200;
 const CONSUMER_TIME: Duration = Duration::from_millis(200);
+/// Heartbeats show the state so often.
+const SHOWN_EVERY: Duration = Duration::from_millis(50);
 
 /// The entry that watches a node for that time.
 pub const fn entry(node: u8, milliseconds: u16) -> [u8; 4] {
@@ -24,16 +31,17 @@ pub const fn entry(node: u8, milliseconds: u16) -> [u8; 4] {
 }
 
 /// A second entry for a node that another entry watches already is refused with abort 0604 0043h.
-#[case(id = "301/heartbeat-consumer/duplicate", clause = "CiA 301 7.5.2.19", confidence = Derived, level = Must,
+#[case(id = "301/heartbeat-consumer/duplicate", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerDoubleAccepted], cct = "7.104")]
 fn duplicate(bench: &mut Bench<'_>) -> Judged {
-    let Some(node) = bench.vacant_neighbour() else { return Ok(()) };
-    bench.write(Multiplexer::new(0x1016, 1), &entry(node, 500))?;
-    let attempt = bench.download(Multiplexer::new(0x1016, 2), &entry(node, 1_000))?;
-    if attempt.abort() == Some(AbortCode::NO_SUB_INDEX) {
-        let reason = crate::verdict::Reason::new("two nodes can be watched", "1016h:02", attempt.outcome.to_string());
+    const SECOND: Multiplexer = Multiplexer::new(0x1016, 2);
+    let node = neighbour(bench)?;
+    if !bench.has(SECOND)? {
+        let reason = Reason::new("two nodes can be watched", "1016h:02", "the device has one entry");
         return Err(Stop::NotApplicable(reason));
     }
+    bench.write(WATCHED, &entry(node, 500))?;
+    let attempt = bench.download(SECOND, &entry(node, 1_000))?;
     bench.check(attempt.refused(Situation::DuplicateConsumer))
 }
 
@@ -44,12 +52,66 @@ fn neighbour(bench: &Bench<'_>) -> Result<u8, Stop> {
         .ok_or_else(|| Stop::NotApplicable(Reason::new("a node-ID beside that of the device is free", "one", "none")))
 }
 
-/// Lets the device watch a node that nobody else is.
-fn watch(bench: &mut Bench<'_>) -> Result<u8, Stop> {
+/// A node that the operational device watches, and what shows that it is missed.
+struct Watch {
+    node: u8,
+    /// The state that the device then enters; `None` where it does not show its state, or stays in it.
+    enters: Option<State>,
+}
+
+/// What shows that the device misses a node.
+struct Signs {
+    /// EMCYs that report an error.
+    errors: Vec<Record>,
+    /// The first state other than operational.
+    left: Option<(Timestamp, State)>,
+}
+
+impl Signs {
+    fn any(&self) -> bool {
+        !self.errors.is_empty() || self.left.is_some()
+    }
+
+    fn observation(&self) -> Observation {
+        match self.left {
+            Some((_, state)) if self.errors.is_empty() => Observation::State(state),
+            _ => observed(&self.errors),
+        }
+    }
+
+    /// How many; where the tester's own pauses may have caused them.
+    fn count(&self) -> Observation {
+        Observation::Count(self.errors.len().max(usize::from(self.left.is_some())) as u64)
+    }
+
+    fn text(&self) -> String {
+        let state = self.left.map_or("operational".to_owned(), |(_, state)| state.to_string());
+        format!("{state}, EMCY: {}", shown(&self.errors))
+    }
+}
+
+/// Lets the device watch a node that nobody else is, and makes it operational.
+fn watch(bench: &mut Bench<'_>) -> Result<Watch, Stop> {
     bench.expect_emergencies();
     let node = neighbour(bench)?;
+    let enters = consequence(bench)?;
     bench.write(WATCHED, &entry(node, CONSUMER_MS))?;
-    Ok(node)
+    operational(bench)?;
+    Ok(Watch { node, enters })
+}
+
+fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction).map(|_| ())
+}
+
+/// The state that the loss of a node leads to, where the device shows it by heartbeats.
+fn consequence(bench: &mut Bench<'_>) -> Result<Option<State>, Stop> {
+    if bench.heartbeats()? != Heartbeats::Settable {
+        return Ok(None);
+    }
+    bench.show_state()?;
+    after_a_loss(bench)
 }
 
 fn beat(bench: &mut Bench<'_>, node: u8) -> Result<(), Stop> {
@@ -57,172 +119,245 @@ fn beat(bench: &mut Bench<'_>, node: u8) -> Result<(), Stop> {
     bench.send(&message.to_frame(error_control::CAN_ID_BASE + u16::from(node))).map(|_| ())
 }
 
-/// A watched node is missed only after its first heartbeat: one that was never heard causes no EMCY.
-#[case(id = "301/heartbeat-consumer/first-heartbeat", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested,
+/// What comes within that time.
+fn signs(bench: &mut Bench<'_>, span: Duration) -> Result<Signs, Stop> {
+    let heard = bench.listen(span)?;
+    let states = heard.iter().filter(|record| bench.is_error_control(&record.frame));
+    let states = states.filter_map(|record| Some((record.timestamp, ErrorControl::read(record.data()).ok()?.state)));
+    let left = { states }.find(|(_, state)| *state != State::OPERATIONAL);
+    Ok(Signs { errors: errors_of(bench, heard), left })
+}
+
+/// Demands that the loss shows: in the state where that is shown, else in an EMCY.
+fn noticed(at: Multiplexer, watch: &Watch, signs: &Signs) -> Judged {
+    let Some(right) = watch.enters else {
+        let reason = || Reason::new("a loss shows", "an EMCY, or heartbeats (1017h) that say the state", "neither");
+        return if signs.errors.is_empty() { Err(Stop::Inconclusive(reason())) } else { Ok(()) };
+    };
+    let state = signs.left.map_or(State::OPERATIONAL, |(_, state)| state);
+    demand(state == right, || {
+        Breach::new(at, format!("an operational device that misses a watched node becomes {right}"))
+            .expected(Observation::State(right))
+            .found(Observation::State(state))
+            .told(signs.text())
+    })?;
+    Ok(())
+}
+
+/// Demands that nothing shows.
+fn unnoticed(at: Multiplexer, duty: impl Into<String>, signs: &Signs) -> Check {
+    demand(!signs.any(), || {
+        let breach = Breach::new(at, duty.into()).expected("no EMCY, and operational").found(signs.observation());
+        breach.told(signs.text())
+    })
+}
+
+/// As [`unnoticed`], where a tester that is late would cause the loss itself.
+fn unnoticed_in_time(duty: &'static str, signs: &Signs) -> Check {
+    demand(!signs.any(), || {
+        let none = Allowed::Count { least: 0, most: Some(0) };
+        Breach::new(WATCHED, duty).expected(none).found(signs.count()).told(signs.text())
+    })
+}
+
+/// A watched node is missed only after its first heartbeat, not before.
+#[case(id = "301/heartbeat-consumer/first-heartbeat", clause = "CiA 301 7.5.2.19", confidence = Cited,
        level = Must, needs = [HeartbeatConsumer], catches = [HeartbeatConsumerStartsAtOnce])]
 fn first_heartbeat(bench: &mut Bench<'_>) -> Judged {
     watch(bench)?;
-    let heard = emergencies(bench, CONSUMER_TIME.times(5))?;
-    bench.check(demand(heard.is_empty(), || {
-        Reason::new("a node that was never heard is not missed", "no EMCY", shown(&heard))
-    }))
+    let signs = signs(bench, CONSUMER_TIME.times(5))?;
+    bench.check(unnoticed(WATCHED, "a node that was never heard is not missed", &signs))
 }
 
 /// A watched node whose heartbeats come in time is not missed.
-#[case(id = "301/heartbeat-consumer/kept-alive", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested,
+#[case(id = "301/heartbeat-consumer/kept-alive", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited,
        level = Must, needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotRestarted], cct = "7.105")]
 fn kept_alive(bench: &mut Bench<'_>) -> Judged {
-    let node = watch(bench)?;
-    let mut heard = Vec::new();
+    let Watch { node, .. } = watch(bench)?;
+    let mut all = Signs { errors: Vec::new(), left: None };
     for _ in 0..20 {
         beat(bench, node)?;
-        heard.extend(emergencies(bench, Duration::from_millis(100))?);
+        let Signs { errors, left } = signs(bench, Duration::from_millis(100))?;
+        all.errors.extend(errors);
+        all.left = all.left.or(left);
     }
-    bench.check(demand(heard.is_empty(), || {
-        let duty = "a node that sends a heartbeat every 100 ms is not missed after 200 ms";
-        Reason::new(duty, "no EMCY", shown(&heard))
-    }))
+    bench.check(unnoticed_in_time("a node that sends a heartbeat every 100 ms is not missed after 200 ms", &all))
 }
 
-/// A watched node that falls silent is missed after the consumer heartbeat time: EMCY 8130h once, and bit 4 of 1001h.
-#[case(id = "301/heartbeat-consumer/lost", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = Must,
-       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, HeartbeatConsumerSilent, EmcyRepeated, ErrorRegisterMissing], cct = "7.106")]
+/// A watched node that falls silent is missed after the consumer heartbeat time: the device leaves operational, unless
+/// 1029h:01 says otherwise. Where an EMCY reports it, there is one, and the error register shows an error.
+#[case(id = "301/heartbeat-consumer/lost", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, EmcyRepeated, ErrorRegisterMissing, ErrorRegisterGenericMissing, ErrorBehaviourIgnored],
+       cct = "7.106")]
 fn lost(bench: &mut Bench<'_>) -> Judged {
-    let node = watch(bench)?;
-    beat(bench, node)?;
+    let watch = watch(bench)?;
+    beat(bench, watch.node)?;
     let sent = bench.now();
-    let heard = emergencies(bench, CONSUMER_TIME.times(4))?;
-    demand(heard.len() == 1 && heard.iter().all(|record| code_of(record) == Some(EmcyCode::HEARTBEAT)), || {
-        Reason::new("a node that falls silent is reported once", "one EMCY 8130h", shown(&heard))
-    })?;
-    let after = heard.first().map_or(Duration::ZERO, |record| record.timestamp.since(sent));
-    bench.measure("heartbeat loss, noticed after", after);
-    let (least, most) = (CONSUMER_TIME.nanos() * 9 / 10, CONSUMER_TIME.nanos() * 3 / 2);
-    demand((least..=most).contains(&after.nanos()), || {
-        let duty = format!("a node is missed after {CONSUMER_TIME}");
-        Reason::new(duty, "180 ms to 300 ms", after.to_string())
-    })?;
+    let signs = signs(bench, CONSUMER_TIME.times(4))?;
+    noticed(WATCHED, &watch, &signs)?;
+    bench.check(in_time(&signs, sent))?;
+    bench.check(reported_once(&watch, &signs))?;
     let register = bench.upload(ERROR_REGISTER)?.value()?;
     let bits = register.first().copied().unwrap_or_default();
-    bench.check(demand(bits & ErrorRegister::COMMUNICATION.0 != 0, || {
-        Reason::new("the loss shows in 1001h", "bit 4", Bytes(&register).to_string())
+    let shows = signs.errors.is_empty() || bits & ErrorRegister::GENERIC.0 != 0;
+    bench.check(demand(shows, || {
+        let breach = Breach::new(ERROR_REGISTER, "the generic bit of 1001h is set while an error is reported");
+        breach.expected("bit 0").found(Observation::Value(register))
     }))
 }
 
-/// A node that is back ends the error: EMCY 0000h, bit 4 of 1001h is cleared, and the node is watched again.
-#[case(id = "301/heartbeat-consumer/back", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = Must,
+fn in_time(signs: &Signs, sent: Timestamp) -> Check {
+    let by_emcy = signs.errors.iter().map(|record| record.timestamp);
+    let first = by_emcy.chain(signs.left.map(|(at, _)| at)).min();
+    let after = first.map_or(Duration::ZERO, |first| first.since(sent));
+    let least = Duration::from_nanos(CONSUMER_TIME.nanos() / 10 * 9);
+    // A state shows with the next heartbeat.
+    let most = Duration::from_nanos(CONSUMER_TIME.nanos() / 2 * 3) + SHOWN_EVERY;
+    demand((least..=most).contains(&after), || {
+        Breach::new(WATCHED, format!("a node is missed after {CONSUMER_TIME}"))
+            .expected(Allowed::Time { least, most })
+            .found(Observation::Time(after))
+    })
+}
+
+fn reported_once(watch: &Watch, signs: &Signs) -> Check {
+    demand(signs.errors.len() < 2, || {
+        let at_most_one = Allowed::Count { least: 0, most: Some(1) };
+        let found = Observation::Count(signs.errors.len() as u64);
+        Breach::new(WATCHED, "a node that falls silent is reported once").expected(at_most_one).found(found)
+    })?;
+    let wrong = signs.errors.iter().find(|record| !fits_loss(record, Some(watch.node)));
+    demand(wrong.is_none(), || {
+        let expected =
+            Allowed::OneOf(vec![Observation::Emcy(EmcyCode::HEARTBEAT), Observation::Emcy(EmcyCode::GENERIC)]);
+        let breach = Breach::new(WATCHED, "the EMCY for a lost node has a code that fits").expected(expected);
+        breach.found(observed(&signs.errors)).told(shown(&signs.errors))
+    })
+}
+
+/// A node that is back is watched again. Where an EMCY reported the loss, EMCY 0000h reports the return.
+#[case(id = "301/heartbeat-consumer/back", clause = "CiA 301 7.2.8.2.2.3", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotRearmed, EmcyResetMissing])]
 fn back(bench: &mut Bench<'_>) -> Judged {
-    let node = watch(bench)?;
-    for round in ["first", "second"] {
-        beat(bench, node)?;
-        let lost = emergencies(bench, CONSUMER_TIME.times(3))?;
-        let met = lost.iter().any(|record| code_of(record) == Some(EmcyCode::HEARTBEAT));
-        let reason = || Reason::new(format!("the {round} loss is reported"), "EMCY 8130h", shown(&lost));
-        demand(met, reason)?;
-        beat(bench, node)?;
-        let back = emergencies(bench, Duration::from_millis(100))?;
-        demand(back.iter().any(|record| code_of(record).is_some_and(EmcyCode::is_reset)), || {
-            Reason::new("the return of the node is reported", "EMCY 0000h", shown(&back))
-        })?;
+    let watch = watch(bench)?;
+    let patience = patience(bench)?;
+    for is_first in [true, false] {
+        beat(bench, watch.node)?;
+        let lost = signs(bench, CONSUMER_TIME.times(3))?;
+        match noticed(WATCHED, &watch, &lost) {
+            Err(Stop::Inconclusive(_)) if !is_first => {
+                let breach = Breach::new(WATCHED, "a node that is lost again is reported again, as the first time");
+                return bench.check(Err(Box::new(breach.expected("an EMCY").found(Observation::Silence))));
+            }
+            judged => judged?,
+        }
+        beat(bench, watch.node)?;
+        let heard = emergencies(bench, patience)?;
+        let is_told = lost.errors.is_empty() || heard.iter().any(|record| !is_error(record));
+        bench.check(demand(is_told, || {
+            let expected = Observation::Emcy(EmcyCode::NO_ERROR);
+            let breach = Breach::new(WATCHED, "the return of a node whose loss was reported is reported");
+            breach.expected(expected).found(observed(&heard)).told(shown(&heard))
+        }))?;
+        operational(bench)?;
     }
     Ok(())
 }
 
 /// Every entry of 1016h watches its node.
-#[case(id = "301/heartbeat-consumer/all-entries", clause = "CiA 301 7.5.2.19", confidence = Derived, level = Must,
+#[case(id = "301/heartbeat-consumer/all-entries", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerFirstOnly])]
 fn all_entries(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
-    let entries = bench.read_number(Multiplexer::new(0x1016, 0))?.min(8);
-    let own = bench.node().raw();
-    for sub in 1..=u8::try_from(entries).unwrap_or(1) {
-        let node = 100 + sub;
-        if node == own {
-            continue;
-        }
-        bench.write(Multiplexer::new(0x1016, sub), &entry(node, CONSUMER_MS))?;
+    let enters = consequence(bench)?;
+    let entries = u8::try_from(bench.read_number(Multiplexer::new(0x1016, 0))?).unwrap_or(1).min(127);
+    bench.each(1..=entries, |bench, sub| {
+        let at = Multiplexer::new(0x1016, sub);
+        let own = bench.node().raw();
+        let mut vacant = (1..=127).rev().filter(|&node| node != own && bench.is_vacant(node));
+        let Some(node) = vacant.nth(usize::from(sub) - 1) else { return Ok(()) };
+        let watch = Watch { node, enters };
+        bench.write(at, &entry(node, CONSUMER_MS))?;
+        operational(bench)?;
         beat(bench, node)?;
-        let heard = emergencies(bench, CONSUMER_TIME.times(3))?;
-        demand(heard.iter().any(|record| code_of(record) == Some(EmcyCode::HEARTBEAT)), || {
-            Reason::new(format!("1016h:{sub:02X} watches its node"), "EMCY 8130h", shown(&heard))
-        })?;
-        bench.write(Multiplexer::new(0x1016, sub), &entry(0, 0))?;
-        bench.listen(Duration::from_millis(50))?;
-    }
-    Ok(())
+        let signs = signs(bench, CONSUMER_TIME.times(3))?;
+        bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+        bench.listen(bench.timing().reaction)?;
+        bench.write(at, &entry(0, 0))?;
+        noticed(at, &watch, &signs)
+    })
 }
 
 /// An entry whose time is 0 watches nobody.
-#[case(id = "301/heartbeat-consumer/off", clause = "CiA 301 7.5.2.19", confidence = Derived, level = Must,
+#[case(id = "301/heartbeat-consumer/off", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotStopped])]
 fn off(bench: &mut Bench<'_>) -> Judged {
-    let node = watch(bench)?;
+    let Watch { node, .. } = watch(bench)?;
     beat(bench, node)?;
     bench.write(WATCHED, &entry(node, 0))?;
-    let heard = emergencies(bench, CONSUMER_TIME.times(4))?;
-    bench.check(demand(heard.is_empty(), || {
-        Reason::new("a node that is no longer watched is not missed", "no EMCY", shown(&heard))
-    }))
+    let signs = signs(bench, CONSUMER_TIME.times(4))?;
+    bench.check(unnoticed_in_time("a node that is no longer watched is not missed", &signs))
 }
 
 /// The number of entries, 1016h:00, can't be written: abort 0601 0002h.
-#[case(id = "301/heartbeat-consumer/count", clause = "CiA 301 7.5.2.19", confidence = Derived, level = Must,
+#[case(id = "301/heartbeat-consumer/count", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "4.3")]
 fn count(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = Multiplexer::new(0x1016, 0);
     let before = bench.upload(multiplexer)?.value()?;
-    demand(matches!(before.as_slice(), [1..=127]), || {
-        Reason::new("1016h:00 counts the entries", "one byte, 1 to 127", Bytes(&before).to_string())
-    })?;
+    bench.check(demand(matches!(before.as_slice(), [1..=127]), || {
+        let breach = Breach::new(multiplexer, "1016h:00 counts the entries").expected("one byte, 1 to 127");
+        breach.found(Observation::Value(before.clone()))
+    }))?;
     let attempt = bench.download(multiplexer, &[1])?;
     bench.check(attempt.refused(Situation::ReadOnly))?;
-    bench.expect_unchanged(multiplexer, &before)?;
-    Ok(())
+    bench.expect_unchanged(multiplexer, &before)
 }
 
-/// An entry for a node-ID that does not exist, 0 or 128 to 255, watches nobody, or is refused with abort 0609 0030h.
-#[case(id = "301/heartbeat-consumer/no-node", clause = "CiA 301 7.5.2.19", confidence = Derived, level = Should,
+/// An entry for a node-ID that does not exist, 0 or 128 to 255, is not used: it watches nobody. Where it is refused, that is
+/// with abort 0609 0030h.
+#[case(id = "301/heartbeat-consumer/no-node", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerWatchesEveryone])]
 fn no_node(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     let node = neighbour(bench)?;
-    for unused in [0_u8, 128, 255] {
+    consequence(bench)?;
+    bench.each([0_u8, 128, 255], |bench, unused| {
+        bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+        bench.listen(bench.timing().reaction)?;
         // Some take another node only after the entry was erased.
         bench.write(WATCHED, &entry(0, 0))?;
         let attempt = bench.download(WATCHED, &entry(unused, CONSUMER_MS))?;
         if attempt.abort().is_some() {
-            bench.check(attempt.refused(Situation::InvalidValue))?;
-            continue;
+            return bench.check(attempt.refused(Situation::InvalidValue));
         }
         attempt.expect_confirmation()?;
+        operational(bench)?;
         beat(bench, node)?;
-        let heard = emergencies(bench, CONSUMER_TIME.times(3))?;
-        demand(heard.is_empty(), || {
-            Reason::new(format!("an entry for node-ID {unused} watches nobody"), "no EMCY", shown(&heard))
-        })?;
-    }
-    Ok(())
+        let signs = signs(bench, CONSUMER_TIME.times(3))?;
+        bench.check(unnoticed(WATCHED, format!("an entry for node-ID {unused} watches nobody"), &signs))
+    })
 }
 
 /// Heartbeats of a watched node that have another length, or bit 7 set, and its boot-up message, do not disturb the
 /// device. Whether they count as a sign of life is noted: CiA 301 does not say.
-#[case(id = "301/heartbeat-consumer/malformed", clause = "CiA 301 7.2.8.2.2.3", confidence = Attested, level = Should,
+#[case(id = "301/heartbeat-consumer/malformed", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Should,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerCrashes])]
 fn malformed(bench: &mut Bench<'_>) -> Judged {
-    let node = watch(bench)?;
+    let Watch { node, .. } = watch(bench)?;
     let cob_id = error_control::CAN_ID_BASE + u16::from(node);
     let messages: [(&str, &[u8]); 4] =
         [("of no byte", &[]), ("of two bytes", &[5, 0]), ("with bit 7", &[0x85]), ("of a boot-up", &[0])];
-    for (what, data) in messages {
+    bench.each(messages, |bench, (what, data)| {
         beat(bench, node)?;
-        let mut heard = Vec::new();
+        let mut missed = false;
         for _ in 0..4 {
-            heard.extend(emergencies(bench, Duration::from_millis(100))?);
+            missed |= signs(bench, Duration::from_millis(100))?.any();
             bench.send_bytes(cob_id, data)?;
         }
-        bench.note(format!("a heartbeat {what} {}", if heard.is_empty() { "counts" } else { "does not count" }));
-        bench.upload(ERROR_REGISTER)?.value()?;
-    }
-    Ok(())
+        bench.note(format!("a heartbeat {what} {}", if missed { "does not count" } else { "counts" }));
+        let served = bench.upload(ERROR_REGISTER)?.value().map(|_| ());
+        bench.check(served)?;
+        operational(bench)
+    })
 }

@@ -2,27 +2,28 @@
 //!
 //! Where 100Ch and 100Dh can't be written, the life time that the device has is used.
 
+use super::emcy::{code_of, patience};
+use super::error_behaviour::after_a_loss;
 use crate::bench::Bench;
-use crate::bench::state::GUARD_TIME;
+use crate::bench::state::{GUARD_TIME, LIFE_TIME_FACTOR};
 use crate::case;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
-use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::emcy::{self, Emcy};
+use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::wire::emcy::{self, EmcyCode};
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_bus::client::sdo::Bytes;
+use canvass_analyzer::{Multiplexer, Service};
+use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Timestamp};
 
-const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(0x100D, 0);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
-const ERROR_BEHAVIOUR: Multiplexer = Multiplexer::new(0x1029, 1);
 
 /// Guard time in milliseconds, times life time factor.
 #[derive(Clone, Copy)]
 struct LifeTime {
     guard: Duration,
     factor: u64,
+    /// 100Ch and 100Dh are read-only where life guarding is not supported.
+    is_settable: bool,
 }
 
 impl LifeTime {
@@ -35,12 +36,13 @@ impl LifeTime {
 fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTime, Stop> {
     bench.expect_emergencies();
     bench.prefer_guarding()?;
-    if bench.can_write(GUARD_TIME)? && bench.can_write(LIFE_TIME_FACTOR)? {
+    let is_settable = bench.can_write(GUARD_TIME)? && bench.can_write(LIFE_TIME_FACTOR)?;
+    if is_settable {
         bench.write(GUARD_TIME, &guard_ms.to_le_bytes())?;
         bench.write(LIFE_TIME_FACTOR, &[factor])?;
     }
     let guard = Duration::from_millis(u64::from(bench.read_number(GUARD_TIME)?));
-    let life_time = LifeTime { guard, factor: u64::from(bench.read_number(LIFE_TIME_FACTOR)?) };
+    let life_time = LifeTime { guard, factor: u64::from(bench.read_number(LIFE_TIME_FACTOR)?), is_settable };
     if life_time.whole() == Duration::ZERO {
         let reason = Reason::new("the device can watch its master", "100Ch and 100Dh other than 0", "0, and read-only");
         return Err(Stop::NotApplicable(reason));
@@ -48,121 +50,171 @@ fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTim
     Ok(life_time)
 }
 
-/// When the next EMCY comes that is no "error reset", if one does.
-fn next_error(bench: &mut Bench<'_>, span: Duration) -> Result<Option<Timestamp>, Stop> {
+/// An EMCY that is no "error reset", and when it came.
+type Report = (Timestamp, EmcyCode);
+
+/// The next EMCY that is no "error reset", if one comes.
+fn next_error(bench: &mut Bench<'_>, span: Duration) -> Result<Option<Report>, Stop> {
     let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     bench.wait_for(span, |record| {
-        let is_ours = record.frame.cob_id() == Some(cob_id);
-        let code = is_ours.then(|| Emcy::read(record.frame.data()).ok()).flatten().and_then(|emcy| emcy.code())?;
-        (!code.is_reset()).then_some(record.timestamp)
+        let code = (record.frame.cob_id() == Some(cob_id)).then(|| code_of(record)).flatten()?;
+        (!code.is_reset()).then_some((record.timestamp, code))
     })
 }
 
 /// Guards once; says when.
 fn guard(bench: &mut Bench<'_>) -> Result<Timestamp, Stop> {
     let state = bench.guard()?;
-    demand(state.is_some(), || Reason::new("guarding is answered", "a state", "no answer")).or_inconclusive()?;
+    demand(state.is_some(), || {
+        let breach = Breach::new(Service::Guarding, "guarding is answered").expected("a state");
+        breach.found(Observation::Silence)
+    })
+    .or_inconclusive()?;
     Ok(bench.now())
 }
 
-/// A master that has guarded once and then falls silent is reported by an EMCY after guard time times life time factor.
-#[case(id = "301/life-guarding/time", clause = "CiA 301 7.2.8.2.2.2", confidence = Attested, level = Must,
-       needs = [Guarding], catches = [LifeTimeFactorOffByOne, LifeTimeFactorIgnored, LifeGuardingUnreported, HeartbeatConsumerSilent], cct = "7.6")]
+fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction).map(|_| ())
+}
+
+/// Demands that nothing shows a lost master: no EMCY, and the state is that of before.
+fn not_missed(bench: &mut Bench<'_>, duty: &str, lost: Option<Report>) -> Judged {
+    let state = bench.guard()?;
+    let found = match (lost, state) {
+        (Some((_, code)), _) => Observation::Emcy(code),
+        (None, Some(state)) if state != State::OPERATIONAL => Observation::State(state),
+        _ => return Ok(()),
+    };
+    let breach = Breach::new(Service::Guarding, duty.to_owned()).expected("no EMCY, and operational");
+    bench.check(Err(Box::new(breach.found(found))))
+}
+
+/// Where the life time can't be set, only what the device does says whether it watches its master.
+fn watches_at_all(life_time: LifeTime, found: &Observation) -> Judged {
+    if life_time.is_settable || *found != Observation::State(State::OPERATIONAL) {
+        return Ok(());
+    }
+    let reason = Reason::new("the device watches its master", "100Ch and 100Dh rw, or a reaction", "ro, and none");
+    Err(Stop::NotApplicable(reason))
+}
+
+/// A master that has guarded once and then falls silent is missed after guard time times life time factor: an operational
+/// device leaves operational then, unless 1029h:01 says otherwise. Where an EMCY says so, it comes at that time.
+#[case(id = "301/life-guarding/time", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
+       needs = [Guarding], catches = [LifeTimeFactorOffByOne, LifeTimeFactorIgnored], cct = "7.6")]
 fn time(bench: &mut Bench<'_>) -> Judged {
     let life_time = life_time(bench, 500, 3)?;
+    let enters = after_a_loss(bench)?;
+    operational(bench)?;
     let from = guard(bench)?;
-    let lost = next_error(bench, life_time.whole() + life_time.guard.times(2))?;
     let (whole, half) = (life_time.whole(), Duration::from_nanos(life_time.guard.nanos() / 2));
-    let is_right = lost.is_some_and(|lost| lost.since(from).nanos().abs_diff(whole.nanos()) <= half.nanos());
-    bench.check(demand(is_right, || {
-        let actual = lost.map_or_else(|| "no EMCY".to_owned(), |lost| format!("after {}", lost.since(from)));
-        Reason::new("the loss of the master is reported", format!("an EMCY after {whole} ± {half}"), actual)
+    let lost = next_error(bench, whole + half)?;
+    if let Some((lost, _)) = lost {
+        let after = lost.since(from);
+        return bench.check(demand(after.nanos().abs_diff(whole.nanos()) <= half.nanos(), || {
+            let least = Duration::from_nanos(whole.nanos().saturating_sub(half.nanos()));
+            Breach::new(LIFE_TIME_FACTOR, "the loss of the master is reported after the life time")
+                .expected(Allowed::Time { least, most: whole + half })
+                .found(Observation::Time(after))
+        }));
+    }
+    let found = bench.guard()?.map_or(Observation::Silence, Observation::State);
+    let Some(right) = enters else {
+        let reason = Reason::new("the loss of the master shows", "an EMCY, or 1029h:01 of 0 or 2", "neither");
+        return Err(Stop::Inconclusive(reason));
+    };
+    watches_at_all(life_time, &found)?;
+    bench.check(demand(found == Observation::State(right), || {
+        let duty = format!("an operational device whose master is silent for {whole} becomes {right}");
+        Breach::new(LIFE_TIME_FACTOR, duty).expected(Observation::State(right)).found(found)
     }))
 }
 
 /// A device that is operational when its master is lost becomes pre-operational, unless 1029h:01 says otherwise.
-#[case(id = "301/life-guarding/state", clause = "CiA 301 7.2.8.2.2.2", confidence = Attested, level = Must,
+#[case(id = "301/life-guarding/state", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [Guarding], catches = [ErrorBehaviourIgnored], cct = "9.3")]
 fn state(bench: &mut Bench<'_>) -> Judged {
     let life_time = life_time(bench, 100, 2)?;
-    if bench.can_write(ERROR_BEHAVIOUR)? {
-        bench.write(ERROR_BEHAVIOUR, &[0])?;
-    }
-    bench.command(Command::START)?;
-    bench.listen(bench.timing().reaction)?;
+    let Some(right) = after_a_loss(bench)? else {
+        let reason = Reason::new("operational is left on an error", "1029h:01 of 0 or 2", "another value, read-only");
+        return Err(Stop::NotApplicable(reason));
+    };
+    operational(bench)?;
     guard(bench)?;
     bench.listen(life_time.whole() + life_time.guard)?;
-    let found = bench.guard()?;
-    bench.check(demand(found == Some(State::PRE_OPERATIONAL), || {
-        let actual = found.map_or_else(|| "no answer".to_owned(), |state| state.to_string());
-        Reason::new("a device that has lost its master leaves operational", State::PRE_OPERATIONAL.to_string(), actual)
+    let found = bench.guard()?.map_or(Observation::Silence, Observation::State);
+    watches_at_all(life_time, &found)?;
+    bench.check(demand(found == Observation::State(right), || {
+        let breach = Breach::new(Service::Guarding, "a device that has lost its master leaves operational");
+        breach.expected(Observation::State(right)).found(found)
     }))
 }
 
-/// When the master guards again, EMCY 0000h says that the error is gone, and the error register is 0.
-#[case(id = "301/life-guarding/recovery", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
+/// When the master guards again, EMCY 0000h says that the error is gone, and the error register is as before.
+#[case(id = "301/life-guarding/recovery", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [ErrorRegisterStuck, EmcyResetMissing])]
 fn recovery(bench: &mut Bench<'_>) -> Judged {
     // Another error that the device has all the time is not the matter of this case.
     let before = bench.read(ERROR_REGISTER)?;
-    let life_time = life_time(bench, 100, 2)?;
+    let patience = patience(bench)?;
+    // Longer than an EMCY may take: the master must not be lost again meanwhile.
+    let life_time = life_time(bench, 500, 2)?;
     guard(bench)?;
-    let lost = next_error(bench, life_time.whole() + life_time.guard)?;
-    demand(lost.is_some(), || Reason::new("the loss of the master is reported", "an EMCY", "none"))
-        .or_inconclusive()?;
+    let Some((lost, _)) = next_error(bench, life_time.whole() + life_time.guard)? else {
+        return Err(Stop::Inconclusive(Reason::new("the loss of the master is reported", "an EMCY", "none")));
+    };
     let cob_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
     bench.guard()?;
+    bench.listen(patience.min(Duration::from_millis(800)))?;
     // The EMCY may come before the answer to the remote frame: what is judged is the register, and that it was said.
     let register = bench.read(ERROR_REGISTER)?;
-    demand(register == before, || {
-        let duty = "the error register is as before when the error is gone";
-        Reason::new(duty, Bytes(&before).to_string(), Bytes(&register).to_string())
-    })?;
+    bench.check(demand(register == before, || {
+        Breach::new(ERROR_REGISTER, "the error register is as before when the error is gone")
+            .expected(Observation::Value(before.clone()))
+            .found(Observation::Value(register))
+    }))?;
     if before != [0] {
         return Ok(());
     }
     let said = bench.evidence().frames().any(|exhibit| {
-        let frame = &exhibit.record.frame;
-        let is_late = lost.is_some_and(|lost| exhibit.record.timestamp > lost);
-        let emcy = Emcy::read(frame.data()).ok().and_then(|emcy| emcy.code());
-        is_late && frame.cob_id() == Some(cob_id) && emcy.is_some_and(emcy::EmcyCode::is_reset)
+        let record = &exhibit.record;
+        let is_reset = code_of(record).is_some_and(EmcyCode::is_reset);
+        record.timestamp > lost && record.frame.cob_id() == Some(cob_id) && is_reset
     });
-    bench.check(demand(said, || Reason::new("the end of the error is reported", "EMCY 0000h", "none")))
+    bench.check(demand(said, || {
+        Breach::new(Service::Emcy, "the end of a reported error is reported")
+            .expected(Observation::Emcy(EmcyCode::NO_ERROR))
+            .found(Observation::Silence)
+    }))
 }
 
-/// With a guard time or life time factor of 0 the master is not watched; guarding is answered all the same.
-#[case(id = "301/life-guarding/off", clause = "CiA 301 7.2.8.2.2.2", confidence = Attested, level = Must,
-       needs = [Guarding], catches = [GuardingSilentWhenOff, LifeGuardingNotStopped], cct = "7.1")]
+/// With a guard time or life time factor of 0 the master is not watched.
+#[case(id = "301/life-guarding/off", clause = "CiA 301 7.5.2.11", confidence = Cited, level = Must,
+       needs = [Guarding], catches = [LifeGuardingNotStopped], cct = "7.1")]
 fn off(bench: &mut Bench<'_>) -> Judged {
     if !bench.can_write(GUARD_TIME)? || !bench.can_write(LIFE_TIME_FACTOR)? {
         let reason = Reason::new("life guarding can be switched off", "100Ch and 100Dh rw", "ro");
         return Err(Stop::NotApplicable(reason));
     }
-    for (multiplexer, zero) in [(GUARD_TIME, &[0, 0][..]), (LIFE_TIME_FACTOR, &[0][..])] {
+    bench.each([(GUARD_TIME, &[0, 0][..]), (LIFE_TIME_FACTOR, &[0][..])], |bench, (multiplexer, zero)| {
         let life_time = life_time(bench, 100, 2)?;
+        operational(bench)?;
         guard(bench)?;
         bench.write(multiplexer, zero)?;
-        let state = bench.guard()?;
-        demand(state.is_some(), || {
-            Reason::new(format!("with {multiplexer} = 0 guarding is answered"), "a state", "no answer")
-        })?;
         let lost = next_error(bench, life_time.whole().times(3))?;
-        demand(lost.is_none(), || {
-            Reason::new(format!("with {multiplexer} = 0 the master is not watched"), "no EMCY", "an EMCY")
-        })?;
-    }
-    Ok(())
+        not_missed(bench, &format!("with {multiplexer} = 0 the master is not watched"), lost)
+    })
 }
 
 /// The master is watched from its first remote frame on: before that it can't be lost.
-#[case(id = "301/life-guarding/first-request", clause = "CiA 301 7.2.8.2.2.2", confidence = Attested, level = Must,
+#[case(id = "301/life-guarding/first-request", clause = "CiA 301 7.2.8.2.2", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeGuardingStartsAtOnce])]
 fn first_request(bench: &mut Bench<'_>) -> Judged {
     // What showed the state before the case was a request: a reset forgets it.
     bench.reset(Command::RESET_COMMUNICATION)?;
     let life_time = life_time(bench, 100, 2)?;
+    operational(bench)?;
     let lost = next_error(bench, life_time.whole().times(2))?;
-    bench.check(demand(lost.is_none(), || {
-        Reason::new("a master that has not guarded yet is not missed", "no EMCY", "an EMCY")
-    }))
+    not_missed(bench, "a master that has not guarded yet is not missed", lost)
 }

@@ -3,15 +3,16 @@
 use crate::bench::Bench;
 use crate::bench::state::command_to;
 use crate::case;
-use crate::verdict::Judged;
+use crate::verdict::{Breach, Judged, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::sdo::Request;
+use canvass_bus::observation::Observation;
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
 /// In stopped the SDO server does not answer at all, not even with an abort.
-#[case(id = "301/state/stopped/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+#[case(id = "301/state/stopped/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        catches = [SdoAnsweredWhenStopped], cct = "9.4")]
 fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
     // That it answers before shows that its silence means something.
@@ -21,14 +22,25 @@ fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
     }
     bench.listen(bench.timing().reaction)?;
     let reply = bench.send_unanswered(&Request::upload(DEVICE_TYPE), "upload of 1000h:00 in stopped")?;
-    bench.check(reply.expect_silence())
+    bench.check(reply.expect_silence())?;
+    // Nor is the request kept and answered as soon as that is allowed again.
+    if let Some(start) = command_to(State::OPERATIONAL) {
+        bench.command(start)?;
+    }
+    let late = bench.wait_for_late_response()?;
+    bench.check(demand(late.is_none(), || {
+        Breach::new(DEVICE_TYPE, "a request of stopped is not answered after stopped either")
+            .expected(Observation::Silence)
+            .found(Observation::named("an answer after stopped"))
+            .told(late.map(|frame| frame.to_string()).unwrap_or_default())
+    }))
 }
 
 /// In pre-operational and in operational the SDO server answers.
-#[case(id = "301/state/operational/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+#[case(id = "301/state/operational/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        catches = [SdoSilentWhenOperational], cct = "9.2")]
 fn operational_sdo(bench: &mut Bench<'_>) -> Judged {
-    for state in [State::PRE_OPERATIONAL, State::OPERATIONAL] {
+    bench.each([State::PRE_OPERATIONAL, State::OPERATIONAL], |bench, state| {
         if let Some(command) = command_to(state) {
             bench.command(command)?;
         }
@@ -36,6 +48,6 @@ fn operational_sdo(bench: &mut Bench<'_>) -> Judged {
         let mut attempt = bench.upload(DEVICE_TYPE)?;
         attempt.what = format!("{} in {state}", attempt.what);
         attempt.value()?;
-    }
-    Ok(())
+        Ok(())
+    })
 }

@@ -2,14 +2,16 @@
 
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
+use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
+use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::{emcy, sync};
+use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
 const COB_ID: Multiplexer = Multiplexer::new(0x1005, 0);
@@ -20,19 +22,30 @@ const PRODUCES: u32 = 1 << 30;
 const PERIOD_US: u32 = 50_000;
 const PERIOD_TIME: Duration = Duration::from_millis(50);
 
-/// Lets the device produce SYNC every 50 ms, with a counter if `overflow` is not 0.
-fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<(), Stop> {
+/// Lets the device produce SYNC every 50 ms, with a counter if `overflow` is not 0; its CAN-ID. What has its value already
+/// is not written.
+fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<u16, Stop> {
     let own = bench.read_number(COB_ID)?;
-    bench.write(PERIOD, &0_u32.to_le_bytes())?;
-    if bench.has(OVERFLOW)? {
+    stop_period(bench)?;
+    let changes = if bench.has(OVERFLOW)? { bench.read_number(OVERFLOW)? != u32::from(overflow) } else { overflow > 0 };
+    if changes {
         bench.write(OVERFLOW, &[overflow])?;
     }
     bench.write(PERIOD, &PERIOD_US.to_le_bytes())?;
-    bench.write(COB_ID, &(own | PRODUCES).to_le_bytes())
+    bench.write(COB_ID, &(own | PRODUCES).to_le_bytes())?;
+    Ok((own & 0x7FF) as u16)
 }
 
-fn syncs(bench: &mut Bench<'_>, periods: u64) -> Result<Vec<Record>, Stop> {
-    bench.frames_of(sync::CAN_ID, PERIOD_TIME.times(periods))
+/// 1019h changes only while 1006h is 0; a mere consumer need not have 1006h.
+pub(super) fn stop_period(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    if bench.has(PERIOD)? && bench.read_number(PERIOD)? != 0 {
+        bench.write(PERIOD, &0_u32.to_le_bytes())?;
+    }
+    Ok(())
+}
+
+fn syncs(bench: &mut Bench<'_>, id: u16, periods: u64) -> Result<Vec<Record>, Stop> {
+    bench.frames_of(id, PERIOD_TIME.times(periods))
 }
 
 fn data(records: &[Record]) -> String {
@@ -40,13 +53,19 @@ fn data(records: &[Record]) -> String {
     if shown.is_empty() { "no SYNC".to_owned() } else { shown.join(", ") }
 }
 
+/// So many SYNCs where there are to be others.
+fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, heard: &[Record]) -> Breach {
+    let found = Observation::Count(heard.len() as u64);
+    Breach::new(Service::Sync, duty.into()).expected(Allowed::Count { least, most }).found(found)
+}
+
 /// A producer sends SYNC at the period that 1006h says, in microseconds.
-#[case(id = "301/sync/period", clause = "CiA 301 7.5.2.6", confidence = Derived, level = Must,
+#[case(id = "301/sync/period", clause = "CiA 301 7.5.2.6", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncPeriodDoubled], cct = "6.2")]
 fn period(bench: &mut Bench<'_>) -> Judged {
-    produce(bench, 0)?;
-    syncs(bench, 2)?;
-    let heard = syncs(bench, 20)?;
+    let id = produce(bench, 0)?;
+    syncs(bench, id, 2)?;
+    let heard = syncs(bench, id, 20)?;
     let gaps = u64::try_from(heard.len().saturating_sub(1)).unwrap_or(0);
     let span = heard.first().zip(heard.last()).map(|(first, last)| last.timestamp.since(first.timestamp));
     let mean = span.filter(|_| gaps > 0).map(|span| Duration::from_nanos(span.nanos() / gaps));
@@ -54,111 +73,123 @@ fn period(bench: &mut Bench<'_>) -> Judged {
     if let Some(mean) = mean {
         bench.measure("SYNC period, mean", mean);
     }
-    bench.check(demand(
-        mean.is_some_and(|mean| mean.nanos().abs_diff(PERIOD_TIME.nanos()) <= tolerance.nanos()),
-        || {
-            let actual = mean.map_or_else(|| format!("{} SYNCs", heard.len()), |mean| mean.to_string());
-            let expected = format!("{PERIOD_TIME} ± {tolerance} on average");
-            Reason::new(format!("with 1006h = {PERIOD_US} SYNC comes every {PERIOD_TIME}"), expected, actual)
-        },
-    ))
+    let is_right = mean.is_some_and(|mean| mean.nanos().abs_diff(PERIOD_TIME.nanos()) <= tolerance.nanos());
+    bench.check(demand(is_right, || {
+        let least = Duration::from_nanos(PERIOD_TIME.nanos() - tolerance.nanos());
+        Breach::new(PERIOD, format!("with 1006h = {PERIOD_US} SYNC comes every {PERIOD_TIME} on average"))
+            .expected(Allowed::Time { least, most: PERIOD_TIME + tolerance })
+            .found(mean.map_or(Observation::Count(heard.len() as u64), Observation::Time))
+    }))
 }
 
 /// With 1006h = 0 no SYNC is produced.
-#[case(id = "301/sync/off", clause = "CiA 301 7.5.2.6", confidence = Derived, level = Must,
+#[case(id = "301/sync/off", clause = "CiA 301 7.5.2.6", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncNotStopped], cct = "6.4")]
 fn off(bench: &mut Bench<'_>) -> Judged {
-    produce(bench, 0)?;
-    let before = syncs(bench, 4)?;
-    demand(!before.is_empty(), || Reason::new("SYNC is produced", "one every 50 ms", "none in 200 ms"))
+    let id = produce(bench, 0)?;
+    let before = syncs(bench, id, 4)?;
+    demand(!before.is_empty(), || counted("SYNC is produced every 50 ms, in 200 ms", 1, None, &before))
         .or_inconclusive()?;
     bench.write(PERIOD, &0_u32.to_le_bytes())?;
     bench.listen(bench.timing().reaction)?;
-    let after = syncs(bench, 6)?;
+    let after = syncs(bench, id, 6)?;
     bench.check(demand(after.is_empty(), || {
-        Reason::new("with 1006h = 0 no SYNC is produced", "silence", format!("{} SYNCs in 300 ms", after.len()))
+        counted("with 1006h = 0 no SYNC is produced, in 300 ms", 0, Some(0), &after)
     }))
 }
 
 /// In stopped no SYNC is produced; in pre-operational and operational it is.
-#[case(id = "301/state/stopped/sync", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+#[case(id = "301/state/stopped/sync", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncWhenStopped], cct = "9.4")]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
-    produce(bench, 0)?;
+    let id = produce(bench, 0)?;
     for command in [Command::ENTER_PRE_OPERATIONAL, Command::START] {
         bench.command(command)?;
         bench.listen(bench.timing().reaction)?;
-        let heard = syncs(bench, 4)?;
-        let duty = format!("SYNC is produced after {command}");
-        demand(!heard.is_empty(), || Reason::new(duty, "one every 50 ms", "none in 200 ms")).or_inconclusive()?;
+        let heard = syncs(bench, id, 4)?;
+        let duty = || format!("SYNC is produced after {command}, every 50 ms, in 200 ms");
+        demand(!heard.is_empty(), || counted(duty(), 1, None, &heard)).or_inconclusive()?;
     }
     bench.command(Command::STOP)?;
     bench.listen(bench.timing().reaction)?;
-    let heard = syncs(bench, 6)?;
-    bench.check(demand(heard.is_empty(), || {
-        Reason::new("no SYNC is produced in stopped", "silence", format!("{} SYNCs in 300 ms", heard.len()))
-    }))
+    let heard = syncs(bench, id, 6)?;
+    bench.check(demand(heard.is_empty(), || counted("no SYNC is produced in stopped, in 300 ms", 0, Some(0), &heard)))
 }
 
 /// With a counter (1019h) SYNC has one byte that counts from 1 to the overflow value and begins anew.
-#[case(id = "301/sync/counter", clause = "CiA 301 7.2.5", confidence = Known, level = Must,
+#[case(id = "301/sync/counter", clause = "CiA 301 7.2.5.2.2", confidence = Cited, level = Must,
        needs = [SyncProducer, SyncCounter], catches = [SyncCounterFromZero], cct = "6.7")]
 fn counter(bench: &mut Bench<'_>) -> Judged {
-    produce(bench, 5)?;
-    let heard = syncs(bench, 13)?;
-    let bytes: Vec<&[u8]> = heard.iter().map(Record::data).collect();
-    let is_right = |pair: &[&[u8]]| match pair {
-        [[before], [now]] => (1..=5).contains(before) && *now == before % 5 + 1,
-        _ => false,
-    };
-    bench.check(demand(bytes.len() > 6 && bytes.windows(2).all(is_right), || {
-        Reason::new("with 1019h = 5 SYNC counts from 1 to 5", "1, 2, 3, 4, 5, 1, …", data(&heard))
+    let id = produce(bench, 5)?;
+    let heard = syncs(bench, id, 13)?;
+    bench.check(demand(heard.len() > 6, || {
+        counted("SYNC with a counter is produced every 50 ms, in 650 ms", 7, None, &heard)
+    }))?;
+    let mut before = None;
+    let wrong = heard.iter().find(|record| {
+        let is_right = match *record.data() {
+            [now] => (1..=5).contains(&now) && before.is_none_or(|before| now == before % 5 + 1),
+            _ => false,
+        };
+        before = record.data().first().copied();
+        !is_right
+    });
+    bench.check(demand(wrong.is_none(), || {
+        let found = wrong.map_or(Observation::Silence, |record| Observation::Value(record.data().to_vec()));
+        let breach = Breach::new(OVERFLOW, "with 1019h = 5 SYNC counts from 1 to 5");
+        breach.expected("1, 2, 3, 4, 5, 1, …").found(found).told(data(&heard))
     }))
 }
 
 /// The counter begins with 1 when the device leaves stopped.
-#[case(id = "301/sync/counter-restarts", clause = "CiA 301 7.2.5", confidence = Known, level = Should,
+#[case(id = "301/sync/counter-restarts", clause = "CiA 301 7.2.5.2.2", confidence = Cited, level = Must,
        needs = [SyncProducer, SyncCounter], catches = [SyncCounterNotReset, NmtStartWhenStoppedIgnored, SyncWhenStopped])]
 fn counter_restarts(bench: &mut Bench<'_>) -> Judged {
-    produce(bench, 240)?;
-    syncs(bench, 5)?;
+    let id = produce(bench, 240)?;
+    syncs(bench, id, 5)?;
     bench.command(Command::STOP)?;
     bench.listen(bench.timing().reaction)?;
     bench.command(Command::START)?;
-    let heard = syncs(bench, 4)?;
-    bench.check(demand(heard.first().is_some_and(|record| record.data() == [1]), || {
-        Reason::new("after stopped the SYNC counter begins with 1", "01", data(&heard))
+    let heard = syncs(bench, id, 4)?;
+    let found = heard.first().map_or(Observation::Silence, |record| Observation::Value(record.data().to_vec()));
+    bench.check(demand(found == Observation::Value(vec![1]), || {
+        let breach = Breach::new(Service::Sync, "after stopped the SYNC counter begins with 1");
+        breach.expected(Observation::Value(vec![1])).found(found).told(data(&heard))
     }))
 }
 
 /// Without a counter (1019h = 0) SYNC carries no data.
-#[case(id = "301/sync/no-counter", clause = "CiA 301 7.2.5", confidence = Known, level = Must,
+#[case(id = "301/sync/no-counter", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncAlwaysCounts], cct = "6.6")]
 fn no_counter(bench: &mut Bench<'_>) -> Judged {
-    produce(bench, 0)?;
-    let heard = syncs(bench, 6)?;
-    bench.check(demand(!heard.is_empty() && heard.iter().all(|record| record.data().is_empty()), || {
-        Reason::new("without counter SYNC has no data", "empty frames", data(&heard))
+    let id = produce(bench, 0)?;
+    let heard = syncs(bench, id, 6)?;
+    bench.check(demand(!heard.is_empty(), || counted("SYNC is produced every 50 ms, in 300 ms", 1, None, &heard)))?;
+    let wrong = heard.iter().find(|record| !record.data().is_empty());
+    bench.check(demand(wrong.is_none(), || {
+        let found = wrong.map_or(0, |record| record.data().len() as u64);
+        let breach = Breach::new(Service::Sync, "without counter SYNC has no data, bytes");
+        breach.expected(Observation::Number(0)).found(Observation::Number(found)).told(data(&heard))
     }))
 }
 
-/// 1019h takes 0 and 2 to 240; 1 and 241 to 255 are refused with abort 0609 0030h.
-#[case(id = "301/sync/overflow-range", clause = "CiA 301 7.5.2.22", confidence = Derived, level = Must,
+/// 1019h takes 0 and 2 to 240; 1 and 241 to 255, which are reserved, are refused with abort 0609 0030h.
+#[case(id = "301/sync/overflow-range", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Should,
        needs = [SyncCounter], catches = [SyncOverflowUnchecked], cct = "6.5")]
 fn overflow_range(bench: &mut Bench<'_>) -> Judged {
-    bench.write(PERIOD, &0_u32.to_le_bytes())?;
-    for wrong in [1_u8, 241, 255] {
+    stop_period(bench)?;
+    bench.each([1_u8, 241, 255], |bench, wrong| {
         let attempt = bench.download(OVERFLOW, &[wrong])?;
-        bench.check(attempt.refused(Situation::InvalidValue))?;
-    }
-    for right in [2_u8, 240, 0] {
-        bench.download(OVERFLOW, &[right])?.expect_confirmation()?;
-    }
-    Ok(())
+        bench.check(attempt.refused(Situation::InvalidValue))
+    })?;
+    bench.each([2_u8, 240, 0], |bench, right| {
+        let attempt = bench.download(OVERFLOW, &[right])?;
+        bench.check(attempt.expect_confirmation())
+    })
 }
 
-/// While 1006h is not 0, 1019h can't be changed: abort 0800 0022h.
-#[case(id = "301/sync/overflow-while-running", clause = "CiA 301 7.5.2.22", confidence = Derived, level = Must,
+/// While 1006h is not 0, 1019h can't be changed: abort 0800 0022h or 0800 0000h.
+#[case(id = "301/sync/overflow-while-running", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Must,
        needs = [SyncCounter], catches = [SyncOverflowChangeWhileProducing], cct = "6.9")]
 fn overflow_while_running(bench: &mut Bench<'_>) -> Judged {
     bench.write(PERIOD, &PERIOD_US.to_le_bytes())?;
@@ -171,63 +202,67 @@ fn overflow_while_running(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// While the device produces SYNC, its CAN-ID can't be changed: abort 0609 0030h.
-#[case(id = "301/sync/cob-id-while-producing", clause = "CiA 301 7.5.2.5", confidence = Derived, level = Must,
+/// While the device produces SYNC, its CAN-ID does not change: the write is refused.
+#[case(id = "301/sync/cob-id-while-producing", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncIdChangeWhileProducing])]
 fn cob_id_while_producing(bench: &mut Bench<'_>) -> Judged {
     produce(bench, 0)?;
     let own = bench.read(COB_ID)?;
-    let other = crate::bench::sdo::number(&own) & !0x7FF | 0x0A0;
+    let other = number(&own) & !0x7FF | 0x0A0;
     let attempt = bench.download(COB_ID, &other.to_le_bytes())?;
-    bench.check(attempt.refused(Situation::InvalidValue))?;
+    bench.check(attempt.refused(Situation::ValidCobIdChanged))?;
     bench.expect_unchanged(COB_ID, &own)?;
-    bench.write(COB_ID, &(crate::bench::sdo::number(&own) & !PRODUCES).to_le_bytes())?;
+    bench.write(COB_ID, &(number(&own) & !PRODUCES).to_le_bytes())?;
     Ok(())
 }
 
 /// 1005h names the predefined CAN-ID 080h as delivered.
-#[case(id = "301/sync/cob-id", clause = "CiA 301 7.5.2.5", confidence = Derived, level = Must,
+#[case(id = "301/sync/cob-id", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
        needs = [Sync], catches = [SyncIdWrong], cct = "6.1")]
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
-    let own = bench.read_number(COB_ID)?;
-    bench.check(demand(own & 0x1FFF_FFFF == u32::from(sync::CAN_ID), || {
-        Reason::new("1005h names the predefined CAN-ID", "080h", format!("{own:08X}h"))
+    let own = bench.read(COB_ID)?;
+    bench.check(demand(number(&own) & 0x1FFF_FFFF == u32::from(sync::CAN_ID), || {
+        let breach = Breach::new(COB_ID, "1005h names the predefined CAN-ID of SYNC").expected("80h in bits 0 to 28");
+        breach.found(Observation::Value(own))
     }))
 }
 
-/// A consumer that expects a counter takes SYNC of another length than one byte for wrong: it sends no TPDO.
-#[case(id = "301/sync/wrong-length", clause = "CiA 301 7.2.7", confidence = Attested, level = Must,
+/// Whether a consumer that expects a counter obeys a SYNC of another length than one byte: recorded only. It may report it
+/// by EMCY 8240h; of the TPDOs nothing is said.
+#[case(id = "301/sync/wrong-length", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Open,
        needs = [SyncCounter, Tpdo, DynamicMapping], catches = [SyncLengthUnchecked])]
 fn wrong_length(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
-    bench.write(PERIOD, &0_u32.to_le_bytes())?;
+    stop_period(bench)?;
     bench.write(OVERFLOW, &[10])?;
     bench.set_pdo(TPDO, &[(2, &[1])])?;
     let can_id = (bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16;
+    let sync_id = bench.sync_id()?;
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction)?;
-    bench.send_bytes(sync::CAN_ID, &[1])?;
+    bench.send_bytes(sync_id, &[1])?;
     let right = bench.frames_of(can_id, Duration::from_millis(50))?;
-    demand(!right.is_empty(), || Reason::new("SYNC with a counter is obeyed", "a TPDO", "none")).or_inconclusive()?;
-    for wrong in [&[][..], &[2, 0]] {
+    demand(!right.is_empty(), || counted("SYNC with a counter is followed by a TPDO", 1, Some(1), &right))
+        .or_inconclusive()?;
+    bench.each([&[][..], &[2, 0]], |bench, wrong| {
         bench.drain()?;
-        bench.send_bytes(sync::CAN_ID, wrong)?;
-        let heard = bench.listen(Duration::from_millis(50))?;
-        let pdos = heard.iter().filter(|record| record.frame.cob_id() == Some(can_id)).count();
-        demand(pdos == 0, || {
-            let duty = format!("SYNC of {} bytes is not obeyed where a counter is expected", wrong.len());
-            Reason::new(duty, "no TPDO", format!("{pdos} TPDO"))
-        })?;
+        bench.send_bytes(sync_id, wrong)?;
+        let heard = bench.frames_of(can_id, Duration::from_millis(50))?;
         let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
-        if !heard.iter().any(|record| record.frame.cob_id() == Some(emcy_id)) {
-            bench.note(format!("SYNC of {} bytes is not reported by EMCY 8240h", wrong.len()));
-        }
-    }
-    Ok(())
+        let told = bench.evidence().frames().any(|exhibit| exhibit.record.frame.cob_id() == Some(emcy_id));
+        bench.note(match told {
+            true => format!("SYNC of {} bytes: an EMCY", wrong.len()),
+            false => format!("SYNC of {} bytes is not reported by EMCY 8240h", wrong.len()),
+        });
+        bench.check(demand(heard.is_empty(), || {
+            let duty = format!("SYNC of {} bytes is not obeyed where a counter is expected", wrong.len());
+            counted(duty, 0, Some(0), &heard)
+        }))
+    })
 }
 
 /// A device that only consumes SYNC refuses to produce it: abort 0609 0030h for bit 30 of 1005h.
-#[case(id = "301/sync/consumer-only", clause = "CiA 301 7.5.2.5", confidence = Derived, level = Should,
+#[case(id = "301/sync/consumer-only", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
        needs = [Sync], catches = [SyncProducerBitAccepted])]
 fn consumer_only(bench: &mut Bench<'_>) -> Judged {
     if bench.has(PERIOD)? && bench.target().description.is_none() {
@@ -235,28 +270,31 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(reason));
     }
     let own = bench.read_number(COB_ID)?;
-    // Where nothing of 1005h can be changed, that is the reason to refuse.
-    let strict = if bench.can_write(COB_ID)? { AbortCode::INVALID_VALUE } else { AbortCode::READ_ONLY };
     let attempt = bench.download(COB_ID, &(own | PRODUCES).to_le_bytes())?;
     if attempt.abort().is_none() {
         // A producer, then: it must produce.
         bench.write(COB_ID, &own.to_le_bytes())?;
-        produce(bench, 0)?;
-        let heard = syncs(bench, 6)?;
+        let id = produce(bench, 0)?;
+        let heard = syncs(bench, id, 6)?;
         return bench.check(demand(!heard.is_empty(), || {
-            let duty = "a device that takes bit 30 of 1005h produces SYNC";
-            Reason::new(duty, "SYNC, or abort 0609 0030h", "confirmation, but no SYNC")
+            let breach = Breach::new(COB_ID, "a device that takes bit 30 of 1005h produces SYNC");
+            let breach = breach.expected("SYNC, or abort 0609 0030h").found(Observation::Confirmation);
+            breach.told("confirmation, but no SYNC")
         }));
     }
-    bench.check(attempt.refused_with(&[strict], &[AbortCode::INVALID_VALUE, AbortCode::READ_ONLY, AbortCode::GENERAL]))
+    // Where nothing of 1005h can be changed, that is a reason to refuse, too.
+    let is_named = attempt.abort() == Some(AbortCode::INVALID_VALUE);
+    let situation = if is_named || bench.can_write(COB_ID)? { Situation::InvalidValue } else { Situation::ReadOnly };
+    bench.check(attempt.refused(situation))
 }
 
-/// The synchronous counter overflow value that was stored is there after reset node. The old one is stored again.
-#[case(id = "301/sync/overflow-stored", clause = "CiA 301 7.5.2.22", confidence = Derived, level = Must,
+/// Whether a stored synchronous counter overflow value is there after reset node: recorded only, as a device need not store
+/// each parameter. The old one is stored again.
+#[case(id = "301/sync/overflow-stored", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Open,
        needs = [SyncCounter, Store], touches = [Nvm], catches = [StoreWithoutEffect], cct = "6.8")]
 fn overflow_stored(bench: &mut Bench<'_>) -> Judged {
     const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
-    bench.write(PERIOD, &0_u32.to_le_bytes())?;
+    stop_period(bench)?;
     let before = bench.read(OVERFLOW)?;
     let other = if before == [10] { [20] } else { [10] };
     bench.write(OVERFLOW, &other)?;
@@ -267,7 +305,8 @@ fn overflow_stored(bench: &mut Bench<'_>) -> Judged {
     bench.write(STORE, b"save")?;
     let stored = stored?;
     bench.check(demand(stored == other, || {
-        let duty = "1019h has its stored value after reset node";
-        Reason::new(duty, Bytes(&other).to_string(), Bytes(&stored).to_string())
+        Breach::new(OVERFLOW, "1019h has its stored value after reset node")
+            .expected(Observation::Value(other.to_vec()))
+            .found(Observation::Value(stored))
     }))
 }

@@ -1,13 +1,15 @@
 //! TIME: 1012h (CiA 301, 7.2.6).
 
 use crate::bench::Bench;
+use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::dictionary::{DataType, Entry};
 use canvass_analyzer::wire::time;
+use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
 const COB_ID: Multiplexer = Multiplexer::new(0x1012, 0);
@@ -16,59 +18,58 @@ const CONSUMES: u32 = 1 << 31;
 /// Bit 30 of 1012h: the device produces TIME.
 const PRODUCES: u32 = 1 << 30;
 
-/// Switches a direction of TIME on; not applicable where the device refuses.
+/// Switches a direction of TIME on; not applicable where the device refuses as one that does not have it.
 fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Stop> {
     let own = bench.read_number(COB_ID)?;
     let attempt = bench.download(COB_ID, &(own & !(CONSUMES | PRODUCES) | bit).to_le_bytes())?;
-    match attempt.abort() {
-        None => Ok(()),
-        Some(code) => {
-            let reason =
-                Reason::new(format!("the device {what} TIME"), "a bit of 1012h that can be set", code.to_string());
-            Err(Stop::NotApplicable(reason))
-        }
-    }
+    let Some(code) = attempt.abort() else { return Ok(()) };
+    bench.check(attempt.refused(Situation::InvalidValue))?;
+    let duty = format!("the device {what} TIME");
+    Err(Stop::NotApplicable(Reason::new(duty, "a bit of 1012h that can be set", code.to_string())))
 }
 
 /// 1012h names the predefined CAN-ID 100h as delivered.
-#[case(id = "301/time/cob-id", clause = "CiA 301 7.5.2.15", confidence = Derived, level = Must,
+#[case(id = "301/time/cob-id", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Must,
        needs = [Time], catches = [TimeIdWrong])]
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
-    let own = bench.read_number(COB_ID)?;
-    bench.check(demand(own & 0x1FFF_FFFF == u32::from(time::CAN_ID), || {
-        Reason::new("1012h names the predefined CAN-ID", "100h", format!("{own:08X}h"))
+    let own = bench.read(COB_ID)?;
+    bench.check(demand(number(&own) & 0x1FFF_FFFF == u32::from(time::CAN_ID), || {
+        let breach = Breach::new(COB_ID, "1012h names the predefined CAN-ID of TIME").expected("100h in bits 0 to 28");
+        breach.found(Observation::Value(own))
     }))
 }
 
-/// While TIME is consumed or produced, its CAN-ID can't be changed: abort 0609 0030h.
-#[case(id = "301/time/cob-id-while-valid", clause = "CiA 301 7.5.2.15", confidence = Derived, level = Must,
+/// While TIME is consumed or produced, its CAN-ID does not change: the write is refused.
+#[case(id = "301/time/cob-id-while-valid", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Must,
        needs = [Time], catches = [TimeIdChangeWhileValid])]
 fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
-    switch_on(bench, CONSUMES, "consumes")?;
+    match switch_on(bench, CONSUMES, "consumes") {
+        Err(Stop::NotApplicable(_)) => switch_on(bench, PRODUCES, "produces or consumes")?,
+        switched => switched?,
+    }
     let own = bench.read(COB_ID)?;
-    let other = crate::bench::sdo::number(&own) & !0x7FF | 0x6A0;
+    let other = number(&own) & !0x7FF | 0x6A0;
     let attempt = bench.download(COB_ID, &other.to_le_bytes())?;
-    bench.check(attempt.refused(Situation::InvalidValue))?;
-    bench.expect_unchanged(COB_ID, &own)?;
-    Ok(())
+    bench.check(attempt.refused(Situation::ValidCobIdChanged))?;
+    bench.expect_unchanged(COB_ID, &own)
 }
 
-/// Restricted CAN-IDs are refused for TIME with abort 0609 0030h.
-#[case(id = "301/time/restricted", clause = "CiA 301 7.3.5", confidence = Attested, level = Must,
+/// Restricted CAN-IDs are refused for TIME.
+#[case(id = "301/time/restricted", clause = "CiA 301 7.3.5", confidence = Cited, level = Must,
        needs = [Time], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
     bench.write(COB_ID, &(own & !(CONSUMES | PRODUCES)).to_le_bytes())?;
-    for can_id in [0x001_u32, 0x101, 0x581, 0x601, 0x6E0, 0x701] {
+    bench.each([0x001_u32, 0x101, 0x581, 0x601, 0x6E0, 0x701], |bench, can_id| {
         let attempt = bench.download(COB_ID, &(CONSUMES | can_id).to_le_bytes())?;
-        bench.check(attempt.refused(Situation::InvalidValue))?;
-    }
-    Ok(())
+        bench.check(attempt.refused(Situation::RestrictedCanId))
+    })
 }
 
-/// A consumer of TIME takes the time over: an object of type TIME_OF_DAY that the description names shows it.
-#[case(id = "301/time/consumer", clause = "CiA 301 7.2.6", confidence = Known, level = Must,
-       needs = [Time, Description], catches = [TimeIgnored, SdoUploadEndMissing, SdoAnnouncedSizeWrong, SdoSegmentLengthWrong])]
+/// Whether a consumer of TIME takes the time over, so that an object of type TIME_OF_DAY that the description names shows it:
+/// recorded only. How a device uses TIME is its own matter.
+#[case(id = "301/time/consumer", clause = "CiA 301 7.2.6.1", confidence = Cited, level = Open,
+       needs = [Time, Description], catches = [TimeIgnored])]
 fn consumer(bench: &mut Bench<'_>) -> Judged {
     switch_on(bench, CONSUMES, "consumes")?;
     let clock = bench.target().description.as_ref().and_then(|description| {
@@ -88,22 +89,27 @@ fn consumer(bench: &mut Bench<'_>) -> Judged {
     let value = bench.upload(clock)?.value()?;
     bench.check(demand(value.get(4..6) == Some(&[low, high]), || {
         let expected = format!("six bytes that end in {}", Bytes(&[low, high]));
-        Reason::new(format!("{clock} follows a TIME message"), expected, Bytes(&value).to_string())
+        Breach::new(clock, format!("{clock} follows a TIME message"))
+            .expected(expected)
+            .found(Observation::Value(value))
     }))
 }
 
-/// A producer sends TIME of six bytes whose upper four bits of the milliseconds are 0.
-#[case(id = "301/time/producer", clause = "CiA 301 7.2.6", confidence = Known, level = Must,
+/// A producer sends TIME of six bytes; the four bits above the milliseconds, which are reserved, are 0.
+#[case(id = "301/time/producer", clause = "CiA 301 7.2.6.3.1", confidence = Cited, level = Must,
        needs = [Time], catches = [TimeReservedBitsSet])]
 fn producer(bench: &mut Bench<'_>) -> Judged {
     switch_on(bench, PRODUCES, "produces")?;
     let heard = bench.frames_of(time::CAN_ID, Duration::from_secs(5))?;
-    let Some(first) = heard.first() else {
-        let reason = Reason::new("the device produces TIME", "one within 5 s", "none");
-        return Err(Stop::Inconclusive(reason));
-    };
-    let is_right = |data: &[u8]| data.len() == 6 && data.get(3).is_some_and(|byte| byte & 0xF0 == 0);
-    bench.check(demand(heard.iter().all(|record| is_right(record.data())), || {
-        Reason::new("TIME has six bytes, bits 28 to 31 are 0", "six bytes", Bytes(first.data()).to_string())
-    }))
+    if heard.is_empty() {
+        return Err(Stop::Inconclusive(Reason::new("the device produces TIME", "one within 5 s", "none")));
+    }
+    let found = heard.iter().find_map(|record| match record.data() {
+        [_, _, _, top, _, _] if top & 0xF0 == 0 => None,
+        [_, _, _, _, _, _] => Some((Observation::named("reserved bits set"), record)),
+        other => Some((Observation::Number(other.len() as u64), record)),
+    });
+    let Some((found, record)) = found else { return Ok(()) };
+    let breach = Breach::new(Service::Time, "TIME has six bytes, of which bits 28 to 31 are 0");
+    bench.check(Err(Box::new(breach.expected("six bytes").found(found).told(Bytes(record.data()).to_string()))))
 }

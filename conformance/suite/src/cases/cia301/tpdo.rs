@@ -2,10 +2,12 @@
 
 use crate::bench::Bench;
 use crate::bench::objects::{EVENT_TIMER, INHIBIT_TIME, TPDO_COB_ID, TRANSMISSION_TYPE};
+use crate::bench::pdo::TPDO;
 use crate::case;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::CobId;
 use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::observation::Observation;
 use canvass_traces::{CanId, Duration, Frame, Record};
 
 const PERIOD_MS: u16 = 100;
@@ -24,6 +26,12 @@ fn cyclic_tpdo(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     Ok((cob_id.can_id() & 0x7FF) as u16)
 }
 
+/// So many TPDOs.
+fn counted(duty: String, least: u64, most: Option<u64>, found: usize) -> Breach {
+    let expected = Allowed::Count { least, most };
+    Breach::new(TPDO.subject(), duty).expected(expected).found(Observation::Count(found as u64))
+}
+
 fn tpdos(bench: &mut Bench<'_>, cob_id: u16, span: Duration) -> Result<Vec<Record>, Stop> {
     let mut heard = Vec::new();
     bench.wait_for(span, |record| {
@@ -35,41 +43,41 @@ fn tpdos(bench: &mut Bench<'_>, cob_id: u16, span: Duration) -> Result<Vec<Recor
     Ok(heard)
 }
 
-/// With an event timer the TPDO comes at that period in operational.
-#[case(id = "301/tpdo/event-timer", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+/// With an event timer the TPDO comes at that period in operational, or at its inhibit time where that is longer.
+#[case(id = "301/tpdo/event-timer", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer], catches = [EventTimerDoubled], cct = "3.5")]
 fn event_timer(bench: &mut Bench<'_>) -> Judged {
     const PERIODS: u64 = 10;
     let cob_id = cyclic_tpdo(bench)?;
+    let period = PERIOD.max(bench.pdo_inhibit_time(TPDO)?);
     bench.command(Command::START)?;
-    tpdos(bench, cob_id, PERIOD)?;
-    let heard = tpdos(bench, cob_id, PERIOD.times(PERIODS) + Duration::from_millis(50))?;
+    tpdos(bench, cob_id, period)?;
+    let heard = tpdos(bench, cob_id, period.times(PERIODS) + Duration::from_nanos(period.nanos() / 2))?;
+    let duty = || format!("with {EVENT_TIMER} = {PERIOD_MS} the TPDO comes every {period}");
     // Value changes may send the TPDO in between, so more is right and fewer is wrong; the gaps are what counts.
+    bench.check(demand(heard.len() as u64 >= PERIODS, || counted(duty(), PERIODS, None, heard.len())))?;
     let gaps = heard.windows(2).map(|pair| match pair {
         [a, b] => b.timestamp.since(a.timestamp),
         _ => Duration::ZERO,
     });
-    let longest = gaps.max();
-    let limit = PERIOD + bench.tolerance(PERIOD);
-    bench.check(demand(heard.len() as u64 >= PERIODS && longest.is_some_and(|gap| gap <= limit), || {
-        let actual = match longest {
-            Some(gap) => format!("{} TPDOs, up to {gap} apart", heard.len()),
-            None => format!("{} TPDOs", heard.len()),
-        };
-        let duty = format!("with {EVENT_TIMER} = {PERIOD_MS} the TPDO comes every {PERIOD}");
-        Reason::new(duty, format!("gaps of {limit} at most"), actual)
+    let longest = gaps.max().unwrap_or(Duration::ZERO);
+    let most = period + bench.tolerance(period);
+    bench.check(demand(longest <= most, || {
+        Breach::new(EVENT_TIMER, duty())
+            .expected(Allowed::Time { least: Duration::ZERO, most })
+            .found(Observation::Time(longest))
     }))
 }
 
 /// In pre-operational no TPDO is sent, even where its event timer runs.
-#[case(id = "301/state/pre-operational/tpdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+#[case(id = "301/state/pre-operational/tpdo", clause = "CiA 301 7.3.2.2.2", confidence = Cited, level = Must,
        needs = [Tpdo], catches = [TpdoInPreOperational], cct = "9.2")]
 fn pre_operational(bench: &mut Bench<'_>) -> Judged {
     silent_unless_operational(bench, Command::ENTER_PRE_OPERATIONAL)
 }
 
 /// In stopped no TPDO is sent, even where its event timer runs.
-#[case(id = "301/state/stopped/tpdo", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
+#[case(id = "301/state/stopped/tpdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        needs = [Tpdo], catches = [TpdoWhenStopped], cct = "9.4")]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     silent_unless_operational(bench, Command::STOP)
@@ -80,18 +88,15 @@ fn silent_unless_operational(bench: &mut Bench<'_>, command: Command) -> Judged 
     let trigger = trigger(bench)?;
     bench.command(Command::START)?;
     let running = trigger.listen(bench, 3)?;
-    demand(!running.is_empty(), || {
-        Reason::new("TPDO 1 is sent in operational", format!("one {}", trigger.text()), "none in three")
-    })
-    .or_inconclusive()?;
+    demand(!running.is_empty(), || counted(format!("TPDO 1 is sent in operational {}", trigger.text()), 1, None, 0))
+        .or_inconclusive()?;
     bench.command(command)?;
     // One may be on its way.
     bench.listen(bench.timing().reaction)?;
     let heard = trigger.listen(bench, 5)?;
-    demand(heard.is_empty(), || {
-        let duty = format!("after {command} TPDO 1 is not sent");
-        Reason::new(duty, format!("none {}", trigger.text()), format!("{} TPDOs", heard.len()))
-    })?;
+    bench.check(demand(heard.is_empty(), || {
+        counted(format!("after {command} TPDO 1 is not sent"), 0, Some(0), heard.len())
+    }))?;
     not_for_a_remote_frame(bench, trigger.can_id(), command)
 }
 
@@ -101,8 +106,7 @@ fn not_for_a_remote_frame(bench: &mut Bench<'_>, can_id: u16, command: Command) 
     bench.send(&request)?;
     let answers = tpdos(bench, can_id, bench.timing().silence)?;
     bench.check(demand(answers.is_empty(), || {
-        let duty = format!("after {command} TPDO 1 is not sent");
-        Reason::new(duty, "no answer to a remote frame", format!("{} TPDOs", answers.len()))
+        counted(format!("after {command} TPDO 1 does not answer a remote frame"), 0, Some(0), answers.len())
     }))
 }
 
@@ -168,17 +172,17 @@ impl Trigger {
 }
 
 /// A TPDO of transmission type n is sent once for every n SYNCs.
-#[case(id = "301/tpdo/sync-cycle", clause = "CiA 301 7.2.2.2", confidence = Known, level = Must,
+#[case(id = "301/tpdo/sync-cycle", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Must,
        needs = [Tpdo], catches = [SyncCycleIgnored], cct = "6.3")]
 fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
     let cob_id = (CobId(bench.read_number(TPDO_COB_ID)?).can_id() & 0x7FF) as u16;
     let sync_id = bench.sync_id()?;
     // 240 is the longest cycle.
-    for (cycle, cycles) in [(1_u8, 4), (3, 4), (240, 1)] {
+    bench.each([(1_u8, 4), (3, 4), (240, 1)], |bench, (cycle, cycles)| {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
         bench.listen(bench.timing().reaction)?;
         match set_type(bench, cycle) {
-            Err(Stop::NotApplicable(_)) if cycle == 240 => break,
+            Err(Stop::NotApplicable(_)) if cycle == 240 => return Ok(()),
             set => set?,
         }
         bench.command(Command::START)?;
@@ -190,17 +194,16 @@ fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
             sent += tpdos(bench, cob_id, pause)?.len();
         }
         sent += tpdos(bench, cob_id, Duration::from_millis(20))?.len();
-        demand(sent == cycles, || {
-            let duty = format!("with transmission type {cycle} TPDO 1 follows every {cycle}. SYNC");
+        bench.check(demand(sent == cycles, || {
             let syncs = cycles * usize::from(cycle);
-            Reason::new(duty, format!("{cycles} TPDOs after {syncs} SYNCs"), format!("{sent}"))
-        })?;
-    }
-    Ok(())
+            let duty = format!("with transmission type {cycle} TPDO 1 follows every {cycle}. of {syncs} SYNCs");
+            counted(duty, cycles as u64, Some(cycles as u64), sent)
+        }))
+    })
 }
 
 /// Between two TPDOs at least the inhibit time passes, whatever the event timer says.
-#[case(id = "301/tpdo/inhibit-time", clause = "CiA 301 7.5.2.37", confidence = Attested, level = Must,
+#[case(id = "301/tpdo/inhibit-time", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer], catches = [InhibitTimeIgnored])]
 fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     const INHIBIT: Duration = Duration::from_millis(300);
@@ -217,10 +220,13 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
         [a, b] => Some(b.timestamp.since(a.timestamp)),
         _ => None,
     });
+    let least = Duration::from_nanos(INHIBIT.nanos().saturating_sub(bench.tolerance(INHIBIT).nanos()));
     let shortest = gaps.min();
-    let limit = INHIBIT.nanos().saturating_sub(bench.tolerance(INHIBIT).nanos());
-    bench.check(demand(shortest.is_some_and(|gap| gap.nanos() >= limit), || {
-        let actual = shortest.map_or_else(|| "fewer than two TPDOs".to_owned(), |gap| format!("{gap}"));
-        Reason::new("TPDOs are at least the inhibit time apart", INHIBIT.to_string(), actual)
+    bench.check(demand(shortest.is_some_and(|gap| gap >= least), || {
+        let breach = Breach::new(INHIBIT_TIME, "TPDOs are at least the inhibit time apart");
+        match shortest {
+            Some(gap) => breach.expected(Allowed::Time { least, most: INHIBIT.times(2) }).found(Observation::Time(gap)),
+            None => counted("TPDO 1 is sent every 300 ms, in 1.5 s".to_owned(), 2, None, heard.len()),
+        }
     }))
 }

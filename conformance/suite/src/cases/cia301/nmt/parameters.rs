@@ -1,20 +1,22 @@
-//! What resets do to parameters that were not stored (CiA 301, 7.3.2.1).
+//! What resets do to parameters that were not stored (CiA 301, 7.3.2.2.1).
 
 use crate::bench::Bench;
+use crate::bench::objects::Scratch;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::Observation;
 
 /// Reset communication brings communication parameters that were changed but not stored back to their power-on values.
-#[case(id = "301/nmt/reset-communication/parameters", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+#[case(id = "301/nmt/reset-communication/parameters", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [ScratchObject], catches = [NmtResetCommunicationKeepsParameters])]
 fn reset_communication(bench: &mut Bench<'_>) -> Judged {
     power_on_value(bench, Command::RESET_COMMUNICATION)
 }
 
 /// Reset node brings communication parameters that were changed but not stored back to their power-on values.
-#[case(id = "301/nmt/reset-node/parameters", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+#[case(id = "301/nmt/reset-node/parameters", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [ScratchObject], catches = [NmtResetNodeKeepsParameters], cct = "9.1")]
 fn reset_node(bench: &mut Bench<'_>) -> Judged {
     power_on_value(bench, Command::RESET_NODE)
@@ -26,40 +28,61 @@ fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
         let reason = Reason::new("a communication parameter can be written without consequence", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
+    stores_on_command_only(bench)?;
     // Prepared by a reset, the device holds its power-on values now.
+    let now = changed_and_reset(bench, &scratch, command)?;
+    let duty = format!("{} has its power-on value after {command}", scratch.multiplexer);
+    bench.check(has(&scratch, duty, &scratch.value, now))
+}
+
+/// What a device stores by itself is its power-on value as soon as it is written.
+fn stores_on_command_only(bench: &mut Bench<'_>) -> Judged {
+    const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+    /// Bit 1 of 1010h: the device saves parameters autonomously.
+    const BY_ITSELF: u32 = 1 << 1;
+    if bench.has(STORE)? && bench.read_number(STORE)? & BY_ITSELF != 0 {
+        let reason = Reason::new("parameters are stored on command only", "bit 1 of 1010h:01 is 0", "1");
+        return Err(Stop::NotApplicable(reason));
+    }
+    Ok(())
+}
+
+/// Writes another value, resets, and reads.
+fn changed_and_reset(bench: &mut Bench<'_>, scratch: &Scratch, command: Command) -> Result<Vec<u8>, Stop> {
     bench.write(scratch.multiplexer, &scratch.other)?;
     bench.reset(command)?;
-    let now = bench.read(scratch.multiplexer)?;
-    bench.check(demand(now == scratch.value, || {
-        let duty = format!("{} has its power-on value after {command}", scratch.multiplexer);
-        Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&now).to_string())
-    }))
+    bench.read(scratch.multiplexer)
+}
+
+fn has(scratch: &Scratch, duty: String, right: &[u8], now: Vec<u8>) -> crate::verdict::Check {
+    demand(now == right, || {
+        let right = Observation::Value(right.to_vec());
+        Breach::new(scratch.multiplexer, duty).expected(right).found(Observation::Value(now))
+    })
 }
 
 /// Reset communication leaves the parameters of the application, 2000h and above, as they are.
-#[case(id = "301/nmt/reset-communication/application", clause = "CiA 301 7.3.2.1", confidence = Attested,
+#[case(id = "301/nmt/reset-communication/application", clause = "CiA 301 7.3.2.2.1", confidence = Cited,
        level = Must, needs = [ApplicationParameter], catches = [NmtResetCommunicationRestoresAll])]
 fn application(bench: &mut Bench<'_>) -> Judged {
     let Some(scratch) = bench.application_scratch()? else { return Ok(()) };
-    bench.write(scratch.multiplexer, &scratch.other)?;
-    bench.reset(Command::RESET_COMMUNICATION)?;
-    let now = bench.read(scratch.multiplexer)?;
-    bench.check(demand(now == scratch.other, || {
-        let duty = format!("{} keeps its value over reset communication", scratch.multiplexer);
-        Reason::new(duty, Bytes(&scratch.other).to_string(), Bytes(&now).to_string())
-    }))
+    let now = changed_and_reset(bench, &scratch, Command::RESET_COMMUNICATION)?;
+    let duty = format!("{} keeps its value over reset communication", scratch.multiplexer);
+    bench.check(has(&scratch, duty, &scratch.other, now))
 }
 
 /// Reset node brings parameters of the application that were changed but not stored back to their power-on values.
-#[case(id = "301/nmt/reset-node/application", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+///
+/// What a manufacturer's variable that RPDOs carry holds after a reset is only recorded: it is no parameter.
+#[case(id = "301/nmt/reset-node/application", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [ApplicationParameter], catches = [NmtResetNodeKeepsParameters])]
 fn application_power_on(bench: &mut Bench<'_>) -> Judged {
     let Some(scratch) = bench.application_scratch()? else { return Ok(()) };
-    bench.write(scratch.multiplexer, &scratch.other)?;
-    bench.reset(Command::RESET_NODE)?;
-    let now = bench.read(scratch.multiplexer)?;
-    bench.check(demand(now == scratch.value, || {
-        let duty = format!("{} has its power-on value after reset node", scratch.multiplexer);
-        Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&now).to_string())
-    }))
+    stores_on_command_only(bench)?;
+    let now = changed_and_reset(bench, &scratch, Command::RESET_NODE)?;
+    let duty = format!("{} has its power-on value after reset node", scratch.multiplexer);
+    let checked = has(&scratch, duty, &scratch.value, now);
+    let is_variable = bench.rpdo_objects().iter().any(|mapped| mapped.at == scratch.multiplexer)
+        && matches!(scratch.multiplexer.index.0, 0x2000..0x6000);
+    bench.check(if is_variable { checked.map_err(|breach| Box::new(breach.open())) } else { checked })
 }
