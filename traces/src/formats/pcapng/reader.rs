@@ -150,12 +150,33 @@ impl PcapngReader {
 
     /// A section header without its magic number, or none at all.
     fn no_section(&mut self) -> Damage {
-        let damage = match self.order {
-            None if self.number == 1 => {
-                return self.damage(DamageKind::Fatal, "a section header block at the beginning", "");
-            }
-            _ => self.damage(DamageKind::Malformed, "the byte order magic 1A2B3C4Dh in a section header", ""),
+        let Some(&head) = self.source.window().first_chunk() else {
+            return self.damage(DamageKind::Fatal, "a section header block at the beginning", "");
         };
+        if !block::is_section(&head) {
+            return self.damage(DamageKind::Fatal, "a section header block at the beginning", "");
+        }
+        let damage = self.damage(DamageKind::Malformed, "the byte order magic 1A2B3C4Dh in a section header", "");
+        // Its two lengths are equal in one byte order only.
+        for order in [Endianness::Little, Endianness::Big] {
+            let length = block::length(order, &head) as usize;
+            if !(FRAMING..=LONGEST).contains(&length) {
+                continue;
+            }
+            match self.source.fill_to(length) {
+                Ok(true) => {}
+                Ok(false) => continue,
+                Err(error) => return self.failed(&error),
+            }
+            let window = self.source.window();
+            if window.get(length - 4..length) == window.get(4..8) {
+                self.section_end = None;
+                self.order = Some(order);
+                self.section.begin(order);
+                self.source.consume(length);
+                return damage;
+            }
+        }
         // Up to the next section, nothing tells the byte order and the interfaces.
         self.order = None;
         self.search(damage)
