@@ -160,7 +160,7 @@ fn a_container_that_is_said_to_be_longer_does_not_swallow_the_next() {
     let whole = shown::bytes("python-can-small-containers.blf");
     let (all, _) = read(&whole);
     let places = containers(&whole);
-    let mut bytes = whole.clone();
+    let mut bytes = whole;
     // As if it reached to the end of the next one.
     let longer = (places[3] - places[1]) as u32;
     bytes[places[1] + 8..places[1] + 12].copy_from_slice(&longer.to_le_bytes());
