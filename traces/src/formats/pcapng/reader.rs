@@ -205,24 +205,23 @@ impl PcapngReader {
         // Blocks begin at multiples of four, whatever the writer says.
         let size = u64::from(head.length).next_multiple_of(4);
         let place = self.place();
-        if !head.is_aside() {
-            let expected = format!("a block of {size} bytes");
-            let damage = self.search(self.damage(DamageKind::Malformed, expected, "another block in it"));
-            return match damage.kind {
-                DamageKind::Fatal => Damage { kind: DamageKind::Truncated, ..damage }.into(),
-                _ => damage.into(),
-            };
-        }
-        match self.source.skip(size) {
-            Ok(skipped) if skipped < size => {
-                self.done = true;
-                let (expected, found) =
-                    (format!("a block of {size} bytes"), format!("the end of the file after {skipped}"));
-                Damage::new(DamageKind::Truncated, place, expected, found.as_bytes()).into()
+        if head.is_aside() {
+            match self.source.skip(size) {
+                Ok(skipped) if skipped == size => return Yield::Content(Content::default()),
+                Ok(_) => {}
+                Err(error) => return self.failed(&error).into(),
             }
-            Ok(_) => Yield::Content(Content::default()),
-            Err(error) => self.failed(&error).into(),
+        } else {
+            let expected = format!("a block of at most {LONGEST} bytes");
+            let damage = self.search(self.damage(DamageKind::Malformed, expected, &size.to_string()));
+            // The end of the file, or of what can be read of it.
+            if !damage.kind.is_fatal() || damage.place != place {
+                return damage.into();
+            }
         }
+        self.done = true;
+        let found = format!("the end of the file after {}", self.source.offset() - place.offset);
+        Damage::new(DamageKind::Truncated, place, format!("a block of {size} bytes"), found.as_bytes()).into()
     }
 
     /// The file ends in a block, or its length is damaged and another one follows.
