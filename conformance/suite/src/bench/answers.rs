@@ -139,7 +139,7 @@ mod tests {
 
     #[test]
     fn reserved_bits_and_bytes_are_judged_and_bytes_without_data_are_not() {
-        let wrong = ["5BF#8100100000000206", "5BF#6000100000000001", "5BF#5300100000000000", "5BF#430010000000"];
+        let wrong = ["5BF#8100100000000206", "5BF#6000100000000001", "5BF#5300100000000000", "5BF#4F00100000"];
         for answer in wrong {
             let tidy = |bench: &mut Bench<'_>| bench.expect_tidy().unwrap();
             assert_eq!(breaches(answer, tidy).len(), 1, "{answer}");

@@ -60,6 +60,9 @@ const CANDIDATES: [Candidate; 9] = [
     candidate(0x6200, 0, DataType::UNSIGNED16, [100, 200]),
 ];
 
+/// The types of text.
+const TEXTS: [DataType; 3] = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
+
 /// For devices that have none of them: nothing is sent before the device is operational.
 const LAST_CANDIDATE: Candidate = candidate(0x1800, 2, DataType::UNSIGNED8, [1, 2]);
 
@@ -147,18 +150,25 @@ impl Bench<'_> {
         Ok(None)
     }
 
-    /// Readable objects of at least that many bytes, as [`Bench::long_object`] finds them; no more than `most`.
+    /// Names, versions and strings of at least that many bytes, which don't change by themselves; no more than `most`.
     ///
     /// # Errors
     /// As [`Bench::upload`].
     pub fn long_objects(&mut self, at_least: usize, most: usize) -> Result<Vec<Multiplexer>, Stop> {
         let mut found = Vec::new();
         for multiplexer in self.long_candidates() {
-            if found.len() < most && !found.contains(&multiplexer) && self.is_long(multiplexer, at_least)? {
+            let is_new = self.is_text(multiplexer) && !found.contains(&multiplexer);
+            if found.len() < most && is_new && self.is_long(multiplexer, at_least)? {
                 found.push(multiplexer);
             }
         }
         Ok(found)
+    }
+
+    fn is_text(&self, multiplexer: Multiplexer) -> bool {
+        let description = self.target.description.as_ref();
+        let described = description.and_then(|description| description.dictionary.entry(multiplexer).ok());
+        described.map_or(NAMES.contains(&multiplexer), |entry| TEXTS.contains(&entry.data_type))
     }
 
     fn is_long(&mut self, multiplexer: Multiplexer, at_least: usize) -> Result<bool, Stop> {
@@ -245,10 +255,9 @@ impl Bench<'_> {
     /// As [`Bench::upload`].
     pub fn empty_object(&mut self) -> Result<Option<Multiplexer>, Stop> {
         let Some(description) = &self.target.description else { return Ok(None) };
-        let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
         let node = self.node();
         let mut entries = description.dictionary.entries().filter(|(_, entry)| {
-            let is_text = strings.contains(&entry.data_type) && entry.access.is_readable();
+            let is_text = TEXTS.contains(&entry.data_type) && entry.access.is_readable();
             let value = entry.start_value(node).and_then(|value| value.encode(entry.data_type).ok());
             is_text && !entry.flags.refuses_read_on_scan() && value.is_none_or(|value| value.is_empty())
         });

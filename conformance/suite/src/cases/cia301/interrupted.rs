@@ -1,48 +1,65 @@
-//! NMT commands in the middle of an SDO transfer: it dies in silence, and the next one begins afresh.
+//! NMT commands in the middle of an SDO transfer.
 
+use super::sdo::by_hand::{begin_upload, long_object};
 use crate::bench::Bench;
+use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
+use crate::verdict::{Breach, Judged, Precondition, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
-use canvass_analyzer::wire::sdo::{Payload, Request, Response};
+use canvass_analyzer::wire::sdo::{self, Request, Response};
+use canvass_analyzer::{Multiplexer, Service};
+use canvass_bus::observation::{Observation, Subject};
 
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+/// The request for the next segment of the upload that the cases interrupt.
+const NEXT: Request = Request::UploadSegment { toggle: false };
 
-/// Stop in the middle of a segmented upload ends it: the next segment is not answered, and after the start a new upload
-/// gives the whole value.
-#[case(id = "301/state/stopped/running-upload", clause = "CiA 301 7.3.2.2.5", confidence = Known, level = Must,
-       needs = [SegmentedUpload], catches = [SdoAnsweredWhenStopped, SdoTransferSurvivesStop])]
-fn stopped(bench: &mut Bench<'_>) -> Judged {
-    let Some(multiplexer) = bench.long_object(8)? else {
-        let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
-        return Err(Stop::NotApplicable(reason));
-    };
+/// Begins a segmented upload, stops the device, asks for a segment in vain, and makes it pre-operational again. Gives the
+/// object and its value.
+fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
+    let multiplexer = long_object(bench)?;
     let right = bench.read(multiplexer)?;
-    let reply = bench.exchange(&Request::upload(multiplexer), format!("upload of {multiplexer}"))?;
-    let is_start = |response: &Response| {
-        matches!(response, Response::InitiateUpload { payload: Payload::Segmented(_) | Payload::SegmentedUnsized, .. })
-    };
-    reply.expect("the start of a segmented upload", is_start).or_inconclusive()?;
+    begin_upload(bench, multiplexer)?;
     bench.command(Command::STOP)?;
     bench.listen(bench.timing().reaction)?;
-    let segment = Request::UploadSegment { toggle: false };
-    bench.send_unanswered(&segment, "request for a segment in stopped")?.expect_silence()?;
+    let reply = bench.send_unanswered(&NEXT, "request for a segment in stopped")?;
+    bench.check(reply.expect_silence())?;
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
-    bench.listen(bench.timing().reaction)?;
-    let reply = bench.exchange(&segment, "request for a segment of the upload from before")?;
-    demand(reply.abort().is_some() || reply.response.is_none(), || {
-        Reason::new("stop has ended the upload", "abort 0504 0001h or silence", reply.actual())
-    })?;
-    let value = bench.upload(multiplexer)?.value()?;
-    bench.check(demand(value == right, || {
-        Reason::new("a new upload gives the whole value", "the value of before", "another one")
+    // A request that was kept must not be answered now, either.
+    let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
+    let heard = bench.listen(bench.timing().silence)?;
+    let late = heard.into_iter().map(|record| record.frame).find(|frame| frame.cob_id() == Some(response_id));
+    bench.check(late.map_or(Ok(()), |frame| {
+        let breach = Breach::new(Service::Sdo, "a request in stopped is not answered after it, either");
+        Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(frame))))
+    }))?;
+    Ok((multiplexer, right))
+}
+
+/// In the middle of a segmented upload stop ends the service: the next segment is not answered, not even once the device
+/// has left stopped, and a new upload then gives the whole value.
+#[case(id = "301/state/stopped/running-upload", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
+       needs = [SegmentedUpload], catches = [SdoAnsweredWhenStopped])]
+fn stopped(bench: &mut Bench<'_>) -> Judged {
+    let (multiplexer, right) = stop_in_upload(bench)?;
+    bench.expect_value(multiplexer, &right, "a new upload gives the whole value")
+}
+
+/// A segmented upload that stop interrupted is over: a request for its next segment is refused with abort 0504 0001h, or
+/// not answered. The standard does not name stop among what ends a transfer.
+#[case(id = "301/state/stopped/upload-ends", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Open,
+       needs = [SegmentedUpload], catches = [SdoTransferSurvivesStop])]
+fn upload_ends(bench: &mut Bench<'_>) -> Judged {
+    let (multiplexer, _) = stop_in_upload(bench)?;
+    let reply = bench.exchange(&NEXT, "request for a segment of the upload from before")?;
+    bench.check(demand(reply.abort().is_some() || reply.response.is_none(), || {
+        let breach = Breach::new(multiplexer, "stop has ended the upload").expected("abort 0504 0001h or no answer");
+        breach.found(reply.observation()).told(reply.actual())
     }))
 }
 
 /// Reset communication in the middle of a block download ends it: the device boots, the object has its value of
 /// power-on, and a new transfer works.
-#[case(id = "301/boot-up/running-download", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+#[case(id = "301/boot-up/running-download", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoTransferSurvivesReset])]
 fn reset(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
@@ -56,10 +73,11 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::RESET_COMMUNICATION)?;
     let boot_up = bench.wait_for_boot_up()?;
     demand(boot_up.is_some() || bench.answers()?, || {
-        Reason::new("the device starts after a reset in the middle of a transfer", "a boot-up message", "none")
+        Breach::new(Subject::Device, "the device starts after a reset in the middle of a transfer")
+            .expected(Observation::BootUp)
+            .found(Observation::Silence)
     })?;
     bench.listen(bench.timing().reaction)?;
-    let value = bench.upload(DEVICE_TYPE)?;
-    value.value()?;
+    bench.upload(DEVICE_TYPE)?.under("after a reset in the middle of a transfer").value()?;
     bench.expect_unchanged(multiplexer, &scratch.value)
 }

@@ -13,7 +13,7 @@ pub(super) const MISSING: [(Multiplexer, Situation); 2] =
     [(Multiplexer::new(0xFFFF, 0), Situation::MissingObject), (Multiplexer::new(0x1000, 1), Situation::MissingEntry)];
 
 /// An object whose upload takes at least two segments.
-pub(super) fn long_object(bench: &mut Bench<'_>) -> Result<Multiplexer, Stop> {
+pub(in crate::cases::cia301) fn long_object(bench: &mut Bench<'_>) -> Result<Multiplexer, Stop> {
     bench.long_object(8)?.ok_or_else(|| {
         let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
         Stop::NotApplicable(reason)
@@ -21,7 +21,7 @@ pub(super) fn long_object(bench: &mut Bench<'_>) -> Result<Multiplexer, Stop> {
 }
 
 /// Starts a segmented upload.
-pub(super) fn begin_upload(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Judged {
+pub(in crate::cases::cia301) fn begin_upload(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Judged {
     let reply = bench.exchange(&Request::upload(multiplexer), format!("upload of {multiplexer}"))?;
     let is_start = |response: &Response| {
         matches!(response, Response::InitiateUpload { multiplexer: named, payload } if *named == multiplexer

@@ -69,7 +69,7 @@ fn every_too_long(bench: &mut Bench<'_>) -> Judged {
 
 /// Every writable object refuses values of fewer bytes than its data type has with abort 0607 0013h.
 #[case(id = "301/sdo/download/every-too-short", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
-       needs = [Description], catches = [SdoShortLengthUnchecked, SdoLengthWrongCode, DummyRefused, HeartbeatConsumerNotStopped, SyncNotStopped, EdsDataTypeWrong], cct = "2.9")]
+       needs = [Description], catches = [SdoShortLengthUnchecked, SdoLengthWrongCode, HeartbeatConsumerNotStopped, SyncNotStopped, EdsDataTypeWrong], cct = "2.9")]
 fn every_too_short(bench: &mut Bench<'_>) -> Judged {
     every_length(bench, 2..=4, |length| length - 1, Situation::TooShort)
 }

@@ -3,7 +3,7 @@
 mod access;
 mod block_download;
 mod block_upload;
-mod by_hand;
+pub(super) mod by_hand;
 mod command;
 mod described;
 mod expedited;

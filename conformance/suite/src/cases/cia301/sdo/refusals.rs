@@ -5,7 +5,7 @@ use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed};
-use canvass_analyzer::Multiplexer;
+use canvass_analyzer::{Multiplexer, SubIndex};
 
 /// A download that is wrong in several ways is refused each time with the same abort, whichever of the reasons it names.
 /// Which one wins is noted.
@@ -29,6 +29,10 @@ fn several_reasons(bench: &mut Bench<'_>) -> Judged {
         ),
     ];
     bench.each(attempts, |bench, (what, at, value, situation)| {
+        // DS-301 V3.0 had no 1018h.
+        if !bench.has(Multiplexer { sub: SubIndex(0), ..at })? {
+            return Ok(());
+        }
         let first = bench.download(at, value)?;
         first.refused(situation)?;
         for _ in 1..REPEATED {

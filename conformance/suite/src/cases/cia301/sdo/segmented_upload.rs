@@ -7,8 +7,8 @@ use crate::situation::Situation;
 use crate::verdict::{Judged, Precondition, Reason, Stop};
 use canvass_analyzer::wire::sdo::{AbortCode, Request};
 
-/// A segmented upload delivers as many bytes as announced, and toggle bits alternate from 0. Every object that is read in
-/// segments gives the same value twice.
+/// A segmented upload delivers as many bytes as announced, and toggle bits alternate from 0. A text gives the same value
+/// twice.
 #[case(id = "301/sdo/upload/segmented", clause = "CiA 301 7.2.4.3.7", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoSegmentLengthWrong, SdoShortResponse, SdoUploadToggleStuck, SdoUploadEndMissing, SdoAnnouncedSizeWrong], cct = "2.16")]
 fn segmented(bench: &mut Bench<'_>) -> Judged {
