@@ -8,6 +8,8 @@ mod deviations;
 mod documentation;
 mod emergency;
 mod generic;
+mod measurement;
+mod network;
 mod quirks;
 mod recognition;
 mod rules;
@@ -15,12 +17,11 @@ mod sheet;
 
 pub use deviations::Deviation;
 pub use emergency::Emergency;
+pub use measurement::{Encoder, EncoderKind, UniversalScaling};
+pub use network::{Network, StartUp, Trigger};
 pub use quirks::Quirks;
 pub use rules::{Check, Link, LinkKind, Rule};
-pub use sheet::{
-    BitRate, Encoder, EncoderKind, LmtAddress, Network, Sheet, StartUp, Storage, Timing, Trigger, UniversalScaling,
-    Value,
-};
+pub use sheet::{BitRate, LmtAddress, Sheet, Storage, Timing, Value};
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
