@@ -158,7 +158,7 @@ impl Service for TimeService {
                 context.routes_changed = true;
             }
             Event::Written(at, micros) if at.index.0 == object::HIGH_RESOLUTION_TIME_STAMP => {
-                context.objects.clock.stamp(now, micros as u32)
+                context.objects.clock.stamp(now, micros as u32);
             }
             _ => {}
         }

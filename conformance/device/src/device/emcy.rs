@@ -275,10 +275,10 @@ impl Service for EmcyService {
                 context.objects.errors.inhibited_until = now + Duration::from_micros(100 * value);
             }
             Event::Written(at, _) if at.index.0 == object::PREDEFINED_ERROR_FIELD => {
-                context.objects.errors.clear_history()
+                context.objects.errors.clear_history();
             }
             Event::Written(at, _) if matches!(at.index.0, object::COB_ID_EMCY | object::EMERGENCY_CONSUMER) => {
-                context.routes_changed = true
+                context.routes_changed = true;
             }
             _ => {}
         }

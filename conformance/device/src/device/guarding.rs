@@ -89,7 +89,7 @@ impl Service for NodeGuarding {
             Event::Initialise => self.reset(context.firmware()),
             Event::Started | Event::Resumed => self.configure(now, context),
             Event::Written(at, _) if matches!(at.index.0, object::GUARD_TIME | object::LIFE_TIME_FACTOR) => {
-                self.configure(now, context)
+                self.configure(now, context);
             }
             _ => {}
         }

@@ -83,7 +83,7 @@ impl Service for HeartbeatProducer {
             }
             Event::Entered { .. } if !firmware.keeps_heartbeat_over_state_change() => self.stop(),
             Event::Written(at, millis) if at.index.0 == object::PRODUCER_HEARTBEAT_TIME => {
-                self.start(now, millis, firmware)
+                self.start(now, millis, firmware);
             }
             _ => {}
         }
