@@ -272,17 +272,6 @@ impl Attempt {
         self.judged(situation)
     }
 
-    pub fn refused_with(&self, strict: &[AbortCode], tolerated: &[AbortCode]) -> Check {
-        judge_codes(
-            self.multiplexer.into(),
-            &self.what,
-            observed(&self.outcome),
-            self.outcome.to_string(),
-            strict,
-            tolerated,
-        )
-    }
-
     fn judged(&self, situation: Situation) -> Check {
         judge(self.multiplexer.into(), situation, &self.what, observed(&self.outcome), || self.outcome.to_string())
     }
@@ -324,10 +313,6 @@ impl Reply {
         judge(self.subject, situation, &self.what, self.observation(), || self.actual())
     }
 
-    pub fn refused_with(&self, strict: &[AbortCode], tolerated: &[AbortCode]) -> Check {
-        judge_codes(self.subject, &self.what, self.observation(), self.actual(), strict, tolerated)
-    }
-
     /// Demands that nothing came.
     ///
     /// # Errors
@@ -351,24 +336,6 @@ impl Reply {
 /// What a message is about.
 fn subject_of(request: &Request) -> Subject {
     request.multiplexer().map_or(Subject::Service(Service::Sdo), Subject::Entry)
-}
-
-fn judge_codes(
-    subject: Subject,
-    what: &str,
-    found: Observation,
-    told: String,
-    strict: &[AbortCode],
-    tolerated: &[AbortCode],
-) -> Check {
-    let allowed = crate::verdict::Allowed::OneOf(strict.iter().copied().map(Observation::Abort).collect());
-    let breach =
-        Breach::new(subject, format!("the {what} is refused")).expected(allowed).found(found.clone()).told(told);
-    match found {
-        Observation::Abort(code) if strict.contains(&code) => Ok(()),
-        Observation::Abort(code) if tolerated.contains(&code) => Err(Box::new(breach.tolerated())),
-        _ => Err(Box::new(breach)),
-    }
 }
 
 /// Holds an answer against the table of what is allowed.
