@@ -1,10 +1,9 @@
 //! What a device description (EDS, DCF, XDD, XDC) says about a device.
 
-use super::annotation::Annotations;
+use super::manual::Manual;
 use super::object::{Object, ObjectDictionary};
 use super::problem::EdsProblem;
 use crate::identity::{Index, Multiplexer, NodeId};
-use crate::wire::emcy::{Emcy, EmcyCode};
 use std::collections::BTreeMap;
 
 /// A device description, as far as it could be read. Texts come from the file and may hold anything.
@@ -22,12 +21,8 @@ pub struct DeviceDescription {
     pub comments: Vec<String>,
     /// The objects.
     pub dictionary: ObjectDictionary,
-    /// Units and names of values, which no EDS holds; empty where nobody gave them.
-    pub annotations: Annotations,
-    /// How node-ID and bit rate are set, which no EDS tells; empty where nobody said it.
-    pub settings: Settings,
-    /// The EMCY messages that the manual lists; empty where nobody gave them.
-    pub emergencies: Vec<KnownEmergency>,
+    /// What no file of this kind holds, and the manual of the device says; empty where nobody gave it.
+    pub manual: Manual,
     /// Which list of the file names which objects.
     pub lists: ObjectLists,
     /// The modules of a modular device.
@@ -36,44 +31,6 @@ pub struct DeviceDescription {
     pub connected_modules: Vec<u16>,
     /// What was wrong, by line.
     pub problems: Vec<EdsProblem>,
-}
-
-/// An EMCY message that the manual of a device lists.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct KnownEmergency {
-    /// The error code.
-    pub code: EmcyCode,
-    /// The first manufacturer-specific bytes, where they are fixed.
-    pub bytes: Vec<u8>,
-    /// What it means.
-    pub text: String,
-}
-
-/// How the node-ID and the bit rate of a device are set, apart from LSS.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Settings {
-    /// The object that holds the node-ID to use from the next start on.
-    pub node_id: Option<Multiplexer>,
-    /// The object that holds the code of the bit rate to use from the next start on.
-    pub bit_rate: Option<Multiplexer>,
-    /// The codes, each with its bit rate in bit/s.
-    pub bit_rates: Vec<(u32, u32)>,
-    /// Whether the device knows LMT (CiA DS-205), the forerunner of LSS.
-    pub layer_management: bool,
-    /// The TPDOs, from 1, whose frames the device fills up with zeros to 8 bytes.
-    pub padded_tpdos: Vec<u8>,
-}
-
-impl Settings {
-    /// Whether a frame of that TPDO, from 1, always has 8 bytes.
-    pub fn pads(&self, tpdo: u16) -> bool {
-        u8::try_from(tpdo).is_ok_and(|tpdo| self.padded_tpdos.contains(&tpdo))
-    }
-
-    /// The bit rate of a code, in bit/s.
-    pub fn bit_rate_of(&self, code: u32) -> Option<u32> {
-        self.bit_rates.iter().find(|rate| rate.0 == code).map(|rate| rate.1)
-    }
 }
 
 /// `FileInfo`.
@@ -199,14 +156,6 @@ pub struct SubExtension {
 }
 
 impl DeviceDescription {
-    /// What the manual says of an EMCY message: of those with its code the one whose fixed bytes it has, else the first.
-    pub fn emergency(&self, emcy: &Emcy) -> Option<&KnownEmergency> {
-        let code = emcy.code()?;
-        let same_code = || self.emergencies.iter().filter(|known| known.code == code);
-        let same = same_code().find(|known| !known.bytes.is_empty() && emcy.manufacturer().starts_with(&known.bytes));
-        same.or_else(|| same_code().next())
-    }
-
     /// The number of the device profile: the low word of 1000h, 0 (none) included; `None` if 1000h has no default.
     pub fn device_profile(&self) -> Option<u16> {
         let device_type = self.dictionary.entry(Multiplexer::new(0x1000, 0)).ok()?;

@@ -6,6 +6,7 @@ pub mod consistency;
 mod data_type;
 mod description;
 pub mod eds;
+mod manual;
 pub mod names;
 mod object;
 mod problem;
@@ -15,9 +16,8 @@ pub mod xdd;
 
 pub use annotation::{Annotation, Annotations, BitName};
 pub use data_type::{DataClass, DataType};
-pub use description::{
-    Commissioning, DeviceDescription, DeviceInfo, FileInfo, KnownEmergency, Module, ObjectLists, Settings, SubExtension,
-};
+pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension};
+pub use manual::{KnownEmergency, Manual, Settings};
 pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 pub use problem::{EdsProblem, ProblemKind, Severity};

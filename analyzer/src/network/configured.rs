@@ -17,7 +17,7 @@ pub struct Pending {
 pub fn written(bus: &mut Bus, id: NodeId, object: Multiplexer, value: Option<u32>) {
     let node = bus.node_mut(id);
     let Some(description) = node.description.as_deref() else { return };
-    let settings = &description.settings;
+    let settings = &description.manual.settings;
     if settings.node_id == Some(object) {
         let set = value.and_then(|raw| u8::try_from(raw).ok()).and_then(NodeId::new);
         node.pending.node_id = set.map(|set| (set, object));

@@ -136,7 +136,7 @@ impl Bus {
         let lss = |description: &DeviceDescription| description.device.lss_supported;
         let mut known = false;
         let only_lmt = descriptions.all(|description| {
-            known |= description.settings.layer_management;
+            known |= description.manual.settings.layer_management;
             !lss(description)
         });
         if known && only_lmt { Dialect::Lmt } else { Dialect::Lss }

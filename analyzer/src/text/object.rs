@@ -34,7 +34,7 @@ impl<'a> Object<'a> {
             object,
             entry: object.and_then(|object| object.entry(multiplexer.sub)),
             standard: object_name(multiplexer, profile),
-            annotation: description.and_then(|description| description.annotations.get(multiplexer)),
+            annotation: description.and_then(|description| description.manual.annotations.get(multiplexer)),
             profile,
         }
     }

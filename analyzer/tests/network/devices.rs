@@ -74,7 +74,7 @@ fn node(raw: u8) -> NodeId {
 
 fn description() -> DeviceDescription {
     let mut description = DeviceDescription::read(EDS.as_bytes()).unwrap();
-    description.settings = Settings {
+    description.manual.settings = Settings {
         node_id: Some(Multiplexer::new(0x2101, 0)),
         bit_rate: Some(Multiplexer::new(0x2100, 0)),
         bit_rates: vec![(5, 250_000), (6, 500_000)],
@@ -215,7 +215,7 @@ fn what_did_not_take_effect_is_forgotten() {
 #[test]
 fn lmt_is_known_from_the_description() {
     let mut lmt = DeviceDescription::default();
-    lmt.settings.layer_management = true;
+    lmt.manual.settings.layer_management = true;
     let mut trace = Trace::new();
     trace.network.describe(node(5), lmt.clone());
     let said = trace.say("7E5#13 00 05 00 00 00 00 00");

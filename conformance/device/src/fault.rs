@@ -101,7 +101,6 @@ faults! {
     SdoFirstUnknownCommandSilent = "sdo-first-unknown-command-silent" on "reference-301" fuzz: "An unknown SDO command specifier as the first request after boot-up is not answered.",
     SdoAbortAnswered = "sdo-abort-answered" on "reference-301" fuzz: "The server answers an abort of the client with an abort.",
     SdoToggleUnchecked = "sdo-toggle-unchecked" on "reference-301" fuzz: "Segments whose toggle bit does not alternate are accepted.",
-    SdoDownloadToggleSilent = "sdo-download-toggle-silent" on "reference-301" fuzz: "A download segment whose toggle bit does not alternate is not answered.",
     SdoToggleWrongCode = "sdo-toggle-wrong-code" on "reference-301" fuzz: "A wrong toggle bit is refused with abort 0504 0001h.",
     SdoUploadToggleStuck = "sdo-upload-toggle-stuck" on "reference-301" fuzz: "The toggle bit of upload segments is always 0.",
     SdoConfirmationToggleStuck = "sdo-confirmation-toggle-stuck" on "reference-301" fuzz: "The toggle bit of confirmed download segments is always 0.",

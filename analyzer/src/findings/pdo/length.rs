@@ -50,7 +50,8 @@ impl Rule for Length {
         let (mapped, found) = (layout.length(), context.record.frame.len());
         let fits = match number {
             PdoNumber::Transmit(tpdo) => {
-                let pads = known.description.as_ref().is_some_and(|description| description.settings.pads(*tpdo));
+                let pads =
+                    known.description.as_ref().is_some_and(|description| description.manual.settings.pads(*tpdo));
                 mapped == found || found == 8 && mapped < 8 && (pads || self.fills_up(node, *number, mapped, context))
             }
             PdoNumber::Receive(_) => mapped <= found,

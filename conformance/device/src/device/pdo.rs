@@ -137,10 +137,21 @@ fn check_cob_id(
     let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let asks_for_rtr =
         direction == Direction::Transmit && new.allows_rtr() && !objects.model.sheet().network.rtr && new != old;
-    let is_empty = mapping(direction, &objects.parameters, number).next().is_none();
+    // A PDO that is delivered without mapping can be as it was delivered.
+    let is_empty = mapping(direction, &objects.parameters, number).next().is_none()
+        && !is_delivered_empty(direction, number, objects);
     let impossible = new.is_valid()
         && (restricted || (asks_for_rtr && firmware.checks_rtr_bit()) || (is_empty && !firmware.validates_empty_pdo()));
     if reserved || impossible { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+}
+
+/// Whether a PDO is valid and maps nothing as delivered.
+fn is_delivered_empty(direction: Direction, number: u16, objects: &Objects) -> bool {
+    let delivered = |index: u16, sub| {
+        objects.parameters.entry(Multiplexer::new(index + number, sub)).map(|entry| entry.default_bits())
+    };
+    let is_valid = |raw: u64| CobId(raw as u32).is_valid();
+    delivered(direction.mapping(), 0) == Ok(0) && delivered(direction.communication(), 1).is_ok_and(is_valid)
 }
 
 /// The conditions of a write to 1600h.. or 1A00h..: only while the PDO is not valid, entries only while sub-index 0

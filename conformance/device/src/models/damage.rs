@@ -64,9 +64,7 @@ impl Model {
         let damaged =
             damages.iter().fold(self.eds_text()?.to_owned(), |text, (_, from, to)| text.replacen(from, to, 1));
         let mut description = eds::read(&liberty::rewrite(&damaged, firmware.liberties)).ok()?;
-        description.annotations = self.description().annotations.clone();
-        description.settings = self.description().settings.clone();
-        description.emergencies = self.description().emergencies.clone();
+        description.manual = self.description().manual.clone();
         Some(description)
     }
 }

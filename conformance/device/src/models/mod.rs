@@ -118,11 +118,9 @@ impl Model {
             NodeId::new(node).ok_or(ModelError::NodeId(node))?;
         }
         let mut description = eds::read(eds.as_bytes())?;
-        description.annotations = sheet.annotations();
         let deviations: DeviationTables = toml::from_str(text)?;
         let deviations = deviations.deviations().into();
-        description.settings = sheet.settings();
-        description.emergencies = sheet.emergencies.iter().map(Emergency::known).collect();
+        description.manual = sheet.manual_facts();
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations })
     }
 

@@ -6,7 +6,7 @@ use super::quirks::Quirks;
 use super::recognition::Recognition;
 use super::rules::{Check, Link, Rule};
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::dictionary::Settings;
+use canvass_analyzer::dictionary::{Manual, Settings};
 use canvass_analyzer::wire::lmt::Seven;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Duration;
@@ -97,8 +97,17 @@ impl Sheet {
         self.checks.iter().find(|check| check.rule == rule && check.at.contains(at))
     }
 
+    /// What the analyzer takes of it.
+    pub(super) fn manual_facts(&self) -> Manual {
+        Manual {
+            annotations: self.annotations(),
+            settings: self.settings(),
+            emergencies: self.emergencies.iter().map(Emergency::known).collect(),
+        }
+    }
+
     /// How node-ID and bit rate are set.
-    pub(super) fn settings(&self) -> Settings {
+    fn settings(&self) -> Settings {
         let rate = |rate: &BitRate| Some((u32::from(rate.object_code?), rate.kbit.saturating_mul(1_000)));
         Settings {
             node_id: self.network.node_id_object,

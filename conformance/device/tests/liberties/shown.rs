@@ -129,6 +129,15 @@ const SHOWN: &[Shown] = &[
     (OwnTraffic, &["200", "count 6D0 1000"], "0", "80"),
 ];
 
+/// A PDO that is delivered valid and empty can be switched off, and on again; another one is not switched on while it is
+/// empty.
+#[test]
+fn what_is_delivered_empty_can_be_restored() {
+    let off_and_on = ["200", "w 1800:01 8A010080", "w 1A00:00 00", "w 1800:01 8A010000"];
+    assert_eq!(result("reference-301", ValidAndEmpty, &off_and_on), "ok");
+    assert_eq!(result("reference-301", Firmware::PLAIN, &off_and_on), "06090030");
+}
+
 /// The two results differ in the liberty alone: it is there with it, and not without it.
 #[test]
 fn each_liberty_shows_in_its_own_way() {

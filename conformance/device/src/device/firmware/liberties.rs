@@ -3,7 +3,7 @@ use crate::{Firmware, Liberty};
 use canvass_analyzer::wire::sdo::AbortCode;
 
 hooks! {
-    answers_wrong_upload_toggle but ToggleIgnored,
+    answers_wrong_toggle but ToggleIgnored,
     aborts_at_timeout but TimeoutWithoutAbort,
     announces_sizes but SizesUnannounced,
     knows_block_crc but BlocksWithoutCrc,

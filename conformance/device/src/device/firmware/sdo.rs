@@ -31,7 +31,6 @@ hooks! {
     toggles_upload unless SdoUploadToggleStuck,
     marks_end_of_upload unless SdoUploadEndMissing,
     toggles_confirmations unless SdoConfirmationToggleStuck,
-    answers_wrong_download_toggle unless SdoDownloadToggleSilent or ToggleIgnored,
     answers_empty_segment unless SdoEmptySegmentSilent,
     writes_segments_at_once with SdoSegmentsWrittenAtOnce,
     answers_unsized_download unless SdoUnsizedDownloadSilent,

@@ -69,7 +69,7 @@ impl SegmentedDownload {
     /// The next segment.
     pub fn on_segment(mut self, now: Timestamp, segment: Segment, objects: &mut Objects) -> Next {
         if segment.toggle != self.toggle && objects.firmware.checks_toggle() {
-            if !objects.firmware.answers_wrong_download_toggle() {
+            if !objects.firmware.answers_wrong_toggle() {
                 return Next::silence(Transfer::Download(self));
             }
             return Next::abort(self.object, AbortCode::TOGGLE);

@@ -57,7 +57,7 @@ impl SegmentedUpload {
     /// The request for the next segment.
     pub fn on_request(mut self, toggle: bool, objects: &Objects) -> Next {
         if toggle != self.toggle && objects.firmware.checks_toggle() {
-            if !objects.firmware.answers_wrong_upload_toggle() {
+            if !objects.firmware.answers_wrong_toggle() {
                 return Next::silence(Transfer::Upload(self));
             }
             return Next::abort(self.object, AbortCode::TOGGLE);

@@ -1,0 +1,64 @@
+//! What the manual of a device says and its description does not.
+
+use super::annotation::Annotations;
+use crate::identity::Multiplexer;
+use crate::wire::emcy::{Emcy, EmcyCode};
+
+/// What a manual adds to a device description.
+#[derive(Clone, Debug, Default)]
+pub struct Manual {
+    /// Units and names of values.
+    pub annotations: Annotations,
+    /// How node-ID and bit rate are set.
+    pub settings: Settings,
+    /// The EMCY messages that it lists.
+    pub emergencies: Vec<KnownEmergency>,
+}
+
+impl Manual {
+    /// What the manual says of an EMCY message: of those with its code the one whose fixed bytes it has, else the first.
+    pub fn emergency(&self, emcy: &Emcy) -> Option<&KnownEmergency> {
+        let code = emcy.code()?;
+        let same_code = || self.emergencies.iter().filter(|known| known.code == code);
+        let same = same_code().find(|known| !known.bytes.is_empty() && emcy.manufacturer().starts_with(&known.bytes));
+        same.or_else(|| same_code().next())
+    }
+}
+
+/// An EMCY message that the manual of a device lists.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct KnownEmergency {
+    /// The error code.
+    pub code: EmcyCode,
+    /// The first manufacturer-specific bytes, where they are fixed.
+    pub bytes: Vec<u8>,
+    /// What it means.
+    pub text: String,
+}
+
+/// How the node-ID and the bit rate of a device are set, apart from LSS.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Settings {
+    /// The object that holds the node-ID to use from the next start on.
+    pub node_id: Option<Multiplexer>,
+    /// The object that holds the code of the bit rate to use from the next start on.
+    pub bit_rate: Option<Multiplexer>,
+    /// The codes, each with its bit rate in bit/s.
+    pub bit_rates: Vec<(u32, u32)>,
+    /// Whether the device knows LMT (CiA DS-205), the forerunner of LSS.
+    pub layer_management: bool,
+    /// The TPDOs, from 1, whose frames the device fills up with zeros to 8 bytes.
+    pub padded_tpdos: Vec<u8>,
+}
+
+impl Settings {
+    /// Whether a frame of that TPDO, from 1, always has 8 bytes.
+    pub fn pads(&self, tpdo: u16) -> bool {
+        u8::try_from(tpdo).is_ok_and(|tpdo| self.padded_tpdos.contains(&tpdo))
+    }
+
+    /// The bit rate of a code, in bit/s.
+    pub fn bit_rate_of(&self, code: u32) -> Option<u32> {
+        self.bit_rates.iter().find(|rate| rate.0 == code).map(|rate| rate.1)
+    }
+}
