@@ -13,6 +13,7 @@ pub mod findings;
 mod identity;
 pub mod message;
 pub mod network;
+pub mod object;
 mod per_node;
 pub mod statistics;
 mod text;

@@ -3,8 +3,10 @@
 //! JSON, `"schema": "canvass/selftest/1"`: `summary` counts; `matrix` has a row for each fault; `models` one for each
 //! model without fault; `vacuous_cases` names the cases that failed on no fault.
 
+use canvass_device::{Fault, Liberties, Liberty};
 use canvass_suite::case::Case;
-use canvass_suite::selftest::{FaultRow, Masked, Matrix, ModelRow};
+use canvass_suite::selftest::Chance;
+use canvass_suite::selftest::{FaultRow, LibertyRow, Masked, Matrix, ModelRow};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -28,7 +30,16 @@ pub fn json(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
             "vacuous_cases": matrix.vacuous_cases().len(),
             "beside_deviations": matrix.masking.beside_deviations,
             "masked": matrix.masking.masked.len(),
+            "liberties": matrix.sparing.alone.len(),
+            "spared": matrix.sparing.spared(),
+            "combinations": matrix.sparing.combined.len(),
+            "combinations_spared": matrix.sparing.combined.iter().filter(|row| row.is_spared()).count(),
+            "beside_liberties": matrix.sparing.looked_for,
+            "missed_beside_liberties": matrix.sparing.missed.len(),
         },
+        "liberties": matrix.sparing.alone.iter().map(liberty).collect::<Vec<_>>(),
+        "combinations": matrix.sparing.combined.iter().map(liberty).collect::<Vec<_>>(),
+        "missed_beside_liberties": matrix.sparing.missed.iter().map(missed).collect::<Vec<_>>(),
         "matrix": matrix.faults.iter().map(fault).collect::<Vec<_>>(),
         "models": matrix.models.iter().map(model).collect::<Vec<_>>(),
         "vacuous_cases": ids(&matrix.vacuous_cases()),
@@ -55,6 +66,27 @@ fn fault(row: &FaultRow) -> Value {
 
 fn masked(row: &Masked) -> Value {
     json!({ "model": row.model, "fault": row.fault.id(), "case": row.case.id, "verdict": row.kind.name() })
+}
+
+fn names(liberties: Liberties) -> Vec<&'static str> {
+    liberties.iter().map(Liberty::id).collect()
+}
+
+fn missed((fault, liberties): &(Fault, Liberties)) -> Value {
+    json!({ "fault": fault.id(), "liberties": names(*liberties) })
+}
+
+fn liberty(row: &LibertyRow) -> Value {
+    let alarms = row
+        .alarms
+        .iter()
+        .map(|(case, kind, reason)| json!({ "case": case.id, "verdict": kind.name(), "reason": reason.to_string() }));
+    json!({
+        "liberties": names(row.liberties),
+        "model": row.model,
+        "executed": row.executed,
+        "false_alarms": alarms.collect::<Vec<_>>(),
+    })
 }
 
 fn model(row: &ModelRow) -> Value {
@@ -103,6 +135,29 @@ pub fn text(matrix: &Matrix) -> String {
     for Masked { model, fault, case, kind } in &masking.masked {
         line(&mut text, &format!("masked: {fault} on {model}: {} ends with {kind}", case.id));
     }
+    let sparing = &matrix.sparing;
+    for row in sparing.alone.iter().chain(&sparing.combined) {
+        let taken = names(row.liberties).join(", ");
+        for (case, kind, reason) in &row.alarms {
+            line(&mut text, &format!("not spared: {taken} on {}: {} ends with {kind}: {reason}", row.model, case.id));
+        }
+    }
+    for (fault, liberties) in &sparing.missed {
+        line(&mut text, &format!("missed: {fault} beside {}", names(*liberties).join(", ")));
+    }
+    let combined = sparing.combined.iter().filter(|row| row.is_spared()).count();
+    line(
+        &mut text,
+        &format!(
+            "specificity: {} of {} liberties spared, {combined} of {} random combinations of {}",
+            sparing.spared(),
+            sparing.alone.len(),
+            sparing.combined.len(),
+            Chance::TOGETHER
+        ),
+    );
+    let found = sparing.looked_for - sparing.missed.len();
+    line(&mut text, &format!("sensitivity beside random liberties: {found} of {} faults found", sparing.looked_for));
     let beside = masking.beside_deviations;
     line(
         &mut text,

@@ -1,5 +1,6 @@
 //! Channel names: which bus a frame was seen on.
 
+use std::collections::HashMap;
 use std::fmt;
 
 /// A channel of a capture, by its place in its [`Channels`].
@@ -10,12 +11,16 @@ pub struct ChannelId(pub u16);
 #[derive(Clone, Debug, Default)]
 pub struct Channels {
     names: Vec<Box<str>>,
+    /// The place of each name, once there are more than a few.
+    places: HashMap<Box<str>, u16>,
     last: usize,
 }
 
 impl Channels {
     /// How many channels can be told apart.
     pub const MAX: usize = 4096;
+    /// So many are found faster one by one.
+    const FEW: usize = 16;
     /// The name under which all further channels go once [`Channels::MAX`] are known.
     pub const OVERFLOW: &'static str = "(more)";
 
@@ -33,9 +38,15 @@ impl Channels {
         if self.names.get(self.last).is_some_and(|known| **known == *name) {
             return ChannelId(self.last as u16);
         }
-        let found = self.names.iter().position(|known| **known == *name);
-        self.last = found.unwrap_or_else(|| self.add(name));
+        self.last = self.find(name).unwrap_or_else(|| self.add(name));
         ChannelId(self.last as u16)
+    }
+
+    fn find(&self, name: &str) -> Option<usize> {
+        if self.names.len() <= Self::FEW {
+            return self.names.iter().position(|known| **known == *name);
+        }
+        self.places.get(name).map(|&place| usize::from(place))
     }
 
     fn add(&mut self, name: &str) -> usize {
@@ -44,7 +55,11 @@ impl Channels {
             len if len == Self::MAX - 1 => self.names.push(Self::OVERFLOW.into()),
             _ => self.names.push(name.into()),
         }
-        self.names.len() - 1
+        let place = self.names.len() - 1;
+        if let Some(name) = self.names.get(place) {
+            self.places.insert(name.clone(), place as u16);
+        }
+        place
     }
 
     /// The name of a channel; `?` for one that is not of this capture.
@@ -85,6 +100,17 @@ mod tests {
         assert_eq!(channels.intern("can0"), a);
         assert_eq!((channels.name(a), channels.name(b)), ("can0", "can1"));
         assert_eq!(channels.name(ChannelId(9)), "?");
+    }
+
+    #[test]
+    fn many_names_are_found_as_few_are() {
+        let mut channels = Channels::new();
+        for round in 0..2 {
+            for n in 0..1000 {
+                assert_eq!(channels.intern(&format!("can{n}")), ChannelId(n), "round {round}");
+            }
+        }
+        assert_eq!(channels.len(), 1000);
     }
 
     #[test]

@@ -1,17 +1,22 @@
 //! Numbers for channels, for formats that know no names.
 
 use crate::{ChannelId, Loss, Losses};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The number of each channel seen so far.
 #[derive(Default)]
-pub(crate) struct ChannelNumbers(BTreeMap<ChannelId, u16>);
+pub(crate) struct ChannelNumbers {
+    numbers: BTreeMap<ChannelId, u16>,
+    taken: BTreeSet<u16>,
+    /// No number below it is free.
+    free_from: u16,
+}
 
 impl ChannelNumbers {
     /// The number of a channel, from 1: its name if that is a number, else the next free one, with the loss of the
     /// name counted.
     pub(crate) fn number(&mut self, channel: ChannelId, name: &str, losses: &mut Losses) -> u16 {
-        let number = match self.0.get(&channel) {
+        let number = match self.numbers.get(&channel) {
             Some(number) => *number,
             None => self.assign(channel, name),
         };
@@ -22,11 +27,14 @@ impl ChannelNumbers {
     }
 
     fn assign(&mut self, channel: ChannelId, name: &str) -> u16 {
-        let taken = |number: u16| self.0.values().any(|&other| other == number);
-        let own = name.parse().ok().filter(|&n| n > 0 && is_number(name, n) && !taken(n));
+        let own = name.parse().ok().filter(|&n| n > 0 && is_number(name, n) && !self.taken.contains(&n));
         // There are at most 4096 channels, so a number is free.
-        let number = own.unwrap_or_else(|| (1..=u16::MAX).find(|&n| !taken(n)).unwrap_or(u16::MAX));
-        self.0.insert(channel, number);
+        let number = own.unwrap_or_else(|| {
+            self.free_from = (self.free_from.max(1)..=u16::MAX).find(|n| !self.taken.contains(n)).unwrap_or(u16::MAX);
+            self.free_from
+        });
+        self.taken.insert(number);
+        self.numbers.insert(channel, number);
         number
     }
 }

@@ -12,6 +12,10 @@ const SECONDS: u32 = 30;
 /// A description has many more paths than the others.
 const LONG: (&str, u32) = ("description", 60);
 
+/// The largest piece of memory, in MiB, that any input may make a target ask for: a length that is believed before it is
+/// looked at asks for more. A container or chunk of a capture may have 32, in a buffer that grows to 64.
+const MOST_AT_ONCE: &str = "-malloc_limit_mb=128";
+
 /// So many at the same time: the machines of CI have two processors.
 const AT_ONCE: usize = 2;
 
@@ -74,7 +78,7 @@ fn run_target(target: &str) -> Result<()> {
     let output = Command::new("cargo")
         .args(["+nightly", "fuzz", "run", target, &found])
         .args(folders)
-        .args(["--", &time, "-rss_limit_mb=4096", "-print_final_stats=1"])
+        .args(["--", &time, MOST_AT_ONCE, "-rss_limit_mb=4096", "-print_final_stats=1"])
         .output()?;
     let log = String::from_utf8_lossy(&output.stderr);
     let last: Vec<&str> = log.lines().rev().take(if output.status.success() { 3 } else { 80 }).collect();

@@ -23,21 +23,13 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
         Some(also) => quote!(crate::findings::Also::#also),
         None => quote!(crate::findings::Also::Nothing),
     };
-    let (make, new) = match of {
-        Of::Bus => (quote!(Bus(|thresholds| ::std::boxed::Box::new(#name::new(thresholds)))), true),
-        Of::Capture => (quote!(Capture(|thresholds| ::std::boxed::Box::new(#name::new(thresholds)))), true),
-        Of::Nothing => (quote!(Nothing), false),
+    let make = match of {
+        Of::Bus => quote!(Bus(|thresholds| ::std::boxed::Box::new(#name::new(thresholds)))),
+        Of::Capture => quote!(Capture(|thresholds| ::std::boxed::Box::new(#name::new(thresholds)))),
+        Of::Nothing => quote!(Nothing),
     };
-    let parameter = if fields.is_limited { quote!(thresholds) } else { quote!(_) };
-    let Begins { thresholds, fields, .. } = fields;
-    let new = new.then(|| {
-        quote! {
-            /// Its state before the first frame.
-            fn new(#parameter: &crate::findings::Thresholds) -> Self {
-                Self #fields
-            }
-        }
-    });
+    let new = (of != Of::Nothing).then(|| new(&fields));
+    let thresholds = fields.thresholds;
     Ok(quote! {
         #state
 
@@ -74,6 +66,18 @@ struct Begins {
     fields: TokenStream,
     /// Whether any field depends on what the user has set.
     is_limited: bool,
+}
+
+/// How a rule's state begins.
+fn new(begins: &Begins) -> TokenStream {
+    let parameter = if begins.is_limited { quote!(thresholds) } else { quote!(_) };
+    let fields = &begins.fields;
+    quote! {
+        /// Its state before the first frame.
+        fn new(#parameter: &crate::findings::Thresholds) -> Self {
+            Self #fields
+        }
+    }
 }
 
 fn begins(fields: &mut Fields) -> Result<Begins> {

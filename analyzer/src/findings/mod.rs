@@ -30,6 +30,7 @@ mod sink;
 mod source;
 mod stories;
 mod thresholds;
+mod watch;
 mod wear;
 
 pub use context::{Context, Scene};

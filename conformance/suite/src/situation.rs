@@ -249,6 +249,31 @@ mod tests {
         }
     }
 
+    /// Where CiA 301 or a corrigendum names several codes, or none, all that it allows pass.
+    #[test]
+    fn all_codes_pass_that_the_text_allows() {
+        let rows: [(Situation, &[Code]); 12] = [
+            (Situation::ValidCobIdChanged, &[Code::INVALID_VALUE, Code::GENERAL, Code::DEVICE_STATE]),
+            (Situation::ValidPdoChanged, &[Code::INVALID_VALUE, Code::UNSUPPORTED_ACCESS]),
+            (Situation::RestrictedCanId, &[Code::INVALID_VALUE, Code::GENERAL]),
+            (Situation::OverflowWhilePeriod, &[Code::DEVICE_STATE, Code::GENERAL]),
+            (Situation::Unmappable, &[Code::NO_OBJECT, Code::NOT_MAPPABLE]),
+            (Situation::UnmappableEntry, &[Code::NO_OBJECT, Code::NOT_MAPPABLE]),
+            (Situation::WrongDirection, &[Code::NO_OBJECT, Code::NOT_MAPPABLE]),
+            (Situation::MappingRefused, &[Code::NO_OBJECT, Code::PDO_LENGTH]),
+            (Situation::MappingCount, &[Code::NO_OBJECT, Code::PDO_LENGTH, Code::VALUE_TOO_HIGH]),
+            (Situation::UnsupportedMapping, &[Code::NOT_MAPPABLE, Code::PDO_LENGTH, Code::INVALID_VALUE]),
+            (Situation::InvalidValue, &[Code::INVALID_VALUE, Code::VALUE_TOO_HIGH, Code::VALUE_TOO_LOW]),
+            (Situation::ReservedEntry, &[Code::NO_SUB_INDEX]),
+        ];
+        for (situation, codes) in rows {
+            for &code in codes {
+                assert_eq!(situation.judge(&Observation::Abort(code)), Judgement::Allowed, "{situation:?} {code}");
+            }
+            assert_eq!(situation.judge(&Observation::Confirmation), Judgement::Wrong, "{situation:?}");
+        }
+    }
+
     #[test]
     fn answers_are_allowed_tolerated_or_wrong() {
         let judge = |situation: Situation, answer: Observation| situation.judge(&answer);

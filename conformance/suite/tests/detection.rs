@@ -10,7 +10,7 @@ use canvass_suite::bench::Target;
 use canvass_suite::case::{Case, Level};
 use canvass_suite::catalogue;
 use canvass_suite::runner::CaseReport;
-use canvass_suite::selftest::{self, Extent, Matrix, judge_target};
+use canvass_suite::selftest::{self, Chance, Extent, Matrix, judge_target};
 use canvass_suite::verdict::Kind;
 use std::collections::BTreeSet;
 
@@ -77,7 +77,7 @@ fn a_good_device_passes_without_a_description() {
 
 fn matrix() -> Matrix {
     // `canvass selftest` fills all cells.
-    selftest::run(&catalogue::cases(), Fault::ALL, &[], Extent::OneIn(16))
+    selftest::run(&catalogue::cases(), Fault::ALL, &[], Extent::OneIn(16), Chance::NONE)
 }
 
 /// Every fault is detected by every case that names it, no case is vacuous, and no case fails on what is not its matter.

@@ -1,10 +1,15 @@
 //! Devices that are right and not like most: no case may fail on them, or be left out that they have everything for.
 
-use canvass_device::Faults;
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
 use canvass_device::models::Model;
+use canvass_device::{Fault, Faults};
 use canvass_suite::bench::Target;
+use canvass_suite::case::{Case, Level};
 use canvass_suite::catalogue;
-use canvass_suite::selftest::judge_target;
+use canvass_suite::needs;
+use canvass_suite::selftest::{judge, judge_target};
 use canvass_suite::verdict::Kind;
 use std::collections::BTreeMap;
 
@@ -88,6 +93,89 @@ fn few_objects_that_can_be_written() {
     let gone = ["1006", "1007", "100C", "100D", "1015", "1019", "1029", "1800sub5", "1801sub5", "1802sub5", "1803sub5"];
     let verdicts = verdicts(&without(&eds, &gone));
     for id in ["301/sdo/download/expedited", "301/sdo/download/too-short", "301/sync/consumer-only"] {
+        assert_eq!(verdicts[id], Kind::Pass, "{id}");
+    }
+}
+
+/// What CiA 301 leaves open: none of these fails a case on NMT, error control, EMCY, SYNC, TIME or PDOs.
+#[test]
+fn what_the_text_leaves_open_fails_no_case() {
+    let open = [
+        Fault::LifeGuardingUnreported,
+        Fault::HeartbeatConsumerSilent,
+        Fault::GuardingSilentWhenOff,
+        Fault::TpdoNotSentAtStart,
+        Fault::AcyclicTpdoWithoutEvent,
+        Fault::SyncLengthUnchecked,
+        Fault::SyncWindowIgnored,
+        Fault::RpdoDeadlineIgnored,
+        Fault::RpdoRangeUnchecked,
+        Fault::SynchronousRpdoRefused,
+        Fault::EmptyPdoValidated,
+        Fault::TimeIgnored,
+        Fault::EmcyLostWhenStopped,
+    ];
+    let families = [
+        "nmt",
+        "boot-up",
+        "state",
+        "heartbeat",
+        "heartbeat-consumer",
+        "guarding",
+        "life-guarding",
+        "emcy",
+        "error-behaviour",
+        "time",
+        "sync",
+        "pdo",
+        "rpdo",
+        "tpdo",
+    ];
+    let is_one = |id: &str| families.iter().any(|family| id.starts_with(&format!("301/{family}/")));
+    for fault in open {
+        let model = Model::by_id(fault.model()).unwrap();
+        // What the history keeps is the matter of its own family.
+        let is_judged = |case: &&Case| is_one(case.id) && !case.requires(&needs::ERROR_HISTORY);
+        for case in catalogue::cases().into_iter().filter(is_judged) {
+            let report = judge(case, model, Faults::from(fault));
+            assert!(report.verdict.kind() != Kind::Fail, "{} with {fault}: {:?}", case.id, report.verdict.reason());
+            let records = case.level == Level::Open && case.catches.contains(&fault);
+            assert!(!records || !report.verdict.breaches().is_empty(), "{} records {fault}", case.id);
+        }
+    }
+}
+
+/// A device that starts by itself, as 1F80h lets it, is operational after each reset.
+#[test]
+fn a_device_that_starts_by_itself() {
+    let verdicts = verdicts(&with(EDS, "1F80", "DefaultValue=4", "DefaultValue=0"));
+    for id in ["301/nmt/operational/reset-node", "301/nmt/stopped/reset-communication", "301/nmt/pre-operational/start"]
+    {
+        assert_eq!(verdicts[id], Kind::Pass, "{id}");
+    }
+}
+
+/// An inhibit time as delivered that is longer than the event timers of the cases, and that is the value which they would
+/// write.
+#[test]
+fn an_inhibit_time_as_delivered() {
+    let eds = with(EDS, "1800sub3", "DefaultValue=0", "DefaultValue=500");
+    let verdicts = verdicts(&eds);
+    for id in ["301/tpdo/event-timer", "301/tpdo/event-timer-mean", "301/pdo/inhibit-time/valid"] {
+        assert_eq!(verdicts[id], Kind::Pass, "{id}");
+    }
+    let model: &'static Model = Box::leak(Box::new(Model::read(&eds, SHEET).unwrap()));
+    let case = catalogue::find("301/pdo/inhibit-time/valid").unwrap();
+    let report = judge(case, model, Faults::from(Fault::InhibitTimeChangeWhileValid));
+    assert_eq!(report.verdict.kind(), Kind::Fail, "the value that is there is no change");
+}
+
+/// RPDOs carry only what the limits of the description allow.
+#[test]
+fn an_object_with_narrow_limits() {
+    let limits = "DefaultValue=0\nLowLimit=-5\nHighLimit=0";
+    let verdicts = verdicts(&with(EDS, "2030sub3", "DefaultValue=0", limits));
+    for id in ["301/rpdo/event-driven", "301/rpdo/synchronous", "301/rpdo/layout", "301/rpdo/too-long"] {
         assert_eq!(verdicts[id], Kind::Pass, "{id}");
     }
 }

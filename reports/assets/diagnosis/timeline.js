@@ -109,6 +109,32 @@
     context.textAlign = 'left';
   };
 
+  // From what broke to what followed from it.
+  const rowOf = (finding) => rows.findIndex((row) => row.findings.some((own) => own.number === finding.number));
+  const drawArrows = (context) => {
+    context.strokeStyle = color('--bad', 0.75);
+    context.fillStyle = color('--bad', 0.75);
+    context.lineWidth = 1.5;
+    findings.filter((finding) => finding.of).forEach((finding) => {
+      const cause = findings[finding.of - 1];
+      const [from, to] = [cause && rowOf(cause), rowOf(finding)];
+      if (!cause || from < 0 || to < 0 || from === to) return;
+      const [x, y, left, top] = [toX(cause.t), from * ROW + 10, toX(finding.t), to * ROW + 10];
+      if (Math.max(x, left) < -9 || Math.min(x, left) > width() + 9) return;
+      const down = top > y ? 1 : -1;
+      context.beginPath();
+      context.moveTo(x, y + 8 * down);
+      context.bezierCurveTo(x, (y + top) / 2, left, (y + top) / 2, left, top - 10 * down);
+      context.stroke();
+      context.beginPath();
+      context.moveTo(left, top - 6 * down);
+      context.lineTo(left - 4, top - 13 * down);
+      context.lineTo(left + 4, top - 13 * down);
+      context.closePath();
+      context.fill();
+    });
+  };
+
   // Findings that would cover each other become one link to the worst of them.
   const placePins = () => {
     pins.replaceChildren();
@@ -146,6 +172,7 @@
     context.font = '11px system-ui, sans-serif';
     drawAxis(context);
     rows.forEach((row, n) => drawRow(context, row, n));
+    drawArrows(context);
     placePins();
   };
 

@@ -32,7 +32,7 @@
 //! number; a `CANFD` row must go on behind its flags.
 
 use crate::formats::asc_row::{self, Radix, Row};
-use crate::grammar::{Expected, decimal, seconds, skip_blanks, word};
+use crate::grammar::{Expected, blanks1, decimal, seconds, skip_blanks, word};
 use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::{
     Channels, Damage, DamageKind, ReadOptions, Reader, Record, Source, TimeBase, Timestamp,
@@ -114,6 +114,7 @@ impl Asc {
     fn event(&mut self, line: &Line<'_>, channels: &mut Channels) -> Result<Option<Record>, Damage> {
         let damage = |error| line.damage(Expected::from(error));
         let (rest, time) = seconds(skip_blanks(line.bytes)).map_err(damage)?;
+        blanks1(rest).map_err(damage)?;
         let before = if self.relative { self.now } else { Timestamp::ZERO };
         self.now = before.after(time).ok_or_else(|| line.malformed(LATEST))?;
         match asc_row::row(rest, self.radix).map_err(damage)?.1 {
@@ -159,8 +160,7 @@ fn header(line: &[u8]) -> Option<Header> {
     let is = |word: &[u8], name: &str| word.eq_ignore_ascii_case(name.as_bytes());
     match first {
         [] | [b'/', b'/', ..] => Some(Header::Nothing),
-        // A row whose first byte is damaged is no comment.
-        [b';', ..] if seconds(skip_blanks(text.get(1..).unwrap_or_default())).is_err() => Some(Header::Nothing),
+        [b';', ..] if !begins_with_time(text.get(1..).unwrap_or_default()) => Some(Header::Nothing),
         _ if is(first, "date") => Some(Header::Date(date(rest))),
         _ if is(first, "base") => {
             let radix = if is(second, "dec") { Radix::Decimal } else { Radix::Hexadecimal };
@@ -176,6 +176,12 @@ fn header(line: &[u8]) -> Option<Header> {
         _ if is(first, "previous") => Some(Header::Nothing),
         _ => None,
     }
+}
+
+/// Whether what follows the first byte of a line has a time, or is the rest of one: then the first byte is damaged, and
+/// begins no comment.
+fn begins_with_time(behind: &[u8]) -> bool {
+    [skip_blanks(behind), &[b"0", behind].concat()].into_iter().any(|text| seconds(text).is_ok())
 }
 
 /// `Sat Sep 30 15:06:13.191 2017`, with or without AM or PM, in nanoseconds since 1970 as if it were UTC.

@@ -157,7 +157,8 @@ impl Trc {
             }
         } else if let Some(text) = skip_blanks(comment).strip_prefix(b"Start time:") {
             self.start_in_text = start_in_text(text.trim_ascii());
-        } else if row(comment, &self.columns).is_ok() {
+        } else if [comment, &[b"0", comment].concat()].iter().any(|text| row(text, &self.columns).is_ok()) {
+            // The first byte of a row is damaged: a blank, or a digit of its number.
             self.numbers.pass();
             return Some(line.malformed("a row, or a comment that is none"));
         }

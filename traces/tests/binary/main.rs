@@ -5,6 +5,8 @@ mod details;
 #[cfg(test)]
 mod hostile;
 #[cfg(test)]
+mod lost;
+#[cfg(test)]
 mod samples;
 #[cfg(test)]
 mod shown;

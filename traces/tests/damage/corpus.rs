@@ -97,6 +97,22 @@ fn gzip(plain: &[u8]) -> Vec<u8> {
     gzip.finish().unwrap()
 }
 
+/// Xorshift: the same changes everywhere.
+pub struct Xorshift(pub u64);
+
+impl Xorshift {
+    pub fn next(&mut self) -> u64 {
+        self.0 ^= self.0 << 13;
+        self.0 ^= self.0 >> 7;
+        self.0 ^= self.0 << 17;
+        self.0
+    }
+
+    pub fn below(&mut self, end: usize) -> usize {
+        (self.next() % end.max(1) as u64) as usize
+    }
+}
+
 /// A capture of these bytes, if they are of a known format.
 pub fn open(bytes: &[u8]) -> Option<Capture> {
     Capture::from_source("test", Source::from_bytes(bytes), &ReadOptions::default()).ok()

@@ -1,32 +1,19 @@
 //! 10 000 random changes of every capture: whatever it has become, reading it ends, with no more frames than bytes can
 //! make, and without a panic.
 
-use crate::corpus::{Sample, read, samples};
+use crate::corpus::{Sample, Xorshift, read, samples};
 use canvass_traces::{Format, ReadOptions, Source};
 
 const MUTATIONS: u64 = 10_000;
-
-/// Xorshift: the same changes everywhere.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 ^= self.0 << 13;
-        self.0 ^= self.0 >> 7;
-        self.0 ^= self.0 << 17;
-        self.0
-    }
-
-    fn below(&mut self, end: usize) -> usize {
-        (self.next() % end.max(1) as u64) as usize
-    }
-}
+/// What reading a small capture may take of the memory at once: a container or chunk that says that it has 32 MiB, twice
+/// while the buffer grows, and the window of zstd.
+const MOST_BYTES: u64 = 160 << 20;
 
 /// Numbers that lengths and counts go wrong with.
 const ODD: [u32; 8] = [0, 1, 0x7F, 0xFF, 0xFFFF, 0x7FFF_FFFF, 0x8000_0000, 0xFFFF_FFFF];
 
 /// Changes bytes in one of the ways that files go wrong; gives how many more frames that may make.
-fn mutate(bytes: &mut Vec<u8>, random: &mut Random) -> usize {
+fn mutate(bytes: &mut Vec<u8>, random: &mut Xorshift) -> usize {
     let at = random.below(bytes.len());
     let length = random.below(64).min(bytes.len() - at);
     match random.below(7) {
@@ -51,7 +38,7 @@ fn mutate(bytes: &mut Vec<u8>, random: &mut Random) -> usize {
 }
 
 fn survive(sample: &Sample) {
-    let mut random = Random(0x9E37_79B9_7F4A_7C15);
+    let mut random = Xorshift(0x9E37_79B9_7F4A_7C15);
     for n in 0..MUTATIONS {
         let mut bytes = sample.bytes.clone();
         let mut more = 4;
@@ -61,11 +48,15 @@ fn survive(sample: &Sample) {
             }
         }
         // Now and then also as the format that it no longer looks like.
-        let read = match n % 8 {
-            0 => Some(read_as(sample.format, &bytes)),
-            _ => read(&bytes).map(|(frames, damages)| (frames.len(), damages.len())),
-        };
-        let Some((frames, damages)) = read else { continue };
+        let mut counts = None;
+        let taken = allocation_counter::measure(|| {
+            counts = match n % 8 {
+                0 => Some(read_as(sample.format, &bytes)),
+                _ => read(&bytes).map(|(frames, damages)| (frames.len(), damages.len())),
+            };
+        });
+        assert!(taken.bytes_max < MOST_BYTES, "{} mutation {n}: {} bytes", sample.name, taken.bytes_max);
+        let Some((frames, damages)) = counts else { continue };
         if !sample.compressed {
             assert!(frames <= sample.frames.len() + more, "{} mutation {n}: {frames} frames", sample.name);
             assert!(damages <= bytes.len() + 1, "{} mutation {n}: {damages} damages", sample.name);

@@ -6,7 +6,7 @@ use super::Check;
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::object::{Entry, Object, ObjectCode};
 use crate::dictionary::problem::{ProblemKind, Severity};
-use crate::identity::{CobId, Index, Multiplexer, NodeId};
+use crate::identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
 
 /// The two directions: first communication parameter, first mapping parameter.
 const RPDO: (u16, u16) = (0x1400, 0x1600);
@@ -32,7 +32,7 @@ pub(super) fn check(check: &mut Check<'_>) {
 /// Communication and mapping parameters come in pairs.
 fn pair(check: &mut Check<'_>, object: &Object, other: u16) {
     if check.object(Index(other)).is_none() {
-        let at = Multiplexer { index: object.index, sub: crate::identity::SubIndex(0) };
+        let at = Multiplexer { index: object.index, sub: SubIndex(0) };
         let expected = "communication and mapping parameters of each PDO";
         check.report(at, "", Severity::Error, ProblemKind::Mapping, expected, &format!("no {other:04X}h"));
     }
@@ -64,6 +64,7 @@ impl Mapping<'_> {
         for sub in 1..=count as u8 {
             let at = Multiplexer::new(index, sub);
             match check.default(index, sub) {
+                None | Some(0) if self.is_compact() => {}
                 Some(mapped) => bits += self.entry(check, at, mapped as u32),
                 None => {
                     let expected = "a mapped object as DefaultValue, since sub-index 0 counts it";
@@ -76,6 +77,12 @@ impl Mapping<'_> {
             let expected = "at most 64 bits in a PDO";
             check.report(at, "DefaultValue", Severity::Error, ProblemKind::Mapping, expected, &format!("{bits} bits"));
         }
+    }
+
+    /// Whether it is described by `CompactSubObj`: its sub-index 0 then counts the entries that there are, and
+    /// `[xxxxValue]` names those that are mapped.
+    fn is_compact(&self) -> bool {
+        self.object.line != 0 && self.object.entry(SubIndex(0)).is_some_and(|count| count.line == 0)
     }
 
     /// Checks one mapped object and returns its length in bits.

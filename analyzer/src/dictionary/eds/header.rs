@@ -69,16 +69,19 @@ pub(super) fn file_info(section: &Section<'_>, problems: &mut Problems) -> FileI
     }
 }
 
-/// Compares with an example in which digits stand for digits, and letters for `AM` or `PM`.
+/// Compares with an example in which digits stand for digits, and letters for `AM` or `PM`. An hour may have one digit.
 fn check_form(fields: &mut Fields<'_, '_>, field: &str, example: &str, expected: &'static str) {
     let Some(text) = fields.optional_text(field).filter(|text| !text.is_empty()) else { return };
-    let same_form = text.len() == example.len()
-        && text.chars().zip(example.chars()).all(|(found, example)| match example {
-            '0'..='9' => found.is_ascii_digit(),
-            'P' => matches!(found.to_ascii_uppercase(), 'A' | 'P'),
-            _ => found.to_ascii_uppercase() == example,
-        });
-    if !same_form {
+    let has_form = |example: &str| {
+        text.len() == example.len()
+            && text.chars().zip(example.chars()).all(|(found, example)| match example {
+                '0'..='9' => found.is_ascii_digit(),
+                'P' => matches!(found.to_ascii_uppercase(), 'A' | 'P'),
+                _ => found.to_ascii_uppercase() == example,
+            })
+    };
+    let short = example.strip_prefix('0');
+    if !has_form(example) && !short.is_some_and(has_form) {
         fields.report(field, Severity::Warning, ProblemKind::Value, expected, text);
     }
 }

@@ -26,34 +26,38 @@ pub(super) fn read(document: &Document<'_>, dictionary: &ObjectDictionary, probl
     lists
 }
 
-/// The numbers of the fields `1=…`, `2=…`, each with its line; `count` names the field with how many there are.
+/// The numbers of the fields `1=…`, `2=…`, each with its line, by the number of the field, whatever the order in which they
+/// stand; `count` names the field with how many there are.
 pub(super) fn numbered(section: &Section<'_>, count: &str, problems: &mut Problems) -> Vec<(u16, u32)> {
     let mut numbers = Vec::new();
-    let mut next = 1;
     for field in &section.fields {
         if field.name.eq_ignore_ascii_case(count) {
             continue;
         }
         let place = Place { line: field.line, section: section.name, field: field.name };
-        match field.name.parse::<u32>() {
-            Ok(number) if number == next => {}
-            Ok(_) => {
-                let expected = "numbers without a gap, from 1";
-                problems.report(place, Severity::Warning, ProblemKind::Count, expected, field.name);
-            }
-            Err(_) => {
-                let expected = "a number as the name of the field";
-                problems.report(place, Severity::Warning, ProblemKind::Value, expected, field.name);
-                continue;
-            }
-        }
-        next = field.name.parse().unwrap_or(next).saturating_add(1);
+        let Ok(key) = field.name.parse::<u32>() else {
+            let expected = "a number as the name of the field";
+            problems.report(place, Severity::Warning, ProblemKind::Value, expected, field.name);
+            continue;
+        };
         let number = number::parse(field.value).filter(|number| !number.plus_node_id);
-        match number.and_then(|number| u16::try_from(number.value).ok()) {
-            Some(number) => numbers.push((number, field.line)),
-            None => problems.report(place, Severity::Error, ProblemKind::Number, "a number of 16 bits", field.value),
+        let number = number.and_then(|number| u16::try_from(number.value).ok());
+        if number.is_none() {
+            problems.report(place, Severity::Error, ProblemKind::Number, "a number of 16 bits", field.value);
         }
+        numbers.push((key, number, field.line));
     }
+    numbers.sort_by_key(|&(key, ..)| key);
+    let mut next = 1;
+    for &(key, _, line) in &numbers {
+        if key != next {
+            let (name, expected) = (key.to_string(), "numbers without a gap, from 1");
+            let place = Place { line, section: section.name, field: &name };
+            problems.report(place, Severity::Warning, ProblemKind::Count, expected, &name);
+        }
+        next = key.saturating_add(1);
+    }
+    let numbers: Vec<(u16, u32)> = numbers.into_iter().filter_map(|(_, number, line)| Some((number?, line))).collect();
     let mut fields = Fields { section, problems };
     let announced = fields.number(count, u32::MAX).unwrap_or(0);
     if announced as usize != numbers.len() {

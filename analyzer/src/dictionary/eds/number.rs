@@ -55,7 +55,7 @@ pub(super) fn parse(text: &str) -> Option<Number> {
 fn without_decoration(text: &str) -> (&str, Option<&'static str>) {
     let mut oddity = None;
     let mut text = text.trim();
-    if let Some((number, _)) = text.split_once(';') {
+    if let Some((number, _)) = text.split_once([';', '#']) {
         text = number.trim();
         oddity = Some("a comment in a line of its own");
     }
@@ -148,6 +148,7 @@ mod tests {
         let odd = |text| parse(text).and_then(|number| number.oddity.map(|oddity| (number.value, oddity)));
         assert_eq!(odd("180h"), Some((0x180, "hexadecimal numbers with 0x")));
         assert_eq!(odd("5 ; five"), Some((5, "a comment in a line of its own")));
+        assert_eq!(odd("0x7 # VAR"), Some((7, "a comment in a line of its own")));
         assert_eq!(odd("\"5\""), Some((5, "a number without quotes")));
         assert_eq!(odd("0.0"), Some((0, "a whole number without decimal point")));
         assert_eq!(odd("089"), Some((89, "octal digits after a leading 0")));

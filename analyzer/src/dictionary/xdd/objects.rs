@@ -125,8 +125,13 @@ fn access(element: &Element, parameter: &Parameter<'_>, problems: &mut Problems)
         (Some(access), _) => access,
         (None, _) => {
             let expected = "const, ro, wo, rw, rwr or rww, here or in the parameter";
-            let place = element.place("accessType");
-            problems.report(place, Severity::Warning, ProblemKind::MissingField, expected, found.unwrap_or("none"));
+            let is_given = found.is_some() || element.attribute("uniqueIDRef").is_some();
+            // One that nobody gives is read, the default of the schema.
+            let (severity, kind) = match is_given {
+                true => (Severity::Warning, ProblemKind::Value),
+                false => (Severity::Info, ProblemKind::MissingField),
+            };
+            problems.report(element.place("accessType"), severity, kind, expected, found.unwrap_or("none"));
             Access::Ro
         }
     }

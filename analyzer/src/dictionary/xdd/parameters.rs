@@ -37,7 +37,8 @@ fn parameter<'a>(element: &'a Element, inside: &'a [Element]) -> Parameter<'a> {
     Parameter {
         label: text("label"),
         data_type: inside.iter().find_map(|element| simple_type(&element.name)),
-        access: element.attribute("access").and_then(access),
+        // Without the attribute it is read, the default of the schema.
+        access: element.attribute("access").map_or(Some(Access::Ro), access),
         default: value("defaultValue"),
         actual: value("actualValue"),
         low: value("minValue"),

@@ -141,6 +141,7 @@ fn by_load(effect: &Group<'_>, rule: &str, cause: &Group<'_>) -> bool {
             | "sdo/impatient-client"
             | "pdo/period"
             | "pdo/jitter"
+            | "pdo/sync-missing"
             | "pdo/sync-jitter"
             | "pdo/sync-window"
             | "pdo/sync-pdo-missing"

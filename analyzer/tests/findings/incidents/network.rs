@@ -58,6 +58,16 @@ impl Node {
         (0..).map(|n| 500 + self.phase + n * self.period).take_while(|ms| *ms < END)
     }
 
+    /// When the master asks it for something.
+    fn asked(&self) -> impl Iterator<Item = u64> {
+        (START + 500 + self.phase..END - 3_000).step_by(self.polled as usize)
+    }
+
+    /// Whether the master may ask it for something else then: a client has one request at a time.
+    pub fn is_free(&self, ms: u64) -> bool {
+        self.asked().all(|asked| asked.abs_diff(ms) > 150)
+    }
+
     /// Its last heartbeat before a moment.
     pub fn last_beat(&self, ms: u64) -> u64 {
         self.beats().take_while(|beat| *beat < ms).last().unwrap_or(0)
@@ -199,7 +209,7 @@ impl Network {
     fn polls(&self, at: usize, traffic: &mut Traffic) {
         let node = &self.nodes[at];
         let (client, server) = (0x600 + u16::from(node.id), 0x580 + u16::from(node.id));
-        for ms in (START + 500 + node.phase..END - 3_000).step_by(node.polled as usize) {
+        for ms in node.asked() {
             // A master does not ask those that it has lost.
             if matches!(node.status(ms), Status::Off | Status::Stopped) || node.status(ms + 20) == Status::Off {
                 continue;

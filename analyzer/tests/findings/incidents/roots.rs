@@ -240,7 +240,7 @@ pub fn operate(network: &mut Network, random: &mut Random) {
             }
             _ => {
                 let (client, server) = (0x600 + u16::from(id), 0x580 + u16::from(id));
-                let ms = at + 13;
+                let Some(ms) = (at..at + 2_000).find(|ms| network.node(id).is_free(*ms)) else { continue };
                 network.extra.at(ms, &format!("{client:03X}#4000500000000000"));
                 network.extra.at(ms + 30, &format!("{server:03X}#8000500000000206"));
             }

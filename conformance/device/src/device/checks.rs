@@ -6,6 +6,7 @@ use super::objects::Objects;
 use super::store::StoreCommand;
 use super::{clock, heartbeat_consumer, pdo, sync};
 use crate::models::Rule;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 use std::cmp::Ordering;
@@ -23,14 +24,14 @@ impl Objects {
             return self.check_signature(command, value);
         }
         // The number of mapped objects has abort codes of its own.
-        if let 0x1600..0x1800 | 0x1A00..0x1C00 = at.index.0 {
+        if object::is_pdo_mapping(at.index.0) {
             return pdo::check_mapping(at, value, self);
         }
         if self.encoder.as_ref().is_some_and(|encoder| encoder.wedges(at, value)) {
             return Ok(());
         }
         self.check_bus_object(at, value)?;
-        let reserved = at.index.0 == 0x1029 && !self.firmware.checks_error_behaviour();
+        let reserved = at.index.0 == object::ERROR_BEHAVIOR && !self.firmware.checks_error_behaviour();
         if self.firmware.checks_range() && !reserved && !self.is_checked_later(at) {
             self.parameters.entry(at)?.check_range(value)?;
         }
@@ -65,20 +66,32 @@ impl Objects {
         let (parameters, firmware, network) = (&self.parameters, &self.firmware, &self.model.sheet().network);
         let old = || CobId(parameters.number_or_zero(at.index.0, at.sub.0) as u32);
         match (at.index.0, at.sub.0) {
-            (0x1003, _) if value != 0 && firmware.checks_history_count() => Err(AbortCode::INVALID_VALUE),
-            (0x1005, _) => sync::check_cob_id(value, parameters, network, firmware),
-            (0x1006, _) => sync::check_period(value, network),
-            (0x1012, _) => clock::check(value, parameters, network, firmware),
-            (0x1014, _) => check_cob_id(value, parameters, firmware),
-            (0x1016, 1..) => {
+            (object::PREDEFINED_ERROR_FIELD, _) if value != 0 && firmware.checks_history_count() => {
+                Err(AbortCode::INVALID_VALUE)
+            }
+            (object::COB_ID_SYNC, _) => sync::check_cob_id(value, parameters, network, firmware),
+            (object::COMMUNICATION_CYCLE_PERIOD, _) => sync::check_period(value, network),
+            (object::COB_ID_TIME, _) => clock::check(value, parameters, network, firmware),
+            (object::COB_ID_EMCY, _) => check_cob_id(value, parameters, firmware),
+            (object::CONSUMER_HEARTBEAT_TIME, 1..) => {
                 let code = self.model.sheet().abort(Rule::OneConsumerPerNode, at);
                 heartbeat_consumer::check(at, value, parameters, firmware).map_err(|_| code)
             }
-            (0x1019, _) => sync::check_overflow(value, parameters, firmware),
-            (0x1028, 1..) => check_peer_cob_id(value, old(), firmware, firmware.checks_emcy_ids_while_valid()),
-            (0x1029, 1..) if value > 2 && firmware.checks_error_behaviour() => Err(firmware.limit_code()),
-            (0x1200..0x1280, 1 | 2) => check_peer_cob_id(value, old(), firmware, firmware.checks_sdo_ids_while_valid()),
-            (0x1400..0x1600 | 0x1800..0x1A00, _) => pdo::check_communication(at, value, self),
+            (object::SYNCHRONOUS_COUNTER_OVERFLOW, _) => sync::check_overflow(value, parameters, firmware),
+            (object::EMERGENCY_CONSUMER, 1..) => {
+                check_peer_cob_id(value, old(), firmware, firmware.checks_emcy_ids_while_valid())
+            }
+            (object::ERROR_BEHAVIOR, 1..) if value > 2 && firmware.checks_error_behaviour() => {
+                Err(firmware.limit_code())
+            }
+            (object::SDO_SERVER_PARAMETER..object::SDO_CLIENT_PARAMETER, 1 | 2) => {
+                check_peer_cob_id(value, old(), firmware, firmware.checks_sdo_ids_while_valid())
+            }
+            (
+                object::RPDO_COMMUNICATION_PARAMETER..object::RPDO_MAPPING_PARAMETER
+                | object::TPDO_COMMUNICATION_PARAMETER..object::TPDO_MAPPING_PARAMETER,
+                _,
+            ) => pdo::check_communication(at, value, self),
             _ => Ok(()),
         }
     }

@@ -9,6 +9,7 @@ use super::service::{Event, Service};
 use crate::Firmware;
 use crate::models::Network;
 use canvass_analyzer::CobId;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::time::TimeOfDay;
@@ -52,7 +53,7 @@ impl Clock {
 
     /// Takes 1012h over.
     pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, network: &Network, may_send: bool) {
-        self.cob_id = CobId(parameters.number_or_zero(0x1012, 0) as u32);
+        self.cob_id = CobId(parameters.number_or_zero(object::COB_ID_TIME, 0) as u32);
         self.consumes = network.time_consumer && self.cob_id.0 & CONSUMES != 0;
         let period = network.time_period_ms.filter(|_| self.cob_id.0 & PRODUCES != 0).unwrap_or(0);
         self.period = Duration::from_millis(period);
@@ -152,11 +153,13 @@ impl Service for TimeService {
                     context.objects.clock.restart(now, sends);
                 }
             }
-            Event::Written(at, _) if at.index.0 == 0x1012 => {
+            Event::Written(at, _) if at.index.0 == object::COB_ID_TIME => {
                 Self::configure(now, context);
                 context.routes_changed = true;
             }
-            Event::Written(at, micros) if at.index.0 == 0x1013 => context.objects.clock.stamp(now, micros as u32),
+            Event::Written(at, micros) if at.index.0 == object::HIGH_RESOLUTION_TIME_STAMP => {
+                context.objects.clock.stamp(now, micros as u32)
+            }
             _ => {}
         }
     }
@@ -187,7 +190,7 @@ pub(super) fn check(
     network: &Network,
     firmware: &Firmware,
 ) -> Result<(), AbortCode> {
-    let (old, new) = (CobId(parameters.number_or_zero(0x1012, 0) as u32), CobId(value as u32));
+    let (old, new) = (CobId(parameters.number_or_zero(object::COB_ID_TIME, 0) as u32), CobId(value as u32));
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let impossible = new.0 & PRODUCES != 0 && network.time_period_ms.is_none();
     let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();

@@ -8,6 +8,7 @@ use super::service::Event;
 use super::store::Store;
 use crate::Firmware;
 use canvass_analyzer::NodeId;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl};
 use canvass_traces::{Frame, Timestamp};
@@ -120,7 +121,7 @@ impl Context {
             return None;
         }
         let leaves_stopped = self.phase == Phase::Stopped && firmware.leaves_stopped_on_error();
-        let behaviour = match self.objects.parameters.number(0x1029, sub) {
+        let behaviour = match self.objects.parameters.number(object::ERROR_BEHAVIOR, sub) {
             Some(1) if sub == 2 && firmware.leaves_on_any_profile_error() => Some(0),
             behaviour => behaviour.or((sub == 1).then_some(0)),
         };

@@ -8,6 +8,7 @@ use super::service::{Event, Service};
 use crate::Firmware;
 use crate::models::Quirks;
 use canvass_analyzer::CobId;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -349,7 +350,8 @@ impl EmcyService {
         if now < Self.timeout(context) {
             return None;
         }
-        let inhibit = Duration::from_micros(100 * context.objects.parameters.number_or_zero(0x1015, 0));
+        let inhibit =
+            Duration::from_micros(100 * context.objects.parameters.number_or_zero(object::INHIBIT_TIME_EMCY, 0));
         // One that 1014h silences is gone, the next one may follow at once.
         loop {
             let emcy = context.objects.errors.poll(now, inhibit)?;
@@ -366,7 +368,7 @@ impl EmcyService {
 
     fn cob_id(context: &Context) -> Option<CobId> {
         let usual = CobId(u32::from(emcy::CAN_ID_BASE) + u32::from(context.node?.raw()));
-        Some(context.objects.parameters.number(0x1014, 0).map_or(usual, |raw| CobId(raw as u32)))
+        Some(context.objects.parameters.number(object::COB_ID_EMCY, 0).map_or(usual, |raw| CobId(raw as u32)))
     }
 }
 
@@ -382,11 +384,17 @@ impl Service for EmcyService {
         match event {
             Event::Initialise => context.objects.errors.reset(),
             Event::Entered { before: nmt::Phase::Stopped } => context.objects.errors.after_stopped(),
-            Event::Written(at, value) if at.index.0 == 0x1015 && context.firmware().inhibits_from_write() => {
+            Event::Written(at, value)
+                if at.index.0 == object::INHIBIT_TIME_EMCY && context.firmware().inhibits_from_write() =>
+            {
                 context.objects.errors.inhibited_until = now + Duration::from_micros(100 * value);
             }
-            Event::Written(at, _) if at.index.0 == 0x1003 => context.objects.errors.clear_history(),
-            Event::Written(at, _) if matches!(at.index.0, 0x1014 | 0x1028) => context.routes_changed = true,
+            Event::Written(at, _) if at.index.0 == object::PREDEFINED_ERROR_FIELD => {
+                context.objects.errors.clear_history()
+            }
+            Event::Written(at, _) if matches!(at.index.0, object::COB_ID_EMCY | object::EMERGENCY_CONSUMER) => {
+                context.routes_changed = true
+            }
             _ => {}
         }
     }
@@ -403,7 +411,9 @@ impl Service for EmcyService {
 
     fn find_routes(&self, context: &Context, routes: &mut Routes) {
         let parameters = &context.objects.parameters;
-        for cob_id in (1..=127).map_while(|sub| parameters.number(0x1028, sub)).map(|raw| CobId(raw as u32)) {
+        for cob_id in
+            (1..=127).map_while(|sub| parameters.number(object::EMERGENCY_CONSUMER, sub)).map(|raw| CobId(raw as u32))
+        {
             if cob_id.is_valid() && cob_id.can_id() != 0 {
                 routes.set(cob_id.can_id() as u16, Route::PeerEmcy);
             }
@@ -416,7 +426,7 @@ impl Service for EmcyService {
 /// # Errors
 /// "Invalid value" otherwise.
 pub(super) fn check_cob_id(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
-    let (old, new) = (CobId(parameters.number_or_zero(0x1014, 0) as u32), CobId(value as u32));
+    let (old, new) = (CobId(parameters.number_or_zero(object::COB_ID_EMCY, 0) as u32), CobId(value as u32));
     if firmware.refuses_cob_id_rewrite() && old.is_valid() && new.is_valid() {
         return Err(firmware.cob_id_code(AbortCode::INVALID_VALUE));
     }

@@ -5,6 +5,7 @@ use super::emcy::Condition;
 use super::nmt::Phase;
 use super::service::{Event, Service};
 use crate::Firmware;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::ErrorControl;
 use canvass_traces::{Duration, Timestamp};
 
@@ -61,7 +62,7 @@ impl NodeGuarding {
     /// Takes 100Ch and 100Dh over.
     fn configure(&mut self, now: Timestamp, context: &Context) {
         let number = |index| context.objects.parameters.number_or_zero(index, 0);
-        self.set(now, number(0x100C), number(0x100D), context.firmware());
+        self.set(now, number(object::GUARD_TIME), number(object::LIFE_TIME_FACTOR), context.firmware());
     }
 
     /// The master asks for the state. Heartbeat and guarding exclude each other, and heartbeat wins (CiA 301,
@@ -87,7 +88,9 @@ impl Service for NodeGuarding {
         match event {
             Event::Initialise => self.reset(context.firmware()),
             Event::Started | Event::Resumed => self.configure(now, context),
-            Event::Written(at, _) if matches!(at.index.0, 0x100C | 0x100D) => self.configure(now, context),
+            Event::Written(at, _) if matches!(at.index.0, object::GUARD_TIME | object::LIFE_TIME_FACTOR) => {
+                self.configure(now, context)
+            }
             _ => {}
         }
     }

@@ -4,6 +4,7 @@ use super::context::Context;
 use super::nmt::Phase;
 use super::service::{Event, Service};
 use crate::Firmware;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Duration, Timestamp};
 
@@ -78,10 +79,12 @@ impl Service for HeartbeatProducer {
         match event {
             Event::Initialise => self.stop(),
             Event::Started | Event::Resumed => {
-                self.boot(now, context.objects.parameters.number_or_zero(0x1017, 0), firmware);
+                self.boot(now, context.objects.parameters.number_or_zero(object::PRODUCER_HEARTBEAT_TIME, 0), firmware);
             }
             Event::Entered { .. } if !firmware.keeps_heartbeat_over_state_change() => self.stop(),
-            Event::Written(at, millis) if at.index.0 == 0x1017 => self.start(now, millis, firmware),
+            Event::Written(at, millis) if at.index.0 == object::PRODUCER_HEARTBEAT_TIME => {
+                self.start(now, millis, firmware)
+            }
             _ => {}
         }
         context.is_heartbeat_active = self.is_active();

@@ -7,6 +7,7 @@ use super::routes::{Route, Routes};
 use super::service::{Event, Service};
 use crate::Firmware;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -37,7 +38,7 @@ impl HeartbeatConsumer {
     fn configure(&mut self, now: Timestamp, parameters: &Parameters, firmware: &Firmware) {
         self.watched.clear();
         let most = if firmware.consumes_from_first_only() { 1 } else { 127 };
-        let entries = (1..=most).map_while(|sub| parameters.number(0x1016, sub));
+        let entries = (1..=most).map_while(|sub| parameters.number(object::CONSUMER_HEARTBEAT_TIME, sub));
         let at_once = firmware.consumes_before_first_heartbeat();
         self.watched.extend(entries.map(|entry| {
             let (node, time) = split(entry);
@@ -89,7 +90,7 @@ impl Service for HeartbeatConsumer {
     fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
         match event {
             Event::Started => self.configure(now, &context.objects.parameters, context.firmware()),
-            Event::Written(at, _) if at.index.0 == 0x1016 && acts(at, context) => {
+            Event::Written(at, _) if at.index.0 == object::CONSUMER_HEARTBEAT_TIME && acts(at, context) => {
                 self.configure(now, &context.objects.parameters, context.firmware());
             }
             _ => {}
@@ -136,9 +137,11 @@ pub(super) fn check(
     if node == 0 || time == 0 {
         return Ok(());
     }
-    let others = (1..=127).filter(|&sub| sub != at.sub.0).map_while(|sub| parameters.number(0x1016, sub));
+    let others = (1..=127)
+        .filter(|&sub| sub != at.sub.0)
+        .map_while(|sub| parameters.number(object::CONSUMER_HEARTBEAT_TIME, sub));
     let is_double = others.map(split).any(|(other, time)| other == node && time > 0);
-    let (old, old_time) = split(parameters.number_or_zero(0x1016, at.sub.0));
+    let (old, old_time) = split(parameters.number_or_zero(object::CONSUMER_HEARTBEAT_TIME, at.sub.0));
     let replaces = old_time > 0 && old != 0 && old != node;
     if (is_double || replaces) && firmware.checks_consumer_entries() {
         return Err(AbortCode::PARAMETER_INCOMPATIBLE);

@@ -12,6 +12,7 @@ use super::store::Groups;
 use super::{Device, PLACEHOLDER};
 use crate::models::Trigger;
 use canvass_analyzer::NodeId;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
 use canvass_traces::{Frame, Timestamp};
@@ -92,11 +93,11 @@ impl Device {
         }
         store.load(groups, &mut objects.parameters, objects.encoder.as_mut(), node);
         if objects.firmware.loses_configuration_date() {
-            objects.parameters.set_number(0x1020, 1, 0);
-            objects.parameters.set_number(0x1020, 2, 0);
+            objects.parameters.set_number(object::VERIFY_CONFIGURATION, 1, 0);
+            objects.parameters.set_number(object::VERIFY_CONFIGURATION, 2, 0);
         }
         if objects.firmware.drifts_at_reset() {
-            objects.parameters.set_number(0x1015, 0, u64::from(self.resets));
+            objects.parameters.set_number(object::INHIBIT_TIME_EMCY, 0, u64::from(self.resets));
         }
         objects.settle_links(groups);
         self.show_node_id();
@@ -125,7 +126,7 @@ impl Device {
             return true;
         }
         let start_up = self.context.objects.model.sheet().network.start_up;
-        let set = self.context.objects.parameters.number(0x1F80, 0);
+        let set = self.context.objects.parameters.number(object::NMT_STARTUP, 0);
         set.is_some_and(|value| value as u32 & start_up.mask == start_up.value)
             && self.context.firmware().heeds_start_up_object()
     }

@@ -4,6 +4,7 @@ use super::objects::Objects;
 use super::store::Groups;
 use crate::models::LinkKind;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 
 impl Objects {
     /// A number was written: what always holds the same value gets it too, and is acted on as if it had been written.
@@ -11,7 +12,7 @@ impl Objects {
         let unlinked = match at.index.0 {
             0x6200 if value == 0 && !self.firmware.links_cyclic_timer_at_zero() => true,
             0x6200 => !self.firmware.links_cyclic_timer(),
-            0x1800 => !self.firmware.links_event_timer(),
+            object::TPDO_COMMUNICATION_PARAMETER => !self.firmware.links_event_timer(),
             _ => false,
         };
         if unlinked {

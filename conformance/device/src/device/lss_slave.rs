@@ -10,6 +10,7 @@ use super::store::StoredNetwork;
 use crate::Firmware;
 use crate::models::{BitRate, Model};
 use canvass_analyzer::NodeId;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -339,7 +340,7 @@ impl Service for LssSlave {
 
 /// 1018h:01 to 04.
 pub(super) fn address(parameters: &Parameters) -> Address {
-    [1, 2, 3, 4].map(|sub| parameters.number_or_zero(0x1018, sub) as u32)
+    [1, 2, 3, 4].map(|sub| parameters.number_or_zero(object::IDENTITY, sub) as u32)
 }
 
 /// The bit rate with that code of LSS.

@@ -7,6 +7,7 @@ mod layer_setting;
 mod tables;
 
 use crate::{Fault, Faults};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
 use canvass_analyzer::wire::{Wire, emcy, error_control, lss, nmt, sync};
@@ -250,17 +251,21 @@ impl Mischief {
             return Incoming::Answered(Response::abort(multiplexer, code).to_frame(response_id));
         }
         let (index, sub) = (multiplexer.index.0, multiplexer.sub.0);
-        if index == 0x1010 && self.operational && self.has(Fault::StoreSilentWhenOperational) {
+        if index == object::STORE_PARAMETERS && self.operational && self.has(Fault::StoreSilentWhenOperational) {
             return Incoming::Lost;
         }
-        let ignored = index == 0x1016 && value & 0xFFFF == 0 && self.has(Fault::HeartbeatConsumerNotStopped)
-            || index == 0x1006 && value == 0 && self.has(Fault::SyncNotStopped);
+        let ignored = index == object::CONSUMER_HEARTBEAT_TIME
+            && value & 0xFFFF == 0
+            && self.has(Fault::HeartbeatConsumerNotStopped)
+            || index == object::COMMUNICATION_CYCLE_PERIOD && value == 0 && self.has(Fault::SyncNotStopped);
         if ignored {
             return Incoming::Answered(Response::InitiateDownload { multiplexer }.to_frame(response_id));
         }
         let other = match index {
-            0x1029 if value == 1 && self.has(Fault::ErrorBehaviourAlwaysLeaves) => 0,
-            0x1016 if sub > 0 && self.has(Fault::HeartbeatConsumerLate) => value & 0xFFFF_0000 | (value << 1) & 0xFFFF,
+            object::ERROR_BEHAVIOR if value == 1 && self.has(Fault::ErrorBehaviourAlwaysLeaves) => 0,
+            object::CONSUMER_HEARTBEAT_TIME if sub > 0 && self.has(Fault::HeartbeatConsumerLate) => {
+                value & 0xFFFF_0000 | (value << 1) & 0xFFFF
+            }
             _ => return pass(*frame),
         };
         let bytes = other.to_le_bytes();
@@ -269,17 +274,23 @@ impl Mischief {
     }
 
     fn refusal(&self, at: Multiplexer, value: u32) -> Option<AbortCode> {
-        let is_mapping = matches!(at.index.0, 0x1600..0x1800 | 0x1A00..0x1C00);
+        let is_mapping = object::is_pdo_mapping(at.index.0);
         if is_mapping && at.sub.0 == 0 && value != 0 && self.has(Fault::MappingProcedureRefused) {
             return Some(AbortCode::NOT_MAPPABLE);
         }
         if is_mapping && at.sub.0 == 0 && value != 0 && self.mapping_refused {
             return Some(AbortCode::DEVICE_STATE);
         }
-        if at.index.0 == 0x1600 && at.sub.0 > 0 && value >> 16 < 0x20 && self.has(Fault::DummyRefused) {
+        if at.index.0 == object::RPDO_MAPPING_PARAMETER
+            && at.sub.0 > 0
+            && value >> 16 < 0x20
+            && self.has(Fault::DummyRefused)
+        {
             return Some(AbortCode::NOT_MAPPABLE);
         }
-        let same = at == Multiplexer::new(0x1800, 1) && value >> 31 == 0 && self.cob_id == Some(value);
+        let same = at == Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1)
+            && value >> 31 == 0
+            && self.cob_id == Some(value);
         (same && self.has(Fault::SameCobIdRefused)).then_some(AbortCode::INVALID_VALUE)
     }
 
@@ -328,7 +339,7 @@ impl Mischief {
             Ok(Response::InitiateUpload { multiplexer, payload }) => {
                 let Some(bytes) = payload.value() else { return frame };
                 let value = bytes.iter().rev().fold(0, |value, &byte| value << 8 | u32::from(byte));
-                if multiplexer == Multiplexer::new(0x1800, 1) {
+                if multiplexer == Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1) {
                     self.cob_id = Some(value);
                 }
                 let wrong = self.planted(multiplexer, value).to_le_bytes();
@@ -342,7 +353,7 @@ impl Mischief {
 
     /// A download was refused, for the reason that the server gives or for another one.
     fn refused(&mut self, at: Multiplexer, code: AbortCode, frame: Frame) -> Frame {
-        let is_mapping = matches!(at.index.0, 0x1600..0x1800 | 0x1A00..0x1C00);
+        let is_mapping = object::is_pdo_mapping(at.index.0);
         self.mapping_refused |= is_mapping && self.download.is_some() && self.has(Fault::MappingFailureWedges);
         let is_download = self.download.is_some_and(|(asked, _)| asked == at);
         if !is_download || code != AbortCode::NO_SUB_INDEX || !self.has(Fault::SdoRefusalAlternates) {

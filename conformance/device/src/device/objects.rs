@@ -12,6 +12,7 @@ use super::parameters::{Content, Parameters, Reading};
 use super::store::StoreCommand;
 use crate::Firmware;
 use crate::models::Model;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::Timestamp;
@@ -44,7 +45,7 @@ impl Objects {
             parameters.redefine(at, Content::Number(u64::from(node_id)));
         }
         overlay::plant(&mut parameters, firmware);
-        let history = parameters.entries().filter(|entry| entry.at.index.0 == 0x1003).count();
+        let history = parameters.entries().filter(|entry| entry.at.index.0 == object::PREDEFINED_ERROR_FIELD).count();
         Self {
             model: model.clone(),
             parameters,
@@ -78,9 +79,9 @@ impl Objects {
     fn live(&self, now: Timestamp, at: Multiplexer) -> Result<Option<u64>, AbortCode> {
         let network = &self.model.sheet().network;
         Ok(match at.index.0 {
-            0x1001 => Some(u64::from(self.errors.register())),
-            0x1003 => Some(self.errors.history(at.sub.0)?),
-            0x1013 if network.time_consumer => Some(u64::from(self.clock.micros(now))),
+            object::ERROR_REGISTER => Some(u64::from(self.errors.register())),
+            object::PREDEFINED_ERROR_FIELD => Some(self.errors.history(at.sub.0)?),
+            object::HIGH_RESOLUTION_TIME_STAMP if network.time_consumer => Some(u64::from(self.clock.micros(now))),
             ..0x2000 => None,
             _ if network.clock_object == Some(at) => {
                 let time = self.clock.time(now);
@@ -264,13 +265,14 @@ impl Objects {
 
     /// Whether SYNC is listened to.
     pub fn consumes_sync(&self) -> bool {
-        let needed = self.consumer_bit(Multiplexer::new(0x1005, 0));
-        self.parameters.number_or_zero(0x1005, 0) & needed == needed
+        let needed = self.consumer_bit(Multiplexer::new(object::COB_ID_SYNC, 0));
+        self.parameters.number_or_zero(object::COB_ID_SYNC, 0) & needed == needed
     }
 
     /// Whether a write to the object does something instead of leaving a value.
     fn is_command(&self, at: Multiplexer) -> bool {
-        at == Multiplexer::new(0x1003, 0) || StoreCommand::of(at, &self.model.sheet().storage).is_some()
+        at == Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0)
+            || StoreCommand::of(at, &self.model.sheet().storage).is_some()
     }
 
     /// Whether writing the object takes as long as writing the non-volatile memory.

@@ -4,6 +4,7 @@ use super::parameters::{Content, Parameters};
 use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
+use canvass_analyzer::object;
 
 /// A single-turn encoder in the upper word of 1000h.
 const SINGLE_TURN: u64 = 0x0001_0000;
@@ -14,37 +15,37 @@ const RESERVED_ALARM: u64 = 1 << 3;
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     plant_encoder(parameters, firmware);
     if firmware.takes(Liberty::HeartbeatAbsent) {
-        parameters.remove(0x1017, None);
+        parameters.remove(object::PRODUCER_HEARTBEAT_TIME, None);
     }
-    let vendor_id = Multiplexer::new(0x1018, 1);
-    let device_type = Multiplexer::new(0x1000, 0);
+    let vendor_id = Multiplexer::new(object::IDENTITY, 1);
+    let device_type = Multiplexer::new(object::DEVICE_TYPE, 0);
     if firmware.has(Fault::VendorIdZero) {
         parameters.redefine(vendor_id, Content::Number(0));
     }
     if firmware.has(Fault::DeviceTypeProfileWrong) {
-        let other = parameters.number_or_zero(0x1000, 0) & 0xFFFF_0000 | 401;
+        let other = parameters.number_or_zero(object::DEVICE_TYPE, 0) & 0xFFFF_0000 | 401;
         parameters.redefine(device_type, Content::Number(other));
     }
     if firmware.has(Fault::IdentityRevisionMissing) {
-        parameters.remove(0x1018, Some(3));
+        parameters.remove(object::IDENTITY, Some(3));
     }
     for (fault, at) in [
-        (Fault::PdoCountWrong, Multiplexer::new(0x1004, 0)),
-        (Fault::NodeIdObjectWrong, Multiplexer::new(0x100B, 0)),
-        (Fault::GuardingCobIdWrong, Multiplexer::new(0x100E, 0)),
+        (Fault::PdoCountWrong, Multiplexer::new(object::NUMBER_OF_PDOS, 0)),
+        (Fault::NodeIdObjectWrong, Multiplexer::new(object::NODE_ID, 0)),
+        (Fault::GuardingCobIdWrong, Multiplexer::new(object::COB_ID_GUARDING, 0)),
     ] {
         if firmware.has(fault) {
             parameters.redefine(at, Content::Number(parameters.number_or_zero(at.index.0, at.sub.0) + 1));
         }
     }
     if firmware.has(Fault::ErrorControlMissing) {
-        parameters.remove(0x100D, None);
+        parameters.remove(object::LIFE_TIME_FACTOR, None);
     }
     if firmware.has(Fault::ErrorRegisterMissing) {
-        parameters.remove(0x1001, None);
+        parameters.remove(object::ERROR_REGISTER, None);
     }
     if firmware.has(Fault::DeviceNameWithGarbage) {
-        let name = Multiplexer::new(0x1008, 0);
+        let name = Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0);
         let mut bytes = parameters.entry(name).map_or(Vec::new(), |entry| entry.reading(None).bytes().to_vec());
         bytes.extend([0x00, 0xFF, 0x1B]);
         parameters.redefine(name, Content::Bytes(bytes));
@@ -59,8 +60,8 @@ fn plant_encoder(parameters: &mut Parameters, firmware: &Firmware) {
         }
     };
     let at = |index| Multiplexer::new(index, 0);
-    let profile = parameters.number_or_zero(0x1000, 0) & 0xFFFF;
-    wrong(Fault::DeviceTypeTurnsWrong, at(0x1000), SINGLE_TURN | profile, parameters);
+    let profile = parameters.number_or_zero(object::DEVICE_TYPE, 0) & 0xFFFF;
+    wrong(Fault::DeviceTypeTurnsWrong, at(object::DEVICE_TYPE), SINGLE_TURN | profile, parameters);
     wrong(Fault::RevolutionsZero, at(0x6502), 0, parameters);
     wrong(Fault::ProfileVersionUnset, at(0x6507), 0xFFFF_FFFF, parameters);
     let half = parameters.number_or_zero(0x650A, 3) / 2;

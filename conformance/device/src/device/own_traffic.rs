@@ -3,6 +3,7 @@
 use super::context::Context;
 use super::nmt::Phase;
 use super::service::{Event, Service};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -12,7 +13,7 @@ use canvass_traces::{CanId, Duration, Frame, Timestamp};
 const ASKED: Duration = Duration::from_millis(500);
 /// The nodes that the client asks: the first one that it is not itself.
 const SERVERS: [u16; 2] = [127, 126];
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
 /// How often there is a burst, and how long it is.
 const BURSTS: Duration = Duration::from_millis(250);

@@ -4,6 +4,7 @@
 use super::objects::Objects;
 use super::parameters::Parameters;
 use crate::models::Rule;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::pdo::MappingEntry;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
@@ -24,8 +25,8 @@ impl Direction {
     /// The index of the first PDO's communication parameters.
     pub const fn communication(self) -> u16 {
         match self {
-            Self::Receive => 0x1400,
-            Self::Transmit => 0x1800,
+            Self::Receive => object::RPDO_COMMUNICATION_PARAMETER,
+            Self::Transmit => object::TPDO_COMMUNICATION_PARAMETER,
         }
     }
 
@@ -37,8 +38,12 @@ impl Direction {
     /// The direction and number of the PDO that an object configures.
     pub const fn of(index: u16) -> Option<(Self, u16)> {
         match index {
-            0x1400..0x1800 => Some((Self::Receive, (index - 0x1400) % PDOS)),
-            0x1800..0x1C00 => Some((Self::Transmit, (index - 0x1800) % PDOS)),
+            object::RPDO_COMMUNICATION_PARAMETER..object::TPDO_COMMUNICATION_PARAMETER => {
+                Some((Self::Receive, (index - object::RPDO_COMMUNICATION_PARAMETER) % PDOS))
+            }
+            object::TPDO_COMMUNICATION_PARAMETER..object::AFTER_PDO_PARAMETERS => {
+                Some((Self::Transmit, (index - object::TPDO_COMMUNICATION_PARAMETER) % PDOS))
+            }
             _ => None,
         }
     }

@@ -8,6 +8,7 @@ use super::pdo::{self, Direction};
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
 use crate::Firmware;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, extract};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -67,7 +68,7 @@ impl Rpdo {
 
     /// Takes the parameters over.
     fn configure(&mut self, objects: &Objects) {
-        let number = |sub| objects.parameters.number_or_zero(0x1400 + self.number, sub);
+        let number = |sub| objects.parameters.number_or_zero(object::RPDO_COMMUNICATION_PARAMETER + self.number, sub);
         self.cob_id = CobId(number(1) as u32);
         self.transmission = TransmissionType(number(2) as u8);
         self.deadline = Duration::from_millis(number(5));
@@ -219,7 +220,9 @@ impl Service for Rpdos {
                 self.0.iter_mut().for_each(Rpdo::stop);
             }
             Event::Started => self.configure(&context.objects),
-            Event::Written(at, _) if matches!(at.index.0, 0x1400..0x1800) => {
+            Event::Written(at, _)
+                if matches!(at.index.0, object::RPDO_COMMUNICATION_PARAMETER..object::TPDO_COMMUNICATION_PARAMETER) =>
+            {
                 self.configure(&context.objects);
                 context.routes_changed = true;
             }

@@ -8,12 +8,13 @@ use super::routes::{Route, Routes};
 use super::sdo_server::SdoServer;
 use super::service::{Event, Service};
 use crate::models::Timing;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::{CanId, Frame, Timestamp};
 
-const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 const READ_ERROR_REGISTER: Request = Request::upload(ERROR_REGISTER);
 
 /// All channels.
@@ -108,7 +109,9 @@ impl Service for SdoChannels {
                 self.reset();
             }
             Event::Loaded => self.configure(&context.objects),
-            Event::Written(at, _) if matches!(at.index.0, 0x1200..0x1280) => {
+            Event::Written(at, _)
+                if matches!(at.index.0, object::SDO_SERVER_PARAMETER..object::SDO_CLIENT_PARAMETER) =>
+            {
                 self.configure(&context.objects);
                 context.routes_changed = true;
             }
@@ -169,7 +172,10 @@ impl FurtherChannel {
             request: CobId(CobId::INVALID),
             response: CobId(CobId::INVALID),
         };
-        (0x1201..0x1280).filter(|&index| objects.parameters.number(index, 1).is_some()).map(new).collect()
+        (0x1201..object::SDO_CLIENT_PARAMETER)
+            .filter(|&index| objects.parameters.number(index, 1).is_some())
+            .map(new)
+            .collect()
     }
 
     /// Takes the COB-IDs over.

@@ -4,6 +4,7 @@ use super::encoder::Encoder;
 use super::parameters::{Content, Parameters};
 use crate::Firmware;
 use crate::models::{Model, Storage};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
@@ -83,9 +84,9 @@ impl StoreCommand {
         match (at.index.0, at.sub.0) {
             _ if Some(at) == storage.bus_save_object => Some(Self::Save(Groups::BUS)),
             // Where nothing else stores the bus parameters, "all" are all.
-            (0x1010, 1) if storage.bus_save_object.is_none() => Some(Self::Save(Groups::ALL)),
-            (0x1010, sub @ 1..) => Some(Self::Save(Groups::of_sub_index(sub))),
-            (0x1011, sub @ 1..) => Some(Self::Restore(Groups::of_sub_index(sub))),
+            (object::STORE_PARAMETERS, 1) if storage.bus_save_object.is_none() => Some(Self::Save(Groups::ALL)),
+            (object::STORE_PARAMETERS, sub @ 1..) => Some(Self::Save(Groups::of_sub_index(sub))),
+            (object::RESTORE_DEFAULT_PARAMETERS, sub @ 1..) => Some(Self::Restore(Groups::of_sub_index(sub))),
             _ => None,
         }
     }

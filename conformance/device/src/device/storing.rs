@@ -6,6 +6,7 @@ use super::lss_slave::UNCONFIGURED;
 use super::service::{Event, Service};
 use super::store::{Groups, StoreCommand, StoredNetwork};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_traces::Timestamp;
 
 const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
@@ -84,8 +85,8 @@ pub(super) fn resets_scaling(at: Multiplexer, value: u64, context: &Context) -> 
 fn forget_verification(at: Multiplexer, context: &mut Context) {
     let is_command = StoreCommand::of(at, &context.objects.model.sheet().storage).is_some();
     let kept = context.firmware().keeps_configuration_date();
-    if !matches!(at.index.0, 0x1003 | 0x1020) && !is_command && !kept {
-        context.objects.parameters.set_number(0x1020, 1, 0);
-        context.objects.parameters.set_number(0x1020, 2, 0);
+    if !matches!(at.index.0, object::PREDEFINED_ERROR_FIELD | object::VERIFY_CONFIGURATION) && !is_command && !kept {
+        context.objects.parameters.set_number(object::VERIFY_CONFIGURATION, 1, 0);
+        context.objects.parameters.set_number(object::VERIFY_CONFIGURATION, 2, 0);
     }
 }

@@ -9,6 +9,7 @@ use super::service::{Event, Service};
 use crate::Firmware;
 use crate::models::Network;
 use canvass_analyzer::CobId;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::sync::{CAN_ID, Sync as SyncMessage};
@@ -60,13 +61,15 @@ impl SyncObject {
         let number = |index| parameters.number_or_zero(index, 0);
         let before = (self.produces, self.period, self.overflow);
         // Without 1005h it is the predefined one.
-        self.cob_id = CobId(parameters.number(0x1005, 0).unwrap_or(CAN_ID.into()) as u32);
-        self.period = firmware.sync_period(number(0x1006));
-        self.produces = network.sync_producer && is_producing(number(0x1005)) && self.period > Duration::ZERO;
-        self.counts = parameters.number(0x1019, 0).is_some();
-        self.overflow = number(0x1019) as u8;
+        self.cob_id = CobId(parameters.number(object::COB_ID_SYNC, 0).unwrap_or(CAN_ID.into()) as u32);
+        self.period = firmware.sync_period(number(object::COMMUNICATION_CYCLE_PERIOD));
+        self.produces =
+            network.sync_producer && is_producing(number(object::COB_ID_SYNC)) && self.period > Duration::ZERO;
+        self.counts = parameters.number(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0).is_some();
+        self.overflow = number(object::SYNCHRONOUS_COUNTER_OVERFLOW) as u8;
         let ignored = !firmware.heeds_sync_window();
-        self.window = if ignored { Duration::ZERO } else { Duration::from_micros(number(0x1007)) };
+        self.window =
+            if ignored { Duration::ZERO } else { Duration::from_micros(number(object::SYNCHRONOUS_WINDOW_LENGTH)) };
         if self.window == Duration::ZERO {
             self.window_end = Timestamp::MAX;
             self.is_closed = false;
@@ -158,9 +161,14 @@ impl Service for SyncObject {
                     self.restart(now, sends, context.firmware());
                 }
             }
-            Event::Written(at, _) if matches!(at.index.0, 0x1005..=0x1007 | 0x1019) => {
+            Event::Written(at, _)
+                if matches!(
+                    at.index.0,
+                    object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH | object::SYNCHRONOUS_COUNTER_OVERFLOW
+                ) =>
+            {
                 self.configure(now, context);
-                context.routes_changed |= at.index.0 == 0x1005;
+                context.routes_changed |= at.index.0 == object::COB_ID_SYNC;
             }
             _ => {}
         }
@@ -204,7 +212,7 @@ pub(super) fn check_cob_id(
     network: &Network,
     firmware: &Firmware,
 ) -> Result<(), AbortCode> {
-    let (old, new) = (CobId(parameters.number_or_zero(0x1005, 0) as u32), CobId(value as u32));
+    let (old, new) = (CobId(parameters.number_or_zero(object::COB_ID_SYNC, 0) as u32), CobId(value as u32));
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let impossible = is_producing(value) && !network.sync_producer;
     let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
@@ -230,7 +238,9 @@ pub(super) fn check_period(value: u64, network: &Network) -> Result<(), AbortCod
 /// # Errors
 /// "Invalid value", or "present device state".
 pub(super) fn check_overflow(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
-    if parameters.number_or_zero(0x1006, 0) != 0 && firmware.checks_overflow_while_producing() {
+    if parameters.number_or_zero(object::COMMUNICATION_CYCLE_PERIOD, 0) != 0
+        && firmware.checks_overflow_while_producing()
+    {
         return Err(firmware.overflow_code());
     }
     let known = matches!(value, 0 | 2..=240) || !firmware.checks_overflow();

@@ -7,6 +7,7 @@ use super::parameters::Parameters;
 use super::pdo::{self, Direction};
 use super::service::{Event, Service};
 use super::storing::resets_scaling;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
@@ -88,7 +89,7 @@ impl Tpdo {
 
     /// Takes the parameters over, and begins anew with them.
     fn configure(&mut self, now: Timestamp, objects: &Objects) {
-        let number = |sub| objects.parameters.number_or_zero(0x1800 + self.number, sub);
+        let number = |sub| objects.parameters.number_or_zero(object::TPDO_COMMUNICATION_PARAMETER + self.number, sub);
         let firmware = &objects.firmware;
         // What was taken at a SYNC had the identifier and the mapping of that time.
         self.sampled = None;
@@ -103,7 +104,8 @@ impl Tpdo {
         self.inhibit = firmware.inhibit_time(number(3));
         let event_timer = if is_cyclic { objects.parameters.number_or_zero(0x6200, 0) } else { number(5) };
         self.event_timer = firmware.event_timer(event_timer);
-        let ignored = !firmware.heeds_sync_start_value() || objects.parameters.number_or_zero(0x1019, 0) == 0;
+        let ignored = !firmware.heeds_sync_start_value()
+            || objects.parameters.number_or_zero(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0) == 0;
         let sync_start = if ignored { 0 } else { number(6) as u8 };
         self.awaits_start = sync_start != 0 && (self.awaits_start || sync_start != self.sync_start);
         self.sync_start = sync_start;
@@ -385,9 +387,9 @@ impl Service for Tpdos {
 impl Tpdos {
     fn on_written(&mut self, now: Timestamp, at: Multiplexer, value: u64, context: &mut Context) {
         let concerns = match at.index.0 {
-            0x1800..0x1C00 => true,
+            object::TPDO_COMMUNICATION_PARAMETER..object::AFTER_PDO_PARAMETERS => true,
             // The SYNC start value counts only while SYNC has a counter.
-            0x1005..=0x1007 | 0x1019 => true,
+            object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH | object::SYNCHRONOUS_COUNTER_OVERFLOW => true,
             // The cyclic timer of CiA 406; in other profiles these are outputs.
             0x6200 => context.objects.encoder.is_some(),
             _ => resets_scaling(at, value, context),

@@ -4,6 +4,7 @@ use super::edit::Edit;
 use super::{Liberties, Liberty, timing};
 use crate::models::{Model, Sheet};
 use canvass_analyzer::dictionary::{Access, DeviceDescription, Entry};
+use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
 use std::borrow::Cow;
 
@@ -12,32 +13,38 @@ type Span<T> = (T, T);
 
 /// Objects that a device need not have, by liberty.
 const ABSENT: [(Liberty, &[Span<u16>]); 16] = [
-    (Liberty::NoNames, &[(0x1008, 0x100A)]),
-    (Liberty::NoEmcy, &[(0x1014, 0x1015)]),
-    (Liberty::NoEmcyInhibitTime, &[(0x1015, 0x1015)]),
-    (Liberty::NoErrorHistory, &[(0x1003, 0x1003)]),
-    (Liberty::NoErrorBehaviour, &[(0x1029, 0x1029)]),
-    (Liberty::NoHeartbeatConsumer, &[(0x1016, 0x1016)]),
-    (Liberty::NoGuarding, &[(0x100C, 0x100D)]),
-    (Liberty::NoSyncCounter, &[(0x1019, 0x1019)]),
-    (Liberty::NoSyncWindow, &[(0x1007, 0x1007)]),
-    (Liberty::NoSyncProducer, &[(0x1006, 0x1006), (0x1019, 0x1019)]),
-    (Liberty::NoTime, &[(0x1012, 0x1013)]),
-    (Liberty::NoStore, &[(0x1010, 0x1011)]),
-    (Liberty::NoConfigurationDate, &[(0x1020, 0x1020)]),
+    (Liberty::NoNames, &[(object::MANUFACTURER_DEVICE_NAME, object::MANUFACTURER_SOFTWARE_VERSION)]),
+    (Liberty::NoEmcy, &[(object::COB_ID_EMCY, object::INHIBIT_TIME_EMCY)]),
+    (Liberty::NoEmcyInhibitTime, &[(object::INHIBIT_TIME_EMCY, object::INHIBIT_TIME_EMCY)]),
+    (Liberty::NoErrorHistory, &[(object::PREDEFINED_ERROR_FIELD, object::PREDEFINED_ERROR_FIELD)]),
+    (Liberty::NoErrorBehaviour, &[(object::ERROR_BEHAVIOR, object::ERROR_BEHAVIOR)]),
+    (Liberty::NoHeartbeatConsumer, &[(object::CONSUMER_HEARTBEAT_TIME, object::CONSUMER_HEARTBEAT_TIME)]),
+    (Liberty::NoGuarding, &[(object::GUARD_TIME, object::LIFE_TIME_FACTOR)]),
+    (Liberty::NoSyncCounter, &[(object::SYNCHRONOUS_COUNTER_OVERFLOW, object::SYNCHRONOUS_COUNTER_OVERFLOW)]),
+    (Liberty::NoSyncWindow, &[(object::SYNCHRONOUS_WINDOW_LENGTH, object::SYNCHRONOUS_WINDOW_LENGTH)]),
+    (
+        Liberty::NoSyncProducer,
+        &[
+            (object::COMMUNICATION_CYCLE_PERIOD, object::COMMUNICATION_CYCLE_PERIOD),
+            (object::SYNCHRONOUS_COUNTER_OVERFLOW, object::SYNCHRONOUS_COUNTER_OVERFLOW),
+        ],
+    ),
+    (Liberty::NoTime, &[(object::COB_ID_TIME, object::HIGH_RESOLUTION_TIME_STAMP)]),
+    (Liberty::NoStore, &[(object::STORE_PARAMETERS, object::RESTORE_DEFAULT_PARAMETERS)]),
+    (Liberty::NoConfigurationDate, &[(object::VERIFY_CONFIGURATION, object::VERIFY_CONFIGURATION)]),
     (Liberty::NoFurtherSdo, &[(0x1201, 0x127F)]),
-    (Liberty::NoEmcyConsumer, &[(0x1028, 0x1028)]),
+    (Liberty::NoEmcyConsumer, &[(object::EMERGENCY_CONSUMER, object::EMERGENCY_CONSUMER)]),
     (Liberty::OnePdo, &[(0x1401, 0x15FF), (0x1601, 0x17FF), (0x1801, 0x19FF), (0x1A01, 0x1BFF)]),
 ];
 
 /// Sub-indexes that objects need not have.
 const ABSENT_SUBS: [(Liberty, Span<u16>, Span<u8>); 6] = [
-    (Liberty::VendorIdAlone, (0x1018, 0x1018), (2, 255)),
-    (Liberty::ShortErrorHistory, (0x1003, 0x1003), (2, 255)),
-    (Liberty::OneHeartbeatConsumer, (0x1016, 0x1016), (2, 255)),
-    (Liberty::NoInhibitTime, (0x1800, 0x19FF), (3, 3)),
-    (Liberty::NoEventTimer, (0x1800, 0x19FF), (5, 5)),
-    (Liberty::NoRpdoDeadline, (0x1400, 0x15FF), (5, 5)),
+    (Liberty::VendorIdAlone, (object::IDENTITY, object::IDENTITY), (2, 255)),
+    (Liberty::ShortErrorHistory, (object::PREDEFINED_ERROR_FIELD, object::PREDEFINED_ERROR_FIELD), (2, 255)),
+    (Liberty::OneHeartbeatConsumer, (object::CONSUMER_HEARTBEAT_TIME, object::CONSUMER_HEARTBEAT_TIME), (2, 255)),
+    (Liberty::NoInhibitTime, (object::TPDO_COMMUNICATION_PARAMETER, 0x19FF), (3, 3)),
+    (Liberty::NoEventTimer, (object::TPDO_COMMUNICATION_PARAMETER, 0x19FF), (5, 5)),
+    (Liberty::NoRpdoDeadline, (object::RPDO_COMMUNICATION_PARAMETER, 0x15FF), (5, 5)),
 ];
 
 /// Event-driven PDOs only.
@@ -110,7 +117,8 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
     }
     if liberties.has(Liberty::NamesEndInNul) {
         // A text of an EDS can't end so: the device alone has it.
-        (0x1008..=0x100A).for_each(|index| edit.end_in_nul(index));
+        (object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION)
+            .for_each(|index| edit.end_in_nul(index));
     }
     if liberties.has(Liberty::NoApplicationObjects) {
         edit.remove([0x2000..=0xFFFF]);
@@ -121,18 +129,18 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
         remove_long(edit);
     }
     if liberties.has(Liberty::SelfStart) {
-        edit.remove([0x1F80..=0x1F80]);
+        edit.remove([object::NMT_STARTUP..=object::NMT_STARTUP]);
     }
     if liberties.has(Liberty::SelfStartByObject) {
         let start_up = edit.sheet.network.start_up;
-        edit.set(0x1F80, 0, u64::from(start_up.value));
+        edit.set(object::NMT_STARTUP, 0, u64::from(start_up.value));
     }
     if liberties.has(Liberty::NoDummies) {
         edit.description.dummy_usage.values_mut().for_each(|usable| *usable = false);
     }
     if liberties.has(Liberty::EdsIdentityWithoutDefaults) {
         // The device has its numbers all the same: they move from the description to the sheet.
-        edit.move_defaults(0x1018);
+        edit.move_defaults(object::IDENTITY);
     }
 }
 
@@ -147,7 +155,8 @@ fn remove_long(edit: &mut Edit<'_>) {
 /// How PDOs are delivered.
 fn pdos(edit: &mut Edit<'_>, liberties: Liberties) {
     let has = |liberty| liberties.has(liberty);
-    let (rpdos, tpdos) = (edit.pdos(0x1400), edit.pdos(0x1800));
+    let (rpdos, tpdos) =
+        (edit.pdos(object::RPDO_COMMUNICATION_PARAMETER), edit.pdos(object::TPDO_COMMUNICATION_PARAMETER));
     if has(Liberty::PdosInvalid) {
         rpdos.iter().chain(&tpdos).for_each(|&index| edit.set_cob_id_bits(index, CobId::INVALID));
     }
@@ -160,11 +169,11 @@ fn pdos(edit: &mut Edit<'_>, liberties: Liberties) {
     }
     if has(Liberty::LongInhibitTime) {
         // Times in 100 us and in ms.
-        edit.set(0x1800, 3, 2_000);
-        edit.set(0x1800, 5, 100);
+        edit.set(object::TPDO_COMMUNICATION_PARAMETER, 3, 2_000);
+        edit.set(object::TPDO_COMMUNICATION_PARAMETER, 5, 100);
     }
     if has(Liberty::ValidAndEmpty) {
-        edit.unmap(0x1A00);
+        edit.unmap(object::TPDO_MAPPING_PARAMETER);
     }
     if has(Liberty::MappingInBytes) {
         edit.description.device.granularity = 8;
@@ -172,7 +181,7 @@ fn pdos(edit: &mut Edit<'_>, liberties: Liberties) {
     if has(Liberty::MappingFixed) {
         edit.description.device.granularity = 0;
         edit.entries(|at, entry| {
-            if let 0x1600..0x1800 | 0x1A00..0x1C00 = at.index.0 {
+            if object::is_pdo_mapping(at.index.0) {
                 entry.access = Access::Const;
             }
         });
@@ -189,7 +198,7 @@ fn event_driven(edit: &mut Edit<'_>, index: u16, is_missing: impl Fn(u64) -> boo
 }
 
 fn unmap_all(edit: &mut Edit<'_>) {
-    for first in [0x1400, 0x1800] {
+    for first in [object::RPDO_COMMUNICATION_PARAMETER, object::TPDO_COMMUNICATION_PARAMETER] {
         for index in edit.pdos(first) {
             edit.set_cob_id_bits(index, CobId::INVALID);
             edit.unmap(index + 0x200);

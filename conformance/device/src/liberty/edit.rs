@@ -2,6 +2,7 @@
 
 use crate::models::{self, Sheet};
 use canvass_analyzer::dictionary::{DeviceDescription, Entry, Object, ObjectDictionary, Setting, Value};
+use canvass_analyzer::object;
 use canvass_analyzer::{Index, Multiplexer, SubIndex};
 use std::ops::RangeInclusive;
 
@@ -44,7 +45,8 @@ impl Edit<'_> {
             list.retain(|(index, _)| dictionary.object(*index).is_some());
         }
         let count = |first: u16| (first..first + 0x200).filter(|&index| has(dictionary, index)).count() as u16;
-        (self.description.device.rpdos, self.description.device.tpdos) = (count(0x1400), count(0x1800));
+        (self.description.device.rpdos, self.description.device.tpdos) =
+            (count(object::RPDO_COMMUNICATION_PARAMETER), count(object::TPDO_COMMUNICATION_PARAMETER));
     }
 
     /// Changes an entry, where it is.

@@ -66,10 +66,11 @@ fn the_eds_is_written_in_another_way() {
         (plain.file.created.1.as_str(), described(EdsOneDigitHour).file.created.1.as_str()),
         ("02:00PM", "2:00PM")
     );
-    let lines =
-        |description: &DeviceDescription| description.lists.mandatory.iter().map(|(_, line)| *line).collect::<Vec<_>>();
-    assert!(lines(plain).is_sorted());
-    assert!(!lines(&described(EdsListsOutOfOrder)).is_sorted());
+    let listed = |description: &DeviceDescription| {
+        description.lists.mandatory.iter().map(|(index, _)| index.0).collect::<Vec<_>>()
+    };
+    assert_eq!(listed(plain), [0x1000, 0x1001, 0x1018]);
+    assert_eq!(listed(&described(EdsListsOutOfOrder)), [0x1001, 0x1000, 0x1018]);
     assert_eq!(described(EdsLatin1).device.vendor_name, "M\u{FC}ller canvass");
     assert_eq!(described(EdsInlineComments).dictionary.objects().len(), plain.dictionary.objects().len());
 
@@ -132,4 +133,15 @@ fn liberties_can_be_combined() {
     assert!(taken.description().dictionary.objects().len() < model().description().dictionary.objects().len());
     let device = Device::new(model(), NodeId::new(10), Firmware::from(all.iter().copied().collect::<Liberties>()), 0);
     assert_eq!(device.node(), NodeId::new(10));
+}
+
+/// On whatever model: what it has no use for changes nothing, and no device is lost.
+#[test]
+fn every_model_takes_every_liberty() {
+    for model in Model::all() {
+        for &liberty in Liberty::ALL {
+            let found = crate::steps::result(model.id(), liberty, &["5200", "after 60A#40001000"]);
+            assert_ne!(found, "never", "{} with {liberty}", model.id());
+        }
+    }
 }

@@ -249,6 +249,31 @@ impl Bench<'_> {
         Ok(heard)
     }
 
+    /// Sets the period of SYNC to 0, so that 1019h can be changed. A mere consumer need not have 1006h.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the device refuses it.
+    pub fn stop_sync_period(&mut self) -> Result<(), Stop> {
+        let period = Multiplexer::new(0x1006, 0);
+        if self.has(period)? && self.read_number(period)? != 0 {
+            self.write(period, &0_u32.to_le_bytes())?;
+        }
+        Ok(())
+    }
+
+    /// Makes a SYNC without data right, where the device awaits one with a counter as delivered.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the device refuses it.
+    pub fn expect_plain_sync(&mut self) -> Result<(), Stop> {
+        let overflow = Multiplexer::new(0x1019, 0);
+        if self.has(overflow)? && self.read_number(overflow)? != 0 {
+            self.stop_sync_period()?;
+            self.write(overflow, &[0])?;
+        }
+        Ok(())
+    }
+
     /// The CAN-ID of SYNC by 1005h; the predefined one where there is no such object.
     ///
     /// # Errors

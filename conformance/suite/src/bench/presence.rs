@@ -8,7 +8,7 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
 use canvass_analyzer::{Multiplexer, NodeId};
-use canvass_traces::{Direction, Duration};
+use canvass_traces::Duration;
 use std::collections::BTreeSet;
 
 /// A device that is gone is looked for so long before each case, so that a run still comes to its end.
@@ -92,23 +92,29 @@ impl Bench<'_> {
         let own = self.node();
         let others: Vec<NodeId> = NodeId::all().filter(|node| *node != own).collect();
         // As many at a time as the queues of interfaces hold.
-        let mut heard = Vec::new();
+        let mut answering = Vec::new();
         for some in others.chunks(8) {
             for node in some {
                 self.send(&request.to_frame(sdo::REQUEST_BASE + u16::from(node.raw())))?;
             }
-            heard.extend(self.listen(Duration::from_millis(20))?);
+            self.hear_answers(&others, Duration::from_millis(20), &mut answering)?;
         }
-        heard.extend(self.listen(self.timing().silence)?);
-        let answering = heard.iter().filter_map(|record| {
-            let cob_id = record.frame.cob_id()?;
-            let is_answer = record.direction != Direction::Tx && Response::read(record.data()).is_ok();
-            others.iter().copied().find(|node| is_answer && cob_id == sdo::RESPONSE_BASE + u16::from(node.raw()))
-        });
-        for node in answering.collect::<Vec<_>>() {
+        self.hear_answers(&others, self.timing().silence, &mut answering)?;
+        for node in answering {
             self.watch.add_other(node);
         }
         Ok(())
+    }
+
+    /// Which of these nodes answer an SDO request within that time.
+    fn hear_answers(&mut self, of: &[NodeId], span: Duration, answering: &mut Vec<NodeId>) -> Result<(), Stop> {
+        self.wait_for(span, |record| {
+            let cob_id = record.frame.cob_id().filter(|_| Response::read(record.data()).is_ok())?;
+            let node = of.iter().find(|node| cob_id == sdo::RESPONSE_BASE + u16::from(node.raw()));
+            answering.extend(node.copied());
+            None::<()>
+        })
+        .map(|_| ())
     }
 
     /// Whether nobody was heard at that node-ID.

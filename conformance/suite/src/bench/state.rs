@@ -73,14 +73,15 @@ impl Bench<'_> {
         }
     }
 
-    /// Gives guarding a life time of hours, where it can be set: some devices answer guarding requests only with one.
+    /// Gives guarding a life time of a quarter of an hour, where it can be set: some devices answer guarding requests only
+    /// with one. One that refuses it keeps its own.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device has the objects but does not take the values.
+    /// As [`Bench::upload`].
     pub fn let_guarding_be_answered(&mut self) -> Result<(), Stop> {
         if self.can_write(GUARD_TIME)? && self.can_write(LIFE_TIME_FACTOR)? {
-            self.write(GUARD_TIME, &60_000_u16.to_le_bytes())?;
-            self.write(LIFE_TIME_FACTOR, &[u8::MAX])?;
+            self.download(GUARD_TIME, &10_000_u16.to_le_bytes())?;
+            self.download(LIFE_TIME_FACTOR, &[100])?;
         }
         Ok(())
     }

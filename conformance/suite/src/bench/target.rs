@@ -6,8 +6,8 @@ use crate::verdict::{Authority, Breach};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_bus::observation::{Pattern, Subject};
-use canvass_device::Faults;
 use canvass_device::models::Model;
+use canvass_device::{Faults, Firmware};
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
 
@@ -141,10 +141,15 @@ impl Target {
 
     /// As [`Target::of`], from a maker whose description has those faults; those of the firmware change nothing here.
     pub fn with_faults(model: &Model, node: NodeId, faults: Faults) -> Self {
+        Self::with_firmware(model, node, faults.into())
+    }
+
+    /// As [`Target::of`], from a maker whose description has what that firmware changes in it.
+    pub fn with_firmware(model: &Model, node: NodeId, firmware: Firmware) -> Self {
         Self {
             node,
             model: model.id().to_owned(),
-            description: Some(model.description_with(faults)),
+            description: Some(model.description_with(firmware)),
             deviations: Deviation::of_model(model),
         }
     }

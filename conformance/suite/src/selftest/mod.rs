@@ -4,8 +4,10 @@
 //! A fault is detected if a case that names it fails. A case that fails without naming the fault must at least belong
 //! to the chapter of one that does: else it judges something that it is not about.
 
+mod liberties;
 mod masking;
 
+pub use liberties::{Chance, LibertyRow, Sparing};
 pub use masking::{Masked, Masking};
 
 use crate::bench::{Bench, Knowledge, Options, Target};
@@ -17,7 +19,7 @@ use canvass_analyzer::NodeId;
 use canvass_bus::SimulatedBus;
 use canvass_device::models::Model;
 use canvass_device::{Device, Motion};
-use canvass_device::{Fault, Faults};
+use canvass_device::{Fault, Firmware};
 use canvass_traces::Record;
 use std::collections::BTreeSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -50,6 +52,8 @@ pub struct Matrix {
     pub models: Vec<ModelRow>,
     /// Whether what manuals document hides a fault.
     pub masking: Masking,
+    /// Whether what the standard leaves free is spared.
+    pub sparing: Sparing,
     /// The cases that ran.
     pub cases: Vec<&'static Case>,
 }
@@ -106,13 +110,14 @@ impl Matrix {
         self.cases.iter().copied().filter(|case| !failed.contains(case.id)).collect()
     }
 
-    /// Whether every fault was detected, every case detects one, no case misses a fault that it names, and there was no
-    /// false alarm.
+    /// Whether every fault was detected, every case detects one, no case misses a fault that it names, there was no false
+    /// alarm, no manual hides a fault, and no liberty was taken for one.
     pub fn is_good(&self) -> bool {
         self.detected() == self.faults.len()
             && self.false_alarms() == 0
             && self.vacuous_cases().is_empty()
             && self.masking.masked.is_empty()
+            && self.sparing.is_good()
             && self.faults.iter().all(|row| row.missed.is_empty())
     }
 }
@@ -120,7 +125,13 @@ impl Matrix {
 /// Runs the cases on the faults and, without fault, on the models. On as many threads as the computer has cores.
 ///
 /// The order of the rows does not depend on the threads.
-pub fn run(cases: &[&'static Case], faults: &[Fault], models: &[&'static Model], extent: Extent) -> Matrix {
+pub fn run(
+    cases: &[&'static Case],
+    faults: &[Fault],
+    models: &[&'static Model],
+    extent: Extent,
+    chance: Chance,
+) -> Matrix {
     let mut order: Vec<Fault> = faults.to_vec();
     order.sort_unstable();
     let fault_rows = in_parallel(&order, |fault| fault_row(*fault, cases, extent));
@@ -132,7 +143,8 @@ pub fn run(cases: &[&'static Case], faults: &[Fault], models: &[&'static Model],
         .into_iter()
         .for_each(|one| masking.add(one));
     let faults = fault_rows.into_iter().flatten().collect();
-    Matrix { faults, models: model_rows, masking, cases: cases.to_vec() }
+    let sparing = liberties::run(cases, &order, chance);
+    Matrix { faults, models: model_rows, masking, sparing, cases: cases.to_vec() }
 }
 
 /// The faults that the cases name.
@@ -177,7 +189,7 @@ fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
     let target = Target::of(model, node_of(model));
     let mut knowledge = Knowledge::default();
     for &case in cases {
-        let verdict = judge_knowing(case, model, Faults::NONE, &target, &mut knowledge).verdict;
+        let verdict = judge_knowing(case, model, Firmware::PLAIN, &target, &mut knowledge).verdict;
         let kind = verdict.kind();
         row.executed += usize::from(kind.is_executed());
         if matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) {
@@ -187,10 +199,11 @@ fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
     row
 }
 
-/// Runs one case, with everything allowed, on a new device of that model with those faults.
-pub fn judge(case: &'static Case, model: &'static Model, faults: Faults) -> CaseReport {
-    let target = Target::with_faults(model, node_of(model), faults);
-    judge_target(case, model, faults, &target)
+/// Runs one case, with everything allowed, on a new device of that model with that firmware.
+pub fn judge(case: &'static Case, model: &'static Model, firmware: impl Into<Firmware>) -> CaseReport {
+    let firmware = firmware.into();
+    let target = Target::with_firmware(model, node_of(model), firmware);
+    judge_target(case, model, firmware, &target)
 }
 
 /// That of delivery. A device without one as delivered has been given one.
@@ -207,21 +220,26 @@ const REST: i64 = 0x4CBA;
 const TURNING: i64 = 30_000;
 
 /// As [`judge`], with what the tester is to know of the device.
-pub fn judge_target(case: &'static Case, model: &'static Model, faults: Faults, target: &Target) -> CaseReport {
-    judge_knowing(case, model, faults, target, &mut Knowledge::default())
+pub fn judge_target(
+    case: &'static Case,
+    model: &'static Model,
+    firmware: impl Into<Firmware>,
+    target: &Target,
+) -> CaseReport {
+    judge_knowing(case, model, firmware.into(), target, &mut Knowledge::default())
 }
 
 /// As [`judge_target`], with what the cases before found out about the device; what this one finds out is added.
 fn judge_knowing(
     case: &'static Case,
     model: &'static Model,
-    faults: Faults,
+    firmware: Firmware,
     target: &Target,
     knowledge: &mut Knowledge,
 ) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
     let motion = Motion::constant(REST, if case.requires(&crate::needs::TURNING_SHAFT) { TURNING } else { 0 });
-    bus.attach(Box::new(Device::with_motion(model, Some(target.node), faults, 0, motion)));
+    bus.attach(Box::new(Device::with_motion(model, Some(target.node), firmware, 0, motion)));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
     let mut annotate = |_: &Record| String::new();

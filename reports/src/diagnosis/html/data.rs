@@ -75,6 +75,8 @@ struct Finding {
     channel: Option<usize>,
     t: i64,
     count: u64,
+    /// The number (from 1) of the finding from which it follows.
+    of: Option<usize>,
 }
 
 /// Number among all frames (0: not known), nanoseconds, line or packet, channel, node, service, CAN-ID, data, meaning.
@@ -237,7 +239,11 @@ fn signals(collected: &Collector, names: &mut Names<'_>) -> Vec<Signal> {
 
 fn findings(diagnosed: &Diagnosed<'_>, names: &mut Names<'_>) -> Vec<Finding> {
     let found = diagnosed.results.findings.iter().take(MOST_FINDINGS);
-    let finding = |found: &canvass_analyzer::findings::Finding| Finding {
+    let consequences = diagnosed.results.stories.iter().flat_map(|story| &story.consequences);
+    let causes: HashMap<usize, usize> =
+        consequences.flat_map(|consequence| consequence.findings.iter().map(|at| (*at, consequence.of + 1))).collect();
+    let finding = |(at, found): (usize, &canvass_analyzer::findings::Finding)| Finding {
+        of: causes.get(&at).copied(),
         severity: found.severity.name(),
         title: found.rule.title,
         node: found.node.map(NodeId::raw),
@@ -245,7 +251,7 @@ fn findings(diagnosed: &Diagnosed<'_>, names: &mut Names<'_>) -> Vec<Finding> {
         t: names.micros(found.first),
         count: found.count,
     };
-    found.map(finding).collect()
+    found.enumerate().map(finding).collect()
 }
 
 fn frame(shown: &Shown, names: &mut Names<'_>, texts: &mut Texts) -> Frame {

@@ -47,6 +47,12 @@ pub fn section(diagnosed: &Diagnosed<'_>, places: &HashMap<FrameKey, usize>) -> 
     }
 }
 
+/// The findings at the heads of the stories, each with its place.
+pub fn heads<'a>(diagnosed: &'a Diagnosed<'_>) -> impl Iterator<Item = (usize, &'a Finding)> {
+    let first = diagnosed.results.stories.iter().filter_map(|story| story.head.first());
+    first.filter_map(|at| Some((*at, diagnosed.results.findings.get(*at)?)))
+}
+
 /// All findings in the order of their stories: the place, and that of the finding from which it follows.
 fn in_stories<'a>(diagnosed: &'a Diagnosed<'_>) -> impl Iterator<Item = (usize, &'a Finding, Option<usize>)> {
     let heads_and_rest = diagnosed.results.stories.iter().flat_map(|story| {

@@ -60,7 +60,7 @@ pub fn section(diagnosed: &Diagnosed<'_>) -> Markup {
             }
             @if !found.is_empty() {
                 ol.foremost {
-                    @for (at, finding) in found.iter().enumerate().take(FOREMOST) {
+                    @for (at, finding) in findings::heads(diagnosed).take(FOREMOST) {
                         li.(finding.severity.name()) {
                             a href={ "#" (findings::anchor(at)) } {
                                 (findings::badge(finding.severity, 1))
@@ -72,7 +72,7 @@ pub fn section(diagnosed: &Diagnosed<'_>) -> Markup {
                         }
                     }
                 }
-                @if found.len() > FOREMOST {
+                @if found.len() > diagnosed.results.stories.len().min(FOREMOST) {
                     p.hint { a href="#findings" { "All " (found.len().min(MOST_FINDINGS)) " findings" } }
                 }
             }

@@ -33,7 +33,7 @@ pub(crate) fn open(source: Source, options: &ReadOptions) -> Box<dyn Reader> {
         chunk_place: 0,
         chunk_cut: false,
         messages: 0,
-        counted: None,
+        statistics: None,
         previous: None,
         summary: false,
         pending: VecDeque::new(),
@@ -61,8 +61,8 @@ struct McapReader {
     /// The source ended in the chunk.
     chunk_cut: bool,
     messages: u64,
-    /// How many messages the statistics of the file tell.
-    counted: Option<u64>,
+    /// What the file tells about itself: how many messages there are.
+    statistics: Option<Box<records::Statistics>>,
     /// The code of the record before, and whether the summary has begun: some records have their place.
     previous: Option<u8>,
     summary: bool,
@@ -147,10 +147,11 @@ impl McapReader {
             op::DATA_END => length == 4,
             op::STATISTICS => {
                 let parsed = mcap::parse_record(op::STATISTICS, bytes);
-                if let Ok(records::Record::Statistics(statistics)) = &parsed {
-                    self.counted = Some(statistics.message_count);
+                let fits = self.summary && parsed.is_ok();
+                if let Ok(records::Record::Statistics(statistics)) = parsed {
+                    self.statistics = Some(Box::new(statistics));
                 }
-                self.summary && parsed.is_ok()
+                fits
             }
             op::CHUNK_INDEX | op::ATTACHMENT_INDEX | op::METADATA_INDEX | op::SUMMARY_OFFSET => self.summary,
             // Too long to be looked into.
@@ -206,17 +207,33 @@ impl McapReader {
         self.state = State::Ended;
         let place = self.place();
         self.nothing_found(place);
-        if let Some(counted) = self.counted.filter(|&counted| counted > self.messages) {
-            let expected = format!("{counted} messages, as the file's statistics say");
-            let found = self.messages.to_string();
-            self.pending.push_back(Damage::new(DamageKind::Malformed, place, expected, found.as_bytes()));
-        }
+        let missing = self.missing_messages(place);
+        self.pending.extend(missing);
         self.source.consume(end + magic);
         if self.has(1)? {
             let expected = "the end of the file behind the magic number";
             self.pending.push_back(Damage::new(DamageKind::Malformed, self.place(), expected, b"more bytes"));
         }
         Ok(None)
+    }
+
+    /// Less came than the file says that it has.
+    fn missing_messages(&self, place: Place) -> Option<Damage> {
+        let damage = |kind, expected, found: String| Damage::new(kind, place, expected, found.as_bytes());
+        if !self.summary {
+            let expected = "the end of the data section, as every file has it".to_owned();
+            return Some(damage(DamageKind::Truncated, expected, "the footer".to_owned()));
+        }
+        let statistics = self.statistics.as_ref()?;
+        if let Some((channel, told, found)) = self.topics.missing(statistics) {
+            let expected = format!("{told} messages on {channel}, as the file's statistics say");
+            return Some(damage(DamageKind::Malformed, expected, found.to_string()));
+        }
+        let told = statistics.message_count;
+        (told > self.messages).then(|| {
+            let expected = format!("{told} messages, as the file's statistics say");
+            damage(DamageKind::Malformed, expected, self.messages.to_string())
+        })
     }
 
     /// A file without any CAN channel, or without the topics that the user wants, is told.
@@ -228,9 +245,12 @@ impl McapReader {
         if topics.wanted.is_empty() && !topics.found && !topics.seen.is_empty() {
             expected.push("a topic with CAN frames".to_owned());
         }
-        let damages = expected
-            .into_iter()
-            .map(|expected| Damage::new(DamageKind::Unsupported, place, expected, seen().as_bytes()));
+        let damage = |expected, found: String| Damage::new(DamageKind::Unsupported, place, expected, found.as_bytes());
+        let frameless = topics.frameless().map(|(channel, messages)| {
+            damage(format!("a frame in each message on {channel}"), format!("{messages} without"))
+        });
+        let missing = expected.into_iter().map(|expected| damage(expected, seen()));
+        let damages: Vec<Damage> = missing.chain(frameless).collect();
         self.pending.extend(damages);
     }
 
@@ -327,20 +347,33 @@ fn message(topics: &mut Topics, bytes: &[u8], place: Place) -> Result<Option<Rec
             Flaw::malformed(format!("a message header of {MESSAGE_HEADER} bytes"), format!("{} bytes", bytes.len()));
         return Err(flaw.damage(place));
     };
-    let decoder = match topics.slots.get(usize::from(channel)) {
+    let decoder = match topics.slots.get_mut(usize::from(channel)) {
         Some(Slot::Can(decoder)) => decoder,
         Some(Slot::Other) => return Ok(None),
+        Some(Slot::Unreadable) => {
+            let flaw = Flaw::unsupported("a message of a channel that can be read", format!("channel {channel}"));
+            return Err(flaw.damage(place));
+        }
         Some(Slot::Undeclared) | None => {
             let flaw = Flaw::malformed("a message of a channel declared before", format!("channel {channel}"));
             return Err(flaw.damage(place));
         }
     };
+    decoder.messages += 1;
+    // In a chunk too: what its encoding makes of a message may take many times its length.
+    if data.len() as u64 > LONGEST {
+        let flaw = Flaw::malformed(format!("a message of at most {LONGEST} bytes"), data.len().to_string());
+        return Err(flaw.damage(place));
+    }
     let record = decoder.record(data, Timestamp(logged)).map_err(|flaw| flaw.damage(place))?;
-    Ok(record.map(|mut record| {
-        topics.found = true;
-        (record.channel, record.place) = (decoder.channel, place);
-        record
-    }))
+    let Some(mut record) = record else {
+        decoder.frameless += 1;
+        return Ok(None);
+    };
+    topics.found = true;
+    decoder.frames += 1;
+    (record.channel, record.place) = (decoder.channel, place);
+    Ok(Some(record))
 }
 
 impl Iterator for McapReader {

@@ -13,7 +13,11 @@ use mcap::records::{self, op};
 use std::collections::HashMap;
 
 /// How many bytes of schemas are held.
-const MOST_SCHEMA_BYTES: usize = 64 * 1024 * 1024;
+const MOST_SCHEMA_BYTES: usize = 16 * 1024 * 1024;
+/// How many bytes of schemas are looked into: the channels of a file may all have the same large one.
+const MOST_PARSED_BYTES: usize = 4 * MOST_SCHEMA_BYTES;
+/// How many bytes of schemas are kept as plans of how to read a channel's frames. A CAN frame's has less than 4 KiB.
+const MOST_PLANNED_BYTES: usize = MOST_SCHEMA_BYTES / 4;
 
 /// What is known of the file's schemas and topics.
 #[derive(Default)]
@@ -23,6 +27,8 @@ pub(crate) struct Topics {
     schemas: HashMap<u16, records::SchemaHeader>,
     texts: HashMap<u16, Vec<u8>>,
     schema_bytes: usize,
+    parsed_bytes: usize,
+    planned_bytes: usize,
     /// By the file's channel number.
     pub(crate) slots: Vec<Slot>,
     /// All topics of the file, for the message that none of them has CAN frames.
@@ -38,6 +44,8 @@ pub(crate) enum Slot {
     Undeclared,
     /// Its messages are no CAN frames, or not wanted.
     Other,
+    /// Its messages would be CAN frames, but how they are written is damaged or not known.
+    Unreadable,
     Can(Box<Decoder>),
 }
 
@@ -45,6 +53,12 @@ pub(crate) enum Slot {
 pub(crate) struct Decoder {
     encoding: Encoding,
     pub(crate) channel: ChannelId,
+    /// The file's number of the channel, and how many messages it had.
+    number: u16,
+    pub(crate) messages: u64,
+    /// How many of them had a frame, and how many had none, as they may without a schema.
+    pub(crate) frames: u64,
+    pub(crate) frameless: u64,
 }
 
 enum Encoding {
@@ -121,7 +135,21 @@ impl Topics {
         if !self.wanted.is_empty() && !named {
             return Ok(());
         }
-        let Some(encoding) = self.encoding(&channel)? else {
+        let text = self.texts.get(&channel.schema_id).map_or(0, Vec::len);
+        self.parsed_bytes += text;
+        if self.parsed_bytes > MOST_PARSED_BYTES {
+            return Err(Flaw::unsupported(format!("channels with at most {MOST_PARSED_BYTES} bytes of schemas"), ""));
+        }
+        let encoding = match self.encoding(&channel) {
+            Ok(encoding) => encoding,
+            Err(flaw) => {
+                if let Some(slot) = self.slots.get_mut(place) {
+                    *slot = Slot::Unreadable;
+                }
+                return Err(flaw);
+            }
+        };
+        let Some(encoding) = encoding else {
             if named {
                 let expected =
                     format!("a schema with fields for an identifier and data on the topic {}", channel.topic);
@@ -129,13 +157,39 @@ impl Topics {
             }
             return Ok(());
         };
+        self.planned_bytes += text;
+        if self.planned_bytes > MOST_PLANNED_BYTES {
+            let expected = format!("channels of CAN frames with at most {MOST_PLANNED_BYTES} bytes of schemas");
+            return Err(Flaw::unsupported(expected, ""));
+        }
         // Without a schema only the messages show whether they are CAN frames.
         self.found |= !matches!(&encoding, Encoding::Json(plan) if !plan.is_certain());
-        let decoder = Decoder { encoding, channel: self.channels.intern(topic::channel(&channel.topic)) };
+        let name = self.channels.intern(topic::channel(&channel.topic));
+        let decoder = Decoder { encoding, channel: name, number: channel.id, messages: 0, frames: 0, frameless: 0 };
         if let Some(slot) = self.slots.get_mut(place) {
             *slot = Slot::Can(Box::new(decoder));
         }
         Ok(())
+    }
+
+    /// A CAN channel that had fewer messages than the file's statistics tell: its name, how many they tell, and how many
+    /// there were.
+    pub(crate) fn missing(&self, statistics: &records::Statistics) -> Option<(&str, u64, u64)> {
+        self.slots.iter().find_map(|slot| {
+            let Slot::Can(decoder) = slot else { return None };
+            let told = *statistics.channel_message_counts.get(&decoder.number)?;
+            (told > decoder.messages).then(|| (self.channels.name(decoder.channel), told, decoder.messages))
+        })
+    }
+
+    /// The CAN channels of which only some messages had a frame, with the number of the others.
+    pub(crate) fn frameless(&self) -> impl Iterator<Item = (&str, u64)> {
+        self.slots.iter().filter_map(|slot| match slot {
+            Slot::Can(decoder) if decoder.frames > 0 && decoder.frameless > 0 => {
+                Some((self.channels.name(decoder.channel), decoder.frameless))
+            }
+            _ => None,
+        })
     }
 
     fn schema_name(&self, channel: &records::Channel) -> String {
@@ -159,6 +213,12 @@ impl Topics {
             Err(error) if looks_like_can(name) => Err(Flaw::unsupported(error, format!("schema {name}"))),
             Err(_) => Ok(None),
         };
+        let ros = || match ros()? {
+            None if is_can_frame(name) => {
+                Err(Flaw::unsupported("fields for an identifier and data", format!("schema {name}")))
+            }
+            plan => Ok(plan),
+        };
         Ok(match (channel.message_encoding.as_str(), kind) {
             ("cdr", "ros2msg") => ros()?.map(Encoding::Cdr),
             ("ros1", "ros1msg") => ros()?.map(Encoding::Ros1),
@@ -171,6 +231,11 @@ impl Topics {
             _ => None,
         })
     }
+}
+
+/// Whether a message of that name is a CAN frame, whatever its fields are.
+fn is_can_frame(name: &str) -> bool {
+    name.starts_with("can_msgs/") || Shape::is_named_fd(name.rsplit('/').next().unwrap_or_default())
 }
 
 /// Whether a message of that name is probably a CAN frame, so that it would be missed.

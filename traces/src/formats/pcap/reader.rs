@@ -186,11 +186,13 @@ impl PcapReader {
             let missing = match file.format.packet(window) {
                 Ok((rest, packet)) if packet.incl_len <= LONGEST => {
                     let size = window.len() - rest.len();
+                    // Of two lengths that contradict each other the smaller one tells where the next packet may be.
+                    let likely = size.min((packet.orig_len as usize).saturating_add(PACKET_HEADER));
                     let place = Place { number: self.number + 1, offset: self.source.offset() };
                     let record = record(file, &mut self.channels, &packet, place);
                     self.number += 1;
                     if let Err(damage) = record {
-                        return Some(Err(self.damaged(file.format, size, damage)));
+                        return Some(Err(self.damaged(file.format, likely, damage)));
                     }
                     self.seconds = Some(packet.ts_sec);
                     self.source.consume(size);

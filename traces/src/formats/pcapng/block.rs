@@ -75,12 +75,22 @@ pub(crate) fn byte_order(magic: [u8; 4]) -> Option<Endianness> {
     }
 }
 
+/// Whether these are the first bytes of a section header, whose type is the same in both byte orders.
+pub(crate) const fn is_section(bytes: &[u8; FRAMING]) -> bool {
+    let [a, b, c, d, ..] = *bytes;
+    u32::from_le_bytes([a, b, c, d]) == SECTION_HEADER_BLOCK
+}
+
+/// The length in the first bytes of a block.
+pub(crate) fn length(order: Endianness, bytes: &[u8; FRAMING]) -> u32 {
+    let [_, _, _, _, a, b, c, d, ..] = *bytes;
+    word(order, [a, b, c, d])
+}
+
 /// The first fields of a block, and its byte order: a section header tells its own.
 pub(crate) fn head(section: Option<Endianness>, bytes: &[u8; FRAMING]) -> Option<(Endianness, Head)> {
     let &[kind, length, third] = bytes.as_chunks().0 else { return None };
-    // The type of a section header is the same in both orders.
-    let is_section = u32::from_le_bytes(kind) == SECTION_HEADER_BLOCK;
-    let order = if is_section { byte_order(third) } else { section }?;
+    let order = if is_section(bytes) { byte_order(third) } else { section }?;
     Some((order, Head { kind: word(order, kind), length: word(order, length) }))
 }
 

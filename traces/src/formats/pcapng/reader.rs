@@ -150,12 +150,33 @@ impl PcapngReader {
 
     /// A section header without its magic number, or none at all.
     fn no_section(&mut self) -> Damage {
-        let damage = match self.order {
-            None if self.number == 1 => {
-                return self.damage(DamageKind::Fatal, "a section header block at the beginning", "");
-            }
-            _ => self.damage(DamageKind::Malformed, "the byte order magic 1A2B3C4Dh in a section header", ""),
+        let Some(&head) = self.source.window().first_chunk() else {
+            return self.damage(DamageKind::Fatal, "a section header block at the beginning", "");
         };
+        if !block::is_section(&head) {
+            return self.damage(DamageKind::Fatal, "a section header block at the beginning", "");
+        }
+        let damage = self.damage(DamageKind::Malformed, "the byte order magic 1A2B3C4Dh in a section header", "");
+        // Its two lengths are equal in one byte order only.
+        for order in [Endianness::Little, Endianness::Big] {
+            let length = block::length(order, &head) as usize;
+            if !(FRAMING..=LONGEST).contains(&length) {
+                continue;
+            }
+            match self.source.fill_to(length) {
+                Ok(true) => {}
+                Ok(false) => continue,
+                Err(error) => return self.failed(&error),
+            }
+            let window = self.source.window();
+            if window.get(length - 4..length) == window.get(4..8) {
+                self.section_end = None;
+                self.order = Some(order);
+                self.section.begin(order);
+                self.source.consume(length);
+                return damage;
+            }
+        }
         // Up to the next section, nothing tells the byte order and the interfaces.
         self.order = None;
         self.search(damage)
@@ -184,24 +205,23 @@ impl PcapngReader {
         // Blocks begin at multiples of four, whatever the writer says.
         let size = u64::from(head.length).next_multiple_of(4);
         let place = self.place();
-        if !head.is_aside() {
-            let expected = format!("a block of {size} bytes");
-            let damage = self.search(self.damage(DamageKind::Malformed, expected, "another block in it"));
-            return match damage.kind {
-                DamageKind::Fatal => Damage { kind: DamageKind::Truncated, ..damage }.into(),
-                _ => damage.into(),
-            };
-        }
-        match self.source.skip(size) {
-            Ok(skipped) if skipped < size => {
-                self.done = true;
-                let (expected, found) =
-                    (format!("a block of {size} bytes"), format!("the end of the file after {skipped}"));
-                Damage::new(DamageKind::Truncated, place, expected, found.as_bytes()).into()
+        if head.is_aside() {
+            match self.source.skip(size) {
+                Ok(skipped) if skipped == size => return Yield::Content(Content::default()),
+                Ok(_) => {}
+                Err(error) => return self.failed(&error).into(),
             }
-            Ok(_) => Yield::Content(Content::default()),
-            Err(error) => self.failed(&error).into(),
+        } else {
+            let expected = format!("a block of at most {LONGEST} bytes");
+            let damage = self.search(self.damage(DamageKind::Malformed, expected, &size.to_string()));
+            // The end of the file, or of what can be read of it.
+            if !damage.kind.is_fatal() || damage.place != place {
+                return damage.into();
+            }
         }
+        self.done = true;
+        let found = format!("the end of the file after {}", self.source.offset() - place.offset);
+        Damage::new(DamageKind::Truncated, place, format!("a block of {size} bytes"), found.as_bytes()).into()
     }
 
     /// The file ends in a block, or its length is damaged and another one follows.

@@ -3,7 +3,7 @@
 use crate::bench::Bench;
 use crate::bench::nmt::Start;
 use crate::case;
-use crate::verdict::{Breach, Judged, Precondition, Stop, demand, observed_response};
+use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand, observed_response};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy};
 use canvass_analyzer::wire::error_control::{self, State};
@@ -155,7 +155,7 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
 ///
 /// 1F80h is an object of CiA 302-2, whose text is not public; CiA 301, 7.3.2.1, allows the start by local control.
 #[case(id = "301/boot-up/self-start", clause = "CiA 302-2", confidence = Unknown, level = Must,
-       needs = [StartUp, Store, VisibleState], touches = [Nvm], catches = [StartUpIgnored, StoreWithoutEffect])]
+       needs = [StartUp, Store, VisibleState], touches = [Nvm], catches = [StartUpIgnored])]
 fn self_start(bench: &mut Bench<'_>) -> Judged {
     const START_UP: Multiplexer = Multiplexer::new(0x1F80, 0);
     const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
@@ -167,14 +167,18 @@ fn self_start(bench: &mut Bench<'_>) -> Judged {
     let state = bench.reset(Command::RESET_NODE).and_then(|()| {
         bench.show_state()?;
         bench.listen(bench.timing().reaction)?;
-        bench.state()
+        Ok((bench.read_number(START_UP)?, bench.state()?))
     });
     // Whatever came of it, the device gets its old value back.
     bench.write(START_UP, &before.to_le_bytes())?;
     bench.prefer_guarding()?;
     bench.write(STORE, b"save")?;
     bench.reset(Command::RESET_NODE)?;
-    let state = state?;
+    let (stored, state) = state?;
+    if stored & WAITS != 0 {
+        let actual = format!("{stored:08X}h after reset node");
+        return Err(Stop::Inconclusive(Reason::new("1F80h can be stored", "bit 2 is 0 after the reset", actual)));
+    }
     bench.check(demand(state == Some(State::OPERATIONAL), || {
         Breach::new(START_UP, "with bit 2 of 1F80h cleared the device starts by itself")
             .expected(Observation::State(State::OPERATIONAL))

@@ -159,7 +159,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read(ERROR_REGISTER)?;
     let patience = patience(bench)?;
     // Longer than an EMCY may take: the master must not be lost again meanwhile.
-    let life_time = life_time(bench, 500, 2)?;
+    let life_time = life_time(bench, 1_000, 2)?;
     guard(bench)?;
     let Some((lost, _)) = next_error(bench, life_time.whole() + life_time.guard)? else {
         return Err(Stop::Inconclusive(Reason::new("the loss of the master is reported", "an EMCY", "none")));
@@ -198,11 +198,12 @@ fn off(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(reason));
     }
     bench.each([(GUARD_TIME, &[0, 0][..]), (LIFE_TIME_FACTOR, &[0][..])], |bench, (multiplexer, zero)| {
-        let life_time = life_time(bench, 100, 2)?;
+        // Longer than a slow server takes to confirm the write.
+        let life_time = life_time(bench, 1_000, 3)?;
         operational(bench)?;
         guard(bench)?;
         bench.write(multiplexer, zero)?;
-        let lost = next_error(bench, life_time.whole().times(3))?;
+        let lost = next_error(bench, life_time.whole() + life_time.guard)?;
         not_missed(bench, &format!("with {multiplexer} = 0 the master is not watched"), lost)
     })
 }

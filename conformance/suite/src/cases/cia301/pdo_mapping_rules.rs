@@ -53,7 +53,7 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
 
 /// The mapping that a PDO has can be written again, in the five steps of CiA 301.
 #[case(id = "301/pdo/mapping/procedure", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
-       needs = [Tpdo, DynamicMapping], catches = [MappingProcedureRefused], cct = "3.22")]
+       needs = [Tpdo, DynamicMapping], catches = [MappingProcedureRefused, SameCobIdRefused], cct = "3.22")]
 fn procedure(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let own = bench.pdo_cob_id(TPDO)?;
@@ -89,7 +89,10 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     let has_timer = bench.has(TPDO.parameter(5))?;
     match has_timer {
         true => bench.set_pdo(TPDO, &[(2, &[255]), (3, &[0, 0]), (5, &100_u16.to_le_bytes())])?,
-        false => bench.set_pdo(TPDO, &[(2, &[1])])?,
+        false => {
+            bench.expect_plain_sync()?;
+            bench.set_pdo(TPDO, &[(2, &[1])])?;
+        }
     }
     bench.write(changeable.at, &other)?;
     let can_id = (bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16;

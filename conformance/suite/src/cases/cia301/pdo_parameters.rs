@@ -87,6 +87,7 @@ fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
     let moved = CobId(own.0 & !0x7FF | FREE | CobId::INVALID);
     move_to(bench, TPDO, moved)?;
     bench.pdo_on(TPDO, moved)?;
+    reads_back(bench, TPDO, moved)?;
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction)?;
     let (mut new, mut old) = (0, 0);
@@ -103,6 +104,15 @@ fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
         counted(format!("TPDO 1 is sent with its new CAN-ID {FREE:03X}h every 100 ms, in 500 ms"), 1, None, new)
     }))?;
     bench.check(demand(old == 0, || counted("TPDO 1 is no longer sent with its old CAN-ID", 0, Some(0), old)))
+}
+
+/// Demands that the COB-ID of a PDO that was switched on reads as it was written.
+pub(super) fn reads_back(bench: &mut Bench<'_>, pdo: Pdo, written: CobId) -> Judged {
+    let right = Observation::Value((written.0 & !CobId::INVALID).to_le_bytes().to_vec());
+    let found = Observation::Value(bench.read(pdo.parameter(1))?);
+    bench.check(demand(found == right, || {
+        Breach::new(pdo.parameter(1), "a COB-ID reads as it was written").expected(right).found(found)
+    }))
 }
 
 /// Gives a PDO that is off another CAN-ID; not applicable to a device that can do no more than switch its PDOs on and off.
@@ -208,15 +218,17 @@ fn remote_type(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// The inhibit time of a PDO that is valid does not change: the write is refused.
+///
+/// The rule came with V4.0 of CiA 301, and so did the event timer.
 #[case(id = "301/pdo/inhibit-time/valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Tpdo], catches = [InhibitTimeChangeWhileValid])]
+       needs = [EventTimer], catches = [InhibitTimeChangeWhileValid])]
 fn inhibit_time_valid(bench: &mut Bench<'_>) -> Judged {
     while_valid(bench, 3, 500, 600)
 }
 
 /// The SYNC start value of a PDO that is valid does not change: the write is refused.
 #[case(id = "301/pdo/sync-start/valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Tpdo], catches = [SyncStartValueChangeWhileValid])]
+       needs = [EventTimer], catches = [SyncStartValueChangeWhileValid])]
 fn sync_start_valid(bench: &mut Bench<'_>) -> Judged {
     while_valid(bench, 6, 3, 4)
 }

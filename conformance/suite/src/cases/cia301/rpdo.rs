@@ -3,7 +3,7 @@
 //! RPDO 1 is given an object that SDOs can read, so that its effect can be seen.
 
 use super::emcy::{emergencies, observed, patience, shown};
-use super::pdo_parameters::move_to;
+use super::pdo_parameters::{move_to, reads_back};
 use crate::bench::Bench;
 use crate::bench::pdo::{Mapped, RPDO};
 use crate::bench::sdo::number;
@@ -92,6 +92,7 @@ fn event_driven(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/rpdo/synchronous", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
        needs = [RpdoMapping, Sync], catches = [SynchronousRpdoActsAtOnce])]
 fn synchronous(bench: &mut Bench<'_>) -> Judged {
+    bench.expect_plain_sync()?;
     let subject = subject(bench, 1)?;
     let sync_id = bench.sync_id()?;
     operational(bench)?;
@@ -340,6 +341,7 @@ fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
     let moved = CobId(own.0 & !0x7FF | u32::from(FREE) | CobId::INVALID);
     move_to(bench, RPDO, moved)?;
     bench.pdo_on(RPDO, moved)?;
+    reads_back(bench, RPDO, moved)?;
     operational(bench)?;
     subject.can_id = FREE;
     send(bench, &subject, &subject.other)?;

@@ -26,7 +26,7 @@ const PERIOD_TIME: Duration = Duration::from_millis(50);
 /// is not written.
 fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<u16, Stop> {
     let own = bench.read_number(COB_ID)?;
-    stop_period(bench)?;
+    bench.stop_sync_period()?;
     let changes = if bench.has(OVERFLOW)? { bench.read_number(OVERFLOW)? != u32::from(overflow) } else { overflow > 0 };
     if changes {
         bench.write(OVERFLOW, &[overflow])?;
@@ -34,14 +34,6 @@ fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<u16, Stop> {
     bench.write(PERIOD, &PERIOD_US.to_le_bytes())?;
     bench.write(COB_ID, &(own | PRODUCES).to_le_bytes())?;
     Ok((own & 0x7FF) as u16)
-}
-
-/// 1019h changes only while 1006h is 0; a mere consumer need not have 1006h.
-pub(super) fn stop_period(bench: &mut Bench<'_>) -> Result<(), Stop> {
-    if bench.has(PERIOD)? && bench.read_number(PERIOD)? != 0 {
-        bench.write(PERIOD, &0_u32.to_le_bytes())?;
-    }
-    Ok(())
 }
 
 fn syncs(bench: &mut Bench<'_>, id: u16, periods: u64) -> Result<Vec<Record>, Stop> {
@@ -177,7 +169,7 @@ fn no_counter(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sync/overflow-range", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Should,
        needs = [SyncCounter], catches = [SyncOverflowUnchecked], cct = "6.5")]
 fn overflow_range(bench: &mut Bench<'_>) -> Judged {
-    stop_period(bench)?;
+    bench.stop_sync_period()?;
     bench.each([1_u8, 241, 255], |bench, wrong| {
         let attempt = bench.download(OVERFLOW, &[wrong])?;
         bench.check(attempt.refused(Situation::InvalidValue))
@@ -233,7 +225,7 @@ fn cob_id(bench: &mut Bench<'_>) -> Judged {
        needs = [SyncCounter, Tpdo, DynamicMapping], catches = [SyncLengthUnchecked])]
 fn wrong_length(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
-    stop_period(bench)?;
+    bench.stop_sync_period()?;
     bench.write(OVERFLOW, &[10])?;
     bench.set_pdo(TPDO, &[(2, &[1])])?;
     let can_id = (bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16;
@@ -294,7 +286,7 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
        needs = [SyncCounter, Store], touches = [Nvm], catches = [StoreWithoutEffect], cct = "6.8")]
 fn overflow_stored(bench: &mut Bench<'_>) -> Judged {
     const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
-    stop_period(bench)?;
+    bench.stop_sync_period()?;
     let before = bench.read(OVERFLOW)?;
     let other = if before == [10] { [20] } else { [10] };
     bench.write(OVERFLOW, &other)?;

@@ -18,6 +18,7 @@ const FRAMES: usize = 70;
 
 fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     let none = 0_u16.to_le_bytes();
+    bench.expect_plain_sync()?;
     bench.set_pdo(TPDO, &[(2, &[1])])?;
     if bench.can_write(TPDO.parameter(5))? {
         bench.write(TPDO.parameter(5), &none)?;

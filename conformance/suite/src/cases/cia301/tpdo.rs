@@ -125,6 +125,7 @@ fn trigger(bench: &mut Bench<'_>) -> Result<Trigger, Stop> {
     if !(1..=240).contains(&bench.read_number(TRANSMISSION_TYPE)?) {
         set_type(bench, 1)?;
     }
+    bench.expect_plain_sync()?;
     let can_id = CobId(bench.read_number(TPDO_COB_ID)?).can_id() & 0x7FF;
     Ok(Trigger::Sync(can_id as u16, bench.sync_id()?))
 }
@@ -175,6 +176,7 @@ impl Trigger {
 #[case(id = "301/tpdo/sync-cycle", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Must,
        needs = [Tpdo], catches = [SyncCycleIgnored], cct = "6.3")]
 fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
+    bench.expect_plain_sync()?;
     let cob_id = (CobId(bench.read_number(TPDO_COB_ID)?).can_id() & 0x7FF) as u16;
     let sync_id = bench.sync_id()?;
     // 240 is the longest cycle.

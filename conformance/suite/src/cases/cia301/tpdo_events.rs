@@ -25,6 +25,9 @@ fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop
     let (mapped, other) = bench.changeable()?;
     let before = bench.read(mapped.at)?;
     bench.write(mapped.at, &before)?;
+    if transmission_type <= 252 {
+        bench.expect_plain_sync()?;
+    }
     bench.set_mapping(TPDO, &[mapped])?;
     let none = 0_u16.to_le_bytes();
     bench.set_pdo(TPDO, &[(3, &none), (5, &none), (2, &[transmission_type])])?;
@@ -288,7 +291,7 @@ fn sync_start(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("TPDO 1 has a SYNC start value", "1800h:06", "absent or read-only");
         return Err(Stop::NotApplicable(reason));
     }
-    super::sync::stop_period(bench)?;
+    bench.stop_sync_period()?;
     bench.write(Multiplexer::new(0x1019, 0), &[10])?;
     bench.set_pdo(TPDO, &[(6, &[START])])?;
     let id = bench.sync_id()?;

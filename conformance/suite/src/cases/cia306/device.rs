@@ -2,10 +2,11 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::{Breach, Judged, observed};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Index, Multiplexer};
 use canvass_bus::client::Outcome;
+use canvass_bus::observation::{Observation, Subject};
 
 /// Where devices usually have objects, looked at in every run.
 const USUAL: [(u16, u16); 12] = [
@@ -33,9 +34,9 @@ const ALL: [(u16, u16); 1] = [(0x1000, 0x9FFF)];
 #[case(id = "306/device/undescribed", clause = "CiA 306", confidence = Unknown, level = Should, needs = [Description],
        catches = [UndescribedObject])]
 fn undescribed(bench: &mut Bench<'_>) -> Judged {
-    const SHOWN: usize = 8;
+    const JUDGED: u64 = 64;
     let ranges: &[(u16, u16)] = if bench.options().exhaustive { &ALL } else { &USUAL };
-    let mut found = Vec::new();
+    let mut found = 0;
     for index in ranges.iter().flat_map(|&(first, last)| first..=last) {
         let is_described = |description: &canvass_analyzer::dictionary::DeviceDescription| {
             description.dictionary.object(Index(index)).is_some()
@@ -49,16 +50,22 @@ fn undescribed(bench: &mut Bench<'_>) -> Judged {
             Outcome::Aborted(abort) => abort.code == AbortCode::WRITE_ONLY,
             _ => false,
         };
-        if is_there {
-            found.push(format!("{index:04X}h"));
+        if !is_there {
+            continue;
+        }
+        found += 1;
+        if found <= JUDGED {
+            let breach = Breach::new(Subject::Object(Index(index)), "every object of the device is described");
+            let breach = breach.expected("abort 0602 0000h, since the description does not name it");
+            bench.check(Err(Box::new(breach.found(observed(&attempt.outcome)).told(attempt.outcome.to_string()))))?;
         }
     }
-    bench.check(demand(found.is_empty(), || {
-        let more = found.len().saturating_sub(SHOWN);
-        let mut shown = found.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
-        if more > 0 {
-            shown.push_str(&format!(" and {more} more"));
-        }
-        Reason::new("every object of the device is described", "no other than those of the description", shown)
-    }))
+    let more: u64 = found.saturating_sub(JUDGED);
+    if more > 0 {
+        let breach = Breach::new(Subject::Device, "every object of the device is described");
+        let breach =
+            breach.expected("no more than these").found(Observation::named("more objects that nobody described"));
+        bench.check(Err(Box::new(breach.told(format!("{more} more")))))?;
+    }
+    Ok(())
 }

@@ -8,8 +8,9 @@ pub(crate) mod needs;
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Reason, Stop};
 use canvass_analyzer::dictionary::{EdsProblem, ProblemKind, Severity, consistency};
+use canvass_bus::observation::{Observation, Subject};
 
 /// What a problem of a description is about.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -51,9 +52,11 @@ impl Area {
     }
 }
 
-/// Demands that the description has no problem of that area. What is only worth knowing is noted.
-fn sound(bench: &mut Bench<'_>, area: Area, duty: &str) -> Judged {
-    const SHOWN: usize = 3;
+/// Demands that the description has no problem of that area; each is a breach of its own. What is only worth knowing is
+/// noted.
+fn sound(bench: &mut Bench<'_>, area: Area, duty: &'static str) -> Judged {
+    const NOTED: usize = 3;
+    const JUDGED: usize = 64;
     let Some(description) = &bench.target().description else {
         let reason = Reason::new("the device is described", "an EDS or a built-in model", "none");
         return Err(Stop::NotApplicable(reason));
@@ -62,18 +65,60 @@ fn sound(bench: &mut Bench<'_>, area: Area, duty: &str) -> Judged {
     found.extend(consistency::check(description));
     found.retain(|problem| Area::of(problem) == area);
     let (notes, wrong): (Vec<_>, Vec<_>) = found.into_iter().partition(|problem| problem.severity == Severity::Info);
-    for problem in notes.iter().take(SHOWN) {
+    for problem in notes.iter().take(NOTED) {
         bench.note(format!("description: {problem}"));
     }
-    bench.check(demand(wrong.is_empty(), || {
-        let shown: Vec<String> = wrong.iter().take(SHOWN).map(ToString::to_string).collect();
-        let more = match wrong.len().saturating_sub(SHOWN) {
-            0 => String::new(),
-            more => format!("; and {more} more"),
-        };
-        let expected = wrong.first().map_or("", |problem| problem.expected);
-        Reason::new(duty, expected, format!("{}{more}", shown.join("; ")))
-    }))
+    let more = wrong.len().saturating_sub(JUDGED);
+    for problem in wrong.iter().take(JUDGED) {
+        bench.check(Err(Box::new(breach(problem, duty))))?;
+    }
+    if more > 0 {
+        let breach = Breach::new(Subject::Description, duty).expected("no more than these");
+        let found = Observation::named("more problems of this kind");
+        bench.check(Err(Box::new(breach.found(found).told(format!("{more} more")))))?;
+    }
+    Ok(())
+}
+
+/// A problem as a breach: about the object whose section it stands in, else about the file.
+fn breach(problem: &EdsProblem, duty: &'static str) -> Breach {
+    let object = problem.section.to_ascii_lowercase().replace("sub", ":");
+    // `[1018sub1]` has one digit.
+    let object = match object.split_once(':') {
+        Some((index, sub)) => format!("{index}:{sub:0>2}"),
+        None => object,
+    };
+    let subject = match object.parse::<Subject>() {
+        Ok(subject @ (Subject::Entry(_) | Subject::Object(_))) => subject,
+        _ => Subject::Description,
+    };
+    // The names come from the file.
+    let place: String = format!("[{}] {}", problem.section, problem.field).escape_debug().take(80).collect();
+    let found = Observation::Named(format!("problem in {}: {}", place.trim_end(), word(problem.kind)).into());
+    Breach::new(subject, duty).expected(problem.expected).found(found).told(problem.to_string())
+}
+
+/// The kind of a problem in a word.
+const fn word(kind: ProblemKind) -> &'static str {
+    match kind {
+        ProblemKind::Encoding => "encoding",
+        ProblemKind::Line => "line",
+        ProblemKind::TooMuch => "too much",
+        ProblemKind::DuplicateSection => "section twice",
+        ProblemKind::MissingSection => "section missing",
+        ProblemKind::UnknownSection => "section unknown",
+        ProblemKind::DuplicateField => "field twice",
+        ProblemKind::MissingField => "field missing",
+        ProblemKind::UnknownField => "field unknown",
+        ProblemKind::Number => "number",
+        ProblemKind::Count => "count",
+        ProblemKind::List => "list",
+        ProblemKind::Value => "value",
+        ProblemKind::Range => "range",
+        ProblemKind::Mapping => "mapping",
+        ProblemKind::CobId => "COB-ID",
+        ProblemKind::Standard => "differs from the standard",
+    }
 }
 
 /// A device description is lines of text: sections, fields and comments, of no more than 255 characters each.
@@ -159,4 +204,47 @@ fn cob_ids(bench: &mut Bench<'_>) -> Judged {
        catches = [EdsDataTypeWrong])]
 fn standard(bench: &mut Bench<'_>) -> Judged {
     sound(bench, Area::Standard, "standard objects are described as their standard defines them")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn problem(section: &str, field: &str, kind: ProblemKind) -> EdsProblem {
+        let (section, field) = (section.to_owned(), field.to_owned());
+        EdsProblem {
+            line: 7,
+            section,
+            field,
+            severity: Severity::Error,
+            kind,
+            expected: "a number",
+            found: "x".to_owned(),
+        }
+    }
+
+    #[test]
+    fn a_problem_is_about_its_object_and_about_nothing_else() {
+        let of = |section, field, kind| {
+            let breach = breach(&problem(section, field, kind), "it is right");
+            (breach.subject.to_string(), breach.actual.to_string())
+        };
+        let number = |section| of(section, "DefaultValue", ProblemKind::Number);
+        assert_eq!(
+            number("1018sub1"),
+            ("1018h:01".to_owned(), "problem in [1018sub1] DefaultValue: number".to_owned())
+        );
+        assert_eq!(number("1A00subA").0, "1A00h:0A");
+        assert_eq!(number("1017").0, "1017h");
+        assert_eq!(number("FileInfo").0, "description");
+        assert_ne!(number("1017").1, of("1017", "LowLimit", ProblemKind::Number).1);
+    }
+
+    /// What is found is what a waiver names.
+    #[test]
+    fn a_problem_can_be_waived() {
+        use canvass_bus::observation::Pattern;
+        let actual = breach(&problem("1017", "LowLimit", ProblemKind::Range), "it is right").actual;
+        assert!(actual.to_string().parse::<Pattern>().is_ok_and(|pattern| pattern.accepts(&actual)));
+    }
 }

@@ -32,8 +32,8 @@ fn set(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<(), Stop> {
 fn prepare(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let range = range_now(bench)?;
     let position = position_at_rest(bench)?;
-    if position < 4 * MARGIN || position > range - 4 * MARGIN {
-        let expected = format!("{} to {}", 4 * MARGIN, range - 4 * MARGIN);
+    if position < 4 * MARGIN || position > range.saturating_sub(4 * MARGIN) {
+        let expected = format!("{} to {}", 4 * MARGIN, range.saturating_sub(4 * MARGIN));
         let reason = Reason::new("the position has room on both sides", expected, position.to_string());
         return Err(Stop::Inconclusive(reason));
     }

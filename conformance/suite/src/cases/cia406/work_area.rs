@@ -78,7 +78,7 @@ fn underflow(bench: &mut Bench<'_>) -> Judged {
     expect_state(bench, "below the low limit", ALL & !OUT_OF_RANGE, UNDERFLOW)
 }
 
-/// A low limit above the high one is refused, or 6400h says out of range.
+/// A low limit above the high one is refused.
 #[case(id = "406/work-area/limits-swapped", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Encoder, WorkArea], catches = [WorkAreaLimitsSwappedAccepted, LimitsSwappedWrongCode])]
 fn swapped(bench: &mut Bench<'_>) -> Judged {

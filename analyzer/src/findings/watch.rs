@@ -1,0 +1,279 @@
+//! What watches one bus: its facts, its figures, and every rule.
+
+use super::Diagnosis;
+use super::capture::{self, Copies};
+use super::context::{Context, Scene};
+use super::facts::Facts;
+use super::latest::Latest;
+use super::registry;
+use super::rule::{Also, Make, Metadata, Rule};
+use super::sink::{Findings, Sink};
+use super::thresholds::Thresholds;
+use crate::message::Service;
+use crate::network::{Bus, Decoded, Network};
+use crate::statistics::{BusStatistics, Statistics};
+use canvass_traces::{ChannelId, Direction, Duration, INTERMISSION, Place, Quality, Record, Timestamp, bit_length};
+
+/// A frame that comes in.
+pub struct Incoming<'a> {
+    pub record: &'a Record,
+    /// [`latest_id`].
+    id: Option<u16>,
+    /// [`bit_length`].
+    bits: Option<u32>,
+}
+
+/// What watches one bus.
+pub struct BusWatch {
+    rules: Vec<(&'static Metadata, Box<dyn Rule>)>,
+    /// The places of the rules that want frames of a service.
+    by_service: [Vec<u8>; Service::ALL.len()],
+    /// Those of the rules that want values of encoders.
+    of_encoder_values: Vec<u8>,
+    /// Those of the rules that want TPDOs whose parameters are known.
+    of_known_tpdos: Vec<u8>,
+    /// Those of the rules that want frames about nodes that reset themselves.
+    of_resetting: Vec<u8>,
+    /// Those of the rules that want frames of nodes that were away.
+    of_returning: Vec<u8>,
+    known: Known,
+    statistics: Statistics,
+    /// Where a frame was first recorded twice.
+    first_copy: Option<(Timestamp, Place)>,
+    /// When to infer the bit rate again.
+    next_look: Timestamp,
+    next_tick: Timestamp,
+}
+
+/// What is known of a bus beside its network.
+struct Known {
+    channel: ChannelId,
+    facts: Facts,
+    latest: Latest,
+    quality: Quality,
+    said_bit_rate: Option<u32>,
+    /// As said, or as far as it could be inferred until now.
+    bit_rate: Option<u32>,
+    start: Timestamp,
+    now: Timestamp,
+}
+
+impl Known {
+    /// What rules see of it.
+    fn scene<'a>(&'a self, bus: &'a Bus) -> Scene<'a> {
+        Scene {
+            now: self.now,
+            start: self.start,
+            bus,
+            channel: self.channel,
+            facts: &self.facts,
+            latest: &self.latest,
+            quality: &self.quality,
+            bit_rate: self.bit_rate,
+            is_inferred: self.said_bit_rate.is_none(),
+        }
+    }
+}
+
+/// The CAN-ID under which a frame is kept as the latest: that of a classical frame of 11 bits.
+fn latest_id(record: &Record) -> Option<u16> {
+    let frame = &record.frame;
+    let classical = !frame.is_error() && !frame.is_fd() && !frame.is_xl();
+    frame.id().as_standard().filter(|_| classical)
+}
+
+impl<'a> Incoming<'a> {
+    /// A frame, with what is worked out of it once.
+    pub fn new(record: &'a Record) -> Self {
+        Self { record, id: latest_id(record), bits: bit_length(&record.frame) }
+    }
+}
+
+impl BusWatch {
+    /// What watches the bus of its first frame.
+    pub fn new(first: &Record, thresholds: &Thresholds, bit_rate: Option<u32>) -> Self {
+        let mut rules = Vec::new();
+        let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
+        let (mut of_encoder_values, mut of_known_tpdos) = (Vec::new(), Vec::new());
+        let (mut of_resetting, mut of_returning) = (Vec::new(), Vec::new());
+        for definition in registry::all() {
+            let Make::Bus(make) = definition.make else { continue };
+            match definition.also {
+                Also::Nothing => {}
+                Also::EncoderValues => of_encoder_values.push(rules.len() as u8),
+                Also::KnownTpdos => of_known_tpdos.push(rules.len() as u8),
+                Also::Resetting => of_resetting.push(rules.len() as u8),
+                Also::Returning => of_returning.push(rules.len() as u8),
+            }
+            for service in definition.services {
+                by_service[*service as usize].push(rules.len() as u8);
+            }
+            rules.push((definition.metadata, make(thresholds)));
+        }
+        Self {
+            rules,
+            by_service,
+            of_encoder_values,
+            of_known_tpdos,
+            of_resetting,
+            of_returning,
+            known: Known {
+                channel: first.channel,
+                facts: Facts::default(),
+                latest: Latest::default(),
+                quality: Quality::default(),
+                said_bit_rate: bit_rate,
+                bit_rate,
+                start: first.timestamp,
+                now: first.timestamp,
+            },
+            statistics: Statistics::default(),
+            first_copy: None,
+            next_look: first.timestamp,
+            next_tick: first.timestamp + Diagnosis::TICK,
+        }
+    }
+
+    /// Time goes on to that of the next record.
+    pub fn advance(&mut self, record: &Record, network: &Network, findings: &mut Findings) {
+        // What is only out of order by a little is no step of the clock.
+        const DISORDER: Duration = Duration::from_millis(1);
+        let gaps = self.known.quality.gaps.count;
+        self.known.quality.record(record);
+        let steps_back = self.known.now.since(record.timestamp) > DISORDER;
+        // A pause of a single node is its own, unless it is very long; of several at once it is the recorder's or the
+        // bus's.
+        const SWITCHED_OFF: Duration = Duration::from_secs(60);
+        let switched_off = record.timestamp.since(self.known.now) > SWITCHED_OFF;
+        let silent = self.known.quality.gaps.count > gaps && (self.known.facts.present > 1 || switched_off);
+        self.known.now = record.timestamp;
+        if steps_back || silent {
+            self.interrupted();
+            self.next_tick = self.known.now + Diagnosis::TICK;
+        } else if self.known.now >= self.next_tick {
+            self.next_tick = self.known.now + Diagnosis::TICK;
+            self.look_at_bit_rate();
+            self.each(network, findings, |rule, scene, sink| rule.tick(scene, sink));
+        }
+    }
+
+    fn look_at_bit_rate(&mut self) {
+        if self.known.said_bit_rate.is_none() && self.known.now >= self.next_look {
+            self.known.bit_rate = self.statistics.inferred_bit_rate();
+            self.next_look = self.known.now + Duration::from_secs(1);
+        }
+    }
+
+    /// The frame of which this one is a copy: the same again, sooner than a bus can carry it, or given back by the
+    /// interface that has sent it.
+    pub fn original(&mut self, incoming: &Incoming<'_>) -> Option<Decoded> {
+        let Incoming { record, id, bits } = *incoming;
+        const GIVEN_BACK: Duration = Duration::from_millis(1);
+        let seen = self.known.latest.get(id?)?;
+        let apart = record.timestamp.since(seen.time());
+        if apart > GIVEN_BACK || seen.record.frame != record.frame || record.timestamp < seen.time() {
+            return None;
+        }
+        // No bus is faster than 1 Mbit/s, and the clock may be off by a step for both.
+        let unsure = self.known.quality.resolution.get().map(|unit| unit.times(2));
+        let impossible =
+            unsure.is_some_and(|unsure| apart + unsure < Duration::from_micros(u64::from(bits.unwrap_or(0))));
+        let both = (record.direction, seen.record.direction);
+        let given_back = matches!(both, (Direction::Rx, Direction::Tx) | (Direction::Tx, Direction::Rx));
+        if !impossible && !given_back {
+            return None;
+        }
+        let decoded = seen.decoded;
+        self.first_copy.get_or_insert((record.timestamp, record.place));
+        Some(decoded)
+    }
+
+    /// Frames may be missing here, or the clock has stepped.
+    pub fn interrupted(&mut self) {
+        self.known.facts.interrupted(self.known.now);
+        for (_, rule) in &mut self.rules {
+            rule.interrupted();
+        }
+    }
+
+    /// Lets all rules do something that needs no frame.
+    fn each(
+        &mut self,
+        network: &Network,
+        findings: &mut Findings,
+        act: impl Fn(&mut dyn Rule, &Scene<'_>, &mut Sink<'_>),
+    ) {
+        let Some(bus) = network.bus(self.known.channel) else { return };
+        let scene = self.known.scene(bus);
+        for (metadata, rule) in &mut self.rules {
+            act(rule.as_mut(), &scene, &mut Sink::of(findings, metadata, &scene));
+        }
+    }
+
+    /// A frame that is no copy.
+    pub fn frame(&mut self, incoming: &Incoming<'_>, decoded: &Decoded, network: &Network, findings: &mut Findings) {
+        let Incoming { record, id, bits } = *incoming;
+        let bits = bits.map_or(0, |bits| bits + INTERMISSION);
+        let Some(bus) = network.bus(self.known.channel) else { return };
+        if decoded.repeats_boot_up() {
+            self.statistics.frame(record, bits, decoded, bus);
+            return;
+        }
+        let reconfigured = self.known.facts.follow(record, decoded, bus);
+        let scene = self.known.scene(bus);
+        if let Some(node) = reconfigured {
+            self.rules.iter_mut().for_each(|(_, rule)| rule.reconfigured(node, &scene));
+        }
+        let previous = id.and_then(|id| self.known.latest.get(id));
+        let context = Context { scene: &scene, record, bits, decoded, previous };
+        let news = &self.known.facts.news;
+        let resets = decoded.node.is_some_and(|node| self.known.facts.node(node).pending_reset.is_some());
+        let wanted: [&[u8]; 5] = [
+            &self.by_service[decoded.service as usize],
+            if news.operands.is_empty() { &[] } else { &self.of_encoder_values },
+            if news.is_known_tpdo { &self.of_known_tpdos } else { &[] },
+            if resets { &self.of_resetting } else { &[] },
+            if news.returned.is_some() { &self.of_returning } else { &[] },
+        ];
+        let mut sink = Sink { findings, rule: Copies::METADATA, bus: Some((bus, self.known.channel)) };
+        for list in wanted {
+            for &at in list {
+                if let Some((metadata, rule)) = self.rules.get_mut(usize::from(at)) {
+                    sink.rule = metadata;
+                    rule.frame(&context, &mut sink);
+                }
+            }
+        }
+        self.statistics.frame(record, bits, decoded, bus);
+        self.known.facts.note(record, decoded, bus);
+        if let Some(id) = id {
+            self.known.latest.keep(id, record, decoded);
+        }
+    }
+
+    /// A copy of a frame.
+    pub const fn copy(&mut self, of: &Decoded) {
+        self.statistics.copy(of);
+    }
+
+    /// The channel and its figures.
+    pub fn into_statistics(self, bit_rate: Option<u32>) -> (ChannelId, BusStatistics) {
+        (self.known.channel, self.statistics.finish(self.known.now, bit_rate))
+    }
+
+    /// The capture has ended.
+    pub fn finish(&mut self, network: &Network, findings: &mut Findings) {
+        if self.known.said_bit_rate.is_none() {
+            self.known.bit_rate = self.statistics.inferred_bit_rate();
+        }
+        self.each(network, findings, |rule, scene, sink| {
+            rule.tick(scene, sink);
+            rule.finish(scene, sink);
+        });
+        if let (Some(bus), Some((time, place))) = (network.bus(self.known.channel), self.first_copy) {
+            let bus = Some((bus, self.known.channel));
+            let mut sink = Sink { findings, rule: Copies::METADATA, bus };
+            capture::tell_copies(self.statistics.copies(), time, place, &mut sink);
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! A capture of which one byte is damaged: whatever no longer comes out as a frame is told.
+
+use crate::corpus::{Sample, Xorshift, read, samples};
+use canvass_traces::{Damage, DamageKind, Format};
+
+/// So many values are tried in place of each byte, beside those that make comments and line ends.
+const TRIED: usize = 4;
+/// So many bytes of a sample are damaged at most, evenly over all of it.
+const PLACES: usize = 1_200;
+
+/// How many frames a damage stands for: the rest of the file, if it ends there or tells how many there should be.
+fn told(damage: &Damage) -> u64 {
+    match damage.kind {
+        DamageKind::Dropped(frames) => frames,
+        DamageKind::Malformed if damage.expected.ends_with("say") || damage.expected.ends_with("says") => u64::MAX,
+        DamageKind::Malformed | DamageKind::Unsupported => 1,
+        DamageKind::Truncated | DamageKind::Unfinished | DamageKind::Fatal => u64::MAX,
+    }
+}
+
+/// The bytes behind the first frame's place: what is before it is told as a whole.
+fn rows(sample: &Sample) -> std::ops::Range<usize> {
+    let first = sample.frames.iter().map(|frame| frame.place.offset).min().unwrap_or_default();
+    first as usize..sample.bytes.len()
+}
+
+/// What no reader can see: the type of an object in a plain container of BLF, which has no checksum, becomes another that
+/// is known.
+fn becomes_another(sample: &Sample, at: usize) -> bool {
+    sample.name == "python-can-plain.blf" && sample.bytes[at - 12..].starts_with(b"LOBJ")
+}
+
+/// A line end that is gone joins two lines, which are one damage.
+fn joins(sample: &Sample, at: usize) -> bool {
+    let text = !matches!(sample.format, Format::Pcap | Format::Pcapng | Format::Mcap | Format::Blf);
+    text && sample.bytes[at] == b'\n'
+}
+
+fn account(sample: &Sample) -> Vec<String> {
+    let mut random = Xorshift(0x9E37_79B9_7F4A_7C15);
+    let mut silent = Vec::new();
+    let rows = rows(sample);
+    let step = rows.len().div_ceil(PLACES);
+    for at in rows.step_by(step).map(|at| (at + random.below(step)).min(sample.bytes.len() - 1)).collect::<Vec<_>>() {
+        let others = [b'#', b';', b'\n', b' ', sample.bytes[at] ^ 1 << (at % 8)];
+        let values: Vec<u8> = others.into_iter().chain((0..TRIED).map(|_| random.next() as u8)).collect();
+        for value in values {
+            let mut bytes = sample.bytes.clone();
+            bytes[at] = value;
+            let Some((frames, damages)) = read(&bytes) else { continue };
+            let told =
+                damages.iter().fold(u64::from(joins(sample, at)), |sum, damage| sum.saturating_add(told(damage)));
+            let lost = sample.frames.len().saturating_sub(frames.len()) as u64;
+            if told < lost && !becomes_another(sample, at) {
+                let (from, to) = (sample.bytes[at], value);
+                silent.push(format!("{}: {from:02X} at {at} to {to:02X}: {lost} lost, {damages:?}", sample.name));
+            }
+        }
+    }
+    silent
+}
+
+fn account_all(formats: &[Format]) {
+    let silent: Vec<String> =
+        samples(|sample| !sample.compressed && formats.contains(&sample.format)).iter().flat_map(account).collect();
+    assert!(silent.is_empty(), "{} losses are not told:\n{}", silent.len(), silent.join("\n"));
+}
+
+#[test]
+fn candump() {
+    account_all(&[Format::Candump, Format::CandumpConsole]);
+}
+
+#[test]
+fn asc_and_trc() {
+    account_all(&[Format::Asc, Format::Trc]);
+}
+
+#[test]
+fn tables() {
+    account_all(&[Format::PythonCanCsv, Format::MiniMon]);
+}
+
+#[test]
+fn pcap() {
+    account_all(&[Format::Pcap]);
+}
+
+#[test]
+fn pcapng() {
+    account_all(&[Format::Pcapng]);
+}
+
+#[test]
+fn mcap() {
+    account_all(&[Format::Mcap]);
+}
+
+#[test]
+fn blf() {
+    account_all(&[Format::Blf]);
+}
