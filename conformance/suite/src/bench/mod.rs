@@ -10,6 +10,7 @@
 //! - `restore`: as it was found.
 
 mod answers;
+mod attempt;
 pub mod block;
 mod decoder;
 mod dictionary;

@@ -42,8 +42,8 @@ fn product(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A device with LSS has all four parts of its LSS address: 1018h:01 to 1018h:04.
-#[case(id = "301/identity/lss-address", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
+/// A device with LSS has all four parts of its LSS address: 1018h:01 to 1018h:04. CiA 301 leaves all but the first open.
+#[case(id = "301/identity/lss-address", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Open,
        needs = [Lss], catches = [IdentityRevisionMissing])]
 fn lss_address(bench: &mut Bench<'_>) -> Judged {
     bench.expect_value(identity(0), &[4], "1018h:00 counts four entries")?;
