@@ -1,8 +1,9 @@
 //! `--device NODE=MODEL|FILE`: which device a node is.
 
+use crate::output::diagnostic;
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
-use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, ProblemKind, Severity};
 use canvass_device::models::Model;
 use std::path::Path;
 
@@ -51,5 +52,59 @@ pub fn describe(device: &str) -> Result<DeviceDescription> {
         bail!("\"{device}\" is neither a built-in model (`canvass list models`) nor a file");
     }
     let bytes = std::fs::read(path).with_context(|| format!("can't read {}", path.display()))?;
-    DeviceDescription::read(&bytes).with_context(|| format!("{} is no device description", path.display()))
+    if let Some(line) = conflict(&bytes) {
+        bail!("{}: line {line} begins a merge conflict that nobody has resolved: choose one side", path.display());
+    }
+    let description =
+        DeviceDescription::read(&bytes).with_context(|| format!("{} is no device description", path.display()))?;
+    tell_problems(path, &bytes, &description.problems)?;
+    Ok(description)
+}
+
+/// The line, from 1, at which a version control system has left both sides of a conflict.
+fn conflict(bytes: &[u8]) -> Option<usize> {
+    let begins = |mark: &[u8]| bytes.split(|&byte| byte == b'\n').position(|line| line.starts_with(mark));
+    let begin = begins(b"<<<<<<< ")?;
+    begins(b">>>>>>> ").filter(|end| *end > begin).map(|_| begin + 1)
+}
+
+/// Says in one line what is wrong in a description; one of which half could not be read describes nothing.
+fn tell_problems(path: &Path, bytes: &[u8], problems: &[EdsProblem]) -> Result<()> {
+    let lines = bytes.split(|&byte| byte == b'\n').filter(|line| !line.trim_ascii().is_empty()).count();
+    let unread = problems.iter().filter(|problem| problem.kind == ProblemKind::Line).count();
+    if unread > 0 && unread * 2 >= lines {
+        bail!("{}: {unread} of {lines} lines can't be read: this is no device description", path.display());
+    }
+    let serious = || problems.iter().filter(|problem| problem.severity == Severity::Error);
+    if let Some(first) = serious().next() {
+        let more = match serious().count() - 1 {
+            0 => String::new(),
+            n => format!(", and {n} more"),
+        };
+        diagnostic(&format!("{}: {first}{more}", path.display()));
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_conflict_has_two_sides() {
+        assert_eq!(conflict(b"[A]\n<<<<<<< HEAD\nX=1\n=======\nX=2\n>>>>>>> other\n"), Some(2));
+        assert_eq!(conflict(b"[A]\n;=======\nX=1\n"), None);
+    }
+
+    #[test]
+    fn what_is_half_unread_is_refused() {
+        let read = |text: &str| {
+            let description = DeviceDescription::read(text.as_bytes()).unwrap();
+            tell_problems(Path::new("x.eds"), text.as_bytes(), &description.problems)
+        };
+        let good = "[FileInfo]\nFileName=x.eds\n[DeviceInfo]\nVendorName=x\n";
+        assert!(read(good).is_ok());
+        let refused = read(&format!("{good}one\ntwo\nthree\nfour\nfive\n")).unwrap_err().to_string();
+        assert!(refused.contains("5 of 9 lines"), "{refused}");
+    }
 }

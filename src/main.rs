@@ -21,7 +21,7 @@ use clap::Parser;
 use status::Status;
 
 fn main() -> std::process::ExitCode {
-    let cli = cli::Cli::parse();
+    let cli = cli::Cli::parse_from(quality::with_format(std::env::args_os()));
     let status = cli.run().unwrap_or_else(|failure| failure.report());
     // The process ends here: what is buffered was written by the commands themselves.
     Status::into(status)

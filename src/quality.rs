@@ -4,6 +4,7 @@ use crate::output::{diagnostic, print};
 use anyhow::{Context, Result};
 use canvass_reports::quality::{self, CaptureQuality};
 use canvass_traces::Channels;
+use std::ffi::OsString;
 use std::path::PathBuf;
 
 /// Whether and how the quality of the captures is shown.
@@ -15,6 +16,18 @@ pub struct QualityOptions {
     /// Where to; without it standard error; - is standard output
     #[arg(long, value_name = "FILE", requires = "quality")]
     quality_out: Option<PathBuf>,
+}
+
+/// The arguments, with `--quality=text` for a `--quality` that no format follows: else the name of a file behind it would
+/// be taken for its format.
+pub fn with_format(arguments: impl Iterator<Item = OsString>) -> impl Iterator<Item = OsString> {
+    let mut arguments = arguments.peekable();
+    std::iter::from_fn(move || {
+        let argument = arguments.next()?;
+        let is_format = |next: &OsString| next == "text" || next == "json";
+        let alone = argument == "--quality" && !arguments.peek().is_some_and(is_format);
+        Some(if alone { "--quality=text".into() } else { argument })
+    })
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -41,5 +54,23 @@ impl QualityOptions {
             }
         }
         Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_is_no_format() {
+        let through = |line: &str| {
+            let arguments = with_format(line.split(' ').map(OsString::from));
+            arguments.map(|word| word.into_string().unwrap()).collect::<Vec<_>>().join(" ")
+        };
+        assert_eq!(through("decode --quality a.log"), "decode --quality=text a.log");
+        assert_eq!(through("decode a.log --quality"), "decode a.log --quality=text");
+        for kept in ["decode --quality json a.log", "decode --quality=json a.log", "decode --quality-out x"] {
+            assert_eq!(through(kept), kept);
+        }
     }
 }

@@ -13,10 +13,12 @@ pub mod findings;
 mod identity;
 pub mod message;
 pub mod network;
+mod per_node;
 pub mod statistics;
 mod text;
 pub mod wire;
 
 pub use identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
 pub use message::{Message, PdoNumber, Service};
+pub use per_node::PerNode;
 pub use text::{EmcyText, Meaning, Name, Number, SignalValue, TransferText};

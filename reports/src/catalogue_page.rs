@@ -9,25 +9,31 @@ const HEAD: &str = "\
 
 Written by `canvass list cases --format markdown`; a test keeps this page current. `canvass explain ID` prints one in full.
 
-A clause is printed with how sure its number is: without a word where an independent source cites it, *(derived)* where
-it was counted between two such, *(unconfirmed)* where it comes from the structure of the standard. *catches* are the
+A clause is printed with how sure its number is: without a word where the clause was read or an independent source cites
+it, *(derived)* where it was counted between two such, *(unconfirmed)* where it comes from the structure of the standard. *catches* are the
 firmware faults (`canvass list faults`) on which the case is known to fail: `canvass selftest` proves it.
 
 ## Waivers
 
-Failures that the user of a device puts up with stand in a file for `--waivers`. They get the verdict *deviation*, as what
-the device's own manual documents does.
+Breaches that the user of a device accepts stand in a file for `--waivers`. They get the verdict *deviation*, as what the
+device's own manual documents does.
 
 ```toml
 [[waiver]]
 case = \"301/pdo/mapping/*\"              # an id or a pattern with *
+object = \"1A00:01\"                      # what the breach is about: an object, a service, \"TPDO 1\", \"device\"
+does = \"abort 0604 0041h\"               # what the device does instead of what the standard says
 reason = \"mapping is fixed, ticket 4711\"
-object = \"1A00:01\"                      # optional: only failures that name this object
 expires = 2027-06-30                    # optional: the last day on which the waiver holds
 ```
 
-A waiver without reason, or for a case that does not exist, is an error with its line. One that has expired, or that
-explained nothing in a run, is reported: waivers must not outlive what they are for.
+A waiver excuses that behaviour of that object in that case, and nothing else: whatever else the case finds still fails. A
+report prints `object` and `does` of each failure (*as data*), ready to be copied. What differs from run to run is named by a
+range, `time 90 ms..110 ms` or `count 2..5`, or by its sort: `value *`, `number *`, `time *`, `count *`, `frame *`; an abort
+is accepted with its code only.
+
+A waiver that lacks one of these, or is for a case that does not exist, is an error with its line. One that has expired, or
+that excused nothing in a run, is reported with what was found instead: waivers must not outlive what they are for.
 
 ## What is only noted
 
@@ -48,7 +54,7 @@ pub fn markdown(cases: &[&'static Case]) -> String {
     let of = |level| cases.iter().filter(|case| case.level == level).count();
     let (must, should, open) = (of(Level::Must), of(Level::Should), of(Level::Open));
     // Writing to a string can't fail.
-    let _ = writeln!(page, "\n## The catalogue\n\n{} cases: {must} must, {should} should, {may} may.", cases.len());
+    let _ = writeln!(page, "\n## The catalogue\n\n{} cases: {must} must, {should} should, {open} open.", cases.len());
     for family in cases.chunk_by(|a, b| a.family() == b.family()) {
         let _ = writeln!(page, "\n### {}\n", family.first().map_or("", |case| case.family()));
         for case in family {

@@ -1,9 +1,10 @@
 //! Two results of `canvass test --format json`: what changed from one release of a firmware to the next.
 //!
-//! Only the members of the contract `canvass/test/1` that are compared are read; a result of a later version with more
-//! of them can be compared too.
+//! Only the members of the contract `canvass/test/1` that are compared are read. A document of another version is refused:
+//! its verdicts may mean something else.
 
 use crate::escape::printable;
+use canvass_suite::verdict::Kind;
 use serde::Deserialize;
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
@@ -22,6 +23,9 @@ const NOTICEABLE_NS: u64 = 1_000_000;
 #[derive(Clone, Debug, Deserialize)]
 pub struct TestResult {
     schema: String,
+    /// The user ended the run before all cases had run.
+    #[serde(default)]
+    cancelled: bool,
     device: BTreeMap<String, Value>,
     #[serde(default)]
     dictionary: Vec<Object>,
@@ -38,10 +42,17 @@ struct Object {
 #[derive(Clone, Debug, Deserialize)]
 struct Case {
     id: String,
-    verdict: String,
+    #[serde(deserialize_with = "verdict")]
+    verdict: Kind,
     reason: Option<Reason>,
     #[serde(default)]
     measurements: Vec<Measurement>,
+}
+
+fn verdict<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Kind, D::Error> {
+    let name = String::deserialize(deserializer)?;
+    let expected = || serde::de::Error::custom(format!("expected a verdict, found \"{}\"", printable(&name)));
+    Kind::by_name(&name).ok_or_else(expected)
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -64,7 +75,7 @@ pub enum NotAResult {
     /// No JSON, or not with the members of a result.
     #[error("expected a result of `canvass test --format json`: {0}")]
     Unreadable(#[from] serde_json::Error),
-    /// Another document.
+    /// Another document, or a later version whose verdicts may mean something else.
     #[error("expected a document of schema canvass/test/1, found {0}")]
     Schema(String),
 }
@@ -121,22 +132,27 @@ impl TestResult {
     /// [`NotAResult`].
     pub fn read(text: &str) -> Result<Self, NotAResult> {
         let result: Self = serde_json::from_str(text)?;
-        match result.schema.starts_with("canvass/test/") {
+        match result.schema == crate::conformance::json::SCHEMA {
             true => Ok(result),
             false => Err(NotAResult::Schema(printable(&result.schema).into_owned())),
         }
     }
 }
 
-/// From good to bad. A case that is not executed any more says less than one that passes.
-fn badness(verdict: &str) -> usize {
-    const ORDER: [&str; 5] = ["pass", "tolerated", "deviation", "not_applicable", "inconclusive"];
-    ORDER.iter().position(|known| *known == verdict).unwrap_or(ORDER.len())
+/// What to make of cases that only the old result has.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Missing {
+    /// What is no longer tested got worse.
+    #[default]
+    Worse,
+    /// It was left out on purpose.
+    Allowed,
 }
 
 /// Compares two results.
-pub fn compare(old: &TestResult, new: &TestResult) -> Comparison {
-    let mut changes = verdicts(old, new);
+pub fn compare(old: &TestResult, new: &TestResult, missing: Missing) -> Comparison {
+    let mut changes = verdicts(old, new, missing);
+    changes.extend(new.cancelled.then(cancelled));
     changes.extend(timings(old, new));
     changes.extend(identity(old, new));
     changes.extend(dictionary(old, new));
@@ -144,26 +160,39 @@ pub fn compare(old: &TestResult, new: &TestResult) -> Comparison {
     Comparison { changes }
 }
 
-fn verdicts(old: &TestResult, new: &TestResult) -> Vec<Change> {
+/// A run that did not come to its end says nothing of what it left out.
+fn cancelled() -> Change {
+    Change {
+        kind: "run",
+        subject: "the new run".to_owned(),
+        old: None,
+        new: Some("cancelled".to_owned()),
+        direction: Direction::Worse,
+        reason: None,
+    }
+}
+
+fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change> {
     let by_id = |result: &TestResult| -> BTreeMap<String, Case> {
         result.cases.iter().map(|case| (case.id.clone(), case.clone())).collect()
     };
     pairs(&by_id(old), &by_id(new), |id, old, new| {
         let direction = match (old, new) {
             (Some(old), Some(new)) if old.verdict == new.verdict => return None,
-            (Some(old), Some(new)) => match badness(&new.verdict).cmp(&badness(&old.verdict)) {
+            (Some(old), Some(new)) => match new.verdict.badness().cmp(&old.verdict.badness()) {
                 std::cmp::Ordering::Greater => Direction::Worse,
                 std::cmp::Ordering::Less => Direction::Better,
                 std::cmp::Ordering::Equal => Direction::Other,
             },
             // A case that is new fails for the first time, or says nothing of what was before.
-            (None, Some(new)) if badness(&new.verdict) >= badness("inconclusive") => Direction::Worse,
+            (None, Some(new)) if new.verdict.badness() >= Kind::Inconclusive.badness() => Direction::Worse,
+            (Some(old), None) if old.verdict.is_executed() && missing == Missing::Worse => Direction::Worse,
             _ => Direction::Other,
         };
         let reason = new.and_then(|case| case.reason.as_ref());
         let reason =
             reason.map(|Reason { duty, expected, actual }| format!("{duty}: expected {expected}, found {actual}"));
-        let verdict = |case: Option<&Case>| case.map(|case| case.verdict.clone());
+        let verdict = |case: Option<&Case>| case.map(|case| case.verdict.name().to_owned());
         Some(Change {
             kind: "verdict",
             subject: id.to_owned(),
@@ -319,27 +348,45 @@ mod tests {
     #[test]
     fn what_a_release_changed() {
         let old = result("pass", "1.0", 100_000_000, "0000");
-        let worse = compare(&old, &result("fail", "1.1", 120_000_000, "E803"));
+        let worse = compare(&old, &result("fail", "1.1", 120_000_000, "E803"), Missing::Worse);
         assert!(worse.has_regressions());
         let kinds: Vec<_> = worse.changes.iter().map(|change| (change.kind, change.direction)).collect();
         assert_eq!(kinds[0], ("verdict", Direction::Worse));
         assert_eq!(kinds.len(), 4);
         assert!(worse.text().contains("pass -> fail") && worse.text().contains("1017h:00: 0000 -> E803"));
-        let better = compare(&result("fail", "1.0", 100_000_000, "0000"), &old);
+        let better = compare(&result("fail", "1.0", 100_000_000, "0000"), &old, Missing::Worse);
         assert!(!better.has_regressions() && better.changes[0].direction == Direction::Better);
-        assert_eq!(compare(&old, &old).text(), "no difference\n");
-        assert!(compare(&old, &result("pass", "1.0", 100_500_000, "0000")).changes.is_empty(), "jitter");
+        assert_eq!(compare(&old, &old, Missing::Worse).text(), "no difference\n");
+        assert!(
+            compare(&old, &result("pass", "1.0", 100_500_000, "0000"), Missing::Worse).changes.is_empty(),
+            "jitter"
+        );
     }
 
     #[test]
     fn a_case_that_no_longer_runs_got_worse() {
         let old = result("pass", "1.0", 1, "00");
-        assert!(compare(&old, &result("not_applicable", "1.0", 1, "00")).has_regressions());
+        assert!(compare(&old, &result("not_applicable", "1.0", 1, "00"), Missing::Worse).has_regressions());
+    }
+
+    #[test]
+    fn lost_coverage_got_worse_unless_it_is_meant() {
+        let old = result("pass", "1.0", 1, "00");
+        let (mut fewer, mut cancelled) = (old.clone(), old.clone());
+        fewer.cases.clear();
+        cancelled.cancelled = true;
+        assert!(compare(&old, &fewer, Missing::Worse).has_regressions());
+        assert!(!compare(&old, &fewer, Missing::Allowed).has_regressions());
+        assert!(compare(&old, &cancelled, Missing::Allowed).has_regressions());
     }
 
     #[test]
     fn other_documents_are_refused() {
         assert!(TestResult::read("{}").is_err());
+        let later = r#"{"schema":"canvass/test/2","device":{},"cases":[]}"#;
+        assert!(TestResult::read(later).is_err());
+        let unknown = r#"{"schema":"canvass/test/1","device":{},"cases":[{"id":"a","verdict":"good","reason":null}]}"#;
+        assert!(TestResult::read(unknown).unwrap_err().to_string().contains("found \"good\""));
         let other = r#"{"schema":"canvass/decode/1","device":{},"cases":[]}"#;
         assert!(TestResult::read(other).unwrap_err().to_string().contains("canvass/decode/1"));
     }

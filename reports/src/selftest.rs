@@ -4,7 +4,7 @@
 //! model without fault; `vacuous_cases` names the cases that failed on no fault.
 
 use canvass_suite::case::Case;
-use canvass_suite::selftest::{FaultRow, Matrix, ModelRow};
+use canvass_suite::selftest::{FaultRow, Masked, Matrix, ModelRow};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -26,10 +26,13 @@ pub fn json(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
             "detected": matrix.detected(),
             "false_alarms": matrix.false_alarms(),
             "vacuous_cases": matrix.vacuous_cases().len(),
+            "beside_deviations": matrix.masking.beside_deviations,
+            "masked": matrix.masking.masked.len(),
         },
         "matrix": matrix.faults.iter().map(fault).collect::<Vec<_>>(),
         "models": matrix.models.iter().map(model).collect::<Vec<_>>(),
         "vacuous_cases": ids(&matrix.vacuous_cases()),
+        "masked": matrix.masking.masked.iter().map(masked).collect::<Vec<_>>(),
     });
     writeln!(out, "{document:#}")
 }
@@ -48,6 +51,10 @@ fn fault(row: &FaultRow) -> Value {
         "missed": missed.collect::<Vec<_>>(),
         "unrelated": ids(&row.unrelated),
     })
+}
+
+fn masked(row: &Masked) -> Value {
+    json!({ "model": row.model, "fault": row.fault.id(), "case": row.case.id, "verdict": row.kind.name() })
 }
 
 fn model(row: &ModelRow) -> Value {
@@ -92,6 +99,20 @@ pub fn text(matrix: &Matrix) -> String {
     line(&mut text, &format!("{detected} of {faults} faults detected ({share} %) by {} cases", matrix.cases.len()));
     let (alarms, vacuous) = (matrix.false_alarms(), matrix.vacuous_cases().len());
     let models = matrix.models.len();
+    let masking = &matrix.masking;
+    for Masked { model, fault, case, kind } in &masking.masked {
+        line(&mut text, &format!("masked: {fault} on {model}: {} ends with {kind}", case.id));
+    }
+    let beside = masking.beside_deviations;
+    line(
+        &mut text,
+        &format!(
+            "{} of {} pairs of fault and case on models that deviate show, {beside} beside a deviation; {} hidden by one",
+            masking.shown,
+            masking.tried,
+            masking.masked.len()
+        ),
+    );
     line(&mut text, &format!("{alarms} false alarms on {models} models and {faults} faults, {vacuous} vacuous cases"));
     text
 }

@@ -12,7 +12,7 @@ use canvass_reports::conformance::{Document, Reporter, html, json, junit, markdo
 use canvass_suite::bench::{Bench, Decoder, Deviation, Options, Target};
 use canvass_suite::catalogue;
 use canvass_suite::runner::{Plan, Summary, run};
-use canvass_suite::verdict::Kind;
+use canvass_suite::verdict::{Authority, Kind};
 use std::sync::atomic::AtomicBool;
 
 const MODEL: &str = "kuebler-sendix-58x8";
@@ -26,7 +26,14 @@ fn run_with(faults: Faults, reporters: &mut [&mut dyn Reporter]) -> Summary {
         node: model.default_node().unwrap(),
         model: MODEL.to_owned(),
         description: Some(model.description().clone()),
-        deviations: vec![Deviation::of_manual("301/identity/names", "the manual says so")],
+        deviations: vec![Deviation {
+            case: "301/identity/names".to_owned(),
+            subject: "1008".parse().unwrap(),
+            does: "value *".parse().unwrap(),
+            any: false,
+            documented: "the manual says so".to_owned(),
+            by: Authority::Manual,
+        }],
     };
     let (options, cancel) = (Options::default(), AtomicBool::new(false));
     let mut decoder = Decoder::new(&target);

@@ -3,19 +3,22 @@
 use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::Context;
-use canvass_reports::comparison::{TestResult, compare};
+use canvass_reports::comparison::{Missing, TestResult, compare};
 use std::path::{Path, PathBuf};
 
 /// Compare two results of `canvass test --format json`
 ///
 /// Says what a release of a firmware changed: verdicts, measured times, identity and object dictionary. Ends with status
-/// 1 if a verdict got worse.
+/// 1 if a verdict got worse, if a case that was judged before is missing, or if the new run was cancelled.
 #[derive(clap::Args)]
 pub struct Args {
     /// The result of the release before
     old: PathBuf,
     /// The result of the new release
     new: PathBuf,
+    /// Cases that only the old result has were left out on purpose
+    #[arg(long)]
+    allow_missing: bool,
     /// How to print the differences
     #[arg(long, value_enum, default_value_t)]
     format: ComparisonFormat,
@@ -32,7 +35,8 @@ enum ComparisonFormat {
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
-        let comparison = compare(&read(&self.old)?, &read(&self.new)?);
+        let missing = if self.allow_missing { Missing::Allowed } else { Missing::Worse };
+        let comparison = compare(&read(&self.old)?, &read(&self.new)?, missing);
         match self.format {
             ComparisonFormat::Table => print(&comparison.text())?,
             ComparisonFormat::Json => print(&comparison.json())?,

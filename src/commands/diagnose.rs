@@ -7,9 +7,10 @@ use crate::output::{Color, Output};
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use anyhow::{Context, anyhow};
-use canvass_analyzer::findings::{Diagnosis, Severity, SourceQuality, Thresholds};
+use canvass_analyzer::findings::{Diagnosis, InOrder, Severity, SourceQuality, Thresholds};
 use canvass_device::models::Model;
 use canvass_reports::diagnosis::{self, Diagnosed, Style, html};
+use canvass_traces::Record;
 use std::fs::File;
 use std::io::{self, IsTerminal, Write};
 use std::path::PathBuf;
@@ -29,6 +30,9 @@ pub struct Args {
     /// Write the result to a file, which is overwritten, instead of standard output
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Print every finding with all its frames, and every node, however many there are
+    #[arg(long, short)]
+    verbose: bool,
     /// From which severity on findings make the exit status 1
     #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
     fail_on: FailOn,
@@ -102,21 +106,29 @@ impl Args {
         let output = Output::default();
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
         let mut damages = 0;
+        let mut order = InOrder::default();
         // A frame that contradicts itself proves nothing.
         while let Some(seen) = inputs.advance()? {
             let found = inputs.damages();
             if found != damages {
                 damages = found;
+                while let Some(record) = order.flush() {
+                    look_at(&record, &mut diagnosis, &mut collector, &inputs)?;
+                }
                 diagnosis.interrupted();
             }
             let record = inputs.record();
             if seen == Seen::Record && range.contains(record.timestamp) {
-                let observed = diagnosis.record(record);
-                if let (Some(collector), Some(observed)) = (&mut collector, observed) {
-                    collector.frame(record, inputs.channels(), &observed)?;
+                order.push(record.clone());
+                while let Some(record) = order.pop() {
+                    look_at(&record, &mut diagnosis, &mut collector, &inputs)?;
                 }
             }
         }
+        while let Some(record) = order.flush() {
+            look_at(&record, &mut diagnosis, &mut collector, &inputs)?;
+        }
+        diagnosis.disordered(order.disorder());
         let captures = inputs.captures();
         let sources: Vec<_> =
             captures.iter().map(|capture| SourceQuality { name: capture.name, quality: capture.quality }).collect();
@@ -177,7 +189,7 @@ impl Args {
         let written = match self.format {
             DiagnoseFormat::Table => {
                 let width = terminal_size::terminal_size().map(|(width, _)| width.0).filter(|_| !to_file);
-                let style = Style { color: color.on_stdout() && !to_file, width };
+                let style = Style { color: color.on_stdout() && !to_file, width, verbose: self.verbose };
                 diagnosis::table(diagnosed, style, &mut out)
             }
             DiagnoseFormat::Json => diagnosis::json(diagnosed, &mut out),
@@ -190,6 +202,20 @@ impl Args {
             Some(path) => Ok(written.with_context(|| format!("can't write {}", path.display()))?),
             None => Ok(written?),
         }
+    }
+}
+
+/// Takes a record, in the order of their times.
+fn look_at(
+    record: &Record,
+    diagnosis: &mut Diagnosis,
+    collector: &mut Option<html::Collector>,
+    inputs: &Inputs<'_>,
+) -> io::Result<()> {
+    let observed = diagnosis.record(record);
+    match (collector, observed) {
+        (Some(collector), Some(observed)) => collector.frame(record, inputs.channels(), &observed),
+        _ => Ok(()),
     }
 }
 

@@ -1,11 +1,11 @@
-//! `canvass explain`: one case, fault, rule, property, model or format in full.
+//! `canvass explain`: one case, fault, liberty, rule, property, model or format in full.
 
 use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_analyzer::findings;
-use canvass_device::Fault;
 use canvass_device::models::Model;
+use canvass_device::{Fault, Liberty};
 use canvass_reports::diagnosis;
 use canvass_reports::fuzz::properties;
 use canvass_suite::case::Case;
@@ -13,7 +13,7 @@ use canvass_suite::catalogue;
 use canvass_traces::Format;
 use std::fmt::Write;
 
-/// Explain a case, a fault, a rule, a property, a model or a capture format in full
+/// Explain a case, a fault, a liberty, a rule, a property, a model or a capture format in full
 #[derive(clap::Args)]
 pub struct Args {
     /// The id, as `canvass list` shows it
@@ -26,13 +26,14 @@ impl Args {
         let text = catalogue::find(id)
             .map(case)
             .or_else(|| id.parse().ok().map(fault))
+            .or_else(|| id.parse().ok().map(liberty))
             .or_else(|| findings::find(id).map(|rule| diagnosis::explain(rule.metadata)))
             .or_else(|| id.parse().ok().map(properties::explain))
             .or_else(|| Model::by_id(id).map(model))
             .or_else(|| Format::by_id(id).map(format))
             .ok_or_else(|| {
                 anyhow!(
-                    "nothing is called \"{id}\": `canvass list cases|models|faults|rules|properties|formats` shows what there is"
+                    "nothing is called \"{id}\": `canvass list cases|models|faults|liberties|rules|properties|formats` shows what there is"
                 )
             })?;
         print(&text)?;
@@ -70,6 +71,15 @@ fn fault(fault: Fault) -> String {
     let caught = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
     let caught: Vec<&str> = caught.map(|case| case.id).collect();
     rows(fault.id(), fault.summary(), &[("caught by", list(&caught, ToString::to_string)), ("fuzzer", fuzzer(fault))])
+}
+
+fn liberty(liberty: Liberty) -> String {
+    let table = [
+        ("clause", liberty.clause().to_owned()),
+        ("devices", list(liberty.devices(), ToString::to_string)),
+        ("shows on", format!("sim:{}~~{}", liberty.model(), liberty.id())),
+    ];
+    rows(liberty.id(), liberty.summary(), &table)
 }
 
 fn fuzzer(fault: Fault) -> String {

@@ -5,8 +5,8 @@ use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::{self, Metadata, Threshold};
-use canvass_device::Fault;
 use canvass_device::models::Model;
+use canvass_device::{Fault, Liberty};
 use canvass_fuzzer::Property;
 use canvass_reports::catalogue_page;
 use canvass_reports::fuzz::faults_page;
@@ -16,7 +16,7 @@ use canvass_traces::Format;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// List cases, models, faults, rules, properties or formats
+/// List cases, models, faults, liberties, rules, properties or formats
 #[derive(clap::Args)]
 pub struct Args {
     /// What to list
@@ -35,6 +35,8 @@ enum What {
     Models,
     /// Firmware faults that a simulated device can be given
     Faults,
+    /// What the standard leaves free, as a simulated device can do it
+    Liberties,
     /// Rules of `canvass diagnose`
     Rules,
     /// Properties of `canvass fuzz`
@@ -69,6 +71,7 @@ impl Args {
             What::Cases => cases(),
             What::Models => models(),
             What::Faults => faults(),
+            What::Liberties => liberties(),
             What::Rules => rules(),
             What::Properties => properties(),
             What::Formats => formats(),
@@ -106,6 +109,19 @@ fn models() -> Vec<Value> {
     Model::all().iter().map(row).collect()
 }
 
+fn liberties() -> Vec<Value> {
+    let row = |liberty: &Liberty| {
+        json!({
+            "id": liberty.id(),
+            "summary": liberty.summary(),
+            "clause": liberty.clause(),
+            "model": liberty.model(),
+            "devices": liberty.devices(),
+        })
+    };
+    Liberty::ALL.iter().map(row).collect()
+}
+
 fn faults() -> Vec<Value> {
     let row = |fault: &Fault| {
         json!({
@@ -126,7 +142,7 @@ fn rules() -> Vec<Value> {
             json!({
                 "name": threshold.name,
                 "default": threshold.default,
-                "unit": threshold.unit,
+                "unit": threshold.unit.to_string(),
                 "summary": threshold.meaning,
             })
         };

@@ -10,10 +10,8 @@ use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
 use canvass_bus::Machine;
 use canvass_bus::{Bus, participate};
-use canvass_device::Fault;
-use canvass_device::Faults;
 use canvass_device::models::Model;
-use canvass_device::{Device, Motion, MotionSpec};
+use canvass_device::{Device, Fault, Firmware, Liberty, Motion, MotionSpec};
 use canvass_traces::{Direction, Duration, Timestamp};
 use std::path::{Path, PathBuf};
 
@@ -33,6 +31,9 @@ pub struct Args {
     /// What its firmware does wrong (`canvass list faults`)
     #[arg(long, value_delimiter = ',', value_name = "FAULT")]
     fault: Vec<Fault>,
+    /// What it does in its own way, as the standard lets it (`canvass list liberties`)
+    #[arg(long, value_delimiter = ',', value_name = "LIBERTY")]
+    liberty: Vec<Liberty>,
     /// How its shaft moves: revolutions per minute, or still, mm/s=N, sine=AMPLITUDE,PERIOD, ramp=RPM,SECONDS, csv=FILE
     #[arg(long, value_name = "MOTION", allow_hyphen_values = true, value_parser = parse_motion)]
     motion: Option<MotionSpec>,
@@ -67,14 +68,17 @@ impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         let model = model(&self.device)?;
         let node = self.node.map_or(model.default_node(), |node| node.0);
-        let faults: Faults = self.fault.iter().copied().collect();
+        let firmware = Firmware {
+            faults: self.fault.iter().copied().collect(),
+            liberties: self.liberty.iter().copied().collect(),
+        };
         let mut bus = open_bus(&self.bus, self.seed)?.bus;
         if !bus.is_live() && self.span.is_none() {
             return Err(anyhow!("on a simulated bus time is virtual: say --for how long").into());
         }
         let device = match self.motion()? {
-            Some(motion) => Device::with_motion(&model, node, faults, self.seed, motion),
-            None => Device::new(&model, node, faults, self.seed),
+            Some(motion) => Device::with_motion(&model, node, firmware, self.seed, motion),
+            None => Device::new(&model, node, firmware, self.seed),
         };
         let mut device = KeptDevice::new(device, self.memory.as_deref())?;
         // A memory may hold another one.

@@ -67,6 +67,9 @@ pub struct Args {
     /// How far the mean of a period may be off, in percent
     #[arg(long, default_value_t = 5, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
     tolerance: u32,
+    /// A shell command that switches the supply of the device off and on: tried when the device stops answering
+    #[arg(long, value_name = "COMMAND")]
+    power_cycle: Option<String>,
     /// The seed of everything that is left to chance
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -146,6 +149,7 @@ impl Args {
             allow: self.allow.iter().copied().collect(),
             timing,
             repeat: self.repeat,
+            power_cycle: self.power_cycle.clone(),
             exhaustive: self.exhaustive,
         }
     }
@@ -165,8 +169,8 @@ impl Args {
         let (model, description) = match (named, model) {
             (Some(device), _) => (device.to_owned(), Some(describe(device)?)),
             (None, Some(model)) => {
-                let faults = opened.devices.first().map(|device| device.faults).unwrap_or_default();
-                (model.id().to_owned(), Some(model.description_with(faults)))
+                let firmware = opened.devices.first().map(|device| device.firmware).unwrap_or_default();
+                (model.id().to_owned(), Some(model.description_with(firmware)))
             }
             (None, None) => (String::new(), None),
         };

@@ -151,8 +151,10 @@ const FAULTY: &str = "sim:reference-301+heartbeat-period-doubled";
 fn waivers_are_applied_and_idle_ones_are_told_of() {
     let file = temporary(
         "waivers.toml",
-        "[[waiver]]\ncase = \"301/heartbeat/*\"\nreason = \"slow timer, ticket 7\"\n\n\
-         [[waiver]]\ncase = \"301/heartbeat/off\"\nreason = \"old\"\nexpires = 2020-01-01\n",
+        "[[waiver]]\ncase = \"301/heartbeat/*\"\nobject = \"heartbeat\"\ndoes = \"time *\"\n\
+         reason = \"slow timer, ticket 7\"\n\n\
+         [[waiver]]\ncase = \"301/heartbeat/off\"\nobject = \"heartbeat\"\ndoes = \"count *\"\nreason = \"old\"\n\
+         expires = 2020-01-01\n",
     );
     let tested = run(&[
         "test",
@@ -170,7 +172,10 @@ fn waivers_are_applied_and_idle_ones_are_told_of() {
     assert_eq!((&case["verdict"], &case["waiver_line"]), (&"deviation".into(), &1.into()));
     assert!(case["documented"].as_str().unwrap().contains("ticket 7"));
     assert!(report["notices"].to_string().contains("expired on 2020-01-01"), "{}", report["notices"]);
-    let bad = temporary("bad-waivers.toml", "\n[[waiver]]\ncase = \"301/no-such/*\"\nreason = \"x\"\n");
+    let bad = temporary(
+        "bad-waivers.toml",
+        "\n[[waiver]]\ncase = \"301/no-such/*\"\nobject = \"device\"\ndoes = \"silence\"\nreason = \"x\"\n",
+    );
     let refused = run(&["test", FAULTY, "--waivers", &bad]);
     assert_eq!(refused.status, 2);
     assert!(refused.stderr.contains("line 2") && refused.stderr.contains("301/no-such/*"), "{}", refused.stderr);

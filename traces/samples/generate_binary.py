@@ -163,6 +163,21 @@ def make_pcap():
     expect("cooked-v2.pcap", tshark("cooked-v2.pcap"))
 
 
+def unclean(f):
+    """As a program sends it that does not clear `struct can_frame`: garbage in the filling."""
+    wire = bytearray(f.wire("<"))
+    if f.fd is None:
+        wire[5:8] = [(f.t // 1000) & 0xFF | 4, (f.t // 250_000) & 1, 12]
+        wire[8 + len(f.data):] = bytes(8 - len(f.data) if f.id & RTR else [0xCC] * (8 - len(f.data)))
+    return sll(f)[:16] + bytes(wire)
+
+
+def make_unclean():
+    pcap("unclean-filling.pcap", TRAFFIC, 0xA1B23C4D, "<", 113, unclean, 1)
+    # The protocol tells that these are classical frames.
+    expect("unclean-filling.pcap", [f.shown("can0", direction="Tx" if f.bus else "Rx") for f in TRAFFIC])
+
+
 def make_pcapng():
     for bus in (0, 1):
         text2pcap(f"bus{bus}.tmp", [f for f in TRAFFIC if f.bus == bus], 227, F.wire, "-N", f"can{bus}", "-F", "pcapng")
@@ -399,7 +414,7 @@ def make_blf():
         expect(name, lines)
 
 
-PARTS = {"pcap": make_pcap, "pcapng": make_pcapng, "mcap": make_mcap, "blf": make_blf}
+PARTS = {"pcap": make_pcap, "unclean": make_unclean, "pcapng": make_pcapng, "mcap": make_mcap, "blf": make_blf}
 
 if __name__ == "__main__":
     for part in sys.argv[1:] or PARTS:

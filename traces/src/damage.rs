@@ -68,6 +68,11 @@ impl Damage {
         Self { kind, place, column: None, expected: expected.into(), found: excerpt(found), salvaged: None }
     }
 
+    /// The recorder's own word that it lost that many frames.
+    pub(crate) fn dropped(frames: u64, place: Place) -> Self {
+        Self::new(DamageKind::Dropped(frames), place, "no lost frames", b"")
+    }
+
     /// The source gives no more bytes: unfinished where a compressed stream just ends, else fatal. Either way
     /// nothing follows.
     pub(crate) fn source(error: &SourceError, place: Place) -> Self {
@@ -127,10 +132,15 @@ fn excerpt(bytes: &[u8]) -> String {
 /// message knows.
 impl fmt::Display for Damage {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let DamageKind::Dropped(n) = self.kind {
-            return write!(f, "the recorder lost {n} frames here");
+        match self.kind {
+            DamageKind::Dropped(1) => f.write_str("the recorder lost 1 frame here")?,
+            DamageKind::Dropped(n) => write!(f, "the recorder lost {n} frames here")?,
+            kind => f.write_str(kind.name())?,
         }
-        write!(f, "{}: expected {}", self.kind.name(), self.expected)?;
+        if matches!(self.kind, DamageKind::Dropped(_)) && self.found.is_empty() {
+            return Ok(());
+        }
+        write!(f, ": expected {}", self.expected)?;
         if !self.found.is_empty() {
             write!(f, ", found \"{}\"", self.found)?;
         }

@@ -16,6 +16,8 @@ pub(crate) enum Unpacked {
     Whole,
     /// The source ended before the part: what was there is unpacked.
     Cut,
+    /// All is unpacked, but the part is said to have so many more bytes: they may be others'.
+    Overlong(u64),
     /// Nothing of what was unpacked can be trusted.
     Damaged {
         expected: String,

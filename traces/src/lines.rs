@@ -6,6 +6,7 @@
 use crate::grammar::Expected;
 use crate::{Channels, Damage, DamageKind, Place, Reader, Record, Source, SourceError, TimeBase};
 use memchr::memchr;
+use std::borrow::Cow;
 
 /// The UTF-8 byte order mark, which Windows editors leave.
 const BOM: &[u8] = b"\xEF\xBB\xBF";
@@ -177,6 +178,11 @@ impl<'a> Line<'a> {
         Damage::new(DamageKind::Truncated, self.place, what, self.bytes).at_column(self.bytes.len() + 1)
     }
 
+    /// What the line says contradicts the lines before it, or can't be.
+    pub(crate) fn malformed(&self, expected: impl Into<Cow<'static, str>>) -> Damage {
+        Damage::new(DamageKind::Malformed, self.place, expected, self.bytes)
+    }
+
     /// A damage of another kind that is this whole line.
     pub(crate) fn as_damage(&self, kind: DamageKind, expected: &'static str) -> Damage {
         Damage::new(kind, self.place, expected, self.bytes)
@@ -205,8 +211,18 @@ pub(crate) trait LineFormat {
         None
     }
 
-    /// What a line holds; `None` for lines without a frame.
+    /// What a line holds; `None` for lines that are known to be no frames. A line that is neither is a damage.
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>>;
+
+    /// A damage that the lines so far have brought to light, beside what each of them holds; asked for after each line.
+    fn owed(&mut self) -> Option<Damage> {
+        None
+    }
+
+    /// The same at the end of the source.
+    fn end(&mut self) -> Option<Damage> {
+        None
+    }
 
     /// See [`Reader::time_base`].
     fn time_base(&self) -> TimeBase;
@@ -218,11 +234,12 @@ pub(crate) struct TextReader<F> {
     channels: Channels,
     format: F,
     begun: bool,
+    ended: bool,
 }
 
 impl<F: LineFormat> TextReader<F> {
     pub(crate) fn new(source: Source, format: F) -> Self {
-        Self { lines: Lines::new(source), channels: Channels::new(), format, begun: false }
+        Self { lines: Lines::new(source), channels: Channels::new(), format, begun: false, ended: false }
     }
 }
 
@@ -235,17 +252,26 @@ impl<F: LineFormat> Iterator for TextReader<F> {
             self.format.begin(self.lines.head());
         }
         let format = &mut self.format;
+        if let Some(damage) = format.owed() {
+            return Some(Err(damage));
+        }
         if let Some(record) = self.lines.next_usual(|window, place| format.usual_line(window, place)) {
             return Some(Ok(record));
         }
         loop {
-            match self.lines.next()? {
-                Ok(line) => {
-                    if let Some(item) = self.format.line(&line, &mut self.channels) {
-                        return Some(item);
+            match self.lines.next() {
+                Some(Ok(line)) => {
+                    let item = self.format.line(&line, &mut self.channels);
+                    if item.is_some() {
+                        return item;
                     }
                 }
-                Err(damage) => return Some(Err(damage)),
+                Some(Err(damage)) => {
+                    self.ended |= damage.kind.is_fatal();
+                    return Some(Err(damage));
+                }
+                None if std::mem::replace(&mut self.ended, true) => return None,
+                None => return self.format.end().map(Err),
             }
         }
     }

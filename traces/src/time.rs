@@ -23,6 +23,14 @@ impl Timestamp {
         self.0
     }
 
+    /// That many nanoseconds later; `None` beyond the end of the scale, in 2554.
+    pub(crate) const fn after(self, nanos: u64) -> Option<Self> {
+        match self.0.checked_add(nanos) {
+            Some(nanos) => Some(Self(nanos)),
+            None => None,
+        }
+    }
+
     /// The time since `earlier`, or zero where the clock stepped back.
     pub const fn since(self, earlier: Self) -> Duration {
         Duration(self.0.saturating_sub(earlier.0))

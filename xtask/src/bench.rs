@@ -4,7 +4,7 @@ use crate::measure::{Cost, TIME, cost, machine, release};
 use crate::packages::{Package, install};
 use crate::peers::{PYTHON, install_all};
 use crate::run::run;
-use crate::simulation::simulation;
+use crate::simulation::{build_examples, simulation};
 use anyhow::{Context, Result, bail};
 use std::fs::{self, File};
 use std::process::{Command, Stdio};
@@ -18,6 +18,10 @@ const READING_RUNS: &str = "15";
 const SLOW_RUNS: usize = 1;
 /// Instructions are counted of few frames and of many: the difference is free of what the start of the program costs.
 const COUNTED: (u32, u32) = (20_000, 120_000);
+/// The same for exchanges with simulated devices.
+const EXCHANGED: (u32, u32) = (10_000, 60_000);
+/// The same for exchanges of the fuzzer.
+const FUZZED: (u32, u32) = (20_000, 60_000);
 
 const RIPGREP: Package = Package { program: "rg", probe: &["--version"], package: "ripgrep" };
 const VALGRIND: Package = Package { program: "valgrind", probe: &["--version"], package: "valgrind" };
@@ -40,7 +44,7 @@ pub fn bench() -> Result<()> {
     simulation()
 }
 
-/// Counts the instructions that a frame takes to be decoded, by callgrind: they are the same on every machine of an
+/// Counts the instructions that a frame takes to be decoded, and an exchange to be simulated, by callgrind: they are the same on every machine of an
 /// architecture, whatever else it does.
 pub fn instructions() -> Result<()> {
     install(&[VALGRIND])?;
@@ -67,6 +71,35 @@ pub fn instructions() -> Result<()> {
         let instructions = count(&captures[1].1)? - count(&captures[0].1)?;
         println!("canvass {:32} {:>8}", args.join(" "), instructions / u64::from(many - few));
     }
+    simulated_instructions()
+}
+
+/// The same for the examples that exchange SDO messages with simulated devices: `bus_speed` with one device, and a tenth
+/// as often with one of ten; `soak` fuzzes, with a seed that is always the same.
+fn simulated_instructions() -> Result<()> {
+    build_examples()?;
+    println!("\ninstructions per exchange on the simulated bus");
+    let soak = |target: &'static str| {
+        move |exchanges: &str| {
+            ["soak", "models", exchanges, "1", target, "-", "reference-301"].map(str::to_owned).to_vec()
+        }
+    };
+    simulated("bus_speed", EXCHANGED, |exchanges| vec!["bus_speed".to_owned(), exchanges.to_owned()])?;
+    for target in ["all", "sdo", "lss"] {
+        simulated(&format!("fuzzing {target}"), FUZZED, soak(target))?;
+    }
+    Ok(())
+}
+
+/// Counts and prints: an example with its arguments, for so many exchanges.
+fn simulated(name: &str, (few, many): (u32, u32), command: impl Fn(&str) -> Vec<String>) -> Result<()> {
+    let count = |exchanges: u32| {
+        let words = command(&exchanges.to_string());
+        let example = words.first().map_or_else(String::new, |name| release(&format!("examples/{name}")));
+        let rest = words.iter().skip(1).map(String::as_str);
+        counted(&std::iter::once(example.as_str()).chain(rest).collect::<Vec<_>>())
+    };
+    println!("{name:40} {:>8}", (count(many)? - count(few)?) / u64::from(many - few));
     Ok(())
 }
 

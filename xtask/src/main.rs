@@ -2,17 +2,21 @@
 //! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo
 //! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
 //! memory`: what it needs for captures of gigabytes. `cargo xtask storm`: ten million random frames for each simulated
-//! device.
+//! device. `cargo xtask rooms`: whether the folders of the crates use each other in one direction only. `cargo xtask
+//! incidents`: what the diagnosis names first in a thousand
+//! networks with one fault each, and in a thousand healthy ones.
 
 mod bench;
 mod browser;
 mod ci;
 mod diagnosing;
 mod fuzz;
+mod incidents;
 mod measure;
 mod memory;
 mod packages;
 mod peers;
+mod rooms;
 mod run;
 mod simulation;
 mod storm;
@@ -31,12 +35,14 @@ fn main() -> Result<()> {
         Some("bench") => bench::bench(),
         Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
+        Some("incidents") => incidents::incidents(),
+        Some("rooms") => rooms::rooms(&std::env::args().skip(2).collect::<Vec<_>>()),
         Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(&std::env::args().skip(2).collect::<Vec<_>>()),
         Some("vcan-load") => vcan::load(),
         _ => {
             bail!(
-                "usage: cargo xtask ci | fuzz | storm | peers | browser | vcan | bench [--instructions] | memory | vcan-load"
+                "usage: cargo xtask ci | fuzz | storm | peers | browser | vcan | bench [--instructions] | memory | incidents | rooms [CRATE...] | vcan-load"
             )
         }
     }

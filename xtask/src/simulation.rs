@@ -11,10 +11,7 @@ const FUZZED: &str = "500000";
 /// Builds, measures and prints: SDO exchanges with one device, fuzzing, and a day of a network.
 pub fn simulation() -> Result<()> {
     println!("\nsimulated bus, one thread");
-    run(
-        "cargo",
-        &["build", "--release", "--locked", "--package", "canvass-device", "--package", "canvass-fuzzer", "--examples"],
-    )?;
+    build_examples()?;
     run(&release("examples/bus_speed"), &[])?;
     for target in ["all", "sdo", "lss"] {
         println!("fuzzing {target}, its reference models included, processor time");
@@ -29,6 +26,12 @@ pub fn simulation() -> Result<()> {
         frames / nanos * 1e3
     );
     Ok(())
+}
+
+/// Builds what exchanges frames with simulated devices.
+pub fn build_examples() -> Result<()> {
+    let packages = ["--package", "canvass-device", "--package", "canvass-fuzzer"];
+    run("cargo", &[&["build", "--release", "--locked", "--examples"], &packages[..]].concat())
 }
 
 /// The frames, the seconds on the bus, and the nanoseconds that they took.

@@ -1,7 +1,6 @@
 //! What a device description (EDS, DCF, XDD, XDC) says about a device.
 
 use super::annotation::Annotations;
-use super::eds::DescriptionError;
 use super::object::{Object, ObjectDictionary};
 use super::problem::EdsProblem;
 use crate::identity::{Index, Multiplexer, NodeId};
@@ -200,17 +199,6 @@ pub struct SubExtension {
 }
 
 impl DeviceDescription {
-    /// Reads an EDS, DCF, XDD or XDC, told apart by content.
-    pub fn read(bytes: &[u8]) -> Result<Self, DescriptionError> {
-        let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
-        // In UTF-16 the first character has a zero beside it.
-        if text.starts_with(b"<") || text.starts_with(b"\xFF\xFE<") || text.starts_with(b"\xFE\xFF\0<") {
-            super::xdd::read(bytes)
-        } else {
-            super::eds::read(bytes)
-        }
-    }
-
     /// What the manual says of an EMCY message: of those with its code the one whose fixed bytes it has, else the first.
     pub fn emergency(&self, emcy: &Emcy) -> Option<&KnownEmergency> {
         let code = emcy.code()?;

@@ -9,6 +9,7 @@ pub mod eds;
 pub mod names;
 mod object;
 mod problem;
+mod reading;
 mod value;
 pub mod xdd;
 

@@ -1,8 +1,8 @@
 //! What a rule sees.
 
-use super::facts::{Facts, News};
-use super::pdo::Parameters;
-use super::sink::Evidence;
+use super::facts::{Facts, News, Parameters};
+use super::latest::Latest;
+use super::seen::{Evidence, Seen};
 use crate::NodeId;
 use crate::message::{Message, PdoNumber};
 use crate::network::{Bus, Decoded};
@@ -21,6 +21,8 @@ pub struct Scene<'a> {
     pub channel: ChannelId,
     /// What its nodes have done, before the frame.
     pub facts: &'a Facts,
+    /// The last frame of each CAN-ID, before the frame.
+    pub latest: &'a Latest,
     /// How far the times of this bus can be trusted.
     pub quality: &'a Quality,
     /// The bit rate in bit/s, where the user said it, or the frames until now have shown it.
@@ -42,15 +44,6 @@ pub struct Context<'a> {
     pub decoded: &'a Decoded,
     /// The frame before it with the same CAN-ID, if it has 11 bits.
     pub previous: Option<&'a Seen>,
-}
-
-/// A frame that was seen earlier, kept as evidence.
-#[derive(Clone, Debug)]
-pub struct Seen {
-    /// The frame.
-    pub record: Record,
-    /// What it meant then.
-    pub decoded: Decoded,
 }
 
 /// Whether so many frames have the same time as the one before that the clock must be coarse.
@@ -129,17 +122,5 @@ impl<'a> Context<'a> {
     /// The frame to keep.
     pub fn seen(&self) -> Seen {
         Seen { record: self.record.clone(), decoded: *self.decoded }
-    }
-}
-
-impl Seen {
-    /// When it was seen.
-    pub const fn time(&self) -> Timestamp {
-        self.record.timestamp
-    }
-
-    /// The frame as evidence.
-    pub const fn evidence(&self) -> Evidence<'_> {
-        Evidence { record: &self.record, decoded: &self.decoded }
     }
 }

@@ -1,11 +1,17 @@
 //! Lets every rule look at a capture, once, record by record.
 
-use super::context::{Context, Scene, Seen};
+use super::capture::{self, Copies, OutOfOrder};
+use super::context::{Context, Scene};
 use super::facts::Facts;
 use super::finding::Finding;
+use super::latest::Latest;
+use super::order::Disorder;
 use super::registry;
-use super::rule::{Also, Metadata, Rule, Thresholds};
+use super::rule::{Also, Make, Metadata, Rule};
 use super::sink::{Findings, Reported, Sink};
+use super::source::SourceQuality;
+use super::stories::{self, Story};
+use super::thresholds::Thresholds;
 use crate::NodeId;
 use crate::dictionary::DeviceDescription;
 use crate::message::Service;
@@ -25,15 +31,7 @@ pub struct Diagnosis {
     decoded: Option<Decoded>,
     /// Frames of channels beyond [`Diagnosis::BUSES`], which no rule looked at.
     unwatched: u64,
-}
-
-/// One of the captures that were read, and how far it can be trusted.
-#[derive(Clone, Copy, Debug)]
-pub struct SourceQuality<'a> {
-    /// Its name.
-    pub name: &'a str,
-    /// What was seen of it.
-    pub quality: &'a Quality,
+    disorder: Disorder,
 }
 
 /// What has come out.
@@ -41,6 +39,8 @@ pub struct SourceQuality<'a> {
 pub struct Results {
     /// The findings: the worst first, then by time.
     pub findings: Vec<Finding>,
+    /// What they tell: what has the worst consequences first.
+    pub stories: Vec<Story>,
     /// The rules of which there were more findings than are kept, with how many reports were left out.
     pub omitted: Vec<(&'static str, u64)>,
     /// Frames of channels beyond [`Diagnosis::BUSES`], which were not looked at.
@@ -58,9 +58,6 @@ pub struct Observed<'a> {
     /// The findings that are new with it, or were never worse.
     pub reported: &'a [Reported],
 }
-
-/// The last frames of 128 CAN-IDs.
-type Page = Box<[Option<Seen>]>;
 
 /// A frame that comes in.
 struct Incoming<'a> {
@@ -82,14 +79,14 @@ struct BusWatch {
     of_known_tpdos: Vec<u8>,
     /// Those of the rules that want frames about nodes that reset themselves.
     of_resetting: Vec<u8>,
+    /// Those of the rules that want frames of nodes that were away.
+    of_returning: Vec<u8>,
     known: Known,
     statistics: Statistics,
     /// Where a frame was first recorded twice.
     first_copy: Option<(Timestamp, Place)>,
     /// When to infer the bit rate again.
     next_look: Timestamp,
-    /// The last frame of each CAN-ID, in pages of 128.
-    latest: Box<[Option<Page>]>,
     next_tick: Timestamp,
 }
 
@@ -97,6 +94,7 @@ struct BusWatch {
 struct Known {
     channel: ChannelId,
     facts: Facts,
+    latest: Latest,
     quality: Quality,
     said_bit_rate: Option<u32>,
     /// As said, or as far as it could be inferred until now.
@@ -114,6 +112,7 @@ impl Known {
             bus,
             channel: self.channel,
             facts: &self.facts,
+            latest: &self.latest,
             quality: &self.quality,
             bit_rate: self.bit_rate,
             is_inferred: self.said_bit_rate.is_none(),
@@ -138,6 +137,7 @@ impl Diagnosis {
             findings: Findings::default(),
             decoded: None,
             unwatched: 0,
+            disorder: Disorder::default(),
         }
     }
 
@@ -183,17 +183,25 @@ impl Diagnosis {
         }
     }
 
+    /// The records were in another order than they came: [`InOrder`](super::InOrder) tells.
+    pub const fn disordered(&mut self, disorder: Disorder) {
+        self.disorder = disorder;
+    }
+
     /// The capture has ended.
     pub fn finish(mut self, sources: &[SourceQuality<'_>]) -> Results {
         for watch in self.buses.iter_mut().flatten() {
             watch.finish(&self.network, &mut self.findings);
         }
-        super::capture::check(sources, &self.thresholds, &mut self.findings);
+        let mut sink = Sink { findings: &mut self.findings, rule: OutOfOrder::METADATA, bus: None };
+        capture::tell_disorder(&self.disorder, &mut sink);
+        capture::check(sources, &self.thresholds, &mut self.findings);
         let (findings, omitted) = self.findings.into_sorted();
         let buses = self.buses.into_iter().flatten();
         let buses =
             buses.map(|watch| (watch.known.channel, watch.statistics.finish(watch.known.now, self.bit_rate))).collect();
-        Results { findings, omitted, unwatched: self.unwatched, buses }
+        let stories = stories::tell(&findings);
+        Results { findings, stories, omitted, unwatched: self.unwatched, buses }
     }
 }
 
@@ -227,23 +235,20 @@ fn latest_id(record: &Record) -> Option<u16> {
     frame.id().as_standard().filter(|_| classical)
 }
 
-/// The last frame with that CAN-ID.
-fn latest(pages: &[Option<Page>], id: u16) -> Option<&Seen> {
-    pages.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F))?.as_ref()
-}
-
 impl BusWatch {
     fn new(first: &Record, thresholds: &Thresholds, bit_rate: Option<u32>) -> Self {
         let mut rules = Vec::new();
         let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
-        let (mut of_encoder_values, mut of_known_tpdos, mut of_resetting) = (Vec::new(), Vec::new(), Vec::new());
+        let (mut of_encoder_values, mut of_known_tpdos) = (Vec::new(), Vec::new());
+        let (mut of_resetting, mut of_returning) = (Vec::new(), Vec::new());
         for definition in registry::all() {
-            let Some(make) = definition.make else { continue };
+            let Make::Bus(make) = definition.make else { continue };
             match definition.also {
                 Also::Nothing => {}
                 Also::EncoderValues => of_encoder_values.push(rules.len() as u8),
                 Also::KnownTpdos => of_known_tpdos.push(rules.len() as u8),
                 Also::Resetting => of_resetting.push(rules.len() as u8),
+                Also::Returning => of_returning.push(rules.len() as u8),
             }
             for service in definition.services {
                 by_service[*service as usize].push(rules.len() as u8);
@@ -256,9 +261,11 @@ impl BusWatch {
             of_encoder_values,
             of_known_tpdos,
             of_resetting,
+            of_returning,
             known: Known {
                 channel: first.channel,
                 facts: Facts::default(),
+                latest: Latest::default(),
                 quality: Quality::default(),
                 said_bit_rate: bit_rate,
                 bit_rate,
@@ -268,7 +275,6 @@ impl BusWatch {
             statistics: Statistics::default(),
             first_copy: None,
             next_look: first.timestamp,
-            latest: (0..16).map(|_| None).collect(),
             next_tick: first.timestamp + Diagnosis::TICK,
         }
     }
@@ -308,7 +314,7 @@ impl BusWatch {
     fn original(&mut self, incoming: &Incoming<'_>) -> Option<Decoded> {
         let Incoming { record, id, bits } = *incoming;
         const GIVEN_BACK: Duration = Duration::from_millis(1);
-        let seen = latest(&self.latest, id?)?;
+        let seen = self.known.latest.get(id?)?;
         let apart = record.timestamp.since(seen.time());
         if apart > GIVEN_BACK || seen.record.frame != record.frame || record.timestamp < seen.time() {
             return None;
@@ -328,7 +334,7 @@ impl BusWatch {
     }
 
     fn interrupted(&mut self) {
-        self.known.facts.interrupted();
+        self.known.facts.interrupted(self.known.now);
         for (_, rule) in &mut self.rules {
             rule.interrupted();
         }
@@ -352,22 +358,27 @@ impl BusWatch {
         let Incoming { record, id, bits } = *incoming;
         let bits = bits.map_or(0, |bits| bits + INTERMISSION);
         let Some(bus) = network.bus(self.known.channel) else { return };
+        if decoded.repeats_boot_up() {
+            self.statistics.frame(record, bits, decoded, bus);
+            return;
+        }
         let reconfigured = self.known.facts.follow(record, decoded, bus);
         let scene = self.known.scene(bus);
         if let Some(node) = reconfigured {
             self.rules.iter_mut().for_each(|(_, rule)| rule.reconfigured(node, &scene));
         }
-        let previous = id.and_then(|id| latest(&self.latest, id));
+        let previous = id.and_then(|id| self.known.latest.get(id));
         let context = Context { scene: &scene, record, bits, decoded, previous };
         let news = &self.known.facts.news;
         let resets = decoded.node.is_some_and(|node| self.known.facts.node(node).pending_reset.is_some());
-        let wanted: [&[u8]; 4] = [
+        let wanted: [&[u8]; 5] = [
             &self.by_service[decoded.service as usize],
             if news.operands.is_empty() { &[] } else { &self.of_encoder_values },
             if news.is_known_tpdo { &self.of_known_tpdos } else { &[] },
             if resets { &self.of_resetting } else { &[] },
+            if news.returned.is_some() { &self.of_returning } else { &[] },
         ];
-        let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus: Some((bus, self.known.channel)) };
+        let mut sink = Sink { findings, rule: Copies::METADATA, bus: Some((bus, self.known.channel)) };
         for list in wanted {
             for &at in list {
                 if let Some((metadata, rule)) = self.rules.get_mut(usize::from(at)) {
@@ -377,22 +388,9 @@ impl BusWatch {
             }
         }
         self.statistics.frame(record, bits, decoded, bus);
-        self.known.facts.note(self.known.now, decoded, bus);
+        self.known.facts.note(record, decoded, bus);
         if let Some(id) = id {
-            self.keep(id, record, decoded);
-        }
-    }
-
-    /// Keeps a frame as the latest with its CAN-ID.
-    fn keep(&mut self, id: u16, record: &Record, decoded: &Decoded) {
-        let Some(page) = self.latest.get_mut(usize::from(id >> 7)) else { return };
-        let page = page.get_or_insert_with(|| (0..128).map(|_| None).collect());
-        match &mut page[usize::from(id & 0x7F)] {
-            Some(seen) => {
-                seen.record.clone_from(record);
-                seen.decoded = *decoded;
-            }
-            free => *free = Some(Seen { record: record.clone(), decoded: *decoded }),
+            self.known.latest.keep(id, record, decoded);
         }
     }
 
@@ -406,8 +404,8 @@ impl BusWatch {
         });
         if let (Some(bus), Some((time, place))) = (network.bus(self.known.channel), self.first_copy) {
             let bus = Some((bus, self.known.channel));
-            let mut sink = Sink { findings, rule: super::capture::COPIES.metadata, bus };
-            super::capture::tell_copies(self.statistics.copies(), time, place, &mut sink);
+            let mut sink = Sink { findings, rule: Copies::METADATA, bus };
+            capture::tell_copies(self.statistics.copies(), time, place, &mut sink);
         }
     }
 }

@@ -1,7 +1,7 @@
 //! What a rule found.
 
 use super::rule::Metadata;
-use crate::NodeId;
+use crate::{Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Place, Record, Timestamp};
 use std::fmt;
 
@@ -53,6 +53,14 @@ pub struct Finding {
     pub first: Timestamp,
     /// When it was last seen.
     pub last: Timestamp,
+    /// What tells kinds of the same rule apart that are worth telling apart, such as a code.
+    pub kind: u64,
+    /// The object that it is about, where findings are told apart by that.
+    pub object: Option<Multiplexer>,
+    /// When it was under way, of the first times: at most [`Finding::WINDOWS`].
+    pub windows: Vec<(Timestamp, Timestamp)>,
+    /// The node that it comes from, where that is another one than it is about.
+    pub origin: Option<NodeId>,
     /// How often it was seen.
     pub count: u64,
     /// What happened: of several times the worst. It may hold text that came off the bus, with control characters
@@ -65,6 +73,8 @@ pub struct Finding {
 impl Finding {
     /// How many frames of evidence are kept.
     pub const EVIDENCE: usize = 8;
+    /// How many times are kept with their begin and end.
+    pub const WINDOWS: usize = 32;
 }
 
 /// A frame that proves a finding, or only a place in a capture.

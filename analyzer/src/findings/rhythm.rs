@@ -1,5 +1,6 @@
 //! The period of something that comes again and again: told by a parameter, or learned from what was seen.
 
+use super::percent::Percent;
 use canvass_traces::{Duration, Timestamp};
 
 /// How many intervals are remembered.
@@ -11,6 +12,8 @@ const ENOUGH: usize = 4;
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Rhythm {
     last: Option<Timestamp>,
+    /// The beat may begin anew at any moment of the interval that is under way.
+    shifted: bool,
     window: [u64; WINDOW],
     filled: usize,
     next: usize,
@@ -24,6 +27,8 @@ pub struct Interval {
     pub length: Duration,
     /// How long it should have been, where that is known.
     pub expected: Option<Duration>,
+    /// Whether the beat may have begun anew within it: then it is up to one period longer.
+    pub shifted: bool,
 }
 
 impl Rhythm {
@@ -34,8 +39,12 @@ impl Rhythm {
 
     /// A beat; returns the interval that it ends.
     pub fn beat(&mut self, now: Timestamp) -> Option<Interval> {
+        let shifted = std::mem::take(&mut self.shifted);
         let last = self.last.replace(now)?;
-        let interval = Interval { length: now.since(last), expected: self.period() };
+        let interval = Interval { length: now.since(last), expected: self.period(), shifted };
+        if shifted {
+            return Some(interval);
+        }
         self.window[self.next] = interval.length.nanos();
         self.next = (self.next + 1) % WINDOW;
         self.filled = (self.filled + 1).min(WINDOW);
@@ -59,6 +68,11 @@ impl Rhythm {
         let near = |length: u64| length.abs_diff(median) <= (median / 4).max(2_000_000);
         let agreeing: usize = sorted[..self.filled].iter().map(|&length| usize::from(near(length))).sum();
         (median > 0 && agreeing * 4 >= self.filled * 3).then_some(Duration(median))
+    }
+
+    /// The beat may begin anew within the interval that is under way.
+    pub const fn shift(&mut self) {
+        self.shifted = true;
     }
 
     /// The next beat ends no interval: it may have been delayed for a known reason, or frames are missing.
@@ -102,16 +116,17 @@ fn sort(values: &mut [u64; WINDOW]) {
 }
 
 impl Interval {
-    /// Whether it is longer than `percent` of what was expected, beyond `slack`; and the period.
-    pub fn exceeds(self, percent: u64, slack: Duration) -> Option<Duration> {
+    /// Whether it is longer than that share of what was expected, beyond `slack`; and the period.
+    pub fn exceeds(self, percent: Percent, slack: Duration) -> Option<Duration> {
         let expected = self.expected?;
-        let limit = Duration(expected.nanos().saturating_mul(percent) / 100) + slack;
+        let shift = if self.shifted { expected } else { Duration::ZERO };
+        let limit = percent.of(expected) + slack + shift;
         (self.length > limit).then_some(expected)
     }
 
     /// As [`Interval::exceeds`], for beats that were left out: a coarse clock hides a tenth of the period at most, so
     /// that twice the period is never taken for one.
-    pub fn misses(self, percent: u64, slack: Duration) -> Option<Duration> {
+    pub fn misses(self, percent: Percent, slack: Duration) -> Option<Duration> {
         let tenth = Duration(self.expected?.nanos() / 10);
         self.exceeds(percent, slack.min(tenth))
     }
@@ -130,14 +145,14 @@ pub struct Jitter {
 
 impl Jitter {
     /// Counts an interval. One that misses its beat altogether is no jitter.
-    pub fn count(&mut self, now: Timestamp, interval: Interval, percent: u64, slack: Duration) {
-        let Some(expected) = interval.expected else { return };
+    pub fn count(&mut self, now: Timestamp, interval: Interval, percent: Percent, slack: Duration) {
+        let Some(expected) = interval.expected.filter(|_| !interval.shifted) else { return };
         let deviation = interval.length.nanos().abs_diff(expected.nanos());
         if interval.length > expected.times(2) {
             return;
         }
         self.intervals += 1;
-        if deviation > expected.nanos().saturating_mul(percent) / 100 + slack.nanos() {
+        if deviation > (percent.of(expected) + slack).nanos() {
             self.off += 1;
             if deviation > self.worst.nanos() {
                 (self.worst, self.worst_at) = (Duration(deviation), now);
@@ -146,9 +161,9 @@ impl Jitter {
     }
 
     /// How many of a hundred were off, where there are enough to say.
-    pub fn share(&self) -> Option<u64> {
+    pub fn share(&self) -> Option<Percent> {
         const ENOUGH: u64 = 20;
-        (self.intervals >= ENOUGH).then(|| self.off * 100 / self.intervals)
+        (self.intervals >= ENOUGH).then(|| Percent(self.off * 100 / self.intervals))
     }
 }
 
@@ -189,7 +204,7 @@ mod tests {
         }
         let late = rhythm.beat(ms(1100)).unwrap();
         assert_eq!((late.length, late.expected), (Duration::from_millis(200), Some(Duration::from_millis(100))));
-        assert_eq!(late.exceeds(150, Duration::ZERO), Some(Duration::from_millis(100)));
+        assert_eq!(late.exceeds(Percent(150), Duration::ZERO), Some(Duration::from_millis(100)));
         assert_eq!(rhythm.period(), Some(Duration::from_millis(100)));
     }
 
@@ -207,7 +222,7 @@ mod tests {
         let mut rhythm = Rhythm::default();
         rhythm.tell(Some(Duration::from_millis(50)));
         rhythm.beat(ms(0));
-        assert!(rhythm.beat(ms(51)).unwrap().exceeds(150, Duration::ZERO).is_none());
-        assert!(rhythm.beat(ms(151)).unwrap().exceeds(150, Duration::ZERO).is_some());
+        assert!(rhythm.beat(ms(51)).unwrap().exceeds(Percent(150), Duration::ZERO).is_none());
+        assert!(rhythm.beat(ms(151)).unwrap().exceeds(Percent(150), Duration::ZERO).is_some());
     }
 }

@@ -3,9 +3,10 @@
 use super::context::{Context, Scene};
 use super::finding::Severity;
 use super::sink::Sink;
+use super::source::SourceQuality;
+use super::thresholds::{Threshold, Thresholds};
 use crate::NodeId;
 use crate::message::Service;
-use std::collections::BTreeMap;
 
 /// What is said of a rule. `canvass explain` and `docs/rules.md` have no other source.
 #[derive(Debug)]
@@ -26,20 +27,7 @@ pub struct Metadata {
     pub thresholds: &'static [Threshold],
 }
 
-/// A number that a rule compares with.
-#[derive(Debug)]
-pub struct Threshold {
-    /// Its name, behind the rule's id and a dot.
-    pub name: &'static str,
-    /// What it is unless it is set.
-    pub default: u64,
-    /// `ms`, `%`, or empty for a mere number.
-    pub unit: &'static str,
-    /// What it means.
-    pub meaning: &'static str,
-}
-
-/// A rule: what is said of it, and how its state for one bus is made.
+/// A rule: what is said of it, and how its state is made. `#[rule]` makes it.
 #[derive(Debug)]
 pub struct Definition {
     /// What is said of it.
@@ -48,9 +36,11 @@ pub struct Definition {
     pub services: &'static [Service],
     /// Frames that it is shown beside these.
     pub also: Also,
-    /// Its state for one bus; `None` for a rule about whole captures.
-    pub make: Option<Make>,
+    /// How its state is made.
+    pub make: Make,
 }
+
+inventory::collect!(Definition);
 
 /// Frames of which only some are worth a rule's while: so that the others cost it nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -63,10 +53,20 @@ pub enum Also {
     KnownTpdos,
     /// Those that are about a node which was told to reset itself, and whose boot-up has not come yet.
     Resetting,
+    /// Those of a node that has sent nothing for so long that it was lost.
+    Returning,
 }
 
-/// Makes a rule's state for one bus.
-pub type Make = fn(&Thresholds) -> Box<dyn Rule>;
+/// Makes a rule's state.
+#[derive(Clone, Copy, Debug)]
+pub enum Make {
+    /// For one bus.
+    Bus(fn(&Thresholds) -> Box<dyn Rule>),
+    /// For all sources of a capture.
+    Capture(fn(&Thresholds) -> Box<dyn CaptureRule>),
+    /// None: what it finds, other code reports.
+    Nothing,
+}
 
 /// A rule's state on one bus. It does no I/O and reads no clock; time is that of the capture.
 pub trait Rule {
@@ -86,77 +86,8 @@ pub trait Rule {
     fn finish(&mut self, _scene: &Scene<'_>, _sink: &mut Sink<'_>) {}
 }
 
-/// The thresholds of all rules: their defaults, and what was set.
-#[derive(Clone, Debug, Default)]
-pub struct Thresholds {
-    set: BTreeMap<(&'static str, &'static str), u64>,
-}
-
-/// Why a threshold can't be set.
-#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-pub enum ThresholdError {
-    /// It is not written as it should be.
-    #[error("expected RULE.NAME=VALUE such as bus/load.percent=70, found \"{0}\"")]
-    Syntax(String),
-    /// There is no such rule.
-    #[error("there is no rule \"{0}\": `canvass list rules` shows them")]
-    Rule(String),
-    /// The rule has no threshold of that name.
-    #[error("rule {rule} has no threshold \"{name}\": it has {known}")]
-    Name {
-        /// The rule.
-        rule: &'static str,
-        /// As given.
-        name: String,
-        /// The names that there are.
-        known: String,
-    },
-}
-
-impl Thresholds {
-    /// The value of one of a rule's thresholds.
-    pub fn get(&self, rule: &'static Metadata, name: &str) -> u64 {
-        let Some(threshold) = rule.thresholds.iter().find(|threshold| threshold.name == name) else {
-            debug_assert!(false, "{} has no threshold {name}", rule.id);
-            return 0;
-        };
-        self.set.get(&(rule.id, threshold.name)).copied().unwrap_or(threshold.default)
-    }
-
-    /// Sets one, given as `RULE.NAME=VALUE`.
-    ///
-    /// # Errors
-    /// [`ThresholdError`] if that is not how it is written, or there is no such rule or threshold.
-    pub fn set(&mut self, text: &str) -> Result<(), ThresholdError> {
-        let syntax = || ThresholdError::Syntax(text.to_owned());
-        let (key, value) = text.split_once('=').ok_or_else(syntax)?;
-        let (id, name) = key.trim().rsplit_once('.').ok_or_else(syntax)?;
-        let value = value.trim().parse().map_err(|_| syntax())?;
-        let rule = super::find(id).ok_or_else(|| ThresholdError::Rule(id.to_owned()))?.metadata;
-        let threshold = rule.thresholds.iter().find(|threshold| threshold.name == name).ok_or_else(|| {
-            let known: Vec<&str> = rule.thresholds.iter().map(|threshold| threshold.name).collect();
-            let known = if known.is_empty() { "none".to_owned() } else { known.join(", ") };
-            ThresholdError::Name { rule: rule.id, name: name.to_owned(), known }
-        })?;
-        self.set.insert((rule.id, threshold.name), value);
-        Ok(())
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn thresholds_as_typed() {
-        let mut thresholds = Thresholds::default();
-        thresholds.set("bus/load.percent=70").unwrap();
-        let load = super::super::find("bus/load").unwrap().metadata;
-        assert_eq!(thresholds.get(load, "percent"), 70);
-        assert!(matches!(thresholds.set("bus/load=70"), Err(ThresholdError::Syntax(_))));
-        assert!(matches!(thresholds.set("bus/load.percent=x"), Err(ThresholdError::Syntax(_))));
-        assert!(matches!(thresholds.set("bus/lode.percent=1"), Err(ThresholdError::Rule(_))));
-        let unknown = thresholds.set("bus/load.per=1").unwrap_err();
-        assert_eq!(unknown.to_string(), "rule bus/load has no threshold \"per\": it has percent, window");
-    }
+/// A rule about whole captures.
+pub trait CaptureRule {
+    /// Looks at a source, by its place among those that were read.
+    fn check(&self, at: usize, source: &SourceQuality<'_>, sink: &mut Sink<'_>);
 }

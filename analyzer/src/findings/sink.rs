@@ -3,9 +3,10 @@
 use super::context::Scene;
 use super::finding::{Exhibit, Finding, Severity};
 use super::rule::Metadata;
-use crate::network::{Bus, Decoded};
-use crate::{Meaning, NodeId};
-use canvass_traces::{ChannelId, Place, Record, Timestamp};
+use super::seen::Evidence;
+use crate::network::Bus;
+use crate::{Meaning, Multiplexer, NodeId};
+use canvass_traces::{ChannelId, Place, Timestamp};
 use std::collections::HashMap;
 
 /// All findings so far.
@@ -41,19 +42,14 @@ struct Key {
     detail: u64,
 }
 
-/// A frame that proves something.
-#[derive(Clone, Copy)]
-pub struct Evidence<'a> {
-    /// The frame.
-    pub record: &'a Record,
-    /// What it meant when it was seen.
-    pub decoded: &'a Decoded,
-}
-
 /// What a rule reports, beside its words.
 #[derive(Clone, Copy)]
 pub struct Report<'e> {
     time: Timestamp,
+    until: Option<Timestamp>,
+    origin: Option<NodeId>,
+    kind: u64,
+    object: Option<Multiplexer>,
     node: Option<NodeId>,
     detail: u64,
     measure: u64,
@@ -69,6 +65,10 @@ impl<'e> Report<'e> {
     pub const fn at(time: Timestamp) -> Self {
         Self {
             time,
+            until: None,
+            origin: None,
+            kind: 0,
+            object: None,
             node: None,
             detail: 0,
             measure: 0,
@@ -83,6 +83,26 @@ impl<'e> Report<'e> {
     /// The node that it is about.
     pub fn node(self, node: impl Into<Option<NodeId>>) -> Self {
         Self { node: node.into(), ..self }
+    }
+
+    /// When it was over, where it took some time.
+    pub const fn until(self, until: Timestamp) -> Self {
+        Self { until: Some(until), ..self }
+    }
+
+    /// The node that it comes from, where that is another one than it is about.
+    pub const fn origin(self, origin: NodeId) -> Self {
+        Self { origin: Some(origin), ..self }
+    }
+
+    /// What tells kinds of the same rule apart that are worth telling apart, such as a code.
+    pub const fn kind(self, kind: u64) -> Self {
+        Self { kind, ..self }
+    }
+
+    /// The object that it is about, where findings are told apart by that.
+    pub fn object(self, object: impl Into<Option<Multiplexer>>) -> Self {
+        Self { object: object.into(), ..self }
     }
 
     /// Tells findings of the same rule and node apart, such as by object or code.
@@ -169,6 +189,9 @@ impl<'a> Sink<'a> {
         };
         finding.count += report.times;
         finding.last = finding.last.max(report.time);
+        if finding.windows.len() < Finding::WINDOWS && report.times > 0 {
+            finding.windows.push((report.time, report.until.unwrap_or(report.time)));
+        }
         finding.severity = finding.severity.max(report.severity.unwrap_or(self.rule.severity));
         if report.measure > *worst || report.times == 0 {
             *worst = report.measure.max(*worst);
@@ -201,6 +224,10 @@ impl<'a> Sink<'a> {
             source: report.source,
             first: report.time,
             last: report.time,
+            windows: vec![(report.time, report.until.unwrap_or(report.time))],
+            origin: report.origin,
+            kind: report.kind,
+            object: report.object,
             count: report.times,
             message: message(),
             evidence: exhibits(report, self.bus.map(|bus| bus.0)).collect(),

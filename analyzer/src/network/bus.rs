@@ -1,27 +1,14 @@
 //! One bus: which CAN-ID means what, its nodes, its transfers.
 
-use super::cob_ids::{CobIds, Source, Use};
-use super::event::{Change, Emergency, Event};
+use super::Candidates;
+use super::cob_ids::CobIds;
+use super::event::Event;
 use super::layer_setting::LayerSetting;
-use super::node::{Cause, Node};
-use super::sdo::{Channel, ChannelIndex, Step, Transfer, Violation};
+use super::node::Node;
+use super::sdo::{Channel, ChannelIndex, Transfer};
 use super::srdo_pairs::SrdoPairs;
-use super::{Candidates, Decoded, configured, learning};
-use crate::NodeId;
-use crate::dictionary::DeviceDescription;
-use crate::message::{Message, PdoNumber, Service};
-use crate::wire::case_marker::CaseMarker;
-use crate::wire::error_control::{ErrorControl, State};
-use crate::wire::flying_master::FlyingMaster;
-use crate::wire::lmt::{self, Dialect};
-use crate::wire::mpdo::Mpdo;
-use crate::wire::nmt::{Command, Nmt};
-use crate::wire::srdo::Half;
-use crate::wire::sync::Sync;
-use crate::wire::time::TimeOfDay;
-use crate::wire::{Malformed, Wire, emcy::Emcy, lss};
-use canvass_traces::{Frame, FrameKind, Record, Timestamp};
-use std::sync::Arc;
+use crate::wire::lmt::Dialect;
+use crate::{NodeId, PerNode};
 
 /// What is known of one bus.
 pub struct Bus {
@@ -29,17 +16,17 @@ pub struct Bus {
     pub(super) channels: Vec<Channel>,
     /// The SDO servers beyond the first of a node: node, number from 1, channel.
     pub(super) further_channels: Vec<(NodeId, u16, ChannelIndex)>,
-    nodes: Box<[Option<Box<Node>>]>,
+    pub(super) nodes: PerNode<Option<Box<Node>>>,
     /// The models that nodes can be recognised as.
     pub(super) candidates: Candidates,
     /// The protocol of 7E5h and 7E4h, as the last message showed that only one of the two knows.
-    dialect: Option<Dialect>,
-    srdo_pairs: SrdoPairs,
-    layer_setting: LayerSetting,
+    pub(super) dialect: Option<Dialect>,
+    pub(super) srdo_pairs: SrdoPairs,
+    pub(super) layer_setting: LayerSetting,
     /// What the last frame brought about; its memory is used again.
     pub(super) events: Vec<Event>,
     /// The next frame begins a new list of events.
-    handled: bool,
+    pub(super) handled: bool,
 }
 
 impl Bus {
@@ -49,7 +36,7 @@ impl Bus {
             cob_ids: CobIds::default(),
             channels: NodeId::all().map(Channel::new).collect(),
             further_channels: Vec::new(),
-            nodes: (0..=127).map(|_| None).collect(),
+            nodes: PerNode::default(),
             candidates: Candidates::default(),
             dialect: None,
             srdo_pairs: SrdoPairs::default(),
@@ -60,11 +47,13 @@ impl Bus {
     }
 
     /// What is known of a node, if it was seen or described.
+    #[inline]
     pub fn node(&self, id: NodeId) -> Option<&Node> {
-        self.nodes.get(usize::from(id.raw())).and_then(|node| node.as_deref())
+        self.nodes[id].as_deref()
     }
 
     /// The transfer under way on an SDO channel, or the last one.
+    #[inline]
     pub fn transfer(&self, channel: ChannelIndex) -> Option<&Transfer> {
         self.channels.get(usize::from(channel.0)).and_then(Channel::transfer)
     }
@@ -86,328 +75,19 @@ impl Bus {
     }
 
     /// All that the last frame brought about, in its order; with the first frame also what descriptions said before.
+    #[inline]
     pub fn events(&self) -> &[Event] {
         &self.events
     }
 
+    #[inline]
     pub(super) fn node_mut(&mut self, id: NodeId) -> &mut Node {
-        // 128 places for the node-IDs 1 to 127: the index is always there.
-        self.nodes[usize::from(id.raw())].get_or_insert_default()
-    }
-
-    /// Says which device a node is.
-    pub fn describe(&mut self, id: NodeId, description: &Arc<DeviceDescription>) {
-        if std::mem::take(&mut self.handled) {
-            self.events.clear();
-        }
-        self.node_mut(id).describe(Arc::clone(description));
-        learning::from_description(self, id, description);
-    }
-
-    /// Takes the next record and says what it means.
-    pub fn handle(&mut self, record: &Record) -> Decoded {
-        if std::mem::replace(&mut self.handled, true) {
-            self.events.clear();
-        }
-        let frame = &record.frame;
-        match (frame.cob_id(), frame.kind()) {
-            (Some(can_id), _) => self.data(record.timestamp, can_id, frame),
-            (None, FrameKind::Error) => {
-                let class = frame.error_class().unwrap_or(canvass_traces::ErrorClass(0));
-                plain(Service::ErrorFrame, None, Message::ErrorFrame(class))
-            }
-            (None, FrameKind::Remote) => self.remote(record.timestamp, frame),
-            (None, FrameKind::Data) => plain(Service::Unknown, None, Message::Foreign),
-        }
-    }
-
-    fn data(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Decoded {
-        let (used, source) = self.cob_ids.get(can_id);
-        let payload = frame.data();
-        let mut decoded = match used {
-            Use::Nmt => self.nmt(payload),
-            Use::Sync => read::<Sync>(Service::Sync, None, payload, Message::Sync),
-            Use::Time => read::<TimeOfDay>(Service::Time, None, payload, Message::Time),
-            Use::Emcy(node) => self.emcy(now, node, payload),
-            Use::Pdo(node, number) => self.pdo(node, number, payload),
-            Use::SdoRequest(channel) => self.sdo(channel, |channel| channel.request(now, payload)),
-            Use::SdoResponse(channel) => self.sdo(channel, |channel| channel.response(now, payload)),
-            Use::ErrorControl(node) => self.error_control(now, node, payload),
-            Use::LssRequest => self.layer_setting_request(now, payload),
-            Use::LssResponse => self.layer_setting_response(now, payload),
-            Use::Srdo(node, number, half) => self.srdo(now, (node, number, half), frame),
-            Use::GlobalFailSafe => plain(Service::Srdo, None, Message::GlobalFailSafe),
-            Use::FlyingMaster => flying_master(can_id, payload),
-            Use::CaseMarker => case_marker(payload),
-            Use::Unknown => self.unknown(now, can_id, frame),
-        };
-        decoded.source = source;
-        decoded
-    }
-
-    /// A frame of no known use: part of an SRDO, if its twin shows that.
-    fn unknown(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Decoded {
-        match self.srdo_pairs.handle(now, can_id, frame) {
-            Some((pair, srdo)) => plain(Service::Srdo, pair.node(), Message::Srdo(srdo)),
-            None => plain(Service::Unknown, None, Message::Unknown),
-        }
-    }
-
-    /// A frame of an SRDO whose parameters are known.
-    fn srdo(&mut self, now: Timestamp, (id, number, half): (NodeId, u8, Half), frame: &Frame) -> Decoded {
-        // Works out the layout if it is new, as of PDOs.
-        self.node_mut(id).srdo_layout(id, number);
-        let srdo = self.srdo_pairs.configured(now, id, number, half, frame);
-        plain(Service::Srdo, Some(id), Message::Srdo(srdo))
-    }
-
-    fn layer_setting_request(&mut self, now: Timestamp, payload: &[u8]) -> Decoded {
-        let decoded = match self.dialect(payload) {
-            Dialect::Lss => read::<lss::Request>(Service::Lss, None, payload, Message::LssRequest),
-            Dialect::Lmt => read::<lmt::Request>(Service::Lmt, None, payload, Message::LmtRequest),
-        };
-        match decoded.message {
-            Message::LssRequest(request) => self.layer_setting.lss_request(now, request, &mut self.events),
-            Message::LmtRequest(request) => self.layer_setting.lmt_request(now, request, &mut self.events),
-            _ => {}
-        }
-        decoded
-    }
-
-    fn layer_setting_response(&mut self, now: Timestamp, payload: &[u8]) -> Decoded {
-        let decoded = match self.dialect(payload) {
-            Dialect::Lss => read::<lss::Response>(Service::Lss, None, payload, Message::LssResponse),
-            Dialect::Lmt => read::<lmt::Response>(Service::Lmt, None, payload, Message::LmtResponse),
-        };
-        match decoded.message {
-            Message::LssResponse(response) => self.layer_setting.lss_response(now, response, &mut self.events),
-            Message::LmtResponse(response) => self.layer_setting.lmt_response(now, response, &mut self.events),
-            _ => {}
-        }
-        decoded
-    }
-
-    /// The protocol of a message on 7E5h or 7E4h. Both know the messages that configure; what was said before tells
-    /// whose they are, and until then the descriptions of the devices do.
-    fn dialect(&mut self, payload: &[u8]) -> Dialect {
-        self.dialect = lmt::dialect(payload).or(self.dialect);
-        self.dialect.unwrap_or_else(|| self.described_dialect())
-    }
-
-    /// LMT where a device on the bus knows it and none knows LSS.
-    fn described_dialect(&self) -> Dialect {
-        let nodes = self.nodes.iter().flatten();
-        let mut descriptions = nodes.filter_map(|node| node.description.as_deref());
-        let lss = |description: &DeviceDescription| description.device.lss_supported;
-        let mut known = false;
-        let only_lmt = descriptions.all(|description| {
-            known |= description.settings.layer_management;
-            !lss(description)
-        });
-        if known && only_lmt { Dialect::Lmt } else { Dialect::Lss }
-    }
-
-    fn remote(&mut self, now: Timestamp, frame: &Frame) -> Decoded {
-        let used = frame.id().as_standard().filter(|_| !frame.is_fd()).map(|id| self.cob_ids.get(id));
-        match used {
-            Some((Use::ErrorControl(node), source)) => {
-                self.node_mut(node).guarding.ask(now);
-                Decoded { source, ..plain(Service::Guarding, Some(node), Message::GuardingRequest) }
-            }
-            Some((Use::Pdo(node, number @ PdoNumber::Transmit(_)), source)) => {
-                Decoded { source, ..plain(Service::Pdo, Some(node), Message::PdoRequest(number)) }
-            }
-            _ => plain(Service::Unknown, None, Message::UnexpectedRemote),
-        }
-    }
-
-    fn nmt(&mut self, payload: &[u8]) -> Decoded {
-        let command = match Nmt::read(payload) {
-            Ok(command) => command,
-            Err(error) => return malformed(Service::Nmt, None, error),
-        };
-        let event = match NodeId::new(command.node) {
-            Some(node) => self.commanded(node, command.command),
-            None if command.node == 0 => {
-                for node in NodeId::all() {
-                    if self.node(node).is_some() {
-                        self.commanded(node, command.command);
-                    }
-                }
-                None
-            }
-            None => None,
-        };
-        Decoded { event, ..plain(Service::Nmt, NodeId::new(command.node), Message::Nmt(command)) }
-    }
-
-    /// Takes an NMT command as obeyed: error control shows soon enough if it was not.
-    fn commanded(&mut self, id: NodeId, command: Command) -> Option<Event> {
-        let node = self.node_mut(id);
-        let from = node.state.map(|state| state.0);
-        let to = node.obey(command)?;
-        let event = Event::StateChanged(id, Change { from, to, cause: Cause::Command });
-        if from != Some(to) {
-            self.events.push(event);
-        }
-        Some(event)
-    }
-
-    fn error_control(&mut self, now: Timestamp, id: NodeId, payload: &[u8]) -> Decoded {
-        let message = match ErrorControl::read(payload) {
-            Ok(message) => message,
-            Err(error) => return malformed(Service::Heartbeat, Some(id), error),
-        };
-        let (service, to, cause) = if message.is_boot_up() {
-            (Service::BootUp, State::PRE_OPERATIONAL, Cause::BootUp)
-        } else if self.node_mut(id).guarding.is_answer(now, message.toggle) {
-            (Service::Guarding, message.state, Cause::ErrorControl)
-        } else {
-            (Service::Heartbeat, message.state, Cause::ErrorControl)
-        };
-        let event = self.state_seen(id, to, cause);
-        Decoded { event, ..plain(service, Some(id), Message::ErrorControl(message)) }
-    }
-
-    /// Takes the state that a node showed itself.
-    fn state_seen(&mut self, id: NodeId, to: State, cause: Cause) -> Option<Event> {
-        let node = self.node_mut(id);
-        let from = node.state.map(|from| from.0);
-        node.state = Some((to, cause));
-        let changed = cause == Cause::BootUp || from != Some(to);
-        let event = changed.then_some(Event::StateChanged(id, Change { from, to, cause }));
-        self.events.extend(event);
-        if cause == Cause::BootUp {
-            learning::after_boot_up(self, id);
-            let given = configured::started(self, id);
-            match (self.layer_setting.started(id), given) {
-                (Some(before), _) => learning::after_new_node_id(self, id, &before),
-                (None, Some((from, object))) => learning::after_written_node_id(self, from, id, object),
-                (None, None) => {}
-            }
-        }
-        event
-    }
-
-    fn emcy(&mut self, now: Timestamp, id: NodeId, payload: &[u8]) -> Decoded {
-        let decoded = read::<Emcy>(Service::Emcy, Some(id), payload, Message::Emcy);
-        if !payload.is_empty() {
-            self.emergency(now, id, &decoded.message);
-            return decoded;
-        }
-        // Before CiA 301 V4 this was the boot-up message.
-        let event = self.state_seen(id, State::PRE_OPERATIONAL, Cause::BootUp);
-        Decoded { service: Service::BootUp, event, ..decoded }
-    }
-
-    fn emergency(&mut self, now: Timestamp, id: NodeId, message: &Message) {
-        let Message::Emcy(emcy) = *message else { return };
-        let since = &mut self.node_mut(id).error_since;
-        let is_reset = emcy.code().is_some_and(|code| code.is_reset());
-        let since = if is_reset { since.take() } else { Some(*since.get_or_insert(now)) };
-        self.events.push(Event::Emergency(id, Emergency { emcy, since }));
-    }
-
-    fn pdo(&mut self, id: NodeId, number: PdoNumber, payload: &[u8]) -> Decoded {
-        // Works out the layout if it is new: who shows the PDO finds it in the node.
-        let node = self.node_mut(id);
-        node.layout(id, number);
-        if node.addressing(number).is_none() {
-            return plain(Service::Pdo, Some(id), Message::Pdo(number));
-        }
-        match Mpdo::read(payload) {
-            Ok(mpdo) => {
-                let message = Message::Mpdo(number, mpdo);
-                Decoded { object: Some(mpdo.object), ..plain(Service::Pdo, Some(id), message) }
-            }
-            Err(error) => malformed(Service::Pdo, Some(id), error),
-        }
-    }
-
-    fn sdo(&mut self, index: ChannelIndex, step: impl FnOnce(&mut Channel) -> Step) -> Decoded {
-        let Some(channel) = self.channels.get_mut(usize::from(index.0)) else {
-            return plain(Service::Unknown, None, Message::Unknown);
-        };
-        let step = step(channel);
-        let server = channel.server;
-        let object = channel.transfer().map(|transfer| transfer.multiplexer);
-        if step.superseded {
-            self.events.push(Event::TransferLeft(index));
-        }
-        if step.ended {
-            self.events.push(Event::TransferEnded);
-            // An answer about another object says nothing about the one that was asked for.
-            if !matches!(step.violation, Some(Violation::Multiplexer(_))) {
-                learning::from_transfer(self, index);
-            }
-        }
-        Decoded {
-            object: own_object(&step.message).or(object),
-            channel: Some(index),
-            event: step.ended.then_some(Event::TransferEnded),
-            violation: step.violation,
-            ..plain(Service::Sdo, Some(server), step.message)
-        }
+        self.nodes[id].get_or_insert_default()
     }
 }
 
 impl Default for Bus {
     fn default() -> Self {
         Self::new()
-    }
-}
-
-/// The object that an SDO message names itself.
-fn own_object(message: &Message) -> Option<crate::Multiplexer> {
-    match message {
-        Message::SdoRequest(request) => request.multiplexer(),
-        Message::SdoResponse(response) => response.multiplexer(),
-        _ => None,
-    }
-}
-
-fn plain(service: Service, node: Option<NodeId>, message: Message) -> Decoded {
-    Decoded {
-        service,
-        node,
-        message,
-        source: Source::Predefined,
-        object: None,
-        channel: None,
-        event: None,
-        violation: None,
-    }
-}
-
-fn flying_master(can_id: u16, payload: &[u8]) -> Decoded {
-    match FlyingMaster::read(can_id, payload) {
-        Ok(message) => {
-            let node = match message {
-                FlyingMaster::ActiveMaster { node, .. } => NodeId::new(node),
-                _ => None,
-            };
-            plain(Service::FlyingMaster, node, Message::FlyingMaster(message))
-        }
-        Err(error) => malformed(Service::FlyingMaster, None, error),
-    }
-}
-
-fn case_marker(payload: &[u8]) -> Decoded {
-    plain(Service::Unknown, None, CaseMarker::read(payload).map_or(Message::Unknown, Message::CaseMarker))
-}
-
-fn malformed(service: Service, node: Option<NodeId>, error: Malformed) -> Decoded {
-    plain(service, node, Message::Malformed(service, error))
-}
-
-fn read<M: Wire>(
-    service: Service,
-    node: Option<NodeId>,
-    payload: &[u8],
-    message: impl FnOnce(M) -> Message,
-) -> Decoded {
-    match M::read(payload) {
-        Ok(read) => plain(service, node, message(read)),
-        Err(error) => malformed(service, node, error),
     }
 }

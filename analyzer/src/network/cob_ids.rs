@@ -5,6 +5,7 @@ use crate::NodeId;
 use crate::message::PdoNumber;
 use crate::wire::flying_master::FlyingMaster;
 use crate::wire::{case_marker, emcy, error_control, lss, nmt, pdo, sdo, srdo, sync, time};
+use std::collections::BTreeMap;
 
 /// The use of a CAN-ID.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -55,16 +56,19 @@ pub enum Source {
 /// The uses of all 11-bit CAN-IDs of one bus.
 pub struct CobIds {
     table: Box<[(Use, Source)]>,
+    /// How many frames more did not fit a learned use than did, by CAN-ID.
+    misfits: BTreeMap<u16, u16>,
 }
 
 impl Default for CobIds {
     fn default() -> Self {
-        Self { table: (0..=0x7FF).map(|id| (predefined(id), Source::Predefined)).collect() }
+        Self { table: (0..=0x7FF).map(|id| (predefined(id), Source::Predefined)).collect(), misfits: BTreeMap::new() }
     }
 }
 
 impl CobIds {
     /// The use of a CAN-ID and where it is known from.
+    #[inline]
     pub fn get(&self, can_id: u16) -> (Use, Source) {
         self.table.get(usize::from(can_id)).copied().unwrap_or((Use::Unknown, Source::Predefined))
     }
@@ -99,6 +103,30 @@ impl CobIds {
                 *entry = if default == used { (Use::Unknown, Source::Trace) } else { (default, Source::Predefined) };
             }
         }
+    }
+
+    /// So many frames that do not fit a learned use disprove it.
+    const DISPROVED: u16 = 100;
+
+    /// A frame has fitted the learned use of its CAN-ID, or has not: one that is disproved is given up.
+    #[cold]
+    pub fn judge(&mut self, can_id: u16, fits: bool) {
+        let misfits = self.misfits.entry(can_id).or_default();
+        *misfits = if fits { misfits.saturating_sub(1) } else { *misfits + 1 };
+        if *misfits == 0 {
+            self.misfits.remove(&can_id);
+        } else if *misfits >= Self::DISPROVED
+            && let Some(entry) = self.table.get_mut(usize::from(can_id))
+        {
+            *entry = (predefined(can_id), Source::Predefined);
+            self.misfits.remove(&can_id);
+        }
+    }
+
+    /// Whether frames of that CAN-ID have not fitted its use.
+    #[inline]
+    pub fn is_doubted(&self, can_id: u16) -> bool {
+        !self.misfits.is_empty() && self.misfits.contains_key(&can_id)
     }
 
     /// Gives a CAN-ID back to the predefined connection set, as a reset of its node does.
@@ -143,6 +171,11 @@ fn predefined(can_id: u16) -> Use {
         error_control::CAN_ID_BASE => Use::ErrorControl(node),
         base => predefined_pdo(base).map_or(Use::Unknown, |number| Use::Pdo(node, number)),
     }
+}
+
+/// Whether no standard gives that CAN-ID to anything.
+pub fn is_free(can_id: u16) -> bool {
+    predefined(can_id) == Use::Unknown
 }
 
 fn predefined_pdo(base: u16) -> Option<PdoNumber> {

@@ -1,10 +1,11 @@
 //! COB-IDs and mappings learned from descriptions and from the SDO traffic of the trace itself.
 
 use super::bus::Bus;
-use super::cob_ids::{Source, Use};
+use super::cob_ids::{self, Source, Use};
 use super::event::{Event, Move};
 use super::layer_setting::Before;
 use super::node::{Node, Shown};
+use super::number::number;
 use super::scaling::is_scaling_parameter;
 use super::sdo::{Channel, ChannelIndex, Direction, Outcome};
 use super::{configured, recognition};
@@ -54,11 +55,36 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     let value = number(transfer.data());
     if shown == Shown::Read && bus.candidates.want(object) {
         let data = transfer.data().to_vec();
-        recognition::shown(bus, server, object, &data);
+        recognise(bus, server, object, &data);
     }
     let Some(value) = value else { return };
+    // The COB-IDs of the first SDO server are fixed: what a device says of them moves nothing, unless it was told to.
+    if object.index.0 == 0x1200 && shown == Shown::Read {
+        return;
+    }
     learn(bus, server, object, value, shown);
     learn_cob_id(bus, server, object, value, Source::Trace);
+}
+
+/// A node has shown the value of an object.
+fn recognise(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
+    let candidates = bus.candidates.get();
+    if !candidates.iter().any(|candidate| candidate.facts.iter().any(|fact| fact.0 == object)) {
+        return;
+    }
+    let node = bus.node_mut(id);
+    node.identity.insert(object, data[..data.len().min(recognition::LONGEST)].to_vec());
+    // What the user says is not doubted.
+    if node.description.is_some() && node.recognition.is_none() {
+        return;
+    }
+    let Some((place, recognition)) = recognition::recognise(&candidates, &node.identity) else { return };
+    let before = node.recognition.replace(recognition);
+    if before.map(|before| before.model) != node.recognition.as_ref().map(|now| Arc::clone(&now.model))
+        && let Some(candidate) = candidates.get(place)
+    {
+        after_recognition(bus, id, &candidate.description);
+    }
 }
 
 fn learn(bus: &mut Bus, server: NodeId, object: Multiplexer, value: u32, shown: Shown) {
@@ -222,16 +248,12 @@ fn is_learned(object: Multiplexer) -> bool {
     matches!(object.index.0, 0x1000..=0x1FFF | 0x6200 | 0x6502) || is_scaling_parameter(object)
 }
 
-/// A value of 1 to 4 bytes.
-pub fn number(data: &[u8]) -> Option<u32> {
-    let mut bytes = [0; 4];
-    bytes.get_mut(..data.len())?.copy_from_slice(data);
-    (!data.is_empty()).then(|| u32::from_le_bytes(bytes))
-}
-
 /// Gives a COB-ID parameter's CAN-ID its use.
 fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     let cob_id = CobId(value);
+    if !is_possible(used, cob_id) {
+        return;
+    }
     // Bit 31 of 1005h and 1012h does not mean that there is no SYNC or TIME, and SRDOs have no such bit.
     let exists = match used {
         Use::Sync | Use::Time => true,
@@ -252,6 +274,18 @@ fn assign(bus: &mut Bus, used: Use, value: u32, source: Source) {
     bus.cob_ids.assign(cob_id.can_id(), used, source);
     if !matches!(used, Use::Sync | Use::Time) || source == Source::Trace {
         bus.cob_ids.release(used, Some(cob_id.can_id()));
+    }
+}
+
+/// Whether a CAN-ID can have that use at all, whatever a device says: CiA 301 (7.3.5) restricts some; but SRDOs lie
+/// there.
+fn is_possible(used: Use, cob_id: CobId) -> bool {
+    match used {
+        Use::Srdo(..) => true,
+        // Switched off: whatever else it says.
+        Use::Pdo(..) | Use::Emcy(_) | Use::SdoRequest(_) | Use::SdoResponse(_) if !cob_id.is_valid() => true,
+        // Where no standard has put anything, devices do as they like.
+        _ => !cob_id.is_restricted() || u16::try_from(cob_id.can_id()).is_ok_and(cob_ids::is_free),
     }
 }
 

@@ -9,11 +9,13 @@ mod cob_ids;
 mod configured;
 mod event;
 mod guarding;
+mod handling;
 mod layer_setting;
 mod layout;
 mod layouts;
 mod learning;
 mod node;
+mod number;
 mod open_errors;
 mod recognition;
 mod scaling;
@@ -29,7 +31,7 @@ pub use open_errors::OpenErrors;
 pub use recognition::{Candidate, Candidates, Fact, Recognition, Shown};
 
 use crate::dictionary::DeviceDescription;
-use crate::message::{Message, Service};
+use crate::message::{Message, PdoNumber, Service};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Record};
 use sdo::{ChannelIndex, Violation};
@@ -62,6 +64,27 @@ pub struct Decoded {
     pub event: Option<Event>,
     /// The rule of the SDO protocol that it broke.
     pub violation: Option<Violation>,
+}
+
+impl Decoded {
+    /// Whether it is a boot-up message that says only what another one has just said.
+    pub fn repeats_boot_up(&self) -> bool {
+        self.service == Service::BootUp && self.event.is_none()
+    }
+
+    /// Whether the node that the frame is about has sent it itself.
+    pub const fn is_from_node(&self) -> bool {
+        match self.message {
+            Message::ErrorControl(_)
+            | Message::Emcy(_)
+            | Message::Pdo(PdoNumber::Transmit(_))
+            | Message::Mpdo(PdoNumber::Transmit(_), _)
+            | Message::SdoResponse(_)
+            | Message::SdoBlockUpload(_) => true,
+            Message::Malformed(service, _) => matches!(service, Service::Heartbeat | Service::Emcy),
+            _ => false,
+        }
+    }
 }
 
 impl Network {

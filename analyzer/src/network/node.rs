@@ -35,6 +35,8 @@ pub struct Node {
     pub(super) identity: recognition::Shown,
     /// What it will use after its next start.
     pub(super) pending: Pending,
+    /// When it last started, and whether an EMCY without bytes said so, as before CiA 301 V4.
+    pub(super) started: Option<(Timestamp, bool)>,
     /// When the oldest error was reported that no EMCY has taken back.
     pub(super) error_since: Option<Timestamp>,
     /// The communication parameters that the trace has shown, as numbers, and whether it was a download.

@@ -5,8 +5,7 @@
 //! something also speaks for it: vendor-ID and product code, or device type and name. Where several are recognised at
 //! once, they differ in nothing that they show; the first of them stands for all if their PDOs are alike.
 
-use super::bus::Bus;
-use super::learning;
+use super::number::number;
 use crate::dictionary::{DeviceDescription, Value};
 use crate::{Multiplexer, NodeId};
 use std::collections::BTreeMap;
@@ -61,7 +60,7 @@ impl Candidates {
         fitting.map(|candidate| Arc::clone(&candidate.id)).collect()
     }
 
-    fn get(&self) -> Arc<[Candidate]> {
+    pub(super) fn get(&self) -> Arc<[Candidate]> {
         self.0.as_ref().map(|found| Arc::clone(LazyLock::force(found))).unwrap_or_default()
     }
 }
@@ -97,7 +96,7 @@ const PRODUCT: Multiplexer = Multiplexer::new(0x1018, 2);
 pub type Shown = BTreeMap<Multiplexer, Vec<u8>>;
 
 /// No name of a device is longer.
-const LONGEST: usize = 64;
+pub(super) const LONGEST: usize = 64;
 
 impl Candidate {
     /// The model of that description: its facts are the defaults of 1000h, 1008h and 1018h:01 and :02.
@@ -153,7 +152,7 @@ impl Fact {
     /// Whether an object's value is as it says.
     pub fn holds(&self, data: &[u8]) -> bool {
         match self {
-            Self::Number(any) => learning::number(data).is_some_and(|number| any.contains(&number)),
+            Self::Number(any) => number(data).is_some_and(|number| any.contains(&number)),
             // Devices fill names up with zeros and blanks.
             Self::Text(text) => data.trim_ascii_end().split(|&byte| byte == 0).next() == Some(text.as_bytes()),
             Self::Begins(text) => data.starts_with(text.as_bytes()),
@@ -171,27 +170,6 @@ pub(super) fn recognise(candidates: &[Candidate], shown: &Shown) -> Option<(usiz
         let or = others.into_iter().map(|other| Arc::clone(&other.id)).collect();
         (place, Recognition { model: Arc::clone(&first.id), or, by })
     })
-}
-
-/// A node has shown the value of an object.
-pub(super) fn shown(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
-    let candidates = bus.candidates.get();
-    if !candidates.iter().any(|candidate| candidate.facts.iter().any(|fact| fact.0 == object)) {
-        return;
-    }
-    let node = bus.node_mut(id);
-    node.identity.insert(object, data[..data.len().min(LONGEST)].to_vec());
-    // What the user says is not doubted.
-    if node.description.is_some() && node.recognition.is_none() {
-        return;
-    }
-    let Some((place, recognition)) = recognise(&candidates, &node.identity) else { return };
-    let before = node.recognition.replace(recognition);
-    if before.map(|before| before.model) != node.recognition.as_ref().map(|now| Arc::clone(&now.model))
-        && let Some(candidate) = candidates.get(place)
-    {
-        learning::after_recognition(bus, id, &candidate.description);
-    }
 }
 
 #[cfg(test)]

@@ -5,10 +5,10 @@ use super::load::Load;
 use super::node::NodeStatistics;
 use super::peak::Peak;
 use super::test_run::TestRun;
-use crate::NodeId;
 use crate::message::{Message, Service};
 use crate::network::{Bus, Cause, Decoded};
 use crate::wire::error_control::State;
+use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Record, Timestamp};
 
 /// Collects the figures of one bus.
@@ -20,7 +20,7 @@ pub struct Statistics {
     last: Timestamp,
     load: Load,
     bit_rate: BitRate,
-    nodes: Vec<Option<Box<NodeStatistics>>>,
+    nodes: PerNode<Option<Box<NodeStatistics>>>,
     test_run: TestRun,
     /// When the window of all peaks began.
     window: Timestamp,
@@ -54,7 +54,7 @@ pub struct BusStatistics {
     pub peaks: [Peak; Service::ALL.len()],
     /// Frames that the interface recorded twice; they are counted as frames, and nowhere else.
     pub copies: u64,
-    /// The nodes that sent something or were addressed.
+    /// The nodes that sent something, or were asked and did not answer.
     pub nodes: Vec<(NodeId, NodeStatistics)>,
     /// The cases of CiA's conformance test tool, if it was at work.
     pub test_run: TestRun,
@@ -97,7 +97,7 @@ impl Statistics {
         for (peak, bits) in self.peaks.iter_mut().zip(self.bits) {
             peak.end(self.window, bits);
         }
-        for node in self.nodes.iter_mut().flatten() {
+        for node in self.nodes.values_mut().flatten() {
             node.peak.end(self.window, node.bits);
         }
     }
@@ -124,7 +124,7 @@ impl Statistics {
     fn commanded(&mut self, now: Timestamp, bus: &Bus) {
         for id in NodeId::all() {
             let Some((state, Cause::Command)) = bus.node(id).and_then(|node| node.state) else { continue };
-            if let Some(Some(node)) = self.nodes.get_mut(usize::from(id.raw())) {
+            if let Some(node) = &mut self.nodes[id] {
                 let known = node.states.last().map(|change| change.state);
                 if known != Some(state) || state == State::BOOT_UP {
                     node.state(now, state, Cause::Command);
@@ -134,11 +134,7 @@ impl Statistics {
     }
 
     fn node(&mut self, id: NodeId) -> &mut NodeStatistics {
-        if self.nodes.is_empty() {
-            self.nodes.resize_with(128, || None);
-        }
-        // 128 places for the node-IDs 1 to 127.
-        self.nodes[usize::from(id.raw())].get_or_insert_default()
+        self.nodes[id].get_or_insert_default()
     }
 
     /// The figures; the bit rate is the one that was said, or inferred.
@@ -146,7 +142,6 @@ impl Statistics {
         self.end_window();
         let first = self.first.unwrap_or(now);
         let inferred = if bit_rate.is_none() { self.inferred_bit_rate() } else { None };
-        let nodes = NodeId::all().zip(self.nodes.into_iter().skip(1));
         BusStatistics {
             frames: self.frames,
             bits: self.bits,
@@ -158,7 +153,7 @@ impl Statistics {
             peak: self.peak,
             peaks: self.peaks,
             copies: self.copies,
-            nodes: nodes.filter_map(|(id, node)| Some((id, *node?))).collect(),
+            nodes: self.nodes.into_all().filter_map(|(id, node)| Some((id, node?.shown()?))).collect(),
             test_run: self.test_run,
         }
     }

@@ -1,39 +1,47 @@
-//! Times in buckets whose widths grow with the times: quantiles of any number of values in constant memory.
+//! How often which times occurred, rounded to three digits: quantiles of any number of values in constant memory, exact
+//! to the digits that are shown.
 //!
 //! ```text
-//! each power of two of nanoseconds has 16 buckets of equal width: a quantile is off by at most 1/16
+//! 1 to 999 ns as they are; then 900 buckets from each power of ten to the next: 1.00 to 9.99 µs, 10.0 to 99.9 µs, ...
 //! ```
 
 use canvass_traces::Duration;
 
-/// Buckets in each power of two, as a power of two.
-const SUB_BITS: u32 = 4;
-const SUB: u64 = 1 << SUB_BITS;
-const BUCKETS: usize = ((64 - SUB_BITS as usize) + 1) << SUB_BITS;
+/// From 100 to 999.
+const BUCKETS: usize = 900;
+/// The first three digits of a time have at most so many digits behind them.
+const DECADES: usize = 18;
 
 /// How often which times occurred.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Histogram {
-    buckets: Box<[u32]>,
+    /// Times below 100 ns, then the decades; each is made when it is first needed.
+    short: Vec<u32>,
+    decades: [Vec<u32>; DECADES],
     count: u64,
     max: Duration,
-    min: Duration,
-}
-
-impl Default for Histogram {
-    fn default() -> Self {
-        Self { buckets: vec![0; BUCKETS].into(), count: 0, max: Duration::ZERO, min: Duration(u64::MAX) }
-    }
+    min: Option<Duration>,
 }
 
 impl Histogram {
     /// Counts a time.
     pub fn add(&mut self, time: Duration) {
-        let bucket = &mut self.buckets[bucket(time.nanos())];
-        *bucket = bucket.saturating_add(1);
+        let (decade, digits) = rounded(time.nanos());
+        let (row, at, length) = match digits.checked_sub(100) {
+            Some(at) => (self.decades.get_mut(decade), at, BUCKETS),
+            None => (Some(&mut self.short), digits, 100),
+        };
+        if let Some(row) = row {
+            if row.is_empty() {
+                row.resize(length, 0);
+            }
+            if let Some(bucket) = row.get_mut(at) {
+                *bucket = bucket.saturating_add(1);
+            }
+        }
         self.count += 1;
         self.max = self.max.max(time);
-        self.min = self.min.min(time);
+        self.min = Some(self.min.map_or(time, |min| min.min(time)));
     }
 
     /// How many times were counted.
@@ -47,46 +55,40 @@ impl Histogram {
     }
 
     /// The shortest; `None` of none.
-    pub fn min(&self) -> Option<Duration> {
-        (self.count > 0).then_some(self.min)
+    pub const fn min(&self) -> Option<Duration> {
+        self.min
     }
 
-    /// The time that `percent` of all do not exceed, to within 1/16; `None` of none.
+    /// The time that `percent` of all do not exceed, rounded to three digits; `None` of none.
     pub fn quantile(&self, percent: u64) -> Option<Duration> {
         let wanted = (self.count * percent.min(100)).div_ceil(100).max(1);
         let mut seen = 0;
-        for (at, &count) in self.buckets.iter().enumerate() {
-            seen += u64::from(count);
-            if seen >= wanted && self.count > 0 {
-                return Some(Duration(upper_bound(at)).min(self.max));
-            }
-        }
-        self.max()
+        let mut rows = self.rows();
+        let found = rows.find(|(_, count)| {
+            seen += u64::from(*count);
+            seen >= wanted
+        });
+        found.map(|(time, _)| time).or(self.max())
     }
 
-    /// The buckets that are not empty: the longest time of each, and how many.
+    /// The times that have occurred, rounded to three digits, and how often each.
     pub fn rows(&self) -> impl Iterator<Item = (Duration, u32)> {
-        let filled = self.buckets.iter().enumerate().filter(|(_, count)| **count > 0);
-        filled.map(|(at, &count)| (Duration(upper_bound(at)), count))
+        let short = self.short.iter().enumerate().map(|(nanos, count)| (Duration(nanos as u64), *count));
+        let long = (0_u32..).zip(&self.decades).flat_map(|(decade, row)| {
+            let unit = 10_u64.saturating_pow(decade);
+            (100_u64..).zip(row).map(move |(digits, count)| (Duration(digits.saturating_mul(unit)), *count))
+        });
+        short.chain(long).filter(|(_, count)| *count > 0)
     }
 }
 
-fn bucket(nanos: u64) -> usize {
-    if nanos < SUB {
-        return nanos as usize;
-    }
-    let shift = 63 - nanos.leading_zeros() - SUB_BITS;
-    // The leading bit and the four behind it.
-    (u64::from(shift + 1) * SUB + (nanos >> shift) - SUB) as usize
-}
-
-/// The largest time in a bucket.
-fn upper_bound(bucket: usize) -> u64 {
-    let (octave, within) = (bucket as u64 / SUB, bucket as u64 % SUB);
-    match octave.checked_sub(1) {
-        None => within,
-        Some(shift) => (u128::from(SUB + within + 1) << shift).saturating_sub(1).min(u128::from(u64::MAX)) as u64,
-    }
+/// The first three digits of a number, rounded, and how many digits come behind them.
+fn rounded(nanos: u64) -> (usize, usize) {
+    let decade = nanos.checked_ilog10().unwrap_or(0).saturating_sub(2);
+    let unit = 10_u64.pow(decade);
+    let digits = nanos / unit + u64::from(nanos % unit >= unit.div_ceil(2) && unit > 1);
+    // 999.5 is 1000: the first of the next decade.
+    if digits < 1000 { (decade as usize, digits as usize) } else { (decade as usize + 1, 100) }
 }
 
 #[cfg(test)]
@@ -97,26 +99,37 @@ mod tests {
     #[test]
     fn quantiles() {
         let mut histogram = Histogram::default();
-        assert_eq!((histogram.quantile(50), histogram.max()), (None, None));
+        assert_eq!((histogram.quantile(50), histogram.max(), histogram.min()), (None, None, None));
         for ms in 1..=100 {
-            histogram.add(Duration::from_millis(ms));
+            histogram.add(Duration(ms * 1_000_000 + 1_234));
         }
-        let near = |percent: u64, ms: u64| {
-            let found = histogram.quantile(percent).unwrap().nanos();
-            found >= ms * 1_000_000 && found <= ms * 1_000_000 * 17 / 16
-        };
-        assert!(near(50, 50) && near(95, 95) && near(99, 99));
-        assert_eq!(histogram.quantile(100), Some(Duration::from_millis(100)));
+        // 1.00 to 100 ms, to three digits.
+        let of = |percent| histogram.quantile(percent).unwrap();
+        assert_eq!((of(50), of(95), of(99)), (Duration(50_000_000), Duration(95_000_000), Duration(99_000_000)));
+        assert_eq!(of(100), Duration(100_000_000));
+        assert_eq!(histogram.max(), Some(Duration(100_001_234)));
         assert_eq!(histogram.rows().map(|row| u64::from(row.1)).sum::<u64>(), 100);
     }
 
+    #[test]
+    fn three_digits() {
+        assert_eq!((rounded(0), rounded(7), rounded(99), rounded(100)), ((0, 0), (0, 7), (0, 99), (0, 100)));
+        assert_eq!((rounded(999), rounded(1_004), rounded(1_005)), ((0, 999), (1, 100), (1, 101)));
+        assert_eq!((rounded(9_994), rounded(9_995), rounded(884_499)), ((1, 999), (2, 100), (3, 884)));
+        assert!(rounded(u64::MAX).0 < DECADES);
+    }
+
     proptest! {
+        /// The quantile is that of the sorted times, rounded.
         #[test]
-        fn each_time_is_in_its_bucket(nanos: u64) {
-            let at = bucket(nanos);
-            prop_assert!(at < BUCKETS);
-            prop_assert!(nanos <= upper_bound(at));
-            prop_assert!(at == 0 || nanos > upper_bound(at - 1));
+        fn quantiles_are_exact_to_three_digits(times in proptest::collection::vec(any::<u32>(), 1..200), percent in 1..100_u64) {
+            let mut histogram = Histogram::default();
+            times.iter().for_each(|&nanos| histogram.add(Duration(u64::from(nanos))));
+            let mut sorted = times;
+            sorted.sort_unstable();
+            let at = (sorted.len() as u64 * percent).div_ceil(100).max(1) - 1;
+            let (decade, digits) = rounded(u64::from(sorted[at as usize]));
+            prop_assert_eq!(histogram.quantile(percent), Some(Duration(digits as u64 * 10_u64.pow(decade as u32))));
         }
     }
 }

@@ -47,10 +47,12 @@ pub struct NodeStatistics {
     pub identity: IdentityText,
     /// The errors that are present, each with its place in `errors`.
     open_errors: OpenErrors<usize>,
+    /// SDO and guarding requests to it that it has not answered yet.
+    pub unanswered: u64,
     /// Whether there was a frame at all.
     begun: bool,
     /// The latest SDO requests without an answer, by channel.
-    asked: Vec<(ChannelIndex, Timestamp)>,
+    asked: Vec<(ChannelIndex, Timestamp, Message)>,
 }
 
 /// A change of the NMT state.
@@ -130,9 +132,14 @@ impl NodeStatistics {
         self.last = now;
         self.frames[decoded.service as usize] += 1;
         self.bits += u64::from(bits);
-        self.present |= crate::findings::is_from_node(decoded);
+        if decoded.is_from_node() {
+            (self.present, self.unanswered) = (true, 0);
+        } else {
+            let asks = matches!(decoded.message, Message::SdoRequest(_) | Message::GuardingRequest);
+            self.unanswered += u64::from(asks);
+        }
         match decoded.service {
-            Service::BootUp => {
+            Service::BootUp if !decoded.repeats_boot_up() => {
                 self.boot_ups += 1;
                 self.asked.clear();
                 self.restarted(now);
@@ -194,11 +201,15 @@ impl NodeStatistics {
         self.open_errors.clear();
     }
 
-    fn asked(&mut self, channel: Option<ChannelIndex>, now: Timestamp) {
+    /// A request; one that is repeated waits since the first time.
+    fn asked(&mut self, channel: Option<ChannelIndex>, now: Timestamp, message: Message) {
         let Some(channel) = channel else { return };
+        if self.asked.iter().any(|asked| asked.0 == channel && asked.2 == message) {
+            return;
+        }
         self.asked.retain(|asked| asked.0 != channel);
         if self.asked.len() < Self::CHANNELS {
-            self.asked.push((channel, now));
+            self.asked.push((channel, now, message));
         }
     }
 
@@ -214,7 +225,7 @@ impl NodeStatistics {
             Message::SdoRequest(Request::Abort(_) | Request::EndBlockUpload) | Message::SdoBlockDownload(_) => {
                 self.answered(decoded.channel);
             }
-            Message::SdoRequest(_) => self.asked(decoded.channel, now),
+            message @ Message::SdoRequest(_) => self.asked(decoded.channel, now, message),
             Message::SdoResponse(_) | Message::SdoBlockUpload(_) => {
                 if let Some(asked) = self.answered(decoded.channel) {
                     self.responses.add(now.since(asked));
@@ -249,16 +260,53 @@ impl NodeStatistics {
             (0x1000, 0) => self.identity.device_type = number.or(self.identity.device_type),
             (0x1018, 1..=4) => self.identity.numbers[usize::from(sub) - 1] = number,
             (0x1008..=0x100A, 0) => {
-                let text = String::from_utf8_lossy(&data[..data.len().min(Self::NAME)]);
-                let text = text.trim_end_matches('\0').escape_debug().to_string();
+                let text = name(&data[..data.len().min(Self::NAME)]);
                 self.identity.names[usize::from(index - 0x1008)] = Some(text);
             }
             _ => {}
         }
     }
 
+    /// The figures, if the node has sent something, or was asked and did not answer: who was only commanded may not
+    /// exist. A node that never sent anything has no state.
+    pub(super) fn shown(mut self) -> Option<Self> {
+        if !self.present {
+            self.states.clear();
+        }
+        (self.present || self.unanswered > 0).then_some(self)
+    }
+
     /// All frames.
     pub fn total(&self) -> u64 {
         self.frames.iter().sum()
+    }
+}
+
+/// A name as a device tells it: in UTF-8, or as most firmware writes it in Latin-1. Control characters are escaped, and
+/// nothing else.
+fn name(data: &[u8]) -> String {
+    let text = match std::str::from_utf8(data) {
+        Ok(text) => text.to_owned(),
+        Err(_) => data.iter().map(|&byte| char::from(byte)).collect(),
+    };
+    let mut name = String::new();
+    for character in text.trim_end_matches('\0').chars() {
+        match character.is_control() {
+            true => name.extend(character.escape_debug()),
+            false => name.push(character),
+        }
+    }
+    name
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_keep_their_letters_and_quotes() {
+        assert_eq!(name(b"K\xFCbler \"Sendix\" \0\0"), "K\u{fc}bler \"Sendix\" ");
+        assert_eq!(name("Kübler".as_bytes()), "Kübler");
+        assert_eq!(name(b"a\x1b[2Jb\n"), "a\\u{1b}[2Jb\\n");
     }
 }

@@ -192,7 +192,7 @@ fn days_without_a_frame_are_no_missing_heartbeats() {
     // A second is its own.
     let mut second = Traffic::default();
     second.every(0, 20_000, 100, |_| "705#05".to_owned()).every(21_000, 30_000, 100, |_| "705#05".to_owned());
-    second.finds_among(&["nodes/heartbeat-missing", "capture/gaps"], "nodes/heartbeat-missing", Some(5), 19_900);
+    second.finds_among(&["nodes/lost", "capture/gaps"], "nodes/lost", Some(5), 19_900);
 }
 
 /// The product code is read, and another time answers the request for the vendor-ID.

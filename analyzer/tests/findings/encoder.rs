@@ -37,7 +37,7 @@ fn the_end_of_the_range() {
         traffic.micros(1_020_400 + n * 20_000, &format!("183#{}", hex(position)));
     }
     traffic.remove(|ms, frame| ms > 21_020 && frame.cob_id() == Some(0x080));
-    traffic.only(&[]);
+    traffic.only(&["pdo/sync-missing"]);
 }
 
 fn with_speed() -> Traffic {

@@ -16,8 +16,8 @@ fn one_guarding_request_ends_no_heartbeats() {
     traffic.at(3_300, "704#R1").at(3_301, "704#7F").only(&[]);
     // And hides nothing.
     let mut missing = traffic.clone();
-    missing.silence(0x704, 20_000, 21_200).finds("nodes/heartbeat-missing", Some(4), 19_600);
-    traffic.silence(0x704, 30_000, 40_000).finds("nodes/heartbeat-ended", Some(4), 29_600);
+    missing.silence(0x704, 20_000, 20_700).finds("nodes/heartbeat-missing", Some(4), 19_600);
+    traffic.silence(0x704, 30_000, 40_000).finds("nodes/lost", Some(4), 29_600);
 }
 
 #[test]
@@ -26,7 +26,7 @@ fn one_guarding_request_without_an_answer_ends_no_heartbeats() {
     let mut traffic = heartbeats();
     traffic.at(3_300, "704#R1").finds(unanswered, Some(4), 3_300);
     let rules = [unanswered, "nodes/heartbeat-missing"];
-    traffic.silence(0x704, 20_000, 21_200).finds_among(&rules, rules[1], Some(4), 19_600);
+    traffic.silence(0x704, 20_000, 20_700).finds_among(&rules, rules[1], Some(4), 19_600);
 }
 
 /// Node 4 sends its state once, is guarded, and then told to send heartbeats every 500 ms.

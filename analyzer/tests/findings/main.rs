@@ -12,9 +12,13 @@ mod emcy_lss;
 #[cfg(test)]
 mod encoder;
 #[cfg(test)]
+mod field;
+#[cfg(test)]
 mod guarding;
 #[cfg(test)]
 mod healthy;
+#[cfg(test)]
+mod incidents;
 #[cfg(test)]
 mod nmt;
 #[cfg(test)]
@@ -25,6 +29,8 @@ mod pdo;
 mod sdo;
 #[cfg(test)]
 mod statistics;
+#[cfg(test)]
+mod stories;
 #[cfg(test)]
 mod together;
 #[cfg(test)]

@@ -18,7 +18,7 @@ fn commands_to_all() -> Traffic {
 #[test]
 fn the_master_does_not_hear_its_own_commands() {
     let found = commands_to_all().only(&["nodes/command-not-obeyed"]);
-    assert_eq!(found.len(), 3, "{found:?}");
+    assert_eq!((found.len(), found[0].count), (1, 3), "{found:?}");
     for finding in found {
         assert_eq!((finding.node.map(|node| node.raw()), finding.severity), (Some(127), Severity::Info));
         assert!(finding.message.ends_with("it is right if this is the NMT master itself"), "{}", finding.message);

@@ -57,8 +57,11 @@ fn heartbeats_late_missing_and_ended() {
 #[test]
 fn a_heartbeat_of_unknown_period() {
     let mut missing = machine();
-    missing.silence(0x701, 15_000, 15_550);
+    missing.silence(0x701, 15_000, 15_150);
     missing.finds("nodes/heartbeat-missing", Some(1), 14_910);
+    let mut lost = machine();
+    lost.silence(0x701, 15_000, 15_550);
+    lost.finds("nodes/lost", Some(1), 14_910);
 }
 
 #[test]
@@ -166,8 +169,7 @@ fn a_heartbeat_that_a_consumer_waits_for_in_vain() {
     let mut traffic = machine();
     traffic.sdo(600, 3, "2316100196000100", "6016100100000000");
     traffic.silence(0x701, 25_000, END);
-    let finding =
-        traffic.finds_among(&["nodes/consumer-time", "nodes/heartbeat-ended"], "nodes/consumer-time", Some(3), 24_910);
+    let finding = traffic.finds_among(&["nodes/consumer-time", "nodes/lost"], "nodes/consumer-time", Some(3), 24_910);
     assert!(finding.message.contains("waits 150 ms for the heartbeat of node 1"), "{}", finding.message);
 }
 
@@ -198,10 +200,10 @@ fn what_a_node_still_sends_when_its_heartbeat_has_ended() {
         let mut traffic = Traffic::default();
         traffic.every(100, 10_000, 500, |_| "70A#05".to_owned()).every(200, END, 500, |_| "709#05".to_owned());
         traffic.every(0, end, 10, |_| "18A#00000000".to_owned());
-        traffic.finds("nodes/heartbeat-ended", Some(10), 9_600).message
+        traffic
     };
-    let message = pdos_until(END);
+    let message = pdos_until(END).finds("nodes/heartbeat-ended", Some(10), 9_600).message;
     assert!(message.ends_with("it still sends other messages"), "{message}");
-    let message = pdos_until(9_800);
-    assert!(message.ends_with("nor has it sent anything else lately"), "{message}");
+    let message = pdos_until(9_800).finds("nodes/lost", Some(10), 9_790).message;
+    assert!(message.ends_with("not back when the capture ends"), "{message}");
 }

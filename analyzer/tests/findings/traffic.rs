@@ -1,6 +1,6 @@
 //! A small machine whose traffic is written down frame by frame, and what the rules say to it.
 
-use canvass_analyzer::findings::{Diagnosis, Finding, Results, SourceQuality, Thresholds};
+use canvass_analyzer::findings::{Diagnosis, Finding, InOrder, Results, SourceQuality, Thresholds};
 use canvass_traces::{ChannelId, Duration, Frame, INTERMISSION, Quality, Record, Timestamp, bit_length, parse_frame};
 
 /// Frames with the time at which each wants to be sent, in microseconds.
@@ -115,10 +115,18 @@ pub fn diagnose(records: &[Record], prepare: impl FnOnce(&mut Diagnosis)) -> Res
     let mut diagnosis = Diagnosis::new(Thresholds::default());
     prepare(&mut diagnosis);
     let mut quality = Quality::default();
+    let mut order = InOrder::default();
     for record in records {
         quality.record(record);
-        diagnosis.record(record);
+        order.push(record.clone());
+        while let Some(record) = order.pop() {
+            diagnosis.record(&record);
+        }
     }
+    while let Some(record) = order.flush() {
+        diagnosis.record(&record);
+    }
+    diagnosis.disordered(order.disorder());
     diagnosis.finish(&[SourceQuality { name: "test.log", quality: &quality }])
 }
 

@@ -3,12 +3,18 @@
 //! - [`Device`]: a device without I/O and clock; [`Motion`]: how its shaft moves; [`Memory`]: what survives power-off;
 //! - [`models`]: the built-in models and those of a user's own description;
 //! - [`Fault`], [`Faults`]: defects of its firmware;
+//! - [`Liberty`], [`Liberties`]: what the standard leaves free, and firmwares do in their own ways;
+//! - [`Firmware`]: both together;
 //! - [`address`]: the addresses of buses as they are typed, simulated devices among them.
 
 pub mod address;
 mod device;
 mod fault;
+mod firmware;
+mod liberty;
 pub mod models;
 
 pub use device::{Device, Memory, MemoryError, Motion, MotionError, MotionSpec};
 pub use fault::{Fault, Faults, UnknownFault};
+pub use firmware::Firmware;
+pub use liberty::{Liberties, Liberty, UnknownLiberty};

@@ -147,6 +147,7 @@ impl Executor {
             rule: DEATH,
             expected: "a device that lives".to_owned(),
             actual: actual.to_owned(),
+            is_silence: false,
             at: self.evidence.last().map_or(Timestamp::ZERO, |record| record.timestamp),
         }
     }
@@ -190,7 +191,7 @@ impl Executor {
             self.step(ground, &Stimulus::settle(self.abort))?;
         }
         match self.step(ground, &Stimulus::settle(self.probe)) {
-            Err(Stop::Violation(violation)) if violation.actual == "no answer" => {
+            Err(Stop::Violation(violation)) if violation.is_silence => {
                 Err(Stop::Violation(Violation { property: Property::Responsive, rule: "canonical read", ..violation }))
             }
             done => done,

@@ -8,7 +8,7 @@ use canvass_analyzer::wire::sdo::{Payload, REQUEST_BASE, RESPONSE_BASE, Request,
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::Machine;
 use canvass_bus::{Bus, BusError, SimulatedBus};
-use canvass_device::Faults;
+use canvass_device::Firmware;
 use canvass_device::address::SimulatedDevice;
 use canvass_device::models::Model;
 use canvass_device::{Device, Motion};
@@ -229,11 +229,11 @@ fn ask(bus: &mut dyn Bus, node: NodeId, answer: Duration, at: Multiplexer) -> Re
 pub fn simulated(
     model: &'static Model,
     node: NodeId,
-    faults: Faults,
+    firmware: impl Into<Firmware>,
     bit_rate: u32,
     seed: u64,
 ) -> (Simulated, Knowledge) {
-    simulated_moving(model, node, faults, bit_rate, None, seed)
+    simulated_moving(model, node, firmware.into(), bit_rate, None, seed)
 }
 
 /// The device of a simulated bus's address, and what its description says; its node-ID is `node`, if that is given.
@@ -248,19 +248,20 @@ pub fn of_address(
     let model = device.model()?;
     let node = node.or(device.given_id()).or(model.default_node()).unwrap_or(NodeId::MIN);
     let bit_rate = device.bit_rate.unwrap_or_else(|| model.default_bit_rate());
-    Ok(simulated_moving(model, node, device.faults, bit_rate, device.motion()?, seed))
+    Ok(simulated_moving(model, node, device.firmware, bit_rate, device.motion()?, seed))
 }
 
 fn simulated_moving(
     model: &'static Model,
     node: NodeId,
-    faults: Faults,
+    firmware: Firmware,
     bit_rate: u32,
     motion: Option<Motion>,
     seed: u64,
 ) -> (Simulated, Knowledge) {
-    let sheet = model.sheet();
-    let mut knowledge = Knowledge::new(node, Some(model.description()), Some(sheet));
+    let described = model.taking(firmware.liberties);
+    let sheet = described.sheet();
+    let mut knowledge = Knowledge::new(node, Some(described.description()), Some(sheet));
     if let Some((known, sheet)) = knowledge.lmt.as_mut().zip(sheet.lmt) {
         known.serial_number = Some(sheet.serial_number);
     }
@@ -274,7 +275,7 @@ fn simulated_moving(
         jitter: Duration::from_millis(2),
     };
     let new = move |node: Option<NodeId>| {
-        let mut device = Device::new(model, node, faults, seed);
+        let mut device = Device::new(model, node, firmware, seed);
         if let Some(motion) = &motion {
             device.set_motion(Timestamp::ZERO, motion.clone());
         }

@@ -3,7 +3,7 @@
 use crate::attributes::Attributes;
 use proc_macro2::TokenStream;
 use quote::quote;
-use syn::{Attribute, Error, Expr, ExprLit, ItemFn, Lit, Meta, Result};
+use syn::{Attribute, Error, Expr, ExprLit, Ident, ItemFn, Lit, Meta, Result};
 
 /// The function as it was, and its registration.
 pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
@@ -12,6 +12,7 @@ pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
     let requirement = requirement(&function)?;
     let name = &function.sig.ident;
     let Attributes { id, standard, section, confidence, level, needs, touches, catches, cct } = attributes;
+    let needs = needs.iter().map(static_of);
     let section = option(section);
     let cct = option(cct);
     Ok(quote! {
@@ -27,7 +28,7 @@ pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
                     confidence: crate::case::Confidence::#confidence,
                 },
                 level: crate::case::Level::#level,
-                needs: &[#(crate::case::Need::#needs),*],
+                needs: &[#(&crate::needs::#needs),*],
                 touches: &[#(crate::case::Touch::#touches),*],
                 catches: &[#(crate::Fault::#catches),*],
                 cct: #cct,
@@ -35,6 +36,18 @@ pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
             }
         }
     })
+}
+
+/// The static that a need is: `VisibleState` -> `VISIBLE_STATE`.
+fn static_of(need: &Ident) -> Ident {
+    let mut name = String::new();
+    for letter in need.to_string().chars() {
+        if letter.is_ascii_uppercase() && !name.is_empty() {
+            name.push('_');
+        }
+        name.push(letter.to_ascii_uppercase());
+    }
+    Ident::new(&name, need.span())
 }
 
 fn option(value: Option<impl quote::ToTokens>) -> TokenStream {
@@ -84,7 +97,7 @@ mod tests {
     const FUNCTION: &str =
         "/// Every reset ends\n/// in a boot-up.\n///\n/// Why.\nfn f(bench: &mut Bench) -> Judged {}";
     const COMPLETE: &str = r#"id = "301/boot-up/reset", clause = "CiA 301 7.2", confidence = Known, level = Must,
-        needs = [Heartbeat], catches = [Fault::BootUpMissing], cct = "9.1""#;
+        needs = [VisibleState], catches = [Fault::BootUpMissing], cct = "9.1""#;
 
     fn expanded(attribute: &str, item: &str) -> std::result::Result<String, String> {
         let parsed = (attribute.parse().unwrap(), item.parse().unwrap());
@@ -95,7 +108,10 @@ mod tests {
     fn a_complete_case_is_registered_with_its_requirement() {
         let tokens = expanded(COMPLETE, FUNCTION).unwrap();
         assert!(tokens.contains(r#"requirement : "Every reset ends in a boot-up.\n\nWhy.""#), "{tokens}");
-        assert!(tokens.contains("Fault :: BootUpMissing") && tokens.contains("Need :: Heartbeat"), "{tokens}");
+        assert!(
+            tokens.contains("Fault :: BootUpMissing") && tokens.contains("crate :: needs :: VISIBLE_STATE"),
+            "{tokens}"
+        );
         assert!(tokens.contains(r#"section : :: core :: option :: Option :: Some ("7.2")"#), "{tokens}");
     }
 

@@ -15,7 +15,8 @@ use proc_macro::TokenStream;
 /// - `confidence`: `Cited`, `Attested`, `Derived`, `Known` or `Unknown`: how sure the section's number is;
 /// - `level`: `Must`, `Should` or `Open`;
 /// - `catches`: at least one firmware fault that makes the case fail;
-/// - `needs` (optional): features without which the case is not applicable;
+/// - `needs` (optional): features without which the case is not applicable: `VisibleState` is the static
+///   `crate::needs::VISIBLE_STATE`;
 /// - `touches` (optional): what the user must allow first;
 /// - `cct` (optional): the number of a comparable case of CiA's conformance test tool.
 #[proc_macro_attribute]

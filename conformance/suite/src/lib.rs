@@ -1,6 +1,7 @@
 //! The conformance suite: the cases, what they run on, and who runs them.
 //!
 //! - [`catalogue`]: all cases; [`case`](mod@case) says what one is, [`verdict`] how it ends;
+//! - [`need`]: what a case needs of a device; [`needs`]: all needs;
 //! - [`bench`](mod@bench): where a case runs;
 //! - [`runner`]: runs cases and reports events; [`waiver`]: which failures the user accepts;
 //! - [`selftest`]: the cases tested on firmware with known faults.
@@ -9,6 +10,8 @@ pub mod bench;
 pub mod case;
 mod cases;
 pub mod catalogue;
+pub mod need;
+pub mod needs;
 pub mod runner;
 #[cfg(test)]
 mod scripted;

@@ -99,23 +99,35 @@ situations! {
         aborts [MAXIMUM_BELOW_MINIMUM, INVALID_VALUE, VALUE_TOO_HIGH, VALUE_TOO_LOW, PARAMETER_INCOMPATIBLE],
         tolerated [GENERAL];
     /// A command specifier that does not exist, or has no place in the state of the server, is refused
-    UnknownCommand = "unknown-command", "7.2.4.3.17", Must: aborts [COMMAND_SPECIFIER];
+    UnknownCommand = "unknown-command", "7.2.4.3.17", Should: aborts [COMMAND_SPECIFIER];
     /// A segment whose toggle bit does not alternate is ignored, and the transfer may be aborted
     RepeatedToggle = "repeated-toggle", "7.2.4.3.2", Must: aborts [TOGGLE], silence true;
     /// A block size of 0 or above 127 is refused
-    BlockSize = "block-size", "7.2.4.3.17", Must: aborts [BLOCK_SIZE], tolerated [COMMAND_SPECIFIER];
+    BlockSize = "block-size", "7.2.4.3.17", Should: aborts [BLOCK_SIZE], tolerated [COMMAND_SPECIFIER];
     /// A sequence number that was never sent is refused
-    SequenceNumber = "sequence-number", "7.2.4.3.17", Must: aborts [SEQUENCE_NUMBER], tolerated [COMMAND_SPECIFIER];
+    SequenceNumber = "sequence-number", "7.2.4.3.17", Should: aborts [SEQUENCE_NUMBER], tolerated [COMMAND_SPECIFIER];
     /// A block download whose checksum is wrong is refused
-    WrongChecksum = "wrong-checksum", "7.2.4.3.17", Must: aborts [CRC];
+    WrongChecksum = "wrong-checksum", "7.2.4.3.8", Must: aborts [CRC];
     /// A block download whose checksum is wrong and that has too few bytes is refused for either reason
     WrongChecksumAndTooShort = "wrong-checksum-and-too-short", "7.2.4.3.17", Must:
         aborts [CRC, LENGTH_TOO_LOW, LENGTH];
     /// A block download whose checksum is wrong and that has too many bytes is refused for either reason
     WrongChecksumAndTooLong = "wrong-checksum-and-too-long", "7.2.4.3.17", Must:
         aborts [CRC, LENGTH_TOO_HIGH, LENGTH];
+    /// Writing a read-only object with too few bytes is refused for either reason
+    ReadOnlyAndTooShort = "read-only-and-too-short", "7.2.4.3.17", Must:
+        aborts [READ_ONLY, LENGTH_TOO_LOW, LENGTH], tolerated [UNSUPPORTED_ACCESS, GENERAL];
+    /// Writing a sub-index that a read-only object does not have is refused for either reason, or for its length
+    MissingEntryOfReadOnly = "missing-entry-of-read-only", "7.2.4.3.17", Must:
+        aborts [NO_SUB_INDEX, READ_ONLY, LENGTH_TOO_LOW, LENGTH], tolerated [UNSUPPORTED_ACCESS, GENERAL];
     /// A store or restore command without its signature is refused
-    WrongSignature = "wrong-signature", "7.5.2.13", Must: aborts [NOT_TRANSFERRED, INVALID_VALUE, GENERAL];
+    WrongSignature = "wrong-signature", "7.5.2.13", Must:
+        aborts [NOT_TRANSFERRED, INVALID_VALUE, GENERAL, LOCAL_CONTROL, DEVICE_STATE];
+    /// A device that does not store on command refuses to
+    StoreUnsupported = "store-unsupported", "7.5.2.13", Must: any_abort true;
+    /// Parameters are stored in operational too, or the device says that its state forbids it
+    StoreInOperational = "store-in-operational", "7.3.2.2.3", Should:
+        aborts [DEVICE_STATE, LOCAL_CONTROL, NOT_TRANSFERRED, GENERAL], confirmation true;
     /// Reading 1003h:01 while the history is empty is refused
     EmptyHistory = "empty-history", "7.5.2.4", Must: aborts [NO_DATA, GENERAL], tolerated [NO_SUB_INDEX];
     /// Writing anything but 0 to 1003h:00 is refused
@@ -123,6 +135,8 @@ situations! {
         aborts [INVALID_VALUE], tolerated [VALUE_TOO_HIGH, GENERAL];
     /// Changing 1019h while SYNC has a period is refused
     OverflowWhilePeriod = "overflow-while-period", "7.5.2.22", Must: aborts [DEVICE_STATE, GENERAL];
+    /// Setting bit 30 of 1005h is refused by a device that can't produce SYNC
+    SyncNotProduced = "sync-not-produced", "7.5.2.5", Must: aborts [INVALID_VALUE], tolerated [GENERAL];
     /// Bits 0 to 29 of a COB-ID in use don't change
     ValidCobIdChanged = "valid-cob-id-changed", "7.5.2.37", Must: any_abort true;
     /// A parameter of a PDO that is valid does not change

@@ -3,10 +3,11 @@
 use super::{Document, Render, Reporter, html, json, junit, markdown, terminal};
 use crate::escape;
 use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_bus::observation::{Observation, Subject};
 use canvass_suite::bench::{Evidence, Exhibit, Measurement, Unit};
 use canvass_suite::catalogue;
 use canvass_suite::runner::{CaseReport, DeviceIdentity, RunEvent, RunInfo, Summary};
-use canvass_suite::verdict::{Authority, Kind, Reason, Verdict};
+use canvass_suite::verdict::{Authority, Breach, Excuse, Kind, Reason, Ruled, Verdict};
 use canvass_traces::{CanId, ChannelId, Direction, Duration, Frame, Record, Timestamp};
 
 const HOSTILE: &str = "\x1b]0;owned\x07\x1b[2J<script>alert('x')</script>\"'&]]>\u{9b}31m\u{202e}\u{0}\u{ffff}";
@@ -56,16 +57,17 @@ pub fn play(reporter: &mut dyn Reporter) {
 
 fn verdict(kind: Kind) -> Verdict {
     let reason = Reason::new(HOSTILE, "the value", HOSTILE);
+    let breach = Breach::new(Subject::Device, HOSTILE).expected("the value").found(Observation::named(HOSTILE));
+    let excuse = Excuse { documented: HOSTILE.to_owned(), by: Authority::Waiver { line: 3 } };
+    let ruled = |breach: Breach, excuse| Verdict::new(vec![Ruled { breach, excuse }], None);
     match kind {
-        Kind::Pass => Verdict::Pass,
-        Kind::Tolerated => Verdict::Tolerated(reason),
-        Kind::Deviation => {
-            Verdict::Deviation { reason, documented: HOSTILE.to_owned(), by: Authority::Waiver { line: 3 } }
-        }
-        Kind::Fail => Verdict::Fail(reason),
-        Kind::Inconclusive => Verdict::Inconclusive(reason),
-        Kind::NotApplicable => Verdict::NotApplicable(reason),
-        Kind::Error => Verdict::Error(reason),
+        Kind::Pass => Verdict::pass(),
+        Kind::Tolerated => ruled(breach.tolerated(), None),
+        Kind::Deviation => ruled(breach, Some(excuse)),
+        Kind::Fail => ruled(breach.told(HOSTILE), None),
+        Kind::Inconclusive => Verdict::inconclusive(reason),
+        Kind::NotApplicable => Verdict::not_applicable(reason),
+        Kind::Error => Verdict::error(reason),
     }
 }
 

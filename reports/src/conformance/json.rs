@@ -5,6 +5,7 @@
 //! a version.
 
 use super::Run;
+use super::told::{Named, Told};
 use crate::escape;
 use canvass_analyzer::Multiplexer;
 use canvass_suite::bench::{Exhibit, Measurement};
@@ -99,7 +100,8 @@ struct Case<'a> {
     cct: Option<&'static str>,
     cct_forecast: Option<&'static str>,
     verdict: &'static str,
-    reason: Option<CaseReason<'a>>,
+    reason: Option<CaseReason>,
+    breaches: Vec<Breach>,
     documented: Option<&'a str>,
     #[serde(skip_serializing_if = "Option::is_none")]
     waiver_line: Option<usize>,
@@ -114,10 +116,26 @@ struct Case<'a> {
 }
 
 #[derive(Serialize)]
-struct CaseReason<'a> {
-    duty: &'a str,
-    expected: &'a str,
-    actual: &'a str,
+struct CaseReason {
+    duty: String,
+    expected: String,
+    actual: String,
+}
+
+#[derive(Serialize)]
+struct Breach {
+    subject: String,
+    observation: String,
+    verdict: &'static str,
+    duty: String,
+    expected: String,
+    actual: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    t: Option<u64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    documented: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    waiver_line: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -189,10 +207,7 @@ fn device(device: &DeviceIdentity) -> Device<'_> {
 }
 
 fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
-    let reason = |reason: &'a Reason| {
-        let Reason { duty, expected, actual } = reason;
-        CaseReason { duty, expected, actual }
-    };
+    let reason = |Reason { duty, expected, actual, .. }| CaseReason { duty, expected, actual };
     Case {
         id: report.case.id,
         requirement: report.case.requirement,
@@ -203,6 +218,7 @@ fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
         cct_forecast: super::cct_forecast(report),
         verdict: report.verdict.kind().name(),
         reason: report.verdict.reason().map(reason),
+        breaches: Told::all(report).into_iter().filter_map(breach).collect(),
         documented: report.verdict.documented(),
         waiver_line: match report.verdict.authority() {
             Some(Authority::Waiver { line }) => Some(line),
@@ -219,6 +235,22 @@ fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
         evidence_omitted: report.evidence.omitted(),
         duration_ns: report.duration.nanos(),
     }
+}
+
+fn breach(told: Told) -> Option<Breach> {
+    let waiver_line = told.waiver_line();
+    let Named { subject, does } = told.breach?;
+    Some(Breach {
+        subject,
+        observation: does,
+        verdict: told.kind.name(),
+        duty: told.duty,
+        expected: told.expected,
+        actual: told.found,
+        t: told.seen.map(|seen| seen.0),
+        documented: told.excuse.map(|excuse| excuse.documented),
+        waiver_line,
+    })
 }
 
 fn frame<'a>(exhibit: &'a Exhibit, channel: &'a str) -> Frame<'a> {

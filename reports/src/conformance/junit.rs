@@ -7,7 +7,8 @@
 //! Jenkins (`junit-10.xsd`). The document keeps to what both allow: `reports/tests/junit.xsd`. So cases have no properties
 //! and no output of their own: clause, requirement and frames stand in the text of a failure.
 
-use super::{Run, authority, cct_forecast, name_in_family, repetitions};
+use super::told::Told;
+use super::{Run, cct_forecast, name_in_family, repetitions};
 use crate::escape::printable;
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
@@ -117,6 +118,9 @@ fn details(report: &CaseReport) -> String {
         format!("{} ({})", report.case.clause, report.case.level.name()),
         printable(report.case.requirement).into_owned(),
     ];
+    let told = Told::all(report);
+    lines.extend(told.iter().map(|told| format!("{}: expected {}, found {}", told.duty, told.expected, told.found)));
+    lines.extend(told.iter().filter_map(Told::waiver).map(|waiver| format!("as data: {waiver}")));
     lines.extend(cct_forecast(report).map(|forecast| format!("forecast for CiA's test tool: {forecast}")));
     lines.extend(repetitions(report));
     lines.extend(report.notes.iter().map(|note| format!("note: {note}")));
@@ -133,10 +137,11 @@ fn remarks(report: &CaseReport) -> Vec<String> {
         return Vec::new();
     }
     let mut remarks = Vec::new();
-    if let (Kind::Tolerated | Kind::Deviation, Some(reason)) = (report.verdict.kind(), report.verdict.reason()) {
-        remarks.push(format!("{}: {reason}", report.verdict.kind()));
+    for told in Told::all(report).iter().filter(|told| matches!(told.kind, Kind::Tolerated | Kind::Deviation)) {
+        remarks.push(format!("{}: {}: expected {}, found {}", told.kind, told.duty, told.expected, told.found));
+        let documented = told.excuse.iter().map(|excuse| &excuse.documented);
+        remarks.extend(documented.map(|text| format!("{}: {text}", told.authority().to_lowercase())));
     }
-    remarks.extend(report.verdict.documented().map(|text| format!("{}: {text}", authority(report).to_lowercase())));
     remarks.extend(repetitions(report));
     remarks.extend(report.notes.iter().map(|note| format!("note: {note}")));
     remarks.iter().map(|remark| printable(&format!("{}: {remark}", report.case.id)).into_owned()).collect()

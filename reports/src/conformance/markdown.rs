@@ -1,6 +1,7 @@
 //! The result as Markdown: for a merge request or a wiki.
 
-use super::{Run, authority, cct_forecast, hex, milliseconds_since, outcome, repetitions, symbol};
+use super::told::Told;
+use super::{Run, cct_forecast, decisive, hex, milliseconds_since, outcome, repetitions, symbol};
 use crate::escape::markdown;
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
@@ -47,13 +48,13 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
 fn section(report: &CaseReport, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "\n## {}: {}\n", report.verdict.kind(), report.case.id)?;
     writeln!(out, "{} ({})\n", markdown(report.case.requirement), report.case.clause)?;
-    if let Some(reason) = report.verdict.reason() {
-        writeln!(out, "- Duty: {}", markdown(&reason.duty))?;
-        writeln!(out, "- Expected: {}", markdown(&reason.expected))?;
-        writeln!(out, "- Found: {}", markdown(&reason.actual))?;
-    }
-    if let Some(documented) = report.verdict.documented() {
-        writeln!(out, "- {}: {}", authority(report), markdown(documented))?;
+    for told in Told::all(report) {
+        writeln!(out, "- Duty: {}", markdown(&told.duty))?;
+        writeln!(out, "  - Expected: {}", markdown(&told.expected))?;
+        writeln!(out, "  - Found: {}", markdown(&told.found))?;
+        if let Some(excuse) = &told.excuse {
+            writeln!(out, "  - {}: {}", told.authority(), markdown(&excuse.documented))?;
+        }
     }
     if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
         writeln!(out, "- Forecast of case {number} of CiA's test tool: {forecast}")?;
@@ -67,10 +68,9 @@ fn section(report: &CaseReport, out: &mut dyn Write) -> io::Result<()> {
     for note in &report.notes {
         writeln!(out, "- Note: {}", markdown(note))?;
     }
-    let frames: Vec<_> = report.evidence.frames().collect();
-    let Some(start) = frames.first().map(|first| first.record.timestamp) else { return Ok(()) };
+    let Some(start) = report.evidence.frames().next().map(|first| first.record.timestamp) else { return Ok(()) };
     writeln!(out, "\n| ms | id | data | meaning |\n|---:|---|---|---|")?;
-    for exhibit in frames.iter().skip(frames.len().saturating_sub(FRAMES)) {
+    for exhibit in decisive(report, FRAMES).0 {
         let record = &exhibit.record;
         let time = milliseconds_since(start, record);
         writeln!(out, "| {time} | {} | {} | {} |", record.frame.id(), hex(record), markdown(&exhibit.text))?;

@@ -10,14 +10,16 @@ pub mod junit;
 pub mod markdown;
 mod skipped;
 pub mod terminal;
+mod told;
 
 #[cfg(test)]
 mod hostile;
 #[cfg(test)]
 mod junit_schema;
 
+use canvass_suite::bench::Exhibit;
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
-use canvass_suite::verdict::{Authority, Kind};
+use canvass_suite::verdict::Kind;
 use canvass_traces::{Record, Timestamp};
 use std::io::{self, Write};
 
@@ -106,7 +108,7 @@ fn name_in_family(id: &str) -> &str {
 }
 
 /// What CiA's conformance test tool would say, where a case corresponds to one of its: it accepts what is tolerated.
-const fn cct_forecast(report: &CaseReport) -> Option<&'static str> {
+fn cct_forecast(report: &CaseReport) -> Option<&'static str> {
     match (report.case.cct, report.verdict.kind()) {
         (Some(_), Kind::Pass | Kind::Tolerated) => Some("pass"),
         (Some(_), Kind::Fail | Kind::Deviation) => Some("fail"),
@@ -124,12 +126,15 @@ fn repetitions(report: &CaseReport) -> Option<String> {
     report.is_flaky().then(|| format!("flaky: {}", counts.join(", ")))
 }
 
-/// Who announced the deviation, as a label for it.
-const fn authority(report: &CaseReport) -> &'static str {
-    match report.verdict.authority() {
-        Some(Authority::Waiver { .. }) => "Waiver",
-        _ => "Documented",
-    }
+/// The frames that show a case's verdict best, at most so many, and how many came before them: those up to the worst breach,
+/// else the last ones.
+fn decisive(report: &CaseReport, most: usize) -> (Vec<&Exhibit>, u64) {
+    let frames: Vec<&Exhibit> = report.evidence.frames().collect();
+    let seen = report.verdict.worst().and_then(|ruled| ruled.breach.seen);
+    let end = seen.map_or(frames.len(), |seen| frames.partition_point(|exhibit| exhibit.record.timestamp <= seen));
+    let begin = end.saturating_sub(most);
+    let omitted = if begin >= report.evidence.gap() { report.evidence.omitted() } else { 0 };
+    (frames.get(begin..end).unwrap_or_default().to_vec(), begin as u64 + omitted)
 }
 
 /// One line about the outcome.

@@ -1,15 +1,19 @@
 //! The result on a terminal: progress while the run goes on, then what was wrong, then the count.
 
 use super::skipped::Skipped;
-use super::{Reporter, authority, cct_forecast, outcome, repetitions, symbol};
+use super::told::Told;
+use super::{Reporter, cct_forecast, decisive, outcome, repetitions, symbol};
 use crate::escape::printable;
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
-use canvass_suite::verdict::{Kind, Reason};
+use canvass_suite::verdict::Kind;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, Table, presets};
 use std::io::{self, Write};
 
 /// At most so many frames of a case are printed, the last ones: the verdict is made of them.
 const FRAMES: usize = 16;
+
+/// As many breaches of a case are shown; JSON and the page have all.
+const BREACHES: usize = 8;
 
 /// The columns of a file, which has no width of its own.
 const PAGE: u16 = 120;
@@ -72,7 +76,7 @@ impl<O: Write, P: Write> Terminal<O, P> {
         match report.verdict.kind() {
             Kind::Pass if report.notes.is_empty() && !report.is_flaky() => {}
             Kind::NotApplicable => {
-                self.skipped.add(report.case.id, report.verdict.reason().unwrap_or(&Reason::default()));
+                self.skipped.add(report.case.id, &report.verdict.reason().unwrap_or_default());
             }
             _ => self.told.push(report.clone()),
         }
@@ -102,14 +106,11 @@ impl<O: Write, P: Write> Terminal<O, P> {
         let kind = report.verdict.kind();
         let title = self.painted(kind, &format!("{} {kind}", symbol(kind)));
         writeln!(self.out, "\n{title}  {}  [{}]", report.case.id, report.case.clause)?;
-        if let Some(reason) = report.verdict.reason() {
-            writeln!(self.out, "  {}", printable(&reason.duty))?;
-            writeln!(self.out, "    expected  {}", printable(&reason.expected))?;
-            writeln!(self.out, "    found     {}", printable(&reason.actual))?;
-        }
-        if let Some(documented) = report.verdict.documented() {
-            let label = authority(report).to_lowercase();
-            writeln!(self.out, "    {label:10}  {}", printable(documented))?;
+        let told = Told::all(report);
+        let hidden = told.len().saturating_sub(BREACHES);
+        told.iter().take(BREACHES).try_for_each(|told| self.told(told))?;
+        if hidden > 0 {
+            writeln!(self.out, "  … {hidden} more breach{}", if hidden == 1 { "" } else { "es" })?;
         }
         if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
             writeln!(self.out, "    forecast  case {number} of CiA's test tool would {forecast}")?;
@@ -126,15 +127,27 @@ impl<O: Write, P: Write> Terminal<O, P> {
         if matches!(kind, Kind::Pass) { Ok(()) } else { self.frames(report) }
     }
 
+    fn told(&mut self, told: &Told) -> io::Result<()> {
+        writeln!(self.out, "  {}", printable(&told.duty))?;
+        writeln!(self.out, "    expected  {}", printable(&told.expected))?;
+        writeln!(self.out, "    found     {}", printable(&told.found))?;
+        if let Some(excuse) = &told.excuse {
+            let label = told.authority().to_lowercase();
+            writeln!(self.out, "    {label:10}  {}", printable(&excuse.documented))?;
+        }
+        match told.waiver() {
+            Some(waiver) => writeln!(self.out, "    as data   {}", printable(&waiver)),
+            None => Ok(()),
+        }
+    }
+
     fn frames(&mut self, report: &CaseReport) -> io::Result<()> {
-        let frames: Vec<_> = report.evidence.frames().collect();
-        let hidden = frames.len().saturating_sub(FRAMES);
-        let before = report.evidence.omitted() + hidden as u64;
+        let (frames, before) = decisive(report, FRAMES);
         if before > 0 {
             let plural = if before == 1 { "" } else { "s" };
             writeln!(self.out, "    … {before} frame{plural} before")?;
         }
-        for exhibit in frames.iter().skip(hidden) {
+        for exhibit in frames {
             let (record, text) = (&exhibit.record, printable(&exhibit.text));
             let frame = record.frame.to_string();
             writeln!(self.out, "    ({}) {frame:<21} {:<2} {text}", record.timestamp, record.direction.to_string())?;

@@ -5,7 +5,7 @@
 
 use super::Diagnosed;
 use crate::{escape, quality};
-use canvass_analyzer::findings::{Exhibit, Finding, Severity};
+use canvass_analyzer::findings::{Consequence, Exhibit, Finding, Severity, Story};
 use canvass_analyzer::network::Cause;
 use canvass_analyzer::statistics::{BusStatistics, ErrorEnd, ErrorEpisode, Histogram, NodeStatistics, Peak, TestCase};
 use canvass_analyzer::{NodeId, Service};
@@ -33,6 +33,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
         "counts": counts(diagnosed.by_service()),
         "summary": Value::Object(severities.into_iter().collect()),
         "findings": results.findings.iter().map(|found| finding(diagnosed, found)).collect::<Vec<_>>(),
+        "stories": results.stories.iter().map(story).collect::<Vec<_>>(),
         "findings_omitted": Value::Object(omitted.collect()),
         "nodes": nodes.collect::<Vec<_>>(),
         "buses": results.buses.iter().map(|(id, figures)| bus(&diagnosed.channel(*id), figures)).collect::<Vec<_>>(),
@@ -53,6 +54,15 @@ fn of(frames: &[u64; Service::ALL.len()]) -> Value {
     counts(seen)
 }
 
+/// Places among the findings, from 0.
+fn story(story: &Story) -> Value {
+    let consequence = |consequence: &Consequence| json!({ "findings": consequence.findings, "of": consequence.of });
+    json!({
+        "findings": story.head,
+        "consequences": story.consequences.iter().map(consequence).collect::<Vec<_>>(),
+    })
+}
+
 fn finding(diagnosed: &Diagnosed<'_>, finding: &Finding) -> Value {
     let source = finding.source.and_then(|at| diagnosed.captures.get(at)).map(|capture| capture.name);
     json!({
@@ -62,6 +72,8 @@ fn finding(diagnosed: &Diagnosed<'_>, finding: &Finding) -> Value {
         "t_last": finding.last.nanos(),
         "count": finding.count,
         "node": finding.node.map(NodeId::raw),
+        "object": finding.object.map(|object| object.to_string()),
+        "origin": finding.origin.map(NodeId::raw),
         "channel": finding.channel.map(|id| diagnosed.channel(id)),
         "source": source,
         "title": finding.rule.title,

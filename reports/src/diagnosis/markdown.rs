@@ -1,8 +1,8 @@
 //! The diagnosis as Markdown: for a ticket or a wiki.
 
-use super::{Diagnosed, frame, terminal, times};
+use super::{Diagnosed, frame, story, terminal, times};
 use crate::escape::markdown;
-use canvass_analyzer::findings::{Finding, Severity};
+use canvass_analyzer::findings::Finding;
 use std::io::{self, Write};
 
 /// Writes the document.
@@ -21,10 +21,15 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
     if diagnosed.results.findings.is_empty() {
         writeln!(out, "\nNothing was found.")?;
     }
-    for severity in Severity::ALL {
-        let findings = diagnosed.results.findings.iter().filter(|finding| finding.severity == severity);
-        for finding in findings {
-            section(diagnosed, finding, out)?;
+    for told in story::all(diagnosed) {
+        for finding in told.head() {
+            section(diagnosed, finding, None, out)?;
+        }
+        for (consequence, findings) in told.consequences() {
+            let cause = diagnosed.results.findings.get(consequence.of);
+            for finding in findings {
+                section(diagnosed, finding, cause, out)?;
+            }
         }
     }
     nodes(diagnosed, out)?;
@@ -43,10 +48,21 @@ fn cases(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-fn section(diagnosed: &Diagnosed<'_>, finding: &Finding, out: &mut dyn Write) -> io::Result<()> {
+fn section(
+    diagnosed: &Diagnosed<'_>,
+    finding: &Finding,
+    cause: Option<&Finding>,
+    out: &mut dyn Write,
+) -> io::Result<()> {
     let whom = diagnosed.whom(finding);
     let whom = if whom.is_empty() { whom } else { format!(", {}", markdown(&whom)) };
-    writeln!(out, "\n## {}: {}{whom}\n", finding.severity, finding.rule.title)?;
+    // What follows from something is below it.
+    let level = if cause.is_some() { "###" } else { "##" };
+    writeln!(out, "\n{level} {}: {}{whom}\n", finding.severity, finding.rule.title)?;
+    if let Some(cause) = cause {
+        let whom = markdown(&diagnosed.whom(cause));
+        writeln!(out, "This follows from: {}{}{}.\n", whom, if whom.is_empty() { "" } else { ", " }, cause.rule.title)?;
+    }
     let at = diagnosed.since_start(finding.first);
     writeln!(out, "At {at} s: {}{}\n", markdown(&finding.message), times(diagnosed, finding))?;
     if !finding.evidence.is_empty() {

@@ -5,6 +5,7 @@ mod json;
 mod junit;
 mod markdown;
 mod rules;
+mod story;
 mod terminal;
 
 pub use json::render as json;
@@ -16,6 +17,7 @@ pub use terminal::{Style, render as table};
 use crate::quality::CaptureQuality;
 use canvass_analyzer::Service;
 use canvass_analyzer::findings::{Exhibit, Finding, Results, Severity};
+use canvass_analyzer::statistics::TestCase;
 use canvass_traces::{ChannelId, Channels, Timestamp};
 use std::fmt::Write as _;
 
@@ -80,6 +82,12 @@ impl Diagnosed<'_> {
         }
     }
 
+    /// The case of CiA's conformance test tool during which a finding was first seen.
+    fn case_of(&self, finding: &Finding) -> Option<&TestCase> {
+        let (_, bus) = self.results.buses.iter().find(|(channel, _)| Some(*channel) == finding.channel)?;
+        bus.test_run.cases.iter().find(|case| (case.begin..=case.end).contains(&finding.first))
+    }
+
     fn channel(&self, id: ChannelId) -> String {
         self.channels.name(id).to_owned()
     }
@@ -96,6 +104,9 @@ fn times(diagnosed: &Diagnosed<'_>, finding: &Finding) -> String {
     if finding.count > 1 {
         // Writing to a string can't fail.
         let _ = write!(text, " ({} times, the last at {} s)", finding.count, diagnosed.since_start(finding.last));
+    }
+    if let Some(case) = diagnosed.case_of(finding) {
+        let _ = write!(text, ", provoked by group {} case {} of CiA's test tool", case.group, case.case);
     }
     text
 }

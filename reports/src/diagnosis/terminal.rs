@@ -1,12 +1,15 @@
 //! The diagnosis on a terminal: what was on the bus, what was wrong with it, and each node in figures.
 
+use super::story::{self, Told};
 use super::{Diagnosed, frame, times};
 use crate::escape::printable;
 use canvass_analyzer::NodeId;
-use canvass_analyzer::findings::{Finding, Severity};
+use canvass_analyzer::findings::{Exhibit, Finding, Severity};
 use canvass_analyzer::statistics::{BusStatistics, NodeStatistics, TestCase};
+use canvass_analyzer::wire::case_marker::Verdict;
 use canvass_traces::Duration;
 use comfy_table::{ContentArrangement, Table, presets};
+use std::collections::HashSet;
 use std::io::{self, Write};
 
 /// How to print.
@@ -16,28 +19,174 @@ pub struct Style {
     pub color: bool,
     /// The width of the terminal in columns, where it is one.
     pub width: Option<u16>,
+    /// Every finding with all its frames, and every node.
+    pub verbose: bool,
 }
+
+/// How much is said of a story.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Detail {
+    /// Every finding with its frames.
+    Verbose,
+    /// What follows, and the frames that prove it.
+    Full,
+    /// What follows first of all.
+    Short,
+    /// One line.
+    Line,
+}
+
+/// So many lines are printed at most, unless all is asked for: what fits on a screen or a page of paper.
+const LINES: usize = 58;
+/// So many nodes are in the table then.
+const NODES: usize = 16;
 
 /// Prints the diagnosis.
 ///
 /// # Errors
 /// What `out` gives.
 pub fn render(diagnosed: &Diagnosed<'_>, style: Style, out: &mut dyn Write) -> io::Result<()> {
-    for line in summary(diagnosed) {
-        writeln!(out, "{}", printable(&line))?;
-    }
-    for finding in &diagnosed.results.findings {
-        show(diagnosed, finding, style, out)?;
-    }
+    let head: Vec<String> = summary(diagnosed).iter().map(|line| printable(line).into_owned()).collect();
+    let mut tail: Vec<String> = Vec::new();
     for (rule, count) in &diagnosed.results.omitted {
-        writeln!(out, "\n{rule}: {count} more, which are not shown")?;
+        tail.extend([String::new(), format!("{rule}: {count} more, which are not shown")]);
     }
-    let rows = nodes(diagnosed);
+    let mut rows = nodes(diagnosed);
+    let left_out = rows.len().saturating_sub(NODES + 1);
+    if !style.verbose {
+        rows.truncate(NODES + 1);
+    }
     if !rows.is_empty() {
-        writeln!(out, "\n{}", table(&rows, style))?;
+        tail.push(String::new());
+        tail.extend(table(&rows, style).to_string().lines().map(str::to_owned));
+        if left_out > 0 && !style.verbose {
+            tail.push(format!("{left_out} more nodes: --verbose shows all"));
+        }
     }
-    cases(diagnosed, out)?;
+    cases(diagnosed, style, &mut tail);
+    let room = LINES.saturating_sub(head.len() + tail.len());
+    let stories = if style.verbose { verbose(diagnosed, style) } else { stories(diagnosed, style, room) };
+    // What must be known comes first; what was on the bus after it.
+    let stories = stories.iter().skip_while(|line| line.is_empty());
+    let between = (!diagnosed.results.stories.is_empty()).then_some("");
+    for line in stories.map(String::as_str).chain(between).chain(head.iter().chain(&tail).map(String::as_str)) {
+        writeln!(out, "{line}")?;
+    }
     out.flush()
+}
+
+/// Every finding with all its frames, what follows below what it follows from.
+fn verbose(diagnosed: &Diagnosed<'_>, style: Style) -> Vec<String> {
+    let mut advised = HashSet::new();
+    let mut lines = Vec::new();
+    for told in story::all(diagnosed) {
+        lines.extend(of_story(diagnosed, &told, Detail::Verbose, style, &mut advised));
+    }
+    lines
+}
+
+/// The stories in so many lines: in full if they fit, then in short, then the last ones in a line each.
+fn stories(diagnosed: &Diagnosed<'_>, style: Style, room: usize) -> Vec<String> {
+    for detail in [Detail::Full, Detail::Short] {
+        let mut advised = HashSet::new();
+        let lines: Vec<String> =
+            story::all(diagnosed).flat_map(|told| of_story(diagnosed, &told, detail, style, &mut advised)).collect();
+        if lines.len() <= room {
+            return lines;
+        }
+    }
+    let all: Vec<Told<'_>> = story::all(diagnosed).collect();
+    let mut advised = HashSet::new();
+    let mut lines = Vec::new();
+    for (at, told) in all.iter().enumerate() {
+        let left = all.len() - at - 1;
+        let mut advised_here = advised.clone();
+        let short = of_story(diagnosed, told, Detail::Short, style, &mut advised_here);
+        // Each of the others wants a line, as far as there is room for half of them.
+        if lines.len() + short.len() + left.min(room / 2) + 1 <= room {
+            advised = advised_here;
+            lines.extend(short);
+            continue;
+        }
+        if lines.len() + 2 >= room && left > 0 {
+            lines.push(format!("{} more: --verbose shows all, and the page (--format html)", left + 1));
+            return lines;
+        }
+        lines.extend(of_story(diagnosed, told, Detail::Line, style, &mut advised));
+    }
+    lines
+}
+
+/// The lines of a story; advice that was given before is not repeated.
+fn of_story(
+    diagnosed: &Diagnosed<'_>,
+    told: &Told<'_>,
+    detail: Detail,
+    style: Style,
+    advised: &mut HashSet<&'static str>,
+) -> Vec<String> {
+    let head = told.head();
+    let Some(first) = head.first() else { return Vec::new() };
+    let severity = painted(told.severity(), told.severity().name(), style);
+    let whom = story::whom(diagnosed, &head);
+    let whom = if whom.is_empty() { whom } else { format!("{}: ", printable(&whom)) };
+    let at = diagnosed.since_start(first.first);
+    let words = story::words(diagnosed, &head);
+    if detail == Detail::Line {
+        return vec![format!("{severity}  {whom}at {at} s: {}  [{}]", printable(&words), first.rule.id)];
+    }
+    let mut lines = vec![String::new(), format!("{severity}  {whom}{}  [{}]", first.rule.title, first.rule.id)];
+    if detail == Detail::Verbose {
+        lines.extend(head.iter().flat_map(|finding| in_full(diagnosed, finding)));
+    } else {
+        lines.push(format!("  at {at} s: {}", printable(&words)));
+    }
+    let (evidence, consequences) = match detail {
+        Detail::Full => (4, 8),
+        Detail::Short => (0, 2),
+        _ => (0, usize::MAX),
+    };
+    lines.extend(first.evidence.iter().take(evidence).map(|exhibit| proof(diagnosed, exhibit)));
+    let advice = Some(first.rule.advice).filter(|_| advised.insert(first.rule.id));
+    lines.extend(advice.map(|advice| format!("  {advice}")));
+    for (_, findings) in told.consequences().take(consequences) {
+        lines.extend(of_consequence(diagnosed, &findings, detail));
+    }
+    let left = told.consequences().count().saturating_sub(consequences);
+    if left > 0 {
+        lines.push(format!("  then {left} more that follow from it"));
+    }
+    lines
+}
+
+/// What follows from the head of a story, in a line, or in full.
+fn of_consequence(diagnosed: &Diagnosed<'_>, findings: &[&Finding], detail: Detail) -> Vec<String> {
+    let Some(first) = findings.first() else { return Vec::new() };
+    let whom = story::whom(diagnosed, findings);
+    let whom = if whom.is_empty() { whom } else { format!("{}: ", printable(&whom)) };
+    let (at, rule) = (diagnosed.since_start(first.first), first.rule);
+    if detail == Detail::Verbose {
+        let mut lines = vec![format!("  then {whom}{}  [{}]", rule.title, rule.id)];
+        lines.extend(findings.iter().flat_map(|finding| in_full(diagnosed, finding)));
+        return lines;
+    }
+    let words = story::words(diagnosed, findings);
+    vec![format!("  then at {at} s: {whom}{}  [{}]", printable(&words), rule.id)]
+}
+
+/// A finding with all frames that prove it.
+fn in_full(diagnosed: &Diagnosed<'_>, finding: &Finding) -> Vec<String> {
+    let at = diagnosed.since_start(finding.first);
+    let mut lines = vec![format!("  at {at} s: {}{}", printable(&finding.message), times(diagnosed, finding))];
+    lines.extend(finding.evidence.iter().map(|exhibit| proof(diagnosed, exhibit)));
+    lines
+}
+
+/// A frame that proves something.
+fn proof(diagnosed: &Diagnosed<'_>, exhibit: &Exhibit) -> String {
+    let (place, at) = (diagnosed.place(exhibit), diagnosed.since_start(exhibit.time));
+    let line = format!("{place}  {at}  {:<21} {}", frame(exhibit), exhibit.text);
+    format!("    {}", printable(line.trim_end()))
 }
 
 /// What was on the buses and how many findings there are, in a few lines.
@@ -89,7 +238,7 @@ fn joined(times: &[String]) -> String {
     }
 }
 
-/// A time that nobody wants to the last digit.
+/// A time that nobody wants to the last digit: percentiles have three.
 pub(super) fn rounded(time: Duration) -> Duration {
     let unit = match time.nanos() {
         0..1_000_000 => 1_000,
@@ -106,21 +255,6 @@ fn painted(severity: Severity, text: &str, style: Style) -> String {
         Severity::Info => "36",
     };
     if style.color { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
-}
-
-fn show(diagnosed: &Diagnosed<'_>, finding: &Finding, style: Style, out: &mut dyn Write) -> io::Result<()> {
-    let severity = painted(finding.severity, finding.severity.name(), style);
-    let whom = diagnosed.whom(finding);
-    let whom = if whom.is_empty() { whom } else { format!("{}: ", printable(&whom)) };
-    writeln!(out, "\n{severity}  {whom}{}  [{}]", finding.rule.title, finding.rule.id)?;
-    let at = diagnosed.since_start(finding.first);
-    writeln!(out, "  at {at} s: {}{}", printable(&finding.message), times(diagnosed, finding))?;
-    for exhibit in &finding.evidence {
-        let (place, at) = (diagnosed.place(exhibit), diagnosed.since_start(exhibit.time));
-        let line = format!("{place}  {at}  {:<21} {}", frame(exhibit), exhibit.text);
-        writeln!(out, "    {}", printable(line.trim_end()))?;
-    }
-    writeln!(out, "  {}", finding.rule.advice)
 }
 
 /// The head of the table of nodes and its rows; empty where there are no nodes.
@@ -219,20 +353,28 @@ fn table(rows: &[Vec<String>], style: Style) -> Table {
     table
 }
 
-/// The cases of a certification run.
-fn cases(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
+/// The cases of a certification run: those that have not passed, or all.
+fn cases(diagnosed: &Diagnosed<'_>, style: Style, lines: &mut Vec<String>) {
+    const FAILED: usize = 8;
     for (_, bus) in &diagnosed.results.buses {
         let run = &bus.test_run;
         if run.cases.is_empty() {
             continue;
         }
-        writeln!(out, "\nCiA test run: {} cases", run.cases.len() as u64 + run.omitted)?;
-        for case in &run.cases {
+        let passed = run.cases.iter().filter(|case| case.verdict == Some(Verdict::PASS)).count();
+        let all = run.cases.len() as u64 + run.omitted;
+        lines.extend([String::new(), format!("CiA test run: {all} cases, {passed} passed")]);
+        let shown = run.cases.iter().filter(|case| style.verbose || case.verdict != Some(Verdict::PASS));
+        let most = if style.verbose { usize::MAX } else { FAILED };
+        let left = shown.clone().count().saturating_sub(most);
+        for case in shown.take(most) {
             let [name, verdict, frames, at, places] = of_case(diagnosed, case);
-            writeln!(out, "  {name}: {verdict}, {frames} frames from {at} s, {places}")?;
+            lines.push(format!("  {name}: {verdict}, {frames} frames from {at} s, {places}"));
+        }
+        if left > 0 {
+            lines.push(format!("  {left} more have not passed: --verbose shows all"));
         }
     }
-    Ok(())
 }
 
 /// A case of a certification run: its name, verdict, number of frames, begin in seconds, and where it stands.

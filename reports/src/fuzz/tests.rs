@@ -13,6 +13,7 @@ fn run() -> Run {
         rule: "initiate upload",
         expected: HOSTILE.to_owned(),
         actual: HOSTILE.to_owned(),
+        is_silence: false,
         at: Timestamp(5),
     };
     let found = Found {

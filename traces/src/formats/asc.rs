@@ -4,6 +4,7 @@
 //! date Sat Sep 30 15:06:13.191 2017
 //! base hex  timestamps absolute
 //! internal events logged
+//! // a comment; other tools begin it with a semicolon
 //! Begin Triggerblock Sat Sep 30 15:06:13.191 2017
 //!    0.000000 Start of measurement
 //!    3.098426 1  18EBFF00x       Rx   d 8 01 A0 0F A6 60 3B D1 40  Length = 273910 BitCount = 141 ID = 418119424x
@@ -23,7 +24,8 @@
 //!   carry a classical frame**: then bit 1000h of the flags (FDF) is clear; bit 10h is a remote frame. Flags of 0
 //!   beside a length, BRS or ESI that only CAN FD has come from other tools: then it is CAN FD.
 //! - `TxRq` is the request to send, not a frame on the bus; its `Tx` row follows when it was sent. It is passed
-//!   over like the other events (`Statistic:`, `J1939TP`, `Status:`).
+//!   over like the other events that are known (`Statistic:`, `J1939TP`, `Status:`). A row of any other kind is
+//!   reported as unsupported: it may be a frame whose first word is damaged.
 //! - `ErrorFrame` tells no class that is the same in all versions; it is read as a bus error without detail.
 //!
 //! A last line without line end is read if all that its DLC promises is there and can't be a part of a longer
@@ -67,8 +69,11 @@ struct Asc {
     start: Option<u64>,
     block_seen: bool,
     /// The time of the last event since the start.
-    now: u64,
+    now: Timestamp,
 }
+
+/// What is expected of a time that the records can't hold.
+pub(crate) const LATEST: &str = "a time before the year 2554";
 
 impl LineFormat for Asc {
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>> {
@@ -109,9 +114,11 @@ impl Asc {
     fn event(&mut self, line: &Line<'_>, channels: &mut Channels) -> Result<Option<Record>, Damage> {
         let damage = |error| line.damage(Expected::from(error));
         let (rest, time) = seconds(skip_blanks(line.bytes)).map_err(damage)?;
-        self.now = if self.relative { self.now.saturating_add(time) } else { time };
+        let before = if self.relative { self.now } else { Timestamp::ZERO };
+        self.now = before.after(time).ok_or_else(|| line.malformed(LATEST))?;
         match asc_row::row(rest, self.radix).map_err(damage)?.1 {
-            Row::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "CAN or CAN FD, which are what is read")),
+            Row::Unknown if !line.ended => Err(line.cut("the end of this row")),
+            Row::Unknown => Err(line.as_damage(DamageKind::Unsupported, "a CAN or CAN FD frame, or a known event")),
             Row::Event if !line.ended && may_become_a_frame(skip_blanks(rest)) => Err(line.cut("the end of this row")),
             Row::Event | Row::Request => Ok(None),
             Row::Frame { in_doubt: true, .. } if !line.ended => {
@@ -119,7 +126,8 @@ impl Asc {
             }
             Row::Frame { channel, mut record, .. } => {
                 record.channel = intern(channel, channels).map_err(|missing| line.damage(missing))?;
-                record.timestamp = Timestamp(self.start.unwrap_or(0).saturating_add(self.now));
+                let time = self.now.after(self.start.unwrap_or(0));
+                record.timestamp = time.ok_or_else(|| line.malformed(LATEST))?;
                 record.place = line.place;
                 Ok(Some(record))
             }
@@ -151,6 +159,8 @@ fn header(line: &[u8]) -> Option<Header> {
     let is = |word: &[u8], name: &str| word.eq_ignore_ascii_case(name.as_bytes());
     match first {
         [] | [b'/', b'/', ..] => Some(Header::Nothing),
+        // A row whose first byte is damaged is no comment.
+        [b';', ..] if seconds(skip_blanks(text.get(1..).unwrap_or_default())).is_err() => Some(Header::Nothing),
         _ if is(first, "date") => Some(Header::Date(date(rest))),
         _ if is(first, "base") => {
             let radix = if is(second, "dec") { Radix::Decimal } else { Radix::Hexadecimal };

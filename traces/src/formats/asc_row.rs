@@ -23,9 +23,34 @@ pub(crate) enum Row<'a> {
     Request,
     /// Something else that happened.
     Event,
-    /// A frame of a kind that is not read.
-    Unsupported,
+    /// Neither a frame that is read nor an event that is known.
+    Unknown,
 }
+
+/// The first words of the rows that are known to be no frames: what CANoe and CANalyzer log besides CAN.
+const EVENTS: &[&[u8]] = &[
+    b"Start", // of measurement
+    b"Begin", // Triggerblock
+    b"End",   // TriggerBlock
+    b"log",   // direct start, direct stop, trigger event
+    b"Log",   // Trigger Event
+    b"SV:",   // a system variable
+    b"TFS:",  // a step of a test
+    b"TE:",   // the same
+    b"Comment:",
+    b"Trigger",
+    b"GPS-Device:",
+    b"GMGroup", // a marker
+    b"Li",      // LIN and FlexRay, Ethernet, avionics, K-Line
+    b"Fr",
+    b"ETH",
+    b"A429",
+    b"AFDX",
+    b"KLine",
+];
+
+/// What stands behind the channel in rows that are no frames.
+const CHANNEL_EVENTS: &[&[u8]] = &[b"Statistic:", b"J1939TP", b"J1939PG", b"OverloadFrame"];
 
 /// Class of an error frame that is not told more closely: a bus error, as Linux numbers it.
 pub(crate) const BUS_ERROR: ErrorClass = ErrorClass(0x80);
@@ -44,9 +69,23 @@ pub(crate) fn row(input: &[u8], radix: Radix) -> Parsed<'_, Row<'_>> {
     let (rest, first) = next_word(input, "an event")?;
     match first {
         b"CANFD" => fd_row(rest, radix),
-        b"CANXL" => Ok((rest, Row::Unsupported)),
         _ if first.iter().all(u8::is_ascii_digit) => classical_row(rest, first, radix),
-        _ => Ok((rest, Row::Event)),
+        _ if is_event(first, rest) => Ok((rest, Row::Event)),
+        _ => Ok((rest, Row::Unknown)),
+    }
+}
+
+/// Whether a row that begins with that word, followed by `rest`, is known to be no frame.
+fn is_event(first: &[u8], rest: &[u8]) -> bool {
+    let mut words = rest.split(|&b| b == b' ' || b == b'\t').filter(|word| !word.is_empty());
+    let (second, third) = (words.next().unwrap_or_default(), words.next().unwrap_or_default());
+    match first {
+        // `CAN 1 Status:chip status error active`
+        b"CAN" => second.iter().all(u8::is_ascii_digit) && third.starts_with(b"Status:"),
+        // LIN channels are L1, L2 and so on.
+        [b'L', digits @ ..] if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit) => true,
+        // `EnvSpeed := 12`: an environment variable.
+        _ => second == b":=" || EVENTS.contains(&first),
     }
 }
 
@@ -63,17 +102,20 @@ fn direction(word: &[u8]) -> Option<Direction> {
 }
 
 fn classical_row<'a>(input: &'a [u8], channel: &'a [u8], radix: Radix) -> Parsed<'a, Row<'a>> {
-    let Ok((rest, id)) = next_word(input, "an id") else { return Ok((input, Row::Event)) };
+    let (rest, id) = next_word(input, "an id")?;
     if id.eq_ignore_ascii_case(b"ErrorFrame") {
         return Ok((rest, error_frame(channel, Direction::Unknown)));
     }
-    let Ok((rest, word)) = next_word(rest, "Rx or Tx") else { return Ok((rest, Row::Event)) };
+    if CHANNEL_EVENTS.contains(&id) {
+        return Ok((rest, Row::Event));
+    }
+    let id = identifier(id, radix)?;
+    let (rest, word) = next_word(rest, "Rx, Tx or TxRq")?;
     let direction = match direction(word) {
         Some(direction) => direction,
         None if word == b"TxRq" => return Ok((rest, Row::Request)),
-        None => return Ok((rest, Row::Event)),
+        None => return Expected::fail(word, "Rx, Tx or TxRq"),
     };
-    let id = identifier(id, radix)?;
     let (rest, kind) = next_word(rest, "d (data) or r (remote)")?;
     match kind {
         b"d" | b"D" => {
@@ -87,6 +129,7 @@ fn classical_row<'a>(input: &'a [u8], channel: &'a [u8], radix: Radix) -> Parsed
         }
         b"r" | b"R" => {
             let (behind, dlc) = dlc(rest).unwrap_or((rest, 0));
+            no_more_bytes(behind)?;
             let Some(frame) = Frame::remote(id, dlc.min(8)) else { return Expected::fail(rest, "a length") };
             let in_doubt = skip_blanks(rest).is_empty();
             Ok((behind, frame_row(channel, frame.with_raw_dlc(dlc), direction, in_doubt)))
@@ -114,7 +157,7 @@ fn fd_row(input: &[u8], radix: Radix) -> Parsed<'_, Row<'_>> {
     let direction = match direction(word) {
         Some(direction) => direction,
         None if word == b"TxRq" => return Ok((at, Row::Request)),
-        None => return Expected::fail(word, "Rx or Tx"),
+        None => return Expected::fail(word, "Rx, Tx or TxRq"),
     };
     let (rest, id) = next_word(at, "an id")?;
     if id.eq_ignore_ascii_case(b"ErrorFrame") {

@@ -17,6 +17,7 @@
 //! - Dates (`-tA`) are in the recorder's local time. Small numbers count from the first frame (`-tz`) or from
 //!   the frame before (`-td`), and nothing tells which: differences go down again and again, so the lines at hand
 //!   when reading begins decide, and if they are few, the first number that is less than the one before.
+//! - A comment (`#`, `;`) that is a frame but for its first byte is reported: that byte, a space, may be damaged.
 //! - More than 64 bytes of CAN XL are cut by candump itself (`...`): the frame is reported as truncated.
 //!
 //! In a last line without line end the number in the brackets tells whether all bytes are there. Two doubts
@@ -68,7 +69,7 @@ impl LineFormat for Console {
     fn line(&mut self, line: &Line<'_>, channels: &mut Channels) -> Option<Result<Record, Damage>> {
         let plain = without_colours(line.bytes);
         let line = Line { bytes: &plain, ..*line };
-        match aside(&line, self.explained) {
+        match aside(&line, self.explained, is_frame) {
             Some(damage) => damage.map(Err),
             None => Some(self.frame_line(&line, channels)),
         }
@@ -77,6 +78,13 @@ impl LineFormat for Console {
     fn time_base(&self) -> TimeBase {
         self.clock.base.unwrap_or(TimeBase::None)
     }
+}
+
+/// Whether these bytes behind the first one of a line, a space, are those of a frame.
+fn is_frame(behind: &[u8]) -> bool {
+    let whole = |line: &[u8]| start(line).is_ok_and(|(rest, start)| body(rest, start.id, start.flags).is_ok());
+    // With a time, the first byte is its parenthesis.
+    whole(behind) || whole(&[b"(", behind].concat())
 }
 
 impl Console {

@@ -12,8 +12,9 @@
 //! - `R` or `T` is the direction (`-x`). Another single word behind the frame is ignored, unless it is two hex
 //!   digits: then the bytes were written apart, and cutting them off would invent a shorter frame.
 //! - `DROPCOUNT: dropped N CAN frames on …` tells that the recorder lost frames; it is given as
-//!   [`DamageKind::Dropped`]. Lines that begin with a tab behind an error frame are its explanation (`-e`).
-//! - Comments (`#`, `//`, `;`), blank lines, CRLF and a byte order mark are from people's editors.
+//!   [`crate::DamageKind::Dropped`]. Lines that begin with a tab behind an error frame are its explanation (`-e`).
+//! - Comments (`#`, `//`, `;`), blank lines, CRLF and a byte order mark are from people's editors. A line that would
+//!   be a frame if its first byte were another is no comment, but a damaged frame.
 //!
 //! # The last line without line end
 //!
@@ -29,8 +30,8 @@ use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::notation::{frame, write_frame};
 use crate::text_writer::{LineWriter, TextWriter};
 use crate::{
-    ChannelId, Channels, Damage, DamageKind, Direction, Flags, Frame, Loss, Losses, Place, ReadOptions, Reader, Record,
-    Source, TimeBase, Timestamp, WriteError, WriteOptions, Writer,
+    ChannelId, Channels, Damage, Direction, Flags, Frame, Loss, Losses, Place, ReadOptions, Reader, Record, Source,
+    TimeBase, Timestamp, WriteError, WriteOptions, Writer,
 };
 use std::fmt::Write as _;
 use std::io::Write;
@@ -117,24 +118,35 @@ impl CandumpLog {
         if let [b'(', ..] = text {
             return Some(self.frame_line(line, text, channels));
         }
-        match aside(line, self.explained) {
+        match aside(line, self.explained, is_frame) {
             Some(damage) => damage.map(Err),
             None => Some(Err(line.damage(Expected::new(text, "a frame, such as (1700000000.123456) can0 123#11")))),
         }
     }
 }
 
+/// Whether these bytes behind the first one of a line are those of a frame.
+fn is_frame(behind: &[u8]) -> bool {
+    let line = [b"(", behind].concat();
+    stamp_and_interface(&line).is_ok_and(|(rest, _)| frame(rest).is_ok())
+}
+
 /// A line of candump that is no frame, or of a person's editor, if it is one: with the loss that it tells.
-/// `explained` says that the frame before it was an error frame.
-pub(crate) fn aside(line: &Line<'_>, explained: bool) -> Option<Option<Damage>> {
+/// `explained` says that the frame before it was an error frame; `is_frame` whether a line without its first byte,
+/// which may be damaged, is one with a frame.
+pub(crate) fn aside(line: &Line<'_>, explained: bool, is_frame: impl FnOnce(&[u8]) -> bool) -> Option<Option<Damage>> {
     let text = skip_blanks(line.bytes);
-    match text {
-        [] | [b'#' | b';', ..] | [b'/', b'/', ..] => return Some(None),
-        _ if explained && line.bytes.first() == Some(&b'\t') => return Some(None),
-        _ => {}
+    let passed_over = match text {
+        [] => return Some(None),
+        [b'#' | b';', ..] | [b'/', b'/', ..] => true,
+        _ => explained && line.bytes.first() == Some(&b'\t'),
+    };
+    if passed_over {
+        let frame = line.bytes.split_first().is_some_and(|(_, behind)| is_frame(behind));
+        return Some(frame.then(|| line.malformed("a frame, or a comment that is none")));
     }
     let (_, count) = drop_count(text).ok()?;
-    Some(Some(line.as_damage(DamageKind::Dropped(count), "no loss")))
+    Some(Some(Damage::dropped(count, line.place)))
 }
 
 /// The longest interface name: far more than Linux has, yet 4096 of them are no burden.

@@ -21,6 +21,7 @@
 //!
 //! The data's closing quote shows that a last line without line end is whole.
 
+use crate::formats::asc::LATEST;
 use crate::grammar::{Expected, Parsed, billionths, decimal, hex_byte, hexadecimal, skip_blanks, tag};
 use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::{
@@ -85,8 +86,11 @@ impl MiniMon {
             return if self.start.is_none() { unsupported("a time such as 10:47:15") } else { None };
         }
         if let Some(count) = text.strip_prefix(b"Overruns:") {
-            let (_, lost) = decimal("a number")(skip_blanks(count)).unwrap_or_default();
-            return (lost > 0).then(|| line.as_damage(DamageKind::Dropped(lost), "no loss"));
+            return match decimal("a number")(skip_blanks(count)) {
+                Ok((_, 0)) => None,
+                Ok((_, lost)) => Some(Damage::dropped(lost, line.place)),
+                Err(_) => Some(line.malformed("a number of lost frames")),
+            };
         }
         let known = [&b"ASCII Trace"[..], b"Stop time:", b"Baudrate:", b"\"Time\"", b"Time"];
         if known.iter().any(|known| text.starts_with(known)) {
@@ -103,22 +107,23 @@ impl MiniMon {
         if !skip_blanks(rest).is_empty() {
             return Err(line.damage(Expected::new(rest, "the end of the line")));
         }
-        let mut record = Record::new(self.time(row.time), channels.intern(CHANNEL), row.frame);
+        let time = self.time(row.time).ok_or_else(|| line.malformed(LATEST))?;
+        let mut record = Record::new(time, channels.intern(CHANNEL), row.frame);
         record.direction = row.direction;
         record.place = line.place;
         Ok(record)
     }
 
-    fn time(&mut self, time: u64) -> Timestamp {
+    fn time(&mut self, time: u64) -> Option<Timestamp> {
         let zero = *self.zero.get_or_insert_with(|| {
             self.of_day = self.start.is_none_or(|start| time >= start);
-            self.date.map_or(0, |date| date + if self.of_day { 0 } else { self.start.unwrap_or(0) })
+            self.date.map_or(0, |date| date.saturating_add(if self.of_day { 0 } else { self.start.unwrap_or(0) }))
         });
         if self.of_day && time + DAY / 2 < self.last {
             self.zero = Some(zero.saturating_add(DAY));
         }
         self.last = time;
-        Timestamp(self.zero.unwrap_or(zero).saturating_add(time))
+        Timestamp(time).after(self.zero.unwrap_or(zero))
     }
 }
 

@@ -15,6 +15,7 @@ pub(crate) mod pcapng;
 pub(crate) mod python_can_csv;
 pub(crate) mod socketcan;
 pub(crate) mod trc;
+mod trc_numbers;
 mod trc_row;
 mod trc_writer;
 

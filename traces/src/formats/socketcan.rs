@@ -21,8 +21,13 @@
 //! 6  length, little-endian                            8  acceptance field, little-endian    12  payload
 //! ```
 //!
-//! Easily got wrong: FDF was not set by older kernels, so a packet of 72 bytes is CAN FD whatever the flags say;
-//! and the flags byte holds garbage where the reserved bytes are not zero.
+//! Whether a frame is classical or CAN FD is told by the protocol in a cooked capture (000Ch CAN, 000Dh CAN FD, 000Eh
+//! CAN XL), else by the length of the packet: the kernel gives 16 or 72 bytes. **The byte of the flags does not tell it:**
+//! in a classical frame it is filling, which programs that don't clear their `struct can_frame` send as garbage, and older
+//! kernels did not set FDF. Only in a packet that leaves out the filling, which no kernel writes, FDF can be believed.
+//!
+//! The raw DLC and the flags BRS and ESI are read where the bytes beside them are zero, as they are in a frame that
+//! somebody has filled in.
 
 use crate::damage::{Damage, Flaw};
 use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Place, Record, Timestamp, XlHeader};
@@ -43,8 +48,6 @@ const XL_HEADER: usize = 12;
 const XLF: u8 = 0x80;
 const SEC: u8 = 0x01;
 const RRS: u8 = 0x02;
-/// The link type that is written.
-pub(crate) const WRITTEN_LINK_TYPE: u16 = 227;
 
 /// The link types that carry CAN frames.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -58,12 +61,52 @@ pub(crate) enum LinkType {
 pub(crate) const LINK_TYPES: &str = "link type 227 (SocketCAN), 113 (Linux SLL) or 276 (Linux SLL2)";
 
 impl LinkType {
+    /// The length of a packet with a frame that has no payload.
+    pub(crate) const fn shortest_packet(self) -> usize {
+        match self {
+            Self::SocketCan => HEADER,
+            Self::Sll => 16 + HEADER,
+            Self::Sll2 => 20 + HEADER,
+        }
+    }
+
     pub(crate) const fn from_number(number: u16) -> Option<Self> {
         match number {
             227 => Some(Self::SocketCan),
             113 => Some(Self::Sll),
             276 => Some(Self::Sll2),
             _ => None,
+        }
+    }
+}
+
+/// What a frame's own bytes don't tell: which of the structures it is.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Protocol {
+    Classical,
+    Fd,
+    Xl,
+}
+
+impl Protocol {
+    /// As the header of a cooked capture says.
+    const fn from_number(number: u16) -> Option<Self> {
+        match number {
+            0x000C => Some(Self::Classical),
+            0x000D => Some(Self::Fd),
+            0x000E => Some(Self::Xl),
+            _ => None,
+        }
+    }
+
+    /// As the length of the packet tells; without filling, the length and the flags of the frame.
+    const fn of_packet(packet: usize, len: u8, flags: Flags) -> Self {
+        match packet {
+            _ if len & XLF != 0 => Self::Xl,
+            CLASSICAL_SIZE => Self::Classical,
+            FD_SIZE => Self::Fd,
+            _ if len > 8 || flags.contains(Flags::FDF) => Self::Fd,
+            _ => Self::Classical,
         }
     }
 }
@@ -78,21 +121,26 @@ pub(crate) struct Seen {
 
 /// A classical data frame in a packet of link type 227, with its bytes alone or in the eight of a socket: most of what
 /// there is, so it has a way of its own, which gives the same as [`decode`].
-#[inline]
+#[inline(always)]
 pub(crate) fn common_frame(packet: &[u8]) -> Option<Frame> {
     let &[a, b, c, d, len @ 0..=8, 0, 0, 0, ref data @ ..] = packet else { return None };
     let (id, len) = (u32::from_be_bytes([a, b, c, d]), usize::from(len));
-    if id & (REMOTE | ERROR) != 0 || data.len() != len && data.len() != 8 {
+    if id & (REMOTE | ERROR) != 0 {
         return None;
     }
-    Frame::new(can_id(id), data.get(..len)?)
+    let Some(filled) = data.first_chunk::<8>().filter(|_| data.len() == 8) else {
+        return if data.len() == len { Frame::new(can_id(id), data) } else { None };
+    };
+    // As one number: a copy of a length that is not known beforehand takes longer than all the rest.
+    let payload = u64::from_le_bytes(*filled) & u64::MAX.checked_shr(64 - 8 * len as u32).unwrap_or(0);
+    Some(Frame::short(can_id(id), payload.to_le_bytes(), len))
 }
 
 /// The frame in a whole packet; `order` is that of the file or section.
 pub(crate) fn decode(link: LinkType, order: Endianness, packet: &[u8]) -> Result<Seen, Flaw> {
     let (protocol, direction, interface, rest) = match link {
         LinkType::SocketCan => {
-            return Ok(Seen { record: frame(Endianness::Big, Endianness::Little, packet)?, interface: None });
+            return Ok(Seen { record: frame(Endianness::Big, Endianness::Little, None, packet)?, interface: None });
         }
         LinkType::Sll => {
             let (rest, (kind, hardware, _, _, protocol)) = sll(packet).map_err(|_| short("a header", 16, packet))?;
@@ -106,10 +154,10 @@ pub(crate) fn decode(link: LinkType, order: Endianness, packet: &[u8]) -> Result
             (protocol, direction(u16::from(kind)), Some(index), rest)
         }
     };
-    if !matches!(protocol, 0x000C..=0x000E) {
+    let Some(told) = Protocol::from_number(protocol) else {
         return Err(Flaw::unsupported("protocol 000Ch, 000Dh or 000Eh (CAN)", format!("{protocol:04X}h")));
-    }
-    let record = frame(order, order, rest)?.with_direction(direction);
+    };
+    let record = frame(order, order, Some(told), rest)?.with_direction(direction);
     Ok(Seen { record, interface })
 }
 
@@ -149,24 +197,28 @@ fn header(order: Endianness, i: &[u8]) -> IResult<&[u8], (u32, u8, u8, u8, u8)> 
     (u32(order), u8, u8, u8, u8).parse(i)
 }
 
-fn frame(order: Endianness, xl_order: Endianness, packet: &[u8]) -> Result<Record, Flaw> {
+fn frame(order: Endianness, xl_order: Endianness, told: Option<Protocol>, packet: &[u8]) -> Result<Record, Flaw> {
     let (payload, (id, len, flags, reserved, raw_dlc)) =
         header(order, packet).map_err(|_| short("a frame header", HEADER, packet))?;
-    if len & XLF != 0 {
-        return xl(id, xl_order, packet);
+    let zero = |bytes: [u8; 2]| bytes == [0; 2];
+    let fd_flags = if zero([reserved, raw_dlc]) { Flags::from_bits(flags & 7) } else { Flags::NONE };
+    match told.unwrap_or(Protocol::of_packet(packet.len(), len, fd_flags)) {
+        Protocol::Xl if len & XLF == 0 => Err(Flaw::malformed("the flag XLF of CAN XL", format!("{len:02X}h"))),
+        Protocol::Xl => xl(id, xl_order, packet),
+        _ if id & ERROR != 0 => error(id, data(payload, len, 8)?),
+        Protocol::Fd => fd(can_id(id), fd_flags, data(payload, len, 64)?),
+        Protocol::Classical => {
+            let raw_dlc = if zero([flags, reserved]) { raw_dlc } else { 0 };
+            classical(id, len, raw_dlc, payload)
+        }
     }
-    if id & ERROR != 0 {
-        return error(id, data(payload, len, 8)?);
-    }
-    let flags = if reserved == 0 && raw_dlc == 0 { Flags::from_bits(flags & 7) } else { Flags::NONE };
-    if packet.len() == FD_SIZE || flags.contains(Flags::FDF) || len > 8 {
-        return fd(can_id(id), flags, data(payload, len, 64)?);
-    }
+}
+
+fn classical(id: u32, len: u8, raw_dlc: u8, payload: &[u8]) -> Result<Record, Flaw> {
     let frame =
         if id & REMOTE != 0 { Frame::remote(can_id(id), len) } else { Frame::new(can_id(id), data(payload, len, 8)?) };
     let frame = frame.ok_or_else(|| Flaw::malformed("a length of at most 8", len.to_string()))?;
-    let frame = if reserved == 0 && raw_dlc != 0 { frame.with_raw_dlc(raw_dlc) } else { frame };
-    Ok(untimed(frame))
+    Ok(untimed(frame.with_raw_dlc(raw_dlc)))
 }
 
 /// As the kernel does, bits of the number that the identifier does not have are ignored.
@@ -211,7 +263,7 @@ fn xl(priority: u32, order: Endianness, packet: &[u8]) -> Result<Record, Flaw> {
 /// # Errors
 /// [`Damage`] if the bytes are no frame.
 pub fn from_socket(packet: &[u8]) -> Result<Record, Damage> {
-    frame(NATIVE, NATIVE, packet).map_err(|flaw| flaw.damage(Place::default()))
+    frame(NATIVE, NATIVE, None, packet).map_err(|flaw| flaw.damage(Place::default()))
 }
 
 /// Appends a frame as a `CAN_RAW` socket takes it, in this machine's byte order. CAN XL is not sent.
@@ -312,6 +364,39 @@ mod tests {
         assert_eq!(plain(&packet), "055##40000 ", "garbage in the reserved bytes: the flags are garbage too");
         packet[4] = 13;
         assert!(plain(&packet).contains("expected a length that CAN FD has, found \"13\""));
+    }
+
+    #[test]
+    fn the_filling_of_a_classical_frame_tells_nothing() {
+        for filling in 0..=u8::MAX {
+            for packet in [
+                [0, 0, 7, 1, 1, filling, 0, 0, 5, filling, 0, 0, 0, 0, 0, filling],
+                [0, 0, 7, 1, 1, filling, filling, filling, 5, 0, 0, 0, 0, 0, 0, 0],
+            ] {
+                assert_eq!(plain(&packet), "701#05 ", "filling {filling:02X}h");
+            }
+        }
+        let eight = [0, 0, 5, 0x81, 8, 4, 0, 0x0F, 1, 2, 3, 4, 5, 6, 7, 8];
+        assert_eq!(plain(&eight), "581#0102030405060708 ", "nor is there a raw DLC among garbage");
+        assert!(plain(&[0, 0, 7, 1, 9, 0, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0]).contains("at most 8, found \"9\""));
+        assert_eq!(plain(b"\0\0\x07\x01\x01\x05\0\0\x05"), "701##505 ", "no kernel leaves out the filling");
+        assert_eq!(plain(b"\0\0\x07\x01\x01\x05\0\x01\x05"), "701#05 ");
+    }
+
+    #[test]
+    fn the_protocol_of_a_cooked_capture_tells_the_kind() {
+        let cooked = |protocol: u8, frame: &[u8]| {
+            let header = [0, 0, 1, 0x18, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, protocol];
+            shown(LinkType::Sll, Endianness::Big, &[&header, frame].concat())
+        };
+        let short = [0, 0, 7, 1, 1, 4, 0, 0, 5, 0, 0, 0, 0, 0, 0, 0];
+        let long = [&short[..], &[0; FD_SIZE - CLASSICAL_SIZE]].concat();
+        assert_eq!(cooked(0x0C, &short), "701#05 Rx");
+        assert_eq!(cooked(0x0C, &long), "701#05 Rx");
+        assert_eq!(cooked(0x0D, &short), "701##405 Rx");
+        assert_eq!(cooked(0x0D, &long), "701##405 Rx");
+        assert!(cooked(0x0E, &short).contains("expected the flag XLF"));
+        assert!(cooked(0x0C, b"\0\x45\x01\x23\x81\x03\x05\0\x78\x56\x34\x12hello").contains("at most 8"));
     }
 
     #[test]

@@ -24,14 +24,18 @@
 //! - Four id digits are 11 bits, eight are 29; some tools leave out leading zeros of the eight.
 //! - 1.x writes `RTR` in place of the data, and 1.0 `ERROR` before it. A row of 1.0 with id FFFFFFFF, or of kind `Warng`, is a bus status.
 //! - Kinds of 2.x: DT data, RR remote, FD, FB (BRS), FE (ESI), BI (both), ER error frame; ST, EC and EV are status,
-//!   error counters and events, whose other columns may be empty.
+//!   error counters and events. The latter four have no id: the column is empty or `-`. A row of another kind is
+//!   reported.
+//! - All rows are numbered, so that a missing one shows (see [`trc_numbers`](super::trc_numbers)).
 //! - L is the DLC, l the length. A classical DLC of 9 to 15 has eight bytes; anything else is malformed.
 //!
 //! Error frames tell no class as Linux does, and are read as a bus error without detail. A last line without line
 //! end is read if all that its length promises is there.
 
+use crate::formats::asc::LATEST;
 use crate::formats::candump_log::intern;
-use crate::formats::trc_row::{Column, Row, columns, message_number, millis, row};
+use crate::formats::trc_numbers::Numbers;
+use crate::formats::trc_row::{Column, Content, columns, message_number, millis, row};
 use crate::grammar::{Parsed, billionths, decimal, skip_blanks};
 use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::{Channels, Damage, DamageKind, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
@@ -50,20 +54,21 @@ pub(crate) fn sniff(head: &[u8]) -> bool {
     head_lines(head).take(SNIFF_LINES).any(|(line, _)| {
         line.starts_with(b";$FILEVERSION=") || line.starts_with(b";$STARTTIME=") || {
             let numbered = number_and_offset(line).is_ok_and(|(_, (_, bracket))| bracket);
-            numbered && matches!(row(line, &Version::V1_0.columns()), Ok((_, Row::Frame { .. })))
+            let content = row(line, &Version::V1_0.columns()).map(|(_, row)| row.content);
+            numbered && matches!(content, Ok(Content::Frame { .. }))
         }
     })
 }
 
 fn number_and_offset(line: &[u8]) -> Parsed<'_, (u64, bool)> {
-    let (rest, bracket) = message_number(skip_blanks(line))?;
+    let (rest, (_, bracket)) = message_number(skip_blanks(line))?;
     let (rest, offset) = millis(skip_blanks(rest))?;
     Ok((rest, (offset, bracket)))
 }
 
 pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
     let columns = Version::V1_0.columns();
-    Box::new(TextReader::new(source, Trc { columns, start: None, start_in_text: None }))
+    Box::new(TextReader::new(source, Trc { columns, start: None, start_in_text: None, numbers: Numbers::default() }))
 }
 
 struct Trc {
@@ -72,6 +77,7 @@ struct Trc {
     start: Option<u64>,
     /// The same from a comment, which is all that version 1.0 has.
     start_in_text: Option<u64>,
+    numbers: Numbers,
 }
 
 enum Version {
@@ -107,6 +113,14 @@ impl LineFormat for Trc {
         }
     }
 
+    fn owed(&mut self) -> Option<Damage> {
+        self.numbers.owed()
+    }
+
+    fn end(&mut self) -> Option<Damage> {
+        self.numbers.end()
+    }
+
     fn time_base(&self) -> TimeBase {
         if self.start().is_some() { TimeBase::Local } else { TimeBase::Start }
     }
@@ -132,6 +146,7 @@ impl Trc {
             self.columns = version.columns();
         } else if let Some(days) = comment.strip_prefix(b"$STARTTIME=") {
             self.start = start_time(days.trim_ascii());
+            self.numbers.restart();
             if self.start.is_none() {
                 return unsupported("days since 1899-12-30, such as 44548.6028595139");
             }
@@ -142,22 +157,32 @@ impl Trc {
             }
         } else if let Some(text) = skip_blanks(comment).strip_prefix(b"Start time:") {
             self.start_in_text = start_in_text(text.trim_ascii());
+        } else if row(comment, &self.columns).is_ok() {
+            self.numbers.pass();
+            return Some(line.malformed("a row, or a comment that is none"));
         }
         None
     }
 
     fn row(&mut self, line: &Line<'_>, channels: &mut Channels) -> Result<Option<Record>, Damage> {
-        match row(line.bytes, &self.columns).map_err(|error| line.damage(error.into()))?.1 {
+        let row = row(line.bytes, &self.columns).map(|(_, row)| row);
+        match row.as_ref().map(|row| row.number) {
+            Ok(Some(number)) => self.numbers.see(number, line.place),
+            // What is malformed had a number too.
+            _ => self.numbers.pass(),
+        }
+        match row.map_err(|error| line.damage(error.into()))?.content {
             // What kind of row it was going to be can't be told.
-            Row::Event if !line.ended => Err(line.cut("the end of this row")),
-            Row::Event => Ok(None),
-            Row::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "a kind of row of TRC 1.0 to 2.1")),
-            Row::Frame { in_doubt: true, .. } if !line.ended => {
+            Content::Event | Content::Unsupported if !line.ended => Err(line.cut("the end of this row")),
+            Content::Event => Ok(None),
+            Content::Unsupported => Err(line.as_damage(DamageKind::Unsupported, "a kind of row of TRC 1.0 to 2.1")),
+            Content::Frame { in_doubt: true, .. } if !line.ended => {
                 Err(line.cut("the end of this line, as the frame may go on,"))
             }
-            Row::Frame { offset, bus, mut record, .. } => {
+            Content::Frame { offset, bus, mut record, .. } => {
                 record.channel = intern(bus, channels).map_err(|missing| line.damage(missing))?;
-                record.timestamp = Timestamp(self.start().unwrap_or(0).saturating_add(offset));
+                let time = Timestamp(offset).after(self.start().unwrap_or(0));
+                record.timestamp = time.ok_or_else(|| line.malformed(LATEST))?;
                 record.place = line.place;
                 Ok(Some(record))
             }

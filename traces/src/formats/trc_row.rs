@@ -40,8 +40,14 @@ pub(crate) fn columns(letters: &[u8]) -> Option<Vec<Column>> {
     letters.split(|&b| b == b',').map(column).collect()
 }
 
+/// A row: its message number, where its version has one, and what it tells.
+pub(crate) struct Row<'a> {
+    pub(crate) number: Option<u64>,
+    pub(crate) content: Content<'a>,
+}
+
 /// What a row tells.
-pub(crate) enum Row<'a> {
+pub(crate) enum Content<'a> {
     Frame {
         offset: u64,
         bus: &'a [u8],
@@ -56,6 +62,7 @@ pub(crate) enum Row<'a> {
 
 /// What the columns of a row have told so far.
 struct Fields<'a> {
+    number: Option<u64>,
     offset: u64,
     kind: Kind,
     bus: &'a [u8],
@@ -76,50 +83,80 @@ enum Kind {
 }
 
 pub(crate) fn row<'a>(line: &'a [u8], columns: &[Column]) -> Parsed<'a, Row<'a>> {
-    // The channel of files that have none.
-    let mut fields =
-        Fields { offset: 0, kind: Kind::Classical, bus: b"1", id: None, direction: Direction::Unknown, length: None };
+    let mut fields = Fields {
+        number: None,
+        offset: 0,
+        kind: Kind::Classical,
+        // The channel of files that have none.
+        bus: b"1",
+        id: None,
+        direction: Direction::Unknown,
+        length: None,
+    };
+    let (rest, content) = content(line, columns, &mut fields)?;
+    Ok((rest, Row { number: fields.number, content }))
+}
+
+fn content<'a>(line: &'a [u8], columns: &[Column], fields: &mut Fields<'a>) -> Parsed<'a, Content<'a>> {
     let mut rest = line;
-    for column in columns {
+    let mut columns = columns.iter();
+    // Version 1.0 has no column that tells a bus status from a frame.
+    let kindless = !columns.as_slice().iter().any(|c| matches!(c, Column::Kind | Column::DirectionOrKind));
+    while let Some(column) = columns.next() {
+        if *column == Column::Data {
+            break;
+        }
         rest = skip_blanks(rest);
-        let at = rest;
         match column {
-            Column::Number => rest = message_number(rest)?.0,
+            Column::Number => {
+                let (behind, (number, _)) = message_number(rest)?;
+                (rest, fields.number) = (behind, Some(number));
+            }
             Column::Offset => (rest, fields.offset) = millis(rest)?,
             Column::Bus => (rest, fields.bus) = word("a bus")(rest)?,
             Column::Reserved => rest = word("the reserved column")(rest)?.0,
-            Column::Kind | Column::DirectionOrKind | Column::Direction => {
-                let (behind, value) = word("a direction or kind")(rest)?;
+            Column::Kind => {
+                let (behind, value) = word("a kind of row")(rest)?;
                 rest = behind;
-                match value {
-                    b"Rx" => fields.direction = Direction::Rx,
-                    b"Tx" => fields.direction = Direction::Tx,
-                    _ => match (kind(value), column) {
-                        (Some(kind), _) => fields.kind = kind,
-                        (None, Column::Kind) => return Ok((rest, status(value))),
-                        (None, Column::DirectionOrKind) => return Ok((rest, Row::Event)),
-                        _ => return Expected::fail(at, "Rx or Tx"),
-                    },
-                }
-                if fields.kind == Kind::Error && *column != Column::Kind {
-                    return Ok((rest, error_frame(&fields)));
+                match kind(value) {
+                    Some(Kind::Error) => return status(b"ER", rest, columns.as_slice(), fields),
+                    Some(kind) => fields.kind = kind,
+                    None => return status(value, rest, columns.as_slice(), fields),
                 }
             }
-            Column::Id if fields.kind == Kind::Error => rest = word("an id")(rest)?.0,
-            Column::Id if rest.starts_with(b"FFFFFFFF") => return Ok((rest, Row::Event)),
+            Column::Direction | Column::DirectionOrKind => {
+                let (behind, value) = word("Rx or Tx")(rest)?;
+                match (direction(value), value) {
+                    (Some(direction), _) => (rest, fields.direction) = (behind, direction),
+                    (None, b"Error") if *column == Column::DirectionOrKind => return Ok((behind, error_frame(fields))),
+                    (None, b"Warng") if *column == Column::DirectionOrKind => return Ok((behind, Content::Event)),
+                    (None, _) if *column == Column::DirectionOrKind => return Ok((behind, Content::Unsupported)),
+                    _ => return Expected::fail(rest, "Rx or Tx"),
+                }
+            }
+            Column::Id if kindless && word("an id")(rest).is_ok_and(|(_, id)| id == b"FFFFFFFF") => {
+                return Ok((rest, Content::Event));
+            }
             Column::Id => {
                 let (behind, id) = identifier(rest)?;
                 (rest, fields.id) = (behind, Some(id));
             }
-            Column::Dlc | Column::Length if fields.kind == Kind::Error => return Ok((rest, error_frame(&fields))),
             Column::Dlc | Column::Length => {
                 let (behind, length) = decimal("a length")(rest)?;
                 (rest, fields.length) = (behind, Some((length, *column)));
             }
-            Column::Data => break,
+            Column::Data => {}
         }
     }
-    data(rest, &fields)
+    data(rest, fields)
+}
+
+fn direction(word: &[u8]) -> Option<Direction> {
+    match word {
+        b"Rx" => Some(Direction::Rx),
+        b"Tx" => Some(Direction::Tx),
+        _ => None,
+    }
 }
 
 fn kind(word: &[u8]) -> Option<Kind> {
@@ -130,22 +167,41 @@ fn kind(word: &[u8]) -> Option<Kind> {
         b"FB" => Kind::Fd(Flags::BRS),
         b"FE" => Kind::Fd(Flags::ESI),
         b"BI" => Kind::Fd(Flags::BRS.with(Flags::ESI)),
-        b"ER" | b"Error" => Kind::Error,
+        b"ER" => Kind::Error,
         _ => return None,
     })
 }
 
-fn status(kind: &[u8]) -> Row<'_> {
-    if matches!(kind, b"ST" | b"EC" | b"EV") { Row::Event } else { Row::Unsupported }
+/// A row of 2.x that is no data or remote frame: an error frame, a status, error counters or an event. None of them has
+/// an id, or it is a frame whose kind is damaged.
+fn status<'a>(kind: &[u8], input: &'a [u8], columns: &[Column], fields: &mut Fields<'a>) -> Parsed<'a, Content<'a>> {
+    if !matches!(kind, b"ER" | b"ST" | b"EC" | b"EV") {
+        return Ok((input, Content::Unsupported));
+    }
+    let mut rest = skip_blanks(input);
+    if columns.first() == Some(&Column::Bus) {
+        let (behind, bus) = word("a bus")(rest)?;
+        (rest, fields.bus) = (skip_blanks(behind), bus);
+    }
+    let (behind, first) = word("a direction")(rest)?;
+    let (after, second) = word("a direction")(skip_blanks(behind)).unwrap_or((&[], &[]));
+    let (rest, way) = if first == b"-" { (after, second) } else { (behind, first) };
+    match direction(way) {
+        Some(direction) => fields.direction = direction,
+        // An event may be any text.
+        None if kind == b"EV" && direction(second).is_none() => return Ok((rest, Content::Event)),
+        None => return Expected::fail(first, "no id, as the row is of a kind that has none"),
+    }
+    Ok((rest, if kind == b"ER" { error_frame(fields) } else { Content::Event }))
 }
 
-fn frame_row<'a>(fields: &Fields<'a>, record: Record, in_doubt: bool) -> Row<'a> {
+fn frame_row<'a>(fields: &Fields<'a>, record: Record, in_doubt: bool) -> Content<'a> {
     let record = record.with_direction(fields.direction);
-    Row::Frame { offset: fields.offset, bus: fields.bus, record, in_doubt }
+    Content::Frame { offset: fields.offset, bus: fields.bus, record, in_doubt }
 }
 
-fn error_frame<'a>(fields: &Fields<'a>) -> Row<'a> {
-    Frame::error(BUS_ERROR, &[]).map_or(Row::Event, |frame| frame_row(fields, at_zero(frame), false))
+fn error_frame<'a>(fields: &Fields<'a>) -> Content<'a> {
+    Frame::error(BUS_ERROR, &[]).map_or(Content::Event, |frame| frame_row(fields, at_zero(frame), false))
 }
 
 fn at_zero(frame: Frame) -> Record {
@@ -153,14 +209,10 @@ fn at_zero(frame: Frame) -> Record {
 }
 
 /// What stands in the last column, and so the frame.
-fn data<'a>(input: &'a [u8], fields: &Fields<'a>) -> Parsed<'a, Row<'a>> {
+fn data<'a>(input: &'a [u8], fields: &Fields<'a>) -> Parsed<'a, Content<'a>> {
     let at = skip_blanks(input);
     let (Some(id), Some((length, column))) = (fields.id, fields.length) else {
-        return if fields.kind == Kind::Error {
-            Ok((at, error_frame(fields)))
-        } else {
-            Expected::fail(at, "an id and a length")
-        };
+        return Expected::fail(at, "an id and a length");
     };
     let dlc = if column == Column::Dlc && length <= 15 { length as u8 } else { 0 };
     if fields.kind == Kind::Classical && at.starts_with(b"ERROR") {
@@ -169,9 +221,11 @@ fn data<'a>(input: &'a [u8], fields: &Fields<'a>) -> Parsed<'a, Row<'a>> {
     let is_remote = fields.kind == Kind::Remote || fields.kind == Kind::Classical && at.starts_with(b"RTR");
     if is_remote {
         let frame = Frame::remote(id, length.min(8) as u8).map(|frame| frame.with_raw_dlc(dlc));
-        let known = length <= if column == Column::Dlc { 15 } else { 8 };
+        let most = if column == Column::Dlc { 15 } else { 8 };
+        // `RTR` is the end of the row. Without it a number may get a second digit, if that fits.
+        let in_doubt = fields.kind == Kind::Remote && input.is_empty() && 10 * length <= most && length > 0;
         return match frame {
-            Some(frame) if known => Ok((at, frame_row(fields, at_zero(frame), at.is_empty()))),
+            Some(frame) if length <= most => Ok((at, frame_row(fields, at_zero(frame), in_doubt))),
             _ => Expected::fail(at, "a remote frame's DLC of at most 15"),
         };
     }
@@ -213,11 +267,11 @@ fn bytes(input: &[u8]) -> Parsed<'_, Vec<u8>> {
 }
 
 /// `12)` or `12`, and whether there is a bracket.
-pub(crate) fn message_number(input: &[u8]) -> Parsed<'_, bool> {
-    let (rest, _) = decimal("a message number")(input)?;
+pub(crate) fn message_number(input: &[u8]) -> Parsed<'_, (u64, bool)> {
+    let (rest, number) = decimal("a message number")(input)?;
     match rest {
-        [b')', rest @ ..] => Ok((rest, true)),
-        _ => Ok((rest, false)),
+        [b')', rest @ ..] => Ok((rest, (number, true))),
+        _ => Ok((rest, (number, false))),
     }
 }
 

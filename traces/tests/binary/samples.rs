@@ -17,6 +17,12 @@ fn pcap_cooked() {
     reads_as_others_do("cooked-v2.pcap");
 }
 
+/// The filling of `struct can_frame` is garbage; the protocol tells that these are classical frames.
+#[test]
+fn pcap_of_a_program_that_does_not_clear_its_frames() {
+    reads_as_others_do("unclean-filling.pcap");
+}
+
 #[test]
 fn pcapng() {
     reads_as_others_do("two-interfaces.pcapng");

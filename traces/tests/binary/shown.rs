@@ -81,6 +81,7 @@ pub const SAMPLES: &[&str] = &[
     "cooked.pcap",
     "cooked-big-endian.pcap",
     "cooked-v2.pcap",
+    "unclean-filling.pcap",
     "two-interfaces.pcapng",
     "three-sections.pcapng",
     "ros2-zstd.mcap",

@@ -80,6 +80,43 @@ fn other_events_are_passed_over_but_move_a_relative_clock() {
 }
 
 #[test]
+fn a_row_that_is_neither_a_frame_nor_a_known_event_is_reported() {
+    let whole = "  0.1 1  100             Rx   d 2 11 22\n";
+    assert_eq!(shown(whole.trim_end()), "100#1122 Rx");
+    for (row, kind) in [
+        ("0.1 x  100 Rx d 2 11 22", DamageKind::Unsupported),
+        ("0.1 CANFE 1 Rx 100 1 0 2 2 11 22", DamageKind::Unsupported),
+        ("0.1 CAND 1 Rx 100 1 0 2 2 11 22", DamageKind::Unsupported),
+        ("0.1 1 100 Ry d 2 11 22", DamageKind::Malformed),
+        ("0.1 1 100 xR d 2 11 22", DamageKind::Malformed),
+        ("0.1 1 1x0 Rx d 2 11 22", DamageKind::Malformed),
+        ("0.1 1 100", DamageKind::Malformed),
+        ("0.1 1", DamageKind::Malformed),
+        ("0.1 1 100 Rx r 2 11 22", DamageKind::Malformed),
+        ("0.1 1 ErrorFrane", DamageKind::Malformed),
+        ("0.1 1 Statistik: D 0", DamageKind::Malformed),
+        ("; 0.1 1 100 Rx d 2 11 22", DamageKind::Malformed),
+        ("99999999999.1 1 100 Rx d 2 11 22", DamageKind::Malformed),
+        ("18446744073.1 1 100 Rx d 2 11 22", DamageKind::Malformed),
+    ] {
+        assert_eq!(damage(ASC, &format!("{HEADER}{row}\n")).kind, kind, "{row}");
+    }
+    let relative = HEADER.replace("absolute", "relative") + "18446744073.5 1 100 Rx d 0\n".repeat(2).as_str();
+    assert_eq!(items(ASC, &relative).iter().filter(|item| item.is_err()).count(), 2);
+    for event in [
+        "Start of measurement",
+        "SV: 2 0 1 ::x::y = 1",
+        "CAN 1 Status:chip status error active",
+        "EnvSpeed := 12",
+        "L1 3c Rx 8",
+        "1 OverloadFrame",
+        "log trigger event",
+    ] {
+        assert_eq!(items(ASC, &format!("{HEADER}0.1 {event}\n; time can ident\n")), [], "{event}");
+    }
+}
+
+#[test]
 fn dates() {
     let start = |date: &str| {
         one(ASC, &format!("date {date}\nbase hex timestamps absolute\n0.0 1 100 Rx d 0\n")).timestamp.nanos()

@@ -153,3 +153,12 @@ fn recognised() {
         assert_ne!(Format::sniff(text.as_bytes()), Some(CONSOLE), "{text}");
     }
 }
+
+#[test]
+fn a_frame_with_a_damaged_first_byte_is_no_comment() {
+    for line in ["# can0  123   [2]  11 22\n", "; can0  123   [2]  11 22\n", "#1700000000.1)  can0  123   [2]  11 22\n"]
+    {
+        assert_eq!(damage(CONSOLE, line).kind, DamageKind::Malformed, "{line}");
+    }
+    assert_eq!(items(CONSOLE, "# can0 123\n# taken (1.5) s later\n"), []);
+}

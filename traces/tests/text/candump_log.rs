@@ -62,6 +62,16 @@ fn what_explains_and_comments_is_passed_over() {
 }
 
 #[test]
+fn a_frame_with_a_damaged_first_byte_is_no_comment() {
+    for first in ['#', ';', '\t', ' ', 'x'] {
+        let text = format!("(1700000000.1) can0 20000004#0008000000000000\n{first}1700000000.123456) can0 123#11\n");
+        let items = items(LOG, &text);
+        assert_eq!(items[1].as_ref().unwrap_err().kind, DamageKind::Malformed, "{first}");
+    }
+    assert_eq!(items(LOG, "#(1700000000.1) can0 123#11\n# 1700000000.123456) can0 123#11\n;x\n//y\n"), []);
+}
+
+#[test]
 fn malformed_lines_are_located_and_reading_goes_on() {
     for (text, column, expected) in [
         ("(1700000000.123456) can0 123#112\n", 33, "second hex digit"),

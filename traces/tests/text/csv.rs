@@ -101,6 +101,7 @@ fn minimon_with_english_settings() {
 #[test]
 fn minimon_mistakes() {
     for (row, kind) in [
+        ("Overruns: many\n", DamageKind::Malformed),
         ("\"10:47:15.23\";\"800\";\"Std\";\"\";\"00\"\n", DamageKind::Malformed),
         ("\"10:47:15.23\";\"80\";\"Std\";\"\";\"00 1\"\n", DamageKind::Malformed),
         ("\"10:47:15.23\";\"80\";\"Std\";\"\";\"00 00 00 00 00 00 00 00 00\"\n", DamageKind::Malformed),

@@ -81,6 +81,83 @@ fn version_2_says_its_columns() {
     assert_eq!(seen(v2_1), expected);
 }
 
+const V1_0: &str = ";###\n";
+const V1_1: &str = ";$FILEVERSION=1.1\n;$STARTTIME=44548.6028595139\n";
+const V2_0: &str = ";$FILEVERSION=2.0\n;$STARTTIME=44548.6028595139\n;$COLUMNS=N,O,T,I,d,l,D\n";
+const V2_1: &str = ";$FILEVERSION=2.1\n;$STARTTIME=44548.6028595139\n;$COLUMNS=N,O,T,B,I,d,R,L,D\n";
+
+#[test]
+fn a_row_that_is_neither_a_frame_nor_a_known_status_is_reported() {
+    let (malformed, unsupported) = (DamageKind::Malformed, DamageKind::Unsupported);
+    for (header, row, kind) in [
+        (V1_0, "1)     1  FFFFFFF0  1  05", malformed),
+        (V1_0, "1)     1  FFFFFFFF1  1  05", malformed),
+        (V1_1, "1)     1.0  RX     0100  1  05", unsupported),
+        (V1_1, "1)     1.0  Ry     0100  1  05", unsupported),
+        (V1_1, "1)     1.0  DT     0100  1  05", unsupported),
+        (V1_1, "1)     1.0  Rx FFFFFFFF  1  05", malformed),
+        (V1_1, "1)     1.0  Rx FFFFFFF0  1  05", malformed),
+        (V1_1, ";1)     1.0  Rx     0100  1  05", malformed),
+        (V2_0, "1      1.0 ST     0100 Rx 1  05", malformed),
+        (V2_0, "1      1.0 ER     0100 Rx 1  05", malformed),
+        (V2_0, "1      1.0 EV     0100 Rx 1  05", malformed),
+        (V2_0, "1      1.0 DX     0100 Rx 1  05", unsupported),
+        (V2_1, "1      1.0 ST 1      0100 Rx -  1    05", malformed),
+        (V2_1, "1      1.0 EC 1      0100 Rx -  1    05", malformed),
+        (V2_1, "1      1.0 ER 1      0100 Rx -  1", malformed),
+        (V2_1, "1      1.0 EV 1      0100 Rx -  1", malformed),
+        (V2_1, "1      1.0 XT 1      0100 Rx -  1    05", unsupported),
+        (V2_1, "1      18446744073709.0 DT 1      0100 Rx -  1    05", malformed),
+    ] {
+        assert_eq!(damage(TRC, &format!("{header}{row}\n")).kind, kind, "{row}");
+    }
+    for (header, row, expected) in [
+        (V1_0, "1)     1  FFFFFFFF  4  00 00 00 08 -- -- -- -- BUSHEAVY", ""),
+        (V1_1, "1)     1.0  Warng  FFFFFFFF  4  00 00 00 08  BUSHEAVY", ""),
+        (V2_0, "1      1.0 ST          Rx    00 00 00 08", ""),
+        (V2_0, "1      1.0 ER          Rx    04 00 02 00 00", "20000080# Rx"),
+        (V2_0, "1      1.0 EV  any text", ""),
+        (V2_1, "1      1.0 EC 1         - Rx -  2    01 02", ""),
+        (V2_1, "1      1.0 EV 1         - -  -  -    any text", ""),
+        (V2_1, "1      1.0 ER 2         - Tx -  5    04 00 02 00 00", "20000080# Tx"),
+    ] {
+        let expected: Vec<_> = [expected].into_iter().filter(|text| !text.is_empty()).collect();
+        assert_eq!(seen(&format!("{header}{row}\n")), expected, "{row}");
+    }
+}
+
+#[test]
+fn rows_that_are_missing_show_in_the_message_numbers() {
+    let row = |number: u32| format!("{number:>7}      1.0 DT 1      0100 Rx -  1    05\n");
+    let kinds = |numbers: &[u32]| {
+        let text: String = numbers.iter().map(|&number| row(number)).collect();
+        items(TRC, &format!("{V2_1}{text}")).into_iter().map(|item| item.err().map(|d| d.kind)).collect::<Vec<_>>()
+    };
+    assert_eq!(kinds(&[5, 6, 7]), [None; 3]);
+    assert_eq!(kinds(&[5, 9, 10]), [None, None, None, Some(DamageKind::Dropped(3))]);
+    assert_eq!(kinds(&[5, 96, 7, 8]), [None, None, None, Some(DamageKind::Malformed), None]);
+    assert_eq!(kinds(&[5, 9]), [None, None, Some(DamageKind::Dropped(3))]);
+    let status = "      6      1.0 ST 1         - Rx -  4    00 00 00 08\n";
+    let broken = "      7      1.0 DT 1      01G0 Rx -  4    00 00 00 08\n";
+    assert_eq!(seen(&format!("{V2_1}{}{status}{broken}{}", row(5), row(8))), ["100#05 Rx", "malformed", "100#05 Rx"]);
+}
+
+#[test]
+fn a_last_remote_row_without_line_end_is_read_unless_its_length_may_go_on() {
+    let last = |length: &str| {
+        let row = format!("{V2_1}      1      1.0 RR 1      0100 Rx -  {length}");
+        items(TRC, &row).remove(0).map(|record| record.notation().to_string()).map_err(|damage| damage.kind)
+    };
+    assert_eq!(last("3"), Ok("100#R3".to_owned()));
+    assert_eq!(last("0"), Ok("100#R".to_owned()));
+    assert_eq!(last("12"), Ok("100#R8_C".to_owned()));
+    assert_eq!(last("1"), Err(DamageKind::Truncated), "12 for one");
+    assert_eq!(last("1 "), Ok("100#R1".to_owned()));
+    assert_eq!(last(""), Err(DamageKind::Truncated));
+    let by_length = format!("{V2_0}      1      1.0 RR     0100 Rx 1");
+    assert!(items(TRC, &by_length)[0].is_ok(), "there are no lengths above 8");
+}
+
 #[test]
 fn rows_with_too_many_bytes_are_malformed_and_reading_goes_on() {
     let text = ";$FILEVERSION=1.1\n;$STARTTIME=44548.6028595139\n\

@@ -1,51 +1,42 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::PerNode;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity, is_from_node};
+use crate::findings::{Context, Seen};
 use crate::message::Service;
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[],
-    also: Also::Resetting,
-    make: Some(|thresholds| {
-        Box::new(BeforeBootUp {
-            grace: Duration::from_millis(thresholds.get(&METADATA, "grace")),
-            within: Duration::from_millis(thresholds.get(&METADATA, "within")),
-            early: (0..128).map(|_| None).collect(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/before-boot-up",
-    severity: Severity::Warning,
-    title: "a node sends before its boot-up message",
-    what: "After it was reset by an NMT command, a node sends something else (EMCY, heartbeat, PDO, SDO answer) before \
-           its boot-up message. A boot-up that comes much later belongs to something else. What comes within the grace time after the command may still have been queued.",
-    why: "The boot-up message says that the node has left initialisation. Before it, a master does not listen, so the \
-          message is lost on it; an EMCY lost there never comes again.",
-    advice: "A fault of the device's firmware: it must send its boot-up message first (CiA 301, NMT slave states).",
-    thresholds: &[
-        Threshold { name: "grace", default: 100, unit: "ms", meaning: "what may still be queued" },
-        Threshold { name: "within", default: 10_000, unit: "ms", meaning: "a later boot-up is not that of the reset" },
-    ],
-};
-
+/// a node sends before its boot-up message
+///
+/// After it was reset by an NMT command, a node sends something else (EMCY, heartbeat, PDO, SDO answer) before its
+/// boot-up message. A boot-up that comes much later belongs to something else. What comes within the grace time after
+/// the command may still have been queued.
+///
+/// # Why
+/// The boot-up message says that the node has left initialisation. Before it, a master does not listen, so the message
+/// is lost on it; an EMCY lost there never comes again.
+///
+/// # What to do
+/// A fault of the device's firmware: it must send its boot-up message first (CiA 301, NMT slave states).
+#[rule(id = "bus/before-boot-up", severity = Warning, also = Resetting)]
 struct BeforeBootUp {
+    /// what may still be queued
+    #[threshold(ms = 100)]
     grace: Duration,
+    /// a later boot-up is not that of the reset
+    #[threshold(ms = 10_000)]
     within: Duration,
     /// The first frame since the reset, by node.
-    early: Vec<Option<Seen>>,
+    early: PerNode<Option<Seen>>,
 }
 
 impl Rule for BeforeBootUp {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
         let reset = context.scene.facts.node(node).pending_reset;
-        let early = &mut self.early[usize::from(node.raw())];
+        let early = &mut self.early[node];
         if context.decoded.service != Service::BootUp {
-            let is_meant = context.decoded.service != Service::Guarding && is_from_node(context.decoded);
+            let is_meant = context.decoded.service != Service::Guarding && context.decoded.is_from_node();
             let Some(reset) = reset.filter(|_| is_meant) else { return };
             if early.is_none() && context.now().since(reset) > self.grace {
                 *early = Some(context.seen());
@@ -65,6 +56,6 @@ impl Rule for BeforeBootUp {
     }
 
     fn interrupted(&mut self) {
-        self.early.fill_with(|| None);
+        self.early.reset();
     }
 }

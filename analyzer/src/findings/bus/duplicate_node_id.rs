@@ -1,39 +1,33 @@
 use super::interleaving::Interleaving;
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
 use crate::network::sdo::ChannelIndex;
 use crate::wire::error_control::State;
 use crate::wire::sdo::{Request, Response};
-use crate::{Multiplexer, NodeId};
+use crate::{Multiplexer, NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(DuplicateNodeId::default())),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/duplicate-node-id",
-    severity: Severity::Error,
-    title: "two devices have the same node-ID",
-    what: "One node-ID speaks with two voices: its heartbeats alternate between two states without any command, or \
-           between two intervals; one SDO request gets two different answers, or several requests get the same answer twice; a second boot-up follows the first \
-           without a reset while the other device's heartbeat goes on; or a part of its identity that can't change \
-           is read with two values, without a boot-up in between. Copies of a frame that the interface itself made \
-           don't count.",
-    why: "Both devices obey and answer whatever is sent to this node-ID. Configuration of one destroys the other's, \
-          and data of both are mixed on the same CAN-IDs, where equal beginnings even cause bus errors.",
-    advice: "Disconnect the devices one by one until the node-ID is silent, and give one of them another. Devices of \
-             the same type that were all delivered with the default node-ID are the usual cause.",
-    thresholds: &[],
-};
-
+/// two devices have the same node-ID
+///
+/// One node-ID speaks with two voices: its heartbeats alternate between two states without any command, or between two
+/// intervals; one SDO request gets two different answers, or several requests get the same answer twice; a second
+/// boot-up follows the first without a reset while the other device's heartbeat goes on; or a part of its identity that
+/// can't change is read with two values, without a boot-up in between. Copies of a frame that the interface itself made
+/// don't count.
+///
+/// # Why
+/// Both devices obey and answer whatever is sent to this node-ID. Configuration of one destroys the other's, and data
+/// of both are mixed on the same CAN-IDs, where equal beginnings even cause bus errors.
+///
+/// # What to do
+/// Disconnect the devices one by one until the node-ID is silent, and give one of them another. Devices of the same
+/// type that were all delivered with the default node-ID are the usual cause.
+#[rule(id = "bus/duplicate-node-id", severity = Error, services = [Heartbeat, BootUp, Nmt, Sdo])]
 struct DuplicateNodeId {
-    nodes: Vec<Voice>,
+    nodes: PerNode<Voice>,
 }
 
 /// What a node-ID has said of late.
@@ -46,11 +40,15 @@ struct Voice {
     /// The state before the last one.
     earlier: Option<State>,
     last_boot_up: Option<Timestamp>,
-    /// The state in the last heartbeat before a boot-up that no command explains.
-    surviving: Option<State>,
+    /// The last heartbeat, and how long after the one before it came.
+    beat: Option<(Timestamp, Duration)>,
+    /// The state in the last heartbeat before a boot-up that no command explains, with that heartbeat.
+    surviving: Option<(State, Timestamp, Duration)>,
     answer: Option<Answer>,
     /// Requests that have no answer yet: a repeated one gets two answers rightly.
     outstanding: u8,
+    /// The latest request: much later, what was left without an answer gets none.
+    asked: Option<Timestamp>,
     /// Requests that have got the same answer twice.
     doubles: u32,
     identity: [Option<u32>; 4],
@@ -60,12 +58,6 @@ struct Voice {
 struct Answer {
     channel: ChannelIndex,
     seen: Seen,
-}
-
-impl Default for DuplicateNodeId {
-    fn default() -> Self {
-        Self { nodes: (0..128).map(|_| Voice::default()).collect() }
-    }
 }
 
 impl Voice {
@@ -86,9 +78,7 @@ impl Rule for DuplicateNodeId {
             if !context.begins_anew() {
                 return;
             }
-            let all = nmt.node == 0;
-            let named = self.nodes.iter_mut().enumerate().filter(|(id, _)| all || usize::from(nmt.node) == *id);
-            return named.for_each(|(_, voice)| {
+            return self.nodes.named_mut(nmt.node).for_each(|(_, voice)| {
                 voice.commanded();
                 if nmt.command.is_reset() {
                     voice.last_boot_up = None;
@@ -96,16 +86,15 @@ impl Rule for DuplicateNodeId {
             });
         }
         let Some(node) = context.node() else { return };
-        let voice = &mut self.nodes[usize::from(node.raw())];
+        let voice = &mut self.nodes[node];
         match context.message() {
             Message::ErrorControl(message) if context.decoded.service == Service::Heartbeat => {
                 voice.heartbeat(message.state, node, context, sink);
             }
             Message::ErrorControl(_) => voice.boot_up(context),
-            Message::SdoRequest(Request::Abort(_)) => {}
+            Message::SdoRequest(Request::Abort(_)) => voice.answer = None,
             Message::SdoRequest(_) | Message::SdoBlockDownload(_) => {
-                voice.answer = None;
-                voice.outstanding = voice.outstanding.saturating_add(1);
+                voice.asked(context.now());
             }
             Message::SdoResponse(response) => voice.answered(*response, node, context, sink),
             _ => {}
@@ -113,14 +102,24 @@ impl Rule for DuplicateNodeId {
     }
 
     fn interrupted(&mut self) {
-        for voice in &mut self.nodes {
+        for voice in self.nodes.values_mut() {
             voice.commanded();
-            (voice.last_boot_up, voice.answer, voice.outstanding) = (None, None, 0);
+            (voice.last_boot_up, voice.answer) = (None, None);
         }
     }
 }
 
 impl Voice {
+    /// A request: what was asked long ago and not answered is not waited for any more.
+    fn asked(&mut self, now: Timestamp) {
+        const FORGOTTEN: Duration = Duration::from_secs(10);
+        if self.asked.replace(now).is_some_and(|before| now.since(before) > FORGOTTEN) {
+            self.outstanding = 0;
+        }
+        self.answer = None;
+        self.outstanding = self.outstanding.saturating_add(1);
+    }
+
     fn heartbeat(&mut self, state: State, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
         let report = Report::at(context.now()).node(node);
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
@@ -141,9 +140,12 @@ impl Voice {
                 });
             }
         }
-        if let Some(before) = self.surviving.take()
+        let interval = self.beat.map(|(last, _)| context.now().since(last));
+        self.beat = Some((context.now(), interval.unwrap_or_default()));
+        if let Some((before, last, period)) = self.surviving.take()
             && before == state
             && state != State::PRE_OPERATIONAL
+            && goes_on(last, period, context.now())
         {
             sink.report(report.detail(3), || {
                 format!("a second boot-up, but a heartbeat goes on to say {state}: another device has started")
@@ -156,10 +158,13 @@ impl Voice {
         let recent = |then: Timestamp| context.now().since(then) <= Duration::from_secs(10);
         let repeated = self.last_boot_up.is_some_and(recent);
         self.last_boot_up = Some(context.now());
-        self.surviving = if repeated { self.state } else { None };
+        let survivor = self.state.zip(self.beat).map(|(state, (at, period))| (state, at, period));
+        self.surviving = survivor.filter(|_| repeated);
+        self.beat = None;
         (self.flips, self.earlier, self.state) = (0, None, None);
         self.interleaving.restart();
-        (self.answer, self.outstanding, self.doubles) = (None, 0, 0);
+        // What was asked before may still be answered: requests and answers wait in queues.
+        (self.answer, self.doubles) = (None, 0);
         // Another device may have been put in its place, or another firmware into it.
         self.identity = [None; 4];
     }
@@ -193,7 +198,8 @@ impl Voice {
         }
         self.identify(response, node, context, sink);
         self.outstanding = self.outstanding.saturating_sub(1);
-        self.answer = (self.outstanding == 0).then(|| Answer { channel, seen: context.seen() });
+        let is_last = self.outstanding == 0 && self.asked.is_some();
+        self.answer = is_last.then(|| Answer { channel, seen: context.seen() });
     }
 
     /// Vendor-ID, product code, revision and serial number can't change while the node is running.
@@ -218,10 +224,21 @@ fn identity(response: Response) -> Option<(u8, u32)> {
     (multiplexer.index.0 == 0x1018).then(|| (sub, u32::from_le_bytes(*value)))
 }
 
-/// Whether two answers to one request, about the same object, say different things. A server that has confirmed a
-/// download may still abort it.
+/// Whether a heartbeat comes when one was due if nothing had happened since the last one: within a tenth of its period.
+fn goes_on(last: Timestamp, period: Duration, now: Timestamp) -> bool {
+    let Some(phase) = now.since(last).nanos().checked_rem(period.nanos()) else { return false };
+    phase.min(period.nanos() - phase) <= period.nanos() / 10
+}
+
+/// Whether two answers to one request, about the same object, say different things. A server that has only begun a
+/// transfer, or confirmed a download, may still abort it.
 fn contradicts(a: Response, b: Response) -> bool {
-    if matches!((a, b), (Response::InitiateDownload { .. }, Response::Abort(_))) {
+    let ends = match a {
+        Response::InitiateUpload { payload, .. } => payload.value().is_some(),
+        Response::Abort(_) => true,
+        _ => false,
+    };
+    if !ends && matches!(b, Response::Abort(_)) {
         return false;
     }
     let object = |response: Response| -> Option<Multiplexer> { response.multiplexer() };

@@ -1,49 +1,36 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, Percent, Scene, Seen, Thresholds};
 use crate::statistics::RATES;
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &Service::ALL,
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(Load {
-            percent: thresholds.get(&METADATA, "percent"),
-            window: Duration::from_millis(thresholds.get(&METADATA, "window").max(1)),
-            begin: None,
-            bits: 0,
-            full: RATES.into_iter().map(|rate| Full { rate, ..Full::default() }).collect(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/load",
-    severity: Severity::Warning,
-    title: "the bus is nearly full",
-    what: "The bits of all frames within a window, with their stuff bits and the pauses between frames, fill more \
-           than the given share of it. The bit rate is the one that was said, or is inferred from frames that follow \
-           each other without a pause; where neither is possible, nothing is said. An inferred bit rate is never one at which \
-           the frames of a tenth of a second would not have fitted.",
-    why: "What is sent with a high CAN-ID waits until nothing more important is sent. At a high load answers come \
-          late, PDOs lose their cycle, and controllers with small buffers lose frames.",
-    advice: "See in the statistics which node and service takes most. Lengthen event timers, set inhibit times, send \
-             cyclic data synchronously, or raise the bit rate.",
-    thresholds: &[
-        Threshold { name: "percent", default: 85, unit: "%", meaning: "a load above this is reported" },
-        Threshold { name: "window", default: 1000, unit: "ms", meaning: "over which the load is taken" },
-    ],
-};
-
+/// the bus is nearly full
+///
+/// The bits of all frames within a window, with their stuff bits and the pauses between frames, fill more than the
+/// given share of it. The bit rate is the one that was said, or is inferred from frames that follow each other without
+/// a pause; where neither is possible, nothing is said. An inferred bit rate is never one at which the frames of a
+/// tenth of a second would not have fitted.
+///
+/// # Why
+/// What is sent with a high CAN-ID waits until nothing more important is sent. At a high load answers come late, PDOs
+/// lose their cycle, and controllers with small buffers lose frames.
+///
+/// # What to do
+/// See in the statistics which node and service takes most. Lengthen event timers, set inhibit times, send cyclic data
+/// synchronously, or raise the bit rate.
+#[rule(id = "bus/load", severity = Warning, services = all)]
 struct Load {
-    percent: u64,
+    /// a load above this is reported
+    #[threshold(percent = 85)]
+    percent: Percent,
+    /// over which the load is taken
+    #[threshold(ms = 1000, min = 1)]
     window: Duration,
     begin: Option<Timestamp>,
     bits: u64,
     /// Which windows would be too full at each bit rate: which one it is may be known only at the end.
+    #[from(full)]
     full: Vec<Full>,
 }
 
@@ -58,11 +45,16 @@ struct Full {
     worst: Option<(u64, Seen)>,
 }
 
+/// No window has been too full at any usual bit rate.
+fn full(_: &Thresholds) -> Vec<Full> {
+    RATES.into_iter().map(|rate| Full { rate, ..Full::default() }).collect()
+}
+
 impl Full {
-    fn window(&mut self, (bits, begin, elapsed): (u64, Timestamp, Duration), percent: u64, end: &Seen) {
+    fn window(&mut self, (bits, begin, elapsed): (u64, Timestamp, Duration), percent: Percent, end: &Seen) {
         let most = u128::from(self.rate) * u128::from(elapsed.nanos()) / 1_000_000_000;
         let load = (u128::from(bits) * 100 / most.max(1)) as u64;
-        if load <= percent {
+        if load <= percent.0 {
             return;
         }
         self.first = if self.count == 0 { begin } else { self.first };

@@ -4,24 +4,12 @@ mod before_boot_up;
 mod duplicate_node_id;
 mod interleaving;
 mod load;
+mod malformed;
 mod no_canopen;
 mod overlapping_cob_id;
 mod restricted_cob_id;
 mod two_producers;
 mod unknown_ids;
-
-use super::rule::Definition;
-
-pub static RULES: &[Definition] = &[
-    load::RULE,
-    restricted_cob_id::RULE,
-    overlapping_cob_id::RULE,
-    two_producers::RULE,
-    duplicate_node_id::RULE,
-    before_boot_up::RULE,
-    unknown_ids::RULE,
-    no_canopen::RULE,
-];
 
 /// The objects that hold the COB-ID of something that a node sends or serves.
 const fn is_cob_id(index: u16, sub: u8) -> bool {

@@ -1,28 +1,21 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Scene, Seen};
+use crate::message::Message;
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Unknown, Service::ErrorFrame],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(NoCanopen::default())),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/no-canopen",
-    severity: Severity::Warning,
-    title: "nothing on the bus is CANopen",
-    what: "Not one frame belongs to a service of CANopen: all are error frames, CAN FD or CAN XL frames, have 29-bit \
-           identifiers, or CAN-IDs of no known use. One frame of CANopen is enough for this rule to be silent.",
-    why: "Nothing was diagnosed: that there are no other findings says nothing about the machine.",
-    advice: "Error frames alone come of a wrong bit rate, or of a recorder that nobody else is connected to. If there are \
-             other frames, check that this is the right bus, and the right channel of the recorder.",
-    thresholds: &[],
-};
-
-#[derive(Default)]
+/// nothing on the bus is CANopen
+///
+/// Not one frame belongs to a service of CANopen: all are error frames, CAN FD or CAN XL frames, have 29-bit
+/// identifiers, or CAN-IDs of no known use. One frame of CANopen is enough for this rule to be silent.
+///
+/// # Why
+/// Nothing was diagnosed: that there are no other findings says nothing about the machine.
+///
+/// # What to do
+/// Error frames alone come of a wrong bit rate, or of a recorder that nobody else is connected to. If there are other
+/// frames, check that this is the right bus, and the right channel of the recorder.
+#[rule(id = "bus/no-canopen", severity = Warning, services = [Unknown, ErrorFrame])]
 struct NoCanopen {
     error_frames: u64,
     /// CAN FD, CAN XL and 29-bit identifiers.

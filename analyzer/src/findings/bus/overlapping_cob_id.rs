@@ -1,32 +1,24 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
 use crate::message::Service;
 use crate::network::Event;
 use crate::network::sdo::Outcome;
 use crate::{CobId, Multiplexer, NodeId};
+use canvass_analyzer_macros::rule;
 use std::collections::BTreeMap;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo, Service::BootUp],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(OverlappingCobId::default())),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/overlapping-cob-id",
-    severity: Severity::Error,
-    title: "one CAN-ID was given to two producers",
-    what: "SDO traffic shows that two TPDOs or EMCYs, of one node or of two, have the same CAN-ID and are both \
-           switched on.",
-    why: "When both send at the same moment, arbitration can't decide, both see an error, and both repeat. Receivers \
-          can't tell whose data they got.",
-    advice: "Give one of them another CAN-ID, or switch it off (bit 31 of its COB-ID).",
-    thresholds: &[],
-};
-
-#[derive(Default)]
+/// one CAN-ID was given to two producers
+///
+/// SDO traffic shows that two TPDOs or EMCYs, of one node or of two, have the same CAN-ID and are both switched on.
+///
+/// # Why
+/// When both send at the same moment, arbitration can't decide, both see an error, and both repeat. Receivers can't
+/// tell whose data they got.
+///
+/// # What to do
+/// Give one of them another CAN-ID, or switch it off (bit 31 of its COB-ID).
+#[rule(id = "bus/overlapping-cob-id", severity = Error, services = [Sdo, BootUp])]
 struct OverlappingCobId {
     /// The producers by CAN-ID; an entry for each object that the trace has shown.
     producers: BTreeMap<(NodeId, Multiplexer), u32>,

@@ -1,33 +1,53 @@
 use super::is_cob_id;
-use crate::CobId;
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
-use crate::message::Service;
 use crate::network::Event;
 use crate::network::sdo::{Direction, Outcome};
+use crate::wire::sdo;
+use crate::{CobId, Multiplexer, NodeId};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(RestrictedCobId)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/restricted-cob-id",
-    severity: Severity::Error,
-    title: "a COB-ID was set to a restricted CAN-ID",
-    what: "An SDO download has set a COB-ID of SYNC, TIME, EMCY, SDO or a PDO to a CAN-ID that CiA 301 restricts \
-           (000h to 07Fh, 101h to 180h, 581h to 5FFh, 601h to 67Fh, 6E0h to 6FFh, 701h to 7FFh), and the device has \
-           accepted it.",
-    why: "These CAN-IDs belong to NMT, default SDOs, error control and LSS. Process data there are taken for commands \
-          or answers by others.",
-    advice: "Choose another CAN-ID in the configuration. The device should have refused it with abort 0609 0030h.",
-    thresholds: &[],
-};
-
+/// a COB-ID is one that CiA 301 does not allow
+///
+/// An SDO download has set a COB-ID of SYNC, TIME, EMCY, SDO or a PDO to a CAN-ID that CiA 301 restricts (000h to 07Fh,
+/// 101h to 180h, 581h to 5FFh, 601h to 67Fh, 6E0h to 6FFh, 701h to 7FFh), and the device has accepted it. Where an upload
+/// shows such a COB-ID, or one of the first SDO server (1200h) that is not the default, this is a warning: what the
+/// device says can't be, and its frames are understood as CiA 301 says. A COB-ID of 0 that is read is none; 80000000h
+/// should say so.
+///
+/// # Why
+/// These CAN-IDs belong to NMT, default SDOs, error control and LSS. Process data there are taken for commands or answers
+/// by others.
+///
+/// # What to do
+/// Choose another CAN-ID in the configuration. The device should have refused it with abort 0609 0030h. What a device
+/// says wrongly of itself is a fault of its firmware: tools that believe it lose it.
+#[rule(id = "bus/restricted-cob-id", severity = Error, services = [Sdo])]
 struct RestrictedCobId;
+
+/// What is wrong with a COB-ID.
+fn fault(object: Multiplexer, cob_id: CobId, direction: Direction, node: Option<NodeId>) -> Option<(Severity, String)> {
+    let written = direction == Direction::Download;
+    if object.index.0 == 0x1200 {
+        let base = if object.sub.0 == 1 { sdo::REQUEST_BASE } else { sdo::RESPONSE_BASE };
+        let fixed = u32::from(base) + u32::from(node?.raw());
+        let wrong = !written && cob_id.0 != fixed;
+        return wrong
+            .then(|| (Severity::Warning, format!("{object} reads {cob_id}: CiA 301 fixes it to {:08X}h", fixed)));
+    }
+    // Bit 31 of 1005h and 1012h does not say that it is off.
+    let used = cob_id.is_valid() || matches!(object.index.0, 0x1005 | 0x1012);
+    let can_id = cob_id.can_id();
+    match (written, cob_id.0) {
+        _ if !used || !cob_id.is_restricted() => None,
+        (true, _) => {
+            Some((Severity::Error, format!("{object} was set to {cob_id}: CAN-ID {can_id:03X}h is restricted")))
+        }
+        (false, 0) => Some((Severity::Info, format!("{object} reads {cob_id}, which is no COB-ID: 80000000h is off"))),
+        (false, _) => Some((Severity::Warning, format!("{object} reads {cob_id}: CAN-ID {can_id:03X}h is restricted"))),
+    }
+}
 
 impl Rule for RestrictedCobId {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
@@ -37,24 +57,16 @@ impl Rule for RestrictedCobId {
         let Some(transfer) = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel)) else {
             return;
         };
-        let (object, done) = (transfer.multiplexer, transfer.outcome == Outcome::Complete);
+        let object = transfer.multiplexer;
         let Some(&value) = transfer.data().first_chunk::<4>() else { return };
+        if transfer.outcome != Outcome::Complete || !is_cob_id(object.index.0, object.sub.0) {
+            return;
+        }
         let cob_id = CobId(u32::from_le_bytes(value));
-        // Bit 31 of 1005h and 1012h does not say that it is off.
-        let used = cob_id.is_valid() || matches!(object.index.0, 0x1005 | 0x1012);
-        let default_server = object.index.0 == 0x1200;
-        if transfer.direction == Direction::Download
-            && done
-            && used
-            && !default_server
-            && is_cob_id(object.index.0, object.sub.0)
-            && cob_id.is_restricted()
-        {
+        if let Some((severity, message)) = fault(object, cob_id, transfer.direction, context.node()) {
             let detail = u64::from(object.index.0) << 16 | u64::from(cob_id.can_id());
-            let report = Report::at(context.now()).node(context.node()).detail(detail);
-            sink.report(report.evidence(context.evidence()), || {
-                format!("{object} was set to {cob_id}: CAN-ID {:03X}h is restricted", cob_id.can_id())
-            });
+            let report = Report::at(context.now()).node(context.node()).detail(detail).severity(severity);
+            sink.report(report.evidence(context.evidence()), || message);
         }
     }
 }

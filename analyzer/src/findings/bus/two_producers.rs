@@ -1,58 +1,40 @@
 use super::interleaving::Interleaving;
-use crate::NodeId;
-use crate::findings::pdo::TPDOS;
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::facts::TPDOS;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, PdoNumber, Service};
+use crate::findings::{Context, Scene, Seen};
+use crate::message::{Message, PdoNumber};
 use crate::wire::sync::Sync;
+use crate::{NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
-
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sync, Service::Time, Service::Nmt],
-    also: Also::KnownTpdos,
-    make: Some(|_| Box::new(TwoProducers::default())),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/two-producers",
-    severity: Severity::Error,
-    title: "two nodes produce on one CAN-ID",
-    what: "SYNC or TIME comes at intervals that alternate between a long and a short one, again and again, or two series \
-           of SYNC counters are mixed: there are two producers with the same period. A TPDO that the SDO traffic of the \
-           capture shows to be cyclic comes twice in its cycle, again and again: after each SYNC, or within its event \
-           timer at intervals that together are the event timer.",
-    why: "Everything synchronous happens twice in a cycle, and at changing distances; of a PDO, consumers take the values \
-          of two devices for those of one. When both send at the same moment, they disturb each other.",
-    advice: "Read 1005h of all nodes: bit 30 must be set in one only; and 180xh:1 of all nodes: no CAN-ID must be in two. \
-             A configuration tool that was left connected is a frequent second producer of SYNC.",
-    thresholds: &[],
-};
 
 /// What a period is compared with: one twentieth of it.
 const NEAR: u64 = 20;
 
+/// two nodes produce on one CAN-ID
+///
+/// SYNC or TIME comes at intervals that alternate between a long and a short one, again and again, or two series of
+/// SYNC counters are mixed: there are two producers with the same period. A TPDO that the SDO traffic of the capture
+/// shows to be cyclic comes twice in its cycle, again and again: after each SYNC, or within its event timer at
+/// intervals that together are the event timer.
+///
+/// # Why
+/// Everything synchronous happens twice in a cycle, and at changing distances; of a PDO, consumers take the values of
+/// two devices for those of one. When both send at the same moment, they disturb each other.
+///
+/// # What to do
+/// Read 1005h of all nodes: bit 30 must be set in one only; and 180xh:1 of all nodes: no CAN-ID must be in two. A
+/// configuration tool that was left connected is a frequent second producer of SYNC.
+#[rule(id = "bus/two-producers", severity = Error, services = [Sync, Time, Nmt], also = KnownTpdos)]
 struct TwoProducers {
     sync: Interleaving,
     time: Interleaving,
     counters: Counters,
     /// By node and number from 0.
-    pdos: Box<[[Option<Pdo>; TPDOS]]>,
+    pdos: PerNode<[Option<Pdo>; TPDOS]>,
     /// Those that have come: node, number from 1.
     seen: Vec<(NodeId, u16)>,
-}
-
-impl Default for TwoProducers {
-    fn default() -> Self {
-        Self {
-            sync: Interleaving::default(),
-            time: Interleaving::default(),
-            counters: Counters::default(),
-            pdos: vec![Default::default(); 128].into(),
-            seen: Vec::new(),
-        }
-    }
 }
 
 /// A TPDO that may have two producers.
@@ -164,8 +146,8 @@ impl TwoProducers {
 }
 
 /// The place of that TPDO, unless it is beyond those that are judged.
-fn slot(pdos: &mut [[Option<Pdo>; TPDOS]], node: NodeId, number: u16) -> Option<&mut Option<Pdo>> {
-    pdos[usize::from(node.raw())].get_mut(usize::from(number).checked_sub(1)?)
+fn slot(pdos: &mut PerNode<[Option<Pdo>; TPDOS]>, node: NodeId, number: u16) -> Option<&mut Option<Pdo>> {
+    pdos[node].get_mut(usize::from(number).checked_sub(1)?)
 }
 
 impl Rule for TwoProducers {
@@ -191,7 +173,7 @@ impl Rule for TwoProducers {
     }
 
     fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
-        self.pdos[usize::from(node.raw())] = Default::default();
+        self.pdos[node] = Default::default();
         self.seen.retain(|seen| seen.0 != node);
     }
 

@@ -1,35 +1,38 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Scene, Seen};
+use crate::message::Message;
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Unknown],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(UnknownIds { least: thresholds.get(&METADATA, "frames"), ids: [0; 128], seen: 0, first: None })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "bus/unknown-ids",
-    severity: Severity::Info,
-    title: "frames with CAN-IDs of no known use",
-    what: "Frames of 11 bits on CAN-IDs that belong neither to the predefined connection set nor to anything that a \
-           description or the SDO traffic of the capture has set up.",
-    why: "They may be PDOs whose CAN-IDs were set before the capture began, or another protocol on the same wires. \
-          They take their share of the bus, and nothing can be said of what is in them.",
-    advice: "Name the devices with --device, so that their COB-IDs are known, or record from the start of the machine.",
-    thresholds: &[Threshold { name: "frames", default: 1, unit: "", meaning: "fewer frames are not reported" }],
-};
-
+/// frames with CAN-IDs of no known use
+///
+/// Frames of 11 bits on CAN-IDs that belong neither to the predefined connection set nor to anything that a description
+/// or the SDO traffic of the capture has set up.
+///
+/// # Why
+/// They may be PDOs whose CAN-IDs were set before the capture began, or another protocol on the same wires. They take
+/// their share of the bus, and nothing can be said of what is in them.
+///
+/// # What to do
+/// Name the devices with --device, so that their COB-IDs are known, or record from the start of the machine.
+#[rule(id = "bus/unknown-ids", severity = Info, services = [Unknown])]
 struct UnknownIds {
-    least: u64,
+    /// fewer frames are not reported
+    #[threshold(count = 1)]
+    frames: u64,
     /// A bit for each CAN-ID.
-    ids: [u16; 128],
+    ids: CanIds,
     seen: u64,
     first: Option<Seen>,
+}
+
+/// A bit for each CAN-ID of 11 bits.
+struct CanIds([u16; 128]);
+
+impl Default for CanIds {
+    fn default() -> Self {
+        Self([0; 128])
+    }
 }
 
 impl Rule for UnknownIds {
@@ -38,7 +41,7 @@ impl Rule for UnknownIds {
         if *context.message() != Message::Unknown || context.record.frame.cob_id().is_none() {
             return;
         }
-        self.ids[usize::from(id >> 4)] |= 1 << (id & 0xF);
+        self.ids.0[usize::from(id >> 4)] |= 1 << (id & 0xF);
         self.seen += 1;
         if self.first.is_none() {
             self.first = Some(context.seen());
@@ -46,9 +49,9 @@ impl Rule for UnknownIds {
     }
 
     fn finish(&mut self, _: &Scene<'_>, sink: &mut Sink<'_>) {
-        let Some(first) = self.first.as_ref().filter(|_| self.seen >= self.least) else { return };
+        let Some(first) = self.first.as_ref().filter(|_| self.seen >= self.frames) else { return };
         const SHOWN: usize = 12;
-        let ids: Vec<u16> = (0..0x800).filter(|id| self.ids[usize::from(id >> 4)] >> (id & 0xF) & 1 != 0).collect();
+        let ids: Vec<u16> = (0..0x800).filter(|id| self.ids.0[usize::from(id >> 4)] >> (id & 0xF) & 1 != 0).collect();
         let listed: Vec<String> = ids.iter().take(SHOWN).map(|id| format!("{id:03X}h")).collect();
         let more = if ids.len() > SHOWN { ", …" } else { "" };
         sink.report(Report::at(first.time()).evidence(first.evidence()), || {

@@ -1,29 +1,8 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::Service;
 use crate::wire::error_frame::ErrorFrame;
-
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::ErrorFrame],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(ErrorFrames)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "capture/error-frames",
-    severity: Severity::Warning,
-    title: "the recorder's controller reports errors on the bus",
-    what: "Error frames: a violation of the protocol (bit, stuff, form or CRC error), a missing acknowledgement, a \
-           transmit timeout, or an error counter that has reached the warning level. A lost arbitration is none.",
-    why: "A good bus has none. They come from wrong termination, long stubs, bad shields, two bit rates on one bus, or \
-          two senders of one CAN-ID; frames are repeated and delayed until a controller gives up.",
-    advice: "Measure 60 ohms between the wires with the supply off. See at which frame the errors come: always in the \
-             data of one CAN-ID points to two senders of it, at random to the wiring, a missing acknowledgement to a \
-             recorder that was alone on the bus or at another bit rate.",
-    thresholds: &[],
-};
+use canvass_analyzer_macros::rule;
 
 /// Classes that are errors on the bus: transmit timeout, protocol, transceiver, no acknowledgement, bus error.
 const ERRORS: u32 = 0x001 | 0x008 | 0x010 | 0x020 | 0x080;
@@ -32,6 +11,20 @@ const CONTROLLER: u32 = 0x004;
 /// Receive and transmit warning level in byte 1.
 const WARNING: u8 = 0x04 | 0x08;
 
+/// the recorder's controller reports errors on the bus
+///
+/// Error frames: a violation of the protocol (bit, stuff, form or CRC error), a missing acknowledgement, a transmit
+/// timeout, or an error counter that has reached the warning level. A lost arbitration is none.
+///
+/// # Why
+/// A good bus has none. They come from wrong termination, long stubs, bad shields, two bit rates on one bus, or two
+/// senders of one CAN-ID; frames are repeated and delayed until a controller gives up.
+///
+/// # What to do
+/// Measure 60 ohms between the wires with the supply off. See at which frame the errors come: always in the data of one
+/// CAN-ID points to two senders of it, at random to the wiring, a missing acknowledgement to a recorder that was alone
+/// on the bus or at another bit rate.
+#[rule(id = "capture/error-frames", severity = Warning, services = [ErrorFrame])]
 struct ErrorFrames;
 
 impl Rule for ErrorFrames {

@@ -1,31 +1,24 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::Service;
 use crate::wire::error_frame::ErrorFrame;
-
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::ErrorFrame],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(ErrorPassive)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "capture/error-passive",
-    severity: Severity::Error,
-    title: "the recorder's controller went error passive",
-    what: "An error frame says that an error counter of the controller that recorded has passed 127: it does not \
-           signal errors any more.",
-    why: "So many errors in a row mean a bus on which hardly anything gets through: wrong bit rate, broken wire, \
-          missing termination, or no other node that acknowledges.",
-    advice: "Check bit rate, wiring and termination. If only transmission fails, the recorder was alone on the bus.",
-    thresholds: &[],
-};
+use canvass_analyzer_macros::rule;
 
 /// Receive or transmit error passive, in byte 1.
 const PASSIVE: u8 = 0x10 | 0x20;
 
+/// the recorder's controller went error passive
+///
+/// An error frame says that an error counter of the controller that recorded has passed 127: it does not signal errors
+/// any more.
+///
+/// # Why
+/// So many errors in a row mean a bus on which hardly anything gets through: wrong bit rate, broken wire, missing
+/// termination, or no other node that acknowledges.
+///
+/// # What to do
+/// Check bit rate, wiring and termination. If only transmission fails, the recorder was alone on the bus.
+#[rule(id = "capture/error-passive", severity = Error, services = [ErrorFrame])]
 struct ErrorPassive;
 
 impl Rule for ErrorPassive {

@@ -11,43 +11,25 @@ mod dropped;
 mod error_frames;
 mod error_passive;
 mod gaps;
+mod out_of_order;
 mod overrun;
 
-pub use copies::{RULE as COPIES, tell as tell_copies};
+pub use copies::{Copies, tell as tell_copies};
+pub use out_of_order::{OutOfOrder, tell as tell_disorder};
 
-use super::diagnosis::SourceQuality;
-use super::rule::{Definition, Thresholds};
+use super::registry;
+use super::rule::Make;
 use super::sink::{Findings, Sink};
-
-pub static RULES: &[Definition] = &[
-    damaged::RULE,
-    dropped::RULE,
-    overrun::RULE,
-    copies::RULE,
-    clock_steps::RULE,
-    coarse_timestamps::RULE,
-    gaps::RULE,
-    error_frames::RULE,
-    error_passive::RULE,
-    bus_off::RULE,
-];
-
-/// A rule about a whole capture.
-type Check = fn(usize, &SourceQuality<'_>, &Thresholds, &mut Sink<'_>);
-
-static CHECKS: [(&Definition, Check); 5] = [
-    (&damaged::RULE, damaged::check),
-    (&dropped::RULE, dropped::check),
-    (&clock_steps::RULE, clock_steps::check),
-    (&coarse_timestamps::RULE, coarse_timestamps::check),
-    (&gaps::RULE, gaps::check),
-];
+use super::source::SourceQuality;
+use super::thresholds::Thresholds;
 
 /// Looks at the sources of a capture.
 pub fn check(sources: &[SourceQuality<'_>], thresholds: &Thresholds, findings: &mut Findings) {
-    for (at, source) in sources.iter().enumerate() {
-        for (definition, check) in &CHECKS {
-            check(at, source, thresholds, &mut Sink { findings, rule: definition.metadata, bus: None });
+    for definition in registry::all() {
+        let Make::Capture(make) = definition.make else { continue };
+        let rule = make(thresholds);
+        for (at, source) in sources.iter().enumerate() {
+            rule.check(at, source, &mut Sink { findings, rule: definition.metadata, bus: None });
         }
     }
 }

@@ -1,30 +1,23 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::Service;
 use crate::wire::error_frame::ErrorFrame;
-
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::ErrorFrame],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(Overrun)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "capture/overrun",
-    severity: Severity::Warning,
-    title: "the recorder's controller lost frames",
-    what: "An error frame says that the receive or transmit buffer of the controller that recorded has overflowed.",
-    why: "Frames that were on the bus are not in the capture. A missing answer or heartbeat near such a place proves \
-          nothing against a node.",
-    advice: "Record again with an interface that has larger buffers, or with less load on the recording machine.",
-    thresholds: &[],
-};
+use canvass_analyzer_macros::rule;
 
 /// Overflow of the receive or transmit buffer, in byte 1.
 const OVERFLOW: u8 = 0x01 | 0x02;
 
+/// the recorder's controller lost frames
+///
+/// An error frame says that the receive or transmit buffer of the controller that recorded has overflowed.
+///
+/// # Why
+/// Frames that were on the bus are not in the capture. A missing answer or heartbeat near such a place proves nothing
+/// against a node.
+///
+/// # What to do
+/// Record again with an interface that has larger buffers, or with less load on the recording machine.
+#[rule(id = "capture/overrun", severity = Warning, services = [ErrorFrame])]
 struct Overrun;
 
 impl Rule for Overrun {

@@ -1,27 +1,21 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::{Message, Service};
+use crate::message::Message;
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Emcy],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(Contradiction)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "emcy/contradiction",
-    severity: Severity::Warning,
-    title: "error code and error register contradict each other",
-    what: "An EMCY with an error code has an error register of 0, or lacks the bit of the code's class: current (2xxxh), \
-           voltage (3xxxh), temperature (4xxxh), communication (8110h to 82xxh). That bit 0 is not set as well is common \
-           and not reported, nor is 8100h without the bit: devices older than that bit send it.",
-    why: "A master that looks at the register takes the error for gone, or for another one.",
-    advice: "A fault of the device's firmware (CiA 301, 1001h and emergency error codes).",
-    thresholds: &[],
-};
-
+/// error code and error register contradict each other
+///
+/// An EMCY with an error code has an error register of 0, or lacks the bit of the code's class: current (2xxxh),
+/// voltage (3xxxh), temperature (4xxxh), communication (8110h to 82xxh). That bit 0 is not set as well is common and
+/// not reported, nor is 8100h without the bit: devices older than that bit send it.
+///
+/// # Why
+/// A master that looks at the register takes the error for gone, or for another one.
+///
+/// # What to do
+/// A fault of the device's firmware (CiA 301, 1001h and emergency error codes).
+#[rule(id = "emcy/contradiction", severity = Warning, services = [Emcy])]
 struct Contradiction;
 
 impl Rule for Contradiction {
@@ -31,7 +25,8 @@ impl Rule for Contradiction {
         let old = code.0 == 0x8100;
         let lacking = if old { 0 } else { code.register_bits() & !register.0 };
         if !code.is_reset() && (register.0 == 0 || lacking != 0) {
-            let report = Report::at(context.now()).node(context.node()).detail(u64::from(code.0));
+            let report =
+                Report::at(context.now()).node(context.node()).detail(u64::from(code.0)).kind(u64::from(code.0));
             sink.report(report.evidence(context.evidence()), || {
                 format!("code {code}, but the error register is {:02X}h", register.0)
             });

@@ -1,41 +1,32 @@
-use crate::NodeId;
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
 use crate::network::OpenErrors;
 use crate::text::EmcyText;
 use crate::wire::emcy::Emcy;
+use crate::{NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Emcy, Service::BootUp, Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|_| {
-        Box::new(Raised { nodes: (0..128).map(|_| OpenErrors::default()).collect(), register_read: vec![None; 128] })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "emcy/raised",
-    severity: Severity::Error,
-    title: "a node reports an error",
-    what: "An EMCY with an error code. Findings are told apart by code; each says how long the error lasted, where the \
-           end was reported. Where the end (code 00xxh) comes with an error register that is not 0, the errors have \
-           ended whose bit is not in it any more. Some devices forget an error when 1001h is read: then the finding says \
-           so.",
-    why: "The device itself says that something is wrong, inside or on its bus.",
-    advice: "The code and the manufacturer's bytes tell the cause; 1003h holds the history. Look at what happened on the \
-             bus just before.",
-    thresholds: &[],
-};
-
+/// a node reports an error
+///
+/// An EMCY with an error code. Findings are told apart by code; each says how long the error lasted, where the end was
+/// reported. Where the end (code 00xxh) comes with an error register that is not 0, the errors have ended whose bit is
+/// not in it any more. Some devices forget an error when 1001h is read: then the finding says so.
+///
+/// # Why
+/// The device itself says that something is wrong, inside or on its bus.
+///
+/// # What to do
+/// The code and the manufacturer's bytes tell the cause; 1003h holds the history. Look at what happened on the bus just
+/// before.
+#[rule(id = "emcy/raised", severity = Error, services = [Emcy, BootUp, Sdo])]
 struct Raised {
     /// The errors that are present, by node.
-    nodes: Vec<OpenErrors<Seen>>,
+    nodes: PerNode<OpenErrors<Seen>>,
     /// When the error register was last read from a node.
-    register_read: Vec<Option<Timestamp>>,
+    register_read: PerNode<Option<Timestamp>>,
 }
 
 /// Some devices take the reading of 1001h for an acknowledgement.
@@ -44,13 +35,12 @@ const ACKNOWLEDGED: Duration = Duration::from_millis(200);
 impl Rule for Raised {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
-        let at = usize::from(node.raw());
         match (context.decoded.service, context.message()) {
-            (Service::BootUp, _) => self.nodes[at].clear(),
+            (Service::BootUp, _) => self.nodes[node].clear(),
             (Service::Sdo, Message::SdoResponse(_)) => {
                 let register = context.decoded.object.is_some_and(|object| object.index.0 == 0x1001);
                 if register {
-                    self.register_read[at] = Some(context.now());
+                    self.register_read[node] = Some(context.now());
                 }
             }
             (_, Message::Emcy(emcy)) => self.emcy(node, emcy, context, sink),
@@ -61,17 +51,16 @@ impl Rule for Raised {
 
 impl Raised {
     fn emcy(&mut self, node: NodeId, emcy: &Emcy, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let at = usize::from(node.raw());
         if let Some(code) = emcy.code().filter(|code| !code.is_reset()) {
-            let report = Report::at(context.now()).node(node).detail(u64::from(code.0));
+            let report = Report::at(context.now()).node(node).detail(u64::from(code.0)).kind(u64::from(code.0));
             sink.report(report.evidence(context.evidence()), || {
                 format!("EMCY {}", EmcyText::of(emcy, node, context.scene.bus))
             });
         }
-        let by_reading = self.register_read[at].is_some_and(|read| context.now().since(read) <= ACKNOWLEDGED);
-        for (code, raised) in self.nodes[at].handle(emcy, || context.seen()) {
+        let by_reading = self.register_read[node].is_some_and(|read| context.now().since(read) <= ACKNOWLEDGED);
+        for (code, raised) in self.nodes[node].handle(emcy, || context.seen()) {
             let lasted = context.now().since(raised.time());
-            let report = Report::at(context.now()).node(node).detail(u64::from(code.0)).amend();
+            let report = Report::at(context.now()).node(node).detail(u64::from(code.0)).kind(u64::from(code.0)).amend();
             let report = report.measure(lasted.nanos()).evidence(raised.evidence()).evidence(context.evidence());
             sink.report(report, || {
                 let text = match &raised.decoded.message {

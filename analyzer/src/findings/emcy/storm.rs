@@ -1,47 +1,36 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::PerNode;
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::Service;
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Emcy],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(Storm {
-            times: thresholds.get(&METADATA, "times").max(1),
-            within: Duration::from_millis(thresholds.get(&METADATA, "within")),
-            nodes: vec![(Timestamp::ZERO, 0); 128],
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "emcy/storm",
-    severity: Severity::Error,
-    title: "a node sends EMCY again and again",
-    what: "So many EMCY messages of one node within a short time.",
-    why: "EMCY has a high priority: a storm delays everything else, and hides which error came first. CiA 301 wants one \
-          EMCY for each event.",
-    advice: "Set the EMCY inhibit time (1015h) of the node, and look at the first EMCY: the others follow from it.",
-    thresholds: &[
-        Threshold { name: "times", default: 10, unit: "", meaning: "so many messages" },
-        Threshold { name: "within", default: 1000, unit: "ms", meaning: "within this time" },
-    ],
-};
-
+/// a node sends EMCY again and again
+///
+/// So many EMCY messages of one node within a short time.
+///
+/// # Why
+/// EMCY has a high priority: a storm delays everything else, and hides which error came first. CiA 301 wants one EMCY
+/// for each event.
+///
+/// # What to do
+/// Set the EMCY inhibit time (1015h) of the node, and look at the first EMCY: the others follow from it.
+#[rule(id = "emcy/storm", severity = Error, services = [Emcy])]
 struct Storm {
+    /// so many messages
+    #[threshold(count = 10, min = 1)]
     times: u64,
+    /// within this time
+    #[threshold(ms = 1000)]
     within: Duration,
     /// The begin of the time that is counted in, and how many came.
-    nodes: Vec<(Timestamp, u64)>,
+    nodes: PerNode<(Timestamp, u64)>,
 }
 
 impl Rule for Storm {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node().filter(|_| context.scene.has_times()) else { return };
-        let (begin, count) = &mut self.nodes[usize::from(node.raw())];
+        let (begin, count) = &mut self.nodes[node];
         if *count == 0 || context.now().since(*begin) > self.within {
             (*begin, *count) = (context.now(), 0);
         }

@@ -1,22 +1,20 @@
 use crate::dictionary::names::{ENCODER_PROFILE, bit_name};
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[], also: Also::EncoderValues, make: Some(|_| Box::new(Alarm)) };
-
-static METADATA: Metadata = Metadata {
-    id: "encoder/alarm",
-    severity: Severity::Error,
-    title: "an encoder shows an alarm",
-    what: "6503h, in a PDO or read by SDO, is not 0. Findings are told apart by bit.",
-    why: "The position is not valid any more: a machine that goes on with it moves to wrong places.",
-    advice: "Bit 0 is a position error: the disk, magnet or sensor. Bits 12 to 15 are in the manual of the device. The \
-             EMCY of the same moment says more.",
-    thresholds: &[],
-};
-
+/// an encoder shows an alarm
+///
+/// 6503h, in a PDO or read by SDO, is not 0. Findings are told apart by bit.
+///
+/// # Why
+/// The position is not valid any more: a machine that goes on with it moves to wrong places.
+///
+/// # What to do
+/// Bit 0 is a position error: the disk, magnet or sensor. Bits 12 to 15 are in the manual of the device. The EMCY of
+/// the same moment says more.
+#[rule(id = "encoder/alarm", severity = Error, also = EncoderValues)]
 struct Alarm;
 
 /// Reports each bit that is set.

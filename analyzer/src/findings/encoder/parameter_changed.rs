@@ -1,27 +1,21 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
 use crate::wire::error_control::State;
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[],
-    also: Also::EncoderValues,
-    make: Some(|_| Box::new(ParameterChanged)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "encoder/parameter-changed",
-    severity: Severity::Warning,
-    title: "preset or scaling was written in operation",
-    what: "A client has written the operating parameters (6000h), the scaling (6001h, 6002h) or the preset (6003h) of an \
-           encoder while it was operational.",
-    why: "The position jumps, without the shaft having moved, while the machine uses it.",
-    advice: "If it is meant (homing), see that the machine stands still and that the consumer knows. Else find out which \
-             tool or which part of the program writes it.",
-    thresholds: &[],
-};
-
+/// preset or scaling was written in operation
+///
+/// A client has written the operating parameters (6000h), the scaling (6001h, 6002h) or the preset (6003h) of an
+/// encoder while it was operational.
+///
+/// # Why
+/// The position jumps, without the shaft having moved, while the machine uses it.
+///
+/// # What to do
+/// If it is meant (homing), see that the machine stands still and that the consumer knows. Else find out which tool or
+/// which part of the program writes it.
+#[rule(id = "encoder/parameter-changed", severity = Warning, also = EncoderValues)]
 struct ParameterChanged;
 
 impl Rule for ParameterChanged {

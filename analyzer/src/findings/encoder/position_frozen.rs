@@ -1,40 +1,30 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::PerNode;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Seen};
 use crate::message::Service;
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::BootUp, Service::Nmt],
-    also: Also::EncoderValues,
-    make: Some(|thresholds| {
-        Box::new(PositionFrozen {
-            speed: thresholds.get(&METADATA, "speed"),
-            time: Duration::from_millis(thresholds.get(&METADATA, "time")),
-            nodes: (0..128).map(|_| Axis::default()).collect(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "encoder/position-frozen",
-    severity: Severity::Error,
-    title: "the position stands still while the speed does not",
-    what: "For a time, all PDOs of an encoder show the same position (6004h), while its speed (6030h) is never near 0.",
-    why: "Either the position is frozen, and the machine does not see that it moves, or the speed is wrong.",
-    advice: "A frozen position with a live speed is a fault of the device: restart it, and compare 6004h and the raw \
-             position if it has one.",
-    thresholds: &[
-        Threshold { name: "speed", default: 10, unit: "", meaning: "as shown in 6030h; slower is standing" },
-        Threshold { name: "time", default: 1000, unit: "ms", meaning: "for so long" },
-    ],
-};
-
+/// the position stands still while the speed does not
+///
+/// For a time, all PDOs of an encoder show the same position (6004h), while its speed (6030h) is never near 0.
+///
+/// # Why
+/// Either the position is frozen, and the machine does not see that it moves, or the speed is wrong.
+///
+/// # What to do
+/// A frozen position with a live speed is a fault of the device: restart it, and compare 6004h and the raw position if
+/// it has one.
+#[rule(id = "encoder/position-frozen", severity = Error, services = [BootUp, Nmt], also = EncoderValues)]
 struct PositionFrozen {
+    /// as shown in 6030h; slower is standing
+    #[threshold(count = 10)]
     speed: u64,
+    /// for so long
+    #[threshold(ms = 1000)]
     time: Duration,
-    nodes: Vec<Axis>,
+    nodes: PerNode<Axis>,
 }
 
 #[derive(Default)]
@@ -64,7 +54,7 @@ impl Rule for PositionFrozen {
                 _ => {}
             }
         }
-        let axis = &mut self.nodes[usize::from(node.raw())];
+        let axis = &mut self.nodes[node];
         if let Some(speed) = speed {
             axis.turns = speed.unsigned_abs() >= self.speed;
             if !axis.turns {
@@ -91,6 +81,6 @@ impl Rule for PositionFrozen {
     }
 
     fn interrupted(&mut self) {
-        self.nodes.iter_mut().for_each(|axis| *axis = Axis::default());
+        self.nodes.reset();
     }
 }

@@ -1,58 +1,43 @@
-use super::operands::{Kind, Operand, kind};
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use super::kind::{Kind, kind};
+use crate::findings::facts::Operand;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, NodeFacts, Scene, Seen, Severity};
+use crate::findings::{Context, NodeFacts, Scene, Seen};
 use crate::message::{Message, Service};
-use crate::{Multiplexer, NodeId};
+use crate::{Multiplexer, NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::BootUp, Service::Nmt],
-    also: Also::EncoderValues,
-    make: Some(|thresholds| {
-        Box::new(PositionJump {
-            speed: thresholds.get(&METADATA, "speed"),
-            linear_speed: thresholds.get(&METADATA, "linear-speed"),
-            resolution: thresholds.get(&METADATA, "resolution"),
-            least: thresholds.get(&METADATA, "least"),
-            nodes: vec![Axis::default(); 128],
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "encoder/position-jump",
-    severity: Severity::Error,
-    title: "a position jumps as no shaft can",
-    what: "Between two PDOs the position (6004h, or 6020h of the first channel) changes by more than the highest speed allows in that time. The \
-           measuring units per revolution are those of 6001h or 6501h where they are known, else the given resolution is \
-           taken; of linear devices 6501h is the length of a step, and of 6020h the description tells the unit; without them nothing \
-           is said. \
-           The end of the range, and the second after a preset, a write of any parameter or a restart are not counted.",
-    why: "The device has lost its position for a moment or for good, two devices send on one CAN-ID, or the PDO carries \
-          something else than is believed.",
-    advice: "If the next position is the old one again, look for electrical disturbance and for a second sender. If it \
-             stays, the multi-turn part may be at fault.",
-    thresholds: &[
-        Threshold { name: "speed", default: 12_000, unit: "rpm", meaning: "the highest speed of the shaft" },
-        Threshold {
-            name: "linear-speed",
-            default: 20_000,
-            unit: "mm/s",
-            meaning: "the highest speed of a linear device",
-        },
-        Threshold { name: "resolution", default: 65_536, unit: "", meaning: "units per revolution if not known" },
-        Threshold { name: "least", default: 16, unit: "units", meaning: "a smaller jump is not reported" },
-    ],
-};
-
+/// a position jumps as no shaft can
+///
+/// Between two PDOs the position (6004h, or 6020h of the first channel) changes by more than the highest speed allows
+/// in that time. The measuring units per revolution are those of 6001h or 6501h where they are known, else the given
+/// resolution is taken; of linear devices 6501h is the length of a step, and of 6020h the description tells the unit;
+/// without them nothing is said. The end of the range, and the second after a preset, a write of any parameter or a
+/// restart are not counted.
+///
+/// # Why
+/// The device has lost its position for a moment or for good, two devices send on one CAN-ID, or the PDO carries
+/// something else than is believed.
+///
+/// # What to do
+/// If the next position is the old one again, look for electrical disturbance and for a second sender. If it stays, the
+/// multi-turn part may be at fault.
+#[rule(id = "encoder/position-jump", severity = Error, services = [BootUp, Nmt], also = EncoderValues)]
 struct PositionJump {
+    /// the highest speed of the shaft
+    #[threshold(count = 12_000, unit = "rpm")]
     speed: u64,
+    /// the highest speed of a linear device
+    #[threshold(count = 20_000, unit = "mm/s")]
     linear_speed: u64,
+    /// units per revolution if not known
+    #[threshold(count = 65_536)]
     resolution: u64,
+    /// a smaller jump is not reported
+    #[threshold(count = 16, unit = "units")]
     least: u64,
-    nodes: Vec<Axis>,
+    nodes: PerNode<Axis>,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -123,7 +108,7 @@ impl PositionJump {
     /// [`Self::units_a_second`], kept as long as nothing that it depends on is shown anew.
     #[cold]
     fn work_out(&mut self, position: &Operand, context: &Context<'_>) -> u64 {
-        let node = usize::from(position.node.raw());
+        let node = position.node;
         let a_second = self.units_a_second(position, self.nodes[node].per_revolution, context);
         // The unit of a channel can be set at any time.
         self.nodes[node].a_second = Some(a_second).filter(|_| !is_channel(position));
@@ -132,7 +117,7 @@ impl PositionJump {
 
     fn moved(&mut self, position: &Operand, context: &Context<'_>, sink: &mut Sink<'_>) {
         let node = position.node;
-        let axis = &mut self.nodes[usize::from(node.raw())];
+        let axis = &mut self.nodes[node];
         let last = axis.last.replace((position.raw, context.now()));
         let before_this = *axis;
         axis.highest = axis.highest.max(position.raw);
@@ -170,7 +155,7 @@ impl Rule for PositionJump {
         match (context.decoded.service, context.message()) {
             (Service::BootUp, _) => {
                 if let Some(node) = context.node() {
-                    self.nodes[usize::from(node.raw())] = Axis::default();
+                    self.nodes[node] = Axis::default();
                 }
                 return;
             }
@@ -179,7 +164,7 @@ impl Rule for PositionJump {
         }
         let mut position = None;
         for operand in &context.news().operands {
-            let axis = &mut self.nodes[usize::from(operand.node.raw())];
+            let axis = &mut self.nodes[operand.node];
             match operand.object.index.0 {
                 0x6004 if context.decoded.service == Service::Pdo => position = Some(operand),
                 // Of several channels the first one.
@@ -197,10 +182,10 @@ impl Rule for PositionJump {
 
     fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
         // Which kind of encoder it is may be known now.
-        self.nodes[usize::from(node.raw())].a_second = None;
+        self.nodes[node].a_second = None;
     }
 
     fn interrupted(&mut self) {
-        self.nodes.iter_mut().for_each(|axis| axis.last = None);
+        self.nodes.values_mut().for_each(|axis| axis.last = None);
     }
 }

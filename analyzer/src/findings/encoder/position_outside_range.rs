@@ -1,29 +1,10 @@
-use super::operands::{Kind, kind};
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use super::kind::{Kind, kind};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
 use crate::message::Service;
-use crate::{Multiplexer, NodeId};
-
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::BootUp],
-    also: Also::EncoderValues,
-    make: Some(|_| Box::new(PositionOutsideRange { nodes: vec![Scaling::default(); 128] })),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "encoder/position-outside-range",
-    severity: Severity::Error,
-    title: "a position is outside its measuring range",
-    what: "The capture shows the total measuring range (6002h) and that scaling is on (6000h bit 2, or 6500h), and a \
-           position (6004h) is not below the range; or scaling is off, and the position of a rotary encoder is not below the physical \
-           range, 6501h times 6502h.",
-    why: "A master that calculates with the range takes the position for another one, often a whole range away.",
-    advice: "Check whether the range was written with scaling off, or after the preset. If not, it is a fault of the \
-             device's firmware.",
-    thresholds: &[],
-};
+use crate::{Multiplexer, NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 
 #[derive(Clone, Copy, Default)]
 struct Scaling {
@@ -31,8 +12,21 @@ struct Scaling {
     on: Option<bool>,
 }
 
+/// a position is outside its measuring range
+///
+/// The capture shows the total measuring range (6002h) and that scaling is on (6000h bit 2, or 6500h), and a position
+/// (6004h) is not below the range; or scaling is off, and the position of a rotary encoder is not below the physical
+/// range, 6501h times 6502h.
+///
+/// # Why
+/// A master that calculates with the range takes the position for another one, often a whole range away.
+///
+/// # What to do
+/// Check whether the range was written with scaling off, or after the preset. If not, it is a fault of the device's
+/// firmware.
+#[rule(id = "encoder/position-outside-range", severity = Error, services = [BootUp], also = EncoderValues)]
 struct PositionOutsideRange {
-    nodes: Vec<Scaling>,
+    nodes: PerNode<Scaling>,
 }
 
 /// Bit 2 of 6000h.
@@ -50,12 +44,12 @@ impl Rule for PositionOutsideRange {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if context.decoded.service == Service::BootUp {
             if let Some(node) = context.node() {
-                self.nodes[usize::from(node.raw())] = Scaling::default();
+                self.nodes[node] = Scaling::default();
             }
             return;
         }
         for operand in &context.news().operands {
-            let scaling = &mut self.nodes[usize::from(operand.node.raw())];
+            let scaling = &mut self.nodes[operand.node];
             match operand.object.index.0 {
                 // 6500h shows what of 6000h is in force.
                 0x6000 | 0x6500 => scaling.on = Some(operand.raw & SCALING != 0),

@@ -1,41 +1,12 @@
-use super::operands::{Kind, is_encoder, kind, layout};
-use crate::NodeId;
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use super::kind::{Kind, is_encoder, kind, layout};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, NodeFacts, Seen, Severity};
+use crate::findings::{Context, NodeFacts, Seen};
 use crate::message::{Message, PdoNumber, Service};
 use crate::wire::pdo::extract;
+use crate::{NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
-
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Pdo, Service::BootUp],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(RedundantChannels {
-            tolerance: thresholds.get(&METADATA, "tolerance"),
-            nodes: vec![Channels::default(); 128],
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "encoder/redundant-channels",
-    severity: Severity::Error,
-    title: "the redundant channels of an encoder disagree",
-    what: "The first TPDO of a draw-wire encoder with two redundant channels carries the position (6020h) twice, the \
-           second one counting down as the first counts up. Their sum has been constant, and now is another. Where no \
-           mapping is known, two equal halves of the TPDO of a linear encoder are taken for such channels if their sum \
-           stays the same while they move. After a download to the node the sum is learned anew.",
-    why: "One of the two channels is wrong. Which one, the values alone don't tell.",
-    advice: "Stop relying on this device. See which of the two channels jumped or froze.",
-    thresholds: &[Threshold {
-        name: "tolerance",
-        default: 20,
-        unit: "units",
-        meaning: "the sum may be off, as both are taken one after the other",
-    }],
-};
 
 #[derive(Clone, Copy, Default)]
 struct Channels {
@@ -47,9 +18,24 @@ struct Channels {
     moved: u32,
 }
 
+/// the redundant channels of an encoder disagree
+///
+/// The first TPDO of a draw-wire encoder with two redundant channels carries the position (6020h) twice, the second one
+/// counting down as the first counts up. Their sum has been constant, and now is another. Where no mapping is known,
+/// two equal halves of the TPDO of a linear encoder are taken for such channels if their sum stays the same while they
+/// move. After a download to the node the sum is learned anew.
+///
+/// # Why
+/// One of the two channels is wrong. Which one, the values alone don't tell.
+///
+/// # What to do
+/// Stop relying on this device. See which of the two channels jumped or froze.
+#[rule(id = "encoder/redundant-channels", severity = Error, services = [Pdo, BootUp])]
 struct RedundantChannels {
+    /// the sum may be off, as both are taken one after the other
+    #[threshold(count = 20, unit = "units")]
     tolerance: u64,
-    nodes: Vec<Channels>,
+    nodes: PerNode<Channels>,
 }
 
 /// The two channels in a PDO; whether a mapping says that they are positions, or only their place does.
@@ -95,7 +81,7 @@ impl Rule for RedundantChannels {
         if !first && context.decoded.service != Service::BootUp {
             return;
         }
-        let known = &mut self.nodes[usize::from(node.raw())];
+        let known = &mut self.nodes[node];
         if context.decoded.service == Service::BootUp {
             *known = Channels::default();
             return;

@@ -1,22 +1,20 @@
 use super::alarm::tell_bits;
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::Sink;
-use crate::findings::{Context, Severity};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition =
-    Definition { metadata: &METADATA, services: &[], also: Also::EncoderValues, make: Some(|_| Box::new(Warning)) };
-
-static METADATA: Metadata = Metadata {
-    id: "encoder/warning",
-    severity: Severity::Warning,
-    title: "an encoder shows a warning",
-    what: "6505h, in a PDO or read by SDO, is not 0. Findings are told apart by bit.",
-    why: "The position is still valid, but a limit is passed: speed, light, battery, temperature, or operating time.",
-    advice: "Plan to replace the battery or the device; a speed beyond the limit is the machine's. Bit 2 is a watchdog \
-             reset: look for boot-ups without a command.",
-    thresholds: &[],
-};
-
+/// an encoder shows a warning
+///
+/// 6505h, in a PDO or read by SDO, is not 0. Findings are told apart by bit.
+///
+/// # Why
+/// The position is still valid, but a limit is passed: speed, light, battery, temperature, or operating time.
+///
+/// # What to do
+/// Plan to replace the battery or the device; a speed beyond the limit is the machine's. Bit 2 is a watchdog reset:
+/// look for boot-ups without a command.
+#[rule(id = "encoder/warning", severity = Warning, also = EncoderValues)]
 struct Warning;
 
 impl Rule for Warning {

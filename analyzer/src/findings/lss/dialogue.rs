@@ -1,30 +1,23 @@
-use super::exchange::{SERVICES, Sender, answer_to, command, own_command, sender, wants_answer, words};
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use super::exchange::{Sender, answer_to, command, own_command, sender, wants_answer, words};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Seen};
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: SERVICES,
-    also: Also::Nothing,
-    make: Some(|_| Box::new(Dialogue::default())),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "lss/dialogue",
-    severity: Severity::Error,
-    title: "an LSS dialogue goes wrong",
-    what: "An answer on 7E4h belongs to another service than the request before it, or nobody has asked, or several \
-           slaves answer what one slave is asked. Identify and Fastscan may have several answers.",
-    why: "Several slaves in configuration state all take the node-ID and the bit rate that follow: two devices end up \
-          with one node-ID. Other wrong answers make the master configure a slave that is not there.",
-    advice: "Switch all slaves to waiting (04h 00h), then address one alone by the four numbers of its LSS address. \
-             Switching all to configuration (04h 01h) is only for a bus with one slave.",
-    thresholds: &[],
-};
-
-#[derive(Default)]
+/// an LSS dialogue goes wrong
+///
+/// An answer on 7E4h belongs to another service than the request before it, or nobody has asked, or several slaves
+/// answer what one slave is asked. Identify and Fastscan may have several answers.
+///
+/// # Why
+/// Several slaves in configuration state all take the node-ID and the bit rate that follow: two devices end up with one
+/// node-ID. Other wrong answers make the master configure a slave that is not there.
+///
+/// # What to do
+/// Switch all slaves to waiting (04h 00h), then address one alone by the four numbers of its LSS address. Switching all
+/// to configuration (04h 01h) is only for a bus with one slave.
+#[rule(id = "lss/dialogue", severity = Error, services = [Lss, Lmt])]
 struct Dialogue {
     request: Option<Seen>,
     answer: Option<Seen>,

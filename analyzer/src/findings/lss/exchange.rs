@@ -1,11 +1,8 @@
 //! Request and answer of LSS and LMT, whose messages on 7E5h and 7E4h have the command specifier in byte 0.
 
 use crate::findings::{Context, Seen};
-use crate::message::{Message, Service};
+use crate::message::Message;
 use crate::wire::{lmt, lss};
-
-/// The services whose frames are looked at.
-pub const SERVICES: &[Service] = &[Service::Lss, Service::Lmt];
 
 /// A message of the master or of a slave.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,31 +1,24 @@
-use super::exchange::{SERVICES, Sender, Setting, configured, is_leave, sender, words};
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use super::exchange::{Sender, Setting, configured, is_leave, sender, words};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Message;
 use crate::wire::lss::Request;
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: SERVICES,
-    also: Also::Nothing,
-    make: Some(|_| Box::new(NotStored::default())),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "lss/not-stored",
-    severity: Severity::Warning,
-    title: "a node-ID or bit rate was changed and not stored",
-    what: "An LSS or LMT slave has taken a new node-ID or bit rate, and is switched back to waiting, or the capture \
-           ends, without a successful store. Where the master uses Fastscan, this is only worth knowing: such masters \
-           assign node-IDs at every start.",
-    why: "At the next power-on the device is back at its old node-ID and bit rate, often after the technician has left.",
-    advice: "Send store configuration (17h) before switching back to waiting, unless the master sets the node-ID anew at \
-             every start.",
-    thresholds: &[],
-};
-
-#[derive(Default)]
+/// a node-ID or bit rate was changed and not stored
+///
+/// An LSS or LMT slave has taken a new node-ID or bit rate, and is switched back to waiting, or the capture ends,
+/// without a successful store. Where the master uses Fastscan, this is only worth knowing: such masters assign node-IDs
+/// at every start.
+///
+/// # Why
+/// At the next power-on the device is back at its old node-ID and bit rate, often after the technician has left.
+///
+/// # What to do
+/// Send store configuration (17h) before switching back to waiting, unless the master sets the node-ID anew at every
+/// start.
+#[rule(id = "lss/not-stored", severity = Warning, services = [Lss, Lmt])]
 struct NotStored {
     /// The slave's answers to the configurations that are not stored: node-ID and bit rate.
     changed: [Option<Seen>; 2],

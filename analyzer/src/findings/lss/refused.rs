@@ -1,26 +1,20 @@
-use super::exchange::{SERVICES, Sender, configured, own_command, sender, words};
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use super::exchange::{Sender, configured, own_command, sender, words};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Seen};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: SERVICES,
-    also: Also::Nothing,
-    make: Some(|_| Box::new(Refused { request: None })),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "lss/refused",
-    severity: Severity::Error,
-    title: "an LSS or LMT slave refuses a configuration",
-    what: "The answer to configure node-ID, configure bit timing or store has an error code.",
-    why: "The slave keeps its old node-ID or bit rate. A master that goes on all the same loses it.",
-    advice: "Code 1 is a node-ID or bit rate that the device does not have, or that it can't store; 2 of a store is a \
-             fault of its memory.",
-    thresholds: &[],
-};
-
+/// an LSS or LMT slave refuses a configuration
+///
+/// The answer to configure node-ID, configure bit timing or store has an error code.
+///
+/// # Why
+/// The slave keeps its old node-ID or bit rate. A master that goes on all the same loses it.
+///
+/// # What to do
+/// Code 1 is a node-ID or bit rate that the device does not have, or that it can't store; 2 of a store is a fault of
+/// its memory.
+#[rule(id = "lss/refused", severity = Error, services = [Lss, Lmt])]
 struct Refused {
     request: Option<Seen>,
 }

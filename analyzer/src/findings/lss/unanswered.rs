@@ -1,41 +1,29 @@
-use super::exchange::{SERVICES, Sender, command, is_store, sender, wants_answer, words};
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use super::exchange::{Sender, command, is_store, sender, wants_answer, words};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
+use crate::findings::{Context, Scene, Seen};
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: SERVICES,
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(Unanswered {
-            wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),
-            store: Duration::from_millis(thresholds.get(&METADATA, "store")),
-            open: None,
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "lss/unanswered",
-    severity: Severity::Warning,
-    title: "an LSS or LMT request gets no answer",
-    what: "A request that one slave must answer (configure, store, inquire, the last of a switch selective) is followed \
-           by none. Identify and Fastscan are answered only where a slave fits, and LMT is silent when it switches: \
-           neither is reported.",
-    why: "No slave is in configuration state, or none has the address that was given. The node-ID or bit rate has not \
-          changed.",
-    advice: "Check the four numbers of the address against the label. LSS works in stopped and pre-operational only \
-             with many devices.",
-    thresholds: &[
-        Threshold { name: "wait", default: 1000, unit: "ms", meaning: "time to answer" },
-        Threshold { name: "store", default: 5000, unit: "ms", meaning: "time to answer a store" },
-    ],
-};
-
+/// an LSS or LMT request gets no answer
+///
+/// A request that one slave must answer (configure, store, inquire, the last of a switch selective) is followed by
+/// none. Identify and Fastscan are answered only where a slave fits, and LMT is silent when it switches: neither is
+/// reported.
+///
+/// # Why
+/// No slave is in configuration state, or none has the address that was given. The node-ID or bit rate has not changed.
+///
+/// # What to do
+/// Check the four numbers of the address against the label. LSS works in stopped and pre-operational only with many
+/// devices.
+#[rule(id = "lss/unanswered", severity = Warning, services = [Lss, Lmt])]
 struct Unanswered {
+    /// time to answer
+    #[threshold(ms = 1000)]
     wait: Duration,
+    /// time to answer a store
+    #[threshold(ms = 5000)]
     store: Duration,
     open: Option<Seen>,
 }

@@ -1,44 +1,38 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::NodeId;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, NodeFacts, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, NodeFacts, Seen};
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::BootUp],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(BootUpWithoutCommand)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/boot-up-without-command",
-    severity: Severity::Warning,
-    title: "a node restarts by itself",
-    what: "A boot-up message of a node that was already running, and that no NMT reset command, LSS service or program \
-           control (1F51h) explains. The first boot-up in a capture is not reported: the node was switched on. Of two \
-           boot-ups after one reset command the second one is. Within ten seconds of a store, a boot-up is taken for \
-           the power cycle that makes stored parameters take effect.",
-    why: "The node has restarted: a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational \
-          with its stored parameters, and sends no process data until it is started again.",
-    advice: "See whether several nodes restart together (supply), what the node sent just before (EMCY), and whether \
-             it happens again. 6505h bit 2 of encoders tells of a watchdog reset.",
-    thresholds: &[],
-};
-
+/// a node restarts by itself
+///
+/// A boot-up message of a node that was already running, and that no NMT reset command, LSS service or program control
+/// (1F51h) explains. The first boot-up in a capture is not reported: the node was switched on. Of two boot-ups after
+/// one reset command the second one is. Within ten seconds of a store, a boot-up is taken for the power cycle that
+/// makes stored parameters take effect.
+///
+/// # Why
+/// The node has restarted: a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational with its
+/// stored parameters, and sends no process data until it is started again.
+///
+/// # What to do
+/// See whether several nodes restart together (supply), what the node sent just before (EMCY), and whether it happens
+/// again.
+#[rule(id = "nodes/boot-up-without-command", severity = Warning, services = [BootUp])]
 struct BootUpWithoutCommand;
 
 /// Whether something that was said to the node explains its boot-up.
-pub fn is_explained(context: &Context<'_>, facts: &NodeFacts) -> bool {
+pub fn is_explained(context: &Context<'_>, node: NodeId, facts: &NodeFacts) -> bool {
     const WHILE: Duration = Duration::from_secs(10);
     let recent = |then: Option<Timestamp>| NodeFacts::is_recent(then, context.now(), WHILE);
     // One reset explains one boot-up; layer settings and programs take effect by a reset of their own.
     let after_boot_up = |then: Option<Timestamp>| recent(then) && then > facts.last_boot_up;
     let answered = |reset: Timestamp| {
-        // Devices without boot-up message go on without one: what comes minutes later is no answer to the reset.
-        const LONGEST: Duration = Duration::from_secs(60);
+        let usual = context.now().since(reset) <= context.scene.facts.presence.restart_limit(node);
+        // A node that was there when it was reset, and is silent since, is busy with that.
         let silent = facts.last_seen.is_none_or(|seen| seen <= reset + Duration::from_secs(1));
-        silent || context.now().since(reset) <= LONGEST
+        usual || silent && context.news().returned.is_none()
     };
     facts.pending_reset.is_some_and(answered)
         || after_boot_up(context.scene.facts.layer_setting)
@@ -50,7 +44,7 @@ impl Rule for BootUpWithoutCommand {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
         let facts = context.scene.facts.node(node);
-        if facts.last_seen.is_none() || is_explained(context, facts) {
+        if facts.last_seen.is_none() || is_explained(context, node, facts) {
             return;
         }
         let report = Report::at(context.now()).node(node);

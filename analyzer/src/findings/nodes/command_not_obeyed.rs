@@ -1,50 +1,47 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
 use crate::wire::error_control::State;
 use crate::wire::nmt::Command;
-use canvass_traces::Duration;
+use crate::{NodeId, PerNode};
+use canvass_analyzer_macros::rule;
+use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Nmt, Service::Heartbeat, Service::Guarding, Service::BootUp],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(CommandNotObeyed {
-            settle: Duration::from_millis(thresholds.get(&METADATA, "settle")),
-            reset: Duration::from_millis(thresholds.get(&METADATA, "reset")),
-            nodes: (0..128).map(|_| None).collect(),
-            obedient: vec![false; 128],
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/command-not-obeyed",
-    severity: Severity::Error,
-    title: "a node does not reach the commanded NMT state",
-    what: "After an NMT command, and time to obey it, heartbeats or guarding answers of the node still show another \
-           state: two of them, so that one that was already queued does not count. The NMT master does not hear its own \
-           commands: a node that stays operational although all are told otherwise is only worth knowing as long as no \
-           command has named it, it has not obeyed one to stop, has answered no SDO client, and sends neither TPDOs nor \
-           EMCY.",
-    why: "The master believes that the node is in another state than it is: it sends no process data, or goes on \
-          sending them.",
-    advice: "See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the \
-             command really names this node.",
-    thresholds: &[
-        Threshold { name: "settle", default: 100, unit: "ms", meaning: "time to reach a state" },
-        Threshold { name: "reset", default: 2000, unit: "ms", meaning: "time to begin a reset" },
-    ],
-};
-
+/// a node does not reach the commanded NMT state
+///
+/// After an NMT command, and time to obey it, heartbeats or guarding answers of the node still show another state: two
+/// of them, so that one that was already queued does not count. A reset is not obeyed either where no boot-up follows
+/// and the heartbeat goes on in the same state and without a pause, each at its time. All commands that a node does not
+/// obey are one finding. The NMT master does not hear its own commands: a node that stays operational although all are
+/// told otherwise is only worth knowing as long as no command has named it, it has not obeyed one to stop, has answered
+/// no SDO client, and sends neither TPDOs nor EMCY.
+///
+/// # Why
+/// The master believes that the node is in another state than it is: it sends no process data, or goes on sending them.
+///
+/// # What to do
+/// See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the command
+/// really names this node.
+#[rule(id = "nodes/command-not-obeyed", severity = Error, services = [Nmt, Heartbeat, Guarding, BootUp])]
 struct CommandNotObeyed {
+    /// time to reach a state
+    #[threshold(ms = 100)]
     settle: Duration,
+    /// time to begin a reset
+    #[threshold(ms = 2000)]
     reset: Duration,
-    nodes: Vec<Option<Pending>>,
-    /// The nodes that have left operational, or started anew, when they were told to.
-    obedient: Vec<bool>,
+    nodes: PerNode<Watched>,
+}
+
+#[derive(Default)]
+struct Watched {
+    pending: Option<Pending>,
+    /// It has left operational, or started anew, when it was told to.
+    obedient: bool,
+    /// The last heartbeat, with its state.
+    beat: Option<(Timestamp, State)>,
+    disobeyed: Disobeyed,
 }
 
 struct Pending {
@@ -52,6 +49,84 @@ struct Pending {
     expected: State,
     /// How often another state was seen.
     against: u8,
+    /// The last heartbeat before the command, and how many came at their time after it.
+    before: Option<(Timestamp, State)>,
+    on_time: u64,
+}
+
+/// The commands that were not obeyed.
+#[derive(Default)]
+struct Disobeyed {
+    times: u64,
+    resets: u64,
+    /// When the first of them came, since the start.
+    reset_at: Vec<Duration>,
+    starts: u64,
+    first: String,
+}
+
+impl Disobeyed {
+    /// How many resets are listed with their times.
+    const LISTED: usize = 8;
+
+    /// One more, in words: what there is to say of all.
+    fn add(&mut self, expected: State, since_start: Duration, words: String) -> String {
+        self.times += 1;
+        match expected {
+            State::BOOT_UP => {
+                self.resets += 1;
+                if self.reset_at.len() < Self::LISTED {
+                    self.reset_at.push(since_start);
+                }
+            }
+            State::OPERATIONAL => self.starts += 1,
+            _ => {}
+        }
+        if self.times == 1 {
+            self.first = words;
+            return self.first.clone();
+        }
+        let mut kinds = Vec::new();
+        if self.resets > 0 {
+            let at: Vec<String> = self.reset_at.iter().map(Duration::to_string).collect();
+            let more = if self.resets > Self::LISTED as u64 { ", …" } else { "" };
+            kinds.push(format!("{} to reset (after {}{more} of the capture)", self.resets, at.join(", ")));
+        }
+        if self.starts > 0 {
+            kinds.push(format!("{} to start", self.starts));
+        }
+        let others = self.times - self.resets - self.starts;
+        if others > 0 {
+            kinds.push(format!("{others} to stop or to be pre-operational"));
+        }
+        format!("{} commands not obeyed, {}; the first: {}", self.times, kinds.join(", "), self.first)
+    }
+}
+
+impl Pending {
+    /// No device restarts sooner.
+    const RESTART: Duration = Duration::from_millis(5);
+
+    /// Whether a heartbeat comes just when it would have come without the reset: then the node has not begun anew. Where
+    /// the reset fell together with a beat, a timer that starts after it is late by what the restart takes.
+    fn goes_on(&mut self, now: Timestamp, state: State, period: Option<Duration>) -> bool {
+        let (Some((before, old)), Some(period)) = (self.before, period.filter(|period| *period > Duration::ZERO))
+        else {
+            return false;
+        };
+        let tenth = period.nanos() / 10;
+        let phase = self.command.time().since(before).nanos();
+        let due = period.nanos() * (self.on_time + 1);
+        let off = now.since(before).nanos().abs_diff(due);
+        let together = phase < tenth || phase + tenth > period.nanos();
+        let tolerated = if together { (tenth / 2).min(Self::RESTART.nanos()) } else { tenth / 2 };
+        if old != state || off > tolerated {
+            self.before = None;
+            return false;
+        }
+        self.on_time += 1;
+        true
+    }
 }
 
 impl CommandNotObeyed {
@@ -63,16 +138,66 @@ impl CommandNotObeyed {
             Command::RESET_NODE | Command::RESET_COMMUNICATION => State::BOOT_UP,
             _ => return,
         };
-        for (id, pending) in self.nodes.iter_mut().enumerate().skip(1) {
-            if node == 0 || usize::from(node) == id {
-                // The same command again: the node has had its time since the first one.
-                let waits = pending.as_ref().is_some_and(|pending| pending.expected == expected);
-                if waits && expected != State::BOOT_UP {
-                    continue;
-                }
-                *pending = Some(Pending { command: context.seen(), expected, against: 0 });
+        for (_, watched) in self.nodes.named_mut(node) {
+            // The same command again: the node has had its time since the first one.
+            let waits = watched.pending.as_ref().is_some_and(|pending| pending.expected == expected);
+            // Of a node that was not seen before, nobody knows whether it has just been switched on.
+            if expected == State::BOOT_UP && watched.beat.is_none() {
+                watched.pending = None;
+            } else if !waits || expected == State::BOOT_UP {
+                let (command, before) = (context.seen(), watched.beat);
+                watched.pending = Some(Pending { command, expected, against: 0, before, on_time: 0 });
             }
         }
+    }
+
+    /// Error control shows a state.
+    fn shown(&mut self, node: NodeId, state: State, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let watched = &mut self.nodes[node];
+        let Some(pending) = &mut watched.pending else { return };
+        let is_reset = pending.expected == State::BOOT_UP;
+        let period = context.scene.facts.heartbeats.of(node).period();
+        let goes_on = is_reset && pending.goes_on(context.now(), state, period);
+        // Without a boot-up message, pre-operational shows that the reset has taken place.
+        if state == pending.expected
+            || context.decoded.service == Service::BootUp
+            || is_reset && state == State::PRE_OPERATIONAL && !goes_on
+        {
+            watched.obedient |= pending.expected != State::OPERATIONAL;
+            watched.pending = None;
+            return;
+        }
+        let settle = if is_reset { self.reset } else { self.settle };
+        let waited = context.now().since(pending.command.time());
+        if waited <= settle && !(goes_on && pending.on_time > 1) {
+            return;
+        }
+        pending.against += 1;
+        let needed = if is_reset && state == State::PRE_OPERATIONAL { pending.on_time } else { pending.against.into() };
+        if needed >= 2 && waited > settle {
+            self.tell(node, state, context, sink);
+        }
+    }
+
+    fn tell(&mut self, node: NodeId, state: State, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let watched = &mut self.nodes[node];
+        let Some(pending) = watched.pending.take() else { return };
+        let is_slave = watched.obedient || context.scene.facts.node(node).is_slave;
+        if !is_slave && state != State::OPERATIONAL && pending.expected == State::BOOT_UP {
+            return;
+        }
+        let is_master = !is_slave && state == State::OPERATIONAL;
+        let at = pending.command.time();
+        let waited = context.now().since(at);
+        let master = if is_master { "; it is right if this is the NMT master itself" } else { "" };
+        let words = match pending.expected {
+            State::BOOT_UP => format!("{state} {waited} after the command to reset it, and no boot-up{master}"),
+            expected => format!("{state} {waited} after the command to be {expected}{master}"),
+        };
+        let words = watched.disobeyed.add(pending.expected, at.since(context.scene.start), words);
+        let report = Report::at(at).until(context.now()).node(node).measure(watched.disobeyed.times);
+        let report = if is_master { report.severity(Severity::Info) } else { report };
+        sink.report(report.evidence(pending.command.evidence()).evidence(context.evidence()), || words);
     }
 }
 
@@ -81,44 +206,19 @@ impl Rule for CommandNotObeyed {
         if let Message::Nmt(nmt) = context.message() {
             return self.commanded(nmt.command, nmt.node, context);
         }
-        let (Some(node), Message::ErrorControl(message)) = (context.node(), context.message()) else { return };
-        let slot = &mut self.nodes[usize::from(node.raw())];
-        let Some(pending) = slot else { return };
-        let is_reset = pending.expected == State::BOOT_UP;
-        // Without a boot-up message, pre-operational shows that the reset has taken place.
-        if message.state == pending.expected
-            || context.decoded.service == Service::BootUp
-            || is_reset && message.state == State::PRE_OPERATIONAL
-        {
-            self.obedient[usize::from(node.raw())] |= pending.expected != State::OPERATIONAL;
-            *slot = None;
-            return;
-        }
-        let settle = if is_reset { self.reset } else { self.settle };
-        let waited = context.now().since(pending.command.time());
-        if waited <= settle {
-            return;
-        }
-        pending.against += 1;
-        if pending.against >= 2 {
-            let expected = pending.expected;
-            let command = pending.command.evidence();
-            let is_slave = self.obedient[usize::from(node.raw())] || context.scene.facts.node(node).is_slave;
-            let is_master = !is_slave && message.state == State::OPERATIONAL;
-            let report = Report::at(pending.command.time()).node(node).detail(u64::from(expected.0));
-            let report = if is_master { report.severity(Severity::Info) } else { report };
-            sink.report(report.evidence(command).evidence(context.evidence()), || {
-                let master = if is_master { "; it is right if this is the NMT master itself" } else { "" };
-                match is_reset {
-                    true => format!("{} {waited} after the command to reset it{master}", message.state),
-                    false => format!("{} {waited} after the command to be {expected}{master}", message.state),
-                }
-            });
-            *slot = None;
-        }
+        let Some(node) = context.node() else { return };
+        let state = match context.message() {
+            _ if context.decoded.service == Service::BootUp => State::BOOT_UP,
+            Message::ErrorControl(message) => message.state,
+            _ => return,
+        };
+        self.shown(node, state, context, sink);
+        self.nodes[node].beat = Some((context.now(), state));
     }
 
     fn interrupted(&mut self) {
-        self.nodes.fill_with(|| None);
+        for watched in self.nodes.values_mut() {
+            (watched.pending, watched.beat) = (None, None);
+        }
     }
 }

@@ -1,44 +1,31 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
+use crate::findings::{Context, Scene, Seen};
 use crate::message::{Message, Service};
 use crate::network::Event;
-use crate::{Multiplexer, NodeId};
+use crate::{Multiplexer, NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Heartbeat, Service::BootUp, Service::Nmt, Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|_| {
-        Box::new(ConsumerTime {
-            consumers: Vec::new(),
-            known: vec![false; 128],
-            last: (0..128).map(|_| None).collect(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/consumer-time",
-    severity: Severity::Error,
-    title: "a heartbeat consumer time is missed",
-    what: "The capture, or the device configuration that was given for it, shows that a node consumes the heartbeat of \
-           another (1016h), and that heartbeat stays away for longer than the consumer time, or does not come back. \
-           Monitoring begins with the first heartbeat. Where a reset or boot-up is the reason, nothing is said.",
-    why: "The consumer sees a heartbeat event: it sends EMCY 8130h and, unless 1029h says otherwise, leaves \
-          operational.",
-    advice: "The consumer time should be at least one and a half times the producer time. If it is, find out why the \
-             producer was silent.",
-    thresholds: &[],
-};
-
+/// a heartbeat consumer time is missed
+///
+/// The capture, or the device configuration that was given for it, shows that a node consumes the heartbeat of another
+/// (1016h), and that heartbeat stays away for longer than the consumer time, or does not come back. Monitoring begins
+/// with the first heartbeat. Where a reset or boot-up is the reason, nothing is said.
+///
+/// # Why
+/// The consumer sees a heartbeat event: it sends EMCY 8130h and, unless 1029h says otherwise, leaves operational.
+///
+/// # What to do
+/// The consumer time should be at least one and a half times the producer time. If it is, find out why the producer was
+/// silent.
+#[rule(id = "nodes/consumer-time", severity = Error, services = [Heartbeat, BootUp, Nmt, Sdo])]
 struct ConsumerTime {
     /// Who consumes whose heartbeat, and how long it waits.
     consumers: Vec<Consumer>,
     /// The nodes whose description or stored parameters were looked at.
-    known: Vec<bool>,
-    last: Vec<Option<Seen>>,
+    known: PerNode<bool>,
+    last: PerNode<Option<Seen>>,
 }
 
 #[derive(Clone, Copy)]
@@ -56,7 +43,7 @@ impl ConsumerTime {
 
     /// Takes the entries of 1016h of a node as they are at this moment.
     fn configure(&mut self, node: NodeId, scene: &Scene<'_>) {
-        self.known[usize::from(node.raw())] = true;
+        self.known[node] = true;
         self.consumers.retain(|consumer| consumer.node != node);
         let Some(known) = scene.bus.node(node) else { return };
         // A description says only what the default is; nobody delivers a device with a consumer switched on, unless
@@ -73,13 +60,17 @@ impl ConsumerTime {
 
     /// Reports the consumers that have waited for too long.
     fn check(&mut self, producer: NodeId, next: Option<&Context<'_>>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        let Some(last) = &self.last[usize::from(producer.raw())] else { return };
+        let Some(last) = &self.last[producer] else { return };
         let silence = scene.now.since(last.time());
         for consumer in self.consumers.iter_mut().filter(|consumer| consumer.producer == producer.raw()) {
             if silence <= consumer.time + scene.slack() || consumer.told && next.is_none() {
                 continue;
             }
-            let report = Report::at(last.time()).node(consumer.node).detail(u64::from(producer.raw()));
+            let report = Report::at(last.time())
+                .node(consumer.node)
+                .origin(producer)
+                .until(scene.now)
+                .detail(u64::from(producer.raw()));
             let report = if consumer.told { report.amend() } else { report };
             let report = report.measure(silence.nanos()).evidence(last.evidence());
             sink.report(report.evidence(next.map(Context::evidence)), || {
@@ -92,11 +83,7 @@ impl ConsumerTime {
     }
 
     fn forget(&mut self, producer: u8) {
-        for (id, last) in self.last.iter_mut().enumerate() {
-            if producer == 0 || usize::from(producer) == id {
-                *last = None;
-            }
-        }
+        self.last.reset_named(producer);
         for consumer in self.consumers.iter_mut().filter(|consumer| producer == 0 || consumer.producer == producer) {
             consumer.told = false;
         }
@@ -111,8 +98,7 @@ impl Rule for ConsumerTime {
             };
         }
         let Some(node) = context.node() else { return };
-        let at = usize::from(node.raw());
-        if !self.known[at] {
+        if !self.known[node] {
             self.configure(node, context.scene);
         }
         match context.decoded.service {
@@ -130,7 +116,7 @@ impl Rule for ConsumerTime {
                 if !context.scene.facts.node(node).is_storing(context.now()) {
                     self.check(node, Some(context), context.scene, sink);
                 }
-                self.last[at] = Some(context.seen());
+                self.last[node] = Some(context.seen());
             }
             _ => {}
         }

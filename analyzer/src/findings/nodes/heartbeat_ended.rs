@@ -1,53 +1,45 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::PerNode;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, Scene, Seen};
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Heartbeat],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(HeartbeatEnded {
-            periods: thresholds.get(&METADATA, "periods").max(1),
-            latest: (0..128).map(|_| None).collect(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/heartbeat-ended",
-    severity: Severity::Error,
-    title: "a node's heartbeat ends and does not come back",
-    what: "The capture goes on for several periods after the last heartbeat of a node, without a reset command, and \
-           with other nodes still sending.",
-    why: "The node was switched off, has lost the bus, or hangs.",
-    advice: "Look at the last frames of the node, at error frames around that time, and at its supply.",
-    thresholds: &[Threshold { name: "periods", default: 3, unit: "", meaning: "so many must be missing at the end" }],
-};
-
+/// a node's heartbeat ends and does not come back
+///
+/// The capture goes on for several periods after the last heartbeat of a node, without a reset command, and with other
+/// nodes still sending.
+///
+/// # Why
+/// The node was switched off, has lost the bus, or hangs.
+///
+/// # What to do
+/// Look at the last frames of the node, at error frames around that time, and at its supply.
+#[rule(id = "nodes/heartbeat-ended", severity = Error, services = [Heartbeat])]
 struct HeartbeatEnded {
+    /// so many must be missing at the end
+    #[threshold(count = 3, min = 1)]
     periods: u64,
-    latest: Vec<Option<Seen>>,
+    latest: PerNode<Option<Seen>>,
 }
 
 impl Rule for HeartbeatEnded {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         if let Some(node) = context.node() {
-            self.latest[usize::from(node.raw())] = Some(context.seen());
+            self.latest[node] = Some(context.seen());
         }
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         for (node, rhythm) in scene.facts.heartbeats.all() {
-            let seen = self.latest[usize::from(node.raw())].as_ref();
+            let seen = self.latest[node].as_ref();
             let (Some(seen), Some(period)) = (seen, rhythm.period()) else { continue };
             let (last, silence) = (seen.time(), scene.now.since(seen.time()));
             let is_late = silence > period.times(self.periods) + scene.slack() + Duration::from_millis(10);
             let facts = scene.facts.node(node);
             // A device without boot-up message is not silent after a reset.
-            if !is_late || facts.is_resetting(scene.now) || facts.is_storing(scene.now) {
+            let is_lost = scene.facts.outage(node, scene.now).is_some();
+            if !is_late || is_lost || facts.is_resetting(scene.now) || facts.is_storing(scene.now) {
                 continue;
             }
             let report = Report::at(last).node(node).evidence(seen.evidence());

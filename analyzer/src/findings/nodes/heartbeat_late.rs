@@ -1,42 +1,30 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, Percent, Seen};
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Heartbeat],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(HeartbeatLate {
-            percent: thresholds.get(&METADATA, "percent"),
-            missing: super::heartbeat_missing::percent(thresholds),
-            least: Duration::from_millis(thresholds.get(&METADATA, "least")),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/heartbeat-late",
-    severity: Severity::Warning,
-    title: "a heartbeat comes late",
-    what: "A heartbeat comes later than its period and half of it, but none was left out. The period is that of 1017h \
-           where the capture shows it, else the one that the node has kept before. Pauses around NMT commands, resets \
-           and stores are not counted.",
-    why: "A consumer that waits for one and a half or two periods is about to declare the node lost. The node, or the \
-          bus, is too busy to send in time.",
-    advice: "Look at the bus load at that time, and at what the node was doing. If a heartbeat time is below 20 ms, \
-             lengthen it.",
-    thresholds: &[
-        Threshold { name: "percent", default: 150, unit: "%", meaning: "of the period; later is late" },
-        Threshold { name: "least", default: 10, unit: "ms", meaning: "being late by less is not reported" },
-    ],
-};
-
+/// a heartbeat comes late
+///
+/// A heartbeat comes later than its period and half of it, but none was left out. The period is that of 1017h where the
+/// capture shows it, else the one that the node has kept before. Pauses around NMT commands, resets and stores are not
+/// counted.
+///
+/// # Why
+/// A consumer that waits for one and a half or two periods is about to declare the node lost. The node, or the bus, is
+/// too busy to send in time.
+///
+/// # What to do
+/// Look at the bus load at that time, and at what the node was doing. If a heartbeat time is below 20 ms, lengthen it.
+#[rule(id = "nodes/heartbeat-late", severity = Warning, services = [Heartbeat])]
 struct HeartbeatLate {
-    percent: u64,
-    missing: u64,
+    /// of the period; later is late
+    #[threshold(percent = 150)]
+    percent: Percent,
+    #[from(super::heartbeat_missing::percent)]
+    missing: Percent,
+    /// being late by less is not reported
+    #[threshold(ms = 10)]
     least: Duration,
 }
 

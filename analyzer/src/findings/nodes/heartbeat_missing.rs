@@ -1,43 +1,38 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold, Thresholds};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, Percent, Seen, Thresholds};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Heartbeat],
-    also: Also::Nothing,
-    make: Some(|thresholds| Box::new(HeartbeatMissing { percent: percent(thresholds) })),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/heartbeat-missing",
-    severity: Severity::Error,
-    title: "heartbeats are missing",
-    what: "The next heartbeat comes so late that at least one was left out. The period is that of 1017h where the \
-           capture shows it, else the one that the node has kept before. Pauses around NMT commands, resets and stores \
-           are not counted, nor those in which all nodes are silent.",
-    why: "Consumers declare the node lost and react, often by stopping the machine.",
-    advice: "See what else the node sent in the meantime: if nothing, it was cut off or hung; if everything else came, \
-             its heartbeat task is starved. Look for a boot-up shortly after.",
-    thresholds: &[Threshold { name: "percent", default: 180, unit: "%", meaning: "of the period; later is missing" }],
-};
-
-/// How late a heartbeat must be to count as missing.
-pub fn percent(thresholds: &Thresholds) -> u64 {
-    thresholds.get(&METADATA, "percent")
+/// heartbeats are missing
+///
+/// The next heartbeat comes so late that at least one was left out. The period is that of 1017h where the capture shows
+/// it, else the one that the node has kept before. Pauses around NMT commands, resets and stores are not counted, nor
+/// those in which all nodes are silent.
+///
+/// # Why
+/// Consumers declare the node lost and react, often by stopping the machine.
+///
+/// # What to do
+/// See what else the node sent in the meantime: if nothing, it was cut off or hung; if everything else came, its
+/// heartbeat task is starved. Look for a boot-up shortly after.
+#[rule(id = "nodes/heartbeat-missing", severity = Error, services = [Heartbeat])]
+struct HeartbeatMissing {
+    /// of the period; later is missing
+    #[threshold(percent = 180)]
+    percent: Percent,
 }
 
-struct HeartbeatMissing {
-    percent: u64,
+/// How late a heartbeat must be to count as missing.
+pub fn percent(thresholds: &Thresholds) -> Percent {
+    HeartbeatMissing::new(thresholds).percent
 }
 
 impl Rule for HeartbeatMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Some(interval) = context.news().heartbeat else { return };
+        let Some(interval) = context.news().heartbeat.filter(|_| context.news().returned.is_none()) else { return };
         let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };
         let begin = context.previous.map_or(context.now(), Seen::time);
-        let report = Report::at(begin).node(context.node()).measure(interval.length.nanos());
+        let report = Report::at(begin).until(context.now()).node(context.node()).measure(interval.length.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || {
             let missed = (interval.length.nanos() + period.nanos() / 2) / period.nanos().max(1) - 1;

@@ -1,46 +1,39 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
-use crate::findings::sink::{Evidence, Report, Sink};
+use crate::findings::rule::Rule;
+use crate::findings::seen::Evidence;
+use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, Service};
-use crate::{Multiplexer, NodeId};
+use crate::message::Message;
+use crate::{Multiplexer, NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
-
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Nmt],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        let wait = Duration::from_millis(thresholds.get(&METADATA, "wait"));
-        Box::new(NoBootUp { wait, resets: (0..128).map(|_| None).collect() })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/no-boot-up",
-    severity: Severity::Error,
-    title: "a node does not come back after a reset",
-    what: "A node that was on the bus is reset by an NMT command, and sends nothing more until the capture ends. A \
-           node that sends other messages again but no boot-up is reported only if it has sent one before: old and \
-           linear devices have none. Nor is \
-           a linear encoder (1000h) that nobody asks for anything after its reset, nor one that comes back with the \
-           node-ID that LSS has given it, nor the NMT master, which does not hear its own commands to all nodes.",
-    why: "The node is not available any more: it hangs in initialisation, has changed its node-ID or bit rate, or its \
-          boot-up message never gets through.",
-    advice: "Look for a new node-ID on the bus. If there is none, look at the device itself.",
-    thresholds: &[Threshold { name: "wait", default: 5000, unit: "ms", meaning: "so long a reset may take" }],
-};
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
+/// a node does not come back after a reset
+///
+/// A node that was on the bus is reset by an NMT command, and sends nothing more until the capture ends. A node that
+/// sends other messages again but no boot-up is reported only if it has sent one before: old and linear devices have
+/// none. Nor is a linear encoder (1000h) that nobody asks for anything after its reset, nor one that comes back with
+/// the node-ID that LSS has given it, nor the NMT master, which does not hear its own commands to all nodes.
+///
+/// # Why
+/// The node is not available any more: it hangs in initialisation, has changed its node-ID or bit rate, or its boot-up
+/// message never gets through.
+///
+/// # What to do
+/// Look for a new node-ID on the bus. If there is none, look at the device itself.
+#[rule(id = "nodes/no-boot-up", severity = Error, services = [Nmt])]
 struct NoBootUp {
+    /// so long a reset may take
+    #[threshold(ms = 5000)]
     wait: Duration,
     /// The last reset command to each node.
-    resets: Vec<Option<Seen>>,
+    resets: PerNode<Option<Seen>>,
 }
 
 impl NoBootUp {
     fn reset_of(&self, node: NodeId) -> Option<Evidence<'_>> {
-        self.resets[usize::from(node.raw())].as_ref().map(Seen::evidence)
+        self.resets[node].as_ref().map(Seen::evidence)
     }
 }
 
@@ -48,9 +41,7 @@ impl Rule for NoBootUp {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let Message::Nmt(nmt) = context.message() else { return };
         if nmt.command.is_reset() {
-            let named =
-                self.resets.iter_mut().enumerate().filter(|(id, _)| nmt.node == 0 || usize::from(nmt.node) == *id);
-            named.for_each(|(_, reset)| *reset = Some(context.seen()));
+            self.resets.named_mut(nmt.node).for_each(|(_, reset)| *reset = Some(context.seen()));
         }
     }
 
@@ -63,12 +54,19 @@ impl Rule for NoBootUp {
             // Linear devices of some manufacturers come up silently: nothing to wait for.
             let device_type = scene.bus.node(node).and_then(|known| known.parameter(node, DEVICE_TYPE));
             let is_linear = device_type.is_some_and(|device_type| matches!(device_type >> 16, 0x08 | 0x09));
+            let period = scene.facts.heartbeats.of(node).period();
+            // That it goes on as if nothing had happened is told as a command that it does not obey.
+            let paused = period.is_none_or(|period| facts.longest_pause > period + Duration(period.nanos() / 10));
             let waited = scene.now.since(reset) > self.wait;
+            // What had dropped out before is told as that.
+            if scene.facts.outage(node, scene.now).is_some() {
+                continue;
+            }
             if !is_linear && waited && facts.is_silent_since_reset() {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
                     format!("nothing more was heard in the {} after its reset", scene.now.since(reset))
                 });
-            } else if waited && facts.is_slave && facts.last_boot_up.is_some() && seen > reset + self.wait {
+            } else if waited && paused && facts.is_slave && facts.last_boot_up.is_some() && seen > reset + self.wait {
                 let report = Report::at(reset).node(node).severity(Severity::Warning).evidence(self.reset_of(node));
                 sink.report(report, || {
                     "it sends again after its reset, but not its boot-up message, as it did before".to_owned()

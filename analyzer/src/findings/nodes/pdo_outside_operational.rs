@@ -1,40 +1,32 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::PerNode;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Seen};
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::Cause;
 use crate::wire::error_control::State;
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Pdo, Service::Nmt, Service::Heartbeat, Service::Guarding, Service::BootUp],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(PdoOutsideOperational {
-            grace: Duration::from_millis(thresholds.get(&METADATA, "grace")),
-            nodes: (0..128).map(|_| Watched::default()).collect(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/pdo-outside-operational",
-    severity: Severity::Error,
-    title: "a node sends PDOs although it is not operational",
-    what: "A TPDO of a node that was commanded to stop or to pre-operational, or whose heartbeats before and after it \
-           show another state than operational. A node that may start by itself after its boot-up is given the benefit \
-           of the doubt until a heartbeat shows its state.",
-    why: "PDOs exist in operational only (CiA 301). Values sent in other states may not be valid, and consumers take \
-          them for good.",
-    advice: "If the node was stopped by an NMT command, it did not obey: see its heartbeats. Else it is a fault of its \
-             firmware, or another node sends with the same CAN-ID.",
-    thresholds: &[Threshold { name: "grace", default: 100, unit: "ms", meaning: "what may still be queued" }],
-};
-
+/// a node sends PDOs although it is not operational
+///
+/// A TPDO of a node that was commanded to stop or to pre-operational, or whose heartbeats before and after it show
+/// another state than operational. A node that may start by itself after its boot-up is given the benefit of the doubt
+/// until a heartbeat shows its state.
+///
+/// # Why
+/// PDOs exist in operational only (CiA 301). Values sent in other states may not be valid, and consumers take them for
+/// good.
+///
+/// # What to do
+/// If the node was stopped by an NMT command, it did not obey: see its heartbeats. Else it is a fault of its firmware,
+/// or another node sends with the same CAN-ID.
+#[rule(id = "nodes/pdo-outside-operational", severity = Error, services = [Pdo, Nmt, Heartbeat, Guarding, BootUp])]
 struct PdoOutsideOperational {
+    /// what may still be queued
+    #[threshold(ms = 100)]
     grace: Duration,
-    nodes: Vec<Watched>,
+    nodes: PerNode<Watched>,
 }
 
 #[derive(Default)]
@@ -51,7 +43,7 @@ impl PdoOutsideOperational {
     fn pdo(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
         let Some((state, cause)) = context.scene.bus.node(node).and_then(|node| node.state) else { return };
-        let watched = &mut self.nodes[usize::from(node.raw())];
+        let watched = &mut self.nodes[node];
         if state == State::OPERATIONAL || state == State::BOOT_UP {
             return;
         }
@@ -78,15 +70,13 @@ impl Rule for PdoOutsideOperational {
         match context.message() {
             Message::Pdo(PdoNumber::Transmit(_)) => self.pdo(context, sink),
             Message::Nmt(nmt) if context.begins_anew() => {
-                for (id, watched) in self.nodes.iter_mut().enumerate() {
-                    if nmt.node == 0 || usize::from(nmt.node) == id {
-                        *watched = Watched { commanded: Some(context.now()), ..Watched::default() };
-                    }
+                for (_, watched) in self.nodes.named_mut(nmt.node) {
+                    *watched = Watched { commanded: Some(context.now()), ..Watched::default() };
                 }
             }
             Message::ErrorControl(message) => {
                 let Some(node) = context.node() else { return };
-                let watched = &mut self.nodes[usize::from(node.raw())];
+                let watched = &mut self.nodes[node];
                 let suspect = watched.suspect.take();
                 let outside = matches!(message.state, State::PRE_OPERATIONAL | State::STOPPED);
                 if let Some(pdo) = suspect.filter(|_| outside && context.decoded.service != Service::BootUp) {
@@ -101,6 +91,6 @@ impl Rule for PdoOutsideOperational {
     }
 
     fn interrupted(&mut self) {
-        self.nodes.iter_mut().for_each(|watched| *watched = Watched::default());
+        self.nodes.reset();
     }
 }

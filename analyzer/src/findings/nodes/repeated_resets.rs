@@ -1,37 +1,10 @@
 use super::boot_up_without_command::is_explained;
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::PerNode;
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::Service;
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
-
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::BootUp],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(RepeatedResets {
-            times: thresholds.get(&METADATA, "times").max(1),
-            within: Duration::from_millis(thresholds.get(&METADATA, "within")),
-            nodes: vec![Restarts::default(); 128],
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/repeated-resets",
-    severity: Severity::Error,
-    title: "a node restarts again and again",
-    what: "Several boot-ups of one node within a short time that no command explains.",
-    why: "The node never gets to work. Its supply collapses under load, its watchdog fires, or it can't send on the \
-          bus and restarts its controller.",
-    advice: "Measure its supply at the device while it starts. If that is good, compare bit rate and termination, and \
-             look for a second device with the same node-ID.",
-    thresholds: &[
-        Threshold { name: "times", default: 3, unit: "", meaning: "so many boot-ups" },
-        Threshold { name: "within", default: 60_000, unit: "ms", meaning: "within this time" },
-    ],
-};
 
 #[derive(Clone, Copy, Default)]
 struct Restarts {
@@ -39,20 +12,36 @@ struct Restarts {
     count: u64,
 }
 
+/// a node restarts again and again
+///
+/// Several boot-ups of one node within a short time that no command explains.
+///
+/// # Why
+/// The node never gets to work. Its supply collapses under load, its watchdog fires, or it can't send on the bus and
+/// restarts its controller.
+///
+/// # What to do
+/// Measure its supply at the device while it starts. If that is good, compare bit rate and termination, and look for a
+/// second device with the same node-ID.
+#[rule(id = "nodes/repeated-resets", severity = Error, services = [BootUp])]
 struct RepeatedResets {
+    /// so many boot-ups
+    #[threshold(count = 3, min = 1)]
     times: u64,
+    /// within this time
+    #[threshold(ms = 60_000)]
     within: Duration,
-    nodes: Vec<Restarts>,
+    nodes: PerNode<Restarts>,
 }
 
 impl Rule for RepeatedResets {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
-        let restarts = &mut self.nodes[usize::from(node.raw())];
+        let restarts = &mut self.nodes[node];
         if context.scene.facts.node(node).last_seen.is_none() || !context.scene.has_times() {
             return;
         }
-        if is_explained(context, context.scene.facts.node(node)) {
+        if is_explained(context, node, context.scene.facts.node(node)) {
             *restarts = Restarts::default();
             return;
         }

@@ -1,32 +1,26 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::Context;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::{Message, Service};
+use crate::message::Message;
 use crate::wire::error_control::State;
 use crate::wire::nmt::Command;
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(SdoInStopped { grace: Duration::from_millis(thresholds.get(&METADATA, "grace")) })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/sdo-in-stopped",
-    severity: Severity::Warning,
-    title: "a stopped node answers SDO requests",
-    what: "An SDO server answers although its node was stopped by an NMT command, more than the grace time ago.",
-    why: "A stopped node knows only NMT and error control (CiA 301). A device that answers all the same may not have \
-          stopped at all.",
-    advice: "See in its heartbeats whether it has stopped. If it has, it is a fault of the device's firmware.",
-    thresholds: &[Threshold { name: "grace", default: 50, unit: "ms", meaning: "what may still be under way" }],
-};
-
+/// a stopped node answers SDO requests
+///
+/// An SDO server answers although its node was stopped by an NMT command, more than the grace time ago.
+///
+/// # Why
+/// A stopped node knows only NMT and error control (CiA 301). A device that answers all the same may not have stopped
+/// at all.
+///
+/// # What to do
+/// See in its heartbeats whether it has stopped. If it has, it is a fault of the device's firmware.
+#[rule(id = "nodes/sdo-in-stopped", severity = Warning, services = [Sdo])]
 struct SdoInStopped {
+    /// what may still be under way
+    #[threshold(ms = 50)]
     grace: Duration,
 }
 

@@ -1,30 +1,25 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::PerNode;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
 use crate::wire::error_control::State;
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Nmt, Service::Heartbeat, Service::Guarding, Service::BootUp],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(StateLost { nodes: vec![None; 128] })),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "nodes/state-lost",
-    severity: Severity::Error,
-    title: "a node leaves operational by itself",
-    what: "Heartbeats or guarding answers show that a node which was operational is now in another state, without an \
-           NMT command or a boot-up in between.",
-    why: "The node has reacted to an error, as 1029h says: a heartbeat or guarding event, bus-off, or an error of its \
-          own. Its process data have stopped.",
-    advice: "Look for an EMCY of the node just before, and at whose heartbeat it consumes (1016h).",
-    thresholds: &[],
-};
-
+/// a node leaves operational by itself
+///
+/// Heartbeats or guarding answers show that a node which was operational is now in another state, without an NMT
+/// command or a boot-up in between.
+///
+/// # Why
+/// The node has reacted to an error, as 1029h says: a heartbeat or guarding event, bus-off, or an error of its own. Its
+/// process data have stopped.
+///
+/// # What to do
+/// Look for an EMCY of the node just before, and at whose heartbeat it consumes (1016h).
+#[rule(id = "nodes/state-lost", severity = Error, services = [Nmt, Heartbeat, Guarding, BootUp])]
 struct StateLost {
-    nodes: Vec<Option<State>>,
+    nodes: PerNode<Option<State>>,
 }
 
 impl Rule for StateLost {
@@ -33,19 +28,18 @@ impl Rule for StateLost {
             if !context.begins_anew() {
                 return;
             }
-            match self.nodes.get_mut(usize::from(nmt.node)) {
-                Some(state) if nmt.node != 0 => *state = None,
-                _ if nmt.node == 0 => self.nodes.fill(None),
-                _ => {}
-            }
+            self.nodes.reset_named(nmt.node);
+            return;
+        }
+        if let (Some(node), Service::BootUp) = (context.node(), context.decoded.service) {
+            self.nodes[node] = None;
             return;
         }
         let (Some(node), Message::ErrorControl(message)) = (context.node(), context.message()) else { return };
-        let boots = context.decoded.service == Service::BootUp;
-        let known = &mut self.nodes[usize::from(node.raw())];
-        let before = std::mem::replace(known, (!boots).then_some(message.state));
+        let known = &mut self.nodes[node];
+        let before = known.replace(message.state);
         let known_states = [State::STOPPED, State::PRE_OPERATIONAL];
-        if before == Some(State::OPERATIONAL) && !boots && known_states.contains(&message.state) {
+        if before == Some(State::OPERATIONAL) && known_states.contains(&message.state) {
             let report = Report::at(context.now()).node(node).detail(u64::from(message.state.0));
             let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
             sink.report(report, || format!("from operational to {} without a command", message.state));
@@ -53,6 +47,6 @@ impl Rule for StateLost {
     }
 
     fn interrupted(&mut self) {
-        self.nodes.fill(None);
+        self.nodes.reset();
     }
 }

@@ -1,46 +1,31 @@
-use super::parameters::TPDOS;
-use crate::NodeId;
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::facts::TPDOS;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, Percent, Scene, Seen};
+use crate::{NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Nmt],
-    also: Also::KnownTpdos,
-    make: Some(|thresholds| {
-        Box::new(InhibitTime {
-            percent: thresholds.get(&METADATA, "percent").min(100),
-            tolerance: Duration::from_micros(thresholds.get(&METADATA, "tolerance")),
-            last: vec![[None; TPDOS]; 128].into(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/inhibit-time",
-    severity: Severity::Error,
-    title: "a PDO comes again before its inhibit time is over",
-    what: "The SDO traffic of the capture shows an inhibit time (180xh:3) of a TPDO, and two of these PDOs follow each \
-           other faster.",
-    why: "The inhibit time keeps the bus free for others. A device that ignores it can fill the bus when its value \
-          moves.",
-    advice: "Check that the inhibit time was written while the PDO was switched off, as some devices take it only then. \
-             If it was, it is a fault of the device's firmware.",
-    thresholds: &[
-        Threshold { name: "percent", default: 90, unit: "%", meaning: "of the inhibit time; sooner is too soon" },
-        Threshold {
-            name: "tolerance", default: 1000, unit: "µs", meaning: "for waiting for the bus and the recorder"
-        },
-    ],
-};
-
+/// a PDO comes again before its inhibit time is over
+///
+/// The SDO traffic of the capture shows an inhibit time (180xh:3) of a TPDO, and two of these PDOs follow each other
+/// faster.
+///
+/// # Why
+/// The inhibit time keeps the bus free for others. A device that ignores it can fill the bus when its value moves.
+///
+/// # What to do
+/// Check that the inhibit time was written while the PDO was switched off, as some devices take it only then. If it
+/// was, it is a fault of the device's firmware.
+#[rule(id = "pdo/inhibit-time", severity = Error, services = [Nmt], also = KnownTpdos)]
 struct InhibitTime {
-    percent: u64,
+    /// of the inhibit time; sooner is too soon
+    #[threshold(percent = 90, max = 100)]
+    percent: Percent,
+    /// for waiting for the bus and the recorder
+    #[threshold(us = 1000)]
     tolerance: Duration,
-    last: Box<[[Option<Timestamp>; TPDOS]]>,
+    last: PerNode<[Option<Timestamp>; TPDOS]>,
 }
 
 impl Rule for InhibitTime {
@@ -54,14 +39,14 @@ impl Rule for InhibitTime {
             return;
         }
         let Some(inhibit) = parameters.inhibit else { return };
-        let slot = self.last[usize::from(node.raw())].get_mut(usize::from(number) - 1);
+        let slot = self.last[node].get_mut(usize::from(number) - 1);
         let last = slot.and_then(|slot| slot.replace(context.now())).filter(|_| context.scene.has_times());
         let Some(last) = last else { return };
         let interval = context.now().since(last);
         // The first of two PDOs may have waited for the bus, so that they end up closer on it.
         let waiting = self.tolerance.max(context.scene.longest_frame().times(2));
         let tolerated = interval + waiting + context.scene.slack();
-        if tolerated.nanos() >= inhibit.nanos() * self.percent / 100 {
+        if tolerated.nanos() >= self.percent.of(inhibit).nanos() {
             return;
         }
         let worse = inhibit.nanos().saturating_sub(interval.nanos());
@@ -71,10 +56,10 @@ impl Rule for InhibitTime {
     }
 
     fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
-        self.last[usize::from(node.raw())].fill(None);
+        self.last[node].fill(None);
     }
 
     fn interrupted(&mut self) {
-        self.last.iter_mut().for_each(|row| row.fill(None));
+        self.last.reset();
     }
 }

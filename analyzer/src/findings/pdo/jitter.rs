@@ -1,54 +1,38 @@
-use super::parameters::TPDOS;
-use crate::NodeId;
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::facts::TPDOS;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
+use crate::findings::{Context, Percent, Scene, Seen};
 use crate::message::Service;
 use crate::wire::error_control::State;
+use crate::{NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Nmt],
-    also: Also::KnownTpdos,
-    make: Some(|thresholds| {
-        Box::new(Jitter {
-            percent: thresholds.get(&METADATA, "percent"),
-            least: Duration::from_micros(thresholds.get(&METADATA, "least")),
-            share: thresholds.get(&METADATA, "share"),
-            rows: (0..128).map(|_| Default::default()).collect(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/jitter",
-    severity: Severity::Warning,
-    title: "a cyclic PDO is irregular",
-    what: "The SDO traffic of the capture shows an event timer (180xh:5, or 6200h of encoders) of an event-driven TPDO, \
-           and more than a share of the intervals are longer than it by more than its jitter may be. Shorter intervals \
-           are no jitter, as an event may send the PDO before its timer does; what is so late that pdo/period reports it \
-           is not counted.",
-    why: "Controllers that take the cycle for granted calculate wrong speeds, and cascaded loops become unsteady.",
-    advice: "Compare with other nodes: if all their PDOs are irregular, bus load or the recorder is the reason. If one \
-             node's are, its firmware keeps its cycle badly, or its cycle is shorter than what it can do at this bit rate.",
-    thresholds: &[
-        Threshold {
-            name: "percent",
-            default: 20,
-            unit: "%",
-            meaning: "of the event timer that an interval may be longer",
-        },
-        Threshold { name: "least", default: 2000, unit: "µs", meaning: "being late by less is never counted" },
-        Threshold { name: "share", default: 10, unit: "%", meaning: "of the intervals may be too long" },
-    ],
-};
-
+/// a cyclic PDO is irregular
+///
+/// The SDO traffic of the capture shows an event timer (180xh:5, or 6200h of encoders) of an event-driven TPDO, and
+/// more than a share of the intervals are longer than it by more than its jitter may be. Shorter intervals are no
+/// jitter, as an event may send the PDO before its timer does; what is so late that pdo/period reports it is not
+/// counted.
+///
+/// # Why
+/// Controllers that take the cycle for granted calculate wrong speeds, and cascaded loops become unsteady.
+///
+/// # What to do
+/// Compare with other nodes: if all their PDOs are irregular, bus load or the recorder is the reason. If one node's
+/// are, its firmware keeps its cycle badly, or its cycle is shorter than what it can do at this bit rate.
+#[rule(id = "pdo/jitter", severity = Warning, services = [Nmt], also = KnownTpdos)]
 struct Jitter {
-    percent: u64,
+    /// of the event timer that an interval may be longer
+    #[threshold(percent = 20)]
+    percent: Percent,
+    /// being late by less is never counted
+    #[threshold(us = 2000)]
     least: Duration,
-    share: u64,
-    rows: Box<[[Cycle; TPDOS]]>,
+    /// of the intervals may be too long
+    #[threshold(percent = 10)]
+    share: Percent,
+    rows: PerNode<[Cycle; TPDOS]>,
 }
 
 /// One cyclic PDO.
@@ -99,35 +83,35 @@ impl Rule for Jitter {
         }
         let Some((node, number, parameters)) = context.tpdo() else { return };
         let (Some(timer), Some(254 | 255)) = (parameters.event_timer, parameters.transmission_type) else { return };
-        let Some(row) = self.rows[usize::from(node.raw())].get_mut(usize::from(number) - 1) else { return };
+        let Some(row) = self.rows[node].get_mut(usize::from(number) - 1) else { return };
         let operational = context.scene.bus.node(node).and_then(|node| node.state);
         let known = operational.is_some_and(|state| state.0 == State::OPERATIONAL);
         if !known || context.scene.facts.node(node).is_storing(context.now()) {
             row.last = None;
         }
-        let limit = Duration(timer.nanos() * self.percent / 100) + self.least.max(context.scene.longest_frame());
+        let limit = self.percent.of(timer) + self.least.max(context.scene.longest_frame());
         row.beat(context, timer, limit + context.scene.slack());
     }
 
     fn reconfigured(&mut self, node: NodeId, _: &Scene<'_>) {
-        self.rows[usize::from(node.raw())].iter_mut().for_each(|row| row.last = None);
+        self.rows[node].iter_mut().for_each(|row| row.last = None);
     }
 
     fn interrupted(&mut self) {
-        self.rows.iter_mut().flatten().for_each(|row| row.last = None);
+        self.rows.values_mut().flatten().for_each(|row| row.last = None);
     }
 
     fn finish(&mut self, _: &Scene<'_>, sink: &mut Sink<'_>) {
-        for (node, rows) in NodeId::all().zip(self.rows.iter().skip(1)) {
+        for (node, rows) in self.rows.iter() {
             for (number, row) in (1_u64..).zip(rows) {
-                let share = row.late * 100 / row.intervals.max(1);
+                let share = Percent(row.late * 100 / row.intervals.max(1));
                 let Some(worst) = row.worst.as_deref().filter(|_| share > self.share) else { continue };
                 let (off, before, after) = worst;
                 if row.intervals >= Cycle::ENOUGH {
                     let report = Report::at(after.time()).node(node).detail(number);
                     sink.report(report.evidence(before.evidence()).evidence(after.evidence()), || {
                         let timer = row.timer;
-                        format!("{share} % of TPDO {number} come late, by at most {off}; its event timer is {timer}")
+                        format!("{share} of TPDO {number} come late, by at most {off}; its event timer is {timer}")
                     });
                 }
             }

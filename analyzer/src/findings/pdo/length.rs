@@ -1,41 +1,28 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
-use crate::message::{Message, PdoNumber, Service};
-use crate::{Multiplexer, NodeId};
+use crate::message::{Message, PdoNumber};
+use crate::{Multiplexer, NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Pdo],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(Length::default())),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/length",
-    severity: Severity::Error,
-    title: "a PDO is not as long as its mapping says",
-    what: "The mapping, as the SDO traffic or the device description shows it, fills more or fewer bytes than the PDO \
-           has. A received PDO may be longer than the mapping of the node that receives it, and some devices fill a TPDO \
-           up to 8 bytes with zeros: one that has always been so is not reported. Where only the description \
-           tells the mapping and the PDO never fits it, another mapping was set before the capture began: this is only \
-           worth knowing.",
-    why: "A consumer that checks the length drops the PDO and sends EMCY 8210h; one that does not takes other values \
-          for its own.",
-    advice: "Read 1A00h (or 1600h) of the node and compare it with what the other side expects. If the mapping was \
-             changed before the capture began, the description's default is not in force.",
-    thresholds: &[],
-};
-
+/// a PDO is not as long as its mapping says
+///
+/// The mapping, as the SDO traffic or the device description shows it, fills more or fewer bytes than the PDO has. A
+/// received PDO may be longer than the mapping of the node that receives it, and some devices fill a TPDO up to 8 bytes
+/// with zeros: one that has always been so is not reported. Where only the description tells the mapping and the PDO
+/// never fits it, another mapping was set before the capture began: this is only worth knowing.
+///
+/// # Why
+/// A consumer that checks the length drops the PDO and sends EMCY 8210h; one that does not takes other values for its
+/// own.
+///
+/// # What to do
+/// Read 1A00h (or 1600h) of the node and compare it with what the other side expects. If the mapping was changed before
+/// the capture began, the description's default is not in force.
+#[rule(id = "pdo/length", severity = Error, services = [Pdo])]
 struct Length {
     /// By node, a bit for each PDO that has once been as long as its mapping.
-    fitted: Box<[u64]>,
-}
-
-impl Default for Length {
-    fn default() -> Self {
-        Self { fitted: vec![0; 128].into() }
-    }
+    fitted: PerNode<u64>,
 }
 
 /// The bit of a PDO; TPDOs and RPDOs beyond the 32nd have none.
@@ -50,7 +37,7 @@ const fn bit(number: PdoNumber) -> u64 {
 impl Length {
     /// Whether a TPDO of 8 bytes has nothing but zeros behind its mapping, and was never as long as that.
     fn fills_up(&self, node: NodeId, number: PdoNumber, mapped: usize, context: &Context<'_>) -> bool {
-        let fitted = self.fitted[usize::from(node.raw())] & bit(number) != 0;
+        let fitted = self.fitted[node] & bit(number) != 0;
         !fitted && context.record.frame.bytes().iter().skip(mapped).all(|&byte| byte == 0)
     }
 }
@@ -70,7 +57,7 @@ impl Rule for Length {
         };
         // Which mapping is in force is certain only where the capture shows it.
         let shown = || known.certain(node, Multiplexer::new(number.mapping_index(), 0)).is_some();
-        let (fitted, bit) = (&mut self.fitted[usize::from(node.raw())], bit(*number));
+        let (fitted, bit) = (&mut self.fitted[node], bit(*number));
         if fits {
             *fitted |= if mapped == found { bit } else { 0 };
             return;

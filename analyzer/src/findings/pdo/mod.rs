@@ -3,7 +3,6 @@
 mod inhibit_time;
 mod jitter;
 mod length;
-mod parameters;
 mod period;
 mod sync_counter;
 mod sync_jitter;
@@ -12,10 +11,7 @@ mod sync_pdo_missing;
 mod sync_window;
 mod time_jump;
 
-pub use parameters::{AllParameters, Parameters, TPDOS};
-
 use super::Context;
-use super::rule::Definition;
 use crate::network::Event;
 use crate::network::sdo::{Direction, Outcome};
 
@@ -29,16 +25,3 @@ fn changes_sync(context: &Context<'_>) -> bool {
         written && matches!(transfer.multiplexer.index.0, 0x1005 | 0x1006)
     })
 }
-
-pub static RULES: &[Definition] = &[
-    length::RULE,
-    period::RULE,
-    jitter::RULE,
-    inhibit_time::RULE,
-    sync_missing::RULE,
-    sync_jitter::RULE,
-    sync_counter::RULE,
-    sync_pdo_missing::RULE,
-    sync_window::RULE,
-    time_jump::RULE,
-];

@@ -1,29 +1,23 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Seen};
+use crate::message::Message;
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sync, Service::Nmt],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(SyncCounter { last: None, overflow: None })),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/sync-counter",
-    severity: Severity::Error,
-    title: "the SYNC counter does not count",
-    what: "The counter in SYNC is not one more than before, and not 1 behind the value at which it has gone back to 1 \
-           before (1019h); or it is outside 1 to 240, or missing in some SYNC messages. After an NMT command or a pause \
-           it may begin anew.",
-    why: "PDOs with a SYNC start value are sent in the wrong cycle. A jump means a lost SYNC or a second producer.",
-    advice: "See whether intervals around the jump are regular: if so, the producer miscounts; if one is double, a SYNC \
-             was lost; if they are short, there are two producers.",
-    thresholds: &[],
-};
-
+/// the SYNC counter does not count
+///
+/// The counter in SYNC is not one more than before, and not 1 behind the value at which it has gone back to 1 before
+/// (1019h); or it is outside 1 to 240, or missing in some SYNC messages. After an NMT command or a pause it may begin
+/// anew.
+///
+/// # Why
+/// PDOs with a SYNC start value are sent in the wrong cycle. A jump means a lost SYNC or a second producer.
+///
+/// # What to do
+/// See whether intervals around the jump are regular: if so, the producer miscounts; if one is double, a SYNC was lost;
+/// if they are short, there are two producers.
+#[rule(id = "pdo/sync-counter", severity = Error, services = [Sync, Nmt])]
 struct SyncCounter {
     last: Option<(u8, Timestamp)>,
     /// The value behind which 1 has followed.

@@ -1,44 +1,31 @@
 use crate::findings::rhythm::{Jitter, Rhythm};
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Percent, Scene};
+use crate::message::Message;
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sync, Service::Nmt, Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(SyncJitter {
-            percent: thresholds.get(&METADATA, "percent"),
-            least: Duration::from_micros(thresholds.get(&METADATA, "least")),
-            share: thresholds.get(&METADATA, "share"),
-            rhythm: Rhythm::default(),
-            jitter: Jitter::default(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/sync-jitter",
-    severity: Severity::Warning,
-    title: "SYNC is irregular",
-    what: "More than a share of the SYNC messages come earlier or later than their period allows. Missing ones are not \
-           counted.",
-    why: "Positions that are taken at SYNC are not equally spaced in time: velocities calculated from them are noisy.",
-    advice: "Let the SYNC producer send from a timer of its controller, and not from a task of an operating system.",
-    thresholds: &[
-        Threshold { name: "percent", default: 20, unit: "%", meaning: "of the period that an interval may be off" },
-        Threshold { name: "least", default: 1000, unit: "µs", meaning: "being off by less is never counted" },
-        Threshold { name: "share", default: 10, unit: "%", meaning: "of the intervals may be off" },
-    ],
-};
-
+/// SYNC is irregular
+///
+/// More than a share of the SYNC messages come earlier or later than their period allows. Missing ones are not counted.
+///
+/// # Why
+/// Positions that are taken at SYNC are not equally spaced in time: velocities calculated from them are noisy.
+///
+/// # What to do
+/// Let the SYNC producer send from a timer of its controller, and not from a task of an operating system.
+#[rule(id = "pdo/sync-jitter", severity = Warning, services = [Sync, Nmt, Sdo])]
 struct SyncJitter {
-    percent: u64,
+    /// of the period that an interval may be off
+    #[threshold(percent = 20)]
+    percent: Percent,
+    /// being off by less is never counted
+    #[threshold(us = 1000)]
     least: Duration,
-    share: u64,
+    /// of the intervals may be off
+    #[threshold(percent = 10)]
+    share: Percent,
     rhythm: Rhythm,
     jitter: Jitter,
 }
@@ -64,7 +51,7 @@ impl Rule for SyncJitter {
     fn finish(&mut self, _: &Scene<'_>, sink: &mut Sink<'_>) {
         if let Some(share) = self.jitter.share().filter(|share| *share > self.share) {
             sink.report(Report::at(self.jitter.worst_at), || {
-                format!("{share} % of the SYNC messages are too early or too late, by at most {}", self.jitter.worst)
+                format!("{share} of the SYNC messages are too early or too late, by at most {}", self.jitter.worst)
             });
         }
     }

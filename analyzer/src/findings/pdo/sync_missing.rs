@@ -1,53 +1,68 @@
 use crate::findings::rhythm::Rhythm;
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Percent, Scene, Seen};
+use crate::message::Message;
+use canvass_analyzer_macros::rule;
+use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sync, Service::Nmt, Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(SyncMissing { percent: thresholds.get(&METADATA, "percent"), rhythm: Rhythm::default() })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/sync-missing",
-    severity: Severity::Error,
-    title: "a SYNC message is missing",
-    what: "SYNC has kept a period, and then at least one was left out. Pauses around NMT commands are not counted, as \
-           masters stop SYNC for a restart, nor is what follows when 1005h or 1006h is written.",
-    why: "Synchronous PDOs are not sent and outputs are not updated in that cycle; drives in interpolated modes stop.",
-    advice: "Look at what the SYNC producer was doing, and at the bus load: SYNC has a high priority, so that a full bus \
-             alone does not delay it.",
-    thresholds: &[Threshold { name: "percent", default: 180, unit: "%", meaning: "of the period; later is missing" }],
-};
-
+/// a SYNC message is missing
+///
+/// SYNC has kept a period, and then at least one was left out, or it does not come back until the capture ends. Pauses around NMT commands are not counted, as masters
+/// stop SYNC for a restart, nor is what follows when 1005h or 1006h is written.
+///
+/// # Why
+/// Synchronous PDOs are not sent and outputs are not updated in that cycle; drives in interpolated modes stop.
+///
+/// # What to do
+/// Look at what the SYNC producer was doing, and at the bus load: SYNC has a high priority, so that a full bus alone
+/// does not delay it.
+#[rule(id = "pdo/sync-missing", severity = Error, services = [Sync, Nmt, Sdo])]
 struct SyncMissing {
-    percent: u64,
+    /// of the period; later is missing
+    #[threshold(percent = 180)]
+    percent: Percent,
     rhythm: Rhythm,
+    /// The last SYNC, by its CAN-ID, if nothing says that there are to be no more.
+    last: Option<(Timestamp, u16)>,
 }
 
 impl Rule for SyncMissing {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if !matches!(context.message(), Message::Sync(_)) {
-            return if super::changes_sync(context) {
+            if super::changes_sync(context) {
                 self.rhythm.restart();
+                self.last = None;
             } else if context.begins_anew() {
                 self.rhythm.pause();
-            };
+                self.last = None;
+            }
+            return;
         }
+        self.last = context.record.frame.cob_id().map(|id| (context.now(), id));
         let Some(interval) = self.rhythm.beat(context.now()) else { return };
         let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };
         let begin = context.previous.map_or(context.now(), Seen::time);
-        let report = Report::at(begin).measure(interval.length.nanos());
+        let report = Report::at(begin).until(context.now()).measure(interval.length.nanos());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || format!("no SYNC for {}, its period is {period}", interval.length));
     }
 
     fn interrupted(&mut self) {
         self.rhythm.pause();
+        self.last = None;
+    }
+
+    fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        const ENDED: Percent = Percent(500);
+        let (Some((last, id)), Some(period)) = (self.last, self.rhythm.period()) else { return };
+        let silence = scene.now.since(last);
+        if silence <= ENDED.of(period) + scene.slack() + Duration::from_millis(10) {
+            return;
+        }
+        let report = Report::at(last).until(scene.now).measure(silence.nanos());
+        sink.report(report.evidence(scene.latest.get(id).map(Seen::evidence)), || {
+            format!("no SYNC for the last {silence} of the capture, its period is {period}")
+        });
     }
 }

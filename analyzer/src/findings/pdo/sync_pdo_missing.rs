@@ -1,36 +1,28 @@
-use super::parameters::TPDOS;
-use crate::NodeId;
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::facts::TPDOS;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
+use crate::findings::{Context, Scene, Seen};
 use crate::message::{Message, PdoNumber, Service};
 use crate::wire::error_control::State;
+use crate::{NodeId, PerNode};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sync, Service::Nmt],
-    also: Also::KnownTpdos,
-    make: Some(|_| {
-        Box::new(SyncPdoMissing { pdos: vec![[Pdo::default(); TPDOS]; 128].into(), synchronous: Vec::new() })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/sync-pdo-missing",
-    severity: Severity::Error,
-    title: "a synchronous PDO does not come with its SYNC",
-    what: "The SDO traffic of the capture shows that a TPDO is synchronous and cyclic (transmission type 1 to 240), its \
-           node is operational, it has come before, and now so many SYNC messages have passed without it; or it comes sooner than at every n-th SYNC, \
-           again and again.",
-    why: "The consumer works with the value of an earlier cycle, often without noticing.",
-    advice: "If it comes after the next SYNC instead, the device is too slow for this cycle, or the bus is too full. If \
-             it does not come at all, look at the node's state.",
-    thresholds: &[],
-};
-
+/// a synchronous PDO does not come with its SYNC
+///
+/// The SDO traffic of the capture shows that a TPDO is synchronous and cyclic (transmission type 1 to 240), its node is
+/// operational, it has come before, and now so many SYNC messages have passed without it; or it comes sooner than at
+/// every n-th SYNC, again and again.
+///
+/// # Why
+/// The consumer works with the value of an earlier cycle, often without noticing.
+///
+/// # What to do
+/// If it comes after the next SYNC instead, the device is too slow for this cycle, or the bus is too full. If it does
+/// not come at all, look at the node's state.
+#[rule(id = "pdo/sync-pdo-missing", severity = Error, services = [Sync, Nmt], also = KnownTpdos)]
 struct SyncPdoMissing {
     /// By node and number from 0.
-    pdos: Box<[[Pdo; TPDOS]]>,
+    pdos: PerNode<[Pdo; TPDOS]>,
     /// Those that are synchronous and cyclic: node, number from 1.
     synchronous: Vec<(NodeId, u16)>,
 }
@@ -52,7 +44,7 @@ impl SyncPdoMissing {
 
     fn refresh(&mut self, node: NodeId, scene: &Scene<'_>) {
         self.synchronous.retain(|row| row.0 != node);
-        for (pdo, number) in self.pdos[usize::from(node.raw())].iter_mut().zip(1..) {
+        for (pdo, number) in self.pdos[node].iter_mut().zip(1..) {
             *pdo = Pdo::default();
             if let Some(cycle @ 1..=240) = scene.facts.tpdos.of(node, number).transmission_type {
                 pdo.cycle = cycle;
@@ -99,8 +91,8 @@ impl SyncPdoMissing {
 }
 
 /// That TPDO, unless it is beyond those that are judged.
-fn pdo_mut(pdos: &mut [[Pdo; TPDOS]], node: NodeId, number: u16) -> Option<&mut Pdo> {
-    pdos[usize::from(node.raw())].get_mut(usize::from(number).checked_sub(1)?)
+fn pdo_mut(pdos: &mut PerNode<[Pdo; TPDOS]>, node: NodeId, number: u16) -> Option<&mut Pdo> {
+    pdos[node].get_mut(usize::from(number).checked_sub(1)?)
 }
 
 impl Rule for SyncPdoMissing {
@@ -122,6 +114,6 @@ impl Rule for SyncPdoMissing {
     }
 
     fn interrupted(&mut self) {
-        self.pdos.iter_mut().flatten().for_each(|pdo| pdo.since = None);
+        self.pdos.values_mut().flatten().for_each(|pdo| pdo.since = None);
     }
 }

@@ -1,33 +1,27 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Seen};
+use crate::message::Message;
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sync],
-    also: Also::KnownTpdos,
-    make: Some(|thresholds| {
-        Box::new(SyncWindow { tolerance: Duration::from_micros(thresholds.get(&METADATA, "tolerance")), sync: None })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/sync-window",
-    severity: Severity::Error,
-    title: "a synchronous PDO comes outside the synchronous window",
-    what: "The SDO traffic of the capture shows the synchronous window length (1007h) of a node and that a TPDO of it is \
-           synchronous (transmission type 0 to 240), and the PDO comes later than that after SYNC. The time that the PDO \
-           itself takes on the bus is not counted.",
-    why: "Consumers whose window is over drop the PDO or take it for the next cycle; and the node should not have sent \
-          it any more.",
-    advice: "See what was on the bus between SYNC and the PDO: PDOs with lower CAN-IDs that fill the window, or nothing, \
-             so that the device is too slow. Lengthen 1007h, spread the PDOs over cycles, or give this one a lower CAN-ID.",
-    thresholds: &[Threshold { name: "tolerance", default: 200, unit: "µs", meaning: "for the recorder's clock" }],
-};
-
+/// a synchronous PDO comes outside the synchronous window
+///
+/// The SDO traffic of the capture shows the synchronous window length (1007h) of a node and that a TPDO of it is
+/// synchronous (transmission type 0 to 240), and the PDO comes later than that after SYNC. The time that the PDO itself
+/// takes on the bus is not counted.
+///
+/// # Why
+/// Consumers whose window is over drop the PDO or take it for the next cycle; and the node should not have sent it any
+/// more.
+///
+/// # What to do
+/// See what was on the bus between SYNC and the PDO: PDOs with lower CAN-IDs that fill the window, or nothing, so that
+/// the device is too slow. Lengthen 1007h, spread the PDOs over cycles, or give this one a lower CAN-ID.
+#[rule(id = "pdo/sync-window", severity = Error, services = [Sync], also = KnownTpdos)]
 struct SyncWindow {
+    /// for the recorder's clock
+    #[threshold(us = 200)]
     tolerance: Duration,
     sync: Option<Seen>,
 }

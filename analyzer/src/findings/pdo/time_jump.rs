@@ -1,31 +1,24 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Seen};
+use crate::message::Message;
 use crate::wire::time::TimeOfDay;
+use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Time],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(TimeJump { most: Duration::from_millis(thresholds.get(&METADATA, "most")), last: None })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "pdo/time-jump",
-    severity: Severity::Warning,
-    title: "the time in TIME jumps",
-    what: "Between two TIME messages the time of day has gone on by more or less than the clock of the capture.",
-    why: "Devices that log events or synchronise clocks take over the jump.",
-    advice: "The producer's clock was set, or there are two producers. A step of an hour is a producer that sends local \
-             time.",
-    thresholds: &[Threshold { name: "most", default: 1000, unit: "ms", meaning: "a smaller difference is drift" }],
-};
-
+/// the time in TIME jumps
+///
+/// Between two TIME messages the time of day has gone on by more or less than the clock of the capture.
+///
+/// # Why
+/// Devices that log events or synchronise clocks take over the jump.
+///
+/// # What to do
+/// The producer's clock was set, or there are two producers. A step of an hour is a producer that sends local time.
+#[rule(id = "pdo/time-jump", severity = Warning, services = [Time])]
 struct TimeJump {
+    /// a smaller difference is drift
+    #[threshold(ms = 1000)]
     most: Duration,
     last: Option<(u64, Timestamp)>,
 }
@@ -43,7 +36,11 @@ impl Rule for TimeJump {
             let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
             sink.report(report, || {
                 let way = if off > 0 { "ahead" } else { "back" };
-                format!("TIME jumps {way} by {jump}")
+                // A millisecond counter of 32 bits.
+                const WRAPPED: u64 = (1 << 32) * 1_000_000;
+                let wrapped = jump.nanos().abs_diff(WRAPPED) <= self.most.nanos();
+                let why = if wrapped { ": 2^32 ms, the producer's counter of milliseconds has wrapped" } else { "" };
+                format!("TIME jumps {way} by {jump}{why}")
             });
         }
     }

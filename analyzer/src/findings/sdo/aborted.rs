@@ -1,30 +1,24 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
-use crate::message::{Message, Service};
+use crate::message::Message;
 use crate::network::sdo::{Direction, Side};
 use crate::wire::sdo::{Abort, AbortCode, Request, Response};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(Aborted)),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "sdo/aborted",
-    severity: Severity::Warning,
-    title: "an SDO transfer was aborted",
-    what: "Client or server aborts a transfer. Findings are told apart by object, code and side. A read that the \
-           server refuses because it has no such object or sub-index, or because its error history (1003h) is empty, is \
-           only worth knowing: clients look so for what a device has.",
-    why: "A value was not written or not read: the device runs with another configuration than the master believes.",
-    advice: "The code tells the reason. 0601 0002h and 0609 00xxh are mistakes of the configuration, 0800 002xh of the \
-             moment, 0503 0000h and 0504 xxxxh of the protocol.",
-    thresholds: &[],
-};
-
+/// an SDO transfer was aborted
+///
+/// Client or server aborts a transfer. Findings are told apart by object, code and side. A read that the server refuses
+/// because it has no such object or sub-index, or because its error history (1003h) is empty, is only worth knowing:
+/// clients look so for what a device has.
+///
+/// # Why
+/// A value was not written or not read: the device runs with another configuration than the master believes.
+///
+/// # What to do
+/// The code tells the reason. 0601 0002h and 0609 00xxh are mistakes of the configuration, 0800 002xh of the moment,
+/// 0503 0000h and 0504 xxxxh of the protocol.
+#[rule(id = "sdo/aborted", severity = Warning, services = [Sdo])]
 struct Aborted;
 
 impl Rule for Aborted {
@@ -44,6 +38,8 @@ impl Rule for Aborted {
         let address = u64::from(multiplexer.index.0) << 8 | u64::from(multiplexer.sub.0);
         let detail = address << 33 | u64::from(code.0) << 1 | u64::from(side == Side::Client);
         let report = Report::at(context.now()).node(context.node()).detail(detail);
+        let kind = u64::from(code.0) << 1 | u64::from(side == Side::Client);
+        let report = report.kind(kind).object(multiplexer);
         let report = if looks { report.severity(Severity::Info) } else { report };
         sink.report(report.evidence(context.evidence()), || {
             let direction = direction.map(|direction| format!("{direction} of ")).unwrap_or_default();

@@ -1,54 +1,73 @@
-use super::pending::Step;
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::findings::facts::{Pending, Step};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Severity};
-use crate::message::Service;
+use crate::findings::{Context, Thresholds};
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(Late {
-            answer: Duration::from_millis(thresholds.get(&METADATA, "answer")),
-            store: Duration::from_millis(thresholds.get(&METADATA, "store")),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "sdo/late",
-    severity: Severity::Warning,
-    title: "an SDO server answers late",
-    what: "The answer to an SDO request comes later than usual time-outs allow. Storing and restoring parameters may \
-           take longer.",
-    why: "Many clients give up after 500 ms, repeat the request, and then take the late answer for the answer to the \
-          next one.",
-    advice: "Compare with the other response times of the node in the statistics. If only some objects are late, they \
-             touch slow memory: lengthen the client's time-out for them.",
-    thresholds: &[
-        Threshold { name: "answer", default: 500, unit: "ms", meaning: "later is late" },
-        Threshold { name: "store", default: 5000, unit: "ms", meaning: "later is late for 1010h, 1011h, 1F50h, 1F51h" },
-    ],
-};
-
+/// an SDO server answers late
+///
+/// The answer to an SDO request comes later than usual time-outs allow, counted from the first time that it was sent. Storing and restoring parameters may take
+/// longer.
+///
+/// # Why
+/// Many clients give up after 500 ms, repeat the request, and then take the late answer for the answer to the next one.
+///
+/// # What to do
+/// Compare with the other response times of the node in the statistics. If only some objects are late, they touch slow
+/// memory: lengthen the client's time-out for them.
+#[rule(id = "sdo/late", severity = Warning, services = [Sdo])]
 struct Late {
+    /// later is late
+    #[threshold(ms = 500)]
+    answer: Duration,
+    /// later is late for 1010h, 1011h, 1F50h, 1F51h
+    #[threshold(ms = 5000)]
+    store: Duration,
+}
+
+/// How long answers may take.
+#[derive(Clone, Copy)]
+pub struct Limits {
     answer: Duration,
     store: Duration,
 }
 
+impl Limits {
+    /// How long the answer to a request may take.
+    pub fn of(self, pending: &Pending) -> Duration {
+        if pending.is_store() { self.store } else { self.answer }
+    }
+}
+
+/// How long answers may take.
+pub fn limits(thresholds: &Thresholds) -> Limits {
+    let Late { answer, store } = Late::new(thresholds);
+    Limits { answer, store }
+}
+
 impl Rule for Late {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let Step::Answered(pending) = &context.news().request else { return };
-        let limit = if pending.is_store() { self.store } else { self.answer };
-        let took = context.now().since(pending.since);
+        let (pending, gave_up) = match &context.news().request {
+            Step::Answered(pending) => (pending, None),
+            Step::AnsweredLate { pending, gave_up, .. } => (pending, Some(*gave_up)),
+            _ => return,
+        };
+        let limit = Limits { answer: self.answer, store: self.store }.of(pending);
+        // However often it was repeated.
+        let asked = pending.request.time();
+        let took = context.now().since(asked);
         if took <= limit + context.scene.slack() {
             return;
         }
-        let report = Report::at(context.now()).node(context.node()).detail(pending.detail()).measure(took.nanos());
+        let report = Report::at(context.now())
+            .node(context.node())
+            .detail(pending.detail())
+            .object(pending.object)
+            .measure(took.nanos());
         sink.report(report.evidence(pending.request.evidence()).evidence(context.evidence()), || {
-            format!("the answer{} took {took}", pending.about())
+            let gave_up = gave_up.map(|at| format!("; nobody waited for it any more after {}", at.since(asked)));
+            format!("the answer{} took {took}{}", pending.about(), gave_up.unwrap_or_default())
         });
     }
 }

@@ -1,31 +1,25 @@
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::findings::facts::Step;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Seen};
+use crate::message::Message;
 use crate::network::sdo::Violation;
 use crate::wire::sdo::{Request, Response};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(ProtocolViolation::default())),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "sdo/protocol-violation",
-    severity: Severity::Error,
-    title: "a rule of the SDO protocol is broken",
-    what: "A toggle bit that does not alternate, an answer about another object, more or fewer bytes than announced, a \
-           wrong CRC or sequence number in a block transfer, an unknown command, or an answer that nobody asked for. \
-           Transfers that were under way when the capture began are not judged.",
-    why: "Data may be lost, doubled or belong to another object. Some clients and servers don't notice.",
-    advice: "The frames show who broke the rule: client (600h + node-ID) or server (580h + node-ID). Answers that nobody \
-             asked for come from a second device with the same node-ID, or from a client that gave up too early.",
-    thresholds: &[],
-};
-
-#[derive(Default)]
+/// a rule of the SDO protocol is broken
+///
+/// A toggle bit that does not alternate, an answer about another object, more or fewer bytes than announced, a wrong
+/// CRC or sequence number in a block transfer, an unknown command, or an answer that nobody asked for. Transfers that
+/// were under way when the capture began are not judged.
+///
+/// # Why
+/// Data may be lost, doubled or belong to another object. Some clients and servers don't notice.
+///
+/// # What to do
+/// The frames show who broke the rule: client (600h + node-ID) or server (580h + node-ID). Answers that nobody asked
+/// for come from a second device with the same node-ID, or from a client that gave up too early.
+#[rule(id = "sdo/protocol-violation", severity = Error, services = [Sdo])]
 struct ProtocolViolation {
     /// The channels on which the begin of a transfer was seen.
     begun: Vec<bool>,
@@ -40,6 +34,10 @@ impl Rule for ProtocolViolation {
         }
         self.begun[at] |= begins(context.message());
         let Some(violation) = context.decoded.violation else { return };
+        // Late, which is told as that.
+        if violation == Violation::Unexpected && matches!(context.news().request, Step::AnsweredLate { .. }) {
+            return;
+        }
         if violation == Violation::Unexpected && !self.begun[at] && !is_unsolicited(context) {
             return;
         }

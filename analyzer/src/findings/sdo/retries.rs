@@ -1,42 +1,34 @@
-use super::pending::Step;
-use crate::NodeId;
-use crate::findings::rule::{Also, Definition, Metadata, Rule};
+use crate::PerNode;
+use crate::findings::facts::Step;
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::Service;
+use crate::findings::{Context, Scene, Seen};
+use canvass_analyzer_macros::rule;
 
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|_| Box::new(Retries { first: (0..128).map(|_| None).collect() })),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "sdo/retries",
-    severity: Severity::Warning,
-    title: "an SDO client repeats its request",
-    what: "The same request is sent again before an answer has come, to a node that does send something in this \
-           capture.",
-    why: "The server was too slow for the client, or the request was lost. The server may answer both, and from then on \
-          client and server are one answer apart.",
-    advice: "Lengthen the time-out of the client, and see how long the server takes for other objects.",
-    thresholds: &[],
-};
-
+/// an SDO client repeats its request
+///
+/// The same request is sent again before an answer has come, to a node that does send something in this capture.
+///
+/// # Why
+/// The server was too slow for the client, or the request was lost. The server may answer both, and from then on client
+/// and server are one answer apart.
+///
+/// # What to do
+/// Lengthen the time-out of the client, and see how long the server takes for other objects.
+#[rule(id = "sdo/retries", severity = Warning, services = [Sdo])]
 struct Retries {
     /// The first repeated request to each node, and how many there were.
-    first: Vec<Option<(Seen, u64)>>,
+    first: PerNode<Option<(Seen, u64)>>,
 }
 
 impl Rule for Retries {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let (Step::Repeated, Some(node)) = (&context.news().request, context.node()) else { return };
-        self.first[usize::from(node.raw())].get_or_insert_with(|| (context.seen(), 0)).1 += 1;
+        self.first[node].get_or_insert_with(|| (context.seen(), 0)).1 += 1;
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        for (node, first) in NodeId::all().zip(self.first.iter().skip(1)) {
+        for (node, first) in self.first.iter() {
             let Some((seen, times)) = first.as_ref().filter(|_| scene.facts.node(node).first_seen.is_some()) else {
                 continue;
             };

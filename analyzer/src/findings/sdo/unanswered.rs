@@ -1,63 +1,61 @@
-use super::pending::{Pending, Step};
-use crate::NodeId;
-use crate::findings::rule::{Also, Definition, Metadata, Rule, Threshold};
+use crate::PerNode;
+use crate::findings::facts::{Pending, Step};
+use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::{Message, Service};
+use crate::findings::{Context, Scene, Seen};
+use crate::message::Message;
 use crate::network::Cause;
 use crate::network::sdo::ChannelIndex;
 use crate::wire::error_control::State;
 use crate::wire::sdo::Request;
+use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
-
-pub const RULE: Definition = Definition {
-    metadata: &METADATA,
-    services: &[Service::Sdo],
-    also: Also::Nothing,
-    make: Some(|thresholds| {
-        Box::new(Unanswered {
-            wait: Duration::from_millis(thresholds.get(&METADATA, "wait")),
-            store: Duration::from_millis(thresholds.get(&METADATA, "store")),
-            scan: thresholds.get(&METADATA, "scan"),
-            told: Vec::new(),
-            absent: (0..128).map(|_| None).collect(),
-        })
-    }),
-};
-
-static METADATA: Metadata = Metadata {
-    id: "sdo/unanswered",
-    severity: Severity::Error,
-    title: "an SDO request gets no answer",
-    what: "An SDO request is followed by no answer of the server until the time is over, or until the client gives up \
-           and sends something else. Stopped nodes must not answer. Requests to several nodes that never send anything \
-           are a scan for nodes, and not reported.",
-    why: "The client waits for its time-out and then usually aborts; start-up of the machine is delayed or fails.",
-    advice: "See whether the node sends anything else at that time: heartbeats that go on point to a busy or hung SDO \
-             server, silence to a node that is off or has another \
-             node-ID. Two clients on one channel take each other's answers: give the second one a channel of its own (1201h).",
-    thresholds: &[
-        Threshold { name: "wait", default: 2000, unit: "ms", meaning: "time to answer" },
-        Threshold { name: "store", default: 10_000, unit: "ms", meaning: "time to answer 1010h, 1011h, 1F50h, 1F51h" },
-        Threshold { name: "scan", default: 4, unit: "", meaning: "so many silent nodes make it a scan" },
-    ],
-};
 
 /// No client gives up so soon.
 const TWO_CLIENTS: Duration = Duration::from_millis(5);
 
+/// an SDO request gets no answer
+///
+/// An SDO request is followed by no answer of the server until the time is over, or until the client gives up and sends
+/// something else. Stopped nodes must not answer. Requests to several nodes that never send anything are a scan for
+/// nodes, and not reported.
+///
+/// # Why
+/// The client waits for its time-out and then usually aborts; start-up of the machine is delayed or fails.
+///
+/// # What to do
+/// Where the node still sends other messages, its SDO server is busy or hung;
+/// silence to a node that is off or has another node-ID. Two clients on one channel take each other's answers: give the
+/// second one a channel of its own (1201h).
+#[rule(id = "sdo/unanswered", severity = Error, services = [Sdo])]
 struct Unanswered {
+    /// time to answer
+    #[threshold(ms = 2000)]
     wait: Duration,
+    /// time to answer 1010h, 1011h, 1F50h, 1F51h
+    #[threshold(ms = 10_000)]
     store: Duration,
+    /// so many silent nodes make it a scan
+    #[threshold(count = 4)]
     scan: u64,
+    #[from(super::impatient_client::patience)]
+    patience: Duration,
     /// The channels whose waiting request was reported.
     told: Vec<ChannelIndex>,
+    /// The requests that were given up, with why: an answer may still come.
+    given_up: Vec<(ChannelIndex, Pending, String)>,
     /// The first request to each node that has not sent anything so far.
-    absent: Vec<Option<(Seen, String)>>,
+    absent: PerNode<Option<(Seen, String)>>,
 }
 
 /// Reports a request, or keeps it where the node may not exist at all.
-fn tell(absent: &mut [Option<(Seen, String)>], pending: &Pending, why: &str, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+fn tell(
+    absent: &mut PerNode<Option<(Seen, String)>>,
+    pending: &Pending,
+    why: &str,
+    scene: &Scene<'_>,
+    sink: &mut Sink<'_>,
+) {
     let Some(node) = pending.request.decoded.node else { return };
     // Stopped by command or shown to be stopped: then it must not answer.
     let state = scene.bus.node(node).and_then(|node| node.state);
@@ -66,11 +64,47 @@ fn tell(absent: &mut [Option<(Seen, String)>], pending: &Pending, why: &str, sce
     }
     let message = format!("no answer to the request{}: {why}", pending.about());
     if scene.facts.node(node).first_seen.is_none() {
-        absent[usize::from(node.raw())].get_or_insert_with(|| (pending.request.clone(), message));
+        absent[node].get_or_insert_with(|| (pending.request.clone(), message));
         return;
     }
-    let report = Report::at(pending.request.time()).node(node).detail(pending.detail());
-    sink.report(report.evidence(pending.request.evidence()), || message);
+    let asked = pending.request.time();
+    let lives = scene.facts.node(node).last_seen.is_some_and(|seen| seen > asked);
+    let also =
+        if lives { "; the node still sends other messages" } else { "; nor did the node send anything else since" };
+    let report = Report::at(asked).node(node).detail(pending.detail()).object(pending.object);
+    sink.report(report.evidence(pending.request.evidence()), || format!("{message}{also}"));
+}
+
+impl Unanswered {
+    /// So many requests that were given up are waited for.
+    const MOST: usize = 64;
+
+    /// The client does not wait any more; who gives up at once is impatient, which is told elsewhere.
+    fn give_up(&mut self, pending: &Pending, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let waited = context.now().since(pending.request.time());
+        let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
+        if aborts && waited < self.patience {
+            return;
+        }
+        if waited < TWO_CLIENTS && !aborts {
+            let why = format!("another one followed after {waited}, as if two clients used this channel");
+            return tell(&mut self.absent, pending, &why, context.scene, sink);
+        }
+        let why = format!("the client gave up after {waited}");
+        let Some(channel) = context.decoded.channel else { return };
+        if self.given_up.len() >= Self::MOST {
+            self.tell_given_up(None, context.scene, sink);
+        }
+        self.given_up.push((channel, pending.clone(), why));
+    }
+
+    /// Tells the requests that were given up and have had that time for their answer, or all.
+    fn tell_given_up(&mut self, wait: Option<Duration>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let due = |pending: &Pending| wait.is_none_or(|wait| scene.now.since(pending.request.time()) > wait);
+        for (_, pending, why) in self.given_up.extract_if(.., |row| due(&row.1)) {
+            tell(&mut self.absent, &pending, &why, scene, sink);
+        }
+    }
 }
 
 impl Rule for Unanswered {
@@ -79,22 +113,25 @@ impl Rule for Unanswered {
         if matches!(request, Step::Repeated) {
             return;
         }
-        let told = self.told.iter().position(|channel| Some(*channel) == context.decoded.channel);
+        let channel = context.decoded.channel;
+        let told = self.told.iter().position(|told| Some(*told) == channel);
         let told = told.map(|at| self.told.swap_remove(at));
-        if let Step::GivenUp(pending) = request
-            && told.is_none()
-        {
-            let waited = context.now().since(pending.since);
-            let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
-            let why = match waited < TWO_CLIENTS && !aborts {
-                true => format!("another one followed after {waited}, as if two clients used this channel"),
-                false => format!("the client gave up after {waited}"),
-            };
-            tell(&mut self.absent, pending, &why, context.scene, sink);
+        match request {
+            Step::GivenUp(pending) if told.is_none() => self.give_up(pending, context, sink),
+            Step::AnsweredLate { pending, .. } => {
+                let answered = |row: &(ChannelIndex, Pending, String)| {
+                    Some(row.0) == channel && row.1.request.time() == pending.request.time()
+                };
+                self.given_up.retain(|row| !answered(row));
+            }
+            _ => {}
         }
     }
 
     fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        if !self.given_up.is_empty() {
+            self.tell_given_up(Some(self.wait), scene, sink);
+        }
         for (channel, pending) in scene.facts.requests.open() {
             let limit = if pending.is_store() { self.store } else { self.wait };
             // Since the first time, however often it was repeated.
@@ -108,9 +145,11 @@ impl Rule for Unanswered {
 
     fn interrupted(&mut self) {
         self.told.clear();
+        self.given_up.clear();
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        self.tell_given_up(None, scene, sink);
         // Cut off by the end of the capture: then half of the time must do.
         for (channel, pending) in scene.facts.requests.open() {
             let limit = if pending.is_store() { self.store } else { self.wait };
@@ -120,7 +159,7 @@ impl Rule for Unanswered {
                 tell(&mut self.absent, pending, &why, scene, sink);
             }
         }
-        let absent = NodeId::all().zip(self.absent.iter_mut().skip(1));
+        let absent = self.absent.iter_mut();
         let absent: Vec<_> = absent.filter(|(node, _)| scene.facts.node(*node).first_seen.is_none()).collect();
         let asked = absent.iter().filter(|(_, request)| request.is_some()).count();
         if asked as u64 >= self.scan {

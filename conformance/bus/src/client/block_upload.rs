@@ -216,6 +216,10 @@ impl BlockTransfer for BlockUpload {
     fn multiplexer(&self) -> Multiplexer {
         self.multiplexer
     }
+
+    fn awaits_segment(&self) -> bool {
+        self.state == State::Receiving
+    }
 }
 
 /// The eight bytes of a request.

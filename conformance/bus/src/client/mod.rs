@@ -39,4 +39,9 @@ pub trait BlockTransfer {
 
     /// The object of the transfer.
     fn multiplexer(&self) -> canvass_analyzer::Multiplexer;
+
+    /// Whether the next message of the server is a segment of a block, which has no command specifier.
+    fn awaits_segment(&self) -> bool {
+        false
+    }
 }

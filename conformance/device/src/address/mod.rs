@@ -7,7 +7,8 @@
 //! slcan:tcp://HOST:PORT[@BITRATE]   one behind TCP
 //! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
 //! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
-//! sim:MODEL[:NODE][@BITRATE][~MOTION][+FAULT...][+MODEL...]    with all that can be said, and with several devices
+//! sim:MODEL[:NODE][@BITRATE][~MOTION][~~LIBERTY...][+FAULT...][+MODEL...]    with all that can be said, and with several
+//!                                   devices
 //! ```
 //!
 //! `MODEL` may be a device description too: `sim:my.eds`.
@@ -110,7 +111,7 @@ fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<Opened, BusError> {
     let mut devices = Vec::with_capacity(known.len());
     for (n, ((device, model), node)) in (0..).zip(known.iter().zip(simulated::assign(&known))) {
         // Each device has a chance of its own.
-        let mut simulated = Device::new(model, node, device.faults, seed.wrapping_add(n));
+        let mut simulated = Device::new(model, node, device.firmware, seed.wrapping_add(n));
         if let Some(motion) = device.motion()? {
             simulated.set_motion(Timestamp::ZERO, motion);
         }
@@ -118,7 +119,7 @@ fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<Opened, BusError> {
             simulated.set_bit_rate(other);
         }
         bus.attach(Box::new(simulated));
-        devices.push(Attached { model, node, faults: device.faults });
+        devices.push(Attached { model, node, firmware: device.firmware });
     }
     let model = devices.first().map(|device| device.model);
     Ok(Opened { bus: Box::new(bus), model, devices })

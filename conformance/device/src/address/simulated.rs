@@ -2,19 +2,19 @@
 //!
 //! ```text
 //! sim:DEVICE[+FAULT...][+DEVICE[+FAULT...]...]
-//! DEVICE = MODEL|FILE[:NODE][@BITRATE][~MOTION]
+//! DEVICE = MODEL|FILE[:NODE][@BITRATE][~MOTION][~~LIBERTY...]
 //! ```
 //!
-//! `+` adds a fault to the device before it, or, where it is followed by the name of a model or of a device description
+//! `~~` adds a liberty to the device before it: something that the standard leaves free, and that this device does in its
+//! own way. It may stand behind a fault too. `+` adds a fault to the device before it, or, where it is followed by the name of a model or of a device description
 //! (`.eds`, `.dcf`, `.xdd`, `.xdc`), one more device. The bit rate of the first device is that of the bus; another
 //! device with another one does not understand what is on the bus. `NODE` is 1 to 127, or 255 for a device that waits
 //! for LSS to give it a node-ID. Without it a device has the node-ID of its model or, where an earlier device has that,
 //! the next one that is free.
 
 use super::parse_bit_rate;
-use crate::models::Model;
-use crate::{Fault, Faults};
-use crate::{Motion, MotionSpec};
+use crate::models::{self, Model};
+use crate::{Fault, Firmware, Liberties, Liberty, Motion, MotionSpec, UnknownLiberty};
 use canvass_analyzer::NodeId;
 use canvass_bus::BusError;
 use std::collections::BTreeMap;
@@ -32,8 +32,8 @@ pub struct SimulatedDevice {
     pub bit_rate: Option<u32>,
     /// How its shaft moves, if it was given.
     pub motion: Option<MotionSpec>,
-    /// What its firmware does wrong.
-    pub faults: Faults,
+    /// What its firmware does wrong, or in its own way.
+    pub firmware: Firmware,
 }
 
 /// A built-in model or a file.
@@ -61,8 +61,8 @@ pub struct Attached {
     pub model: &'static Model,
     /// Its node-ID; `None` while it has none.
     pub node: Option<NodeId>,
-    /// What is wrong with its firmware or its description.
-    pub faults: Faults,
+    /// What is wrong with its firmware or its description, and what is done in its own way.
+    pub firmware: Firmware,
 }
 
 /// The endings of device descriptions.
@@ -84,9 +84,11 @@ pub(super) fn parse(text: &str) -> Result<Vec<SimulatedDevice>, String> {
             continue;
         }
         let Some(device) = devices.last_mut() else { return Err(no_model(head(piece))) };
-        let fault = Fault::from_str(piece)
-            .map_err(|error| if piece.contains([':', '@', '~']) { no_model(head(piece)) } else { error.to_string() })?;
-        device.faults = device.faults.with(fault);
+        let (id, liberties) = liberties(piece)?;
+        let fault = Fault::from_str(id)
+            .map_err(|error| if id.contains([':', '@', '~']) { no_model(head(id)) } else { error.to_string() })?;
+        device.firmware.faults = device.firmware.faults.with(fault);
+        device.firmware.liberties = liberties.iter().fold(device.firmware.liberties, |all, &one| all.with(one));
         rest = split_once(text, '+').1;
     }
     let given: Vec<NodeId> = devices.iter().filter_map(SimulatedDevice::given_id).collect();
@@ -94,6 +96,14 @@ pub(super) fn parse(text: &str) -> Result<Vec<SimulatedDevice>, String> {
         Some((_, node)) => Err(format!("expected one device for each node-ID, found two with node-ID {node}")),
         None => Ok(devices),
     }
+}
+
+/// What stands before the first `~~`, and the liberties behind it.
+fn liberties(text: &str) -> Result<(&str, Vec<Liberty>), String> {
+    let mut pieces = text.split("~~");
+    let head = pieces.next().unwrap_or_default();
+    let found = pieces.map(|id| id.parse().map_err(|error: UnknownLiberty| error.to_string()));
+    Ok((head, found.collect::<Result<_, _>>()?))
 }
 
 fn head(piece: &str) -> &str {
@@ -110,7 +120,7 @@ fn name<'a>(text: &'a str, piece: &str) -> Option<(DeviceName, &'a str)> {
     if let Some(model) = Model::by_id(id) {
         return text.get(id.len()..).map(|behind| (DeviceName::Model(model), behind));
     }
-    if Fault::from_str(piece).is_ok() {
+    if Fault::from_str(piece.split("~~").next().unwrap_or(piece)).is_ok() {
         return None;
     }
     // A path may hold any of the separators: it goes on to the first ending that something of the syntax follows.
@@ -123,13 +133,19 @@ fn name<'a>(text: &'a str, piece: &str) -> Option<(DeviceName, &'a str)> {
 }
 
 fn no_model(found: &str) -> String {
-    let known: Vec<&str> = Model::all().iter().map(Model::id).collect();
+    let models = match models::built_in() {
+        Ok(models) => models,
+        Err(unreadable) => return unreadable.to_string(),
+    };
+    let known: Vec<&str> = models.iter().map(Model::id).collect();
     format!("expected a device description (.eds) or one of the models {}, found \"{found}\"", known.join(", "))
 }
 
-/// `:NODE`, `@BITRATE` and `~MOTION`, in any order.
+/// `:NODE` and `@BITRATE` in any order, `~MOTION`, `~~LIBERTY`.
 fn device(device: DeviceName, options: &str) -> Result<SimulatedDevice, String> {
-    let mut named = SimulatedDevice { device, node: None, bit_rate: None, motion: None, faults: Faults::NONE };
+    let (options, liberties) = liberties(options)?;
+    let firmware = liberties.into_iter().collect::<Liberties>().into();
+    let mut named = SimulatedDevice { device, node: None, bit_rate: None, motion: None, firmware };
     // The motion comes last: a file's name may hold anything.
     let (options, motion) = split_once(options, '~');
     if let Some(motion) = motion {
@@ -143,7 +159,7 @@ fn device(device: DeviceName, options: &str) -> Result<SimulatedDevice, String> 
         match kind {
             ':' => named.node = Some(node(value)?),
             '@' => named.bit_rate = Some(parse_bit_rate(value)?),
-            _ => return Err(format!("expected :NODE, @BITRATE, ~MOTION or +FAULT, found \"{rest}\"")),
+            _ => return Err(format!("expected :NODE, @BITRATE, ~MOTION, ~~LIBERTY or +FAULT, found \"{rest}\"")),
         }
         rest = next;
     }
@@ -237,6 +253,7 @@ fn described(path: &str) -> Result<&'static Model, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::Faults;
 
     const MODEL: &str = "kuebler-sendix-58x8";
 
@@ -255,7 +272,7 @@ mod tests {
         let device = one("MODEL:5@1M~rpm=100+boot-up-twice+vendor-id-zero");
         assert_eq!((device.node, device.bit_rate), (Some(GivenNode::Id(NodeId::new(5).unwrap())), Some(1_000_000)));
         assert_eq!(device.motion, Some(MotionSpec::Known(Motion::constant(0, 100_000))));
-        assert_eq!(device.faults, Faults::from(Fault::BootUpTwice).with(Fault::VendorIdZero));
+        assert_eq!(device.firmware.faults, Faults::from(Fault::BootUpTwice).with(Fault::VendorIdZero));
         assert_eq!(one("MODEL@125000:255").node, Some(GivenNode::Unconfigured));
         assert_eq!(one("MODEL~sine=2,0.5").bit_rate, None);
     }
@@ -264,10 +281,24 @@ mod tests {
     fn several_devices() {
         let devices = parse(&format!("{MODEL}@250k+boot-up-twice+{MODEL}:9+a+b.eds+emcy-repeated")).unwrap();
         assert_eq!(devices.len(), 3);
-        assert_eq!(devices[0].faults, Fault::BootUpTwice.into());
-        assert_eq!(devices[1].faults, Faults::NONE);
+        assert_eq!(devices[0].firmware.faults, Fault::BootUpTwice.into());
+        assert_eq!(devices[1].firmware.faults, Faults::NONE);
         assert!(matches!(&devices[2].device, DeviceName::File(path) if path == "a+b.eds"));
-        assert_eq!(devices[2].faults, Fault::EmcyRepeated.into());
+        assert_eq!(devices[2].firmware.faults, Fault::EmcyRepeated.into());
+    }
+
+    #[test]
+    fn liberties_stand_behind_what_they_belong_to() {
+        let taken = |device: &SimulatedDevice| device.firmware.liberties.iter().collect::<Vec<_>>();
+        let device = one("MODEL:5~rpm=100~~no-emcy~~self-start+boot-up-twice~~no-lss");
+        assert_eq!(taken(&device), [Liberty::SelfStart, Liberty::NoEmcy, Liberty::NoLss]);
+        assert_eq!((device.motion, device.firmware.faults), (one("MODEL~rpm=100").motion, Fault::BootUpTwice.into()));
+        let devices = parse(&"MODEL~~no-emcy+MODEL+my.eds~~no-lss".replace("MODEL", MODEL)).unwrap();
+        let each: Vec<_> = devices.iter().map(taken).collect();
+        assert_eq!(each, [vec![Liberty::NoEmcy], vec![], vec![Liberty::NoLss]]);
+        for wrong in ["MODEL~~nonsense", "MODEL~~", "MODEL+boot-up-twice~~nonsense"] {
+            assert!(reason(wrong).contains("canvass list liberties"), "{wrong}: {}", reason(wrong));
+        }
     }
 
     #[test]

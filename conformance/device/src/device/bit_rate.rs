@@ -1,7 +1,8 @@
 //! Which bit rate the device has, and how it changes to another one (CiA 305, "activate bit timing").
 
 use super::Device;
-use crate::Fault;
+use super::context::Context;
+use super::lss_slave::bit_rate;
 use canvass_traces::{Duration, Timestamp};
 
 /// A change under way: silence, the change, silence again.
@@ -21,6 +22,10 @@ impl Activation {
 }
 
 impl Device {
+    pub(super) fn activation_timeout(&self) -> Timestamp {
+        self.activation.as_ref().map_or(Timestamp::MAX, Activation::timeout)
+    }
+
     /// Takes part at that bit rate in bit/s from now on, whatever the bus has. As delivered, it has that of the bus.
     pub fn set_bit_rate(&mut self, bit_rate: u32) {
         self.bit_rate = Some(bit_rate);
@@ -29,9 +34,9 @@ impl Device {
 
     /// The LSS master orders the change: no frame for `delay`, the new bit rate, and no frame for `delay` again.
     pub(super) fn activate_bit_rate(&mut self, now: Timestamp, delay: Duration) {
-        let delay = if self.faults.has(Fault::LssActivatesAtOnce) { Duration::ZERO } else { delay };
+        let delay = if self.context.firmware().activates_bit_rate_at_once() { Duration::ZERO } else { delay };
         self.activation = Some(Activation { change: now + delay, end: now + delay.times(2) });
-        self.outbox.clear();
+        self.context.outbox.clear();
         self.go_on_with_activation(now);
     }
 
@@ -40,11 +45,12 @@ impl Device {
         let Some(activation) = &mut self.activation else { return };
         if now >= activation.change {
             activation.change = Timestamp::MAX;
-            let rate = self.lss.pending.bit_timing.and_then(|code| self.bit_rate_of_lss(code));
+            let rate =
+                self.services.lss.pending.bit_timing.and_then(|code| bit_rate(&self.context.objects.model, code));
             self.bit_rate = rate.map(|rate| rate.kbit.saturating_mul(1_000)).or(self.bit_rate);
         }
         // What was to be sent in the meantime is lost, as the controller is off.
-        self.outbox.clear();
+        self.context.outbox.clear();
         if self.activation.is_some_and(|activation| now >= activation.end) {
             self.activation = None;
         }
@@ -52,12 +58,13 @@ impl Device {
 
     /// Power-on and reset node: the stored bit rate acts, else that of delivery.
     pub(super) fn take_stored_bit_rate(&mut self) {
-        let sheet = self.objects.model.sheet();
-        let code = sheet.network.bit_rate_object.and_then(|at| self.store.number(at, &self.objects.parameters));
+        let Context { objects, store, .. } = &self.context;
+        let sheet = objects.model.sheet();
+        let code = sheet.network.bit_rate_object.and_then(|at| store.number(at, &objects.parameters));
         let of_object = code.and_then(|code| {
             sheet.bit_rates.iter().find(|rate| rate.object_code.is_some_and(|own| u64::from(own) == code)).copied()
         });
-        let of_lss = || self.store.network().bit_timing.and_then(|code| self.bit_rate_of_lss(code));
+        let of_lss = || store.network().bit_timing.and_then(|code| bit_rate(&objects.model, code));
         let stored = match sheet.network.bit_rate_object {
             Some(_) => of_object,
             None => of_lss(),

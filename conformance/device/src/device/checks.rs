@@ -5,7 +5,6 @@ use super::lss_slave::UNCONFIGURED;
 use super::objects::Objects;
 use super::store::StoreCommand;
 use super::{clock, heartbeat_consumer, pdo, sync};
-use crate::Fault;
 use crate::models::Rule;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
@@ -31,8 +30,8 @@ impl Objects {
             return Ok(());
         }
         self.check_bus_object(at, value)?;
-        let reserved = at.index.0 == 0x1029 && self.faults.has(Fault::ErrorBehaviourUnchecked);
-        if !self.faults.has(Fault::SdoRangeUnchecked) && !reserved && !self.is_checked_later(at) {
+        let reserved = at.index.0 == 0x1029 && !self.firmware.checks_error_behaviour();
+        if self.firmware.checks_range() && !reserved && !self.is_checked_later(at) {
             self.parameters.entry(at)?.check_range(value)?;
         }
         self.check_communication(at, value)?;
@@ -40,12 +39,11 @@ impl Objects {
     }
 
     fn check_signature(&self, command: StoreCommand, value: u64) -> Result<(), AbortCode> {
-        let unchecked = match command {
-            StoreCommand::Save(_) => Fault::StoreSignatureUnchecked,
-            StoreCommand::Restore(_) => Fault::RestoreSignatureUnchecked,
+        let checked = match command {
+            StoreCommand::Save(_) => self.firmware.checks_save_signature(),
+            StoreCommand::Restore(_) => self.firmware.checks_load_signature(),
         };
-        let both = self.faults.has(Fault::StoreSignatureUnchecked);
-        if both || self.faults.has(unchecked) { Ok(()) } else { command.check(value, &self.model.sheet().storage) }
+        if checked { command.check(value, &self.model.sheet().storage) } else { Ok(()) }
     }
 
     /// Node-ID and bit rate: one that exists, or "not configured" where the device is delivered so.
@@ -59,33 +57,27 @@ impl Objects {
             }
             _ => true,
         };
-        if exists || of_device || self.faults.has(Fault::SdoRangeUnchecked) {
-            Ok(())
-        } else {
-            Err(AbortCode::INVALID_VALUE)
-        }
+        if exists || of_device || !self.firmware.checks_range() { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
     }
 
     /// 1000h to 1FFFh.
     fn check_communication(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
-        let (parameters, faults, network) = (&self.parameters, self.faults, &self.model.sheet().network);
+        let (parameters, firmware, network) = (&self.parameters, &self.firmware, &self.model.sheet().network);
         let old = || CobId(parameters.number_or_zero(at.index.0, at.sub.0) as u32);
         match (at.index.0, at.sub.0) {
-            (0x1003, _) if value != 0 && !faults.has(Fault::ErrorHistoryNonZeroAccepted) => {
-                Err(AbortCode::INVALID_VALUE)
-            }
-            (0x1005, _) => sync::check_cob_id(value, parameters, network, faults),
+            (0x1003, _) if value != 0 && firmware.checks_history_count() => Err(AbortCode::INVALID_VALUE),
+            (0x1005, _) => sync::check_cob_id(value, parameters, network, firmware),
             (0x1006, _) => sync::check_period(value, network),
-            (0x1012, _) => clock::check(value, parameters, network, faults),
-            (0x1014, _) => check_cob_id(value, parameters, faults),
+            (0x1012, _) => clock::check(value, parameters, network, firmware),
+            (0x1014, _) => check_cob_id(value, parameters, firmware),
             (0x1016, 1..) => {
                 let code = self.model.sheet().abort(Rule::OneConsumerPerNode, at);
-                heartbeat_consumer::check(at, value, parameters, faults).map_err(|_| code)
+                heartbeat_consumer::check(at, value, parameters, firmware).map_err(|_| code)
             }
-            (0x1019, _) => sync::check_overflow(value, parameters, faults),
-            (0x1028, 1..) => check_peer_cob_id(value, old(), faults, Fault::EmcyIdChangeWhileValid),
-            (0x1029, 1..) if value > 2 && !faults.has(Fault::ErrorBehaviourUnchecked) => Err(AbortCode::INVALID_VALUE),
-            (0x1200..0x1280, 1 | 2) => check_peer_cob_id(value, old(), faults, Fault::SdoChannelIdChangeWhileValid),
+            (0x1019, _) => sync::check_overflow(value, parameters, firmware),
+            (0x1028, 1..) => check_peer_cob_id(value, old(), firmware, firmware.checks_emcy_ids_while_valid()),
+            (0x1029, 1..) if value > 2 && firmware.checks_error_behaviour() => Err(firmware.limit_code()),
+            (0x1200..0x1280, 1 | 2) => check_peer_cob_id(value, old(), firmware, firmware.checks_sdo_ids_while_valid()),
             (0x1400..0x1600 | 0x1800..0x1A00, _) => pdo::check_communication(at, value, self),
             _ => Ok(()),
         }
@@ -127,7 +119,7 @@ impl Objects {
 
     /// A faulty firmware takes a work area whose low limit is above its high limit.
     fn is_swap_accepted(&self, at: Multiplexer) -> bool {
-        matches!(at.index.0, 0x6401 | 0x6402) && self.faults.has(Fault::WorkAreaLimitsSwappedAccepted)
+        matches!(at.index.0, 0x6401 | 0x6402) && !self.firmware.checks_work_area_order()
     }
 
     /// Objects that are limits of each other.

@@ -1,12 +1,18 @@
 //! TIME, consumed and produced (1012h), the clock that it sets, and the high resolution time stamp (1013h).
 
+use super::context::Context;
+use super::nmt;
+use super::objects::Objects;
 use super::parameters::Parameters;
+use super::routes::{Route, Routes};
+use super::service::{Event, Service};
+use crate::Firmware;
 use crate::models::Network;
-use crate::{Fault, Faults};
 use canvass_analyzer::CobId;
+use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::time::TimeOfDay;
-use canvass_traces::{Duration, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// The device's clock: at power-on it shows the beginning of 1984.
 #[derive(Clone, Debug)]
@@ -21,7 +27,7 @@ pub(super) struct Clock {
     /// Zero: TIME is not sent.
     period: Duration,
     due: Timestamp,
-    faults: Faults,
+    firmware: Firmware,
 }
 
 /// 1012h bit 31.
@@ -31,7 +37,7 @@ const PRODUCES: u32 = 1 << 30;
 
 impl Clock {
     /// At power-on.
-    pub const fn new(now: Timestamp, faults: Faults) -> Self {
+    pub const fn new(now: Timestamp, firmware: &Firmware) -> Self {
         Self {
             base: 0,
             set: now,
@@ -40,7 +46,7 @@ impl Clock {
             consumes: false,
             period: Duration::ZERO,
             due: Timestamp::MAX,
-            faults,
+            firmware: *firmware,
         }
     }
 
@@ -71,7 +77,7 @@ impl Clock {
 
     /// TIME came.
     pub fn set(&mut self, now: Timestamp, time: TimeOfDay) {
-        if !self.faults.has(Fault::TimeIgnored) {
+        if self.firmware.follows_time() {
             self.base = u64::from(time.days) * u64::from(TimeOfDay::DAY) + u64::from(time.milliseconds());
             self.set = now;
         }
@@ -107,10 +113,66 @@ impl Clock {
         }
         self.due += self.period;
         let mut time = self.time(now);
-        if self.faults.has(Fault::TimeReservedBitsSet) {
+        if self.firmware.sets_reserved_time_bits() {
             time.raw_milliseconds |= 0xF000_0000;
         }
         Some(time)
+    }
+}
+
+/// Consumes and produces TIME; the clock itself is an object.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct TimeService;
+
+impl TimeService {
+    fn configure(now: Timestamp, context: &mut Context) {
+        let may_send = context.serves(nmt::Service::Broadcast);
+        let Objects { parameters, model, clock, .. } = &mut context.objects;
+        clock.configure(now, parameters, &model.sheet().network, may_send);
+    }
+}
+
+impl Service for TimeService {
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        if context.phase.is_running()
+            && frame.len() == 6
+            && let Ok(time) = TimeOfDay::read(frame.data())
+        {
+            context.objects.clock.set(now, time);
+            context.events.push_back(Event::Changed);
+        }
+    }
+
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Started => Self::configure(now, context),
+            Event::Entered { before } => {
+                let sends = context.serves(nmt::Service::Broadcast);
+                if sends != before.serves(nmt::Service::Broadcast, context.firmware()) {
+                    context.objects.clock.restart(now, sends);
+                }
+            }
+            Event::Written(at, _) if at.index.0 == 0x1012 => {
+                Self::configure(now, context);
+                context.routes_changed = true;
+            }
+            Event::Written(at, micros) if at.index.0 == 0x1013 => context.objects.clock.stamp(now, micros as u32),
+            _ => {}
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if let Some(time) = context.objects.clock.poll(now) {
+            context.send(time.to_frame(context.objects.clock.own_can_id()));
+        }
+    }
+
+    fn timeout(&self, context: &Context) -> Timestamp {
+        context.objects.clock.timeout()
+    }
+
+    fn find_routes(&self, context: &Context, routes: &mut Routes) {
+        context.objects.clock.can_id().into_iter().for_each(|can_id| routes.set(can_id, Route::Time));
     }
 }
 
@@ -119,15 +181,22 @@ impl Clock {
 ///
 /// # Errors
 /// "Invalid value" otherwise.
-pub(super) fn check(value: u64, parameters: &Parameters, network: &Network, faults: Faults) -> Result<(), AbortCode> {
+pub(super) fn check(
+    value: u64,
+    parameters: &Parameters,
+    network: &Network,
+    firmware: &Firmware,
+) -> Result<(), AbortCode> {
     let (old, new) = (CobId(parameters.number_or_zero(0x1012, 0) as u32), CobId(value as u32));
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let impossible = new.0 & PRODUCES != 0 && network.time_period_ms.is_none();
-    let restricted = new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
+    let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let in_use = |cob_id: CobId| cob_id.0 & (CONSUMES | PRODUCES) != 0;
-    let moved =
-        in_use(old) && in_use(new) && new.can_id() != old.can_id() && !faults.has(Fault::TimeIdChangeWhileValid);
-    if reserved || impossible || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    let moved = in_use(old) && in_use(new) && new.can_id() != old.can_id() && firmware.checks_time_id_while_valid();
+    if reserved || impossible || restricted {
+        return Err(AbortCode::INVALID_VALUE);
+    }
+    if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }
 }
 
 #[cfg(test)]
@@ -136,7 +205,7 @@ mod tests {
 
     #[test]
     fn the_clock_goes_on_over_midnight() {
-        let mut clock = Clock::new(Timestamp::ZERO, Faults::NONE);
+        let mut clock = Clock::new(Timestamp::ZERO, &Firmware::PLAIN);
         let eve = TimeOfDay { raw_milliseconds: TimeOfDay::DAY - 1, days: 100 };
         clock.set(Timestamp(5_000_000_000), eve);
         assert_eq!(clock.time(Timestamp(5_002_000_000)), TimeOfDay { raw_milliseconds: 1, days: 101 });

@@ -1,12 +1,17 @@
 //! Errors: the error register (1001h), the history (1003h) and the EMCY messages (1014h, 1015h).
 
+use super::context::Context;
+use super::nmt;
 use super::parameters::Parameters;
+use super::routes::{Route, Routes};
+use super::service::{Event, Service};
+use crate::Firmware;
 use crate::models::Quirks;
-use crate::{Fault, Faults};
 use canvass_analyzer::CobId;
-use canvass_analyzer::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_traces::{Duration, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 use std::collections::VecDeque;
 
 /// Something that can be wrong with the device. Each is present or not; only changes are reported.
@@ -143,7 +148,7 @@ pub(super) struct Errors {
     /// Bits that a firmware forgets to clear.
     stuck: u8,
     quirks: Quirks,
-    faults: Faults,
+    firmware: Firmware,
 }
 
 /// More EMCY messages than that don't wait; the oldest stay.
@@ -154,13 +159,13 @@ const MOST_COUNTED: usize = 16;
 
 impl Errors {
     /// No error; the history holds `capacity` entries.
-    pub fn new(capacity: usize, quirks: &Quirks, faults: Faults) -> Self {
+    pub fn new(capacity: usize, quirks: &Quirks, firmware: &Firmware) -> Self {
         // Errors that can only be cleared one by one are counted beyond those that are shown.
         let capacity = if quirks.error_register_read_clears { MOST_COUNTED } else { capacity };
         Self {
             quirks: quirks.clone(),
             stuck: 0,
-            faults,
+            firmware: *firmware,
             present: Vec::new(),
             history: VecDeque::with_capacity(capacity),
             capacity,
@@ -173,7 +178,7 @@ impl Errors {
     pub fn register(&self) -> u8 {
         let register =
             self.present.iter().fold(self.stuck, |register, condition| register | condition.register(&self.quirks));
-        match self.faults.has(Fault::ErrorRegisterGenericMissing) {
+        match !self.firmware.sets_generic_bit() {
             true => register & !ErrorRegister::GENERIC.0,
             false => register,
         }
@@ -185,21 +190,21 @@ impl Errors {
     /// "No data" for an entry that is still empty.
     pub fn history(&self, sub: u8) -> Result<u64, AbortCode> {
         let Some(n) = usize::from(sub).checked_sub(1) else { return Ok(self.history.len() as u64) };
-        let position = match self.faults.has(Fault::ErrorHistoryReversed) {
+        let position = match self.firmware.reverses_history() {
             true => self.history.len().checked_sub(n + 1),
             false => Some(n),
         };
         match position.and_then(|position| self.history.get(position)) {
             Some(&entry) => Ok(u64::from(entry)),
             None if self.quirks.empty_error_history_reads_zero => Ok(0),
-            None if self.faults.has(Fault::ErrorHistoryEmptyReadsZero) => Ok(0),
-            None => Err(AbortCode::NO_DATA),
+            None if self.firmware.reads_empty_history_as_zero() => Ok(0),
+            None => Err(self.firmware.empty_history_code()),
         }
     }
 
     /// 0 was written to 1003h:00.
     pub fn clear_history(&mut self) {
-        if self.faults.has(Fault::ErrorHistoryNotCleared) {
+        if !self.firmware.clears_history() {
             return;
         }
         let was_empty = self.history.is_empty();
@@ -237,33 +242,38 @@ impl Errors {
             }
             _ => return false,
         }
-        if !present && self.faults.has(Fault::ErrorRegisterStuck) {
+        if !present && self.firmware.keeps_register_bits() {
             self.stuck |= condition.register(&self.quirks);
         }
-        let register = ErrorRegister(if self.faults.has(Fault::EmcyRegisterZero) { 0 } else { self.register() });
+        let register = ErrorRegister(if !self.firmware.shows_register_in_emcy() { 0 } else { self.register() });
         if present {
             self.remember(condition);
-            let emcy = Emcy::new(condition.code(&self.quirks), register, condition.manufacturer());
+            let emcy = Emcy::new(self.code(condition), register, condition.manufacturer());
             self.push(emcy);
-            if self.faults.has(Fault::EmcyRepeated) {
+            if self.firmware.repeats_emcy() {
                 self.push(emcy);
             }
-        } else if !self.faults.has(Fault::EmcyResetMissing) {
+        } else if self.firmware.sends_error_reset() {
             self.push(Emcy::new(EmcyCode::NO_ERROR, register, [0; 5]));
         }
         true
     }
 
+    /// The code that is signalled.
+    fn code(&self, condition: Condition) -> EmcyCode {
+        if self.firmware.has_generic_codes_only() { EmcyCode::GENERIC } else { condition.code(&self.quirks) }
+    }
+
     fn remember(&mut self, condition: Condition) {
-        let kept = if self.faults.has(Fault::ErrorHistoryOverflows) { 254 } else { self.capacity };
+        let kept = if self.firmware.overflows_history() { 254 } else { self.capacity };
         self.history.truncate(kept.saturating_sub(1));
         let [low, high, ..] = condition.manufacturer();
         let information = u32::from(u16::from_le_bytes([low, high]));
-        self.history.push_front(information << 16 | u32::from(condition.code(&self.quirks).0));
+        self.history.push_front(information << 16 | u32::from(self.code(condition).0));
     }
 
     fn push(&mut self, emcy: Emcy) {
-        if self.queue.len() < LONGEST_QUEUE {
+        if self.queue.len() < LONGEST_QUEUE && self.firmware.signals_errors() {
             self.queue.push_back(emcy);
         }
     }
@@ -271,13 +281,13 @@ impl Errors {
     /// The next message to send, unless the inhibit time runs.
     pub fn poll(&mut self, now: Timestamp, inhibit: Duration) -> Option<Emcy> {
         if now < self.inhibited_until {
-            if self.faults.has(Fault::EmcyLostWhenInhibited) {
+            if !self.firmware.keeps_emcy_when_inhibited() {
                 self.queue.clear();
             }
             return None;
         }
         let emcy = self.queue.pop_front()?;
-        if !self.faults.has(Fault::EmcyInhibitTimeIgnored) {
+        if self.firmware.heeds_emcy_inhibit_time() {
             self.inhibited_until = now + inhibit;
         }
         Some(emcy)
@@ -288,16 +298,26 @@ impl Errors {
         match self.queue.is_empty() {
             true => Timestamp::MAX,
             // What is lost is lost at once.
-            false if self.faults.has(Fault::EmcyLostWhenInhibited) => Timestamp::ZERO,
+            false if !self.firmware.keeps_emcy_when_inhibited() => Timestamp::ZERO,
             false => self.inhibited_until,
         }
     }
 
     /// The device is in stopped.
     pub fn on_stopped(&mut self) {
-        if self.faults.has(Fault::EmcyLostWhenStopped) {
+        if !self.firmware.keeps_emcy_when_stopped() {
             self.queue.clear();
             self.clear_history();
+        }
+    }
+
+    /// The device has left stopped: what came meanwhile may be signalled now.
+    fn after_stopped(&mut self) {
+        if self.firmware.drops_emcy_of_stopped() {
+            self.queue.clear();
+        }
+        if self.firmware.signals_newest_after_stopped() {
+            self.queue.drain(..self.queue.len().saturating_sub(1));
         }
     }
 
@@ -319,22 +339,106 @@ impl Errors {
     }
 }
 
+/// Sends what is to be said of errors, and hears what others say of theirs.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct EmcyService;
+
+impl EmcyService {
+    /// The next EMCY, if there is one and it may be sent.
+    fn next(now: Timestamp, context: &mut Context) -> Option<Frame> {
+        if now < Self.timeout(context) {
+            return None;
+        }
+        let inhibit = Duration::from_micros(100 * context.objects.parameters.number_or_zero(0x1015, 0));
+        // One that 1014h silences is gone, the next one may follow at once.
+        loop {
+            let emcy = context.objects.errors.poll(now, inhibit)?;
+            let cob_id = Self::cob_id(context)?;
+            if cob_id.is_valid() || context.firmware().sends_emcy_when_invalid() {
+                return Some(emcy.to_frame(cob_id.can_id() as u16));
+            }
+        }
+    }
+
+    fn due(context: &Context) -> Timestamp {
+        if context.serves(nmt::Service::Emcy) { context.objects.errors.timeout() } else { Timestamp::MAX }
+    }
+
+    fn cob_id(context: &Context) -> Option<CobId> {
+        let usual = CobId(u32::from(emcy::CAN_ID_BASE) + u32::from(context.node?.raw()));
+        Some(context.objects.parameters.number(0x1014, 0).map_or(usual, |raw| CobId(raw as u32)))
+    }
+}
+
+impl Service for EmcyService {
+    /// The EMCY of a node of 1028h.
+    fn handle(&mut self, _: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        if frame.len() == 8 && context.phase.is_running() {
+            context.objects.received_emcy = u64::from_le_bytes(frame.bytes());
+        }
+    }
+
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Initialise => context.objects.errors.reset(),
+            Event::Entered { before: nmt::Phase::Stopped } => context.objects.errors.after_stopped(),
+            Event::Written(at, value) if at.index.0 == 0x1015 && context.firmware().inhibits_from_write() => {
+                context.objects.errors.inhibited_until = now + Duration::from_micros(100 * value);
+            }
+            Event::Written(at, _) if at.index.0 == 0x1003 => context.objects.errors.clear_history(),
+            Event::Written(at, _) if matches!(at.index.0, 0x1014 | 0x1028) => context.routes_changed = true,
+            _ => {}
+        }
+    }
+
+    fn timeout(&self, context: &Context) -> Timestamp {
+        Self::due(context)
+    }
+
+    fn transmit(&mut self, now: Timestamp, context: &mut Context) {
+        while let Some(frame) = Self::next(now, context) {
+            context.send(frame);
+        }
+    }
+
+    fn find_routes(&self, context: &Context, routes: &mut Routes) {
+        let parameters = &context.objects.parameters;
+        for cob_id in (1..=127).map_while(|sub| parameters.number(0x1028, sub)).map(|raw| CobId(raw as u32)) {
+            if cob_id.is_valid() && cob_id.can_id() != 0 {
+                routes.set(cob_id.can_id() as u16, Route::PeerEmcy);
+            }
+        }
+    }
+}
+
 /// The conditions of a write to 1014h: 11 bits, not restricted, and another CAN-ID only while bit 31 is set.
 ///
 /// # Errors
 /// "Invalid value" otherwise.
-pub(super) fn check_cob_id(value: u64, parameters: &Parameters, faults: Faults) -> Result<(), AbortCode> {
-    check_peer_cob_id(value, CobId(parameters.number_or_zero(0x1014, 0) as u32), faults, Fault::EmcyIdChangeWhileValid)
+pub(super) fn check_cob_id(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
+    let (old, new) = (CobId(parameters.number_or_zero(0x1014, 0) as u32), CobId(value as u32));
+    if firmware.refuses_cob_id_rewrite() && old.is_valid() && new.is_valid() {
+        return Err(firmware.cob_id_code(AbortCode::INVALID_VALUE));
+    }
+    check_peer_cob_id(value, old, firmware, firmware.checks_emcy_ids_while_valid())
 }
 
-/// The same for the COB-IDs of 1028h and of the second SDO channels.
+/// The same for the COB-IDs of 1028h and of the further SDO channels.
 ///
 /// # Errors
 /// "Invalid value" otherwise.
-pub(super) fn check_peer_cob_id(value: u64, old: CobId, faults: Faults, excuse: Fault) -> Result<(), AbortCode> {
+pub(super) fn check_peer_cob_id(
+    value: u64,
+    old: CobId,
+    firmware: &Firmware,
+    stays_while_valid: bool,
+) -> Result<(), AbortCode> {
     let new = CobId(value as u32);
     let reserved = new.0 & (0x1FFF_F800 | CobId::NO_RTR) != 0 || new.is_extended();
-    let restricted = new.is_valid() && new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
-    let moved = old.is_valid() && new.is_valid() && new.can_id() != old.can_id() && !faults.has(excuse);
-    if reserved || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    let restricted = new.is_valid() && new.is_restricted() && firmware.checks_restricted_can_ids();
+    if reserved || restricted {
+        return Err(AbortCode::INVALID_VALUE);
+    }
+    let moved = old.is_valid() && new.is_valid() && new.can_id() != old.can_id() && stays_while_valid;
+    if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }
 }

@@ -1,10 +1,11 @@
 //! Node guarding and life guarding (100Ch, 100Dh).
 
-use super::Device;
+use super::context::Context;
 use super::emcy::Condition;
 use super::nmt::Phase;
-use crate::{Fault, Faults};
-use canvass_analyzer::wire::error_control::{ErrorControl, State};
+use super::service::{Event, Service};
+use crate::Firmware;
+use canvass_analyzer::wire::error_control::ErrorControl;
 use canvass_traces::{Duration, Timestamp};
 
 /// Answers the master's remote frames, and misses them.
@@ -24,78 +25,87 @@ impl NodeGuarding {
     }
 
     /// A reset: as new.
-    pub const fn reset(&mut self, faults: Faults) {
-        let toggle = self.toggle && faults.has(Fault::GuardingToggleNotReset);
+    const fn reset(&mut self, firmware: &Firmware) {
+        let toggle = self.toggle && firmware.keeps_guarding_toggle_over_reset();
         *self = Self { toggle, ..Self::new() };
     }
 
     /// 100Ch in milliseconds and 100Dh were set.
-    pub fn configure(&mut self, now: Timestamp, guard_millis: u64, factor: u64, faults: Faults) {
-        let factor = if faults.has(Fault::LifeTimeFactorIgnored) { factor.min(1) } else { factor };
-        let factor = factor + u64::from(faults.has(Fault::LifeTimeFactorOffByOne) && factor > 0);
-        let life_time = Duration::from_millis(guard_millis).times(factor);
-        if life_time == Duration::ZERO && faults.has(Fault::LifeGuardingNotStopped) {
+    fn set(&mut self, now: Timestamp, guard_millis: u64, factor: u64, firmware: &Firmware) {
+        let life_time = Duration::from_millis(guard_millis).times(firmware.life_time_factor(factor));
+        if life_time == Duration::ZERO && !firmware.stops_life_guarding_at_zero() {
             return;
         }
         self.life_time = life_time;
-        let watched = self.due < Timestamp::MAX || faults.has(Fault::LifeGuardingStartsAtOnce);
+        let watched = self.due < Timestamp::MAX || firmware.guards_before_first_request();
         let watched = watched && life_time > Duration::ZERO;
         self.due = if watched { now + life_time } else { Timestamp::MAX };
     }
 
     /// A remote frame came.
-    fn answer(&mut self, now: Timestamp, phase: Phase, faults: Faults) -> Option<ErrorControl> {
-        if self.life_time == Duration::ZERO && faults.has(Fault::GuardingSilentWhenOff) {
+    fn answer(&mut self, now: Timestamp, phase: Phase, firmware: &Firmware) -> Option<ErrorControl> {
+        if self.life_time == Duration::ZERO && !firmware.answers_guarding_when_off() {
             return None;
         }
         let toggle = self.toggle;
-        if !faults.has(Fault::GuardingToggleStuck) {
+        if firmware.toggles_guarding() {
             self.toggle = !toggle;
         }
         if self.life_time > Duration::ZERO {
             self.due = now + self.life_time;
         }
-        let state = if faults.has(Fault::GuardingWrongState) { State::PRE_OPERATIONAL } else { phase.state() };
+        let state = firmware.guarded_state(phase.state());
         Some(ErrorControl { toggle, state })
     }
 
-    /// When the master is lost.
-    pub const fn timeout(&self) -> Timestamp {
-        self.due
+    /// Takes 100Ch and 100Dh over.
+    fn configure(&mut self, now: Timestamp, context: &Context) {
+        let number = |index| context.objects.parameters.number_or_zero(index, 0);
+        self.set(now, number(0x100C), number(0x100D), context.firmware());
     }
 
-    /// Whether the master is lost now; says so once, until its next remote frame.
-    pub fn is_lost(&mut self, now: Timestamp) -> bool {
-        let lost = now >= self.due;
-        if lost {
-            self.due = Timestamp::MAX;
+    /// The master asks for the state. Heartbeat and guarding exclude each other, and heartbeat wins (CiA 301,
+    /// 7.2.8.2.2).
+    pub fn on_request(&mut self, now: Timestamp, context: &mut Context) {
+        let sheet = context.objects.model.sheet();
+        let beside = !context.is_heartbeat_active || context.firmware().guards_beside_heartbeat();
+        let until_reset = sheet.quirks.life_guarding_until_reset;
+        if !sheet.network.node_guarding || !beside || !context.phase.is_running() {
+            return;
         }
-        lost
+        if let Some(answer) = self.answer(now, context.phase, context.firmware()) {
+            context.send_error_control(answer);
+        }
+        if !until_reset {
+            context.report(Condition::Guarding, false);
+        }
     }
 }
 
-impl Device {
-    /// The master asks for the state. Heartbeat and guarding exclude each other, and heartbeat wins (CiA 301,
-    /// 7.2.8.2.2).
-    pub(super) fn on_guarding_request(&mut self, now: Timestamp) {
-        let beside = !self.heartbeat.is_active() || self.faults.has(Fault::GuardingBesideHeartbeat);
-        let guarded = self.objects.model.sheet().network.node_guarding && beside;
-        if guarded && self.phase.is_running() {
-            if let Some(answer) = self.guarding.answer(now, self.phase, self.faults) {
-                self.send_error_control(answer);
-            }
-            if !self.objects.model.sheet().quirks.life_guarding_until_reset {
-                self.report(now, Condition::Guarding, false);
-            }
+impl Service for NodeGuarding {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Initialise => self.reset(context.firmware()),
+            Event::Started | Event::Resumed => self.configure(now, context),
+            Event::Written(at, _) if matches!(at.index.0, 0x100C | 0x100D) => self.configure(now, context),
+            _ => {}
         }
     }
 
-    /// The master does not ask any more.
-    pub(super) fn on_master_lost(&mut self, now: Timestamp) {
-        if self.faults.has(Fault::LifeGuardingUnreported) {
-            self.react(now, Condition::Guarding);
-        } else {
-            self.report(now, Condition::Guarding, true);
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if now < self.due {
+            return;
         }
+        // Said once, until the master's next remote frame.
+        self.due = Timestamp::MAX;
+        if context.firmware().reports_lost_master() {
+            context.report(Condition::Guarding, true);
+        } else {
+            context.react(Condition::Guarding);
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.due
     }
 }

@@ -1,7 +1,9 @@
 //! The heartbeat producer (1017h) and the boot-up message.
 
+use super::context::Context;
 use super::nmt::Phase;
-use crate::{Fault, Faults};
+use super::service::{Event, Service};
+use crate::Firmware;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::{Duration, Timestamp};
 
@@ -23,73 +25,76 @@ impl HeartbeatProducer {
     }
 
     /// Begins anew with the time of 1017h in milliseconds; 0 is never.
-    pub fn start(&mut self, now: Timestamp, millis: u64, faults: Faults) {
-        if millis == 0 && faults.has(Fault::HeartbeatNotStopped) {
+    fn start(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
+        if millis == 0 && !firmware.stops_heartbeat_at_zero() {
             return;
         }
-        let factor = if faults.has(Fault::HeartbeatPeriodDoubled) { 2 } else { 1 };
-        let millis = if faults.has(Fault::HeartbeatTimerRounded) { millis.next_multiple_of(64) } else { millis };
-        if self.is_active() && faults.has(Fault::HeartbeatBurst) {
+        if self.is_active() && firmware.makes_up_for_heartbeats() {
             self.burst = 4;
         }
-        self.period = Duration::from_millis(millis).times(factor);
+        self.period = firmware.heartbeat_period(millis);
         self.due = if millis == 0 { Timestamp::MAX } else { now + self.period };
     }
 
     /// The end of initialisation: the boot-up message is the first heartbeat, the next one follows one period later.
-    pub fn boot(&mut self, now: Timestamp, millis: u64, faults: Faults) {
-        self.start(now, millis, faults);
+    fn boot(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
+        self.start(now, millis, firmware);
         self.burst = 0;
         self.last = State::PRE_OPERATIONAL;
-        if self.is_active() && faults.has(Fault::HeartbeatLateAfterBootUp) {
+        if self.is_active() && firmware.delays_first_heartbeat() {
             self.due += self.period.times(2);
         }
     }
 
     /// Initialisation: no heartbeat.
-    pub const fn stop(&mut self) {
+    const fn stop(&mut self) {
         self.due = Timestamp::MAX;
         self.burst = 0;
     }
 
     /// Whether there is one at all.
-    pub fn is_active(&self) -> bool {
+    fn is_active(&self) -> bool {
         self.due < Timestamp::MAX
     }
 
-    /// When the next one is sent.
-    pub const fn timeout(&self) -> Timestamp {
-        if self.burst > 0 && self.due.0 < Timestamp::MAX.0 { Timestamp::ZERO } else { self.due }
-    }
-
-    /// The heartbeat, if it is time for one.
-    pub fn poll(&mut self, now: Timestamp, phase: Phase, faults: Faults) -> Option<ErrorControl> {
-        if now < self.timeout() {
-            return None;
-        }
+    /// The heartbeat of now.
+    fn heartbeat(&mut self, phase: Phase, firmware: &Firmware) -> ErrorControl {
         if self.burst > 0 {
             self.burst -= 1;
         } else {
             // From the time planned, not from now: periods don't add up delays.
             self.due += self.period;
         }
-        let state = if faults.has(Fault::HeartbeatWrongState) { State::PRE_OPERATIONAL } else { phase.state() };
+        let state = firmware.heartbeat_state(phase.state());
         let before = std::mem::replace(&mut self.last, state);
-        let state = if faults.has(Fault::HeartbeatStateLate) { before } else { state };
-        Some(ErrorControl { toggle: faults.has(Fault::HeartbeatToggles), state })
+        let state = if firmware.shows_stale_state() { before } else { state };
+        ErrorControl { toggle: firmware.sets_toggle_in_heartbeat(), state }
     }
 }
 
-/// The messages at the end of initialisation.
-pub(super) fn boot_up(faults: Faults) -> impl Iterator<Item = ErrorControl> {
-    let count = match () {
-        () if faults.has(Fault::BootUpMissing) => 0,
-        () if faults.has(Fault::BootUpTwice) => 2,
-        () => 1,
-    };
-    let message = match faults.has(Fault::BootUpWrongData) {
-        true => ErrorControl::heartbeat(State::PRE_OPERATIONAL),
-        false => ErrorControl::BOOT_UP,
-    };
-    std::iter::repeat_n(message, count)
+impl Service for HeartbeatProducer {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        let firmware = context.firmware();
+        match event {
+            Event::Initialise => self.stop(),
+            Event::Started | Event::Resumed => {
+                self.boot(now, context.objects.parameters.number_or_zero(0x1017, 0), firmware);
+            }
+            Event::Entered { .. } if !firmware.keeps_heartbeat_over_state_change() => self.stop(),
+            Event::Written(at, millis) if at.index.0 == 0x1017 => self.start(now, millis, firmware),
+            _ => {}
+        }
+        context.is_heartbeat_active = self.is_active();
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if now >= self.timeout(context) {
+            let heartbeat = self.heartbeat(context.phase, context.firmware());
+            context.send_error_control(heartbeat);
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        if self.burst > 0 && self.is_active() { Timestamp::ZERO } else { self.due }
+    }
 }

@@ -1,10 +1,15 @@
 //! The heartbeat consumer (1016h): misses the nodes that it has heard once.
 
+use super::context::Context;
+use super::emcy::Condition;
 use super::parameters::Parameters;
-use crate::{Fault, Faults};
+use super::routes::{Route, Routes};
+use super::service::{Event, Service};
+use crate::Firmware;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_traces::{Duration, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// What is awaited of other nodes, one for each sub-index of 1016h.
 #[derive(Clone, Debug)]
@@ -29,14 +34,14 @@ impl HeartbeatConsumer {
     }
 
     /// Begins anew with the entries of 1016h.
-    pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, faults: Faults) {
+    fn configure(&mut self, now: Timestamp, parameters: &Parameters, firmware: &Firmware) {
         self.watched.clear();
-        let most = if faults.has(Fault::HeartbeatConsumerFirstOnly) { 1 } else { 127 };
+        let most = if firmware.consumes_from_first_only() { 1 } else { 127 };
         let entries = (1..=most).map_while(|sub| parameters.number(0x1016, sub));
-        let at_once = faults.has(Fault::HeartbeatConsumerStartsAtOnce);
+        let at_once = firmware.consumes_before_first_heartbeat();
         self.watched.extend(entries.map(|entry| {
             let (node, time) = split(entry);
-            let in_use = (1..=127).contains(&node) || faults.has(Fault::HeartbeatConsumerWatchesEveryone);
+            let in_use = (1..=127).contains(&node) || firmware.consumes_from_everyone();
             let time = if in_use { Duration::from_millis(time) } else { Duration::ZERO };
             let due = if at_once && time > Duration::ZERO { now + time } else { Timestamp::MAX };
             Watched { node, time, due, lost: false }
@@ -44,12 +49,12 @@ impl HeartbeatConsumer {
     }
 
     /// An error control message of that node came; whether the node was missing.
-    pub fn on_heartbeat(&mut self, now: Timestamp, node: u8, faults: Faults) -> bool {
+    fn on_heartbeat(&mut self, now: Timestamp, node: u8, firmware: &Firmware) -> bool {
         let mut back = false;
-        let everyone = faults.has(Fault::HeartbeatConsumerWatchesEveryone);
+        let everyone = firmware.consumes_from_everyone();
         let concerns = |watched: &&mut Watched| watched.node == node || everyone && !(1..=127).contains(&watched.node);
         for watched in self.watched.iter_mut().filter(concerns) {
-            if watched.time > Duration::ZERO && !(watched.lost && faults.has(Fault::HeartbeatConsumerNotRearmed)) {
+            if watched.time > Duration::ZERO && (!watched.lost || firmware.rearms_consumer()) {
                 watched.due = now + watched.time;
                 back |= std::mem::take(&mut watched.lost);
             }
@@ -57,17 +62,58 @@ impl HeartbeatConsumer {
         back
     }
 
-    /// When the next node is missed.
-    pub fn timeout(&self) -> Timestamp {
-        self.watched.iter().map(|watched| watched.due).min().unwrap_or(Timestamp::MAX)
-    }
-
     /// A node that is missed from now on, if there is one: called until there is none.
-    pub fn poll(&mut self, now: Timestamp) -> Option<u8> {
+    fn next_lost(&mut self, now: Timestamp) -> Option<u8> {
         let watched = self.watched.iter_mut().find(|watched| now >= watched.due)?;
         watched.due = Timestamp::MAX;
         watched.lost = true;
         Some(watched.node)
+    }
+}
+
+/// Whether a written entry of 1016h acts at once.
+fn acts(at: Multiplexer, context: &Context) -> bool {
+    let needs_store = context.objects.model.sheet().network.heartbeat_consumer_needs_store;
+    !needs_store || context.store.number(at, &context.objects.parameters).is_some()
+}
+
+impl Service for HeartbeatConsumer {
+    /// An error control message of another node.
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        let node = (frame.id().raw() & 0x7F) as u8;
+        if context.phase.is_running() && self.on_heartbeat(now, node, context.firmware()) {
+            context.report(Condition::Heartbeat { node }, false);
+        }
+    }
+
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Started => self.configure(now, &context.objects.parameters, context.firmware()),
+            Event::Written(at, _) if at.index.0 == 0x1016 && acts(at, context) => {
+                self.configure(now, &context.objects.parameters, context.firmware());
+            }
+            _ => {}
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        while let Some(node) = self.next_lost(now) {
+            if context.firmware().reports_lost_heartbeat() {
+                context.report(Condition::Heartbeat { node }, true);
+            } else {
+                context.react(Condition::Heartbeat { node });
+            }
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.watched.iter().map(|watched| watched.due).min().unwrap_or(Timestamp::MAX)
+    }
+
+    fn find_routes(&self, _: &Context, routes: &mut Routes) {
+        for node in 1..=0x7F {
+            routes.set(error_control::CAN_ID_BASE + node, Route::PeerErrorControl);
+        }
     }
 }
 
@@ -80,7 +126,12 @@ const fn split(entry: u64) -> (u8, u64) {
 ///
 /// # Errors
 /// "General parameter incompatibility" otherwise.
-pub(super) fn check(at: Multiplexer, value: u64, parameters: &Parameters, faults: Faults) -> Result<(), AbortCode> {
+pub(super) fn check(
+    at: Multiplexer,
+    value: u64,
+    parameters: &Parameters,
+    firmware: &Firmware,
+) -> Result<(), AbortCode> {
     let (node, time) = split(value);
     if node == 0 || time == 0 {
         return Ok(());
@@ -89,7 +140,7 @@ pub(super) fn check(at: Multiplexer, value: u64, parameters: &Parameters, faults
     let is_double = others.map(split).any(|(other, time)| other == node && time > 0);
     let (old, old_time) = split(parameters.number_or_zero(0x1016, at.sub.0));
     let replaces = old_time > 0 && old != 0 && old != node;
-    if (is_double || replaces) && !faults.has(Fault::HeartbeatConsumerDoubleAccepted) {
+    if (is_double || replaces) && firmware.checks_consumer_entries() {
         return Err(AbortCode::PARAMETER_INCOMPATIBLE);
     }
     Ok(())

@@ -1,35 +1,32 @@
-//! From power-on and reset to operational and back: what a change of the NMT state does to the services.
+//! From power-on and reset to operational and back: what the device as a whole does.
 
 use super::clock::Clock;
 use super::encoder::Encoder;
 use super::lss_slave::LssSlave;
-use super::nmt::{self, Order, Phase, Service};
+use super::nmt::{Order, Phase};
+use super::objects::Objects;
 use super::overload::Overload;
 use super::parameters::Content;
-use super::rpdo::Rpdo;
-use super::second_sdo::SecondSdo;
+use super::service::Event;
 use super::store::Groups;
-use super::tpdo::Tpdo;
-use super::{Device, PLACEHOLDER, heartbeat, push};
-use crate::Fault;
+use super::{Device, PLACEHOLDER};
 use crate::models::Trigger;
 use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
-use canvass_analyzer::wire::{Wire, nmt as nmt_wire};
-use canvass_traces::{Duration, Frame, Timestamp};
-
-/// NMT commands that follow each other faster than that are too much for a firmware that keeps only one.
-const ONE_COMMAND: Duration = Duration::from_millis(1);
+use canvass_traces::{Frame, Timestamp};
 
 impl Device {
     /// Off and on again: what was not stored is lost.
     pub fn power_cycle(&mut self, now: Timestamp) {
-        self.objects.errors.power_on();
-        self.lmt.power_on();
-        self.store.power_on();
-        self.objects.clock = Clock::new(now, self.faults);
-        self.objects.received_emcy = 0;
-        self.lss = LssSlave::new();
+        let context = &mut self.context;
+        context.objects.errors.power_on();
+        context.store.power_on();
+        context.objects.clock = Clock::new(now, &context.objects.firmware);
+        context.objects.received_emcy = 0;
+        self.services.lmt.power_on();
+        self.services.lss = LssSlave::new();
+        self.services.sdo.power_on();
         self.overload = Overload::new();
         self.hangs = false;
         self.resets = 0;
@@ -39,167 +36,137 @@ impl Device {
         self.settle(now);
     }
 
-    /// A watchdog resets the processor.
-    pub(super) fn restart(&mut self, now: Timestamp) {
-        self.reset(now, Order::ResetNode);
-    }
-
-    /// The firmware does nothing any more.
-    pub(super) fn hang(&mut self) {
-        self.hangs = true;
-        self.outbox.clear();
+    /// What a service wants of the device.
+    pub(super) fn obey(&mut self, now: Timestamp, order: Order) {
+        match order {
+            Order::Enter(phase) => self.enter(now, phase),
+            Order::ResetCommunication => self.reset_communication(now),
+            Order::ResetNode => self.reset_node(now),
+            Order::Restart(node) => {
+                self.context.node = node;
+                self.initialise(now, Groups::ALL);
+            }
+            Order::MoveTo(node) => {
+                self.context.node = Some(node);
+                let outbox = std::mem::take(&mut self.context.outbox);
+                self.initialise(now, Groups::ALL);
+                self.context.outbox = outbox;
+            }
+            Order::ActivateBitRate(delay) => self.activate_bit_rate(now, delay),
+            Order::Hang => {
+                self.hangs = true;
+                self.context.outbox.clear();
+            }
+        }
     }
 
     /// Begins to initialise, with the stored values of those groups.
     pub(super) fn initialise(&mut self, now: Timestamp, groups: Groups) {
-        if self.node.is_none() && self.faults.has(Fault::UnconfiguredNodeBoots) {
-            self.node = Some(PLACEHOLDER);
+        if self.context.node.is_none() && self.context.firmware().boots_without_node_id() {
+            self.context.node = Some(PLACEHOLDER);
         }
-        self.outbox.clear();
         self.activation = None;
-        self.heartbeat.stop();
-        self.guarding.reset(self.faults);
-        if !self.faults.has(Fault::SdoTransferSurvivesReset) {
-            self.sdo.boot();
-        }
-        self.second_sdos.iter_mut().for_each(SecondSdo::reset);
-        self.objects.errors.reset();
-        self.objects.written.clear();
-        self.objects.wedged = false;
-        self.shaft_due = Timestamp::MAX;
-        self.objects.drop_waiting();
-        self.silent_until = Timestamp::ZERO;
-        self.tpdos.iter_mut().for_each(Tpdo::stop);
-        self.rpdos.iter_mut().for_each(Rpdo::stop);
-        let node = self.node.unwrap_or(PLACEHOLDER);
-        if self.faults.has(Fault::StoreTornByReset) {
-            self.store.tear(&self.objects.parameters, node);
-        }
-        self.store.load(groups, &mut self.objects.parameters, self.objects.encoder.as_mut(), node);
-        self.spoil_parameters();
-        self.objects.settle_links(groups);
-        self.show_node_id();
-        self.phase = match self.node {
-            Some(_) => Phase::Initialising { until: now + self.objects.model.sheet().timing.boot() },
+        self.context.clear();
+        self.deliver(now, Event::Initialise);
+        self.load(groups);
+        self.context.phase = match self.context.node {
+            Some(_) => Phase::Initialising { until: now + self.context.objects.model.sheet().timing.boot() },
             None => Phase::Unconfigured,
         };
-        self.second_sdos.iter_mut().for_each(|channel| channel.configure(&self.objects));
+        self.deliver(now, Event::Loaded);
         self.find_routes();
-        if self.node.is_some() && self.faults.has(Fault::EmcyBeforeBootUp) {
+        if let Some(node) = self.context.node
+            && self.context.firmware().sends_emcy_before_boot_up()
+        {
             let none = Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]);
-            push(&mut self.outbox, none.to_frame(emcy::CAN_ID_BASE + u16::from(node.raw())));
+            self.context.send(none.to_frame(emcy::CAN_ID_BASE + u16::from(node.raw())));
         }
     }
 
-    /// What a faulty firmware makes of what it has loaded.
-    fn spoil_parameters(&mut self) {
-        if self.faults.has(Fault::ConfigurationDateLost) {
-            self.objects.parameters.set_number(0x1020, 1, 0);
-            self.objects.parameters.set_number(0x1020, 2, 0);
+    /// Parameters of those groups get the stored values, or their defaults.
+    fn load(&mut self, groups: Groups) {
+        let node = self.context.node_or_placeholder();
+        let super::Context { objects, store, .. } = &mut self.context;
+        if objects.firmware.tears_store_at_reset() {
+            store.tear(&objects.parameters, node);
         }
-        if self.faults.has(Fault::ParameterDriftsAtReset) {
-            self.objects.parameters.set_number(0x1015, 0, u64::from(self.resets));
+        store.load(groups, &mut objects.parameters, objects.encoder.as_mut(), node);
+        if objects.firmware.loses_configuration_date() {
+            objects.parameters.set_number(0x1020, 1, 0);
+            objects.parameters.set_number(0x1020, 2, 0);
         }
+        if objects.firmware.drifts_at_reset() {
+            objects.parameters.set_number(0x1015, 0, u64::from(self.resets));
+        }
+        objects.settle_links(groups);
+        self.show_node_id();
     }
 
     /// The end of initialisation.
     pub(super) fn boot_up(&mut self, now: Timestamp) {
-        self.phase = Phase::PreOperational;
+        self.context.phase = Phase::PreOperational;
         self.resets += 1;
-        let missing = self.resets.is_multiple_of(8) && self.faults.has(Fault::BootUpSometimesMissing);
-        if self.objects.model.sheet().network.boot_up_message && !missing {
-            for message in heartbeat::boot_up(self.faults) {
-                self.send_error_control(message);
-            }
+        let missing = self.resets.is_multiple_of(8) && self.context.firmware().skips_some_boot_ups();
+        if self.context.objects.model.sheet().network.boot_up_message && !missing {
+            self.context.firmware().boot_up_messages().for_each(|message| self.context.send_error_control(message));
         }
-        self.start_heartbeat(now);
-        self.consumer.configure(now, &self.objects.parameters, self.faults);
-        self.configure_guarding(now);
-        self.configure_rpdos();
-        self.configure_sync(now);
-        self.sync.restart(now, true);
-        self.configure_clock(now);
+        self.deliver(now, Event::Started);
         self.find_routes();
-        self.after_change(now);
-        self.watch_shaft(now);
-        if self.faults.has(Fault::TpdoInPreOperational) {
-            self.start_tpdos(now);
-        }
-        if Encoder::starts_in_operational(&self.objects.parameters) && self.objects.encoder.is_some()
-            || self.starts_by_itself()
-        {
+        self.deliver(now, Event::Changed);
+        let Objects { parameters, encoder, .. } = &self.context.objects;
+        if Encoder::starts_in_operational(parameters) && encoder.is_some() || self.starts_by_itself() {
             self.enter(now, Phase::Operational);
         }
     }
 
-    /// 1F80h: whether the device goes to operational without its master.
+    /// 1F80h, or local control: whether the device goes to operational without its master.
     fn starts_by_itself(&self) -> bool {
-        let start_up = self.objects.model.sheet().network.start_up;
-        let set = self.objects.parameters.number(0x1F80, 0);
+        if self.context.firmware().starts_by_itself() {
+            return true;
+        }
+        let start_up = self.context.objects.model.sheet().network.start_up;
+        let set = self.context.objects.parameters.number(0x1F80, 0);
         set.is_some_and(|value| value as u32 & start_up.mask == start_up.value)
-            && !self.faults.has(Fault::StartUpIgnored)
+            && self.context.firmware().heeds_start_up_object()
     }
 
     /// Another NMT state: services that don't work in it end.
-    pub(super) fn enter(&mut self, now: Timestamp, phase: Phase) {
-        if self.phase == phase {
+    fn enter(&mut self, now: Timestamp, phase: Phase) {
+        if self.context.phase == phase {
             return;
         }
-        let before = std::mem::replace(&mut self.phase, phase);
-        if phase.serves(Service::Pdo, self.faults) {
-            self.start_tpdos(now);
-        } else {
-            self.tpdos.iter_mut().for_each(Tpdo::stop);
-        }
-        if !phase.receives_pdos(self.faults) {
-            self.rpdos.iter_mut().for_each(Rpdo::stop);
-        }
-        if !phase.serves(Service::Sdo, self.faults) && !self.faults.has(Fault::SdoTransferSurvivesStop) {
-            self.sdo.reset();
-            self.second_sdos.iter_mut().for_each(SecondSdo::reset);
-        }
-        let sends = phase.serves(Service::Broadcast, self.faults);
-        if sends != before.serves(Service::Broadcast, self.faults) {
-            self.sync.restart(now, sends);
-            self.objects.clock.restart(now, sends);
-        }
-        let waiting = std::mem::take(&mut self.outbox);
-        let served = |frame: &Frame| self.service_of(frame).is_none_or(|service| phase.serves(service, self.faults));
-        self.outbox = waiting.into_iter().filter(served).collect();
-        if self.faults.has(Fault::HeartbeatLostOnStateChange) {
-            self.heartbeat.stop();
-        }
+        let before = std::mem::replace(&mut self.context.phase, phase);
+        self.deliver(now, Event::Entered { before });
+        let waiting = std::mem::take(&mut self.context.outbox);
+        let served = |frame: &Frame| self.service_of(frame).is_none_or(|service| self.context.serves(service));
+        self.context.outbox = waiting.into_iter().filter(served).collect();
     }
 
-    fn reset(&mut self, now: Timestamp, order: Order) {
-        let keeps = self.faults.has(Fault::NmtResetCommunicationKeepsParameters);
-        match order {
-            Order::ResetCommunication => {
-                self.take_pending_node_id();
-                self.initialise(
-                    now,
-                    match () {
-                        () if keeps => Groups::NONE,
-                        () if self.objects.model.sheet().quirks.reset_communication_loads_all => {
-                            Groups::ALL.without(Groups::BUS)
-                        }
-                        () if self.faults.has(Fault::NmtResetCommunicationRestoresAll) => Groups::ALL,
-                        () => Groups::COMMUNICATION,
-                    },
-                );
+    fn reset_communication(&mut self, now: Timestamp) {
+        // A node-ID that LSS configured acts from a reset communication on (CiA 305).
+        self.take_pending_node_id();
+        let firmware = self.context.firmware();
+        let groups = match () {
+            () if firmware.reset_communication_keeps_all() => Groups::NONE,
+            () if self.context.objects.model.sheet().quirks.reset_communication_loads_all => {
+                Groups::ALL.without(Groups::BUS)
             }
-            _ if self.faults.has(Fault::NmtResetNodeKeepsParameters) => self.initialise(now, Groups::NONE),
-            _ => self.reset_node(now),
-        }
+            () if firmware.reset_communication_loads_all() => Groups::ALL,
+            () => Groups::COMMUNICATION,
+        };
+        self.initialise(now, groups);
     }
 
-    fn reset_node(&mut self, now: Timestamp) {
-        if self.faults.has(Fault::LssNodeIdStoredAtOnce) {
+    pub(super) fn reset_node(&mut self, now: Timestamp) {
+        if self.context.firmware().reset_node_keeps_all() {
+            return self.initialise(now, Groups::NONE);
+        }
+        if self.context.firmware().takes_lss_node_id_at_reset_node() {
             self.take_pending_node_id();
             return self.initialise(now, Groups::ALL);
         }
-        self.lss.pending = Default::default();
-        let model = self.objects.model.clone();
+        self.services.lss.pending = Default::default();
+        let model = self.context.objects.model.clone();
         let (network, quirks) = (&model.sheet().network, &model.sheet().quirks);
         if quirks.bus_objects_survive_reset {
             self.take_written_node_id();
@@ -209,69 +176,51 @@ impl Device {
             self.take_stored_node_id();
             self.take_stored_bit_rate();
         }
-        self.initialise(now, Groups::ALL);
+        let kept = match self.context.firmware().keeps_manufacturer_variables() {
+            true => Groups::MANUFACTURER,
+            false => Groups::NONE,
+        };
+        self.initialise(now, Groups::ALL.without(kept));
         if quirks.reset_node_restores_profile {
-            self.objects.parameters.restore_profile(self.node.unwrap_or(PLACEHOLDER));
+            self.context.objects.parameters.restore_profile(self.context.node_or_placeholder());
         }
     }
 
     /// An object that can't be written shows the node-ID in use, not the one that is stored.
     fn show_node_id(&mut self) {
-        let Some(at) = self.objects.model.sheet().network.node_id_object else { return };
-        let is_shown = self.objects.parameters.entry(at).is_ok_and(|entry| !entry.writable);
-        if let (true, Some(node)) = (is_shown, self.node) {
-            self.objects.parameters.set(at, Content::Number(u64::from(node.raw())));
+        let objects = &mut self.context.objects;
+        let Some(at) = objects.model.sheet().network.node_id_object else { return };
+        let is_shown = objects.parameters.entry(at).is_ok_and(|entry| !entry.writable);
+        if let (true, Some(node)) = (is_shown, self.context.node) {
+            objects.parameters.set(at, Content::Number(u64::from(node.raw())));
         }
     }
 
     /// A node-ID that was written acts without being stored.
     fn take_written_node_id(&mut self) {
-        let at = self.objects.model.sheet().network.node_id_object;
-        let written = at.and_then(|at| self.objects.parameters.number(at.index.0, at.sub.0));
+        let Objects { model, parameters, .. } = &self.context.objects;
+        let written = model.sheet().network.node_id_object.and_then(|at| parameters.number(at.index.0, at.sub.0));
         if let Some(node) = written.and_then(|written| u8::try_from(written).ok()).and_then(NodeId::new) {
-            self.node = Some(node);
+            self.context.node = Some(node);
         }
     }
 
-    /// A node-ID that LSS configured acts from a reset communication on (CiA 305).
     fn take_pending_node_id(&mut self) {
-        if let Some(node_id) = self.lss.pending.node_id.take() {
-            self.node = NodeId::new(node_id);
+        if let Some(node_id) = self.services.lss.pending.node_id.take() {
+            self.context.node = NodeId::new(node_id);
         }
     }
 
     /// Node-ID and bit rate that were stored act from a reset node on.
     fn take_stored_node_id(&mut self) {
-        let stored = match self.objects.model.sheet().network.node_id_object {
-            Some(at) => self.store.number(at, &self.objects.parameters),
-            None => self.store.network().node_id.map(u64::from),
+        let super::Context { objects, store, .. } = &self.context;
+        let stored = match objects.model.sheet().network.node_id_object {
+            Some(at) => store.number(at, &objects.parameters),
+            None => store.network().node_id.map(u64::from),
         };
-        self.node = match stored {
+        self.context.node = match stored {
             Some(stored) => u8::try_from(stored).ok().and_then(NodeId::new),
             None => self.delivered_node,
         };
-    }
-
-    /// An NMT message came.
-    pub(super) fn on_nmt(&mut self, now: Timestamp, frame: &Frame) {
-        let Some(node) = self.node else { return };
-        // An NMT message has two bytes (CiA 301); others are ignored.
-        let message = match *frame.data() {
-            [command] if self.faults.has(Fault::NmtShortFrameObeyed) => {
-                nmt_wire::Nmt { command: nmt_wire::Command(command), node: node.raw() }
-            }
-            [command, node] => nmt_wire::Nmt { command: nmt_wire::Command(command), node },
-            _ => return,
-        };
-        let before = self.last_command.replace(now);
-        let too_fast = before.is_some_and(|before| now < before + ONE_COMMAND);
-        if too_fast && self.faults.has(Fault::NmtCommandLost) {
-            return;
-        }
-        match nmt::order(message, node, self.phase, self.faults) {
-            Some(Order::Enter(phase)) => self.enter(now, phase),
-            Some(order) => self.reset(now, order),
-            None => {}
-        }
     }
 }

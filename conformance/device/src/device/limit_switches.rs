@@ -2,7 +2,7 @@
 //! 6500h show them.
 
 use super::parameters::Parameters;
-use crate::{Fault, Faults};
+use crate::Firmware;
 
 /// "Limit switch min": the position is below 2104h.
 const MINIMUM: u64 = 1 << 12;
@@ -10,14 +10,14 @@ const MINIMUM: u64 = 1 << 12;
 const MAXIMUM: u64 = 1 << 13;
 
 /// 6500h: 6000h, with the state of each limit switch in place of the bit that switches it on.
-pub(super) fn operating_status(position: u64, parameters: &Parameters, faults: Faults) -> u64 {
+pub(super) fn operating_status(position: u64, parameters: &Parameters, firmware: &Firmware) -> u64 {
     let operating = parameters.number_or_zero(0x6000, 0);
     let (low, high) = (parameters.number_or_zero(0x2104, 0), parameters.number_or_zero(0x2105, 0));
-    let (below, above) = match faults.has(Fault::LimitSwitchInclusive) {
+    let (below, above) = match firmware.includes_limits_in_switches() {
         true => (position <= low, position >= high),
         false => (position < low, position > high),
     };
-    let (minimum, maximum) = match faults.has(Fault::LimitSwitchesSwapped) {
+    let (minimum, maximum) = match firmware.swaps_limit_switches() {
         true => (MAXIMUM, MINIMUM),
         false => (MINIMUM, MAXIMUM),
     };

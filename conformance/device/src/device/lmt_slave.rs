@@ -7,11 +7,12 @@
 //! Nothing but inquiries, configurations and "identify" is answered. What is configured is stored by 17h and acts after
 //! power-off; only 15h takes a new bit rate over before that.
 
-use super::Device;
-use super::push;
-use super::store::Groups;
+use super::context::Context;
+use super::nmt::Order;
+use super::routes::{Route, Routes};
+use super::service::Service;
+use crate::Firmware;
 use crate::models::{BitRate, LmtAddress};
-use crate::{Fault, Faults};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lmt::{self, BIT_RATES, Bound, ConfigureCommand, Part, Request, Response, Seven};
@@ -77,31 +78,33 @@ impl LmtSlave {
         self.in_use_kbit
     }
 
-    fn handle(
+    fn on_request(
         &mut self,
         request: Request,
         address: &LmtAddress,
         rates: &[BitRate],
-        faults: Faults,
+        firmware: &Firmware,
     ) -> (Option<Response>, Option<Effect>) {
-        let configuring = self.configuring || faults.has(Fault::LmtAnsweredInOperation);
+        let configuring = self.configuring || firmware.configures_lmt_in_operation();
         match request {
             Request::SwitchGlobal { mode } => {
-                self.on_switch_global(mode, faults);
+                self.on_switch_global(mode, firmware);
                 (None, None)
             }
-            Request::SwitchSelective { part, value } => (self.on_switch_selective(part, value, address, faults), None),
-            Request::IdentifyRemote { bound, value } => (self.on_identify(bound, value, address, faults), None),
-            request if configuring => self.on_configuration(request, address, rates, faults),
+            Request::SwitchSelective { part, value } => {
+                (self.on_switch_selective(part, value, address, firmware), None)
+            }
+            Request::IdentifyRemote { bound, value } => (self.on_identify(bound, value, address, firmware), None),
+            request if configuring => self.on_configuration(request, address, rates, firmware),
             _ => (None, None),
         }
     }
 
-    fn on_switch_global(&mut self, mode: u8, faults: Faults) {
+    fn on_switch_global(&mut self, mode: u8, firmware: &Firmware) {
         match mode {
             0 => self.configuring = false,
             1 => self.configuring = true,
-            _ if faults.has(Fault::LmtReservedModeObeyed) => self.configuring = true,
+            _ if firmware.obeys_reserved_lmt_mode() => self.configuring = true,
             _ => return,
         }
         self.selected = 0;
@@ -113,34 +116,40 @@ impl LmtSlave {
         part: Part,
         value: Seven,
         address: &LmtAddress,
-        faults: Faults,
+        firmware: &Firmware,
     ) -> Option<Response> {
         if self.configuring {
             return None;
         }
         let unchecked = match part {
-            Part::SerialNumber => faults.has(Fault::LmtSerialNotCompared),
-            Part::ManufacturerName | Part::ProductName => faults.has(Fault::LmtNamesNotCompared),
+            Part::SerialNumber => !firmware.compares_lmt_serial(),
+            Part::ManufacturerName | Part::ProductName => !firmware.compares_lmt_names(),
         };
         let position = part as usize;
-        let fits = (position == 0 || position == self.selected) && (unchecked || own(part, address, faults) == value);
+        let fits = (position == 0 || position == self.selected) && (unchecked || own(part, address, firmware) == value);
         self.selected = if fits { position + 1 } else { 0 };
         if self.selected < Part::ALL.len() {
             return None;
         }
         self.selected = 0;
         self.configuring = true;
-        faults.has(Fault::LmtSwitchSelectiveAnswered).then_some(SWITCHED)
+        firmware.answers_lmt_selective().then_some(SWITCHED)
     }
 
     /// The names have to be equal, the serial number within the bounds.
-    fn on_identify(&mut self, bound: Bound, value: Seven, address: &LmtAddress, faults: Faults) -> Option<Response> {
-        let serial = own(Part::SerialNumber, address, faults).0;
-        let any_serial = faults.has(Fault::LmtIdentifyRangeIgnored);
+    fn on_identify(
+        &mut self,
+        bound: Bound,
+        value: Seven,
+        address: &LmtAddress,
+        firmware: &Firmware,
+    ) -> Option<Response> {
+        let serial = own(Part::SerialNumber, address, firmware).0;
+        let any_serial = firmware.ignores_lmt_serial_bounds();
         // The digits of a serial number in their order, so that bytes compare as the number does.
         let fits = match bound {
-            Bound::ManufacturerName => value == own(Part::ManufacturerName, address, faults),
-            Bound::ProductName => value == own(Part::ProductName, address, faults),
+            Bound::ManufacturerName => value == own(Part::ManufacturerName, address, firmware),
+            Bound::ProductName => value == own(Part::ProductName, address, firmware),
             Bound::SerialLow => any_serial || value.0 <= serial,
             Bound::SerialHigh => any_serial || value.0 >= serial,
         };
@@ -151,7 +160,7 @@ impl LmtSlave {
             return None;
         }
         self.identified = 0;
-        (!faults.has(Fault::LmtIdentifySilent)).then_some(Response::Identified)
+        (firmware.answers_lmt_identify()).then_some(Response::Identified)
     }
 
     fn on_configuration(
@@ -159,14 +168,14 @@ impl LmtSlave {
         request: Request,
         address: &LmtAddress,
         rates: &[BitRate],
-        faults: Faults,
+        firmware: &Firmware,
     ) -> (Option<Response>, Option<Effect>) {
         match request {
-            Request::ConfigureNmtAddress { node_id } => self.on_node_id(node_id, faults),
+            Request::ConfigureNmtAddress { node_id } => self.on_node_id(node_id, firmware),
             Request::ConfigureBitTiming { table, index } => {
-                let kbit = bit_rate(table, index, faults);
+                let kbit = bit_rate(table, index, firmware);
                 let kbit = kbit.filter(|kbit| rates.iter().any(|rate| rate.kbit == *kbit));
-                let ok = kbit.is_some() || faults.has(Fault::LmtBitTimingUnchecked);
+                let ok = kbit.is_some() || !firmware.checks_lmt_bit_timing();
                 self.pending.kbit = kbit.or(self.pending.kbit);
                 let error = u8::from(!ok);
                 (Some(Response::Configured { command: ConfigureCommand::BitTiming, error, specific: 0 }), None)
@@ -176,19 +185,19 @@ impl LmtSlave {
             }
             Request::StoreConfiguration => {
                 let done = Response::Configured { command: ConfigureCommand::Store, error: 0, specific: 0 };
-                ((!faults.has(Fault::LmtStoreSilent)).then_some(done), Some(Effect::Store))
+                ((firmware.answers_lmt_store()).then_some(done), Some(Effect::Store))
             }
-            Request::Inquire { part } => (Some(Response::Part { part, value: own(part, address, faults) }), None),
+            Request::Inquire { part } => (Some(Response::Part { part, value: own(part, address, firmware) }), None),
             _ => (None, None),
         }
     }
 
-    fn on_node_id(&mut self, node_id: u8, faults: Faults) -> (Option<Response>, Option<Effect>) {
+    fn on_node_id(&mut self, node_id: u8, firmware: &Firmware) -> (Option<Response>, Option<Effect>) {
         let new = NodeId::new(node_id);
         self.pending.node_id = new.or(self.pending.node_id);
-        let ok = new.is_some() || faults.has(Fault::LmtNodeIdUnchecked);
+        let ok = new.is_some() || !firmware.checks_lmt_node_id();
         let (error, specific) = if ok { (0, 0) } else { (SPECIFIC, OUT_OF_RANGE) };
-        let effect = new.filter(|_| faults.has(Fault::LmtNodeIdAtOnce)).map(Effect::TakeNodeId);
+        let effect = new.filter(|_| firmware.takes_lmt_node_id_at_once()).map(Effect::TakeNodeId);
         (Some(Response::Configured { command: ConfigureCommand::NmtAddress, error, specific }), effect)
     }
 }
@@ -197,25 +206,25 @@ impl LmtSlave {
 const SWITCHED: Response = Response::Unknown { command: 0x44, tail: [0; 7] };
 
 /// A part of the address, as the firmware holds it.
-fn own(part: Part, address: &LmtAddress, faults: Faults) -> Seven {
-    let name = |name: Seven| match faults.has(Fault::LmtNameUnpadded) {
+fn own(part: Part, address: &LmtAddress, firmware: &Firmware) -> Seven {
+    let name = |name: Seven| match !firmware.pads_lmt_names() {
         true => Seven(name.0.map(|byte| if byte == 0 { 0xFF } else { byte })),
         false => name,
     };
     match part {
         Part::ManufacturerName => name(address.manufacturer_name),
         Part::ProductName => name(address.product_name),
-        Part::SerialNumber if faults.has(Fault::LmtSerialNotBcd) => binary(address.serial_number),
+        Part::SerialNumber if firmware.has_binary_lmt_serial() => binary(address.serial_number),
         Part::SerialNumber => address.serial_number,
     }
 }
 
 /// The rate in kbit/s of a row of a table; `None` for a reserved one.
-fn bit_rate(table: u8, index: u8, faults: Faults) -> Option<u32> {
+fn bit_rate(table: u8, index: u8, firmware: &Firmware) -> Option<u32> {
     // The rows of LSS: the fifth is reserved, and what follows is shifted by one.
     let index = match index {
-        5 if faults.has(Fault::LmtBitTimingUnshifted) => return None,
-        6.. if faults.has(Fault::LmtBitTimingUnshifted) => index - 1,
+        5 if firmware.numbers_lmt_rates_as_lss() => return None,
+        6.. if firmware.numbers_lmt_rates_as_lss() => index - 1,
         index => index,
     };
     BIT_RATES.get(usize::from(index)).filter(|_| table == 0).map(|rate| rate / 1000)
@@ -229,46 +238,47 @@ fn binary(digits: Seven) -> Seven {
     Seven([a, b, c, d, e, f, g])
 }
 
-impl Device {
-    /// A frame of the LMT master came.
-    pub(super) fn on_lmt(&mut self, now: Timestamp, frame: &Frame) {
-        let Ok(request) = lmt::Request::read(frame.data()) else { return };
-        let sheet = self.objects.model.sheet();
-        let Some(address) = sheet.lmt else { return };
-        if !self.phase.is_running() || frame.len() != 8 {
-            return;
-        }
-        let (response, effect) = self.lmt.handle(request, &address, &sheet.bit_rates, self.faults);
-        if let Some(response) = response {
-            push(&mut self.outbox, response.to_frame(lmt::SLAVE_CAN_ID));
-        }
-        match effect {
-            Some(Effect::Store) => self.store_lmt(),
-            Some(Effect::Activate(delay)) => self.activate_lmt_bit_rate(delay, now),
-            Some(Effect::TakeNodeId(node)) if self.node == Some(node) => {}
-            Some(Effect::TakeNodeId(node)) => {
-                self.node = Some(node);
-                let outbox = std::mem::take(&mut self.outbox);
-                self.initialise(now, Groups::ALL);
-                self.outbox = outbox;
-            }
-            None => {}
-        }
-    }
-
-    fn store_lmt(&mut self) {
-        let pending = self.lmt.pending;
-        self.lmt.stored_kbit = pending.kbit.unwrap_or(self.lmt.stored_kbit);
-        if let (Some(at), Some(node)) = (self.objects.model.sheet().network.node_id_object, pending.node_id) {
-            self.store.save_number(at, u64::from(node.raw()), &self.objects.parameters);
+impl LmtSlave {
+    fn store(&mut self, context: &mut Context) {
+        self.stored_kbit = self.pending.kbit.unwrap_or(self.stored_kbit);
+        let at = context.objects.model.sheet().network.node_id_object;
+        if let (Some(at), Some(node)) = (at, self.pending.node_id) {
+            context.store.save_number(at, u64::from(node.raw()), &context.objects.parameters);
         }
     }
 
     /// Silent for one delay before the change and one after it.
-    fn activate_lmt_bit_rate(&mut self, delay: Duration, now: Timestamp) {
-        self.lmt.in_use_kbit = self.lmt.pending.kbit.unwrap_or(self.lmt.in_use_kbit);
-        if !self.faults.has(Fault::LmtActivationNotSilent) && delay > Duration::ZERO {
-            self.silent_until = now + delay.times(2);
+    fn activate(&mut self, now: Timestamp, delay: Duration, context: &mut Context) {
+        self.in_use_kbit = self.pending.kbit.unwrap_or(self.in_use_kbit);
+        if context.firmware().is_silent_at_lmt_activation() && delay > Duration::ZERO {
+            context.silent_until = now + delay.times(2);
+        }
+    }
+}
+
+impl Service for LmtSlave {
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        let Ok(request) = lmt::Request::read(frame.data()) else { return };
+        let sheet = context.objects.model.sheet();
+        let Some(address) = sheet.lmt else { return };
+        if !context.phase.is_running() || frame.len() != 8 {
+            return;
+        }
+        let (response, effect) = self.on_request(request, &address, &sheet.bit_rates, context.firmware());
+        if let Some(response) = response {
+            context.send(response.to_frame(lmt::SLAVE_CAN_ID));
+        }
+        match effect {
+            Some(Effect::Store) => self.store(context),
+            Some(Effect::Activate(delay)) => self.activate(now, delay, context),
+            Some(Effect::TakeNodeId(node)) if context.node != Some(node) => context.order(Order::MoveTo(node)),
+            Some(Effect::TakeNodeId(_)) | None => {}
+        }
+    }
+
+    fn find_routes(&self, context: &Context, routes: &mut Routes) {
+        if context.objects.model.sheet().lmt.is_some() {
+            routes.set(lmt::MASTER_CAN_ID, Route::Lmt);
         }
     }
 }

@@ -1,10 +1,14 @@
 //! The LSS slave: node-ID and bit rate over the bus (CiA 305).
 
-use super::nmt::Phase;
-use super::store::{Groups, StoredNetwork};
-use super::{Device, push};
+use super::context::Context;
+use super::nmt::{Order, Phase};
+use super::objects::Objects;
+use super::parameters::Parameters;
+use super::routes::{Route, Routes};
+use super::service::{Event, Service};
+use super::store::StoredNetwork;
+use crate::Firmware;
 use crate::models::{BitRate, Model};
-use crate::{Fault, Faults};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
@@ -28,7 +32,12 @@ pub(super) struct LssSlave {
     scanning: u8,
     /// What was configured and not yet taken over.
     pub pending: Pending,
+    /// An answer that takes its time.
+    later: Option<(Timestamp, Frame)>,
 }
+
+/// How long a slow memory takes.
+const SLOW_STORE: Duration = Duration::from_millis(2_000);
 
 /// A new configuration.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -61,33 +70,35 @@ impl LssSlave {
             identified: 0,
             scanning: 0,
             pending: Pending { node_id: None, bit_timing: None },
+            later: None,
         }
     }
 
     /// A message of the master came. `node` is the node-ID in use, or [`UNCONFIGURED`].
-    pub fn handle(
+    fn on_request(
         &mut self,
         request: Request,
         address: Address,
         node: u8,
         model: &Model,
-        faults: Faults,
+        firmware: &Firmware,
     ) -> (Option<Response>, Option<Effect>) {
         let response = match request {
-            Request::SwitchGlobal { mode } => return (None, self.on_switch_global(mode, faults)),
-            Request::SwitchSelective { part, value } => self.on_switch_selective(part, value, address, faults),
-            Request::IdentifyRemote { bound, value } => self.on_identify(bound as usize, value, address, faults),
+            Request::SwitchGlobal { mode } => return (None, self.on_switch_global(mode, firmware)),
+            Request::SwitchSelective { part, value } => self.on_switch_selective(part, value, address, firmware),
+            Request::IdentifyRemote { bound, value } => self.on_identify(bound as usize, value, address, firmware),
             Request::IdentifyNonConfigured => {
-                let answers = node == UNCONFIGURED || faults.has(Fault::LssNonConfiguredAnswered);
+                let answers = node == UNCONFIGURED || firmware.answers_non_configured_always();
                 answers.then_some(Response::NonConfigured)
             }
-            Request::Fastscan { sub, next, .. } if (sub > 3 || next > 3) && faults.has(Fault::FastscanHangs) => {
+            Request::Fastscan { .. } if !firmware.knows_fastscan() => None,
+            Request::Fastscan { sub, next, .. } if (sub > 3 || next > 3) && firmware.hangs_of_fastscan() => {
                 return (None, Some(Effect::Hang));
             }
             Request::Fastscan { id, bit_check, sub, next } => {
-                let has_part = node == UNCONFIGURED || faults.has(Fault::FastscanAnsweredWhenConfigured);
+                let has_part = node == UNCONFIGURED || firmware.takes_fastscan_when_configured();
                 let takes_part = has_part && !self.configuring;
-                if takes_part { self.on_fastscan(id, bit_check, sub, next, address, faults) } else { None }
+                if takes_part { self.on_fastscan(id, bit_check, sub, next, address, firmware) } else { None }
             }
             Request::ActivateBitTiming { delay } if self.configuring => {
                 return (None, Some(Effect::Activate(Duration::from_millis(delay.into()))));
@@ -97,20 +108,20 @@ impl LssSlave {
                 let done = Response::Configured { command: ConfigureCommand::Store, error, specific: 0 };
                 return (Some(done), (error == 0).then_some(Effect::Store));
             }
-            request if self.configuring || faults.has(Fault::LssAnsweredWhileWaiting) => {
-                self.on_configuration(request, address, node, model, faults)
+            request if self.configuring || firmware.configures_while_waiting() => {
+                self.on_configuration(request, address, node, model, firmware)
             }
             _ => None,
         };
         (response, None)
     }
 
-    fn on_switch_global(&mut self, mode: u8, faults: Faults) -> Option<Effect> {
+    fn on_switch_global(&mut self, mode: u8, firmware: &Firmware) -> Option<Effect> {
         let was_configuring = self.configuring;
         match mode {
             0 => self.configuring = false,
             1 => self.configuring = true,
-            _ if faults.has(Fault::LssReservedModeWaits) => self.configuring = false,
+            _ if firmware.waits_at_reserved_mode() => self.configuring = false,
             _ => return None,
         }
         self.selected = 0;
@@ -118,16 +129,22 @@ impl LssSlave {
     }
 
     /// The four parts have to come in order; the last one switches.
-    fn on_switch_selective(&mut self, part: Part, value: u32, address: Address, faults: Faults) -> Option<Response> {
+    fn on_switch_selective(
+        &mut self,
+        part: Part,
+        value: u32,
+        address: Address,
+        firmware: &Firmware,
+    ) -> Option<Response> {
         if self.configuring {
             return None;
         }
         let position = part as usize;
-        let in_order = position == 0 || position == self.selected || faults.has(Fault::LssSelectiveAnyOrder);
-        let unchecked = part == Part::SerialNumber && faults.has(Fault::LssSelectiveThreeParts);
+        let in_order = position == 0 || position == self.selected || firmware.takes_selective_in_any_order();
+        let unchecked = part == Part::SerialNumber && firmware.skips_selective_serial();
         let fits = in_order && (address.get(position) == Some(&value) || unchecked);
         self.selected = match fits {
-            true if faults.has(Fault::LssSelectiveAnyOrder) => self.selected + 1,
+            true if firmware.takes_selective_in_any_order() => self.selected + 1,
             true => position + 1,
             false => 0,
         };
@@ -140,11 +157,9 @@ impl LssSlave {
     }
 
     /// Vendor-ID and product code have to be equal, revision and serial number within bounds.
-    fn on_identify(&mut self, bound: usize, value: u32, address: Address, faults: Faults) -> Option<Response> {
+    fn on_identify(&mut self, bound: usize, value: u32, address: Address, firmware: &Firmware) -> Option<Response> {
         let [vendor, product, revision, serial] = address;
-        if faults.has(Fault::LssIdentifyRangeExclusive)
-            && (bound == 3 && value == revision || bound == 5 && value == serial)
-        {
+        if firmware.excludes_identify_bounds() && (bound == 3 && value == revision || bound == 5 && value == serial) {
             self.identified = 0;
             return None;
         }
@@ -172,7 +187,7 @@ impl LssSlave {
         sub: u8,
         next: u8,
         address: Address,
-        faults: Faults,
+        firmware: &Firmware,
     ) -> Option<Response> {
         if bit_check == 0x80 {
             self.scanning = 0;
@@ -187,7 +202,7 @@ impl LssSlave {
         }
         if bit_check == 0 {
             // Only the last part ends the scan, and only from there back to the first.
-            self.configuring = (sub == 3 || faults.has(Fault::FastscanEarlyMatch)) && next < sub;
+            self.configuring = (sub == 3 || firmware.ends_fastscan_early()) && next < sub;
             self.scanning = next;
         }
         Some(Response::Identified)
@@ -199,12 +214,12 @@ impl LssSlave {
         address: Address,
         node: u8,
         model: &Model,
-        faults: Faults,
+        firmware: &Firmware,
     ) -> Option<Response> {
         let configured = |command, ok: bool| Response::Configured { command, error: u8::from(!ok), specific: 0 };
         Some(match request {
             Request::ConfigureNodeId { node_id } => {
-                let ok = matches!(node_id, 1..=127 | UNCONFIGURED) || faults.has(Fault::LssNodeIdUnchecked);
+                let ok = matches!(node_id, 1..=127 | UNCONFIGURED) || !firmware.checks_lss_node_id();
                 if ok && matches!(node_id, 1..=127 | UNCONFIGURED) {
                     self.pending.node_id = Some(node_id);
                 }
@@ -215,12 +230,13 @@ impl LssSlave {
                 let ok = table == 0 && known;
                 if ok {
                     self.pending.bit_timing = Some(index);
-                } else if faults.has(Fault::LssBitTimingWrongCode) {
+                } else if firmware.has_own_bit_timing_error() {
                     let command = ConfigureCommand::BitTiming;
                     return Some(Response::Configured { command, error: 255, specific: 1 });
                 }
-                configured(ConfigureCommand::BitTiming, ok || faults.has(Fault::LssBitTimingUnchecked))
+                configured(ConfigureCommand::BitTiming, ok || !firmware.checks_lss_bit_timing())
             }
+            Request::Inquire { .. } | Request::InquireNodeId if !firmware.knows_lss_inquiry() => return None,
             Request::Inquire { part } => Response::Part { part, value: *address.get(part as usize)? },
             Request::InquireNodeId => Response::NodeId(node),
             _ => return None,
@@ -228,82 +244,105 @@ impl LssSlave {
     }
 }
 
-impl Device {
-    /// 1018h:01 to 04.
-    pub(super) fn lss_address(&self) -> Address {
-        [1, 2, 3, 4].map(|sub| self.objects.parameters.number_or_zero(0x1018, sub) as u32)
-    }
-
-    /// A frame of the LSS master came.
-    pub(super) fn on_lss(&mut self, now: Timestamp, frame: &Frame) {
-        let network = &self.objects.model.sheet().network;
-        let state = self.phase.state();
-        let works = network.lss_states.is_empty()
-            || self.phase == Phase::Unconfigured
-            || network.lss_states.iter().any(|name| state.name() == Some(name));
-        let booting = matches!(self.phase, Phase::Initialising { .. });
-        let Ok(request) = lss::Request::read(frame.data()) else { return };
-        if !network.lss || !works || booting || frame.len() != 8 {
+impl LssSlave {
+    fn store(&self, context: &mut Context) {
+        if !context.firmware().keeps_lss_configuration() {
             return;
         }
-        let address = self.lss_address();
-        let node = self.node.map_or(UNCONFIGURED, NodeId::raw);
-        let model = self.objects.model.clone();
-        let (response, effect) = self.lss.handle(request, address, node, &model, self.faults);
-        if let Some(response) = response {
-            push(&mut self.outbox, response.to_frame(lss::SLAVE_CAN_ID));
-        }
-        match effect {
-            Some(Effect::Store) => self.store_lss(),
-            Some(Effect::Leave) => self.leave_lss(now),
-            Some(Effect::Activate(delay)) => self.activate_bit_rate(now, delay),
-            Some(Effect::Hang) => self.hang(),
-            None => self.take_node_id_at_once(),
-        }
-    }
-
-    fn store_lss(&mut self) {
-        if self.faults.has(Fault::LssStoreNotPersistent) {
-            return;
-        }
-        let network = &self.objects.model.sheet().network;
-        let pending = self.lss.pending;
-        let rate = pending.bit_timing.and_then(|code| self.bit_rate_of_lss(code)).and_then(|rate| rate.object_code);
-        let stored =
-            [(network.node_id_object, pending.node_id.map(u64::from)), (network.bit_rate_object, rate.map(u64::from))];
+        let Objects { model, parameters, .. } = &context.objects;
+        let network = &model.sheet().network;
+        let rate = self.pending.bit_timing.and_then(|code| bit_rate(model, code)).and_then(|rate| rate.object_code);
+        let node_id = self.pending.node_id.map(u64::from);
+        let stored = [(network.node_id_object, node_id), (network.bit_rate_object, rate.map(u64::from))];
         for (at, number) in stored {
             if let (Some(at), Some(number)) = (at, number) {
-                self.store.save_number(at, number, &self.objects.parameters);
+                context.store.save_number(at, number, parameters);
             }
         }
-        let before = self.store.network();
-        self.store.save_network(StoredNetwork {
-            node_id: pending.node_id.or(before.node_id),
-            bit_timing: pending.bit_timing.or(before.bit_timing),
+        let before = context.store.network();
+        context.store.save_network(StoredNetwork {
+            node_id: self.pending.node_id.or(before.node_id),
+            bit_timing: self.pending.bit_timing.or(before.bit_timing),
         });
     }
 
     /// A new node-ID is taken over by a restart: at once where the manual says so, or where there was none; else at the
     /// next reset communication (CiA 305).
-    fn leave_lss(&mut self, now: Timestamp) {
-        let restarts = self.objects.model.sheet().network.lss_restarts || self.node.is_none();
-        if restarts && let Some(node_id) = self.lss.pending.node_id.take() {
-            self.node = NodeId::new(node_id);
-            self.lss = LssSlave::new();
-            self.initialise(now, Groups::ALL);
+    fn leave(&mut self, context: &mut Context) {
+        let restarts = context.objects.model.sheet().network.lss_restarts || context.node.is_none();
+        if restarts && let Some(node_id) = self.pending.node_id.take() {
+            *self = Self::new();
+            context.order(Order::Restart(NodeId::new(node_id)));
         }
     }
 
-    fn take_node_id_at_once(&mut self) {
-        let node_id = self.lss.pending.node_id.and_then(NodeId::new);
-        if self.faults.has(Fault::LssNodeIdAtOnce) && self.node.is_some() && node_id.is_some() {
-            self.node = node_id;
-            self.find_routes();
+    fn take_node_id_at_once(&self, context: &mut Context) {
+        let node_id = self.pending.node_id.and_then(NodeId::new);
+        if context.firmware().takes_lss_node_id_at_once() && context.node.is_some() && node_id.is_some() {
+            context.node = node_id;
+            context.routes_changed = true;
+        }
+    }
+}
+
+impl Service for LssSlave {
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        let network = &context.objects.model.sheet().network;
+        let state = context.phase.state();
+        let works = network.lss_states.is_empty()
+            || context.phase == Phase::Unconfigured
+            || network.lss_states.iter().any(|name| state.name() == Some(name));
+        let booting = matches!(context.phase, Phase::Initialising { .. });
+        let Ok(request) = lss::Request::read(frame.data()) else { return };
+        if !network.lss || !works || booting || frame.len() != 8 {
+            return;
+        }
+        let address = address(&context.objects.parameters);
+        let node = context.node.map_or(UNCONFIGURED, NodeId::raw);
+        let (response, effect) =
+            self.on_request(request, address, node, &context.objects.model, &context.objects.firmware);
+        if let Some(frame) = response.map(|response| response.to_frame(lss::SLAVE_CAN_ID)) {
+            match effect == Some(Effect::Store) && context.firmware().stores_lss_slowly() {
+                true => self.later = Some((now + SLOW_STORE, frame)),
+                false => context.send(frame),
+            }
+        }
+        match effect {
+            Some(Effect::Store) => self.store(context),
+            Some(Effect::Leave) => self.leave(context),
+            Some(Effect::Activate(delay)) => context.order(Order::ActivateBitRate(delay)),
+            Some(Effect::Hang) => context.order(Order::Hang),
+            None => self.take_node_id_at_once(context),
         }
     }
 
-    /// The bit rate with that code of LSS.
-    pub(super) fn bit_rate_of_lss(&self, code: u8) -> Option<BitRate> {
-        self.objects.model.sheet().bit_rates.iter().find(|rate| rate.lss_code == Some(code)).copied()
+    fn on_event(&mut self, _: Timestamp, event: Event, _: &mut Context) {
+        if event == Event::Initialise {
+            self.later = None;
+        }
     }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if let Some((_, frame)) = self.later.take_if(|(due, _)| now >= *due) {
+            context.send(frame);
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.later.map_or(Timestamp::MAX, |(due, _)| due)
+    }
+
+    fn find_routes(&self, _: &Context, routes: &mut Routes) {
+        routes.set(lss::MASTER_CAN_ID, Route::Lss);
+    }
+}
+
+/// 1018h:01 to 04.
+pub(super) fn address(parameters: &Parameters) -> Address {
+    [1, 2, 3, 4].map(|sub| parameters.number_or_zero(0x1018, sub) as u32)
+}
+
+/// The bit rate with that code of LSS.
+pub(super) fn bit_rate(model: &Model, code: u8) -> Option<BitRate> {
+    model.sheet().bit_rates.iter().find(|rate| rate.lss_code == Some(code)).copied()
 }

@@ -67,10 +67,10 @@ impl FromStr for Memory {
 impl Device {
     /// What the device has stored by now.
     pub fn memory(&self) -> Memory {
-        let (contents, offset) = self.store.contents(&self.objects.parameters);
-        let network = self.store.network();
+        let (contents, offset) = self.context.store.contents(&self.context.objects.parameters);
+        let network = self.context.store.network();
         Memory {
-            model: self.objects.model.id().to_owned(),
+            model: self.context.objects.model.id().to_owned(),
             offset,
             node_id: network.node_id,
             bit_timing: network.bit_timing,
@@ -84,7 +84,7 @@ impl Device {
     /// [`MemoryError`] if it is of another model, or holds what this one has no object for; the device is then as it
     /// was.
     pub fn insert_memory(&mut self, now: Timestamp, memory: &Memory) -> Result<(), MemoryError> {
-        let expected = self.objects.model.id();
+        let expected = self.context.objects.model.id();
         if memory.model != expected {
             return Err(MemoryError::Model { expected: expected.to_owned(), found: memory.model.clone() });
         }
@@ -92,14 +92,14 @@ impl Device {
         for (address, value) in &memory.values {
             let stored = parse_address(address).zip(parse_content(value));
             let fitting = stored.filter(|(at, content)| {
-                let entry = self.objects.parameters.entry(*at);
+                let entry = self.context.objects.parameters.entry(*at);
                 entry.is_ok_and(|entry| matches!(content, Content::Number(_)) == entry.size().is_some())
             });
             let (at, content) = fitting.ok_or_else(|| MemoryError::Value(format!("{address} = {value}")))?;
             contents.insert(at, content);
         }
         let network = StoredNetwork { node_id: memory.node_id, bit_timing: memory.bit_timing };
-        self.store.replace(&contents, memory.offset, network, &self.objects.parameters);
+        self.context.store.replace(&contents, memory.offset, network, &self.context.objects.parameters);
         self.power_cycle(now);
         Ok(())
     }

@@ -1,10 +1,14 @@
 //! The NMT slave: states, commands, and which service works in which state (CiA 301, 7.3.2).
 
-use crate::{Fault, Faults};
+use super::context::Context;
+use super::routes::{Route, Routes};
+use super::service;
+use crate::Firmware;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::error_control::State;
+use canvass_analyzer::wire::nmt;
 use canvass_analyzer::wire::nmt::{Command, Nmt};
-use canvass_traces::Timestamp;
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// An NMT state.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -32,12 +36,20 @@ pub(super) enum Service {
     Broadcast,
 }
 
-/// What a command makes the device do.
+/// What a service makes the device as a whole do.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Order {
     Enter(Phase),
     ResetNode,
     ResetCommunication,
+    /// LSS is over: a new node-ID, or none, is taken over by a restart.
+    Restart(Option<NodeId>),
+    /// LMT has a new node-ID taken over while the device goes on.
+    MoveTo(NodeId),
+    /// A new bit rate, silent for that time before and after.
+    ActivateBitRate(Duration),
+    /// A faulty firmware does nothing any more.
+    Hang,
 }
 
 impl Phase {
@@ -52,11 +64,11 @@ impl Phase {
     }
 
     /// Whether RPDOs act.
-    pub const fn receives_pdos(self, faults: Faults) -> bool {
+    pub const fn receives_pdos(self, firmware: &Firmware) -> bool {
         match self {
             Self::Operational => true,
-            Self::PreOperational => faults.has(Fault::RpdoInPreOperational),
-            Self::Stopped => faults.has(Fault::RpdoWhenStopped),
+            Self::PreOperational => firmware.receives_pdos_in_pre_operational(),
+            Self::Stopped => firmware.receives_pdos_when_stopped(),
             _ => false,
         }
     }
@@ -67,56 +79,101 @@ impl Phase {
     }
 
     /// The table of CiA 301, 7.3.2.2.5.
-    pub const fn serves(self, service: Service, faults: Faults) -> bool {
+    pub const fn serves(self, service: Service, firmware: &Firmware) -> bool {
         match (self, service) {
             (_, Service::Lss) => true,
-            (Self::Initialising { .. }, Service::Sdo) => faults.has(Fault::SdoAnsweredBeforeBootUp),
-            (Self::Initialising { .. }, Service::Emcy) => faults.has(Fault::EmcyBeforeBootUp),
+            (Self::Initialising { .. }, Service::Sdo) => firmware.answers_sdo_before_boot_up(),
+            (Self::Initialising { .. }, Service::Emcy) => firmware.sends_emcy_before_boot_up(),
             (Self::Unconfigured | Self::Initialising { .. }, _) => false,
-            (Self::Operational, Service::Sdo) => !faults.has(Fault::SdoSilentWhenOperational),
+            (Self::Operational, Service::Sdo) => firmware.answers_sdo_when_operational(),
             (_, Service::ErrorControl) | (Self::Operational, _) => true,
-            (Self::PreOperational, Service::Pdo) => faults.has(Fault::TpdoInPreOperational),
+            (Self::PreOperational, Service::Pdo) => firmware.sends_pdos_in_pre_operational(),
             (Self::PreOperational, _) => true,
-            (Self::Stopped, Service::Sdo) => faults.has(Fault::SdoAnsweredWhenStopped),
-            (Self::Stopped, Service::Emcy) => faults.has(Fault::EmcyWhenStopped),
-            (Self::Stopped, Service::Pdo) => faults.has(Fault::TpdoWhenStopped),
-            (Self::Stopped, Service::Broadcast) => faults.has(Fault::SyncWhenStopped),
+            (Self::Stopped, Service::Sdo) => firmware.answers_sdo_when_stopped(),
+            (Self::Stopped, Service::Emcy) => firmware.sends_emcy_when_stopped(),
+            (Self::Stopped, Service::Pdo) => firmware.sends_pdos_when_stopped(),
+            (Self::Stopped, Service::Broadcast) => firmware.sends_sync_when_stopped(),
         }
     }
 }
 
 /// What an NMT message means to the node; `None` if it is for others or has no meaning.
-pub(super) fn order(message: Nmt, node: NodeId, phase: Phase, faults: Faults) -> Option<Order> {
+fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmware) -> Option<Order> {
     let addressed = match message.node {
-        0 => !faults.has(Fault::NmtBroadcastIgnored),
-        id => id == node.raw() || faults.has(Fault::NmtNodeIdIgnored),
+        0 => firmware.obeys_broadcasts(),
+        id => id == node.raw() || firmware.obeys_commands_to_others(),
     };
     if !addressed || !phase.is_running() {
         return None;
     }
-    let ignores_reset = phase == Phase::Stopped && faults.has(Fault::NmtResetWhenStoppedIgnored);
+    let ignores_reset = phase == Phase::Stopped && !firmware.resets_when_stopped();
     let target = match message.command {
         Command::START => Some(Phase::Operational),
         Command::STOP => Some(Phase::Stopped),
         Command::ENTER_PRE_OPERATIONAL => Some(Phase::PreOperational),
         _ => None,
     };
-    if target == Some(phase) && faults.has(Fault::NmtRepeatedCommandResets) {
+    if target == Some(phase) && firmware.resets_on_repeated_command() {
         return Some(Order::ResetNode);
     }
     Some(match message.command {
-        Command::ENTER_PRE_OPERATIONAL if faults.has(Fault::NmtEnterPreOperationalIgnored) => return None,
-        Command::STOP if phase == Phase::Operational && faults.has(Fault::NmtStopWhenOperationalIgnored) => {
+        Command::ENTER_PRE_OPERATIONAL if !firmware.enters_pre_operational() => return None,
+        Command::STOP if phase == Phase::Operational && !firmware.stops_when_operational() => {
             return None;
         }
-        Command::START if phase == Phase::Stopped && faults.has(Fault::NmtStartWhenStoppedIgnored) => return None,
+        Command::START if phase == Phase::Stopped && !firmware.starts_when_stopped() => return None,
         Command::START => Order::Enter(Phase::Operational),
         Command::STOP => Order::Enter(Phase::Stopped),
         Command::ENTER_PRE_OPERATIONAL => Order::Enter(Phase::PreOperational),
         Command::RESET_NODE | Command::RESET_COMMUNICATION if ignores_reset => return None,
         Command::RESET_NODE => Order::ResetNode,
         Command::RESET_COMMUNICATION => Order::ResetCommunication,
-        _ if faults.has(Fault::NmtUnknownCommandStops) => Order::Enter(Phase::Stopped),
+        _ if firmware.stops_on_unknown_command() => Order::Enter(Phase::Stopped),
         _ => return None,
     })
+}
+
+/// NMT commands that follow each other faster than that are too much for a firmware that keeps only one.
+const ONE_COMMAND: Duration = Duration::from_millis(1);
+
+/// Takes the commands of the master.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct NmtSlave {
+    /// When the last command came.
+    last: Option<Timestamp>,
+}
+
+impl NmtSlave {
+    /// Before the first command.
+    pub const fn new() -> Self {
+        Self { last: None }
+    }
+}
+
+impl service::Service for NmtSlave {
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        let Some(node) = context.node else { return };
+        // An NMT message has two bytes (CiA 301); others are ignored.
+        let message = match *frame.data() {
+            [command] if context.firmware().obeys_short_command() => {
+                Nmt { command: Command(command), node: node.raw() }
+            }
+            [command, node] => Nmt { command: Command(command), node },
+            _ => return,
+        };
+        let before = self.last.replace(now);
+        let too_fast = before.is_some_and(|before| now < before + ONE_COMMAND);
+        if too_fast && context.firmware().keeps_one_command_only() {
+            return;
+        }
+        if let Some(order) = order(message, node, context.phase, context.firmware()) {
+            context.order(order);
+        }
+    }
+
+    fn find_routes(&self, context: &Context, routes: &mut Routes) {
+        if context.node.is_some() {
+            routes.set(nmt::CAN_ID, Route::Nmt);
+        }
+    }
 }

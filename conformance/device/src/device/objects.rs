@@ -3,14 +3,15 @@
 use super::PLACEHOLDER;
 use super::clock::Clock;
 use super::emcy::{Condition, Errors};
-use super::encoder::{self, Encoder};
+use super::encoder::Encoder;
 use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
+use super::overlay;
 use super::parameters::{Content, Parameters, Reading};
 use super::store::StoreCommand;
+use crate::Firmware;
 use crate::models::Model;
-use crate::{Fault, Faults};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 use canvass_traces::Timestamp;
@@ -25,7 +26,7 @@ pub(super) struct Objects {
     pub clock: Clock,
     /// The bytes of the last EMCY of a node of 1028h.
     pub received_emcy: u64,
-    pub faults: Faults,
+    pub firmware: Firmware,
     /// What was written by SDO and not yet acted on.
     pub written: Vec<(Multiplexer, u64)>,
     /// The firmware hangs: nothing is answered until a reset.
@@ -36,22 +37,22 @@ pub(super) struct Objects {
 
 impl Objects {
     /// The dictionary of a device as delivered.
-    pub fn new(model: &Model, node: Option<NodeId>, motion: Motion, faults: Faults) -> Self {
+    pub fn new(model: &Model, node: Option<NodeId>, motion: Motion, firmware: &Firmware) -> Self {
         let mut parameters = Parameters::new(model, node.unwrap_or(PLACEHOLDER));
         if let Some(at) = model.sheet().network.node_id_object {
             let node_id = node.map_or(UNCONFIGURED, NodeId::raw);
             parameters.redefine(at, Content::Number(u64::from(node_id)));
         }
-        plant(&mut parameters, faults);
+        overlay::plant(&mut parameters, firmware);
         let history = parameters.entries().filter(|entry| entry.at.index.0 == 0x1003).count();
         Self {
             model: model.clone(),
             parameters,
-            errors: Errors::new(history.saturating_sub(1), &model.sheet().quirks, faults),
-            encoder: Encoder::new(model, motion, faults),
-            clock: Clock::new(Timestamp::ZERO, faults),
+            errors: Errors::new(history.saturating_sub(1), &model.sheet().quirks, firmware),
+            encoder: Encoder::new(model, motion, firmware),
+            clock: Clock::new(Timestamp::ZERO, firmware),
             received_emcy: 0,
-            faults,
+            firmware: *firmware,
             written: Vec::with_capacity(4),
             wedged: false,
             waiting: Vec::new(),
@@ -103,7 +104,7 @@ impl Objects {
         match (at.index.0, at.sub.0) {
             (0x6500, 0) if quirks.limit_switches => {
                 let position = encoder.value(now, POSITION, &self.parameters)?;
-                Some(limit_switches::operating_status(position, &self.parameters, self.faults))
+                Some(limit_switches::operating_status(position, &self.parameters, &self.firmware))
             }
             (0x6501 | 0x6502, 0) if quirks.resolution_follows_scaling => self.scaled_resolution(at),
             (0x6503, 0) if quirks.limits_checked_at_store => Some(self.errors.alarms()),
@@ -129,7 +130,7 @@ impl Objects {
     /// # Errors
     /// The abort code if it can't be read.
     pub fn upload(&self, now: Timestamp, at: Multiplexer) -> Result<Reading<'_>, AbortCode> {
-        let entry = self.parameters.entry(at).map_err(|code| self.missing(code))?;
+        let entry = self.parameters.entry(at).map_err(|code| self.firmware.missing_code(code))?;
         if !entry.readable {
             return Err(self.own(AbortCode::WRITE_ONLY));
         }
@@ -147,12 +148,12 @@ impl Objects {
     /// # Errors
     /// The abort code if it can't be written.
     pub fn begin_download(&self, at: Multiplexer, len: Option<usize>) -> Result<usize, AbortCode> {
-        let entry = self.parameters.entry(at).map_err(|code| self.missing(code))?;
+        let entry = self.parameters.entry(at).map_err(|code| self.firmware.missing_code(code))?;
         if !entry.writable {
-            return if self.faults.has(Fault::SdoReadOnlyWritable) {
+            return if self.firmware.confirms_read_only() {
                 Ok(entry.longest())
             } else {
-                Err(self.own(self.read_only()))
+                Err(self.own(self.firmware.read_only_code()))
             };
         }
         if let Some(len) = len {
@@ -191,7 +192,7 @@ impl Objects {
 
     /// An RPDO carries a value for an object. What the object does not take is left out; nobody is told.
     pub fn receive(&mut self, now: Timestamp, at: Multiplexer, value: u64) {
-        if self.faults.has(Fault::RpdoRangeUnchecked) || self.check(at, value).is_ok() {
+        if !self.firmware.checks_rpdo_values() || self.check(at, value).is_ok() {
             self.put(now, at, value);
         }
     }
@@ -249,8 +250,8 @@ impl Objects {
 
     fn check_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
         match self.parameters.entry(at)?.check_length(len) {
-            Err(AbortCode::LENGTH_TOO_HIGH) if self.faults.has(Fault::SdoLengthUnchecked) => Ok(()),
-            Err(AbortCode::LENGTH_TOO_LOW) if self.faults.has(Fault::SdoShortLengthUnchecked) => Ok(()),
+            Err(AbortCode::LENGTH_TOO_HIGH) if !self.firmware.checks_length() => Ok(()),
+            Err(AbortCode::LENGTH_TOO_LOW) if !self.firmware.checks_short_length() => Ok(()),
             Err(code) => Err(self.model.sheet().network.sdo_length_abort.map_or(code, AbortCode)),
             Ok(()) => Ok(()),
         }
@@ -276,21 +277,6 @@ impl Objects {
     pub fn takes_long(&self, at: Multiplexer) -> bool {
         StoreCommand::of(at, &self.model.sheet().storage).is_some()
     }
-
-    fn missing(&self, code: AbortCode) -> AbortCode {
-        match code {
-            AbortCode::NO_OBJECT if self.faults.has(Fault::SdoWrongCodeForNoObject) => AbortCode::NO_SUB_INDEX,
-            AbortCode::NO_SUB_INDEX if self.faults.has(Fault::SdoWrongCodeForNoSubIndex) => AbortCode::NO_OBJECT,
-            code => code,
-        }
-    }
-
-    fn read_only(&self) -> AbortCode {
-        match self.faults.has(Fault::SdoReadOnlyWrongCode) {
-            true => AbortCode::DEVICE_STATE,
-            false => AbortCode::READ_ONLY,
-        }
-    }
 }
 
 const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
@@ -300,41 +286,3 @@ const SCALING: u64 = 1 << 2;
 
 /// 6508h of a device that does not count its operating time (CiA 406).
 const NOT_USED: u64 = 0xFFFF_FFFF;
-
-/// Faults in what the dictionary holds, not in what the firmware does.
-fn plant(parameters: &mut Parameters, faults: Faults) {
-    encoder::plant(parameters, faults);
-    let vendor_id = Multiplexer::new(0x1018, 1);
-    let device_type = Multiplexer::new(0x1000, 0);
-    if faults.has(Fault::VendorIdZero) {
-        parameters.redefine(vendor_id, Content::Number(0));
-    }
-    if faults.has(Fault::DeviceTypeProfileWrong) {
-        let other = parameters.number_or_zero(0x1000, 0) & 0xFFFF_0000 | 401;
-        parameters.redefine(device_type, Content::Number(other));
-    }
-    if faults.has(Fault::IdentityRevisionMissing) {
-        parameters.remove(0x1018, Some(3));
-    }
-    for (fault, at) in [
-        (Fault::PdoCountWrong, Multiplexer::new(0x1004, 0)),
-        (Fault::NodeIdObjectWrong, Multiplexer::new(0x100B, 0)),
-        (Fault::GuardingCobIdWrong, Multiplexer::new(0x100E, 0)),
-    ] {
-        if faults.has(fault) {
-            parameters.redefine(at, Content::Number(parameters.number_or_zero(at.index.0, at.sub.0) + 1));
-        }
-    }
-    if faults.has(Fault::ErrorControlMissing) {
-        parameters.remove(0x100D, None);
-    }
-    if faults.has(Fault::ErrorRegisterMissing) {
-        parameters.remove(0x1001, None);
-    }
-    if faults.has(Fault::DeviceNameWithGarbage) {
-        let name = Multiplexer::new(0x1008, 0);
-        let mut bytes = parameters.entry(name).map_or(Vec::new(), |entry| entry.reading(None).bytes().to_vec());
-        bytes.extend([0x00, 0xFF, 0x1B]);
-        parameters.redefine(name, Content::Bytes(bytes));
-    }
-}

@@ -1,6 +1,6 @@
 //! What a busy firmware does wrong: a watchdog that resets it under load, and memory that is never given back.
 
-use crate::{Fault, Faults};
+use crate::Firmware;
 use canvass_traces::{Duration, Timestamp};
 
 /// Counts what the device had to do.
@@ -9,9 +9,11 @@ pub(super) struct Overload {
     /// When the count began.
     since: Timestamp,
     frames: u32,
-    /// SDO requests since power-on.
-    requests: u32,
 }
+
+/// Counts SDO requests since power-on.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Requests(u32);
 
 /// So many frames within [`WINDOW`] are too much for a watchdog that is fed by the main loop.
 const MOST_FRAMES: u32 = 80;
@@ -22,12 +24,12 @@ const MOST_REQUESTS: u32 = 500;
 impl Overload {
     /// At power-on.
     pub const fn new() -> Self {
-        Self { since: Timestamp::ZERO, frames: 0, requests: 0 }
+        Self { since: Timestamp::ZERO, frames: 0 }
     }
 
     /// A frame for the device came; whether the watchdog bites.
-    pub fn on_frame(&mut self, now: Timestamp, faults: Faults) -> bool {
-        if !faults.has(Fault::WatchdogResetUnderLoad) {
+    pub fn on_frame(&mut self, now: Timestamp, firmware: &Firmware) -> bool {
+        if !firmware.bites_under_load() {
             return false;
         }
         if now > self.since + WINDOW {
@@ -40,10 +42,17 @@ impl Overload {
         }
         bites
     }
+}
 
-    /// An SDO request came; whether there is memory left for it.
-    pub fn on_request(&mut self, faults: Faults) -> bool {
-        self.requests = self.requests.saturating_add(1);
-        !faults.has(Fault::SdoMemoryLeak) || self.requests <= MOST_REQUESTS
+impl Requests {
+    /// At power-on.
+    pub const fn new() -> Self {
+        Self(0)
+    }
+
+    /// A request came; whether there is memory left for it.
+    pub fn count(&mut self, firmware: &Firmware) -> bool {
+        self.0 = self.0.saturating_add(1);
+        !firmware.leaks_memory() || self.0 <= MOST_REQUESTS
     }
 }

@@ -3,7 +3,6 @@
 
 use super::objects::Objects;
 use super::parameters::Parameters;
-use crate::Fault;
 use crate::models::Rule;
 use canvass_analyzer::wire::pdo::MappingEntry;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -68,17 +67,20 @@ pub(super) fn mapping(
 /// The abort code for a value that is not possible, or not now.
 pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
-    let (parameters, faults) = (&objects.parameters, objects.faults);
+    let (parameters, firmware) = (&objects.parameters, &objects.firmware);
     let cob_id = CobId(parameters.number_or_zero(at.index.0, 1) as u32);
     let is_valid_and_changes = cob_id.is_valid() && value != parameters.number_or_zero(at.index.0, at.sub.0);
+    if at.sub.0 != 1 && cob_id.is_valid() && firmware.locks_pdo_parameters() {
+        return Err(AbortCode::INVALID_VALUE);
+    }
     let fits = match (at.sub.0, direction) {
         (1, _) => return check_cob_id(at, cob_id, CobId(value as u32), direction, number, objects),
         (2, _) => is_transmission_type(direction, value, cob_id, objects),
         // Where the PDO can't be switched off, its inhibit time changes while it is valid.
         (3, Direction::Transmit) if is_fixed(at.index.0, parameters) => true,
-        (3, Direction::Transmit) => !is_valid_and_changes || faults.has(Fault::InhibitTimeChangeWhileValid),
+        (3, Direction::Transmit) => !is_valid_and_changes || !firmware.checks_inhibit_time_while_valid(),
         (6, Direction::Transmit) => {
-            value <= 240 && (!is_valid_and_changes || faults.has(Fault::SyncStartValueChangeWhileValid))
+            value <= 240 && (!is_valid_and_changes || !firmware.checks_start_value_while_valid())
         }
         _ => true,
     };
@@ -98,14 +100,14 @@ fn is_transmission_type(direction: Direction, value: u64, cob_id: CobId, objects
     };
     let known = types.iter().any(|&(low, high)| (low.into()..=high.into()).contains(&value));
     let by_rtr = matches!(value, 252 | 253);
-    if direction == Direction::Receive && value <= 240 && objects.faults.has(Fault::SynchronousRpdoRefused) {
+    if direction == Direction::Receive && value <= 240 && !objects.firmware.takes_synchronous_rpdo() {
         return false;
     }
-    if by_rtr && objects.faults.has(Fault::RtrTypeWithoutRtrAccepted) {
+    if by_rtr && objects.firmware.takes_rtr_type_without_rtr() {
         return true;
     }
     let possible = cob_id.allows_rtr() || !by_rtr;
-    (known && possible) || objects.faults.has(Fault::ReservedTransmissionTypeAccepted)
+    (known && possible) || !objects.firmware.checks_transmission_type()
 }
 
 /// Whether the COB-ID of a PDO can change so: the CAN-ID only while the PDO is not valid (CiA 301, 7.5.2.35 and
@@ -118,20 +120,21 @@ fn check_cob_id(
     number: u16,
     objects: &Objects,
 ) -> Result<(), AbortCode> {
-    let faults = objects.faults;
+    let firmware = &objects.firmware;
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let moved = old.is_valid() && new.is_valid() && new.can_id() != old.can_id();
-    if moved && !reserved && !faults.has(Fault::CobIdChangeWhileValid) {
-        return Err(objects.model.sheet().abort(Rule::CanIdWhileInvalid, at));
+    if moved && !reserved && firmware.checks_pdo_id_while_valid() {
+        return Err(firmware.cob_id_code(objects.model.sheet().abort(Rule::CanIdWhileInvalid, at)));
     }
-    let restricted = new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
+    if firmware.refuses_cob_id_rewrite() && old.is_valid() && new.is_valid() {
+        return Err(firmware.cob_id_code(AbortCode::INVALID_VALUE));
+    }
+    let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let asks_for_rtr =
         direction == Direction::Transmit && new.allows_rtr() && !objects.model.sheet().network.rtr && new != old;
     let is_empty = mapping(direction, &objects.parameters, number).next().is_none();
     let impossible = new.is_valid()
-        && (restricted
-            || (asks_for_rtr && !faults.has(Fault::RtrBitClearable))
-            || (is_empty && !faults.has(Fault::EmptyPdoValidated)));
+        && (restricted || (asks_for_rtr && firmware.checks_rtr_bit()) || (is_empty && !firmware.validates_empty_pdo()));
     if reserved || impossible { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
 }
 
@@ -142,22 +145,23 @@ fn check_cob_id(
 /// The abort code for a mapping that is not possible, or not now.
 pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
-    let (parameters, faults) = (&objects.parameters, objects.faults);
+    let (parameters, firmware) = (&objects.parameters, &objects.firmware);
     let valid = CobId(parameters.number_or_zero(direction.communication() + number, 1) as u32).is_valid();
     let in_use = at.sub.0 != 0 && parameters.number_or_zero(at.index.0, 0) != 0;
-    if (valid || in_use) && !faults.has(Fault::MappingChangeWhileValid) {
+    if (valid || in_use) && firmware.checks_mapping_while_valid() {
         return Err(objects.model.sheet().abort(Rule::MappingWhileDisabled, at));
     }
     if at.sub.0 != 0 {
-        return if value == 0 { Ok(()) } else { check_entry(MappingEntry(value as u32), direction, objects) };
+        let checked = check_entry(MappingEntry(value as u32), direction, objects);
+        return if value == 0 { Ok(()) } else { checked.map_err(|code| firmware.entry_code(code)) };
     }
-    check_count(at, value, direction, objects)
+    check_count(at, value, direction, objects).map_err(|code| firmware.count_code(code))
 }
 
 /// Sub-index 0 was written: the entries have to exist, to be possible, and to fit into a PDO.
 fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
-    let (parameters, faults) = (&objects.parameters, objects.faults);
-    if faults.has(Fault::MappingCountUnchecked) {
+    let (parameters, firmware) = (&objects.parameters, &objects.firmware);
+    if !firmware.checks_mapping_count() {
         return Ok(());
     }
     let most = u8::try_from(value).map_err(|_| AbortCode::PDO_LENGTH)?;
@@ -165,24 +169,27 @@ fn check_count(at: Multiplexer, value: u64, direction: Direction, objects: &Obje
     let mut bits = 0;
     for sub in 1..=most {
         let entry = MappingEntry(parameters.number_or_zero(at.index.0, sub) as u32);
-        if entry.0 == 0 && faults.has(Fault::EmptyEntryMapped) {
+        if entry.0 == 0 && firmware.maps_empty_entry() {
             continue;
         }
         check_entry(entry, direction, objects)?;
         bits += u32::from(entry.bits());
     }
-    if bits <= 64 || faults.has(Fault::MappingTooLongAccepted) { Ok(()) } else { Err(AbortCode::PDO_LENGTH) }
+    if bits <= 64 || !firmware.checks_mapping_sum() { Ok(()) } else { Err(AbortCode::PDO_LENGTH) }
 }
 
 /// Whether an object can be mapped, with that length.
 fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> Result<(), AbortCode> {
-    let faults = objects.faults;
+    let firmware = &objects.firmware;
+    if firmware.maps_whole_bytes_only() && !entry.bits().is_multiple_of(8) {
+        return Err(AbortCode::NOT_MAPPABLE);
+    }
     if entry.is_dummy() {
         return check_dummy(entry, direction, objects);
     }
     let object = match objects.parameters.entry(entry.object()) {
         Ok(object) => object,
-        Err(_) if faults.has(Fault::MissingObjectMapped) && entry.0 != 0 => return Ok(()),
+        Err(_) if firmware.maps_missing_object() && entry.0 != 0 => return Ok(()),
         Err(_) => return Err(AbortCode::NO_OBJECT),
     };
     if is_delivered(entry, direction, objects) {
@@ -193,9 +200,9 @@ fn check_entry(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
         Direction::Transmit => object.tpdo_mappable,
     };
     let bits = object.data_type.bits().unwrap_or(0);
-    let unchecked = faults.has(Fault::MappingLengthUnchecked) && entry.bits() > 0;
+    let unchecked = !firmware.checks_mapped_length() && entry.bits() > 0;
     let fits = (bits == u32::from(entry.bits()) || unchecked) && bits > 0;
-    if fits && (mappable || faults.has(Fault::UnmappableObjectMapped)) { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
+    if fits && (mappable || firmware.maps_unmappable_object()) { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
 }
 
 /// What is mapped as delivered can be mapped again, a part of an object too.
@@ -211,6 +218,6 @@ fn check_dummy(entry: MappingEntry, direction: Direction, objects: &Objects) -> 
     let data_type = canvass_analyzer::dictionary::DataType(entry.object().index.0);
     let allowed = description.dummy_usage.get(&data_type.0).copied().unwrap_or(false);
     let fits = data_type.bits() == Some(u32::from(entry.bits())) && entry.object().sub.0 == 0;
-    let possible = direction == Direction::Receive && allowed || objects.faults.has(Fault::DummyMappedIntoTpdo);
+    let possible = direction == Direction::Receive && allowed || objects.firmware.maps_dummy_into_tpdo();
     if possible && fits { Ok(()) } else { Err(AbortCode::NOT_MAPPABLE) }
 }

@@ -1,28 +1,25 @@
 //! Which CAN-ID belongs to which service of the device: most frames of a bus are for others, and are told by one look.
 
-use super::Device;
-use crate::Fault;
-use canvass_analyzer::CobId;
-use canvass_analyzer::wire::{error_control, lss, nmt, sdo};
-
-/// What a data frame on a CAN-ID is to the device.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+/// What a data frame on a CAN-ID is to the device. Of services that are configured onto the same CAN-ID the later one
+/// of these gets it.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 pub(super) enum Route {
     /// Nothing.
     Others,
-    Nmt,
-    Sync,
-    Time,
-    /// An EMCY of a node of 1028h.
-    PeerEmcy,
-    /// An error control message of another node.
-    PeerErrorControl,
-    Sdo,
-    /// The further channel at that position.
-    SecondSdo(u8),
     /// The RPDO at that position.
     Rpdo(u16),
+    /// An EMCY of a node of 1028h.
+    PeerEmcy,
+    Time,
+    Sync,
+    /// The further SDO channel at that position.
+    FurtherSdo(u8),
+    /// An error control message of another node.
+    PeerErrorControl,
     Lss,
+    Lmt,
+    Sdo,
+    Nmt,
 }
 
 /// A route for each CAN-ID of 11 bits.
@@ -42,44 +39,10 @@ impl Routes {
         self.0.get(usize::from(can_id)).copied().unwrap_or(Route::Others)
     }
 
-    fn set(&mut self, can_id: u16, route: Route) {
-        if let Some(slot) = self.0.get_mut(usize::from(can_id)) {
+    /// Gives a CAN-ID to a service, unless it is of one that comes before it.
+    pub fn set(&mut self, can_id: u16, route: Route) {
+        if let Some(slot) = self.0.get_mut(usize::from(can_id)).filter(|slot| **slot <= route) {
             *slot = route;
         }
-    }
-}
-
-impl Device {
-    /// Finds all routes anew: COB-IDs or the node-ID have changed. What is set last wins a CAN-ID that is used twice.
-    pub(super) fn find_routes(&mut self) {
-        let mut routes = Routes::new();
-        for (position, rpdo) in (0..).zip(&self.rpdos) {
-            rpdo.can_id().into_iter().for_each(|can_id| routes.set(can_id, Route::Rpdo(position)));
-        }
-        let parameters = &self.objects.parameters;
-        for cob_id in (1..=127).map_while(|sub| parameters.number(0x1028, sub)).map(|raw| CobId(raw as u32)) {
-            if cob_id.is_valid() && cob_id.can_id() != 0 {
-                routes.set(cob_id.can_id() as u16, Route::PeerEmcy);
-            }
-        }
-        self.objects.clock.can_id().into_iter().for_each(|can_id| routes.set(can_id, Route::Time));
-        self.sync.can_id().into_iter().for_each(|can_id| routes.set(can_id, Route::Sync));
-        for (position, channel) in (0..).zip(&self.second_sdos) {
-            channel.can_id().into_iter().for_each(|can_id| routes.set(can_id, Route::SecondSdo(position)));
-        }
-        for node in 1..=0x7F {
-            routes.set(error_control::CAN_ID_BASE + node, Route::PeerErrorControl);
-        }
-        routes.set(lss::MASTER_CAN_ID, Route::Lss);
-        if let Some(node) = self.node {
-            routes.set(sdo::REQUEST_BASE + u16::from(node.raw()), Route::Sdo);
-            routes.set(nmt::CAN_ID, Route::Nmt);
-        }
-        self.routes = routes;
-    }
-
-    /// Whether a frame in the 29-bit format is taken for one with 11 bits.
-    pub(super) fn confuses_formats(&self) -> bool {
-        self.faults.has(Fault::ExtendedFrameObeyed)
     }
 }

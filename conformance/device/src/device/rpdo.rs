@@ -1,16 +1,20 @@
 //! Receive PDOs: when their values act, their length, and their deadline (CiA 301, 7.2.2.4).
 
+use super::context::Context;
+use super::emcy::Condition;
 use super::objects::Objects;
 use super::parameters::Parameters;
 use super::pdo::{self, Direction};
-use crate::{Fault, Faults};
+use super::routes::{Route, Routes};
+use super::service::{Event, Service};
+use crate::Firmware;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, extract};
 use canvass_analyzer::{CobId, Multiplexer};
-use canvass_traces::{Duration, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// One RPDO.
 #[derive(Clone, Debug)]
-pub(super) struct Rpdo {
+struct Rpdo {
     /// 0 for 1400h and 1600h.
     number: u16,
     cob_id: CobId,
@@ -24,15 +28,14 @@ pub(super) struct Rpdo {
     due: Timestamp,
     /// Received, and not yet acting: it waits for SYNC.
     held: Option<Payload>,
-    faults: Faults,
 }
 
 /// The data of a PDO, filled up with zeros.
-pub(super) type Payload = [u8; 8];
+type Payload = [u8; 8];
 
 /// What a received PDO means.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Received {
+enum Received {
     /// The values act now.
     Act(Payload),
     /// The values act at the next SYNC.
@@ -43,7 +46,7 @@ pub(super) enum Received {
 
 impl Rpdo {
     /// The RPDOs of the dictionary.
-    pub fn all(parameters: &Parameters, faults: Faults) -> Vec<Self> {
+    fn all(parameters: &Parameters) -> Vec<Self> {
         let new = |number| Self {
             number,
             cob_id: CobId(CobId::INVALID),
@@ -53,18 +56,17 @@ impl Rpdo {
             deadline: Duration::ZERO,
             due: Timestamp::MAX,
             held: None,
-            faults,
         };
         pdo::numbers(Direction::Receive, parameters).map(new).collect()
     }
 
     /// 1 for 1400h and 1600h.
-    pub const fn ordinal(&self) -> u16 {
+    const fn ordinal(&self) -> u16 {
         self.number + 1
     }
 
     /// Takes the parameters over.
-    pub fn configure(&mut self, objects: &Objects) {
+    fn configure(&mut self, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(0x1400 + self.number, sub);
         self.cob_id = CobId(number(1) as u32);
         self.transmission = TransmissionType(number(2) as u8);
@@ -78,33 +80,33 @@ impl Rpdo {
     }
 
     /// Its CAN-ID, if it is received.
-    pub fn can_id(&self) -> Option<u16> {
-        let received = self.cob_id.is_valid() || self.faults.has(Fault::RpdoReceivedWhenInvalid);
+    fn can_id(&self, firmware: &Firmware) -> Option<u16> {
+        let received = self.cob_id.is_valid() || firmware.receives_invalid_rpdo();
         (received && !self.mapping.is_empty()).then_some(self.cob_id.can_id() as u16)
     }
 
     /// The device is not operational any more: what was held is forgotten.
-    pub fn stop(&mut self) {
+    fn stop(&mut self) {
         self.held = None;
         self.due = Timestamp::MAX;
     }
 
     /// How many bytes are mapped.
-    pub const fn len(&self) -> usize {
+    const fn len(&self) -> usize {
         self.len
     }
 
     /// A PDO came.
-    pub fn on_frame(&mut self, now: Timestamp, data: &[u8]) -> Received {
-        if data.len() < self.len && !self.faults.has(Fault::RpdoLengthUnchecked) {
+    fn on_frame(&mut self, now: Timestamp, data: &[u8], firmware: &Firmware) -> Received {
+        if data.len() < self.len && firmware.checks_rpdo_length() {
             return Received::TooShort;
         }
-        if self.deadline > Duration::ZERO && !self.faults.has(Fault::RpdoDeadlineIgnored) {
+        if self.deadline > Duration::ZERO && firmware.heeds_rpdo_deadline() {
             self.due = now + self.deadline;
         }
         let mut payload = [0; 8];
         payload.iter_mut().zip(data).for_each(|(to, from)| *to = *from);
-        if self.is_synchronous() && !self.faults.has(Fault::SynchronousRpdoActsAtOnce) {
+        if self.is_synchronous() && firmware.holds_synchronous_rpdo() {
             self.held = Some(payload);
             return Received::Hold;
         }
@@ -112,27 +114,27 @@ impl Rpdo {
     }
 
     /// Whether its values wait for SYNC.
-    pub fn is_synchronous(&self) -> bool {
+    fn is_synchronous(&self) -> bool {
         self.transmission.0 <= 240
     }
 
     /// A SYNC came: what was held acts now.
-    pub fn on_sync(&mut self) -> Option<Payload> {
+    fn on_sync(&mut self) -> Option<Payload> {
         self.held.take()
     }
 
     /// The window of synchronous PDOs is over.
-    pub fn forget(&mut self) {
+    fn forget(&mut self) {
         self.held = None;
     }
 
     /// When the PDO is missed.
-    pub const fn timeout(&self) -> Timestamp {
+    const fn timeout(&self) -> Timestamp {
         self.due
     }
 
     /// Whether the PDO is missed now; says so once, until the next one.
-    pub fn is_late(&mut self, now: Timestamp) -> bool {
+    fn is_late(&mut self, now: Timestamp) -> bool {
         let late = now >= self.due;
         if late {
             self.due = Timestamp::MAX;
@@ -140,8 +142,16 @@ impl Rpdo {
         late
     }
 
+    /// The values of a payload act.
+    fn apply(&self, now: Timestamp, payload: Payload, context: &mut Context) {
+        for (at, value) in self.values(payload) {
+            context.objects.receive(now, at, value);
+        }
+        context.events.push_back(Event::Act);
+    }
+
     /// The values of the mapped objects; dummies are left out.
-    pub fn values(&self, payload: Payload) -> Vec<(Multiplexer, u64)> {
+    fn values(&self, payload: Payload) -> Vec<(Multiplexer, u64)> {
         let mut offset = 0;
         let mut values = Vec::with_capacity(self.mapping.len());
         for entry in &self.mapping {
@@ -153,5 +163,94 @@ impl Rpdo {
             offset += usize::from(entry.bits());
         }
         values
+    }
+}
+
+/// The RPDOs of a device.
+#[derive(Clone, Debug)]
+pub(super) struct Rpdos(Vec<Rpdo>);
+
+impl Rpdos {
+    /// Those of the dictionary.
+    pub fn new(parameters: &Parameters) -> Self {
+        Self(Rpdo::all(parameters))
+    }
+
+    fn configure(&mut self, objects: &Objects) {
+        self.0.iter_mut().for_each(|rpdo| rpdo.configure(objects));
+    }
+
+    /// Data came for the RPDO at that position.
+    pub fn receive(&mut self, now: Timestamp, position: u16, data: &[u8], context: &mut Context) {
+        let Some(rpdo) = self.0.get_mut(usize::from(position)) else { return };
+        if !context.phase.receives_pdos(context.firmware()) {
+            return;
+        }
+        let too_long = data.len() > rpdo.len();
+        if rpdo.is_synchronous() && context.sync_closed || too_long && !context.firmware().takes_long_rpdo() {
+            return;
+        }
+        let received = rpdo.on_frame(now, data, context.firmware());
+        let too_short = received == Received::TooShort;
+        let ordinal = rpdo.ordinal();
+        context.report(Condition::RpdoTooShort { rpdo: ordinal }, too_short);
+        let reported = too_long && context.firmware().reports_long_rpdo();
+        context.report(Condition::RpdoTooLong { rpdo: ordinal }, reported);
+        if !too_short {
+            context.report(Condition::RpdoLate { rpdo: ordinal }, false);
+        }
+        if let Received::Act(payload) = received {
+            rpdo.apply(now, payload, context);
+        }
+    }
+}
+
+impl Service for Rpdos {
+    fn handle(&mut self, now: Timestamp, route: Route, frame: &Frame, context: &mut Context) {
+        if let Route::Rpdo(position) = route {
+            self.receive(now, position, frame.data(), context);
+        }
+    }
+
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Initialise => self.0.iter_mut().for_each(Rpdo::stop),
+            Event::Entered { .. } if !context.phase.receives_pdos(context.firmware()) => {
+                self.0.iter_mut().for_each(Rpdo::stop);
+            }
+            Event::Started => self.configure(&context.objects),
+            Event::Written(at, _) if matches!(at.index.0, 0x1400..0x1800) => {
+                self.configure(&context.objects);
+                context.routes_changed = true;
+            }
+            Event::Sync { .. } => {
+                for rpdo in &mut self.0 {
+                    if let Some(payload) = rpdo.on_sync() {
+                        rpdo.apply(now, payload, context);
+                    }
+                }
+            }
+            Event::WindowClosed => self.0.iter_mut().for_each(Rpdo::forget),
+            _ => {}
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        for rpdo in &mut self.0 {
+            if rpdo.is_late(now) {
+                context.report(Condition::RpdoLate { rpdo: rpdo.ordinal() }, true);
+            }
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.0.iter().fold(Timestamp::MAX, |next, rpdo| next.min(rpdo.timeout()))
+    }
+
+    fn find_routes(&self, context: &Context, routes: &mut Routes) {
+        for (position, rpdo) in (0..).zip(&self.0) {
+            let can_id = rpdo.can_id(context.firmware());
+            can_id.into_iter().for_each(|can_id| routes.set(can_id, Route::Rpdo(position)));
+        }
     }
 }

@@ -2,8 +2,8 @@
 
 use super::encoder::Encoder;
 use super::parameters::{Content, Parameters};
+use crate::Firmware;
 use crate::models::{Model, Storage};
-use crate::{Fault, Faults};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
@@ -28,7 +28,7 @@ impl Groups {
     /// Everything.
     pub const ALL: Self = Self(15);
     /// What 1010h:01 and 1011h:01 mean.
-    const PARAMETERS: Self = Self(7);
+    pub const PARAMETERS: Self = Self(7);
 
     const fn with(self, other: Self) -> Self {
         Self(self.0 | other.0)
@@ -150,13 +150,13 @@ impl Store {
     }
 
     /// Begins to write; it is done at `done`.
-    pub fn begin(&mut self, done: Timestamp, command: StoreCommand, faults: Faults) {
+    pub fn begin(&mut self, done: Timestamp, command: StoreCommand, firmware: &Firmware) {
         let command = match command {
-            StoreCommand::Save(_) if faults.has(Fault::StoreWithoutEffect) => return,
-            StoreCommand::Restore(_) if faults.has(Fault::RestoreWithoutEffect) => return,
+            StoreCommand::Save(_) if !firmware.stores() => return,
+            StoreCommand::Restore(_) if !firmware.restores() => return,
             StoreCommand::Save(Groups::BUS) => command,
-            StoreCommand::Save(_) if faults.has(Fault::StoreGroupIgnored) => StoreCommand::Save(Groups::PARAMETERS),
-            StoreCommand::Save(groups) if faults.has(Fault::StoreLosesGroup) => {
+            StoreCommand::Save(_) if !firmware.stores_by_group() => StoreCommand::Save(Groups::PARAMETERS),
+            StoreCommand::Save(groups) if firmware.loses_application_group() => {
                 StoreCommand::Save(Groups(groups.0 & !Groups::APPLICATION.0))
             }
             command => command,

@@ -1,12 +1,18 @@
 //! SYNC: consumed and produced, with or without a counter (1005h, 1006h, 1007h, 1019h).
 
+use super::context::Context;
+use super::emcy::Condition;
+use super::nmt;
 use super::parameters::Parameters;
+use super::routes::{Route, Routes};
+use super::service::{Event, Service};
+use crate::Firmware;
 use crate::models::Network;
-use crate::{Fault, Faults};
 use canvass_analyzer::CobId;
+use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::sync::{CAN_ID, Sync as SyncMessage};
-use canvass_traces::{Duration, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// The SYNC object.
 #[derive(Clone, Debug)]
@@ -25,7 +31,6 @@ pub(super) struct SyncObject {
     window: Duration,
     window_end: Timestamp,
     is_closed: bool,
-    faults: Faults,
 }
 
 /// The counter goes on after this one without 1019h.
@@ -33,7 +38,7 @@ const FIRST: u8 = 1;
 
 impl SyncObject {
     /// Neither consumed nor produced.
-    pub const fn new(faults: Faults) -> Self {
+    pub const fn new() -> Self {
         Self {
             cob_id: CobId(CobId::INVALID),
             produces: false,
@@ -45,52 +50,47 @@ impl SyncObject {
             window: Duration::ZERO,
             window_end: Timestamp::MAX,
             is_closed: false,
-            faults,
         }
     }
 
     /// Takes the parameters over; a producer whose parameters have changed begins anew.
-    pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, network: &Network, may_send: bool) {
+    fn configure(&mut self, now: Timestamp, context: &Context) {
+        let (parameters, firmware) = (&context.objects.parameters, context.firmware());
+        let network = &context.objects.model.sheet().network;
         let number = |index| parameters.number_or_zero(index, 0);
         let before = (self.produces, self.period, self.overflow);
         // Without 1005h it is the predefined one.
         self.cob_id = CobId(parameters.number(0x1005, 0).unwrap_or(CAN_ID.into()) as u32);
-        let factor = if self.faults.has(Fault::SyncPeriodDoubled) { 2 } else { 1 };
-        self.period = Duration::from_micros(number(0x1006)).times(factor);
+        self.period = firmware.sync_period(number(0x1006));
         self.produces = network.sync_producer && is_producing(number(0x1005)) && self.period > Duration::ZERO;
         self.counts = parameters.number(0x1019, 0).is_some();
         self.overflow = number(0x1019) as u8;
-        let ignored = self.faults.has(Fault::SyncWindowIgnored);
+        let ignored = !firmware.heeds_sync_window();
         self.window = if ignored { Duration::ZERO } else { Duration::from_micros(number(0x1007)) };
         if self.window == Duration::ZERO {
             self.window_end = Timestamp::MAX;
             self.is_closed = false;
         }
         if before != (self.produces, self.period, self.overflow) {
-            self.restart(now, may_send);
+            self.restart(now, context.serves(nmt::Service::Broadcast), firmware);
         }
     }
 
     /// Begins to produce anew, or stops: in the NMT states stopped and initialisation no SYNC is sent.
-    pub fn restart(&mut self, now: Timestamp, may_send: bool) {
+    fn restart(&mut self, now: Timestamp, may_send: bool, firmware: &Firmware) {
         self.due = if self.produces && may_send { now + self.period } else { Timestamp::MAX };
-        if !self.faults.has(Fault::SyncCounterNotReset) {
-            self.counter = if self.faults.has(Fault::SyncCounterFromZero) { 0 } else { FIRST };
+        if firmware.resets_sync_counter() {
+            self.counter = firmware.first_sync_counter();
         }
     }
 
     /// The CAN-ID on which SYNC is awaited; `None` where there is no 1005h.
-    pub fn can_id(&self) -> Option<u16> {
+    fn can_id(&self) -> Option<u16> {
         (!self.cob_id.is_extended() && self.cob_id.can_id() != 0).then_some(self.cob_id.can_id() as u16)
     }
 
-    /// When [`SyncObject::poll`] or [`SyncObject::close`] wants to be called.
-    pub fn timeout(&self) -> Timestamp {
-        self.due.min(self.window_end)
-    }
-
     /// The SYNC to send, if it is time for one.
-    pub fn poll(&mut self, now: Timestamp) -> Option<SyncMessage> {
+    fn next(&mut self, now: Timestamp) -> Option<SyncMessage> {
         if now < self.due {
             return None;
         }
@@ -109,12 +109,12 @@ impl SyncObject {
     }
 
     /// Whether a received SYNC has the length that 1019h asks for.
-    pub fn has_length(&self, len: usize) -> bool {
-        !self.counts || self.faults.has(Fault::SyncLengthUnchecked) || len == usize::from(self.overflow != 0)
+    fn has_length(&self, len: usize, firmware: &Firmware) -> bool {
+        !self.counts || !firmware.checks_sync_length() || len == usize::from(self.overflow != 0)
     }
 
     /// A SYNC was received or sent: the window opens.
-    pub fn open(&mut self, now: Timestamp) {
+    fn open(&mut self, now: Timestamp) {
         self.is_closed = false;
         if self.window > Duration::ZERO {
             self.window_end = now + self.window;
@@ -122,7 +122,7 @@ impl SyncObject {
     }
 
     /// Whether the window closes now; says so once.
-    pub fn close(&mut self, now: Timestamp) -> bool {
+    fn close(&mut self, now: Timestamp) -> bool {
         let closes = now >= self.window_end;
         if closes {
             self.window_end = Timestamp::MAX;
@@ -130,10 +130,61 @@ impl SyncObject {
         }
         closes
     }
+}
 
-    /// Whether it is too late for synchronous PDOs.
-    pub const fn is_closed(&self) -> bool {
-        self.is_closed
+impl Service for SyncObject {
+    /// SYNC with the length that 1019h asks for: synchronous PDOs are received and sent.
+    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+        if !context.phase.is_running() || !context.objects.consumes_sync() {
+            return;
+        }
+        let fits = self.has_length(frame.len(), context.firmware());
+        context.report(Condition::SyncLength, !fits && context.firmware().reports_sync_length());
+        if fits {
+            self.open(now);
+            context.events.push_back(Event::Sync { counter: frame.data().first().copied() });
+        }
+    }
+
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Started => {
+                self.configure(now, context);
+                self.restart(now, true, context.firmware());
+            }
+            Event::Entered { before } => {
+                let sends = context.serves(nmt::Service::Broadcast);
+                if sends != before.serves(nmt::Service::Broadcast, context.firmware()) {
+                    self.restart(now, sends, context.firmware());
+                }
+            }
+            Event::Written(at, _) if matches!(at.index.0, 0x1005..=0x1007 | 0x1019) => {
+                self.configure(now, context);
+                context.routes_changed |= at.index.0 == 0x1005;
+            }
+            _ => {}
+        }
+        context.sync_closed = self.is_closed;
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if let Some(sync) = self.next(now) {
+            context.send(sync.to_frame(self.own_can_id()));
+            self.open(now);
+            context.events.push_back(Event::Sync { counter: sync.counter });
+        }
+        if self.close(now) {
+            context.events.push_back(Event::WindowClosed);
+        }
+        context.sync_closed = self.is_closed;
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.due.min(self.window_end)
+    }
+
+    fn find_routes(&self, _: &Context, routes: &mut Routes) {
+        self.can_id().into_iter().for_each(|can_id| routes.set(can_id, Route::Sync));
     }
 }
 
@@ -151,15 +202,18 @@ pub(super) fn check_cob_id(
     value: u64,
     parameters: &Parameters,
     network: &Network,
-    faults: Faults,
+    firmware: &Firmware,
 ) -> Result<(), AbortCode> {
     let (old, new) = (CobId(parameters.number_or_zero(0x1005, 0) as u32), CobId(value as u32));
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let impossible = is_producing(value) && !network.sync_producer;
-    let restricted = new.is_restricted() && !faults.has(Fault::RestrictedCanIdAccepted);
+    let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let moved = is_producing(old.0.into()) && new.can_id() != old.can_id() && is_producing(value);
-    let moved = moved && !faults.has(Fault::SyncIdChangeWhileProducing);
-    if reserved || impossible || restricted || moved { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
+    let moved = moved && firmware.checks_sync_id_while_producing();
+    if reserved || impossible || restricted {
+        return Err(AbortCode::INVALID_VALUE);
+    }
+    if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }
 }
 
 /// The conditions of a write to 1006h: not faster than the device can.
@@ -175,10 +229,14 @@ pub(super) fn check_period(value: u64, network: &Network) -> Result<(), AbortCod
 ///
 /// # Errors
 /// "Invalid value", or "present device state".
-pub(super) fn check_overflow(value: u64, parameters: &Parameters, faults: Faults) -> Result<(), AbortCode> {
-    if parameters.number_or_zero(0x1006, 0) != 0 && !faults.has(Fault::SyncOverflowChangeWhileProducing) {
-        return Err(AbortCode::DEVICE_STATE);
+pub(super) fn check_overflow(value: u64, parameters: &Parameters, firmware: &Firmware) -> Result<(), AbortCode> {
+    if parameters.number_or_zero(0x1006, 0) != 0 && firmware.checks_overflow_while_producing() {
+        return Err(firmware.overflow_code());
     }
-    let known = matches!(value, 0 | 2..=240) || faults.has(Fault::SyncOverflowUnchecked);
-    if known { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
+    let known = matches!(value, 0 | 2..=240) || !firmware.checks_overflow();
+    match value {
+        _ if known => Ok(()),
+        241.. => Err(firmware.limit_code()),
+        _ => Err(AbortCode::INVALID_VALUE),
+    }
 }

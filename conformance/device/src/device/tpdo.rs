@@ -1,11 +1,14 @@
 //! Transmit PDOs: when they are sent, and with what (CiA 301, 7.2.2).
 
+use super::context::Context;
+use super::nmt;
 use super::objects::Objects;
 use super::parameters::Parameters;
 use super::pdo::{self, Direction};
-use crate::Fault;
-use canvass_analyzer::CobId;
+use super::service::{Event, Service};
+use super::storing::resets_scaling;
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
+use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 
 /// How often the device looks whether a mapped value has changed.
@@ -16,7 +19,7 @@ const LATE: Duration = Duration::from_millis(30);
 
 /// One TPDO.
 #[derive(Clone, Debug)]
-pub(super) struct Tpdo {
+struct Tpdo {
     /// 0 for 1800h and 1A00h.
     number: u16,
     cob_id: CobId,
@@ -53,7 +56,7 @@ pub(super) struct Tpdo {
 
 impl Tpdo {
     /// The TPDOs of the dictionary.
-    pub fn all(parameters: &Parameters) -> Vec<Self> {
+    fn all(parameters: &Parameters) -> Vec<Self> {
         pdo::numbers(Direction::Transmit, parameters).map(Self::new).collect()
     }
 
@@ -84,12 +87,12 @@ impl Tpdo {
     }
 
     /// Takes the parameters over, and begins anew with them.
-    pub fn configure(&mut self, now: Timestamp, objects: &Objects) {
+    fn configure(&mut self, now: Timestamp, objects: &Objects) {
         let number = |sub| objects.parameters.number_or_zero(0x1800 + self.number, sub);
-        let faults = objects.faults;
+        let firmware = &objects.firmware;
         // What was taken at a SYNC had the identifier and the mapping of that time.
         self.sampled = None;
-        self.sends_empty = faults.has(Fault::EmptyPdoValidated);
+        self.sends_empty = firmware.validates_empty_pdo();
         self.cob_id = CobId(number(1) as u32);
         self.transmission = TransmissionType(number(2) as u8);
         let padded = &objects.model.sheet().network.padded_tpdos;
@@ -97,14 +100,10 @@ impl Tpdo {
         // Where 6200h is the only event, there is no event timer of its own, and changes of value don't send it.
         let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
         self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
-        // In multiples of 100 us.
-        let unit = if faults.has(Fault::InhibitTimeInMilliseconds) { 1_000 } else { 100 };
-        self.inhibit = Duration::from_micros(unit * number(3));
+        self.inhibit = firmware.inhibit_time(number(3));
         let event_timer = if is_cyclic { objects.parameters.number_or_zero(0x6200, 0) } else { number(5) };
-        let late = faults.has(Fault::EventTimerOffByOne) && event_timer > 0;
-        let factor = if faults.has(Fault::EventTimerDoubled) { 2 } else { 1 };
-        self.event_timer = Duration::from_millis(event_timer * factor + u64::from(late));
-        let ignored = faults.has(Fault::SyncStartValueIgnored) || objects.parameters.number_or_zero(0x1019, 0) == 0;
+        self.event_timer = firmware.event_timer(event_timer);
+        let ignored = !firmware.heeds_sync_start_value() || objects.parameters.number_or_zero(0x1019, 0) == 0;
         let sync_start = if ignored { 0 } else { number(6) as u8 };
         self.awaits_start = sync_start != 0 && (self.awaits_start || sync_start != self.sync_start);
         self.sync_start = sync_start;
@@ -116,19 +115,19 @@ impl Tpdo {
     }
 
     /// Whether frames with that CAN-ID are this PDO.
-    pub fn uses(&self, can_id: u16) -> bool {
+    fn uses(&self, can_id: u16) -> bool {
         self.cob_id.is_valid() && self.cob_id.can_id() == u32::from(can_id)
     }
 
     /// Whether it is sent after SYNCs.
-    pub fn is_synchronous(&self) -> bool {
+    fn is_synchronous(&self) -> bool {
         self.transmission.0 <= 240
     }
 
     /// The device became operational: event-driven PDOs are sent at once (CiA 406).
-    pub fn start(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
+    fn start(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         self.running = true;
-        if !objects.faults.has(Fault::SyncCountNotReset) {
+        if objects.firmware.resets_sync_count() {
             self.syncs = 0;
         }
         self.awaits_start = self.sync_start != 0;
@@ -144,8 +143,8 @@ impl Tpdo {
         if !self.is_event_driven() {
             return None;
         }
-        let is_first_missing = objects.faults.has(Fault::FirstPositionMissing) && self.event_timer > Duration::ZERO;
-        if is_first_missing || objects.faults.has(Fault::TpdoNotSentAtStart) {
+        let is_first_missing = objects.firmware.misses_first_timed_pdo() && self.event_timer > Duration::ZERO;
+        if is_first_missing || !objects.firmware.sends_pdo_at_start() {
             self.last = self.is_active().then(|| self.frame(now, objects));
             return None;
         }
@@ -153,7 +152,7 @@ impl Tpdo {
     }
 
     /// The device is not operational any more.
-    pub fn stop(&mut self) {
+    fn stop(&mut self) {
         self.running = false;
         self.waiting = false;
         self.event_due = Timestamp::MAX;
@@ -177,13 +176,13 @@ impl Tpdo {
     }
 
     /// When [`Tpdo::poll`] wants to be called.
-    pub fn timeout(&self) -> Timestamp {
+    fn timeout(&self) -> Timestamp {
         let waiting = if self.waiting { self.inhibited_until } else { Timestamp::MAX };
         self.event_due.min(self.sample_due).min(waiting)
     }
 
     /// A time has come.
-    pub fn poll(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
+    fn poll(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let mut frame = None;
         if now >= self.event_due {
             let planned = self.event_due + self.event_timer;
@@ -201,7 +200,7 @@ impl Tpdo {
     }
 
     /// A mapped value may have changed.
-    pub fn on_change(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
+    fn on_change(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let watched = self.is_active() && self.is_event_driven() && self.on_change;
         if !watched || self.last == Some(self.frame(now, objects)) {
             return None;
@@ -210,9 +209,9 @@ impl Tpdo {
     }
 
     /// A SYNC came, with a counter where the producer counts.
-    pub fn on_sync(&mut self, now: Timestamp, counter: Option<u8>, objects: &Objects) -> Option<Frame> {
+    fn on_sync(&mut self, now: Timestamp, counter: Option<u8>, objects: &Objects) -> Option<Frame> {
         if !self.is_active() {
-            self.remembered = !self.running && objects.faults.has(Fault::SyncRememberedOverStart);
+            self.remembered = !self.running && objects.firmware.remembers_sync_over_start();
             return None;
         }
         if self.awaits_start && self.is_synchronous() {
@@ -223,8 +222,9 @@ impl Tpdo {
         }
         match self.transmission {
             TransmissionType::SYNCHRONOUS_ACYCLIC => {
-                let event = self.last != Some(self.frame(now, objects));
-                let always = objects.faults.has(Fault::AcyclicTpdoWithoutEvent);
+                let changed = self.last != Some(self.frame(now, objects));
+                let event = changed && objects.firmware.takes_writes_for_events();
+                let always = objects.firmware.sends_acyclic_without_event();
                 if event || always { self.transmit(now, objects) } else { None }
             }
             TransmissionType::RTR_SYNCHRONOUS => {
@@ -234,11 +234,11 @@ impl Tpdo {
             transmission => {
                 let cycle = transmission.cycle()?;
                 self.syncs = self.syncs.saturating_add(1);
-                if self.syncs < cycle && !objects.faults.has(Fault::SyncCycleIgnored) {
+                if self.syncs < cycle && objects.firmware.heeds_sync_cycle() {
                     return None;
                 }
                 self.syncs = 0;
-                if objects.faults.has(Fault::SyncTpdoLate) {
+                if objects.firmware.delays_synchronous_pdo() {
                     (self.waiting, self.inhibited_until) = (true, now + LATE);
                     return None;
                 }
@@ -248,13 +248,13 @@ impl Tpdo {
     }
 
     /// A remote frame asks for the PDO.
-    pub fn on_remote(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
-        let allowed = self.cob_id.allows_rtr() || objects.faults.has(Fault::RemoteFrameAnsweredWhenNotAllowed);
-        if !self.is_active() || !allowed || objects.faults.has(Fault::TpdoRemoteUnanswered) {
+    fn on_remote(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
+        let allowed = self.cob_id.allows_rtr() || !objects.firmware.checks_rtr_permission();
+        if !self.is_active() || !allowed || !objects.firmware.answers_pdo_requests() {
             return None;
         }
         match self.transmission {
-            TransmissionType::RTR_SYNCHRONOUS if !objects.faults.has(Fault::RtrTypeSampledAtOnce) => self.sampled,
+            TransmissionType::RTR_SYNCHRONOUS if objects.firmware.samples_rtr_type_at_sync() => self.sampled,
             _ => Some(self.frame(now, objects)),
         }
     }
@@ -269,7 +269,7 @@ impl Tpdo {
             self.waiting = true;
             return None;
         }
-        if self.is_event_driven() && !objects.faults.has(Fault::InhibitTimeIgnored) {
+        if self.is_event_driven() && objects.firmware.heeds_inhibit_time() {
             self.inhibited_until = now + self.inhibit;
         }
         if self.event_due < Timestamp::MAX {
@@ -277,7 +277,7 @@ impl Tpdo {
         }
         let frame = self.frame(now, objects);
         self.last = Some(frame);
-        if objects.faults.has(Fault::TpdoPositionLate) {
+        if objects.firmware.sends_last_value() {
             return self.late.replace(frame).or(Some(frame));
         }
         Some(frame)
@@ -297,5 +297,103 @@ impl Tpdo {
         let id = CanId::standard_masked(self.cob_id.can_id());
         let len = if self.padded { 8 } else { offset.div_ceil(8).min(8) };
         Frame::new(id, payload.get(..len).unwrap_or(&[])).unwrap_or(Frame::full(id, payload))
+    }
+}
+
+/// The TPDOs of a device.
+#[derive(Clone, Debug)]
+pub(super) struct Tpdos(Vec<Tpdo>);
+
+impl Tpdos {
+    /// Those of the dictionary.
+    pub fn new(parameters: &Parameters) -> Self {
+        Self(Tpdo::all(parameters))
+    }
+
+    /// Whether frames with that CAN-ID are TPDOs.
+    pub fn use_id(&self, can_id: u16) -> bool {
+        self.0.iter().any(|tpdo| tpdo.uses(can_id))
+    }
+
+    /// Whether frames with that CAN-ID are synchronous TPDOs.
+    pub fn use_synchronously(&self, can_id: u16) -> bool {
+        self.0.iter().any(|tpdo| tpdo.is_synchronous() && tpdo.uses(can_id))
+    }
+
+    /// A remote frame with that CAN-ID came; whether it asks for a TPDO.
+    pub fn on_remote(&mut self, now: Timestamp, can_id: u16, context: &mut Context) -> bool {
+        let Some(tpdo) = self.0.iter_mut().find(|tpdo| tpdo.uses(can_id)) else { return false };
+        tpdo.on_remote(now, &context.objects).into_iter().for_each(|frame| context.send(frame));
+        true
+    }
+
+    /// Takes the parameters over.
+    pub fn configure(&mut self, now: Timestamp, context: &Context) {
+        self.0.iter_mut().for_each(|tpdo| tpdo.configure(now, &context.objects));
+    }
+
+    fn start(&mut self, now: Timestamp, context: &mut Context) {
+        for tpdo in &mut self.0 {
+            tpdo.start(now, &context.objects).into_iter().for_each(|frame| context.send(frame));
+        }
+    }
+}
+
+impl Service for Tpdos {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Initialise => self.0.iter_mut().for_each(Tpdo::stop),
+            Event::Started => {
+                self.configure(now, context);
+                if context.serves(nmt::Service::Pdo) {
+                    self.start(now, context);
+                }
+            }
+            Event::Entered { .. } if context.serves(nmt::Service::Pdo) => self.start(now, context),
+            Event::Entered { .. } => self.0.iter_mut().for_each(Tpdo::stop),
+            Event::Resumed => self.configure(now, context),
+            Event::Written(at, value) => self.on_written(now, at, value, context),
+            Event::Changed => {
+                for tpdo in &mut self.0 {
+                    tpdo.on_change(now, &context.objects).into_iter().for_each(|frame| context.send(frame));
+                }
+            }
+            Event::Sync { counter } => {
+                for tpdo in &mut self.0 {
+                    tpdo.on_sync(now, counter, &context.objects).into_iter().for_each(|frame| context.send(frame));
+                }
+            }
+            Event::WindowClosed => {
+                let is_late = |frame: &Frame| frame.id().as_standard().is_some_and(|id| self.use_synchronously(id));
+                context.outbox.retain(|frame| !is_late(frame));
+            }
+            _ => {}
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        for tpdo in &mut self.0 {
+            tpdo.poll(now, &context.objects).into_iter().for_each(|frame| context.send(frame));
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.0.iter().fold(Timestamp::MAX, |next, tpdo| next.min(tpdo.timeout()))
+    }
+}
+
+impl Tpdos {
+    fn on_written(&mut self, now: Timestamp, at: Multiplexer, value: u64, context: &mut Context) {
+        let concerns = match at.index.0 {
+            0x1800..0x1C00 => true,
+            // The SYNC start value counts only while SYNC has a counter.
+            0x1005..=0x1007 | 0x1019 => true,
+            // The cyclic timer of CiA 406; in other profiles these are outputs.
+            0x6200 => context.objects.encoder.is_some(),
+            _ => resets_scaling(at, value, context),
+        };
+        if concerns {
+            self.configure(now, context);
+        }
     }
 }

@@ -1,24 +1,14 @@
 //! What a model's sheet says for people: units, names of values, names of bits.
 
-use super::sheet::{BitRate, address};
+use super::sheet::{Sheet, address};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Annotations, BitName, Unit};
 use serde::Deserialize;
 
-/// The tables of a sheet that the analyzer shows values by.
-#[derive(Deserialize)]
-pub(super) struct AnnotationTables {
-    #[serde(default, rename = "signal")]
-    signals: Vec<Signal>,
-    #[serde(default, rename = "choice")]
-    choices: Vec<Choice>,
-    #[serde(default, rename = "bit")]
-    bits: Vec<Bit>,
-}
-
 /// The unit of an object: physical = raw * factor + offset.
-#[derive(Deserialize)]
-struct Signal {
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Signal {
     #[serde(deserialize_with = "address")]
     at: Multiplexer,
     unit: String,
@@ -28,8 +18,9 @@ struct Signal {
 }
 
 /// The name of a value.
-#[derive(Deserialize)]
-struct Choice {
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Choice {
     #[serde(deserialize_with = "address")]
     at: Multiplexer,
     value: u64,
@@ -37,8 +28,9 @@ struct Choice {
 }
 
 /// The name of a bit; `clear` and `set` name its states where they are worth saying.
-#[derive(Deserialize)]
-struct Bit {
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Bit {
     #[serde(deserialize_with = "address")]
     at: Multiplexer,
     bit: u8,
@@ -47,25 +39,25 @@ struct Bit {
     set: Option<String>,
 }
 
-impl AnnotationTables {
+impl Sheet {
     /// The annotations, with the bit rates named where the device has an object for their codes.
-    pub(super) fn annotations(self, bit_rate_object: Option<Multiplexer>, bit_rates: &[BitRate]) -> Annotations {
+    pub(super) fn annotations(&self) -> Annotations {
         let mut annotations = Annotations::default();
-        for signal in self.signals {
-            let unit = Unit { factor: signal.factor, offset: signal.offset, symbol: signal.unit.into() };
+        for signal in &self.signals {
+            let unit = Unit { factor: signal.factor, offset: signal.offset, symbol: signal.unit.clone().into() };
             annotations.entry(signal.at).unit = Some(unit);
         }
-        for choice in self.choices {
-            annotations.entry(choice.at).choices.push((choice.value, choice.name.into()));
+        for choice in &self.choices {
+            annotations.entry(choice.at).choices.push((choice.value, choice.name.clone().into()));
         }
-        for bit in self.bits {
+        for bit in &self.bits {
             let state = |state: &String| format!("{}: {state}", bit.name).into();
             let name = bit.set.as_ref().map_or_else(|| bit.name.clone().into(), state);
             let clear = bit.clear.as_ref().map(state);
             annotations.entry(bit.at).bits.push(BitName { bit: bit.bit, name, clear });
         }
-        if let Some(object) = bit_rate_object {
-            let named = bit_rates.iter().filter_map(|rate| Some((rate.object_code?, rate.kbit)));
+        if let Some(object) = self.network.bit_rate_object {
+            let named = self.bit_rates.iter().filter_map(|rate| Some((rate.object_code?, rate.kbit)));
             let choices = named.map(|(code, kbit)| (u64::from(code), format!("{kbit} kbit/s").into()));
             annotations.entry(object).choices.extend(choices);
         }

@@ -1,7 +1,8 @@
-//! Descriptions with a fault: what a maker of devices can get wrong in an EDS. The device itself is as it should be.
+//! Descriptions that differ from the right one: what a maker of devices can get wrong in an EDS, and what makers are free to
+//! do in it. The device itself is as it should be.
 
 use super::Model;
-use crate::{Fault, Faults};
+use crate::{Fault, Firmware, liberty};
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
 
 /// What stands in the EDS of `reference-301`, and what a faulty one has instead.
@@ -43,17 +44,30 @@ const DAMAGES: [(Fault, &str, &str); 18] = [
 ];
 
 impl Model {
-    /// The description that a maker with those faults delivers with the device; without such a fault the right one.
-    pub fn description_with(&self, faults: Faults) -> DeviceDescription {
-        let damages: Vec<_> = DAMAGES.iter().filter(|(fault, ..)| faults.has(*fault)).collect();
-        let right = || self.description().clone();
-        let Some(text) = self.eds_text().filter(|_| !damages.is_empty()) else { return right() };
-        let damaged = damages.iter().fold(text.to_owned(), |text, (_, from, to)| text.replacen(from, to, 1));
-        let Ok(mut description) = eds::read(damaged.as_bytes()) else { return right() };
+    /// The description that a maker of that firmware delivers with the device: with the faults and the liberties that are
+    /// in descriptions.
+    pub fn description_with(&self, firmware: impl Into<Firmware>) -> DeviceDescription {
+        let firmware = firmware.into();
+        let mut description = self.rewritten(&firmware).unwrap_or_else(|| self.description().clone());
+        if !firmware.liberties.is_empty() {
+            liberty::apply(&mut description, &mut self.sheet().clone(), firmware.liberties);
+        }
+        description
+    }
+
+    /// The description of the EDS as that maker has written it; `None`: as it is, or it can't be read.
+    fn rewritten(&self, firmware: &Firmware) -> Option<DeviceDescription> {
+        let damages: Vec<_> = DAMAGES.iter().filter(|(fault, ..)| firmware.has(*fault)).collect();
+        if damages.is_empty() && !liberty::changes_text(firmware.liberties) {
+            return None;
+        }
+        let damaged =
+            damages.iter().fold(self.eds_text()?.to_owned(), |text, (_, from, to)| text.replacen(from, to, 1));
+        let mut description = eds::read(&liberty::rewrite(&damaged, firmware.liberties)).ok()?;
         description.annotations = self.description().annotations.clone();
         description.settings = self.description().settings.clone();
         description.emergencies = self.description().emergencies.clone();
-        description
+        Some(description)
     }
 }
 

@@ -3,9 +3,11 @@
 use canvass_analyzer::dictionary::KnownEmergency;
 use canvass_analyzer::wire::emcy::EmcyCode;
 use serde::Deserialize;
+use serde::de::IgnoredAny as ForPeople;
 
 /// A row `[[emergency]]` of a sheet.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Emergency {
     /// The error code.
     pub code: u16,
@@ -18,6 +20,12 @@ pub struct Emergency {
     pub bytes: Vec<u8>,
     /// What it means.
     pub text: String,
+    /// For people: which of these values the manual does not say.
+    #[serde(default)]
+    pub assumed: ForPeople,
+    /// For people: what the manufacturer-specific bytes hold.
+    #[serde(default)]
+    pub fields: ForPeople,
 }
 
 impl Emergency {

@@ -22,7 +22,6 @@ pub use sheet::{
     Value,
 };
 
-use annotations::AnnotationTables;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
 use canvass_analyzer::network::{Candidate, Candidates};
@@ -32,12 +31,14 @@ use std::sync::{Arc, LazyLock};
 /// The files of each model, EDS and sheet, by the model's id.
 macro_rules! files {
     ($($id:literal,)*) => {
-        &[$((include_str!(concat!("../../models/", $id, ".eds")), include_str!(concat!("../../models/", $id, ".toml")))),*]
+        /// Their ids, in the order of the files.
+        const IDS: &[&str] = &[$($id),*];
+        /// All built-in models.
+        const FILES: &[(&str, &str)] = &[$((include_str!(concat!("../../models/", $id, ".eds")), include_str!(concat!("../../models/", $id, ".toml")))),*];
     };
 }
 
-/// All built-in models.
-const FILES: &[(&str, &str)] = files! {
+files! {
     "kuebler-sendix-58x8",
     "kuebler-sendix-f58",
     "kuebler-sendix-m58",
@@ -49,10 +50,30 @@ const FILES: &[(&str, &str)] = files! {
     "tr-lmp30",
     "reference-301",
     "reference-406",
-};
+}
 
-static MODELS: LazyLock<Vec<Model>> =
-    LazyLock::new(|| FILES.iter().filter_map(|(eds, sheet)| Model::read(eds, sheet).ok()).collect());
+static MODELS: LazyLock<Result<Vec<Model>, UnreadableModel>> = LazyLock::new(|| {
+    let read = |(id, (eds, sheet)): (&&'static str, &(&str, &str))| {
+        Model::read(eds, sheet).map_err(|error| UnreadableModel { id, error })
+    };
+    IDS.iter().zip(FILES).map(read).collect()
+});
+
+/// A built-in model whose files can't be read: then there are none.
+#[derive(Debug, thiserror::Error)]
+#[error("the built-in model {id} can't be read: {error}")]
+pub struct UnreadableModel {
+    id: &'static str,
+    error: ModelError,
+}
+
+/// The built-in models.
+///
+/// # Errors
+/// [`UnreadableModel`] if the files of one of them can't be read.
+pub fn built_in() -> Result<&'static [Model], &'static UnreadableModel> {
+    MODELS.as_deref()
+}
 
 /// A type of device: what it is, and what a simulated one needs to know.
 #[derive(Clone, Debug)]
@@ -77,9 +98,9 @@ pub enum ModelError {
 }
 
 impl Model {
-    /// The built-in models.
+    /// The built-in models; none if one of them can't be read, as [`built_in`] says.
     pub fn all() -> &'static [Self] {
-        &MODELS
+        built_in().unwrap_or_default()
     }
 
     /// The built-in model of that id.
@@ -97,8 +118,7 @@ impl Model {
             NodeId::new(node).ok_or(ModelError::NodeId(node))?;
         }
         let mut description = eds::read(eds.as_bytes())?;
-        let tables: AnnotationTables = toml::from_str(text)?;
-        description.annotations = tables.annotations(sheet.network.bit_rate_object, &sheet.bit_rates);
+        description.annotations = sheet.annotations();
         let deviations: DeviationTables = toml::from_str(text)?;
         let deviations = deviations.deviations().into();
         description.settings = sheet.settings();
@@ -115,6 +135,12 @@ impl Model {
         let description = DeviceDescription::read(bytes)?;
         let sheet = generic::sheet(name, &description)?;
         Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
+    }
+
+    /// The same model with another description and another sheet.
+    pub(crate) fn with(&self, description: DeviceDescription, sheet: Sheet) -> Self {
+        let deviations = Arc::clone(&self.deviations);
+        Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations }
     }
 
     /// What tells that a node is of this model.
@@ -182,6 +208,22 @@ mod tests {
             assert!(Model::by_id(model.id()).is_some());
             assert!(!model.summary().is_empty());
         }
-        assert_eq!(Model::all().len(), FILES.len());
+        assert_eq!(built_in().unwrap().len(), FILES.len());
+    }
+
+    /// A key with a slip of the pen would be a fact of the manual that nobody reads.
+    #[test]
+    fn unknown_keys_are_errors_in_every_table() {
+        let (eds, sheet) = FILES[0];
+        let reason = |text: String| Model::read(eds, &text).unwrap_err().to_string();
+        assert!(reason(format!("bogus_key = 1\n{sheet}")).contains("bogus_key"));
+        let tables = ["network", "timing", "storage", "encoder"].map(|table| format!("[{table}]\n"));
+        let rows =
+            ["bit_rate", "value", "link", "check", "signal", "bit", "emergency"].map(|row| format!("[[{row}]]\n"));
+        for header in tables.iter().chain(&rows) {
+            assert!(sheet.contains(header), "{header}");
+            let error = reason(sheet.replacen(header, &format!("{header}bogus_key = 1\n"), 1));
+            assert!(error.contains("bogus_key") && error.contains("line"), "{header}: {error}");
+        }
     }
 }

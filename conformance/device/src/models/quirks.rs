@@ -6,10 +6,11 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_analyzer::wire::sdo::AbortCode;
 use serde::Deserialize;
+use serde::de::IgnoredAny as ForPeople;
 
 /// The quirks of a model. Each is implemented in the file of its service.
 #[derive(Clone, Debug, Default, Deserialize)]
-#[serde(default)]
+#[serde(deny_unknown_fields, default)]
 pub struct Quirks {
     /// Reading 1001h clears the newest entry of 1003h. When the last one is gone, also by writing 0 to 1003h:00 or by
     /// a reset, the error register is 0 again and EMCY 0000h is sent. 1003h counts errors that it does not show.
@@ -50,6 +51,8 @@ pub struct Quirks {
     pub restore_needs_store: bool,
     /// Abort codes by those that CiA 301 gives for the same reason: `[standard, device]`.
     pub abort_codes: Vec<(u32, u32)>,
+    /// For people: which of these values the manual does not say.
+    pub assumed: ForPeople,
 }
 
 impl Quirks {

@@ -2,16 +2,21 @@
 
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Index, Multiplexer, SubIndex};
+use serde::de::IgnoredAny as ForPeople;
 use serde::{Deserialize, Deserializer, de};
 
 /// Objects whose values hang together.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Link {
     /// How.
     pub kind: LinkKind,
     /// The objects.
     #[serde(deserialize_with = "super::sheet::addresses")]
     pub objects: Vec<Multiplexer>,
+    /// For people: where the manual says it.
+    #[serde(default)]
+    pub source: ForPeople,
 }
 
 /// How linked objects hang together.
@@ -26,6 +31,7 @@ pub enum LinkKind {
 
 /// A rule for writing an object beyond its limits, and what answers a breach.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Check {
     /// The objects that it holds for.
     pub at: Addresses,
@@ -37,6 +43,12 @@ pub struct Check {
     /// The SDO abort code of a breach.
     #[serde(deserialize_with = "abort_code")]
     pub abort: AbortCode,
+    /// For people: which of these values the manual does not say.
+    #[serde(default)]
+    pub assumed: ForPeople,
+    /// For people: where the manual says it.
+    #[serde(default)]
+    pub source: ForPeople,
 }
 
 /// The rules that a sheet can name. Those of CiA 301 hold for every device; a row in the sheet gives the abort code of

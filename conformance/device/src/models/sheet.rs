@@ -1,5 +1,6 @@
 //! The sheet of a device model, as its TOML file lays it out.
 
+use super::annotations::{Bit, Choice, Signal};
 use super::emergency::Emergency;
 use super::quirks::Quirks;
 use super::recognition::Recognition;
@@ -9,11 +10,12 @@ use canvass_analyzer::dictionary::Settings;
 use canvass_analyzer::wire::lmt::Seven;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Duration;
+use serde::de::IgnoredAny as ForPeople;
 use serde::{Deserialize, Deserializer, de};
 
-/// What an EDS cannot say about a device, as far as the simulated device needs it. What is only for people and for
-/// the analyzer (signals, bits, errata) is not read here.
+/// What an EDS cannot say about a device. A key that is not here is an error; what only people read is not looked at.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Sheet {
     /// The name on the command line.
     pub id: String,
@@ -52,6 +54,36 @@ pub struct Sheet {
     /// What it does otherwise than the standards.
     #[serde(default)]
     pub quirks: Quirks,
+    /// For people: the version of this schema.
+    #[serde(default)]
+    pub schema: ForPeople,
+    /// For people: the file of the EDS.
+    #[serde(default)]
+    pub eds: ForPeople,
+    /// For people: the profile and the versions of the standards.
+    #[serde(default)]
+    pub profile: ForPeople,
+    /// For people: for which products of the maker the model stands.
+    #[serde(default)]
+    pub stands_for: ForPeople,
+    /// For people: where the manual contradicts itself or the standard.
+    #[serde(default, rename = "erratum")]
+    pub errata: ForPeople,
+    /// Which manual it is: read with the deviations.
+    #[serde(default)]
+    pub manual: ForPeople,
+    /// Differences from the standard: read beside the rest.
+    #[serde(default, rename = "deviation")]
+    pub deviations: ForPeople,
+    /// Units.
+    #[serde(default, rename = "signal")]
+    pub(super) signals: Vec<Signal>,
+    /// Names of values.
+    #[serde(default, rename = "choice")]
+    pub(super) choices: Vec<Choice>,
+    /// Names of bits.
+    #[serde(default, rename = "bit")]
+    pub(super) bits: Vec<Bit>,
 }
 
 impl Sheet {
@@ -80,6 +112,7 @@ impl Sheet {
 
 /// How the device is reached and which services it has.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Network {
     /// As delivered; `None` if it has to be set by LSS first.
     pub default_node_id: Option<u8>,
@@ -159,10 +192,26 @@ pub struct Network {
     /// communication (CiA 305).
     #[serde(default = "yes")]
     pub lss_restarts: bool,
+    /// For people: which of these values the manual does not say.
+    #[serde(default)]
+    pub assumed: ForPeople,
+    /// For people: how many nodes 1016h watches.
+    #[serde(default)]
+    pub heartbeat_consumers: ForPeople,
+    /// For people: whether there is a heartbeat.
+    #[serde(default)]
+    pub heartbeat_producer: ForPeople,
+    /// For people: how many there are.
+    #[serde(default)]
+    pub rpdos: ForPeople,
+    /// For people: how many there are.
+    #[serde(default)]
+    pub tpdos: ForPeople,
 }
 
 /// Which bits of 1F80h start the device.
 #[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct StartUp {
     /// The bits that count.
     pub mask: u32,
@@ -191,6 +240,7 @@ pub enum Trigger {
 
 /// The three parts of an LMT address (CiA DS-205).
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LmtAddress {
     /// Up to seven characters.
     #[serde(deserialize_with = "lmt_name")]
@@ -205,6 +255,7 @@ pub struct LmtAddress {
 
 /// A bit rate with its codes.
 #[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct BitRate {
     /// In kbit/s.
     pub kbit: u32,
@@ -212,11 +263,17 @@ pub struct BitRate {
     pub object_code: Option<u8>,
     /// In LSS; `None`: not selectable.
     pub lss_code: Option<u8>,
+    /// For people: how slow PDOs have to be at that bit rate.
+    #[serde(default)]
+    pub minimum_pdo_cycle_ms: ForPeople,
+    /// For people: whether PDOs may be sent on change at that bit rate.
+    #[serde(default)]
+    pub sends_on_change: ForPeople,
 }
 
 /// How long things take.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(default)]
+#[serde(deny_unknown_fields, default)]
 pub struct Timing {
     /// From power-on or reset to the boot-up message.
     pub boot_ms: u64,
@@ -228,11 +285,23 @@ pub struct Timing {
     pub store_ms: u64,
     /// How long the SDO server waits for the next request of a transfer.
     pub sdo_timeout_ms: u64,
+    /// For people: which of these values the manual does not say.
+    pub assumed: ForPeople,
+    /// For people: how often the temperature is measured.
+    pub temperature_update_s: ForPeople,
 }
 
 impl Default for Timing {
     fn default() -> Self {
-        Self { boot_ms: 250, sdo_response_us: 1_000, sdo_response_jitter_us: 100, store_ms: 14, sdo_timeout_ms: 1_000 }
+        Self {
+            boot_ms: 250,
+            sdo_response_us: 1_000,
+            sdo_response_jitter_us: 100,
+            store_ms: 14,
+            sdo_timeout_ms: 1_000,
+            assumed: ForPeople,
+            temperature_update_s: ForPeople,
+        }
     }
 }
 
@@ -260,7 +329,7 @@ impl Timing {
 
 /// What is stored, and how.
 #[derive(Clone, Debug, Deserialize)]
-#[serde(default)]
+#[serde(deny_unknown_fields, default)]
 pub struct Storage {
     /// Writing it to 1010h stores.
     pub save_signature: u32,
@@ -277,6 +346,14 @@ pub struct Storage {
     /// Objects that are stored as soon as they are written.
     #[serde(deserialize_with = "addresses")]
     pub persist_at_once: Vec<Multiplexer>,
+    /// For people: which of these values the manual does not say.
+    pub assumed: ForPeople,
+    /// For people: the object that restores.
+    pub load_object: ForPeople,
+    /// For people: the object that stores.
+    pub save_object: ForPeople,
+    /// For people: when stored values are loaded.
+    pub stored_values_load: ForPeople,
 }
 
 impl Default for Storage {
@@ -288,13 +365,17 @@ impl Default for Storage {
             bus_save_object: None,
             bus_objects: Vec::new(),
             persist_at_once: Vec::new(),
+            assumed: ForPeople,
+            load_object: ForPeople,
+            save_object: ForPeople,
+            stored_values_load: ForPeople,
         }
     }
 }
 
 /// The measurement.
 #[derive(Clone, Copy, Debug, Deserialize)]
-#[serde(default)]
+#[serde(deny_unknown_fields, default)]
 pub struct Encoder {
     /// What is measured.
     pub kind: EncoderKind,
@@ -318,6 +399,20 @@ pub struct Encoder {
     pub tenth_mm_per_revolution: u32,
     /// Of an inclinometer: how the housing hangs, in hundredths of a degree, clockwise.
     pub tilt_hundredths: i32,
+    /// For people: which of these values the manual does not say.
+    pub assumed: ForPeople,
+    /// For people: over which times the speed is measured.
+    pub integration_times_ms: ForPeople,
+    /// For people: the finest resolution of the family.
+    pub single_turn_bits_most: ForPeople,
+    /// For people: what the speed is measured in.
+    pub speed_unit: ForPeople,
+    /// For people: the step of a linear scale.
+    pub step_nm: ForPeople,
+    /// For people: whether revolutions are counted.
+    pub turns: ForPeople,
+    /// For people: what 0 in 6002h means.
+    pub zero_range_means_2_pow_32: ForPeople,
 }
 
 impl Default for Encoder {
@@ -335,6 +430,13 @@ impl Default for Encoder {
             full_scale_tenth_mm: 0,
             tenth_mm_per_revolution: 1,
             tilt_hundredths: 0,
+            assumed: ForPeople,
+            integration_times_ms: ForPeople,
+            single_turn_bits_most: ForPeople,
+            speed_unit: ForPeople,
+            step_nm: ForPeople,
+            turns: ForPeople,
+            zero_range_means_2_pow_32: ForPeople,
         }
     }
 }
@@ -366,12 +468,23 @@ pub enum UniversalScaling {
 
 /// The value of an object where the EDS has no default.
 #[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Value {
     /// The object.
     #[serde(deserialize_with = "address")]
     pub at: Multiplexer,
     /// A number.
     pub value: toml::Value,
+    /// For people: what it is.
+    #[serde(default)]
+    pub note: ForPeople,
+}
+
+impl Value {
+    /// A number or a text.
+    pub(crate) fn new(at: Multiplexer, value: impl Into<toml::Value>) -> Self {
+        Self { at, value: value.into(), note: ForPeople }
+    }
 }
 
 const fn yes() -> bool {

@@ -70,7 +70,7 @@ fn nothing_before_the_boot_up_and_no_sdo_when_stopped() {
 #[test]
 fn what_waits_for_the_bus_is_withdrawn_by_a_reset() {
     let model = model();
-    let mut device = Device::new(model, model.default_node(), Default::default(), 0);
+    let mut device = Device::new(model, model.default_node(), Faults::NONE, 0);
     let boot = device.poll_timeout().unwrap();
     device.handle_timeout(boot);
     assert_eq!(device.poll_transmit(boot), Some(parse("73F#00")));

@@ -3,7 +3,7 @@
 use crate::rig::{Rig, model, parse};
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, SimulatedBus};
-use canvass_device::Device;
+use canvass_device::{Device, Faults};
 use canvass_traces::{Direction, Timestamp, bit_length};
 
 #[test]
@@ -26,7 +26,7 @@ fn frames_take_their_bits_and_three_more_in_between() {
 fn the_lowest_identifier_wins() {
     let mut bus = SimulatedBus::new(250_000);
     for node in [70, 5, 63] {
-        bus.attach(Box::new(Device::new(model(), NodeId::new(node), Default::default(), 0)));
+        bus.attach(Box::new(Device::new(model(), NodeId::new(node), Faults::NONE, 0)));
     }
     let boots: Vec<String> = std::iter::from_fn(|| bus.receive(Timestamp(1_000_000_000)).unwrap())
         .map(|record| record.frame.to_string())
@@ -56,7 +56,7 @@ fn only_classical_frames() {
 fn runs_repeat_exactly() {
     let run = |seed| {
         let mut bus = SimulatedBus::new(250_000);
-        bus.attach(Box::new(Device::new(model(), NodeId::new(63), Default::default(), seed)));
+        bus.attach(Box::new(Device::new(model(), NodeId::new(63), Faults::NONE, seed)));
         let mut records = Vec::new();
         for n in 0..50 {
             bus.send(&parse(if n % 3 == 0 { "000#013F" } else { "63F#4008100000000000" })).unwrap();

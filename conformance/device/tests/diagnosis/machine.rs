@@ -3,7 +3,7 @@
 use canvass_analyzer::findings::{Diagnosis, Finding, SourceQuality, Thresholds};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, SimulatedBus};
-use canvass_device::Faults;
+use canvass_device::Firmware;
 use canvass_device::models::Model;
 use canvass_device::{Device, Motion};
 use canvass_traces::{CanId, Duration, Frame, Quality, Record, Timestamp};
@@ -30,11 +30,11 @@ pub fn frame(id: u16, bytes: &[u8]) -> Frame {
 
 impl Machine {
     /// Switched on, with a shaft that turns once in a second.
-    pub fn new(model: &'static Model, faults: impl Into<Faults>) -> Self {
+    pub fn new(model: &'static Model, firmware: impl Into<Firmware>) -> Self {
         let node = model.default_node().unwrap_or_else(|| NodeId::new(GIVEN).unwrap());
         let mut bus = SimulatedBus::new(model.default_bit_rate());
         let motion = Motion::constant(1_000, 60_000);
-        bus.attach(Box::new(Device::with_motion(model, Some(node), faults.into(), 7, motion)));
+        bus.attach(Box::new(Device::with_motion(model, Some(node), firmware, 7, motion)));
         let zero = Timestamp::ZERO;
         let mut machine = Self {
             model,

@@ -1,6 +1,7 @@
-//! Sets of abort codes.
+//! Sets of abort codes: those of the table of allowed answers, and those of choices that only a fuzzer meets.
 
 use canvass_analyzer::wire::sdo::{ABORT_CODES, AbortCode};
+use canvass_suite::situation::Situation;
 
 /// A set of the abort codes of CiA 301.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
@@ -24,6 +25,12 @@ impl CodeSet {
             n += 1;
         }
         Self(set)
+    }
+
+    /// The codes that the table of allowed answers has for a situation, and those that CiA's own tool accepts there.
+    const fn in_situation(situation: Situation) -> Self {
+        let answers = situation.answers();
+        Self::of(answers.aborts).or(Self::of(answers.tolerated))
     }
 
     /// Both sets.
@@ -54,22 +61,22 @@ impl CodeSet {
 /// What CiA's own tool accepts beside any specific code.
 pub(super) const GENERAL: CodeSet = CodeSet::of(&[AbortCode::GENERAL]);
 /// The object does not exist.
-pub(super) const NO_OBJECT: CodeSet = CodeSet::of(&[AbortCode::NO_OBJECT]).or(GENERAL);
+pub(super) const NO_OBJECT: CodeSet = CodeSet::in_situation(Situation::MissingObject);
 /// The object exists, the sub-index does not.
-pub(super) const NO_SUB_INDEX: CodeSet = CodeSet::of(&[AbortCode::NO_SUB_INDEX]).or(GENERAL);
+pub(super) const NO_SUB_INDEX: CodeSet = CodeSet::in_situation(Situation::MissingEntry);
 /// Writing what can only be read.
-pub(super) const READ_ONLY: CodeSet = CodeSet::of(&[AbortCode::READ_ONLY, AbortCode::UNSUPPORTED_ACCESS]).or(GENERAL);
+pub(super) const READ_ONLY: CodeSet = CodeSet::in_situation(Situation::ReadOnly);
 /// Reading what can only be written.
-pub(super) const WRITE_ONLY: CodeSet = CodeSet::of(&[AbortCode::WRITE_ONLY, AbortCode::UNSUPPORTED_ACCESS]).or(GENERAL);
+pub(super) const WRITE_ONLY: CodeSet = CodeSet::in_situation(Situation::WriteOnly);
 /// Too many bytes.
 pub(super) const TOO_LONG: CodeSet =
-    CodeSet::of(&[AbortCode::LENGTH_TOO_HIGH, AbortCode::LENGTH, AbortCode::OUT_OF_MEMORY]).or(GENERAL);
+    CodeSet::in_situation(Situation::TooLong).or(CodeSet::of(&[AbortCode::OUT_OF_MEMORY]));
 /// Too few bytes.
-pub(super) const TOO_SHORT: CodeSet = CodeSet::of(&[AbortCode::LENGTH_TOO_LOW, AbortCode::LENGTH]).or(GENERAL);
+pub(super) const TOO_SHORT: CodeSet = CodeSet::in_situation(Situation::TooShort);
 /// Beyond the limits.
-pub(super) const TOO_HIGH: CodeSet = CodeSet::of(&[AbortCode::VALUE_TOO_HIGH, AbortCode::INVALID_VALUE]).or(GENERAL);
+pub(super) const TOO_HIGH: CodeSet = CodeSet::in_situation(Situation::TooHigh);
 /// Beyond the limits.
-pub(super) const TOO_LOW: CodeSet = CodeSet::of(&[AbortCode::VALUE_TOO_LOW, AbortCode::INVALID_VALUE]).or(GENERAL);
+pub(super) const TOO_LOW: CodeSet = CodeSet::in_situation(Situation::TooLow);
 /// A value that the device may refuse for reasons of its own.
 pub(super) const REFUSED: CodeSet = CodeSet::of(&[
     AbortCode::INVALID_VALUE,
@@ -97,12 +104,12 @@ pub(super) const NO_DATA: CodeSet = CodeSet::of(&[
 ])
 .or(GENERAL);
 /// A command that has no place in this state.
-pub(super) const COMMAND: CodeSet = CodeSet::of(&[AbortCode::COMMAND_SPECIFIER]);
+pub(super) const COMMAND: CodeSet = CodeSet::in_situation(Situation::UnknownCommand);
 /// A toggle bit that does not alternate.
-pub(super) const TOGGLE: CodeSet = CodeSet::of(&[AbortCode::TOGGLE]);
+pub(super) const TOGGLE: CodeSet = CodeSet::in_situation(Situation::RepeatedToggle);
 /// A block size of 0 or above 127.
-pub(super) const BLOCK_SIZE: CodeSet = CodeSet::of(&[AbortCode::BLOCK_SIZE]);
+pub(super) const BLOCK_SIZE: CodeSet = CodeSet::in_situation(Situation::BlockSize);
 /// A sequence number that was never sent.
-pub(super) const SEQUENCE: CodeSet = CodeSet::of(&[AbortCode::SEQUENCE_NUMBER, AbortCode::COMMAND_SPECIFIER]);
+pub(super) const SEQUENCE: CodeSet = CodeSet::in_situation(Situation::SequenceNumber);
 /// A checksum that does not fit.
-pub(super) const CRC: CodeSet = CodeSet::of(&[AbortCode::CRC]);
+pub(super) const CRC: CodeSet = CodeSet::in_situation(Situation::WrongChecksum);

@@ -3,7 +3,7 @@
 //! Only configurations, inquiries and "identify remote slave" are answered; what is configured acts after power-off.
 
 use super::nmt::Phase;
-use super::{Violation, violation};
+use super::{Violation, silence, violation};
 use crate::Knowledge;
 use crate::coverage::{Coverage, LssCommand, LssState};
 use crate::knowledge::LmtAddress;
@@ -323,6 +323,6 @@ impl Slave {
         }
         self.due = Timestamp::MAX;
         let awaited = std::mem::replace(&mut self.awaited, Awaited::Nothing);
-        Err(violation(Property::LegalLss, self.rule, self.text(awaited), "no answer", now))
+        Err(silence(Property::LegalLss, self.rule, self.text(awaited), now))
     }
 }

@@ -1,7 +1,7 @@
 //! The LSS slave as CiA 305 demands it, seen from outside.
 
 use super::nmt::Phase;
-use super::{Violation, violation};
+use super::{Violation, silence, violation};
 use crate::Knowledge;
 use crate::coverage::{Coverage, LssCommand, LssState};
 use crate::property::Property;
@@ -481,7 +481,7 @@ impl Slave {
         }
         self.due = Timestamp::MAX;
         let awaited = std::mem::replace(&mut self.awaited, Awaited::Nothing);
-        Err(violation(self.property, self.rule, self.text(awaited), "no answer", now))
+        Err(silence(self.property, self.rule, self.text(awaited), now))
     }
 }
 

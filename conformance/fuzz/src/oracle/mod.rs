@@ -38,6 +38,8 @@ pub struct Violation {
     pub expected: String,
     /// What it did.
     pub actual: String,
+    /// It did nothing: an answer was due and has not come.
+    pub is_silence: bool,
     /// When.
     pub at: Timestamp,
 }
@@ -347,6 +349,11 @@ pub(crate) enum Served {
     Unsure,
 }
 
+/// An answer that was due has not come by `at`.
+fn silence(property: Property, rule: &'static str, expected: impl Into<String>, at: Timestamp) -> Violation {
+    Violation { is_silence: true, ..violation(property, rule, expected, "no answer", at) }
+}
+
 /// A violation at `at`.
 fn violation(
     property: Property,
@@ -355,5 +362,5 @@ fn violation(
     actual: impl Into<String>,
     at: Timestamp,
 ) -> Violation {
-    Violation { property, rule, expected: expected.into(), actual: actual.into(), at }
+    Violation { property, rule, expected: expected.into(), actual: actual.into(), is_silence: false, at }
 }

@@ -139,7 +139,7 @@ fn a_panic_of_a_device_made_anew_is_shrunk() {
 fn a_fault_on_a_bus_is_confirmed_and_small() {
     let model = Model::by_id("reference-301").unwrap();
     let mut bus = SimulatedBus::new(250_000);
-    bus.attach(Box::new(Device::new(model, Some(NODE), Fault::SdoToggleUnchecked.into(), 0)));
+    bus.attach(Box::new(Device::new(model, Some(NODE), Fault::SdoToggleUnchecked, 0)));
     let plan = Plan { stop_at_first: true, ..plan() };
     let outcome = campaign(&mut bus, knowledge(), &plan, &mut |progress| progress.sequences < 500).unwrap();
     let [found] = &outcome.violations[..] else { panic!("{:?}", outcome.violations) };

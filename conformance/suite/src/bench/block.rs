@@ -13,6 +13,9 @@ use canvass_traces::Frame;
 /// A block transfer never has more messages of the server than this: a value of a megabyte has 150 000.
 const MOST_MESSAGES: usize = 200_000;
 
+/// The command byte of an abort, which can't be that of a segment: their numbers begin with 1.
+pub(super) const ABORT: u8 = 0x80;
+
 impl Bench<'_> {
     /// Reads an object in blocks. The client remembers what the server did.
     ///
@@ -57,6 +60,9 @@ impl Bench<'_> {
             };
             if responses.len() < 256 {
                 responses.push(frame);
+            }
+            if !client.awaits_segment() || frame.bytes()[0] == ABORT {
+                self.judge_answer(Some(client.multiplexer()), &frame);
             }
             let outcome = match client.handle(frame.bytes()) {
                 BlockStep::Wait => continue,

@@ -1,9 +1,10 @@
 //! The whole object dictionary: read before a run, compared and put back after it.
 
 use super::Bench;
+use super::rewrite::Original;
 use canvass_analyzer::Multiplexer;
 use canvass_bus::client::Outcome;
-use canvass_bus::client::sdo::{Bytes, Mode};
+use canvass_bus::client::sdo::Bytes;
 
 /// Where a device without description is looked at: the communication objects that a master configures.
 const UNDESCRIBED: [(u16, u16); 7] = [
@@ -76,15 +77,13 @@ impl Bench<'_> {
             return vec![notice.to_owned()];
         }
         let mut wrong = self.differences(before);
-        // The second time for those that depend on others, such as the mapping of a PDO.
-        for _ in 0..2 {
-            for (multiplexer, value) in &wrong {
-                // What could not be written shows in the comparison.
-                let _ = self.download_as(*multiplexer, value, Mode::Shortest);
-            }
-            if !wrong.is_empty() {
-                wrong = self.differences(before);
-            }
+        if !wrong.is_empty() {
+            let configured = before.iter().filter(|(multiplexer, _)| self.is_put_back(*multiplexer));
+            let originals: Vec<Original> = configured
+                .map(|(multiplexer, value)| Original { multiplexer: *multiplexer, value: value.clone() })
+                .collect();
+            self.write_back(&originals);
+            wrong = self.differences(before);
         }
         let lines = wrong.iter().map(|(multiplexer, value)| {
             let now =
@@ -114,17 +113,19 @@ impl Bench<'_> {
     fn differences(&mut self, before: &[(Multiplexer, Vec<u8>)]) -> Vec<(Multiplexer, Vec<u8>)> {
         let mut wrong = Vec::new();
         for (multiplexer, value) in before {
-            let described = self.target.description.is_some() && self.is_described_as_writable(*multiplexer);
-            if (described || is_configuration(*multiplexer))
-                && !super::restore::is_trigger(*multiplexer)
-                // The high resolution time stamp goes on by itself.
-                && multiplexer.index.0 != 0x1013
-                && self.value_of(*multiplexer).is_some_and(|now| now != *value)
-            {
+            if self.is_put_back(*multiplexer) && self.value_of(*multiplexer).is_some_and(|now| now != *value) {
                 wrong.push((*multiplexer, value.clone()));
             }
         }
         wrong
+    }
+}
+
+impl Bench<'_> {
+    /// Whether an object is configuration that a run leaves as it was.
+    fn is_put_back(&self, multiplexer: Multiplexer) -> bool {
+        let described = self.target.description.is_some() && self.is_described_as_writable(multiplexer);
+        (described || is_configuration(multiplexer)) && !super::restore::is_trigger(multiplexer)
     }
 }
 

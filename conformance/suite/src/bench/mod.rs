@@ -6,15 +6,15 @@
 //! - [`sdo`], [`block`]: transfers and single messages;
 //! - [`pdo`]: PDO parameters and mapping;
 //! - [`objects`]: which objects of this device serve a case;
-//! - [`features`]: what this device has;
+//! - `features`: what this device has;
 //! - `restore`: as it was found.
 
+mod answers;
 pub mod block;
 mod decoder;
 mod dictionary;
-mod encoder_features;
 mod evidence;
-pub mod features;
+mod features;
 mod foreign;
 mod measurement;
 pub mod nmt;
@@ -22,6 +22,7 @@ pub mod objects;
 pub mod pdo;
 mod presence;
 mod restore;
+mod rewrite;
 pub mod sdo;
 pub mod state;
 mod target;
@@ -35,12 +36,12 @@ pub use measurement::{Measurement, Unit, percentile};
 pub use target::{Deviation, Options, Target, Timing};
 pub use traffic::Sent;
 
-use crate::case::Need;
+use crate::need::Found;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop};
 use canvass_analyzer::NodeId;
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
-use restore::Change;
+use rewrite::Original;
 use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use watch::Watch;
@@ -55,8 +56,13 @@ pub struct Bench<'a> {
     evidence: Evidence,
     /// What the case has found wrong so far.
     breaches: Vec<Breach>,
+    /// Answers of the SDO server whose form is wrong, one of each sort.
+    untidy: Vec<Breach>,
     watch: Watch,
-    changes: Vec<Change>,
+    /// What the case has changed, with the values before.
+    changes: Vec<Original>,
+    /// What earlier cases have changed and could not put back.
+    unrestored: Vec<Original>,
     notes: Vec<String>,
     measurements: Vec<Measurement>,
     /// Waits end at once when the user cancels, except while things are being put back.
@@ -64,8 +70,8 @@ pub struct Bench<'a> {
     /// The case did not come to its own end, nor to the putting right that belongs to it.
     ended_early: bool,
     foreign: Foreign,
-    /// The device left the bus and did not come back.
-    gone: bool,
+    /// The case in which the device left the bus, if it did not come back.
+    gone: Option<&'static str>,
     /// While a case runs: how many frames were lost before it.
     lost_before: Option<u64>,
     /// Frames taken since then.
@@ -76,7 +82,7 @@ pub struct Bench<'a> {
 /// What was found out about the device, and need not be found out again.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Knowledge {
-    features: BTreeMap<Need, Result<(), String>>,
+    features: BTreeMap<&'static str, Found>,
     starts_by_itself: Option<bool>,
     heartbeats: Option<state::Heartbeats>,
     /// Other nodes were looked for.
@@ -113,14 +119,16 @@ impl<'a> Bench<'a> {
             cancel,
             evidence: Evidence::default(),
             breaches: Vec::new(),
+            untidy: Vec::new(),
             watch: Watch::new(target.node),
             changes: Vec::new(),
+            unrestored: Vec::new(),
             notes: Vec::new(),
             measurements: Vec::new(),
             restoring: false,
             ended_early: false,
             foreign: Foreign::default(),
-            gone: false,
+            gone: None,
             lost_before: None,
             taken: 0,
             knowledge: Knowledge::default(),
@@ -278,6 +286,7 @@ impl<'a> Bench<'a> {
     pub(crate) fn begin(&mut self) {
         self.evidence = Evidence::default();
         self.breaches.clear();
+        self.untidy.clear();
         self.notes.clear();
         self.foreign = Foreign::default();
         self.measurements.clear();

@@ -172,7 +172,7 @@ impl Bench<'_> {
     /// [`Stop::Inconclusive`] if the device does not get there.
     pub fn prepare(&mut self) -> Result<(), Stop> {
         self.reset(Command::RESET_NODE)?;
-        if self.starts_by_itself()? {
+        if self.unjudged(Self::starts_by_itself)? {
             self.command(Command::ENTER_PRE_OPERATIONAL)?;
             self.listen(self.timing().reaction)?;
         }

@@ -140,21 +140,38 @@ impl Bench<'_> {
     /// As [`Bench::upload`].
     pub fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Stop> {
         for multiplexer in self.long_candidates() {
-            let attempt = self.upload(multiplexer)?;
-            // What the server announces decides, not what it then delivers: that is what cases judge.
-            let announced = attempt.responses.first().and_then(|frame| Response::read(frame.data()).ok());
-            let is_long = match announced {
-                Some(Response::InitiateUpload { payload: Payload::Segmented(size), .. }) => size as usize >= at_least,
-                Some(Response::InitiateUpload { payload: Payload::SegmentedUnsized, .. }) => {
-                    matches!(&attempt.outcome, Outcome::Uploaded(value) if value.len() >= at_least)
-                }
-                _ => false,
-            };
-            if is_long {
+            if self.is_long(multiplexer, at_least)? {
                 return Ok(Some(multiplexer));
             }
         }
         Ok(None)
+    }
+
+    /// Readable objects of at least that many bytes, as [`Bench::long_object`] finds them; no more than `most`.
+    ///
+    /// # Errors
+    /// As [`Bench::upload`].
+    pub fn long_objects(&mut self, at_least: usize, most: usize) -> Result<Vec<Multiplexer>, Stop> {
+        let mut found = Vec::new();
+        for multiplexer in self.long_candidates() {
+            if found.len() < most && !found.contains(&multiplexer) && self.is_long(multiplexer, at_least)? {
+                found.push(multiplexer);
+            }
+        }
+        Ok(found)
+    }
+
+    fn is_long(&mut self, multiplexer: Multiplexer, at_least: usize) -> Result<bool, Stop> {
+        let attempt = self.upload(multiplexer)?;
+        // What the server announces decides, not what it then delivers: that is what cases judge.
+        let announced = attempt.responses.first().and_then(|frame| Response::read(frame.data()).ok());
+        Ok(match announced {
+            Some(Response::InitiateUpload { payload: Payload::Segmented(size), .. }) => size as usize >= at_least,
+            Some(Response::InitiateUpload { payload: Payload::SegmentedUnsized, .. }) => {
+                matches!(&attempt.outcome, Outcome::Uploaded(value) if value.len() >= at_least)
+            }
+            _ => false,
+        })
     }
 
     fn long_candidates(&self) -> Vec<Multiplexer> {
@@ -209,7 +226,7 @@ impl Bench<'_> {
         })
     }
 
-    pub(super) fn long_writable(&self) -> Option<Multiplexer> {
+    pub(crate) fn long_writable(&self) -> Option<Multiplexer> {
         let description = self.target.description.as_ref()?;
         let strings = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::DOMAIN];
         let mut entries = description.dictionary.entries().filter(|(multiplexer, entry)| {

@@ -1,27 +1,82 @@
 //! Who is on the bus: whether the device is still there, as one that was switched off fails nothing, and who else is.
 
 use super::Bench;
+use crate::case::Touch;
+use crate::need::Met;
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
+use std::collections::BTreeSet;
 
 /// A device that is gone is looked for so long before each case, so that a run still comes to its end.
 const LOOK: Duration = Duration::from_millis(250);
 
 impl Bench<'_> {
-    /// Whether the device has left the bus: it neither answers nor starts when it is reset.
-    pub(crate) fn has_left(&mut self) -> bool {
-        if self.gone {
-            return true;
+    /// Whether the device has left the bus during a case: it neither answers, nor starts when it is reset.
+    pub(crate) fn has_left(&mut self, case: &'static str) -> bool {
+        if self.gone.is_some() {
+            return false;
         }
-        self.restoring = true;
-        let there = matches!(self.answers(), Ok(true)) || self.reset(Command::RESET_NODE).is_ok();
-        self.restoring = false;
-        self.gone = !there;
-        self.gone
+        let there = self.uncancelled(Self::is_there);
+        self.gone = (!there).then_some(case);
+        !there
+    }
+
+    fn is_there(&mut self) -> bool {
+        matches!(self.answers(), Ok(true)) || self.reset(Command::RESET_NODE).is_ok()
+    }
+
+    /// Switches the supply of the device off and on by the user's own command. Says whether there is one.
+    ///
+    /// # Errors
+    /// [`Stop::Error`] if the command can't be run or fails.
+    pub(crate) fn power_cycle(&mut self) -> Result<bool, Stop> {
+        let Some(command) = &self.options.power_cycle else { return Ok(false) };
+        let failed = |actual: String| {
+            Stop::Error(Reason::new("the command of --power-cycle switches the device off and on", "status 0", actual))
+        };
+        let status = std::process::Command::new("sh").arg("-c").arg(command).status();
+        let status = status.map_err(|error| failed(error.to_string()))?;
+        if !status.success() {
+            return Err(failed(status.to_string()));
+        }
+        self.watch.expect_boot_up();
+        self.wait_for_boot_up()?;
+        Ok(true)
+    }
+
+    /// Whether the device is the only one on the bus, or the user allows that others are commanded too.
+    ///
+    /// # Errors
+    /// As [`Bench::wait_for`].
+    pub(crate) fn is_alone(&mut self) -> Result<Met, Stop> {
+        if self.options.allow.contains(&Touch::OtherNodes) {
+            return Ok(Ok(()));
+        }
+        self.look_for_others()?;
+        Ok(match self.watch.others().first() {
+            None => Ok(()),
+            Some(other) => Err(format!(
+                "node {other} is on this bus too; with --allow {} it is commanded as well",
+                Touch::OtherNodes
+            )),
+        })
+    }
+
+    /// The other nodes that were heard since the start of the run.
+    pub(crate) fn others(&self) -> &BTreeSet<NodeId> {
+        self.watch.others()
+    }
+
+    /// Says that the device under test is given that node-ID: who turns up with it is no other node. 255, no node-ID, says
+    /// nothing.
+    pub(crate) fn gives_node_id(&mut self, node_id: u8) {
+        if let Some(node) = NodeId::new(node_id) {
+            self.watch.add_given(node);
+        }
     }
 
     /// Looks for other nodes, once in a run: those that send no heartbeats show themselves by their SDO servers. Reading
@@ -67,23 +122,28 @@ impl Bench<'_> {
         NodeId::new(node).is_some_and(|node| !self.watch.others().contains(&node))
     }
 
-    /// Looks for a device that had left.
+    /// Looks for a device that had left; where the user has given a command that switches it off and on, that is tried
+    /// first.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if it is still away.
     pub(crate) fn look_for_it(&mut self) -> Result<(), Stop> {
-        if !self.gone {
+        let Some(case) = self.gone else { return Ok(()) };
+        if self.power_cycle()? && self.is_there() {
+            self.gone = None;
             return Ok(());
         }
         let node = self.node();
         let request = Request::upload(Multiplexer::new(0x1000, 0));
         self.send_request(&request)?;
         let sign = self.wait_for(LOOK, |record| super::traffic::is_from(node, &record.frame).then_some(()))?;
-        self.gone = sign.is_none();
         match sign {
-            Some(()) => Ok(()),
+            Some(()) => {
+                self.gone = None;
+                Ok(())
+            }
             None => {
-                let actual = "it left the bus in an earlier case";
+                let actual = format!("it stopped answering during {case}");
                 Err(Stop::Inconclusive(Reason::new("the device is on the bus", "a sign of the device", actual)))
             }
         }
@@ -92,7 +152,6 @@ impl Bench<'_> {
 
 #[cfg(test)]
 mod tests {
-    use crate::case::Need;
     use crate::scripted::{table, with_bench};
 
     /// Node 64 sends nothing by itself, but answers: `640#40..` is asked and `5C0#43..` said.
@@ -101,13 +160,13 @@ mod tests {
     #[test]
     fn a_silent_neighbour_is_not_commanded() {
         let (alone, vacant) =
-            with_bench(table(SILENT_NEIGHBOUR), |bench| (bench.meets(Need::Alone).unwrap(), bench.vacant_neighbour()));
+            with_bench(table(SILENT_NEIGHBOUR), |bench| (bench.is_alone().unwrap(), bench.vacant_neighbour()));
         assert!(alone.is_err_and(|why| why.contains("node 64")));
         assert_eq!(vacant, Some(62));
     }
 
     #[test]
     fn without_an_answer_nobody_is_there() {
-        assert_eq!(with_bench(table(&[]), |bench| bench.meets(Need::Alone).unwrap()), Ok(()));
+        assert_eq!(with_bench(table(&[]), |bench| bench.is_alone().unwrap()), Ok(()));
     }
 }

@@ -1,23 +1,18 @@
 //! The device is left as it was found.
 
 use super::Bench;
-use crate::case::{Case, Need, Touch};
+use super::rewrite::{Original, companions};
+use crate::case::{Case, Touch};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome};
+use canvass_bus::observation::Subject;
 
-/// A value as it was before the case wrote to it.
-#[derive(Debug)]
-pub struct Change {
-    multiplexer: Multiplexer,
-    original: Vec<u8>,
-}
-
-/// Writing these makes something happen (clears the error history, stores, restores, moves the position); there is no value
-/// to put back. Cases that move the position put it back themselves.
+/// Writing these makes something happen (clears the error history, stores, restores, sets the clock, moves the position);
+/// there is no value to put back. Cases that move the position put it back themselves.
 pub(super) const fn is_trigger(multiplexer: Multiplexer) -> bool {
-    matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011 | 0x6003 | 0x6009)
+    matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011 | 0x1013 | 0x6003 | 0x6009)
 }
 
 impl Bench<'_> {
@@ -27,8 +22,15 @@ impl Bench<'_> {
         if known || is_trigger(multiplexer) {
             return Ok(());
         }
-        if let Outcome::Uploaded(original) = self.upload(multiplexer)?.outcome {
-            self.changes.push(Change { multiplexer, original });
+        // A PDO is switched off before its mapping is put back, and on again: its COB-ID is needed, too.
+        companions(multiplexer).into_iter().flatten().try_for_each(|companion| self.keep(companion))?;
+        self.keep(multiplexer)
+    }
+
+    fn keep(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
+        let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
+        if !known && let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome {
+            self.changes.push(Original { multiplexer, value });
         }
         Ok(())
     }
@@ -47,13 +49,9 @@ impl Bench<'_> {
         self.ended_early = true;
         let touches = case.touches.iter().any(|touch| matches!(touch, Touch::NodeId | Touch::BitRate | Touch::Nvm));
         let stored = self.watch.has_stored();
+        let rescue = case.needs.iter().find_map(|need| need.rescue()).filter(|_| touches);
         // What can fail here shows in the answers of the device, which are compared after the run.
-        let _ = self.uncancelled(|bench| match () {
-            () if !touches => Ok(()),
-            () if case.needs.contains(&Need::Lss) => crate::cases::cia305::rescue(bench, stored),
-            () if case.needs.contains(&Need::Lmt) => crate::cases::ds205::rescue(bench),
-            () => Ok(()),
-        });
+        let _ = self.uncancelled(|bench| rescue.map_or(Ok(()), |rescue| rescue(bench, stored)));
     }
 
     /// The values that are in use again are also those that are stored, if the case stored others.
@@ -71,27 +69,51 @@ impl Bench<'_> {
         });
     }
 
-    /// Puts back what the case changed, the last change first; also after a failure and after Ctrl-C.
+    /// Puts back what the case changed, and what could not be put back before; also after a failure and after Ctrl-C. What
+    /// the device does not have again is kept: it is tried anew after the next case, and told at the end of the run.
     pub(super) fn restore(&mut self) {
         let before = std::mem::replace(&mut self.restoring, true);
-        let changes = std::mem::take(&mut self.changes);
-        if !changes.is_empty()
-            && let Err(verdict) = self.wake()
+        let mut originals = std::mem::take(&mut self.unrestored);
+        for change in std::mem::take(&mut self.changes) {
+            if !originals.iter().any(|known| known.multiplexer == change.multiplexer) {
+                originals.push(change);
+            }
+        }
+        if !originals.is_empty()
+            && let Err(stop) = self.wake()
         {
-            self.notes.push(format!("not restored: {}", verdict.reason()));
+            self.notes.push(format!("not restored: {}", stop.reason()));
         }
-        let mut stuck: Vec<Change> =
-            changes.into_iter().rev().filter(|change| self.put_back(change).is_some()).collect();
-        // Some values can only be written in a certain order, such as those of a PDO that is valid again by now. What
-        // was not stored is back after a reset.
+        let mut stuck = self.write_back(&originals);
+        // What was not stored is back after a reset.
         if !stuck.is_empty() && self.reset(Command::RESET_NODE).is_ok() {
-            stuck.retain(|change| self.put_back(change).is_some());
+            stuck = self.write_back(&originals);
         }
-        for change in stuck {
-            let value = Bytes(&change.original);
-            self.notes.push(format!("{} could not be set back to {value}", change.multiplexer));
+        for Original { multiplexer, value } in &stuck {
+            self.notes.push(format!("{multiplexer} could not be set back to {}", Bytes(value)));
         }
+        self.unrestored = stuck;
         self.restoring = before;
+    }
+
+    /// Whether an earlier case has left an object behind with a value that is not the device's own.
+    pub(crate) fn is_left_behind(&self, subject: Subject) -> bool {
+        self.unrestored.iter().any(|original| subject.covers(original.multiplexer.into()))
+    }
+
+    /// What the run could not put back, each with the command that would.
+    pub(crate) fn left_behind(&self) -> Vec<String> {
+        let node = self.node();
+        let command = |original: &Original| {
+            let Original { multiplexer, value } = original;
+            let digits: String = value.iter().map(|byte| format!("{byte:02X}")).collect();
+            let (index, sub) = (multiplexer.index.0, multiplexer.sub.0);
+            format!(
+                "{multiplexer} could not be set back; `canvass sdo write BUS {node} {index:04X}:{sub:02X} {digits} --type bytes` \
+                 would do it"
+            )
+        };
+        self.unrestored.iter().map(command).collect()
     }
 
     /// Only in stopped the SDO server must not answer.
@@ -101,21 +123,5 @@ impl Bench<'_> {
             self.listen(self.timing().reaction)?;
         }
         Ok(())
-    }
-
-    /// What stands against it, if the value could not be put back.
-    fn put_back(&mut self, change: &Change) -> Option<String> {
-        let now = match self.upload(change.multiplexer) {
-            Ok(attempt) => attempt.outcome,
-            Err(verdict) => return Some(verdict.reason().to_string()),
-        };
-        if now == Outcome::Uploaded(change.original.clone()) {
-            return None;
-        }
-        match self.download_as(change.multiplexer, &change.original, Mode::Shortest) {
-            Ok(attempt) if attempt.outcome == Outcome::Downloaded => None,
-            Ok(attempt) => Some(attempt.outcome.to_string()),
-            Err(verdict) => Some(verdict.reason().to_string()),
-        }
     }
 }

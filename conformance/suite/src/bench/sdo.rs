@@ -1,6 +1,7 @@
 //! SDO transfers and single SDO messages, each judged by what it had to lead to.
 
 use super::Bench;
+use super::block::ABORT;
 use crate::situation::{Judgement, Situation};
 use crate::verdict::{Breach, Check, Judged, Precondition, Stop, demand, observed, observed_response};
 use canvass_analyzer::wire::Wire;
@@ -9,6 +10,10 @@ use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome, Step, Transfer, Violation, name};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Frame};
+use std::borrow::Cow;
+
+/// An object that every device has.
+pub const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
 /// A transfer that was tried, and how it ended.
 #[derive(Clone, Debug)]
@@ -101,11 +106,7 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::upload`].
     pub fn exchange(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
-        self.drain()?;
-        self.send_request(request)?;
-        let frame = self.wait_for_response(self.timing().sdo_response)?;
-        let response = frame.and_then(|frame| Response::read(frame.data()).ok());
-        Ok(Reply { subject: subject_of(request), what: what.into(), response, frame })
+        self.exchange_within(request, what.into(), self.timing().sdo_response)
     }
 
     /// Sends one SDO message that must not be answered, and waits as long as silence takes.
@@ -113,11 +114,37 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::upload`].
     pub fn send_unanswered(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
+        self.exchange_within(request, what.into(), self.timing().silence)
+    }
+
+    fn exchange_within(&mut self, request: &Request, what: String, span: Duration) -> Result<Reply, Stop> {
         self.drain()?;
         self.send_request(request)?;
-        let frame = self.wait_for_response(self.timing().silence)?;
+        let frame = self.wait_for_response(span)?;
+        // After these a segment of a block may follow, which has no command specifier.
+        let is_block = matches!(request, Request::StartBlockUpload | Request::ConfirmBlockUpload { .. });
+        if let Some(frame) = frame.filter(|frame| !is_block || frame.bytes()[0] == ABORT) {
+            self.judge_answer(request.multiplexer(), &frame);
+        }
         let response = frame.and_then(|frame| Response::read(frame.data()).ok());
-        Ok(Reply { subject: subject_of(request), what: what.into(), response, frame })
+        Ok(Reply { subject: subject_of(request), what, response, frame })
+    }
+
+    /// Reads an object and demands that value; `duty` says why it has to have it.
+    ///
+    /// # Errors
+    /// A breach if it can't be read.
+    pub fn expect_value(
+        &mut self,
+        multiplexer: Multiplexer,
+        right: &[u8],
+        duty: impl Into<Cow<'static, str>>,
+    ) -> Judged {
+        let now = self.upload(multiplexer)?.value()?;
+        self.check(demand(now == right, || {
+            let breach = Breach::new(multiplexer, duty).expected(Observation::Value(right.to_vec()));
+            breach.found(Observation::Value(now))
+        }))
     }
 
     /// A response that comes though nothing was asked since.
@@ -131,14 +158,18 @@ impl Bench<'_> {
     /// Reads an object again and demands that it still has the value of before.
     ///
     /// # Errors
-    /// [`Stop::Fail`] if it has another.
+    /// A breach if it can't be read any more.
     pub fn expect_unchanged(&mut self, multiplexer: Multiplexer, before: &[u8]) -> Judged {
-        let now = self.read(multiplexer)?;
-        self.check(demand(now == before, || {
-            Breach::new(multiplexer, format!("{multiplexer} keeps its value after the refusal"))
-                .expected(Observation::Value(before.to_vec()))
-                .found(Observation::Value(now))
-        }))
+        self.expect_value(multiplexer, before, format!("{multiplexer} keeps its value"))
+    }
+
+    /// Demands that the server serves a right request, after what the case did to it.
+    ///
+    /// # Errors
+    /// A breach if it does not.
+    pub fn expect_served(&mut self, circumstance: &str) -> Judged {
+        self.upload(DEVICE_TYPE)?.under(circumstance).value()?;
+        Ok(())
     }
 
     fn transfer(&mut self, mut transfer: Transfer, first: Request, what: String) -> Result<Attempt, Stop> {
@@ -154,6 +185,7 @@ impl Bench<'_> {
                 self.send_request(&transfer.abort(AbortCode::TIMEOUT))?;
                 return Ok(Attempt { multiplexer, what, outcome: Outcome::Silent, responses });
             };
+            self.judge_answer(Some(multiplexer), &frame);
             // Of a long upload the first frames tell enough of their form.
             if responses.len() < 256 {
                 responses.push(frame);
@@ -190,6 +222,13 @@ impl Bench<'_> {
 }
 
 impl Attempt {
+    /// The same, told with what the case did before or meanwhile: `in the middle of a download`.
+    #[must_use]
+    pub fn under(mut self, circumstance: &str) -> Self {
+        self.what = format!("{} {circumstance}", self.what);
+        self
+    }
+
     /// Whether no response came.
     pub const fn is_silent(&self) -> bool {
         matches!(self.outcome, Outcome::Silent)
@@ -358,8 +397,6 @@ mod tests {
     use super::*;
     use crate::scripted::{frame, table, with_bench};
     use crate::verdict::Grade;
-
-    const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
     /// Background traffic of this and of other nodes does not disturb a transfer.
     #[test]

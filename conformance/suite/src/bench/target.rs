@@ -72,6 +72,8 @@ pub struct Options {
     pub timing: Timing,
     /// How often each case runs; 0 and 1: once.
     pub repeat: u32,
+    /// A command of the user, for `sh`, that switches the supply of the device off and on.
+    pub power_cycle: Option<String>,
     /// Whether cases that try samples try everything: every index, every restricted CAN-ID.
     pub exhaustive: bool,
 }
@@ -83,6 +85,8 @@ pub struct Timing {
     pub sdo_response: Duration,
     /// For the response to a store or restore command (1010h, 1011h).
     pub store: Duration,
+    /// For each response of an LSS or LMT slave.
+    pub lss: Duration,
     /// From a reset command to the boot-up message.
     pub boot_up: Duration,
     /// From an NMT command to the state it leads to.
@@ -100,6 +104,8 @@ impl Default for Timing {
             sdo_response: Duration::from_millis(1_000),
             // EEPROMs are written in 10 ms to 3 s, and some devices are silent meanwhile.
             store: Duration::from_millis(10_000),
+            // The answer to "store configuration" comes when all is written, which may take seconds.
+            lss: Duration::from_millis(5_000),
             // Encoders with a bootloader and a self-test take up to 2 s.
             boot_up: Duration::from_millis(5_000),
             // Stacks handle NMT in their main loop, every 1 to 20 ms.

@@ -58,7 +58,7 @@ impl Bench<'_> {
             if let Some(record) = self.bus.receive(slice).map_err(|error| broken(&error))? {
                 self.check_lost()?;
                 self.watch.observe(&record);
-                if record.direction != Direction::Tx && !is_from(self.target.node, &record.frame) {
+                if record.direction != Direction::Tx && !self.is_own(&record.frame) {
                     self.foreign.count(&record);
                 }
                 let text = self.annotate.annotate(&record);
@@ -69,6 +69,12 @@ impl Bench<'_> {
                 return Ok(None);
             }
         }
+    }
+
+    /// Whether the device under test sent a frame, with its node-ID or one that it was given.
+    fn is_own(&self, frame: &Frame) -> bool {
+        let of_given = || frame.cob_id().and_then(NodeId::of_cob_id).filter(|&node| self.watch.is_given(node));
+        is_from(self.target.node, frame) || of_given().is_some_and(|node| is_from(node, frame))
     }
 
     /// A tester that does not keep up with the bus (a node that babbles faster than any bus) must still come to an end.

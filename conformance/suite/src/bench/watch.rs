@@ -25,6 +25,8 @@ pub struct Watch {
     emergencies: Vec<(Timestamp, Emcy)>,
     provoked: bool,
     others: BTreeSet<NodeId>,
+    /// Node-IDs that the tester gave to the device under test: who uses them is no other.
+    given: BTreeSet<NodeId>,
     stores: u32,
     /// The case has stored something.
     stored: bool,
@@ -40,6 +42,7 @@ impl Watch {
             emergencies: Vec::new(),
             provoked: false,
             others: BTreeSet::new(),
+            given: BTreeSet::new(),
             stores: 0,
             stored: false,
         }
@@ -68,7 +71,7 @@ impl Watch {
         let is_error_control = cob_id & 0x780 == error_control::CAN_ID_BASE;
         if node != self.node {
             // Heartbeats and boot-ups say for sure that the node is there.
-            if is_error_control {
+            if is_error_control && !self.given.contains(&node) {
                 self.others.insert(node);
             }
         } else if is_error_control {
@@ -120,7 +123,20 @@ impl Watch {
 
     /// Another node has answered.
     pub fn add_other(&mut self, node: NodeId) {
-        self.others.insert(node);
+        if !self.given.contains(&node) {
+            self.others.insert(node);
+        }
+    }
+
+    /// The device under test may use that node-ID from now on.
+    pub fn add_given(&mut self, node: NodeId) {
+        self.others.remove(&node);
+        self.given.insert(node);
+    }
+
+    /// Whether the device under test was given that node-ID.
+    pub fn is_given(&self, node: NodeId) -> bool {
+        self.given.contains(&node)
     }
 
     /// The other nodes that were heard since the start of the run.
@@ -167,6 +183,14 @@ mod tests {
         assert_eq!(watch.restarted(), None, "twice in one start is another case's matter");
         watch.observe(&boot_up(2_000));
         assert_eq!(watch.restarted(), Some(Timestamp(2_000_000_000)));
+    }
+
+    #[test]
+    fn a_node_id_that_the_tester_gave_is_no_other_node() {
+        let mut watch = Watch::new(NodeId::new(62).unwrap());
+        watch.add_given(NodeId::new(63).unwrap());
+        watch.observe(&boot_up(1));
+        assert!(watch.others().is_empty());
     }
 
     #[test]

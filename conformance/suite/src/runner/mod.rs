@@ -10,7 +10,7 @@ pub use one_case::run_case;
 pub use summary::{HostTiming, Summary};
 
 use crate::bench::{Bench, objects};
-use crate::case::{Case, Need};
+use crate::case::Case;
 use crate::verdict::{End, Lack, Stop};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -91,9 +91,9 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     // values that nobody knows.
     if summary.total() > 0 {
         bench.leave(was_operational);
-        for notice in bench.put_back_dictionary(&info.dictionary) {
-            report(&RunEvent::Noticed(&notice));
-        }
+        let mut notices = bench.put_back_dictionary(&info.dictionary);
+        notices.extend(bench.left_behind());
+        notices.iter().for_each(|notice| report(&RunEvent::Noticed(notice)));
     }
     if undescribed > 0 {
         report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));
@@ -112,7 +112,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
 /// Whether a case could not be judged because nobody has described the device.
 fn lacks_description(bench: &Bench<'_>, report: &CaseReport) -> bool {
     let Some(End::NotApplicable(reason)) = report.verdict.end() else { return false };
-    let lacks = reason.lack == Lack::Description || report.case.needs.contains(&Need::Description);
+    let lacks = reason.lack == Lack::Description || report.case.requires(&crate::needs::DESCRIPTION);
     lacks && bench.target().description.is_none()
 }
 

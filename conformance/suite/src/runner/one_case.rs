@@ -19,11 +19,12 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let judged = judged.unwrap_or_else(|panic| Err(Stop::Error(panicked(&*panic))));
     let (last, end) = ended(judged);
     let breaches = bench.take_breaches(last);
+    let (breaches, end) = not_left_behind(bench, breaches, end);
     let took = bench.now().since(started);
     let overload = (!breaches.is_empty()).then(|| overload(bench, took)).flatten();
-    // A device that has gone is looked for while its frames are still evidence.
-    let suspicious = !breaches.is_empty() || matches!(end, Some(End::Inconclusive(_)));
-    let has_left = suspicious && bench.is_live() && bench.has_left();
+    // A device that has gone is looked for while its frames are still evidence; a case that passed may have stopped it, too.
+    let ran = !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
+    let has_left = ran && bench.has_left(case.id);
     // Also what puts the device back could panic; the run goes on.
     let ended_early = matches!(end, Some(End::Inconclusive(_) | End::Error(_)));
     let clean_up = || {
@@ -49,6 +50,19 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let verdict = Verdict::new(ruled, end);
     let outcomes = vec![verdict.kind()];
     CaseReport { case, verdict, evidence, notes, measurements, outcomes, duration: bench.now().since(started) }
+}
+
+/// A case that judges an object that an earlier case has left behind says nothing of the device's own value.
+fn not_left_behind(bench: &Bench<'_>, breaches: Vec<Breach>, end: Option<End>) -> (Vec<Breach>, Option<End>) {
+    let (ours, its): (Vec<Breach>, Vec<Breach>) =
+        breaches.into_iter().partition(|breach| bench.is_left_behind(breach.subject));
+    let end = ours.first().map_or(end, |breach| {
+        let duty = format!("{} has the device's own value", breach.subject);
+        let reason =
+            Reason::new(duty, "the value before the run", "one that an earlier case left, which could not be put back");
+        Some(End::Inconclusive(reason))
+    });
+    (its, end)
 }
 
 /// The breach that ended a case, or why else it did not come to its own end.
@@ -81,12 +95,7 @@ fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
     bench.end_when_frames_are_lost();
     bench.look_for_it()?;
     bench.prepare()?;
-    for &need in case.needs {
-        if let Err(why) = bench.meets(need)? {
-            let expected = need.text();
-            return Err(Stop::NotApplicable(Reason::new("the case has what it needs", expected, why)));
-        }
-    }
+    case.require(bench)?;
     (case.run)(bench)
 }
 

@@ -115,6 +115,11 @@ impl Kind {
         Self::Error,
     ];
 
+    /// The kind of that name in JSON.
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|kind| kind.name() == name)
+    }
+
     /// The word for it in JSON.
     pub const fn name(self) -> &'static str {
         match self {

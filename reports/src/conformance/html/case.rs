@@ -1,6 +1,7 @@
 //! One case on the page.
 
-use crate::conformance::{authority, cct_forecast, hex, milliseconds_since, repetitions, symbol};
+use crate::conformance::told::Told;
+use crate::conformance::{cct_forecast, hex, milliseconds_since, repetitions, symbol};
 use crate::escape::printable;
 use canvass_suite::bench::Exhibit;
 use canvass_suite::runner::CaseReport;
@@ -44,13 +45,16 @@ pub fn details(report: &CaseReport) -> Markup {
 
 fn reason(report: &CaseReport) -> Markup {
     html! {
-        @if let Some(reason) = report.verdict.reason() {
+        @for told in Told::all(report) {
             dl.reason {
-                dt { "Duty" } dd { (printable(&reason.duty)) }
-                dt { "Expected" } dd { (printable(&reason.expected)) }
-                dt { "Found" } dd.actual { (printable(&reason.actual)) }
-                @if let Some(documented) = report.verdict.documented() {
-                    dt { (authority(report)) } dd { (printable(documented)) }
+                dt { "Duty" } dd { (printable(&told.duty)) }
+                dt { "Expected" } dd { (printable(&told.expected)) }
+                dt { "Found" } dd.actual { (printable(&told.found)) }
+                @if let Some(excuse) = &told.excuse {
+                    dt { (told.authority()) } dd { (printable(&excuse.documented)) }
+                }
+                @if let Some(waiver) = told.waiver() {
+                    dt { "As data" } dd { code { (printable(&waiver)) } }
                 }
             }
         }

@@ -36,8 +36,8 @@ pub fn section(diagnosed: &Diagnosed<'_>, places: &HashMap<FrameKey, usize>) -> 
                     span #findings-shown role="status" {}
                 }
             }
-            @for (at, finding) in all.iter().enumerate().take(MOST_FINDINGS) {
-                (article(diagnosed, at, finding, places))
+            @for (at, finding, of) in in_stories(diagnosed).take(MOST_FINDINGS) {
+                (article(diagnosed, at, finding, of, places))
             }
             @if all.len() > MOST_FINDINGS { p.hint { (all.len() - MOST_FINDINGS) " more findings are not shown." } }
             @for (rule, count) in &diagnosed.results.omitted {
@@ -47,10 +47,28 @@ pub fn section(diagnosed: &Diagnosed<'_>, places: &HashMap<FrameKey, usize>) -> 
     }
 }
 
-fn article(diagnosed: &Diagnosed<'_>, at: usize, finding: &Finding, places: &HashMap<FrameKey, usize>) -> Markup {
+/// All findings in the order of their stories: the place, and that of the finding from which it follows.
+fn in_stories<'a>(diagnosed: &'a Diagnosed<'_>) -> impl Iterator<Item = (usize, &'a Finding, Option<usize>)> {
+    let heads_and_rest = diagnosed.results.stories.iter().flat_map(|story| {
+        let head = story.head.iter().map(|at| (*at, None));
+        let rest = story.consequences.iter();
+        let rest = rest.flat_map(|consequence| consequence.findings.iter().map(|at| (*at, Some(consequence.of))));
+        head.chain(rest)
+    });
+    heads_and_rest.filter_map(|(at, of)| Some((at, diagnosed.results.findings.get(at)?, of)))
+}
+
+fn article(
+    diagnosed: &Diagnosed<'_>,
+    at: usize,
+    finding: &Finding,
+    of: Option<usize>,
+    places: &HashMap<FrameKey, usize>,
+) -> Markup {
     let title = format!("title-{}", at + 1);
+    let cause = of.and_then(|of| Some((of, diagnosed.results.findings.get(of)?)));
     html! {
-        article.finding.card.(finding.severity.name()) id=(anchor(at)) data-severity=(finding.severity.name()) tabindex="-1" aria-labelledby=(title) {
+        article.finding.card.follows[cause.is_some()].(finding.severity.name()) id=(anchor(at)) data-severity=(finding.severity.name()) tabindex="-1" aria-labelledby=(title) {
             header {
                 (badge(finding.severity, 1))
                 h3 id=(title) { (finding.rule.title) }
@@ -65,6 +83,9 @@ fn article(diagnosed: &Diagnosed<'_>, at: usize, finding: &Finding, places: &Has
                 (times(diagnosed, finding))
             }
             p.message { (text(&finding.message)) }
+            @if let Some((of, cause)) = cause {
+                p.cause { span aria-hidden="true" { "↳ " } "follows from " a href={ "#" (anchor(of)) } { (text(&diagnosed.whom(cause))) @if cause.node.is_some() { ": " } (cause.rule.title) } }
+            }
             (evidence(diagnosed, finding, places))
             p.advice { strong { "What to do: " } (finding.rule.advice) }
             details.why {

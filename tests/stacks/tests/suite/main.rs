@@ -103,7 +103,7 @@ fn expect(outcome: &Outcome, expected: &Expected) {
 }
 
 fn describe(report: &CaseReport) -> String {
-    let reason = report.verdict.reason().map(ToString::to_string).unwrap_or_default();
+    let reason = report.verdict.reason().map(|reason| reason.to_string()).unwrap_or_default();
     let frames: Vec<String> = report
         .evidence
         .frames()

@@ -4,6 +4,7 @@
 //! compression (16 bits: 0 none, 2 zlib), reserved (48), uncompressed size (32), reserved (32), bytes
 //! ```
 
+use super::reader::FILLING;
 use crate::Source;
 use crate::limited::{Limited, Unpacked};
 use flate2::bufread::ZlibDecoder;
@@ -21,7 +22,8 @@ fn header(i: &[u8]) -> IResult<&[u8], (u16, u32)> {
     (le_u16, take(6usize), le_u32, le_u32).map(|(compression, _, size, _)| (compression, size)).parse(i)
 }
 
-/// Appends a container's content to `objects`, and takes its `length` bytes, header included, from the source.
+/// Appends a container's content to `objects`, and takes its `length` bytes, header included, from the source; but no more
+/// than it needs where it says more than it has, or is damaged.
 pub(crate) fn unpack(source: &mut Source, length: u64, objects: &mut Vec<u8>) -> Unpacked {
     let start = objects.len();
     let mut limited = Limited::new(source, length);
@@ -39,11 +41,13 @@ pub(crate) fn unpack(source: &mut Source, length: u64, objects: &mut Vec<u8>) ->
         .map(|_| u64::from(size))
     });
     let (cut, unread) = (limited.is_cut(), limited.left());
-    let skipped = source.skip(unread).unwrap_or_default();
     let unpacked = (objects.len() - start) as u64;
     match read {
         _ if cut => Unpacked::Cut,
-        Ok(size) if unpacked == size && skipped == unread => Unpacked::Whole,
+        Ok(size) if unpacked == size && unread < FILLING as u64 => {
+            if source.skip(unread).is_ok_and(|skipped| skipped == unread) { Unpacked::Whole } else { Unpacked::Cut }
+        }
+        Ok(size) if unpacked == size => Unpacked::Overlong(unread),
         Ok(size) => {
             let found = if unpacked > size { "more".to_owned() } else { format!("{unpacked}") };
             Unpacked::Damaged { expected: format!("a container of {size} bytes, uncompressed"), found }

@@ -12,7 +12,10 @@
 //! not, as the writer liked; so the next object is looked for by its signature.
 //!
 //! Read are the types 1 and 86 (CAN message), 100 and 101 (CAN FD message, which may hold a classical frame), 2, 73 and
-//! 104 (error frames) and 126 (events lost by the recorder). Others are passed over: they are no CAN frames.
+//! 104 (error frames) and 126 (events lost by the recorder). Others that are known are passed over: they are no CAN
+//! frames. An object of an unknown type is reported, and so is the end of a file in which there are fewer objects than
+//! its header says. (It does not count the containers, nor type 115.) What can't be seen is an object in a plain
+//! container whose type became another known one.
 //!
 //! The start of the measurement is in local time whose zone the file does not tell. Channels are numbered from 1; their
 //! names are these numbers.

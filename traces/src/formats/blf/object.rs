@@ -1,7 +1,9 @@
 //! Objects with CAN frames.
 
 use crate::damage::Flaw;
+use crate::formats::asc::LATEST;
 use crate::{CanId, ChannelId, Direction, ErrorClass, Flags, Frame, Record, Timestamp};
+use memchr::memmem;
 use nom::bytes::complete::{tag, take};
 use nom::number::complete::{le_u16, le_u32, le_u64, u8};
 use nom::{IResult, Parser};
@@ -56,6 +58,45 @@ pub(crate) fn base_header(i: &[u8]) -> IResult<&[u8], BaseHeader> {
         .parse(i)
 }
 
+/// An index of the objects, which the file header does not count as one.
+pub(crate) const RESTORE_POINTS: u32 = 115;
+/// The last type that Vector has given.
+const LAST_KNOWN: u32 = 137;
+
+/// Whether that type is one of Vector's: what is of none may be a frame whose type is damaged.
+pub(crate) const fn is_known(kind: u32) -> bool {
+    matches!(kind, 1..=LAST_KNOWN) && !matches!(kind, 26..=28 | 52 | 53 | 108 | 116 | 117 | 135)
+}
+
+/// The size of the largest objects of that type that tools write, with their header.
+const fn usual_size(kind: u32) -> usize {
+    match kind {
+        CAN_MESSAGE => 48,
+        CAN_MESSAGE_2 | CAN_ERROR | CAN_ERROR_EXT | DATA_LOST_END => 80,
+        _ => 160,
+    }
+}
+
+/// Where in a larger object than usual another one begins: then its size is damaged.
+pub(crate) fn hidden_object(header: BaseHeader, object: &[u8]) -> Option<usize> {
+    if object.len() <= usual_size(header.kind) {
+        return None;
+    }
+    memmem::find_iter(object, SIGNATURE).find(|&at| {
+        let inner = base_header(object.get(at..).unwrap_or_default());
+        at > 0 && inner.is_ok_and(|(_, inner)| is_known(inner.kind) && inner.fits())
+    })
+}
+
+impl BaseHeader {
+    /// Whether the sizes are such as an object has. All but containers have a time stamp in their header.
+    pub(crate) fn fits(self) -> bool {
+        let least = if self.kind == LOG_CONTAINER { BASE_HEADER } else { 2 * BASE_HEADER };
+        let small = !is_read(self.kind) || self.size as usize <= LARGEST;
+        usize::from(self.header_size) >= least && self.size >= self.header_size.into() && small
+    }
+}
+
 /// Whether objects of that type are read.
 pub(crate) const fn is_read(kind: u32) -> bool {
     matches!(
@@ -87,7 +128,8 @@ pub(crate) fn content(header: BaseHeader, object: &[u8]) -> Result<Content, Flaw
     let extended = object.get(BASE_HEADER..).unwrap_or_default();
     let (_, (flags, _, time)) = time_header(extended).map_err(short)?;
     let unit = if flags == 1 { 10_000 } else { 1 };
-    let timestamp = Timestamp(time.saturating_mul(unit));
+    let timestamp = time.checked_mul(unit).map(Timestamp);
+    let timestamp = timestamp.ok_or_else(|| Flaw::malformed(LATEST, format!("{time} units of {unit} ns")))?;
     let body = object.get(usize::from(header.header_size)..).unwrap_or_default();
     let (frame, channel, direction) = match header.kind {
         CAN_MESSAGE | CAN_MESSAGE_2 => message(body).map_err(short)?.1?,

@@ -2,6 +2,7 @@
 
 use super::container;
 use super::object::{self, BASE_HEADER, BaseHeader, Content, LOG_CONTAINER, SIGNATURE};
+use crate::formats::asc::LATEST;
 use crate::limited::Unpacked;
 use crate::local_time;
 use crate::{ChannelId, Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
@@ -17,7 +18,7 @@ const FILE_HEADER: usize = 56;
 /// The largest file header; Vector's has 144 bytes.
 const LARGEST_FILE_HEADER: u32 = 64 * 1024;
 /// The filling between two objects is shorter than this.
-const FILLING: usize = 8;
+pub(crate) const FILLING: usize = 8;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
     head.starts_with(FILE_SIGNATURE)
@@ -34,6 +35,7 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
         channels: Channels::new(),
         latest_channel: None,
         number: 0,
+        counted: 0,
         last: None,
         done: false,
     })
@@ -53,6 +55,8 @@ struct BlfReader {
     /// The number of the last frame's channel, and what it is here.
     latest_channel: Option<(u16, ChannelId)>,
     number: u64,
+    /// The objects that the file header counts too.
+    counted: u64,
     /// The last damage, after the end of the file.
     last: Option<Damage>,
     done: bool,
@@ -63,16 +67,18 @@ struct BlfReader {
 struct File {
     size: u64,
     header: u32,
+    /// How many objects there are; 0 in a file that was not finished.
+    objects: u32,
     /// Start of the measurement in nanoseconds since 1970, local time; `None` if it does not say.
     start: Option<u64>,
 }
 
 /// Header size, file size, start of the measurement (year, month, weekday, day, hour, minute, second, millisecond).
 fn file_header(i: &[u8]) -> IResult<&[u8], File> {
-    let (i, (_, header, _, size, _, _, _)) =
+    let (i, (_, header, _, size, _, objects, _)) =
         (tag(FILE_SIGNATURE), le_u32, take(8usize), le_u64, le_u64, le_u32, le_u32).parse(i)?;
     let (i, date) = count(le_u16, 8).parse(i)?;
-    Ok((i, File { size, header, start: start(&date) }))
+    Ok((i, File { size, header, objects, start: start(&date) }))
 }
 
 fn start(date: &[u16]) -> Option<u64> {
@@ -161,24 +167,43 @@ impl BlfReader {
         }
         if !object::is_read(header.kind) {
             self.skip = (filling + size) as u64;
-            self.number += 1;
-            return Some(Ok(None));
+            return Some(self.pass_over(header, place));
         }
         let object = object.get(..size)?;
+        self.number += 1;
+        if let Some(inner) = object::hidden_object(header, object) {
+            self.at += filling + inner;
+            return Some(Err(hides_another(header, place)));
+        }
         let content = object::content(header, object).map_err(|flaw| flaw.damage(place));
         self.at += filling + size;
-        self.number += 1;
+        self.counted += 1;
         Some(content.and_then(|content| self.take(content, place)))
+    }
+
+    /// An object that has no frame, if that is known of its type.
+    fn pass_over(&mut self, header: BaseHeader, place: Place) -> Result<Option<Record>, Damage> {
+        self.number += 1;
+        self.counted += u64::from(header.kind != object::RESTORE_POINTS);
+        if object::is_known(header.kind) {
+            return Ok(None);
+        }
+        let found = format!("type {}", header.kind);
+        Err(Damage::new(DamageKind::Unsupported, place, "an object of a known type", found.as_bytes()))
     }
 
     /// A frame with its time and channel, or the damage that an object stands for.
     fn take(&mut self, content: Content, place: Place) -> Result<Option<Record>, Damage> {
         match content {
             Content::Lost(0) => Ok(None),
-            Content::Lost(n) => Err(Damage::new(DamageKind::Dropped(n), place, "no lost frames", b"")),
+            Content::Lost(n) => Err(Damage::dropped(n, place)),
             Content::Frame { mut record, channel } => {
-                let start = self.file.and_then(|file| file.start).unwrap_or_default();
-                record.timestamp = Timestamp(start.saturating_add(record.timestamp.nanos()));
+                let start = Timestamp(self.file.and_then(|file| file.start).unwrap_or_default());
+                let Some(timestamp) = start.after(record.timestamp.nanos()) else {
+                    let found = format!("{} behind the start", record.timestamp);
+                    return Err(Damage::new(DamageKind::Malformed, place, LATEST, found.as_bytes()));
+                };
+                record.timestamp = timestamp;
                 record.channel = match self.latest_channel {
                     Some((number, id)) if number == channel => id,
                     _ => self.channels.intern(&channel.to_string()),
@@ -209,21 +234,30 @@ impl BlfReader {
         if header.kind == LOG_CONTAINER {
             return self.container(header);
         }
-        self.number += 1;
         if let Some(damage) = unlikely(header, place) {
+            self.number += 1;
             self.source.consume(SIGNATURE.len());
             return Err(damage);
         }
         if !object::is_read(header.kind) {
             let skipped = self.source.skip(header.size.into()).unwrap_or_default();
-            return if skipped < header.size.into() { Err(self.cut(place)) } else { Ok(None) };
+            if skipped < header.size.into() {
+                return Err(self.cut(place));
+            }
+            return self.pass_over(header, place);
         }
         if !self.has(header.size as usize)? {
             return Err(self.cut(place));
         }
+        self.number += 1;
         let object = self.source.window().get(..header.size as usize).unwrap_or_default();
+        if let Some(inner) = object::hidden_object(header, object) {
+            self.source.consume(inner);
+            return Err(hides_another(header, place));
+        }
         let content = object::content(header, object).map_err(|flaw| flaw.damage(place));
         self.source.consume(header.size as usize);
+        self.counted += 1;
         content.and_then(|content| self.take(content, place))
     }
 
@@ -232,6 +266,7 @@ impl BlfReader {
         let place = self.place();
         if header.size < (BASE_HEADER + container::HEADER) as u32 {
             self.source.consume(SIGNATURE.len());
+            self.resynchronise();
             return Err(Damage::new(DamageKind::Malformed, place, "a container of at least 32 bytes", b""));
         }
         self.source.consume(BASE_HEADER);
@@ -241,6 +276,10 @@ impl BlfReader {
         let length = u64::from(header.size) - BASE_HEADER as u64;
         match container::unpack(&mut self.source, length, &mut self.objects) {
             Unpacked::Whole => Ok(None),
+            Unpacked::Overlong(more) => {
+                let found = format!("{more} bytes behind its content");
+                Err(Damage::new(DamageKind::Malformed, place, "a container that its content fills", found.as_bytes()))
+            }
             Unpacked::Cut => {
                 let found = b"the end of the file";
                 let expected = format!("a container of {} bytes", header.size);
@@ -251,6 +290,7 @@ impl BlfReader {
                 // What began in the container before would be continued by bytes that are not its own.
                 self.objects.clear();
                 self.skip = 0;
+                self.resynchronise();
                 Err(Damage::new(DamageKind::Malformed, place, expected, found.as_bytes()))
             }
         }
@@ -260,12 +300,12 @@ impl BlfReader {
     fn resynchronise(&mut self) {
         loop {
             let window = self.source.window();
-            if let Some(at) = memmem::find(window.get(1..).unwrap_or_default(), SIGNATURE) {
-                self.source.consume(at + 1);
+            if let Some(at) = memmem::find(window, SIGNATURE) {
+                self.source.consume(at);
                 return;
             }
             // The signature may begin at the very end.
-            self.source.consume(window.len().saturating_sub(SIGNATURE.len() - 1).max(1));
+            self.source.consume(window.len().saturating_sub(SIGNATURE.len() - 1));
             if !matches!(self.source.fill(), Ok(true)) {
                 return;
             }
@@ -279,26 +319,51 @@ impl BlfReader {
 
     /// The file ends: whether it is all there.
     fn end(&mut self) -> Result<Option<Record>, Damage> {
-        self.done = true;
         let place = self.place();
+        let rest = self.objects.get(self.at..).unwrap_or_default();
+        if let Ok((_, header)) = object::base_header(rest)
+            && let Some(inner) = object::hidden_object(header, rest)
+        {
+            self.at += inner;
+            self.number += 1;
+            return Err(hides_another(header, place));
+        }
+        self.done = true;
         let left = self.objects.get(self.at..).unwrap_or_default().iter().chain(self.source.window());
         let cut_object = left.clone().any(|&byte| byte != 0) || self.skip > 0;
-        let offset = self.source.offset() + self.source.window().len() as u64;
-        let file = self.file.filter(|file| file.size > offset || file.size <= file.header.into() && self.number > 0);
-        let unfinished = file.map(|file| {
-            let expected = format!("a file of {} bytes, as its header says", file.size);
-            Damage::new(DamageKind::Unfinished, place, expected, offset.to_string().as_bytes())
-        });
         let truncated = self.last.take().or_else(|| cut_object.then(|| self.cut(place)));
-        match (truncated, unfinished) {
-            (Some(truncated), unfinished) => {
-                self.last = unfinished;
+        let summary = self.unfinished(place).or_else(|| self.missing(place));
+        match (truncated, summary) {
+            (Some(truncated), summary) => {
+                self.last = summary;
                 Err(truncated)
             }
-            (None, Some(unfinished)) => Err(unfinished),
+            (None, Some(summary)) => Err(summary),
             (None, None) => Ok(None),
         }
     }
+
+    /// The file has fewer bytes than its header says, or the header was never finished.
+    fn unfinished(&self, place: Place) -> Option<Damage> {
+        let offset = self.source.offset() + self.source.window().len() as u64;
+        let file = self.file.filter(|file| file.size > offset || file.size <= file.header.into() && self.number > 0)?;
+        let expected = format!("a file of {} bytes, as its header says", file.size);
+        Some(Damage::new(DamageKind::Unfinished, place, expected, offset.to_string().as_bytes()))
+    }
+
+    /// Fewer objects were found than the header says. More than that are no loss.
+    fn missing(&self, place: Place) -> Option<Damage> {
+        let objects = self.file?.objects;
+        (u64::from(objects) > self.counted).then(|| {
+            let expected = format!("{objects} objects, as the file's header says");
+            Damage::new(DamageKind::Malformed, place, expected, self.counted.to_string().as_bytes())
+        })
+    }
+}
+
+fn hides_another(header: BaseHeader, place: Place) -> Damage {
+    let found = format!("{} bytes with another object in them", header.size);
+    Damage::new(DamageKind::Malformed, place, format!("an object of type {}", header.kind), found.as_bytes())
 }
 
 fn no_object(place: Place, found: &[u8]) -> Damage {
@@ -307,10 +372,7 @@ fn no_object(place: Place, found: &[u8]) -> Damage {
 
 /// A header that no object has: behind its signature the next one is looked for.
 fn unlikely(header: BaseHeader, place: Place) -> Option<Damage> {
-    let least = if object::is_read(header.kind) { 2 * BASE_HEADER } else { BASE_HEADER };
-    let fits = usize::from(header.header_size) >= least && header.size >= header.header_size.into();
-    let small = !object::is_read(header.kind) || header.size as usize <= object::LARGEST;
-    if fits && small {
+    if header.fits() {
         return None;
     }
     let found = format!("header {} of version {}, object {}", header.header_size, header.version, header.size);

@@ -8,6 +8,19 @@
 //! [`fields`]), whatever the message is called and in any of the encodings cdr, ros1, json and protobuf. The
 //! bus is told by the topic: `/can0` and `/can0/fd` both are the channel `can0`.
 //!
+//! The crate mcap writes the files, and its parser (`parse_record`) reads the records that describe a file. Its readers
+//! (`LinearReader`, `MessageStream`, the sans-io ones alike) can't serve here, for they are for files that are whole:
+//!
+//! - an error is their last event: behind a damaged chunk, or one whose checksum is wrong, they don't go on;
+//! - with the checksum before the messages (`prevalidate_chunk_crcs`) they give nothing of a chunk that the end of the
+//!   file cuts, without it they give messages of a chunk whose checksum then proves wrong;
+//! - a record longer than their limit is an error too, and not passed over as an attachment should be;
+//! - they don't tell where a record stands.
+//!
+//! So the framing of records and chunks is read here. A record of another kind is passed over where such a record may
+//! stand and its lengths fit; anything else is reported, and so are fewer messages than the file's statistics tell.
+//! Behind a record whose length is damaged nothing tells where the next one begins: the rest is reported as cut.
+//!
 //! Easily got wrong: a file without footer (power cut, full disk) is still a good one as far as it goes; CDR aligns
 //! from behind its 4-byte header; bytes beyond the length are left over from earlier frames.
 
@@ -15,6 +28,7 @@ mod cdr;
 mod chunk;
 mod fields;
 mod json;
+mod lengths;
 mod plan;
 mod protobuf;
 mod reader;

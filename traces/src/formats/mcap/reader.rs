@@ -1,11 +1,12 @@
 //! Reads MCAP.
 
 use super::chunk;
+use super::lengths::{attachment_fits, metadata_fits};
 use super::topics::{Slot, Topics};
 use crate::damage::Flaw;
 use crate::limited::Unpacked;
 use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
-use mcap::records::op;
+use mcap::records::{self, op};
 use nom::number::complete::{le_u16, le_u32, le_u64, u8};
 use nom::{IResult, Parser};
 use std::collections::VecDeque;
@@ -14,6 +15,8 @@ use std::collections::VecDeque;
 const RECORD_HEADER: usize = 9;
 /// Channel, sequence number, log time, publish time in front of a message.
 const MESSAGE_HEADER: usize = 22;
+/// Length of the footer.
+const FOOTER: u64 = 20;
 /// The longest record that is looked into, chunks apart. Longer ones are passed over: none of them is a CAN frame.
 const LONGEST: u64 = 512 * 1024;
 
@@ -30,6 +33,9 @@ pub(crate) fn open(source: Source, options: &ReadOptions) -> Box<dyn Reader> {
         chunk_place: 0,
         chunk_cut: false,
         messages: 0,
+        counted: None,
+        previous: None,
+        summary: false,
         pending: VecDeque::new(),
         state: State::Magic,
     })
@@ -55,6 +61,11 @@ struct McapReader {
     /// The source ended in the chunk.
     chunk_cut: bool,
     messages: u64,
+    /// How many messages the statistics of the file tell.
+    counted: Option<u64>,
+    /// The code of the record before, and whether the summary has begun: some records have their place.
+    previous: Option<u8>,
+    summary: bool,
     pending: VecDeque<Damage>,
     state: State,
 }
@@ -99,11 +110,14 @@ impl McapReader {
             return self.unfinished(cut.then(|| "a record header of 9 bytes".to_owned()));
         }
         let Ok((_, (code, length))) = record_header(self.source.window()) else { return Ok(None) };
+        let previous = self.previous.replace(code);
         match code {
             op::CHUNK => return self.open_chunk(length),
-            op::FOOTER => return self.footer(length),
+            op::FOOTER if length == FOOTER => return self.footer(),
+            // What a recorder had reserved, and not written.
+            0 => return self.unfinished(Some("a record of MCAP".to_owned())),
             op::MESSAGE | op::SCHEMA | op::CHANNEL if length <= LONGEST => {}
-            _ => return self.pass_over(code, length),
+            _ => return self.aside(code, length, previous),
         }
         let end = RECORD_HEADER + length as usize;
         if !self.has(end)? {
@@ -117,8 +131,43 @@ impl McapReader {
         result
     }
 
+    /// Passes over a record that is none of ours, if it stands where such a record may, with such content: else it may be
+    /// a message whose code is damaged.
+    fn aside(&mut self, code: u8, length: u64, previous: Option<u8>) -> Result<Option<Record>, Damage> {
+        let place = self.place();
+        let head = RECORD_HEADER + usize::try_from(length.min(LONGEST)).unwrap_or_default();
+        self.has(head)?;
+        let window = self.source.window();
+        let bytes = window.get(RECORD_HEADER..head.min(window.len())).unwrap_or_default();
+        let fits = match code {
+            op::HEADER => previous.is_none(),
+            op::MESSAGE_INDEX => matches!(previous, Some(op::CHUNK | op::MESSAGE_INDEX)),
+            op::ATTACHMENT => attachment_fits(bytes, length),
+            op::METADATA => length > LONGEST || metadata_fits(bytes),
+            op::DATA_END => length == 4,
+            op::STATISTICS => {
+                let parsed = mcap::parse_record(op::STATISTICS, bytes);
+                if let Ok(records::Record::Statistics(statistics)) = &parsed {
+                    self.counted = Some(statistics.message_count);
+                }
+                self.summary && parsed.is_ok()
+            }
+            op::CHUNK_INDEX | op::ATTACHMENT_INDEX | op::METADATA_INDEX | op::SUMMARY_OFFSET => self.summary,
+            // Too long to be looked into.
+            op::MESSAGE | op::SCHEMA | op::CHANNEL => true,
+            _ => false,
+        };
+        self.summary |= code == op::DATA_END && fits;
+        self.pass_over(code, length)?;
+        if fits {
+            return Ok(None);
+        }
+        let found = format!("code {code:02X}h, {length} bytes");
+        Err(Damage::new(DamageKind::Unsupported, place, "a record of MCAP in its place", found.as_bytes()))
+    }
+
     /// Passes over a record that is none of ours, or too long to be.
-    fn pass_over(&mut self, code: u8, length: u64) -> Result<Option<Record>, Damage> {
+    fn pass_over(&mut self, code: u8, length: u64) -> Result<(), Damage> {
         let place = self.place();
         self.source.consume(RECORD_HEADER);
         let skipped = self.source.skip(length).map_err(|error| {
@@ -126,14 +175,14 @@ impl McapReader {
             Damage::source(&error, place)
         })?;
         if skipped < length {
-            return self.unfinished(Some(format!("a record of {length} bytes")));
+            return self.unfinished(Some(format!("a record of {length} bytes"))).map(drop);
         }
         self.messages += u64::from(code == op::MESSAGE);
         if matches!(code, op::SCHEMA | op::CHANNEL) {
             let expected = format!("a schema or channel of at most {LONGEST} bytes");
             return Err(Damage::new(DamageKind::Unsupported, place, expected, length.to_string().as_bytes()));
         }
-        Ok(None)
+        Ok(())
     }
 
     /// The source ends without a footer, perhaps in a record.
@@ -148,15 +197,20 @@ impl McapReader {
     }
 
     /// The regular end.
-    fn footer(&mut self, length: u64) -> Result<Option<Record>, Damage> {
+    fn footer(&mut self) -> Result<Option<Record>, Damage> {
         let magic = mcap::MAGIC.len();
-        let end = RECORD_HEADER + usize::try_from(length.min(LONGEST)).unwrap_or_default();
-        if length != 20 || !self.has(end + magic)? || !self.source.window().get(end..).is_some_and(sniff) {
+        let end = RECORD_HEADER + FOOTER as usize;
+        if !self.has(end + magic)? || !self.source.window().get(end..).is_some_and(sniff) {
             return self.unfinished(Some("a footer and the magic number of MCAP".to_owned()));
         }
         self.state = State::Ended;
         let place = self.place();
         self.nothing_found(place);
+        if let Some(counted) = self.counted.filter(|&counted| counted > self.messages) {
+            let expected = format!("{counted} messages, as the file's statistics say");
+            let found = self.messages.to_string();
+            self.pending.push_back(Damage::new(DamageKind::Malformed, place, expected, found.as_bytes()));
+        }
         self.source.consume(end + magic);
         if self.has(1)? {
             let expected = "the end of the file behind the magic number";
@@ -227,6 +281,9 @@ impl McapReader {
         let Ok((behind, (code, length))) = record_header(rest) else {
             return self.end_of_chunk(Some("a record header of 9 bytes".to_owned()));
         };
+        if code == 0 {
+            return self.end_of_chunk(Some("a record in the chunk".to_owned()));
+        }
         let Some(bytes) = usize::try_from(length).ok().and_then(|length| behind.get(..length)) else {
             return self.end_of_chunk(Some(format!("a record of {length} bytes in its chunk")));
         };
@@ -255,7 +312,11 @@ fn inner_record(topics: &mut Topics, code: u8, bytes: &[u8], place: Place) -> Re
         op::MESSAGE => message(topics, bytes, place),
         op::SCHEMA => topics.schema(bytes).map(|()| None).map_err(|flaw| flaw.damage(place)),
         op::CHANNEL => topics.channel(bytes).map(|()| None).map_err(|flaw| flaw.damage(place)),
-        _ => Ok(None),
+        _ => {
+            let found = format!("code {code:02X}h, {} bytes", bytes.len());
+            let expected = "a schema, a channel or a message in a chunk";
+            Err(Damage::new(DamageKind::Unsupported, place, expected, found.as_bytes()))
+        }
     }
 }
 

@@ -6,7 +6,7 @@ use super::json::JsonPlan;
 use super::plan::Plan;
 use super::protobuf::ProtobufPlan;
 use super::ros1::Ros1;
-use super::{ros_definition, topic};
+use super::{lengths, ros_definition, topic};
 use crate::damage::Flaw;
 use crate::{ChannelId, Channels, Record, Timestamp};
 use mcap::records::{self, op};
@@ -82,7 +82,8 @@ impl Topics {
 
     /// Keeps a schema.
     pub(crate) fn schema(&mut self, record: &[u8]) -> Result<(), Flaw> {
-        let Ok(records::Record::Schema { header, data }) = mcap::parse_record(op::SCHEMA, record) else {
+        let parsed = lengths::schema_fits(record).then(|| mcap::parse_record(op::SCHEMA, record));
+        let Some(Ok(records::Record::Schema { header, data })) = parsed else {
             return Err(Flaw::malformed("a schema", format!("{} bytes", record.len())));
         };
         if self.texts.contains_key(&header.id) {
@@ -99,7 +100,8 @@ impl Topics {
 
     /// Finds out how a channel's messages are read.
     pub(crate) fn channel(&mut self, record: &[u8]) -> Result<(), Flaw> {
-        let Ok(records::Record::Channel(channel)) = mcap::parse_record(op::CHANNEL, record) else {
+        let parsed = lengths::channel_fits(record).then(|| mcap::parse_record(op::CHANNEL, record));
+        let Some(Ok(records::Record::Channel(channel))) = parsed else {
             return Err(Flaw::malformed("a channel", format!("{} bytes", record.len())));
         };
         let place = usize::from(channel.id);

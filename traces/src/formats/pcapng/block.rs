@@ -1,145 +1,180 @@
-//! The blocks of pcapng, as far as they are read: their types, fields and options.
+//! The blocks of pcapng: which are known, where one may begin, and what the crate reads of them.
 
 use crate::Direction;
-use nom::bytes::complete::take;
-use nom::number::Endianness;
-use nom::number::complete::{u16, u32};
-use nom::{IResult, Parser};
+use byteorder::{BigEndian, LittleEndian};
+use pcap_file::Endianness;
+use pcap_file::pcapng::blocks::{
+    CUSTOM_BLOCK_COPIABLE, CUSTOM_BLOCK_NON_COPIABLE, ENHANCED_PACKET_BLOCK, INTERFACE_DESCRIPTION_BLOCK,
+    INTERFACE_STATISTIC_BLOCK, NAME_RESOLUTION_BLOCK, PACKET_BLOCK, SECTION_HEADER_BLOCK, SIMPLE_PACKET_BLOCK,
+    SYSTEMD_JOURNAL_EXPORT_BLOCK,
+};
+use pcap_file::pcapng::{BlockContentParseError, PcapNgBlock, PcapNgState, RawBlock, RawBlockParseError};
 
-/// Reads the same in both byte orders.
-pub(crate) const SECTION_HEADER: u32 = 0x0A0D_0D0A;
-pub(crate) const INTERFACE_DESCRIPTION: u32 = 1;
-/// The obsolete packet block.
-pub(crate) const PACKET: u32 = 2;
-pub(crate) const SIMPLE_PACKET: u32 = 3;
-pub(crate) const INTERFACE_STATISTICS: u32 = 5;
-pub(crate) const ENHANCED_PACKET: u32 = 6;
-/// In a section header: tells the byte order.
-pub(crate) const BYTE_ORDER_MAGIC: u32 = 0x1A2B_3C4D;
 /// Type and length before the body, length after it.
 pub(crate) const FRAMING: usize = 12;
+/// The longest block that is looked into.
+pub(crate) const LONGEST: usize = 512 * 1024;
+/// Keys of other protocols, which the crate does not know.
+const DECRYPTION_SECRETS: u32 = 0x0A;
 
-/// Option codes.
-pub(crate) const IF_NAME: u16 = 2;
-pub(crate) const IF_TSRESOL: u16 = 9;
-pub(crate) const IF_TSOFFSET: u16 = 14;
-pub(crate) const EPB_FLAGS: u16 = 2;
-pub(crate) const EPB_DROPCOUNT: u16 = 4;
-pub(crate) const ISB_IFDROP: u16 = 5;
-pub(crate) const ISB_OSDROP: u16 = 7;
-pub(crate) const SHB_USERAPPL: u16 = 4;
-
-/// A packet of any of the three kinds of blocks.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Packet<'a> {
-    pub(crate) interface: u32,
-    /// In the interface's units; `None` for a simple packet block.
-    pub(crate) time: Option<u64>,
-    pub(crate) original: u32,
-    pub(crate) data: &'a [u8],
-    pub(crate) options: &'a [u8],
-    /// Frames lost before this one, from the obsolete packet block.
-    pub(crate) drops: u64,
+/// A block's type, and its length as it stands in front of it.
+#[derive(Clone, Copy)]
+pub(crate) struct Head {
+    pub(crate) kind: u32,
+    pub(crate) length: u32,
 }
 
-/// The byte order of a section, from its header block's magic number.
-pub(crate) fn byte_order(magic: [u8; 4]) -> Option<Endianness> {
-    match u32::from_le_bytes(magic) {
-        BYTE_ORDER_MAGIC => Some(Endianness::Little),
-        swapped if swapped.swap_bytes() == BYTE_ORDER_MAGIC => Some(Endianness::Big),
-        _ => None,
+impl Head {
+    /// Whether a block of that type may be as long as it likes: it holds no frame.
+    pub(crate) const fn is_aside(self) -> bool {
+        matches!(
+            self.kind,
+            NAME_RESOLUTION_BLOCK
+                | SYSTEMD_JOURNAL_EXPORT_BLOCK
+                | DECRYPTION_SECRETS
+                | CUSTOM_BLOCK_COPIABLE
+                | CUSTOM_BLOCK_NON_COPIABLE
+        )
     }
-}
 
-/// Bytes filled up to a multiple of four; the filling of the last ones may be absent.
-#[inline]
-fn padded(len: usize, i: &[u8]) -> IResult<&[u8], &[u8]> {
-    let (rest, data) = take(len).parse(i)?;
-    let filling = (4 - len % 4) % 4;
-    Ok((rest.get(filling..).unwrap_or_default(), data))
-}
-
-/// The body of an enhanced packet block.
-#[inline]
-pub(crate) fn enhanced_packet(order: Endianness, i: &[u8]) -> IResult<&[u8], Packet<'_>> {
-    let (i, (interface, high, low, captured, original)) =
-        (u32(order), u32(order), u32(order), u32(order), u32(order)).parse(i)?;
-    let (options, data) = padded(captured as usize, i)?;
-    let time = Some(u64::from(high) << 32 | u64::from(low));
-    Ok((&[], Packet { interface, time, original, data, options, drops: 0 }))
-}
-
-/// The body of an obsolete packet block.
-pub(crate) fn packet(order: Endianness, i: &[u8]) -> IResult<&[u8], Packet<'_>> {
-    let (i, (interface, drops, high, low, captured, original)) =
-        (u16(order), u16(order), u32(order), u32(order), u32(order), u32(order)).parse(i)?;
-    let (options, data) = padded(captured as usize, i)?;
-    let time = Some(u64::from(high) << 32 | u64::from(low));
-    // FFFFh: not known.
-    let drops = if drops == u16::MAX { 0 } else { u64::from(drops) };
-    Ok((&[], Packet { interface: interface.into(), time, original, data, options, drops }))
-}
-
-/// The body of a simple packet block: cut to the snapshot length of the section's first interface, 0 for none.
-pub(crate) fn simple_packet(order: Endianness, snapshot: u32, i: &[u8]) -> IResult<&[u8], Packet<'_>> {
-    let (i, original) = u32(order).parse(i)?;
-    let captured = if snapshot == 0 { original } else { original.min(snapshot) };
-    let (_, data) = take(captured as usize).parse(i)?;
-    Ok((&[], Packet { interface: 0, time: None, original, data, options: &[], drops: 0 }))
-}
-
-/// An option's code and value.
-pub(crate) type BlockOption<'a> = (u16, &'a [u8]);
-
-/// The next option; `None` at the end of the options.
-pub(crate) fn option(order: Endianness, i: &[u8]) -> IResult<&[u8], Option<BlockOption<'_>>> {
-    if i.is_empty() {
-        return Ok((i, None));
+    const fn is_known(self) -> bool {
+        self.is_aside()
+            || matches!(
+                self.kind,
+                SECTION_HEADER_BLOCK
+                    | INTERFACE_DESCRIPTION_BLOCK
+                    | PACKET_BLOCK
+                    | SIMPLE_PACKET_BLOCK
+                    | INTERFACE_STATISTIC_BLOCK
+                    | ENHANCED_PACKET_BLOCK
+            )
     }
-    let (i, (code, len)) = (u16(order), u16(order)).parse(i)?;
-    if code == 0 {
-        return Ok((&[], None));
-    }
-    let (i, value) = padded(usize::from(len), i)?;
-    Ok((i, Some((code, value))))
-}
 
-/// Hands each option to `each`; whether all of them could be read.
-pub(crate) fn for_each_option<'a>(order: Endianness, mut i: &'a [u8], mut each: impl FnMut(u16, &'a [u8])) -> bool {
-    loop {
-        match option(order, i) {
-            Ok((rest, Some((code, value)))) => {
-                each(code, value);
-                i = rest;
-            }
-            Ok((_, None)) => return true,
-            Err(_) => return false,
-        }
-    }
-}
-
-/// The direction of a packet, bits 0 and 1 of [`EPB_FLAGS`]: 1 inbound, 2 outbound.
-pub(crate) const fn flags_direction(flags: u32) -> Direction {
-    match flags & 3 {
-        1 => Direction::Rx,
-        2 => Direction::Tx,
-        _ => Direction::Unknown,
+    /// Whether a block may begin like this.
+    pub(crate) const fn is_likely(self) -> bool {
+        let length = self.length as usize;
+        self.is_known() && length >= FRAMING && length <= LONGEST && length.is_multiple_of(4)
     }
 }
 
 /// A number of four bytes.
 #[inline]
 pub(crate) fn word(order: Endianness, bytes: [u8; 4]) -> u32 {
-    if matches!(order, Endianness::Big) { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) }
+    match order {
+        Endianness::Big => u32::from_be_bytes(bytes),
+        Endianness::Little => u32::from_le_bytes(bytes),
+    }
 }
 
-/// The value of an option of four bytes.
-pub(crate) fn option_u32(order: Endianness, value: &[u8]) -> Option<u32> {
-    value.try_into().ok().map(|bytes| word(order, bytes))
+/// The byte order that the magic number of a section header tells.
+pub(crate) fn byte_order(magic: [u8; 4]) -> Option<Endianness> {
+    match &magic {
+        b"\x1A\x2B\x3C\x4D" => Some(Endianness::Big),
+        b"\x4D\x3C\x2B\x1A" => Some(Endianness::Little),
+        _ => None,
+    }
 }
 
-/// The value of an option of eight bytes.
-pub(crate) fn option_u64(order: Endianness, value: &[u8]) -> Option<u64> {
-    let bytes = value.try_into().ok()?;
-    Some(if matches!(order, Endianness::Big) { u64::from_be_bytes(bytes) } else { u64::from_le_bytes(bytes) })
+/// The first fields of a block, and its byte order: a section header tells its own.
+pub(crate) fn head(section: Option<Endianness>, bytes: &[u8; FRAMING]) -> Option<(Endianness, Head)> {
+    let &[kind, length, third] = bytes.as_chunks().0 else { return None };
+    // The type of a section header is the same in both orders.
+    let is_section = u32::from_le_bytes(kind) == SECTION_HEADER_BLOCK;
+    let order = if is_section { byte_order(third) } else { section }?;
+    Some((order, Head { kind: word(order, kind), length: word(order, length) }))
+}
+
+/// The block that these bytes begin with.
+pub(crate) fn raw(order: Endianness, bytes: &[u8]) -> Result<(&[u8], RawBlock<'_>), RawBlockParseError> {
+    match order {
+        Endianness::Big => RawBlock::from_slice::<BigEndian>(bytes),
+        Endianness::Little => RawBlock::from_slice::<LittleEndian>(bytes),
+    }
+}
+
+/// A block's content. Where only its options can't be read, which begin behind `fixed` bytes, it is given without
+/// them; the flag tells whether all was read.
+pub(crate) fn content<'a, T: PcapNgBlock<'a>>(
+    order: Endianness,
+    state: &PcapNgState,
+    body: &'a [u8],
+    fixed: usize,
+) -> Result<(T, bool), BlockContentParseError> {
+    let parse = |body| match order {
+        Endianness::Big => T::from_slice::<BigEndian>(state, body),
+        Endianness::Little => T::from_slice::<LittleEndian>(state, body),
+    };
+    match parse(body) {
+        Ok((rest, block)) => Ok((block, rest.is_empty())),
+        Err(error @ BlockContentParseError::Option(_)) => {
+            let Some(body) = body.get(..fixed) else { return Err(error) };
+            parse(body).map(|(_, block)| (block, false))
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// Where the options of a packet begin.
+pub(crate) fn options_of_packet(order: Endianness, body: &[u8]) -> usize {
+    let captured = body.get(12..16).and_then(|bytes| bytes.try_into().ok()).map_or(0, |bytes| word(order, bytes));
+    20_usize.saturating_add(captured as usize).saturating_add(3) / 4 * 4
+}
+
+/// Whether a block that holds no frame has the content that its type promises, as far as it is known: else it may be a
+/// packet whose type is damaged.
+pub(crate) fn is_aside(order: Endianness, state: &PcapNgState, kind: u32, body: &[u8]) -> bool {
+    use pcap_file::pcapng::blocks::name_resolution::NameResolutionBlock;
+    match kind {
+        NAME_RESOLUTION_BLOCK => {
+            content::<NameResolutionBlock<'_>>(order, state, body, body.len()).is_ok_and(|(_, whole)| whole)
+        }
+        // Fields of systemd have names of capital letters.
+        SYSTEMD_JOURNAL_EXPORT_BLOCK => body.first().is_some_and(|&b| b.is_ascii_uppercase() || b == b'_'),
+        DECRYPTION_SECRETS => {
+            let length = body.get(4..8).and_then(|bytes| bytes.try_into().ok()).map(|bytes| word(order, bytes));
+            length.is_some_and(|length| length as usize <= body.len() - 8)
+        }
+        CUSTOM_BLOCK_COPIABLE | CUSTOM_BLOCK_NON_COPIABLE => body.len() >= 4,
+        _ => false,
+    }
+}
+
+/// An option's code and value.
+type BlockOption<'a> = (u16, &'a [u8]);
+
+/// Hands each option to `each`; whether all of them could be read.
+pub(crate) fn for_each_option<'a>(
+    order: Endianness,
+    mut options: &'a [u8],
+    mut each: impl FnMut(u16, &'a [u8]),
+) -> bool {
+    while let Some((option, rest)) = option(order, options) {
+        let (code, value) = option;
+        if code == 0 {
+            return true;
+        }
+        each(code, value);
+        options = rest;
+    }
+    options.is_empty()
+}
+
+fn option(order: Endianness, options: &[u8]) -> Option<(BlockOption<'_>, &[u8])> {
+    let (&[code, length], rest) = options.as_chunks::<2>().0.first_chunk().zip(options.get(4..))?;
+    let [code, length] = [code, length].map(|bytes| match order {
+        Endianness::Big => u16::from_be_bytes(bytes),
+        Endianness::Little => u16::from_le_bytes(bytes),
+    });
+    let value = rest.get(..usize::from(length))?;
+    // The filling of the last one may be absent.
+    Some(((code, value), rest.get(usize::from(length).next_multiple_of(4)..).unwrap_or_default()))
+}
+
+/// The direction of a packet, bits 0 and 1 of its flags: 1 inbound, 2 outbound.
+pub(crate) const fn flags_direction(flags: u32) -> Direction {
+    match flags & 3 {
+        1 => Direction::Rx,
+        2 => Direction::Tx,
+        _ => Direction::Unknown,
+    }
 }

@@ -1,11 +1,14 @@
 //! What an interface description block says, and the clock of its packets.
 
-use super::block::{self, IF_NAME, IF_TSOFFSET, IF_TSRESOL};
+use super::block;
 use crate::formats::socketcan::LinkType;
 use crate::{ChannelId, Channels, Timestamp};
-use nom::number::Endianness;
-use nom::number::complete::{u16, u32};
-use nom::{IResult, Parser};
+use pcap_file::Endianness;
+
+/// Codes of the options that are read.
+const IF_NAME: u16 = 2;
+const IF_TSRESOL: u16 = 9;
+const IF_TSOFFSET: u16 = 14;
 
 /// The longest channel name that is kept, in bytes; interface names have at most 15.
 const LONGEST_NAME: usize = 256;
@@ -16,7 +19,6 @@ pub(crate) struct Interface {
     /// As in the block; [`LinkType::from_number`] tells whether it is one of ours.
     pub(crate) link_number: u16,
     pub(crate) link: Option<LinkType>,
-    pub(crate) snapshot: u32,
     pub(crate) channel: ChannelId,
     pub(crate) clock: Clock,
     /// How many lost frames were reported so far.
@@ -64,10 +66,11 @@ impl Default for Clock {
 }
 
 impl Clock {
-    /// Nanoseconds; times before 1970 become 0.
-    pub(crate) fn timestamp(self, time: u64) -> Timestamp {
+    /// `None` for times before 1970 or after 2554.
+    #[inline]
+    pub(crate) fn timestamp(self, time: u64) -> Option<Timestamp> {
         if let (Unit::Nanoseconds(unit), 0) = (self.unit, self.offset) {
-            return Timestamp(time.saturating_mul(unit));
+            return time.checked_mul(unit).map(Timestamp);
         }
         let nanos = match self.unit {
             Unit::Nanoseconds(unit) => u128::from(time) * u128::from(unit),
@@ -75,19 +78,19 @@ impl Clock {
             Unit::BinaryFraction(exponent) => (u128::from(time) * 1_000_000_000) >> exponent,
         };
         let nanos = nanos as i128 + i128::from(self.offset) * 1_000_000_000;
-        Timestamp(u64::try_from(nanos.max(0)).unwrap_or(u64::MAX))
+        u64::try_from(nanos).ok().map(Timestamp)
     }
 }
 
-/// The body of an interface description block, the `number`th of its section. The flag tells whether all
-/// options could be read.
-pub(crate) fn description<'a>(
+/// The `number`th interface of its section, of that link type and with these options. The flag tells whether all options
+/// could be read.
+pub(crate) fn described(
     order: Endianness,
+    link_number: u16,
+    options: &[u8],
     number: usize,
     channels: &mut Channels,
-    body: &'a [u8],
-) -> IResult<&'a [u8], (Interface, bool)> {
-    let (options, (link_number, _, snapshot)) = (u16(order), u16(order), u32(order)).parse(body)?;
+) -> (Interface, bool) {
     let (mut name, mut clock, mut readable) = (None, Clock::default(), true);
     let all = block::for_each_option(order, options, |code, value| match code {
         IF_NAME => name = Some(String::from_utf8_lossy(&value[..value.len().min(LONGEST_NAME)])),
@@ -95,9 +98,9 @@ pub(crate) fn description<'a>(
             [resolution, ..] => clock.unit = Unit::from_resolution(*resolution),
             [] => readable = false,
         },
-        IF_TSOFFSET => match block::option_u64(order, value) {
-            Some(seconds) => clock.offset = seconds as i64,
-            None => readable = false,
+        IF_TSOFFSET => match value.try_into() {
+            Ok(seconds) => clock.offset = signed(order, seconds),
+            Err(_) => readable = false,
         },
         _ => {}
     });
@@ -107,7 +110,14 @@ pub(crate) fn description<'a>(
         None => channels.intern(&format!("can{number}")),
     };
     let link = LinkType::from_number(link_number);
-    Ok((&[], (Interface { link_number, link, snapshot, channel, clock, dropped: 0 }, all && readable)))
+    (Interface { link_number, link, channel, clock, dropped: 0 }, all && readable)
+}
+
+fn signed(order: Endianness, bytes: [u8; 8]) -> i64 {
+    match order {
+        Endianness::Big => i64::from_be_bytes(bytes),
+        Endianness::Little => i64::from_le_bytes(bytes),
+    }
 }
 
 #[cfg(test)]
@@ -118,23 +128,34 @@ mod tests {
         Clock { unit: Unit::from_resolution(resolution), offset }
     }
 
+    fn nanos(clock: Clock, time: u64) -> Option<u64> {
+        clock.timestamp(time).map(Timestamp::nanos)
+    }
+
     #[test]
     fn resolutions() {
-        assert_eq!(Clock::default().timestamp(1_700_000_000_123_456).nanos(), 1_700_000_000_123_456_000);
-        assert_eq!(clock(9, 0).timestamp(123).nanos(), 123);
-        assert_eq!(clock(0, 0).timestamp(3).nanos(), 3_000_000_000);
-        assert_eq!(clock(12, 0).timestamp(123_456).nanos(), 123);
-        assert_eq!(clock(0x80 | 10, 0).timestamp(1536).nanos(), 1_500_000_000);
-        assert_eq!(clock(0x80 | 127, 0).timestamp(u64::MAX).nanos(), 0);
-        assert_eq!(clock(127, 0).timestamp(u64::MAX).nanos(), 0);
-        assert_eq!(clock(0, 0).timestamp(u64::MAX), Timestamp::MAX);
+        assert_eq!(nanos(Clock::default(), 1_700_000_000_123_456), Some(1_700_000_000_123_456_000));
+        assert_eq!(nanos(clock(9, 0), 123), Some(123));
+        assert_eq!(nanos(clock(0, 0), 3), Some(3_000_000_000));
+        assert_eq!(nanos(clock(12, 0), 123_456), Some(123));
+        assert_eq!(nanos(clock(0x80 | 10, 0), 1536), Some(1_500_000_000));
+        assert_eq!(nanos(clock(0x80 | 127, 0), u64::MAX), Some(0));
+        assert_eq!(nanos(clock(127, 0), u64::MAX), Some(0));
     }
 
     #[test]
     fn offsets_are_whole_seconds() {
-        assert_eq!(clock(6, 1_700_000_000).timestamp(5).nanos(), 1_700_000_000_000_005_000);
-        assert_eq!(clock(6, -10).timestamp(10_000_001).nanos(), 1_000);
-        assert_eq!(clock(6, i64::MIN).timestamp(u64::MAX).nanos(), 0);
-        assert_eq!(clock(6, i64::MAX).timestamp(u64::MAX), Timestamp::MAX);
+        assert_eq!(nanos(clock(6, 1_700_000_000), 5), Some(1_700_000_000_000_005_000));
+        assert_eq!(nanos(clock(6, -10), 10_000_001), Some(1_000));
+    }
+
+    #[test]
+    fn times_that_no_record_can_hold_are_none() {
+        assert_eq!(nanos(Clock::default(), u64::MAX), None);
+        assert_eq!(nanos(clock(0, 0), u64::MAX), None);
+        assert_eq!(nanos(clock(6, -10), 9_999_999), None);
+        assert_eq!(nanos(clock(6, i64::MIN), u64::MAX), None);
+        assert_eq!(nanos(clock(6, i64::MAX), u64::MAX), None);
+        assert_eq!(nanos(clock(9, 0), u64::MAX), Some(u64::MAX));
     }
 }

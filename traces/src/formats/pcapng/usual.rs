@@ -1,51 +1,52 @@
 //! The quick way for packets as most are: the same as the reader's long way gives, which takes all others.
+//!
+//! Of a capture of 1 M frames, in memory of the system, 45 million frames per second become records in this way and 12
+//! million by the crate's blocks (`cargo run --release -p canvass-traces --example read_speed`); the crate alone gives
+//! 14 million blocks per second. What takes the time there is chiefly the copying of each block from one type to the next.
 
-use super::block::{self, ENHANCED_PACKET, EPB_FLAGS};
+use super::block;
 use super::interface::Interface;
 use crate::formats::socketcan::{self, LinkType};
-use crate::{Direction, Record};
-use nom::number::Endianness;
+use crate::{Direction, Place, Record};
+use pcap_file::pcapng::blocks::ENHANCED_PACKET_BLOCK;
 
 /// Type, length, interface, time (upper and lower half), captured and original length.
 const HEADER: usize = 28;
+/// The longest packet of a classical frame.
+const LONGEST: usize = 16;
 
-/// The record of the block that the window begins with and the block's size, if the window holds all of it and it is an
-/// enhanced packet with a classical data frame and no option but the direction.
-#[inline]
-pub(crate) fn packet(order: Endianness, interfaces: &[Interface], window: &[u8]) -> Option<(Record, usize)> {
-    let (header, rest) = window.split_first_chunk::<HEADER>()?;
-    let &[kind, length, interface, high, low, captured, original] = header.as_chunks().0 else { return None };
-    let word = |bytes| block::word(order, bytes);
-    let (size, captured) = (word(length) as usize, word(captured) as usize);
-    let interface = interfaces.get(word(interface) as usize)?;
-    let socketcan = interface.link == Some(LinkType::SocketCan);
-    if word(kind) != ENHANCED_PACKET || captured != word(original) as usize || size % 4 != 0 || !socketcan {
+/// The record of the little-endian block that the window begins with and the block's size, if the window holds all of it
+/// and it is an enhanced packet with a classical data frame and no option but the direction.
+#[inline(always)]
+pub(crate) fn packet(interfaces: &[Option<Interface>], window: &[u8], place: Place) -> Option<(Record, usize)> {
+    let &[kind, length, interface, high, low, captured, original] = window.first_chunk::<HEADER>()?.as_chunks().0
+    else {
+        return None;
+    };
+    let [size, interface, high, low, held] = [length, interface, high, low, captured].map(u32::from_le_bytes);
+    let (size, held) = (size as usize, held as usize);
+    if u32::from_le_bytes(kind) != ENHANCED_PACKET_BLOCK || captured != original || held > LONGEST {
         return None;
     }
-    let (body, trailer) = rest.get(..size.checked_sub(HEADER)?)?.split_last_chunk::<4>()?;
-    let options = body.get(captured.checked_next_multiple_of(4)?..)?;
-    if *trailer != length {
+    let (block, again) = window.get(..size)?.split_last_chunk::<4>()?;
+    let (data, options) = block.get(HEADER..)?.split_at_checked(held.next_multiple_of(4))?;
+    let direction = direction(options)?;
+    let interface = interfaces.get(interface as usize)?.as_ref()?;
+    if *again != length || interface.link != Some(LinkType::SocketCan) {
         return None;
     }
-    let frame = socketcan::common_frame(body.get(..captured)?)?;
-    let timestamp = interface.clock.timestamp(u64::from(word(high)) << 32 | u64::from(word(low)));
-    let mut record = Record::new(timestamp, interface.channel, frame);
-    record.direction = direction(order, options)?;
-    Some((record, size))
+    let frame = socketcan::common_frame(data.get(..held)?)?;
+    let timestamp = interface.clock.timestamp(u64::from(high) << 32 | u64::from(low))?;
+    Some((Record::new(timestamp, interface.channel, frame).seen(timestamp, interface.channel, direction, place), size))
 }
 
 /// The direction in a packet's options, if they hold nothing else.
 #[inline]
-fn direction(order: Endianness, options: &[u8]) -> Option<Direction> {
+fn direction(options: &[u8]) -> Option<Direction> {
     match options {
         [] => Some(Direction::Unknown),
-        &[c0, c1, l0, l1, f0, f1, f2, f3, 0, 0, 0, 0] => {
-            let [code, length] = match order {
-                Endianness::Big => [[c0, c1], [l0, l1]].map(u16::from_be_bytes),
-                _ => [[c0, c1], [l0, l1]].map(u16::from_le_bytes),
-            };
-            (code == EPB_FLAGS && length == 4).then(|| block::flags_direction(block::word(order, [f0, f1, f2, f3])))
-        }
+        // The option 2 with four bytes, and the end of the options.
+        &[2, 0, 4, 0, f0, f1, f2, f3, 0, 0, 0, 0] => Some(block::flags_direction(u32::from_le_bytes([f0, f1, f2, f3]))),
         _ => None,
     }
 }

@@ -2,7 +2,6 @@
 //! channel; low limit, high limit and hysteresis of cam N (6310h, 6320h, 6330h + N - 1).
 
 use super::Encoder;
-use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_traces::Timestamp;
 use std::cell::Cell;
@@ -21,8 +20,8 @@ impl Encoder {
     pub(super) fn cam_state(&self, now: Timestamp, channel: u8, parameters: &Parameters) -> Option<u64> {
         let slot = usize::from(channel.checked_sub(1)?);
         let register = |index| parameters.number_or_zero(index, channel) as u8;
-        let enabled = if self.faults.has(Fault::CamEnableIgnored) { u8::MAX } else { register(0x6301) };
-        let polarity = if self.faults.has(Fault::CamPolarityIgnored) { 0 } else { register(0x6302) };
+        let enabled = if !self.firmware.heeds_cam_enable() { u8::MAX } else { register(0x6301) };
+        let polarity = if !self.firmware.heeds_cam_polarity() { 0 } else { register(0x6302) };
         let position = self.position(now, parameters) as i64;
         let mut memory = self.cams.0.get();
         let before = memory.get(slot).copied().unwrap_or(0);
@@ -33,18 +32,18 @@ impl Encoder {
             *slot = active;
         }
         self.cams.0.set(memory);
-        Some(if self.faults.has(Fault::CamStuck) { 0 } else { ((active ^ polarity) & enabled).into() })
+        Some(if !self.firmware.shows_cams() { 0 } else { ((active ^ polarity) & enabled).into() })
     }
 
     /// Whether the position lies in a cam; one that is active ends only beyond its hysteresis.
     fn is_inside(&self, position: i64, cam: u16, channel: u8, was_active: bool, parameters: &Parameters) -> bool {
         let limit = |index: u16| i64::from(parameters.number_or_zero(index + cam, channel) as u32 as i32);
         let (low, high) = (limit(0x6310), limit(0x6320));
-        let hysteresis = match was_active && !self.faults.has(Fault::CamHysteresisIgnored) {
+        let hysteresis = match was_active && self.firmware.heeds_cam_hysteresis() {
             true => parameters.number_or_zero(0x6330 + cam, channel) as i64,
             false => 0,
         };
-        let below = position <= high + hysteresis || self.faults.has(Fault::CamHighLimitIgnored);
+        let below = position <= high + hysteresis || !self.firmware.heeds_cam_high_limit();
         low <= high && position >= low - hysteresis && below
     }
 }

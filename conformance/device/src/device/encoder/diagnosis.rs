@@ -2,9 +2,8 @@
 //! warnings (6505h, 6506h), versions (6507h), operating time (6508h), serial number (650Bh).
 
 use super::Encoder;
-use crate::Fault;
 use crate::device::parameters::Parameters;
-use crate::device::reactions::TEMPERATURE;
+use crate::device::shaft::TEMPERATURE;
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Timestamp;
 
@@ -21,11 +20,10 @@ const OPERATING_TIME_UNIT: u64 = 360_000_000_000;
 
 impl Encoder {
     pub(super) fn diagnosis_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
-        let has = |fault| self.faults.has(fault);
         match (at.index.0, at.sub.0) {
-            (0x6500, 0) if has(Fault::OperatingStatusStuck) => None,
+            (0x6500, 0) if !self.firmware.shows_operating_status() => None,
             (0x6500, 0) => parameters.number(0x6000, 0),
-            (0x6501, 0) if has(Fault::SingleTurnResolutionFollowsScaling) => parameters.number(0x6001, 0),
+            (0x6501, 0) if self.firmware.scales_single_turn_resolution() => parameters.number(0x6001, 0),
             (0x6503, 0) => Some(self.alarms()),
             (0x6505, 0) => Some(self.warnings(now, parameters)),
             (0x6508, 0) => Some(self.operating_time(now)),
@@ -37,8 +35,8 @@ impl Encoder {
     fn operating_time(&self, now: Timestamp) -> u64 {
         let seconds = now.nanos() / 1_000_000_000;
         match () {
-            () if self.faults.has(Fault::OperatingTimeBackwards) => 1_000_000_u64.saturating_sub(seconds),
-            () if self.faults.has(Fault::OperatingTimeInSeconds) => seconds,
+            () if self.firmware.counts_time_backwards() => 1_000_000_u64.saturating_sub(seconds),
+            () if self.firmware.counts_time_in_seconds() => seconds,
             () => now.nanos() / OPERATING_TIME_UNIT,
         }
     }
@@ -46,10 +44,10 @@ impl Encoder {
     /// 6503h.
     fn alarms(&self) -> u64 {
         let mut alarms = 0;
-        if self.faults.has(Fault::AlarmWithoutEmcy) {
+        if self.firmware.shows_alarm_without_emcy() {
             alarms |= POSITION_ERROR;
         }
-        if self.faults.has(Fault::UnsupportedAlarmSet) || self.faults.has(Fault::ReservedAlarmBitSet) {
+        if self.firmware.sets_unsupported_alarm() || self.firmware.sets_reserved_alarm() {
             alarms |= UNSUPPORTED;
         }
         alarms
@@ -61,14 +59,14 @@ impl Encoder {
         if self.is_too_fast(now) {
             warnings |= OVERSPEED;
         }
-        if self.faults.has(Fault::WarningNotCleared) || self.is_too_hot(parameters) {
+        if !self.firmware.clears_warning() || self.is_too_hot(parameters) {
             warnings |= TEMPERATURE_ERROR;
         }
-        if self.faults.has(Fault::WarningNotSet) {
+        if !self.firmware.sets_warning() {
             warnings = 0;
         }
         warnings &= parameters.number_or_zero(0x6506, 0);
-        if self.faults.has(Fault::UnsupportedWarningSet) {
+        if self.firmware.sets_unsupported_warning() {
             warnings |= UNSUPPORTED;
         }
         warnings
@@ -88,6 +86,6 @@ impl Encoder {
 
     /// Whether a position error is reported by an EMCY.
     pub fn has_position_error(&self) -> bool {
-        self.faults.has(Fault::EmcyWithoutAlarm)
+        self.firmware.sends_emcy_without_alarm()
     }
 }

@@ -4,7 +4,6 @@
 //! Channel B is the full scale less channel A, so that their sum is constant. Angle Z2 is the opposite of Z1, or the same.
 
 use super::Encoder;
-use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Timestamp;
@@ -47,10 +46,10 @@ impl Encoder {
 
     fn redundant_length(&self, now: Timestamp) -> u64 {
         let length = self.length(now);
-        if self.faults.has(Fault::RedundantChannelNotNegated) {
+        if !self.firmware.negates_second_channel() {
             return length;
         }
-        let drift = if self.faults.has(Fault::RedundantChannelDrift) { now.nanos() / DRIFT } else { 0 };
+        let drift = if self.firmware.drifts_second_channel() { now.nanos() / DRIFT } else { 0 };
         u64::from(self.sheet.full_scale_tenth_mm) - length + drift
     }
 
@@ -62,7 +61,7 @@ impl Encoder {
     /// Z2.
     fn redundant_angle(&self, parameters: &Parameters) -> u64 {
         let tilt = self.tilt(parameters);
-        let opposite = parameters.number_or_zero(0x3005, 0) == OPPOSITE && !self.faults.has(Fault::RedundantAngleSame);
+        let opposite = parameters.number_or_zero(0x3005, 0) == OPPOSITE && self.firmware.opposes_second_angle();
         self.shown(if opposite { -tilt } else { tilt }, parameters)
     }
 
@@ -70,12 +69,12 @@ impl Encoder {
     fn tilt(&self, parameters: &Parameters) -> i64 {
         let tilt = i64::from(self.sheet.tilt_hundredths) - self.offset;
         let clockwise = parameters.number_or_zero(0x3003, 0) == CLOCKWISE;
-        if clockwise || self.faults.has(Fault::AngleDirectionIgnored) { tilt } else { -tilt }
+        if clockwise || !self.firmware.heeds_angle_direction() { tilt } else { -tilt }
     }
 
     /// In the range of 3004h.
     fn shown(&self, angle: i64, parameters: &Parameters) -> u64 {
-        let signed = parameters.number_or_zero(0x3004, 0) == SIGNED && !self.faults.has(Fault::AngleRangeIgnored);
+        let signed = parameters.number_or_zero(0x3004, 0) == SIGNED && self.firmware.heeds_angle_range();
         let turn = angle.rem_euclid(FULL_TURN);
         let angle = if signed && turn >= FULL_TURN / 2 { turn - FULL_TURN } else { turn };
         u64::from(angle as u16)
@@ -83,7 +82,7 @@ impl Encoder {
 
     /// 3010h was written: 1 makes the angle of now zero, 0 takes that back.
     pub(super) fn set_zero_point(&mut self, value: u64) {
-        if !self.faults.has(Fault::ZeroPointIgnored) {
+        if self.firmware.heeds_zero_point() {
             self.offset = if value == 0 { 0 } else { i64::from(self.sheet.tilt_hundredths) };
         }
     }

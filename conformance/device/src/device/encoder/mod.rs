@@ -11,18 +11,15 @@ mod cams;
 mod diagnosis;
 mod draw_wire;
 mod operating;
-mod planted;
 mod position;
 mod raw;
 mod speed;
 mod work_area;
 
-pub(super) use planted::plant;
-
 use super::motion::Motion;
 use super::parameters::Parameters;
+use crate::Firmware;
 use crate::models::{self, EncoderKind, Model};
-use crate::{Fault, Faults};
 use cams::Cams;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -38,14 +35,14 @@ pub(super) struct Encoder {
     /// When 6003h was written last.
     preset_at: Option<Timestamp>,
     cams: Cams,
-    faults: Faults,
+    firmware: Firmware,
 }
 
 impl Encoder {
     /// The encoder of that model, if it is one.
-    pub fn new(model: &Model, motion: Motion, faults: Faults) -> Option<Self> {
+    pub fn new(model: &Model, motion: Motion, firmware: &Firmware) -> Option<Self> {
         let sheet = model.sheet().encoder?;
-        Some(Self { sheet, motion, offset: 0, preset_at: None, cams: Cams::default(), faults })
+        Some(Self { sheet, motion, offset: 0, preset_at: None, cams: Cams::default(), firmware: *firmware })
     }
 
     /// How the shaft moves from now on.
@@ -60,12 +57,12 @@ impl Encoder {
 
     /// What is to be stored beside the parameters.
     pub fn offset(&self) -> i64 {
-        if self.faults.has(Fault::PresetLostAfterSave) { 0 } else { self.offset }
+        if !self.firmware.stores_preset() { 0 } else { self.offset }
     }
 
     /// Takes a stored offset over.
     pub fn set_offset(&mut self, offset: i64) {
-        if !self.faults.has(Fault::PresetPersists) {
+        if self.firmware.loads_preset() {
             self.offset = offset;
         }
     }
@@ -91,7 +88,7 @@ impl Encoder {
         if again && self.sheet.kind == EncoderKind::DrawWire {
             return self.redundant_value(now, at, parameters);
         }
-        let without_preset = at.index.0 == 0x6004 && self.faults.has(Fault::TpdoPositionWithoutPreset);
+        let without_preset = at.index.0 == 0x6004 && self.firmware.sends_position_without_preset();
         without_preset.then(|| self.position_without_preset(now, parameters))
     }
 
@@ -118,6 +115,6 @@ impl Encoder {
 
     /// Whether writing the object makes the firmware hang.
     pub fn wedges(&self, at: Multiplexer, value: u64) -> bool {
-        at == Multiplexer::new(0x6001, 0) && value == 0 && self.faults.has(Fault::UnitsZeroWedges)
+        at == Multiplexer::new(0x6001, 0) && value == 0 && self.firmware.hangs_of_zero_units()
     }
 }

@@ -2,8 +2,8 @@
 
 use super::Encoder;
 use crate::device::parameters::Parameters;
+use crate::models;
 use crate::models::UniversalScaling;
-use crate::{Fault, models};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 
@@ -30,11 +30,11 @@ impl Encoder {
         value: u64,
         parameters: &Parameters,
     ) -> Result<(), AbortCode> {
-        let refuses = !self.faults.has(Fault::UnitsAboveRangeAccepted);
+        let refuses = self.firmware.checks_units();
         let fits = match at.index.0 {
             0x6000 => {
                 let reserved = value & !u64::from(self.sheet.operating_bits);
-                reserved == 0 || self.faults.has(Fault::ReservedOperatingBitsAccepted)
+                reserved == 0 || !self.firmware.checks_operating_bits()
             }
             0x6001 => value <= units_of(parameters.number_or_zero(0x6002, 0)) || !refuses,
             _ => {
@@ -49,13 +49,13 @@ impl Encoder {
     /// 6000h, as the measurement uses it.
     pub(super) fn operating(&self, parameters: &Parameters) -> u64 {
         let mut bits = parameters.number_or_zero(0x6000, 0) & u64::from(self.sheet.operating_bits);
-        if self.faults.has(Fault::CodeSequenceIgnored) {
+        if !self.firmware.heeds_code_sequence() {
             bits &= !CODE_SEQUENCE;
         }
-        if self.faults.has(Fault::ScalingIgnored) {
+        if !self.firmware.heeds_scaling() {
             bits &= !SCALING;
         }
-        if self.faults.has(Fault::ScalingAlwaysOn) {
+        if self.firmware.scales_always() {
             bits |= SCALING;
         }
         bits
@@ -85,7 +85,7 @@ impl Encoder {
     pub(super) fn speed_in_units(&self, parameters: &Parameters) -> bool {
         let bit = u32::from(self.sheet.speed_format_bit);
         let set = self.operating(parameters).checked_shr(bit).is_some_and(|bits| bits & 1 != 0);
-        set && !self.faults.has(Fault::SpeedFormatIgnored)
+        set && self.firmware.heeds_speed_format()
     }
 
     /// How many positions there are: 6002h where scaling is on, else all physical ones that 6004h has room for.
@@ -99,7 +99,7 @@ impl Encoder {
             return physical_range(&self.sheet).min(FULL_RANGE);
         }
         let range = i128::from(units_of(parameters.number_or_zero(0x6002, 0)));
-        if self.faults.has(Fault::WrapAtPowerOfTwo) {
+        if self.firmware.wraps_at_power_of_two() {
             return (range as u128).next_power_of_two() as i128;
         }
         range

@@ -7,7 +7,6 @@
 
 use super::Encoder;
 use super::operating::{CODE_SEQUENCE, SCALING, physical_range, steps};
-use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -23,12 +22,12 @@ impl Encoder {
         match (at.index.0, at.sub.0) {
             (0x6004, 0) if self.is_glitching(now) => Some(self.position_without_preset(now, parameters)),
             (0x6004, 0) => Some(self.position(self.counted_until(now), parameters)),
-            (0x6008, 0) if self.faults.has(Fault::HighPrecisionWithoutPreset) => {
+            (0x6008, 0) if !self.firmware.presets_high_precision() => {
                 Some(self.position_without_preset(now, parameters))
             }
             (0x6008, 0) => Some(self.position(now, parameters)),
-            (0x6509, 0) if self.faults.has(Fault::OffsetNotReported) => Some(0),
-            (0x6509, 0) if self.faults.has(Fault::OffsetSignWrong) => Some(self.offset.wrapping_neg() as u64),
+            (0x6509, 0) if !self.firmware.reports_offset() => Some(0),
+            (0x6509, 0) if self.firmware.negates_offset() => Some(self.offset.wrapping_neg() as u64),
             (0x6509, 0) => Some(self.offset as u64),
             _ => None,
         }
@@ -36,23 +35,23 @@ impl Encoder {
 
     /// When a faulty firmware counted last.
     fn counted_until(&self, now: Timestamp) -> Timestamp {
-        let stands = self.preset_at.filter(|_| self.faults.has(Fault::PresetStopsCounting));
+        let stands = self.preset_at.filter(|_| self.firmware.stops_counting_at_preset());
         stands.filter(|&at| now.since(at) < STANDSTILL).unwrap_or(now)
     }
 
     fn is_glitching(&self, now: Timestamp) -> bool {
-        self.faults.has(Fault::PresetGlitch) && self.preset_at.is_some_and(|at| now.since(at) < GLITCH)
+        self.firmware.glitches_at_preset() && self.preset_at.is_some_and(|at| now.since(at) < GLITCH)
     }
 
     /// A preset has to be a position that the encoder can show.
     pub(super) fn check_preset(&self, value: u64, parameters: &Parameters) -> Result<(), AbortCode> {
-        let fits = i128::from(value) < self.range(parameters) || self.faults.has(Fault::PresetOutOfRangeAccepted);
+        let fits = i128::from(value) < self.range(parameters) || !self.firmware.checks_preset();
         if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
     }
 
     /// 6003h was written: the position takes that value now.
     pub(super) fn preset(&mut self, now: Timestamp, value: u64, parameters: &Parameters) {
-        if !self.faults.has(Fault::PresetIgnored) {
+        if self.firmware.presets() {
             self.offset = (i128::from(value) - self.scaled(now, parameters)) as i64;
             self.preset_at = Some(now);
         }
@@ -60,7 +59,7 @@ impl Encoder {
 
     /// 6004h.
     pub(super) fn position(&self, now: Timestamp, parameters: &Parameters) -> u64 {
-        if self.faults.has(Fault::RangeZeroStops) && self.has_full_range(parameters) {
+        if self.firmware.stops_at_full_range() && self.has_full_range(parameters) {
             return 0;
         }
         let operating = self.operating(parameters);
@@ -96,7 +95,7 @@ impl Encoder {
             return wrapped(physical, range);
         }
         let mut product = physical * i128::from(parameters.number_or_zero(0x6001, 0));
-        if self.faults.has(Fault::ScalingOverflow) {
+        if self.firmware.overflows_at_scaling() {
             product = i128::from(product as u32);
         }
         // The steps of a revolution are a power of two: this divides by them, rounding down.

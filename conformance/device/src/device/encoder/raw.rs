@@ -3,7 +3,6 @@
 
 use super::Encoder;
 use super::operating::{physical_range, steps};
-use crate::Fault;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::crc16;
 use canvass_traces::Timestamp;
@@ -15,10 +14,10 @@ impl Encoder {
     pub(super) fn raw_value(&self, now: Timestamp, at: Multiplexer) -> Option<u64> {
         let raw = self.raw(now);
         Some(match (at.index.0, at.sub.0) {
-            (0x2161, 0) if self.faults.has(Fault::RawInverseWrong) => raw,
+            (0x2161, 0) if !self.firmware.inverts_raw_position() => raw,
             (0x2161, 0) => !raw,
             (0x2162, 0) => u64::from(self.checksum(raw as u32)),
-            (0x600C, 0) if self.faults.has(Fault::RawPositionFollowsPreset) => raw.wrapping_add(self.offset as u64),
+            (0x600C, 0) if self.firmware.presets_raw_position() => raw.wrapping_add(self.offset as u64),
             (0x2160 | 0x600B | 0x600C, 0) => raw,
             _ => return None,
         })
@@ -31,7 +30,7 @@ impl Encoder {
 
     /// CRC-16 with polynomial 1021h over the bytes of the raw position as they are transmitted.
     fn checksum(&self, raw: u32) -> u16 {
-        let start = if self.faults.has(Fault::RawCrcStartWrong) { 0xFFFF } else { CRC_START };
+        let start = if self.firmware.begins_raw_crc_with_ones() { 0xFFFF } else { CRC_START };
         crc16(start, &raw.to_le_bytes())
     }
 }

@@ -7,7 +7,6 @@
 
 use super::Encoder;
 use super::operating::steps;
-use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_analyzer::Multiplexer;
 use canvass_traces::{Duration, Timestamp};
@@ -27,9 +26,9 @@ impl Encoder {
     pub(super) fn speed_value(&self, now: Timestamp, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         let fine = match (at.index.0, at.sub.0) {
             (0x6030, 1) => self.shown_speed(now, parameters),
-            (0x6040, 1) if self.faults.has(Fault::AccelerationShowsSpeed) => self.shown_speed(now, parameters),
+            (0x6040, 1) if self.firmware.shows_speed_as_acceleration() => self.shown_speed(now, parameters),
             (0x6040, 1) => self.acceleration(now, parameters),
-            (0x6050, 1) if self.faults.has(Fault::JerkShowsSpeed) => self.shown_speed(now, parameters),
+            (0x6050, 1) if self.firmware.shows_speed_as_jerk() => self.shown_speed(now, parameters),
             (0x6050, 1) => self.jerk(now, parameters),
             _ => return None,
         };
@@ -41,13 +40,13 @@ impl Encoder {
     /// The speed as 6030h shows it, in parts of its unit.
     fn shown_speed(&self, now: Timestamp, parameters: &Parameters) -> i128 {
         let mut speed = self.speed(now, parameters);
-        if self.faults.has(Fault::SpeedSignIgnoresCodeSequence) && self.is_turned(parameters) {
+        if !self.firmware.signs_speed_by_code_sequence() && self.is_turned(parameters) {
             speed = -speed;
         }
-        if self.faults.has(Fault::SpeedTenfold) {
+        if self.firmware.shows_tenfold_speed() {
             speed *= 10;
         }
-        if self.faults.has(Fault::SpeedNotZeroAtRest) { speed + 50 * FINE } else { speed }
+        if self.firmware.adds_speed_at_rest() { speed + 50 * FINE } else { speed }
     }
 
     /// The speed in parts of its unit, with the sign of the direction in which the position counts.
@@ -95,7 +94,7 @@ impl Encoder {
     fn averaging(&self, index: u16, parameters: &Parameters) -> (Duration, i128, i128) {
         let time = parameters.number(index, 2).map_or(INTEGRATION_TIME, Duration::from_millis);
         let multiplier = nonzero(parameters.number(index, 3));
-        let divisor = match self.faults.has(Fault::SpeedDivisorIgnored) {
+        let divisor = match !self.firmware.heeds_speed_divisor() {
             true => 1,
             false => nonzero(parameters.number(index, 4)),
         };

@@ -1,7 +1,6 @@
 //! Work areas: state (6400h), low and high limit (6401h, 6402h), one sub-index for each channel.
 
 use super::Encoder;
-use crate::Fault;
 use crate::device::parameters::Parameters;
 use canvass_traces::Timestamp;
 
@@ -22,11 +21,11 @@ impl Encoder {
         let outside = over || under || is_outside_module(position, parameters);
         let bit = |set: bool, bit: u64| if set { bit } else { 0 };
         Some(match () {
-            () if self.faults.has(Fault::WorkAreaStuck) => 0,
-            () if self.faults.has(Fault::WorkAreaBitsSwapped) => {
+            () if !self.firmware.shows_work_area() => 0,
+            () if self.firmware.swaps_work_area_bits() => {
                 bit(outside, OUT_OF_RANGE) | bit(over, UNDERFLOW) | bit(under, OVERFLOW)
             }
-            () if self.faults.has(Fault::WorkAreaInverted) => bit(!outside, OUT_OF_RANGE),
+            () if self.firmware.inverts_work_area() => bit(!outside, OUT_OF_RANGE),
             () => bit(outside, OUT_OF_RANGE) | bit(over, OVERFLOW) | bit(under, UNDERFLOW),
         })
     }

@@ -1,8 +1,8 @@
 //! Downloads in blocks (CiA 301, 7.2.4.3.8 to 7.2.4.3.11).
 
 use super::{Next, Transfer};
+use crate::Firmware;
 use crate::device::objects::Objects;
-use crate::{Fault, Faults};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Response, crc16};
 use canvass_traces::Timestamp;
@@ -32,13 +32,16 @@ pub(super) struct BlockDownloadEnd(BlockDownload);
 pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, objects: &Objects) -> Next {
     let size = size.map(|size| size as usize);
     let begun = match objects.begin_download(object, size) {
-        Err(AbortCode::READ_ONLY) if objects.faults.has(Fault::SdoBlockReadOnlyLate) => Ok(size.unwrap_or(8)),
+        Err(AbortCode::READ_ONLY) if objects.firmware.begins_block_to_read_only() => Ok(size.unwrap_or(8)),
         begun => begun,
     };
     match begun {
         Ok(longest) => {
-            let block_size = if objects.faults.has(Fault::SdoBlockSizeZeroOffered) { 0 } else { BLOCK_SIZE };
-            let response = Response::InitiateBlockDownload { multiplexer: object, crc: true, block_size };
+            let firmware = &objects.firmware;
+            let block_size = if firmware.offers_empty_blocks() { 0 } else { firmware.block_size(BLOCK_SIZE) };
+            let crc = crc && firmware.knows_block_crc();
+            let response =
+                Response::InitiateBlockDownload { multiplexer: object, crc: firmware.knows_block_crc(), block_size };
             let download = BlockDownload { object, crc, size, longest, data: Vec::new(), sequence: 0, received: 0 };
             Next::answer(Transfer::BlockDownload(download), response)
         }
@@ -53,16 +56,16 @@ impl BlockDownload {
     }
 
     /// A segment of the block.
-    pub fn on_segment(mut self, segment: BlockSegment, faults: Faults) -> Next {
+    pub fn on_segment(mut self, segment: BlockSegment, firmware: &Firmware) -> Next {
         if segment.sequence == 0 {
-            return match faults.has(Fault::SdoBlockSequenceZeroIgnored) {
+            return match !firmware.refuses_sequence_zero() {
                 true => Next::silence(Transfer::BlockDownload(self)),
                 false => Next::abort(self.object, AbortCode::SEQUENCE_NUMBER),
             };
         }
         self.received = self.received.saturating_add(1);
-        let repeated = segment.sequence == self.sequence && faults.has(Fault::SdoBlockRepeatedAppended);
-        let skipped = segment.sequence > self.sequence && faults.has(Fault::SdoBlockGapAccepted);
+        let repeated = segment.sequence == self.sequence && firmware.appends_repeated_segment();
+        let skipped = segment.sequence > self.sequence && firmware.takes_segment_after_gap();
         let taken = segment.sequence == self.sequence + 1 || repeated || skipped;
         if taken {
             self.sequence = segment.sequence;
@@ -73,12 +76,13 @@ impl BlockDownload {
         }
         // One that comes twice does not end the transfer.
         let is_end = segment.last && taken;
-        if !is_end && !segment.last && segment.sequence < BLOCK_SIZE && self.received < BLOCK_SIZE {
+        let block_size = firmware.block_size(BLOCK_SIZE);
+        if !is_end && !segment.last && segment.sequence < block_size && self.received < block_size {
             return Next::silence(Transfer::BlockDownload(self));
         }
-        let too_few = u8::from(faults.has(Fault::SdoBlockCountOffByOne));
+        let too_few = u8::from(firmware.miscounts_block());
         let sequence = self.sequence.saturating_sub(too_few);
-        let response = Response::ConfirmBlockDownload { sequence, block_size: BLOCK_SIZE };
+        let response = Response::ConfirmBlockDownload { sequence, block_size };
         self.sequence = 0;
         self.received = 0;
         match is_end {
@@ -96,19 +100,23 @@ impl BlockDownloadEnd {
 
     /// The client's end: how many bytes of the last segment don't count, and the CRC.
     pub fn on_end(self, now: Timestamp, unused: u8, crc: u16, objects: &mut Objects) -> Next {
-        let faults = objects.faults;
-        let unused = if faults.has(Fault::SdoBlockPaddingKept) { 0 } else { unused };
+        let firmware = objects.firmware;
+        let unused = if firmware.keeps_padding() { 0 } else { unused };
         let BlockDownload { object, crc: has_crc, size, mut data, .. } = self.0;
         data.truncate(data.len().saturating_sub(usize::from(unused)));
-        if has_crc && crc != crc16(0, &data) && !faults.has(Fault::SdoBlockCrcIgnored) {
-            if faults.has(Fault::SdoBlockWrittenBeforeCheck) {
+        let too_short = size.is_some_and(|size| data.len() < size) && firmware.checks_block_length();
+        if too_short && firmware.checks_length_before_crc() {
+            return Next::abort(object, AbortCode::LENGTH_TOO_LOW);
+        }
+        if has_crc && crc != crc16(0, &data) && firmware.checks_crc() {
+            if firmware.writes_before_crc_check() {
                 // Refused all the same.
                 let _ = objects.download(now, object, &data);
             }
             return Next::abort(object, AbortCode::CRC);
         }
         match size {
-            _ if faults.has(Fault::SdoBlockSizeMismatchAccepted) => {
+            _ if !firmware.checks_block_length() => {
                 // What is missing is what was in memory, what is too much is dropped.
                 data.resize(objects.size(object).unwrap_or(data.len()), 0);
             }
@@ -117,7 +125,7 @@ impl BlockDownloadEnd {
             _ => {}
         }
         match objects.download(now, object, &data) {
-            Ok(()) if faults.has(Fault::SdoBlockEndSilent) => Next::silence(Transfer::Idle),
+            Ok(()) if !firmware.confirms_end_of_block() => Next::silence(Transfer::Idle),
             Ok(()) => Next::end(Response::EndBlockDownload),
             Err(code) => Next::abort(object, code),
         }

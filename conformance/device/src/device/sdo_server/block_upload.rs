@@ -1,8 +1,8 @@
 //! Uploads in blocks (CiA 301, 7.2.4.3.12 to 7.2.4.3.16).
 
 use super::{Answer, Next, Transfer, upload};
+use crate::Firmware;
 use crate::device::objects::Objects;
-use crate::{Fault, Faults};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Request, Response, crc16};
 use canvass_traces::Timestamp;
@@ -17,7 +17,7 @@ pub(super) struct BlockUpload {
     /// How many segments the client has confirmed.
     confirmed: usize,
     stage: Stage,
-    faults: Faults,
+    firmware: Firmware,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -43,32 +43,33 @@ pub(super) fn initiate(
         Ok(reading) => reading,
         Err(code) => return Next::abort(object, code),
     };
-    let unchecked = objects.faults.has(Fault::SdoBlockSizeUnchecked);
+    let unchecked = !objects.firmware.checks_block_size();
     if !is_block_size(block_size) && !unchecked {
         return Next::abort(object, AbortCode::BLOCK_SIZE);
     }
     let block_size = block_size.clamp(1, BlockSegment::MAX);
     let bytes = reading.bytes();
     // Up to the threshold a normal upload is shorter; without one the client wants blocks, also of nothing.
-    if threshold > 0 && bytes.len() <= usize::from(threshold) {
-        if objects.faults.has(Fault::SdoBlockSwitchTruncates) {
-            return upload::begin(object, bytes.get(1..).unwrap_or_default());
+    if threshold > 0 && bytes.len() <= usize::from(threshold) && objects.firmware.switches_protocol() {
+        if objects.firmware.cuts_switched_upload() {
+            return upload::begin(object, bytes.get(1..).unwrap_or_default(), objects);
         }
         return upload::initiate(now, object, objects);
     }
-    let more = u32::from(objects.faults.has(Fault::SdoBlockAnnouncedSizeWrong));
-    let size = Some(bytes.len() as u32 + more);
-    let response = Response::InitiateBlockUpload { multiplexer: object, crc: true, size };
+    let more = u32::from(objects.firmware.announces_one_byte_more_in_block());
+    let size = objects.firmware.announces_sizes().then_some(bytes.len() as u32 + more);
+    let knows_crc = objects.firmware.knows_block_crc();
+    let response = Response::InitiateBlockUpload { multiplexer: object, crc: knows_crc, size };
     let value = bytes.to_vec();
     Next::answer(
         Transfer::BlockUpload(BlockUpload {
             object,
             value,
-            crc,
+            crc: crc && knows_crc,
             block_size,
             confirmed: 0,
             stage: Stage::Announced,
-            faults: objects.faults,
+            firmware: objects.firmware,
         }),
         response,
     )
@@ -92,30 +93,30 @@ impl BlockUpload {
     }
 
     fn on_confirm(mut self, count: u8, sequence: u8, block_size: u8) -> Next {
-        let faults = self.faults;
-        if sequence > count && !faults.has(Fault::SdoBlockConfirmationUnchecked) {
+        let firmware = &self.firmware;
+        if sequence > count && firmware.checks_confirmation() {
             return Next::abort(self.object, AbortCode::SEQUENCE_NUMBER);
         }
-        if !is_block_size(block_size) && !faults.has(Fault::SdoBlockSizeUnchecked) {
+        if !is_block_size(block_size) && firmware.checks_block_size() {
             return Next::abort(self.object, AbortCode::BLOCK_SIZE);
         }
         let sequence = match sequence.min(count) {
-            _ if faults.has(Fault::SdoBlockConfirmationIgnored) => count,
-            part if part < count && faults.has(Fault::SdoBlockRepeatsAll) => 0,
+            _ if firmware.ignores_confirmation() => count,
+            part if part < count && firmware.repeats_whole_block() => 0,
             sequence => sequence,
         };
         self.confirmed += usize::from(sequence);
-        if !faults.has(Fault::SdoBlockNewSizeIgnored) {
+        if firmware.takes_new_block_size() {
             self.block_size = block_size.clamp(1, BlockSegment::MAX);
         }
         if self.confirmed < self.segments() {
             return self.send_block();
         }
-        let wrong = usize::from(faults.has(Fault::SdoBlockLastLengthWrong));
+        let wrong = usize::from(firmware.miscounts_last_segment());
         let unused = ((self.confirmed * 7 + wrong - self.value.len()) & 7) as u8;
-        let start = if faults.has(Fault::SdoBlockCrcStartWrong) { 0xFFFF } else { 0 };
+        let start = if firmware.begins_crc_with_ones() { 0xFFFF } else { 0 };
         let crc = match crc16(start, &self.value) {
-            crc if self.crc && faults.has(Fault::SdoBlockCrcSwapped) => crc.swap_bytes(),
+            crc if self.crc && firmware.swaps_crc() => crc.swap_bytes(),
             crc if self.crc => crc,
             _ => 0,
         };
@@ -137,8 +138,8 @@ impl BlockUpload {
                 let mut data = [0; 7];
                 let bytes = self.value.iter().skip(n * 7).take(7);
                 data.iter_mut().zip(bytes).for_each(|(to, from)| *to = *from);
-                let last = n + 1 == total && !self.faults.has(Fault::SdoBlockEndUnmarked);
-                let continued = self.faults.has(Fault::SdoBlockNumbersContinue);
+                let last = n + 1 == total && self.firmware.marks_end_of_block();
+                let continued = self.firmware.continues_sequence_numbers();
                 let sequence = if continued { (n % 127) as u8 + 1 } else { sequence };
                 BlockSegment { sequence, last, data }
             })

@@ -1,7 +1,6 @@
 //! Downloads: expedited and in segments (CiA 301, 7.2.4.3.3 and 7.2.4.3.4).
 
 use super::{Next, Transfer};
-use crate::Fault;
 use crate::device::objects::Objects;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response, Segment};
@@ -25,15 +24,15 @@ pub(super) struct SegmentedDownload {
 pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, objects: &mut Objects) -> Next {
     let size = match payload {
         Payload::Expedited(value) => return write(now, object, value.data(), objects),
-        Payload::ExpeditedUnsized(_) if objects.faults.has(Fault::SdoUnsizedDownloadSilent) => {
+        Payload::ExpeditedUnsized(_) if !objects.firmware.answers_unsized_download() => {
             return Next::silence(Transfer::Idle);
         }
         Payload::ExpeditedUnsized(bytes) => return write_unsized(now, object, bytes, objects),
         Payload::Segmented(size) => Some(size as usize),
         Payload::SegmentedUnsized => None,
     };
-    let faults = objects.faults;
-    if size.is_none() && faults.has(Fault::SdoSegmentedSizeRequired) {
+    let firmware = &objects.firmware;
+    if size.is_none() && firmware.requires_size() {
         return Next::abort(object, AbortCode::COMMAND_SPECIFIER);
     }
     let begin = |longest, discards| {
@@ -41,11 +40,11 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, ob
         Next::answer(Transfer::Download(download), Response::InitiateDownload { multiplexer: object })
     };
     match objects.begin_download(object, size) {
-        Ok(longest) if longest <= 4 && faults.has(Fault::SdoSegmentedShortRefused) => {
+        Ok(longest) if longest <= 4 && !firmware.takes_short_value_in_segments() => {
             Next::abort(object, AbortCode::UNSUPPORTED_ACCESS)
         }
         Ok(longest) => begin(longest, false),
-        Err(AbortCode::READ_ONLY) if faults.has(Fault::SdoReadOnlySegmentedAccepted) => begin(size.unwrap_or(8), true),
+        Err(AbortCode::READ_ONLY) if firmware.begins_download_to_read_only() => begin(size.unwrap_or(8), true),
         Err(code) => Next::abort(object, code),
     }
 }
@@ -69,23 +68,23 @@ fn write_unsized(now: Timestamp, object: Multiplexer, bytes: [u8; 4], objects: &
 impl SegmentedDownload {
     /// The next segment.
     pub fn on_segment(mut self, now: Timestamp, segment: Segment, objects: &mut Objects) -> Next {
-        if segment.toggle != self.toggle && !objects.faults.has(Fault::SdoToggleUnchecked) {
-            if objects.faults.has(Fault::SdoDownloadToggleSilent) {
+        if segment.toggle != self.toggle && objects.firmware.checks_toggle() {
+            if !objects.firmware.answers_wrong_download_toggle() {
                 return Next::silence(Transfer::Download(self));
             }
             return Next::abort(self.object, AbortCode::TOGGLE);
         }
-        if segment.data().is_empty() && !segment.last && objects.faults.has(Fault::SdoEmptySegmentSilent) {
+        if segment.data().is_empty() && !segment.last && !objects.firmware.answers_empty_segment() {
             return Next::silence(Transfer::Download(self));
         }
         self.data.extend_from_slice(segment.data());
-        let unchecked = objects.faults.has(Fault::SdoLengthUnchecked);
+        let unchecked = !objects.firmware.checks_length();
         if self.data.len() > self.size.unwrap_or(self.longest).min(self.longest) && !unchecked {
             return Next::abort(self.object, AbortCode::LENGTH_TOO_HIGH);
         }
-        let toggle = segment.toggle && !objects.faults.has(Fault::SdoConfirmationToggleStuck);
+        let toggle = segment.toggle && objects.firmware.toggles_confirmations();
         let confirm = Response::DownloadSegment { toggle };
-        if objects.faults.has(Fault::SdoSegmentsWrittenAtOnce) {
+        if objects.firmware.writes_segments_at_once() {
             let mut so_far = self.data.clone();
             so_far.resize(self.longest.min(8), 0);
             // A value that does not fit is refused with the last segment.
@@ -98,7 +97,7 @@ impl SegmentedDownload {
             return Next::answer(Transfer::Download(self), confirm);
         }
         let short = self.size.is_some_and(|size| self.data.len() < size);
-        if short && !objects.faults.has(Fault::SdoShortLengthUnchecked) && !unchecked {
+        if short && objects.firmware.checks_short_length() && !unchecked {
             return Next::abort(self.object, AbortCode::LENGTH_TOO_LOW);
         }
         match objects.download(now, self.object, &self.data) {

@@ -10,7 +10,6 @@ mod upload;
 
 use super::objects::Objects;
 use crate::models::Timing;
-use crate::{Fault, Faults};
 use block_download::{BlockDownload, BlockDownloadEnd};
 use block_upload::BlockUpload;
 use canvass_analyzer::wire::Wire;
@@ -139,11 +138,11 @@ impl SdoServer {
     pub fn handle(&mut self, now: Timestamp, frame: &Frame, objects: &mut Objects) {
         // SDO messages have eight bytes (CiA 301); others are ignored.
         if frame.len() != 8 {
-            self.wedged |= objects.faults.has(Fault::SdoShortRequestWedges);
+            self.wedged |= objects.firmware.dies_of_short_request();
             return;
         }
         self.requests = self.requests.wrapping_add(1);
-        let lost = self.requests.is_multiple_of(LOST_EVERY) && objects.faults.has(Fault::SdoResponseLost);
+        let lost = self.requests.is_multiple_of(LOST_EVERY) && objects.firmware.loses_responses();
         if lost || self.wedged {
             return;
         }
@@ -152,7 +151,7 @@ impl SdoServer {
         let next = match transfer {
             // A segment with sequence number 0 that ends the transfer can't be told from an abort.
             Transfer::BlockDownload(download) if frame.bytes()[0] != 0x80 => match BlockSegment::read(frame.data()) {
-                Ok(segment) => download.on_segment(segment, objects.faults),
+                Ok(segment) => download.on_segment(segment, &objects.firmware),
                 Err(_) => Next::silence(Transfer::BlockDownload(download)),
             },
             transfer => match Request::read(frame.data()) {
@@ -166,12 +165,12 @@ impl SdoServer {
 
     /// Requests that begin a transfer end the one under way.
     fn on_request(&mut self, now: Timestamp, transfer: Transfer, request: Request, objects: &mut Objects) -> Next {
-        let faults = objects.faults;
+        let firmware = &objects.firmware;
         let is_busy = match transfer {
             Transfer::Idle => false,
-            Transfer::Upload(_) => faults.has(Fault::SdoBusyAfterAbandonedTransfer),
-            Transfer::Download(_) => faults.has(Fault::SdoBusyAfterAbandonedDownload),
-            _ => faults.has(Fault::SdoBusyAfterAbandonedBlock),
+            Transfer::Upload(_) => firmware.is_busy_in_upload(),
+            Transfer::Download(_) => firmware.is_busy_in_download(),
+            _ => firmware.is_busy_in_block_transfer(),
         };
         match request {
             Request::InitiateUpload { multiplexer } | Request::InitiateDownload { multiplexer, .. } if is_busy => {
@@ -187,16 +186,16 @@ impl SdoServer {
             Request::InitiateBlockDownload { multiplexer, crc, size } if self.blocks => {
                 block_download::initiate(multiplexer, crc, size, objects)
             }
-            Request::Abort(abort) if objects.faults.has(Fault::SdoAbortAnswered) => {
+            Request::Abort(abort) if objects.firmware.answers_client_abort() => {
                 Next::abort(abort.multiplexer, AbortCode::GENERAL)
             }
             Request::Abort(_)
                 if matches!(&transfer, Transfer::BlockDownload(download) if download.has_begun())
-                    && faults.has(Fault::SdoBlockAbortIgnored) =>
+                    && firmware.ignores_abort_in_block_download() =>
             {
                 Next::silence(transfer)
             }
-            Request::Abort(_) if faults.has(Fault::SdoAbortIgnored) => Next::silence(transfer),
+            Request::Abort(_) if firmware.ignores_client_abort() => Next::silence(transfer),
             Request::Abort(_) => Next::silence(Transfer::Idle),
             request => match (transfer, request) {
                 (Transfer::Upload(upload), Request::UploadSegment { toggle }) => upload.on_request(toggle, objects),
@@ -215,8 +214,8 @@ impl SdoServer {
     /// A command specifier that is unknown, or has no meaning now.
     fn unexpected(&self, transfer: &Transfer, request: &Request, objects: &Objects) -> Next {
         if let Request::Unknown { .. } = request {
-            let first = objects.faults.has(Fault::SdoFirstUnknownCommandSilent) && !self.began;
-            if first || objects.faults.has(Fault::SdoUnknownCommandSilent) {
+            let first = objects.firmware.overlooks_first_unknown_command() && !self.began;
+            if first || !objects.firmware.answers_unknown_command() {
                 return Next::silence(Transfer::Idle);
             }
         }
@@ -227,14 +226,14 @@ impl SdoServer {
                 | Request::EndBlockUpload
                 | Request::EndBlockDownload { .. }
         );
-        if is_block && objects.faults.has(Fault::SdoStrayBlockSilent) {
+        if is_block && !objects.firmware.answers_stray_block_command() {
             return Next::silence(Transfer::Idle);
         }
-        if !matches!(transfer, Transfer::Idle) && objects.faults.has(Fault::SdoWrongCommandIgnored) {
+        if !matches!(transfer, Transfer::Idle) && !objects.firmware.answers_misplaced_command() {
             return Next::silence(transfer.clone());
         }
         let stray = matches!(request, Request::DownloadSegment(_) | Request::UploadSegment { .. });
-        if stray && matches!(transfer, Transfer::Idle) && objects.faults.has(Fault::SdoStraySegmentSilent) {
+        if stray && matches!(transfer, Transfer::Idle) && !objects.firmware.answers_stray_segment() {
             return Next::silence(Transfer::Idle);
         }
         // A request that names an object is about that one, whatever transfer it interrupts.
@@ -268,7 +267,7 @@ impl SdoServer {
 
     /// A firmware with one buffer for requests: what the answer not yet sent says of its object, it takes from there.
     fn mix_up(&mut self, frame: &Frame, objects: &Objects) {
-        if objects.faults.has(Fault::SdoBackToBackMixed)
+        if objects.firmware.mixes_up_requests()
             && let Some((_, waiting, _)) = self.answers.back_mut()
         {
             waiting[1..4].copy_from_slice(&frame.bytes()[1..4]);
@@ -279,7 +278,7 @@ impl SdoServer {
     fn due(&mut self, now: Timestamp, objects: &Objects) -> Timestamp {
         let free = self.answers.back().map_or(now, |(due, ..)| now.max(*due));
         let storing = objects.written.iter().any(|(at, _)| objects.takes_long(*at));
-        let slow = self.requests.is_multiple_of(SLOW_EVERY) && objects.faults.has(Fault::SdoResponseSlow);
+        let slow = self.requests.is_multiple_of(SLOW_EVERY) && objects.firmware.delays_responses();
         let extra = match (storing, slow) {
             (true, _) => self.timing.store(),
             (_, true) => SLOW,
@@ -290,18 +289,14 @@ impl SdoServer {
     }
 
     fn answer(&mut self, due: Timestamp, response: Response, objects: &Objects) {
-        let faults = objects.faults;
+        let firmware = &objects.firmware;
         let response = match response {
-            Response::Abort(abort) if abort.code == AbortCode::NO_OBJECT && faults.has(Fault::SdoNoObjectSilent) => {
+            Response::Abort(abort) if abort.code == AbortCode::NO_OBJECT && !firmware.answers_missing_object() => {
                 return;
             }
             Response::Abort(abort) => {
-                let named = match faults {
-                    _ if faults.has(Fault::SdoStaleMultiplexer) => self.stale,
-                    _ if faults.has(Fault::SdoAbortMultiplexerZero) => Multiplexer::new(0, 0),
-                    _ => abort.multiplexer,
-                };
-                Response::abort(named, faulty_code(abort.code, faults))
+                let named = firmware.aborted_object(abort.multiplexer, self.stale);
+                Response::abort(named, firmware.abort_code(abort.code))
             }
             response => response,
         };
@@ -311,10 +306,10 @@ impl SdoServer {
         let mut bytes = [0; 8];
         let mut len = response.emit(&mut bytes);
         let used = used_bytes(&response);
-        if faults.has(Fault::SdoUnusedBytesNotZero) {
+        if firmware.leaves_unused_bytes() {
             bytes.iter_mut().skip(used).for_each(|byte| *byte = 0xA5);
         }
-        if faults.has(Fault::SdoShortResponse) {
+        if firmware.cuts_responses() {
             len = used;
         }
         self.answers.push_back((due, bytes, len));
@@ -341,41 +336,22 @@ impl SdoServer {
         }
         let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
         self.expires = Timestamp::MAX;
-        if objects.faults.has(Fault::SdoTimeoutWedges) {
+        if objects.firmware.dies_of_timeout() {
             self.wedged = true;
             return;
         }
-        if let Some(object) = transfer.object() {
+        if let Some(object) = transfer.object().filter(|_| objects.firmware.aborts_at_timeout()) {
             self.answer(now, Response::abort(object, AbortCode::TIMEOUT), objects);
         }
     }
 }
 
-/// Every so many responses are slow, and by how much, where [`Fault::SdoResponseSlow`].
+/// Every so many responses are slow, and by how much, where the firmware delays responses.
 const SLOW_EVERY: u32 = 150;
 const SLOW: Duration = Duration::from_millis(1_200);
 
-/// So many requests are answered and the one after them is not, where [`Fault::SdoResponseLost`].
+/// So many requests are answered and the one after them is not, where the firmware loses responses.
 const LOST_EVERY: u32 = 100;
-
-/// The code that a firmware with such faults sends instead.
-fn faulty_code(code: AbortCode, faults: Faults) -> AbortCode {
-    let wrong = match code {
-        AbortCode::LENGTH | AbortCode::LENGTH_TOO_HIGH | AbortCode::LENGTH_TOO_LOW => {
-            (Fault::SdoLengthWrongCode, AbortCode::INVALID_VALUE)
-        }
-        AbortCode::VALUE_TOO_HIGH | AbortCode::VALUE_TOO_LOW => (Fault::SdoRangeWrongCode, AbortCode::READ_ONLY),
-        AbortCode::MAXIMUM_BELOW_MINIMUM => (Fault::LimitsSwappedWrongCode, AbortCode::READ_ONLY),
-        AbortCode::TOGGLE => (Fault::SdoToggleWrongCode, AbortCode::COMMAND_SPECIFIER),
-        AbortCode::COMMAND_SPECIFIER => (Fault::SdoCommandWrongCode, AbortCode::GENERAL),
-        AbortCode::CRC => (Fault::SdoBlockCrcWrongCode, AbortCode::GENERAL),
-        AbortCode::BLOCK_SIZE => (Fault::SdoBlockSizeWrongCode, AbortCode::INVALID_VALUE),
-        AbortCode::WRITE_ONLY => (Fault::SdoWriteOnlyWrongCode, AbortCode::NO_OBJECT),
-        AbortCode::NO_SUB_INDEX => (Fault::SdoUnknownAbortCode, AbortCode(0x0A00_0001)),
-        code => return code,
-    };
-    if faults.has(wrong.0) { wrong.1 } else { code }
-}
 
 /// How many bytes of a response are not reserved.
 fn used_bytes(response: &Response) -> usize {

@@ -1,7 +1,6 @@
 //! Uploads: expedited and in segments (CiA 301, 7.2.4.3.5 to 7.2.4.3.7).
 
 use super::{Next, Transfer};
-use crate::Fault;
 use crate::device::objects::Objects;
 use crate::device::parameters::Reading;
 use canvass_analyzer::Multiplexer;
@@ -29,52 +28,53 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, objects: &Objects) -
         response = Response::InitiateUpload { multiplexer: object, payload: Payload::Segmented(bytes.len() as u32) };
     }
     match response {
-        Response::InitiateUpload { payload: Payload::Segmented(0), .. }
-            if objects.faults.has(Fault::SdoEmptyValueSilent) =>
-        {
+        Response::InitiateUpload { payload: Payload::Segmented(0), .. } if !objects.firmware.answers_empty_value() => {
             Next::silence(Transfer::Idle)
         }
         Response::InitiateUpload { multiplexer, payload: Payload::Segmented(size) }
-            if objects.faults.has(Fault::SdoAnnouncedSizeWrong) =>
+            if objects.firmware.announces_one_byte_more() =>
         {
             let upload = SegmentedUpload { object, value: bytes.to_vec(), sent: 0, toggle: false };
             let payload = Payload::Segmented(size.saturating_add(1));
             Next::answer(Transfer::Upload(upload), Response::InitiateUpload { multiplexer, payload })
         }
-        Response::InitiateUpload { payload: Payload::Segmented(_), .. } => {
-            let upload = SegmentedUpload { object, value: bytes.to_vec(), sent: 0, toggle: false };
-            Next::answer(Transfer::Upload(upload), response)
-        }
+        Response::InitiateUpload { payload: Payload::Segmented(_), .. } => begin(object, bytes, objects),
         response => Next::end(response),
     }
 }
 
 /// The start of an upload of that value, in segments whatever its length.
-pub(super) fn begin(object: Multiplexer, value: &[u8]) -> Next {
+pub(super) fn begin(object: Multiplexer, value: &[u8], objects: &Objects) -> Next {
     let upload = SegmentedUpload { object, value: value.to_vec(), sent: 0, toggle: false };
-    let payload = Payload::Segmented(value.len() as u32);
+    let payload = match objects.firmware.announces_sizes() {
+        true => Payload::Segmented(value.len() as u32),
+        false => Payload::SegmentedUnsized,
+    };
     Next::answer(Transfer::Upload(upload), Response::InitiateUpload { multiplexer: object, payload })
 }
 
 impl SegmentedUpload {
     /// The request for the next segment.
     pub fn on_request(mut self, toggle: bool, objects: &Objects) -> Next {
-        if toggle != self.toggle && !objects.faults.has(Fault::SdoToggleUnchecked) {
+        if toggle != self.toggle && objects.firmware.checks_toggle() {
+            if !objects.firmware.answers_wrong_upload_toggle() {
+                return Next::silence(Transfer::Upload(self));
+            }
             return Next::abort(self.object, AbortCode::TOGGLE);
         }
         let rest = self.value.get(self.sent..).unwrap_or_default();
         let last = rest.len() <= 7;
         let mut data = rest.get(..7).unwrap_or(rest);
-        if last && objects.faults.has(Fault::SdoSegmentLengthWrong) {
+        if last && objects.firmware.loses_byte_of_last_segment() {
             data = data.get(..data.len().saturating_sub(1)).unwrap_or(data);
         }
-        let shown = toggle && !objects.faults.has(Fault::SdoUploadToggleStuck);
-        let marked = last && !objects.faults.has(Fault::SdoUploadEndMissing);
+        let shown = toggle && objects.firmware.toggles_upload();
+        let marked = last && objects.firmware.marks_end_of_upload();
         let Some(segment) = Segment::new(shown, data, marked) else {
             return Next::abort(self.object, AbortCode::GENERAL);
         };
         let response = Response::UploadSegment(segment);
-        if last && objects.faults.has(Fault::SdoSegmentAfterEndAnswered) {
+        if last && objects.firmware.answers_segment_after_end() {
             self.sent = self.value.len();
             self.toggle = !toggle;
             return Next::answer(Transfer::Upload(self), response);

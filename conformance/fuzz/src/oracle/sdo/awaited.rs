@@ -1,6 +1,6 @@
 //! What a server has to answer to a request.
 
-use super::super::codes::CodeSet;
+use super::super::codes::{self, CodeSet};
 use super::block;
 use canvass_analyzer::Multiplexer;
 
@@ -13,6 +13,9 @@ pub(super) enum Awaited {
     Anything,
     /// An abort with one of these codes, naming that object where the request named one.
     Abort { codes: CodeSet, at: Option<Multiplexer>, why: &'static str },
+    /// A toggle bit that does not alternate: the segment is ignored, or the transfer aborted (CiA 301, 7.2.4.3.2 and
+    /// 7.2.4.3.5).
+    AbortOrIgnored,
     /// The value of an object.
     Read(Reading),
     /// The value in blocks; a normal upload up to that many bytes.
@@ -71,10 +74,15 @@ impl Awaited {
     /// Whether silence would be wrong.
     pub const fn is_required(&self) -> bool {
         match self {
-            Self::Nothing | Self::Anything => false,
+            Self::Nothing | Self::Anything | Self::AbortOrIgnored => false,
             Self::ConfirmBlock { required, .. } => *required,
             _ => true,
         }
+    }
+
+    /// Whether an answer may come that need not come.
+    pub fn is_open(&self) -> bool {
+        matches!(self, Self::Anything | Self::AbortOrIgnored)
     }
 
     /// The id of what is awaited.
@@ -83,6 +91,7 @@ impl Awaited {
             Self::Nothing => "unsolicited response",
             Self::Anything => "response to an odd request",
             Self::Abort { why, .. } => why,
+            Self::AbortOrIgnored => "a toggle bit that does not alternate",
             Self::Read(_) => "initiate upload",
             Self::BlockRead { .. } => "initiate block upload",
             Self::Write { .. } => "expedited download",
@@ -104,6 +113,7 @@ impl Awaited {
             Self::Anything => "a legal response, or none".to_owned(),
             Self::Abort { codes, at: Some(at), why } => format!("abort {} of {at}: {why}", codes.text()),
             Self::Abort { codes, at: None, why } => format!("abort {}: {why}", codes.text()),
+            Self::AbortOrIgnored => format!("no answer, or abort {}: {}", codes::TOGGLE.text(), self.rule()),
             Self::Read(reading) => reading.text("the value of"),
             Self::BlockRead { reading, .. } => reading.text("block upload of"),
             Self::Write { at, writing } => writing.text(&format!("confirmation of the download to {at}")),

@@ -11,7 +11,7 @@ mod segment;
 
 use super::belief::Belief;
 use super::codes::{self, CodeSet};
-use super::{Served, Violation, violation};
+use super::{Served, Violation, silence};
 use crate::Knowledge;
 use crate::coverage::{Answer, Command, Coverage, SdoState};
 use crate::property::Property;
@@ -96,6 +96,14 @@ enum State {
 }
 
 impl State {
+    /// Whether a block transfer is under way whose next message is no segment.
+    const fn is_block(self) -> bool {
+        matches!(
+            self,
+            Self::BlockDownloadEnd { .. } | Self::BlockUploadReady { .. } | Self::BlockUpload(_) | Self::BlockUploadEnd
+        )
+    }
+
     /// For the statistics; `None`: nobody knows, and nothing is counted.
     const fn class(self) -> Option<SdoState> {
         Some(match self {
@@ -207,14 +215,14 @@ impl Server {
                 return stores(frame, knowledge);
             }
         }
-        self.overlapped |= self.due < Timestamp::MAX || self.awaited == Awaited::Anything;
+        self.overlapped |= self.due < Timestamp::MAX || self.awaited.is_open();
         let mut awaited = self.judge_request(frame, knowledge, belief);
         if self.overlapped {
             // Whether the first request is answered, or given up for the second, is left to the server.
             self.state = State::Unsure;
             awaited = Awaited::Anything;
         }
-        if matches!(awaited, Awaited::Nothing | Awaited::Anything | Awaited::ConfirmBlock { required: false, .. }) {
+        if !awaited.is_required() {
             self.count(coverage, Answer::None);
         }
         self.await_answer(now, awaited, knowledge);
@@ -267,13 +275,13 @@ impl Server {
 
     /// Whether an answer may come that need not come.
     pub fn is_open(&self) -> bool {
-        self.overlapped || self.awaited == Awaited::Anything
+        self.overlapped || self.awaited.is_open()
     }
 
     /// Nothing has come for a while: no answer to an earlier request is under way.
     pub const fn quiet(&mut self) {
         self.overlapped = false;
-        if matches!(self.awaited, Awaited::Anything) {
+        if matches!(self.awaited, Awaited::Anything | Awaited::AbortOrIgnored) {
             self.awaited = Awaited::Nothing;
         }
     }
@@ -298,6 +306,13 @@ impl Server {
         }
         if self.state == State::Unsure && frame.bytes()[0] != 0x80 {
             // It may be taken for the segment of a block download that nobody knows of. The answer tells.
+            return Awaited::Anything;
+        }
+        if self.state.is_block() && initiates(&request) {
+            // Only the last segment and an abort end a block transfer (CiA 301, 7.2.4.3.8 and 7.2.4.3.12): a new transfer may
+            // begin, or be refused.
+            self.give_up(belief);
+            self.state = State::Unsure;
             return Awaited::Anything;
         }
         match request {
@@ -353,8 +368,19 @@ impl Server {
         let expected = self.awaited.text();
         let rule = self.awaited.rule();
         self.reset();
-        Err(violation(Property::LegalSdo, rule, expected, "no answer", now))
+        Err(silence(Property::LegalSdo, rule, expected, now))
     }
+}
+
+/// Whether a request begins a transfer.
+const fn initiates(request: &Request) -> bool {
+    matches!(
+        request,
+        Request::InitiateUpload { .. }
+            | Request::InitiateDownload { .. }
+            | Request::InitiateBlockUpload { .. }
+            | Request::InitiateBlockDownload { .. }
+    )
 }
 
 /// Whether the request, or the transfer that it begins, may store: the device may be silent for long then.

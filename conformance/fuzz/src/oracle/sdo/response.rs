@@ -118,6 +118,13 @@ impl Server {
                 Response::Abort(abort) => check_abort(abort, codes, at),
                 _ => Err(refused()),
             },
+            Awaited::AbortOrIgnored => match response {
+                Response::Abort(abort) => {
+                    self.give_up(belief);
+                    check_abort(abort, codes::TOGGLE, None)
+                }
+                _ => Err(refused()),
+            },
             Awaited::Read(reading) => match response {
                 Response::Abort(abort) => refused_read(abort, reading),
                 Response::InitiateUpload { multiplexer, payload } => {

@@ -14,7 +14,7 @@ impl Server {
             return self.refuse(codes::COMMAND, "a download segment without its transfer", belief);
         };
         if segment.toggle != toggle {
-            return self.refuse(codes::TOGGLE, "a toggle bit that does not alternate", belief);
+            return Awaited::AbortOrIgnored;
         }
         if self.data.len() < LONGEST {
             self.data.extend_from_slice(segment.data());
@@ -48,10 +48,7 @@ impl Server {
     pub(super) fn upload_segment(&mut self, toggle: bool) -> Awaited {
         match self.state {
             State::Upload { toggle: expected, .. } if expected == toggle => Awaited::Segment { toggle },
-            State::Upload { .. } => {
-                self.state = State::Idle;
-                Awaited::Abort { codes: codes::TOGGLE, at: None, why: "a toggle bit that does not alternate" }
-            }
+            State::Upload { .. } => Awaited::AbortOrIgnored,
             _ => {
                 self.state = State::Idle;
                 Awaited::Abort { codes: codes::COMMAND, at: None, why: "a segment is asked for without its transfer" }

@@ -3,45 +3,40 @@
 use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
-use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::Observation;
 
 /// Every object that the description calls readable can be read, and has the length of its data type.
 ///
 /// An object that has nothing to give at the moment may answer with abort 0800 0020h to 0800 0024h, as an empty error
 /// history does.
-#[case(id = "301/dictionary/described", clause = "CiA 301 7.4", confidence = Known, level = Must,
+#[case(id = "301/dictionary/described", clause = "CiA 301 7.4.2", confidence = Cited, level = Must,
        needs = [Description], catches = [ErrorRegisterMissing, EdsSubIndexMissing, EdsDataTypeWrong, IdentityRevisionMissing, SdoSegmentLengthWrong,
                   ErrorControlMissing, OperatingStatusMissing, AlarmsMissing, PositionSixteenBit,
                   OperatingParametersThirtyTwoBit], cct = "4.1")]
 fn described(bench: &mut Bench<'_>) -> Judged {
-    for (multiplexer, data_type) in readable(bench) {
+    let objects = readable(bench);
+    bench.each(objects, |bench, (multiplexer, data_type)| {
         let attempt = bench.upload(multiplexer)?;
-        match &attempt.outcome {
-            Outcome::Uploaded(value) => {
-                let length = data_type.bytes();
-                demand(length.is_none_or(|length| length == value.len()), || {
-                    let expected = format!("{} bytes, as {data_type} has", length.unwrap_or_default());
-                    let duty = format!("{multiplexer} has the length of its data type");
-                    Reason::new(duty, expected, Bytes(value).to_string())
-                })?;
-            }
-            Outcome::Aborted(abort) if is_momentary(abort.code) => {}
-            other => {
-                let duty = format!("{multiplexer} can be read, as the description says");
-                return Err(Stop::from(Reason::new(duty, "the value", other.to_string())));
-            }
+        if attempt.abort().is_some_and(is_momentary) {
+            return Ok(());
         }
-    }
-    Ok(())
+        let value = attempt.value()?;
+        let length = data_type.bytes();
+        bench.check(demand(length.is_none_or(|length| length == value.len()), || {
+            Breach::new(multiplexer, "an object has the length of its data type")
+                .expected(format!("{} bytes, as {data_type} has", length.unwrap_or_default()))
+                .found(Observation::Value(value))
+        }))
+    })
 }
 
 /// Sub-indexes above the highest that sub-index 0 names do not exist: abort 0609 0011h.
-#[case(id = "301/dictionary/highest-sub-index", clause = "CiA 301 7.4.8", confidence = Known, level = Must,
+#[case(id = "301/dictionary/highest-sub-index", clause = "CiA 301 7.4.7.2", confidence = Cited, level = Must,
        catches = [SdoWrongCodeForNoSubIndex])]
 fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
     for index in [0x1018, 0x1800, 0x1A00, 0x1400, 0x1600, 0x1029, 0x1016] {
@@ -73,7 +68,7 @@ const fn is_momentary(code: AbortCode) -> bool {
 
 /// Sub-index FFh, where an object has it, tells the object code and the data type of the description; where it does not,
 /// it is refused with abort 0609 0011h.
-#[case(id = "301/dictionary/structure", clause = "CiA 301 7.4.8", confidence = Known, level = Should,
+#[case(id = "301/dictionary/structure", clause = "CiA 301 7.4.7.2", confidence = Cited, level = Should,
        catches = [SdoWrongCodeForNoSubIndex, StructureEntryWrong], cct = "4.5")]
 fn structure(bench: &mut Bench<'_>) -> Judged {
     for index in [0x1018_u16, 0x1003, 0x1800, 0x1A00, 0x1400] {
@@ -87,35 +82,36 @@ fn structure(bench: &mut Bench<'_>) -> Judged {
         };
         let object = bench.target().description.as_ref();
         let object = object.and_then(|described| described.dictionary.object(canvass_analyzer::Index(index)));
-        // Bits 0 to 7 are the object code: 7 VAR, 8 ARRAY, 9 RECORD.
+        // Bits 0 to 7 are the object code: 7 VAR, 8 ARRAY, 9 RECORD. Bits 24 to 31 are reserved.
         let expected = object.map(|object| u32::from(object.code.0));
-        let found = crate::bench::sdo::number(value) & 0xFF;
-        let is_known = matches!(found, 7..=9) && value.len() == 4;
-        demand(is_known && expected.is_none_or(|expected| expected == found), || {
-            let expected = expected.map_or_else(|| "7, 8 or 9".to_owned(), |expected| expected.to_string());
-            let duty = format!("{index:04X}h:FF tells the object code in bits 0 to 7");
-            Reason::new(duty, expected, Bytes(value).to_string())
-        })?;
+        let found = crate::bench::sdo::number(value);
+        let is_known = matches!(found & 0xFF, 7..=9) && found >> 24 == 0 && value.len() == 4;
+        bench.check(demand(is_known && expected.is_none_or(|expected| expected == found & 0xFF), || {
+            let code = expected.map_or_else(|| "7, 8 or 9".to_owned(), |expected| expected.to_string());
+            Breach::new(attempt.multiplexer, "sub-index FFh tells the object code in bits 0 to 7; bits 24 to 31 are 0")
+                .expected(format!("object code {code}"))
+                .found(Observation::Value(value.clone()))
+        }))?;
     }
     Ok(())
 }
 
 /// After every reset node the parameters have the same values. Those that are not the defaults of the description are
 /// noted: they may have been stored.
-#[case(id = "301/dictionary/after-reset", clause = "CiA 301 7.3.2.1", confidence = Attested, level = Must,
+#[case(id = "301/dictionary/after-reset", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [Description], catches = [ParameterDriftsAtReset], cct = "4.8")]
 fn after_reset(bench: &mut Bench<'_>) -> Judged {
     let before = parameters(bench)?;
     bench.reset(canvass_analyzer::wire::nmt::Command::RESET_NODE)?;
     let after = parameters(bench)?;
-    let changed = before.iter().zip(&after).find(|(before, after)| before.1 != after.1);
-    demand(changed.is_none(), || match changed {
-        Some(((at, before), (_, after))) => {
-            let duty = format!("{at} is the same after every reset node");
-            Reason::new(duty, Bytes(before).to_string(), Bytes(after).to_string())
-        }
-        None => Reason::default(),
-    })?;
+    for (at, before) in &before {
+        let now = after.iter().find(|(other, _)| other == at).map(|(_, value)| value);
+        bench.check(demand(now == Some(before), || {
+            let found = now.map_or(Observation::named("no value any more"), |now| Observation::Value(now.clone()));
+            let breach = Breach::new(*at, "a parameter is the same after every reset node");
+            breach.expected(Observation::Value(before.clone())).found(found)
+        }))?;
+    }
     let node = bench.node();
     let differs = |(at, value): &&(Multiplexer, Vec<u8>)| {
         let entry = bench.target().description.as_ref().and_then(|it| it.dictionary.entry(*at).ok());

@@ -1,100 +1,111 @@
 //! Identity: who the device says it is (1000h, 1001h, 1008h to 100Ah, 1018h).
 
 use crate::bench::Bench;
+use crate::bench::sdo::{DEVICE_TYPE, number};
 use crate::case;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::{Breach, Judged, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::client::sdo::Bytes;
-
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+use canvass_bus::observation::Observation;
 
 const fn identity(sub: u8) -> Multiplexer {
     Multiplexer::new(0x1018, sub)
 }
 
 /// The vendor-ID 1018h:01 is the one that CiA gave the manufacturer, so never 0, and that of the description.
-#[case(id = "301/identity/vendor-id", clause = "CiA 301 7.5.2.21", confidence = Derived, level = Must,
+#[case(id = "301/identity/vendor-id", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
        catches = [VendorIdZero])]
 fn vendor_id(bench: &mut Bench<'_>) -> Judged {
-    let vendor = crate::bench::sdo::number(&bench.upload(identity(1))?.value()?);
-    demand(vendor != 0, || Reason::new("1018h:01 holds the vendor-ID", "a number other than 0", "0"))?;
-    as_described(bench, identity(1), vendor)
+    let value = bench.upload(identity(1))?.value()?;
+    bench.check(demand(number(&value) != 0, || {
+        let breach = Breach::new(identity(1), "1018h:01 holds the vendor-ID");
+        breach.expected("a number other than 0").found(Observation::Value(value.clone()))
+    }))?;
+    as_described(bench, identity(1), &value)
 }
 
-/// Product code and revision number, where 1018h has them, are those of the description.
-#[case(id = "301/identity/product", clause = "CiA 301 7.5.2.21", confidence = Derived, level = Should,
+/// Product code, revision number and serial number, where 1018h has them, are not 0, which is reserved, and the first two
+/// are those of the description.
+#[case(id = "301/identity/product", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
        needs = [Description], catches = [IdentityRevisionMissing])]
 fn product(bench: &mut Bench<'_>) -> Judged {
-    for multiplexer in [identity(2), identity(3)] {
-        if bench.described(multiplexer) == Some(true) {
-            let value = crate::bench::sdo::number(&bench.upload(multiplexer)?.value()?);
-            as_described(bench, multiplexer, value)?;
+    bench.each([2, 3, 4].map(identity), |bench, multiplexer| {
+        if bench.described(multiplexer) != Some(true) {
+            return Ok(());
         }
-    }
-    Ok(())
+        let value = bench.upload(multiplexer)?.value()?;
+        bench.check(demand(number(&value) != 0, || {
+            let breach = Breach::new(multiplexer, "0 is reserved in the identity of a device");
+            breach.expected("a number other than 0").found(Observation::Value(value.clone()))
+        }))?;
+        if multiplexer == identity(4) { Ok(()) } else { as_described(bench, multiplexer, &value) }
+    })
 }
 
 /// A device with LSS has all four parts of its LSS address: 1018h:01 to 1018h:04.
-#[case(id = "301/identity/lss-address", clause = "CiA 301 7.5.2.21", confidence = Derived, level = Must,
+#[case(id = "301/identity/lss-address", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
        needs = [Lss], catches = [IdentityRevisionMissing])]
 fn lss_address(bench: &mut Bench<'_>) -> Judged {
-    let highest = bench.upload(identity(0))?.value()?;
-    demand(highest == [4], || Reason::new("1018h:00 counts four entries", "04", Bytes(&highest).to_string()))?;
-    for sub in 1..=4 {
-        bench.upload(identity(sub))?.value()?;
-    }
-    Ok(())
+    bench.expect_value(identity(0), &[4], "1018h:00 counts four entries")?;
+    bench.each(1..=4, |bench, sub| Ok(bench.upload(identity(sub))?.value().map(|_| ())?))
 }
 
-/// The device type 1000h names the device profile and is that of the description.
-#[case(id = "301/identity/device-type", clause = "CiA 301 7.5.2.1", confidence = Derived, level = Must,
+/// The device type 1000h names the device profile and is that of the description. Profile 0, none, leaves no room for
+/// additional information but 0 or FFFFh.
+#[case(id = "301/identity/device-type", clause = "CiA 301 7.5.2.1", confidence = Cited, level = Must,
        needs = [Description], catches = [DeviceTypeProfileWrong, DeviceTypeTurnsWrong], cct = "2.1")]
 fn device_type(bench: &mut Bench<'_>) -> Judged {
     let value = bench.upload(DEVICE_TYPE)?.value()?;
-    demand(value.len() == 4, || Reason::new("1000h is an UNSIGNED32", "4 bytes", Bytes(&value).to_string()))?;
-    as_described(bench, DEVICE_TYPE, crate::bench::sdo::number(&value))
+    let (profile, additional) = (number(&value) & 0xFFFF, number(&value) >> 16);
+    let is_legal = value.len() == 4 && (profile != 0 || matches!(additional, 0 | 0xFFFF));
+    bench.check(demand(is_legal, || {
+        let breach =
+            Breach::new(DEVICE_TYPE, "1000h is an UNSIGNED32, and without a profile its upper half is 0 or FFFFh");
+        breach.expected("4 bytes of that form").found(Observation::Value(value.clone()))
+    }))?;
+    as_described(bench, DEVICE_TYPE, &value)
 }
 
 /// Every device has 1000h, 1001h and 1018h with at least the vendor-ID.
-#[case(id = "301/identity/mandatory-objects", clause = "CiA 301 7.5", confidence = Known, level = Must,
+#[case(id = "301/identity/mandatory-objects", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
        catches = [ErrorRegisterMissing], cct = "1.0")]
 fn mandatory_objects(bench: &mut Bench<'_>) -> Judged {
-    for (multiplexer, length) in
-        [(DEVICE_TYPE, 4), (Multiplexer::new(0x1001, 0), 1), (identity(0), 1), (identity(1), 4)]
-    {
+    let mandatory = [(DEVICE_TYPE, 4), (Multiplexer::new(0x1001, 0), 1), (identity(0), 1), (identity(1), 4)];
+    bench.each(mandatory, |bench, (multiplexer, length)| {
         let value = bench.upload(multiplexer)?.value()?;
-        demand(value.len() == length, || {
-            let expected = format!("{length} byte{}", if length == 1 { "" } else { "s" });
-            Reason::new(format!("{multiplexer} has its standard length"), expected, Bytes(&value).to_string())
-        })?;
-    }
-    Ok(())
+        bench.check(demand(value.len() == length, || {
+            let breach = Breach::new(multiplexer, "a mandatory object has its standard length");
+            let plural = if length == 1 { "" } else { "s" };
+            breach.expected(format!("{length} byte{plural}")).found(Observation::Value(value))
+        }))
+    })
 }
 
-/// Device name, hardware version and software version are VISIBLE_STRINGs: printable characters and nothing after.
-#[case(id = "301/identity/names", clause = "CiA 301 7.5.2.8", confidence = Derived, level = Should,
+/// Device name, hardware version and software version are VISIBLE_STRINGs: of their bytes each is 00h or 20h to 7Eh.
+#[case(id = "301/identity/names", clause = "CiA 301 7.1.6.3", confidence = Cited, level = Must,
        needs = [Name], catches = [DeviceNameWithGarbage])]
 fn names(bench: &mut Bench<'_>) -> Judged {
-    for (multiplexer, value) in bench.names()? {
-        // CiA 301 defines VISIBLE_STRING as 00h and 20h to 7Eh; a 00h in a value is padding that does not belong.
-        let strange = value.iter().position(|byte| !(0x20..=0x7E).contains(byte));
-        demand(strange.is_none(), || {
-            let actual = format!("{} (byte {})", Bytes(&value), strange.unwrap_or_default());
-            Reason::new(format!("{multiplexer} is printable"), "bytes 20h to 7Eh", actual)
-        })?;
-    }
-    Ok(())
+    let names = bench.names()?;
+    bench.each(names, |bench, (multiplexer, value)| {
+        let strange = value.iter().position(|byte| !matches!(byte, 0x00 | 0x20..=0x7E));
+        bench.check(demand(strange.is_none(), || {
+            let told = format!("{} (byte {})", Bytes(&value), strange.unwrap_or_default());
+            let breach = Breach::new(multiplexer, "a name or version has characters of VISIBLE_STRING only");
+            breach.expected("bytes 00h and 20h to 7Eh").found(Observation::Value(value)).told(told)
+        }))
+    })
 }
 
 /// Demands the value that the description gives, where it gives one.
-fn as_described(bench: &mut Bench<'_>, multiplexer: Multiplexer, value: u32) -> Judged {
+fn as_described(bench: &mut Bench<'_>, multiplexer: Multiplexer, value: &[u8]) -> Judged {
     let node = bench.node();
     let described = bench.target().description.as_ref().and_then(|description| {
         let entry = description.dictionary.entry(multiplexer).ok()?;
         entry.start_value(node)?.as_number()
     });
-    bench.check(demand(described.is_none_or(|described| described == i128::from(value)), || {
-        let expected = format!("{:08X}h", described.unwrap_or_default());
-        Reason::new(format!("{multiplexer} is as described"), expected, format!("{value:08X}h"))
+    bench.check(demand(described.is_none_or(|described| described == i128::from(number(value))), || {
+        Breach::new(multiplexer, "the identity of the device is that of its description")
+            .expected(format!("{:08X}h", described.unwrap_or_default()))
+            .found(Observation::Value(value.to_vec()))
     }))
 }

@@ -12,6 +12,7 @@ mod heartbeat_consumer;
 mod identity;
 mod interrupted;
 mod life_guarding;
+pub(crate) mod needs;
 mod nmt;
 mod pdo_communication;
 mod pdo_mapping;

@@ -2,10 +2,15 @@
 
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::error_control;
 use canvass_bus::client::Outcome;
+use canvass_bus::observation::Observation;
+
+const PDOS: Multiplexer = Multiplexer::new(0x1004, 0);
+const NODE_ID: Multiplexer = Multiplexer::new(0x100B, 0);
+const GUARDING_ID: Multiplexer = Multiplexer::new(0x100E, 0);
 
 /// The number in an object that may be absent.
 fn number(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<u32, Stop> {
@@ -23,13 +28,15 @@ fn number(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<u32, Stop> 
 #[case(id = "301/dictionary/number-of-pdos", clause = "CiA 301", confidence = Unknown, level = Should,
        needs = [Description], catches = [PdoCountWrong])]
 fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
-    let all = number(bench, Multiplexer::new(0x1004, 0))?;
+    let all = number(bench, PDOS)?;
     let synchronous = number(bench, Multiplexer::new(0x1004, 1))?;
     let asynchronous = number(bench, Multiplexer::new(0x1004, 2))?;
-    demand(synchronous.wrapping_add(asynchronous) == all, || {
-        let expected = format!("{synchronous:08X}h + {asynchronous:08X}h");
-        Reason::new("1004h:00 is the sum of 1004h:01 and 1004h:02", expected, format!("{all:08X}h"))
-    })?;
+    let found = Observation::Value(all.to_le_bytes().to_vec());
+    bench.check(demand(synchronous.wrapping_add(asynchronous) == all, || {
+        Breach::new(PDOS, "1004h:00 is the sum of 1004h:01 and 1004h:02")
+            .expected(format!("{synchronous:08X}h + {asynchronous:08X}h"))
+            .found(found.clone())
+    }))?;
     let dictionary = bench.target().description.as_ref().map(|description| &description.dictionary);
     let count = |first: u16, last: u16| {
         let entries = dictionary.into_iter().flat_map(|dictionary| dictionary.entries());
@@ -37,7 +44,8 @@ fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
     };
     let there = count(0x1400, 0x15FF) << 16 | count(0x1800, 0x19FF);
     bench.check(demand(there == all, || {
-        Reason::new("1004h:00 counts the PDOs that there are", format!("{there:08X}h"), format!("{all:08X}h"))
+        let breach = Breach::new(PDOS, "1004h:00 counts the PDOs that there are");
+        breach.expected(format!("{there:08X}h")).found(found)
     }))
 }
 
@@ -45,10 +53,12 @@ fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/dictionary/node-id", clause = "CiA 301", confidence = Unknown, level = Should,
        catches = [NodeIdObjectWrong])]
 fn node_id(bench: &mut Bench<'_>) -> Judged {
-    let found = number(bench, Multiplexer::new(0x100B, 0))?;
+    let found = number(bench, NODE_ID)?;
     let node = u32::from(bench.node().raw());
     bench.check(demand(found == node, || {
-        Reason::new("100Bh is the node-ID in use", format!("{node}"), format!("{found}"))
+        Breach::new(NODE_ID, "100Bh is the node-ID in use")
+            .expected(Observation::Number(u64::from(node)))
+            .found(Observation::Number(u64::from(found)))
     }))
 }
 
@@ -56,9 +66,12 @@ fn node_id(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/guarding/cob-id", clause = "CiA 301", confidence = Unknown, level = Should,
        catches = [GuardingCobIdWrong])]
 fn guarding_cob_id(bench: &mut Bench<'_>) -> Judged {
-    let found = number(bench, Multiplexer::new(0x100E, 0))? & 0x7FF;
+    let found = number(bench, GUARDING_ID)? & 0x7FF;
     let used = u32::from(error_control::CAN_ID_BASE) + u32::from(bench.node().raw());
     bench.check(demand(found == used, || {
-        Reason::new("100Eh is the guarding COB-ID", format!("{used:03X}h"), format!("{found:03X}h"))
+        Breach::new(GUARDING_ID, "100Eh is the COB-ID of guarding")
+            .expected(format!("{used:03X}h"))
+            .found(Observation::Number(u64::from(found)))
+            .told(format!("{found:03X}h"))
     }))
 }

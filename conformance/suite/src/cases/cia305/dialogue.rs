@@ -1,22 +1,29 @@
 //! What all LSS cases need: messages out and in, states reached and proven.
 
+use super::needs::LSS_INQUIRY;
 use crate::bench::Bench;
-use crate::verdict::{Check, Judged, Precondition, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
+use crate::need::Found;
+use crate::verdict::{Allowed, Breach, Check, Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lss::{self, Part, Request, Response};
-use canvass_traces::Frame;
+use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
+use canvass_analyzer::{Multiplexer, Service};
+use canvass_bus::observation::Observation;
+use canvass_traces::Duration;
 
-/// Sends a message and waits for the slave's response.
+/// Sends a message that the slave has to answer, and waits for its response; a slave may take seconds to store.
 pub fn exchange(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Stop> {
-    exchange_frame(bench, &request.to_frame(lss::MASTER_CAN_ID))
+    exchange_within(bench, request, bench.timing().lss)
 }
 
-/// Sends a frame, however wrong, and waits for the slave's response.
-pub fn exchange_frame(bench: &mut Bench<'_>, frame: &Frame) -> Result<Option<Response>, Stop> {
+/// Sends a message that nobody has to answer, and gives a response all the same if there is one.
+pub fn tell(bench: &mut Bench<'_>, request: Request) -> Result<Option<Response>, Stop> {
+    exchange_within(bench, request, bench.timing().silence)
+}
+
+fn exchange_within(bench: &mut Bench<'_>, request: Request, span: Duration) -> Result<Option<Response>, Stop> {
     bench.drain()?;
-    bench.send(frame)?;
-    bench.wait_for(bench.timing().silence, |record| {
+    bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
+    bench.wait_for(span, |record| {
         let is_slave = record.frame.cob_id() == Some(lss::SLAVE_CAN_ID);
         is_slave.then(|| Response::read(record.frame.data()).ok()).flatten()
     })
@@ -26,17 +33,68 @@ pub fn shown(response: Option<Response>) -> String {
     response.map_or_else(|| "no answer".to_owned(), |response| response.to_string())
 }
 
+/// What a slave answered, as an observation: the error code, the node-ID, the part of its address.
+pub fn observed(response: Option<Response>) -> Observation {
+    match response {
+        None => Observation::Silence,
+        Some(Response::Configured { error, .. }) => Observation::ErrorCode(error),
+        Some(Response::NodeId(node)) => Observation::Number(node.into()),
+        Some(Response::Part { value, .. }) => Observation::Number(value.into()),
+        Some(Response::Switched) => Observation::named("44h"),
+        Some(Response::Identified) => Observation::named("4Fh"),
+        Some(Response::NonConfigured) => Observation::named("50h"),
+        Some(Response::Unknown { .. }) => Observation::named("an unknown LSS response"),
+    }
+}
+
+/// A breach of what LSS demands.
+pub fn breach(duty: impl Into<String>) -> Breach {
+    Breach::new(Service::Lss, duty.into())
+}
+
 /// Demands a response.
-pub fn expect(what: &str, expected: &str, found: Option<Response>, right: impl FnOnce(Response) -> bool) -> Check {
-    demand(found.is_some_and(right), || Reason::new(format!("{what} is answered"), expected, shown(found)))
+pub fn expect(
+    what: &str,
+    expected: impl Into<Allowed>,
+    found: Option<Response>,
+    right: impl FnOnce(Response) -> bool,
+) -> Check {
+    demand(found.is_some_and(right), || {
+        breach(format!("{what} is answered")).expected(expected).found(observed(found)).told(shown(found))
+    })
+}
+
+/// Demands the confirmation of a configuration with one of these error codes; the best one first.
+pub fn expect_error(what: &str, command: ConfigureCommand, allowed: &[u8], found: Option<Response>) -> Check {
+    let expected = Allowed::OneOf(allowed.iter().copied().map(Observation::ErrorCode).collect());
+    let is_allowed = |response| matches!(response, Response::Configured { command: of, error, .. } if of == command && allowed.contains(&error));
+    demand(found.is_some_and(is_allowed), || {
+        // A confirmation of another command says nothing by its error code.
+        let actual = match found {
+            Some(Response::Configured { command: of, .. }) if of != command => {
+                Observation::named("the confirmation of another command")
+            }
+            other => observed(other),
+        };
+        breach(format!("{what} is answered")).expected(expected).found(actual).told(shown(found))
+    })
 }
 
 /// Demands silence.
 pub fn expect_silence(what: &str, found: Option<Response>) -> Check {
-    demand(found.is_none(), || Reason::new(format!("{what} is not answered"), "silence", shown(found)))
+    demand(found.is_none(), || {
+        let breach = breach(format!("{what} is not answered"));
+        breach.expected(Observation::Silence).found(observed(found)).told(shown(found))
+    })
 }
 
-/// The node-ID that the slave gives; `None` if it is in waiting.
+/// Sets the node-ID that the device will use.
+pub fn set_node_id(bench: &mut Bench<'_>, node_id: u8) -> Result<Option<Response>, Stop> {
+    bench.gives_node_id(node_id);
+    exchange(bench, Request::ConfigureNodeId { node_id })
+}
+
+/// The node-ID that the slave gives; `None` if it gives none.
 pub fn node_id(bench: &mut Bench<'_>) -> Result<Option<u8>, Stop> {
     Ok(match exchange(bench, Request::InquireNodeId)? {
         Some(Response::NodeId(node)) => Some(node),
@@ -44,33 +102,63 @@ pub fn node_id(bench: &mut Bench<'_>) -> Result<Option<u8>, Stop> {
     })
 }
 
-/// Brings the slave into configuration and proves it by an inquiry.
+/// Brings the slave into configuration and proves it.
 pub fn configure(bench: &mut Bench<'_>) -> Result<(), Stop> {
-    exchange(bench, Request::SwitchGlobal { mode: 1 })?;
-    let node = exchange(bench, Request::InquireNodeId)?;
-    let reason = || Reason::new("in configuration the slave answers inquiries", "its node-ID", shown(node));
-    bench.check(demand(matches!(node, Some(Response::NodeId(_))), reason)).or_inconclusive()
+    tell(bench, Request::SwitchGlobal { mode: 1 })?;
+    if is_configuring(bench, bench.timing().lss)? {
+        return Ok(());
+    }
+    let duty = "switch state global leads into configuration";
+    Err(Stop::Inconclusive(Reason::new(duty, "an answer to an inquiry or to configure node-ID", "none to either")))
+}
+
+/// Whether the slave is in configuration: it answers an inquiry, or where it has none, it takes the node-ID that it has.
+fn is_configuring(bench: &mut Bench<'_>, patience: Duration) -> Result<bool, Stop> {
+    let inquires = match bench.known(&LSS_INQUIRY) {
+        Some(Found::Known(met)) => Some(met.is_ok()),
+        _ => None,
+    };
+    if inquires != Some(false) {
+        let answer = exchange_within(bench, Request::InquireNodeId, patience)?;
+        if matches!(answer, Some(Response::NodeId(_))) {
+            bench.learned(&LSS_INQUIRY, Found::Known(Ok(())));
+            return Ok(true);
+        }
+        if inquires == Some(true) {
+            return Ok(false);
+        }
+    }
+    let own = Request::ConfigureNodeId { node_id: bench.node().raw() };
+    let answer = exchange_within(bench, own, patience)?;
+    let takes = matches!(answer, Some(Response::Configured { command: ConfigureCommand::NodeId, .. }));
+    if takes && inquires.is_none() {
+        let why = "in configuration the slave confirms its node-ID (11h) and does not answer an inquiry of it (5Eh)";
+        bench.learned(&LSS_INQUIRY, Found::Known(Err(why.to_owned())));
+    }
+    Ok(takes)
 }
 
 /// Ends configuration. What was pending may make the device restart.
 pub fn wait(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.watch_restart();
-    exchange(bench, Request::SwitchGlobal { mode: 0 }).map(|_| ())
+    tell(bench, Request::SwitchGlobal { mode: 0 }).map(|_| ())
 }
 
-/// Demands that the slave is in configuration or in waiting.
+/// Demands that the slave is in configuration.
 pub fn expect_configuration(bench: &mut Bench<'_>, after: &str) -> Judged {
-    let node = node_id(bench)?;
-    bench.check(demand(node.is_some(), || {
-        Reason::new(format!("the slave is in configuration after {after}"), "an answer", "none")
+    let there = is_configuring(bench, bench.timing().lss)?;
+    bench.check(demand(there, || {
+        let breach = breach(format!("the slave is in configuration after {after}"));
+        breach.expected("an answer to an inquiry").found(Observation::Silence)
     }))
 }
 
-/// As [`expect_configuration`].
+/// Demands that the slave is in waiting.
 pub fn expect_waiting(bench: &mut Bench<'_>, after: &str) -> Judged {
-    let node = node_id(bench)?;
-    bench.check(demand(node.is_none(), || {
-        Reason::new(format!("the slave is in waiting after {after}"), "no answer", "its node-ID")
+    let there = is_configuring(bench, bench.timing().silence)?;
+    bench.check(demand(!there, || {
+        let breach = breach(format!("the slave is in waiting after {after}"));
+        breach.expected(Observation::Silence).found(Observation::named("an answer of the configuration state"))
     }))
 }
 
@@ -83,13 +171,28 @@ pub fn address(bench: &mut Bench<'_>) -> Result<[u32; 4], Stop> {
     Ok(address)
 }
 
-/// Gives the four parts in an order; returns the responses.
-pub fn select(bench: &mut Bench<'_>, parts: &[(Part, u32)]) -> Result<Vec<Response>, Stop> {
+/// Gives the four parts in an order; returns what came, the last of it within `patience`.
+pub fn select(bench: &mut Bench<'_>, parts: &[(Part, u32)], patience: Duration) -> Result<Vec<Response>, Stop> {
     let mut heard = Vec::new();
-    for &(part, value) in parts {
-        heard.extend(exchange(bench, Request::SwitchSelective { part, value })?);
+    for (n, &(part, value)) in parts.iter().enumerate() {
+        let span = if n + 1 == parts.len() { patience } else { bench.timing().silence };
+        heard.extend(exchange_within(bench, Request::SwitchSelective { part, value }, span)?);
     }
     Ok(heard)
+}
+
+/// Demands that exactly one response came, or none.
+pub fn expect_heard(duty: String, expected: Option<Response>, heard: &[Response]) -> Check {
+    demand(heard == expected.as_slice(), || {
+        let actual = match heard {
+            [] => Observation::Silence,
+            [one] => observed(Some(*one)),
+            more => Observation::Count(more.len() as u64),
+        };
+        let told = heard.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ");
+        let breach = breach(duty).expected(observed(expected)).found(actual);
+        if heard.is_empty() { breach } else { breach.told(told) }
+    })
 }
 
 /// The four parts in their order.

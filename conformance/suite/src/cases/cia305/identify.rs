@@ -1,9 +1,9 @@
 //! Identification of slaves (CiA 305, 6.6).
 
-use super::dialogue::{address, exchange, expect, expect_silence};
+use super::dialogue::{address, configure, exchange, expect_heard, expect_silence, tell, wait};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Judged, Stop};
 use canvass_analyzer::wire::lss::{Bound, Request, Response};
 
 /// The six bounds around an address: exact vendor and product, ranges of revision and serial number.
@@ -19,11 +19,13 @@ fn bounds(address: [u32; 4], margin: u32) -> [u32; 6] {
     ]
 }
 
-/// Gives the six bounds; returns what came.
-fn identify(bench: &mut Bench<'_>, bounds: [u32; 6]) -> Result<Vec<Response>, Stop> {
+/// Gives the six bounds; returns what came. Only a slave within all of them has to answer, the last one.
+fn identify(bench: &mut Bench<'_>, bounds: [u32; 6], within: bool) -> Result<Vec<Response>, Stop> {
     let mut heard = Vec::new();
-    for (bound, value) in Bound::ALL.into_iter().zip(bounds) {
-        heard.extend(exchange(bench, Request::IdentifyRemote { bound, value })?);
+    for (n, (bound, value)) in Bound::ALL.into_iter().zip(bounds).enumerate() {
+        let request = Request::IdentifyRemote { bound, value };
+        let is_last = n + 1 == Bound::ALL.len();
+        heard.extend(if within && is_last { exchange(bench, request)? } else { tell(bench, request)? });
     }
     Ok(heard)
 }
@@ -33,10 +35,9 @@ fn identify(bench: &mut Bench<'_>, bounds: [u32; 6]) -> Result<Vec<Response>, St
        needs = [Lss, Alone], catches = [LssIdentifyUnanswered])]
 fn within(bench: &mut Bench<'_>) -> Judged {
     let address = address(bench)?;
-    let heard = identify(bench, bounds(address, 10))?;
-    bench.check(demand(heard == [Response::Identified], || {
-        Reason::new("a slave within the bounds answers", "one 4Fh", format!("{heard:?}"))
-    }))
+    let heard = identify(bench, bounds(address, 10), true)?;
+    let duty = "a slave within the bounds answers the last of them".to_owned();
+    bench.check(expect_heard(duty, Some(Response::Identified), &heard))
 }
 
 /// Bounds belong to the range: a slave whose numbers equal them answers.
@@ -44,10 +45,9 @@ fn within(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, Alone], catches = [LssIdentifyRangeExclusive, LssIdentifyUnanswered])]
 fn at_bounds(bench: &mut Bench<'_>) -> Judged {
     let address = address(bench)?;
-    let heard = identify(bench, bounds(address, 0))?;
-    bench.check(demand(heard == [Response::Identified], || {
-        Reason::new("a slave at the bounds answers", "one 4Fh", format!("{heard:?}"))
-    }))
+    let heard = identify(bench, bounds(address, 0), true)?;
+    let duty = "a slave at the bounds answers the last of them".to_owned();
+    bench.check(expect_heard(duty, Some(Response::Identified), &heard))
 }
 
 /// A slave outside of one of the bounds does not answer.
@@ -64,34 +64,31 @@ fn outside(bench: &mut Bench<'_>) -> Judged {
         (4, address[3].saturating_add(1)),
         (5, address[3].saturating_sub(1)),
     ];
-    for (place, value) in outside {
+    bench.each(outside, |bench, (place, value)| {
         let mut wrong = right;
-        if let Some(bound) = wrong.get_mut(place) {
-            // A number that has no neighbour on that side can't be outside there.
-            if *bound == value || value == address[place / 2 + 1] {
-                continue;
-            }
-            *bound = value;
+        let (Some(bound), Some(own)) =
+            (wrong.get_mut(place), address.get(if place < 2 { place } else { place / 2 + 1 }))
+        else {
+            return Ok(());
+        };
+        // A number that has no neighbour on that side can't be outside there.
+        if *bound == value || value == *own {
+            return Ok(());
         }
-        let heard = identify(bench, wrong)?;
-        demand(heard.is_empty(), || {
-            let duty = format!("a slave outside of the {} does not answer", Bound::ALL[place].name());
-            Reason::new(duty, "silence", format!("{heard:?}"))
-        })?;
-    }
-    Ok(())
+        *bound = value;
+        let heard = identify(bench, wrong, false)?;
+        let duty = format!("a slave outside of the {} does not answer", Bound::ALL[place].name());
+        bench.check(expect_heard(duty, None, &heard))
+    })
 }
 
 /// A slave with a node-ID does not answer the search for slaves without one.
 #[case(id = "305/identify/configured", clause = "CiA 305 6.6.4", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssNonConfiguredAnswered])]
 fn configured(bench: &mut Bench<'_>) -> Judged {
-    let answer = exchange(bench, Request::IdentifyNonConfigured)?;
-    expect_silence("the search for slaves without node-ID", answer)?;
+    let answer = tell(bench, Request::IdentifyNonConfigured)?;
+    bench.check(expect_silence("the search for slaves without node-ID", answer))?;
     // Silence means something only if the slave is there.
-    super::configure(bench)?;
-    let answer = exchange(bench, Request::InquireNodeId)?;
-    super::dialogue::wait(bench)?;
-    expect("the inquiry of the node-ID", "the node-ID", answer, |answer| matches!(answer, Response::NodeId(_)))
-        .or_inconclusive()
+    configure(bench)?;
+    wait(bench)
 }

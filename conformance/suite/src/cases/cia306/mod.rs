@@ -4,6 +4,7 @@
 //! belongs to one case. A maker of devices delivers both, so both are tested.
 
 mod device;
+pub(crate) mod needs;
 
 use crate::bench::Bench;
 use crate::case;

@@ -1,8 +1,9 @@
 //! Alarms (6503h, 6504h) and warnings (6505h, 6506h), and that EMCY and error register say the same.
 
+use super::number;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::{Breach, Judged, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode};
@@ -51,7 +52,8 @@ fn within(bench: &mut Bench<'_>, shown: Multiplexer, supported: Multiplexer) -> 
     let (bits, known) = (bench.read_number(shown)?, bench.read_number(supported)?);
     bench.check(demand(bits & !known == 0, || {
         let duty = format!("{shown} has no bit that {supported} does not support");
-        Reason::new(duty, format!("no bit beside {known:04X}h"), format!("{bits:04X}h"))
+        let breach = Breach::new(shown, duty).expected(format!("no bit beside {known:04X}h"));
+        breach.found(number(bits & !known)).told(format!("{bits:04X}h"))
     }))
 }
 
@@ -61,7 +63,8 @@ fn within(bench: &mut Bench<'_>, shown: Multiplexer, supported: Multiplexer) -> 
 fn reserved_alarms(bench: &mut Bench<'_>) -> Judged {
     let alarms = bench.read_number(ALARMS)?;
     bench.check(demand(alarms & RESERVED_ALARMS == 0, || {
-        Reason::new("reserved bits of 6503h are 0", "bits 2 to 11 are 0", format!("{alarms:04X}h"))
+        let breach = Breach::new(ALARMS, "reserved bits of 6503h are 0").expected("bits 2 to 11 are 0");
+        breach.found(number(alarms & RESERVED_ALARMS)).told(format!("{alarms:04X}h"))
     }))
 }
 
@@ -72,7 +75,7 @@ fn error_register(bench: &mut Bench<'_>) -> Judged {
     let (alarms, register) = (bench.read_number(ALARMS)?, bench.read_number(ERROR_REGISTER)?);
     bench.check(demand(alarms == 0 || register != 0, || {
         let duty = format!("1001h shows that there is an alarm (6503h = {alarms:04X}h)");
-        Reason::new(duty, "bit 0 at least", format!("{register:02X}h"))
+        Breach::new(ERROR_REGISTER, duty).expected("bit 0 at least").found(number(register))
     }))
 }
 
@@ -87,7 +90,8 @@ fn alarm_of_emcy(bench: &mut Bench<'_>) -> Judged {
     let sent = emergencies(bench, &heard);
     let alarms = bench.read_number(ALARMS)?;
     bench.check(demand(alarms != 0 || !has_code(&sent, EmcyCode::GENERIC), || {
-        Reason::new("6503h shows what the EMCY 1000h reports", "a bit of 6503h", "0000h")
+        let breach = Breach::new(ALARMS, "6503h shows what the EMCY 1000h reports");
+        breach.expected("a bit of 6503h").found(number(alarms))
     }))
 }
 
@@ -106,19 +110,20 @@ fn temperature(bench: &mut Bench<'_>) -> Judged {
     bench.write(TEMPERATURE_LIMIT, &[FREEZING])?;
     bench.listen(SPAN)?;
     let (warnings, register) = (bench.read_number(WARNINGS)?, bench.read_number(ERROR_REGISTER)?);
-    demand(warnings & TEMPERATURE_WARNING != 0, || {
+    bench.check(demand(warnings & TEMPERATURE_WARNING != 0, || {
         let duty = "6505h bit 14 is set while the temperature is above its limit";
-        Reason::new(duty, "bit 14", format!("{warnings:04X}h"))
-    })?;
-    demand(register & 0x08 != 0, || {
-        let duty = format!("1001h and EMCY {DEVICE_TEMPERATURE} report it");
-        Reason::new(duty, "bit 3 of 1001h", format!("{first:02X}h, then {register:02X}h"))
-    })?;
+        Breach::new(WARNINGS, duty).expected("bit 14").found(number(warnings)).told(format!("{warnings:04X}h"))
+    }))?;
+    bench.check(demand(register & 0x08 != 0, || {
+        let duty = format!("1001h reports it with EMCY {DEVICE_TEMPERATURE}");
+        let breach = Breach::new(ERROR_REGISTER, duty).expected("bit 3 of 1001h").found(number(register));
+        breach.told(format!("{first:02X}h, then {register:02X}h"))
+    }))?;
     bench.write(TEMPERATURE_LIMIT, &usual)?;
     bench.listen(SPAN)?;
     let warnings = bench.read_number(WARNINGS)?;
     bench.check(demand(warnings & TEMPERATURE_WARNING == 0, || {
         let duty = "6505h bit 14 is clear again when the temperature is within its limits";
-        Reason::new(duty, "bit 14 clear", format!("{warnings:04X}h"))
+        Breach::new(WARNINGS, duty).expected("bit 14 clear").found(number(warnings)).told(format!("{warnings:04X}h"))
     }))
 }

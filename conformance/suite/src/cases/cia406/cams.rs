@@ -6,8 +6,9 @@ use super::position::position_at_rest;
 use super::preset::range_now;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_bus::observation::Observation;
 
 /// The cams of the first position channel, one bit for each.
 const STATE: Multiplexer = Multiplexer::new(0x6300, 1);
@@ -50,8 +51,10 @@ fn is_set(bench: &mut Bench<'_>) -> Result<bool, Stop> {
 
 fn expect(bench: &mut Bench<'_>, set: bool, where_: &str) -> Judged {
     let found = is_set(bench)?;
-    let shown = |set: bool| if set { "bit 0 set" } else { "bit 0 clear" };
-    bench.check(demand(found == set, || Reason::new(format!("6300h:01 of a cam {where_}"), shown(set), shown(found))))
+    let shown = |set: bool| Observation::named(if set { "bit 0 set" } else { "bit 0 clear" });
+    bench.check(demand(found == set, || {
+        Breach::new(STATE, format!("6300h:01 of a cam {where_}")).expected(shown(set)).found(shown(found))
+    }))
 }
 
 /// The state of an enabled cam is set while the position lies between its limits, and only then; of one that is not

@@ -1,21 +1,23 @@
 //! Objects that say the same in different ways: resolutions and ranges (6501h, 6502h, 650Ah), positions of different width
 //! (6004h, 6008h), and the position by SDO and by PDO.
 
+use super::number;
 use super::position::{OFFSET, POSITION, RANGE, UNITS_PER_REVOLUTION, is_near, position_at_rest, small_range};
 use super::preset::with_preset;
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
 
 const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
 const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
 const LOWEST: Multiplexer = Multiplexer::new(0x650A, 2);
 const HIGHEST: Multiplexer = Multiplexer::new(0x650A, 3);
+const TPDO_2: Subject = Subject::Pdo { transmit: true, number: 2 };
 const HIGH_PRECISION: Multiplexer = Multiplexer::new(0x6008, 0);
 
 /// Where 650Ah names the lowest and the highest position, so many positions lie between them as 6501h times 6502h gives.
@@ -33,7 +35,7 @@ fn resolution(bench: &mut Bench<'_>) -> Judged {
     if high == i32::MAX {
         return bench.check(demand(steps > u64::from(i32::MAX as u32), || {
             let duty = "a highest position of 7FFFFFFFh stands for a range that 650Ah has no room for";
-            Reason::new(duty, "6501h * 6502h of 2147483648 or more", steps.to_string())
+            Breach::new(HIGHEST, duty).expected("6501h * 6502h of 2147483648 or more").found(number(steps))
         }));
     }
     if high == 0 && low == 0 {
@@ -42,7 +44,8 @@ fn resolution(bench: &mut Bench<'_>) -> Judged {
     let named = i64::from(high) - i64::from(low) + 1;
     bench.check(demand(i64::try_from(steps).is_ok_and(|steps| steps == named), || {
         let duty = "650Ah:02 to 650Ah:03 are as many positions as 6501h * 6502h";
-        Reason::new(duty, steps.to_string(), named.to_string())
+        let breach = Breach::new(HIGHEST, duty).expected(number(steps));
+        breach.found(Observation::Value(high.to_le_bytes().to_vec())).told(named.to_string())
     }))
 }
 
@@ -59,7 +62,10 @@ fn high_precision(bench: &mut Bench<'_>) -> Judged {
         let fits = |shift: u32| u32::try_from(wide >> shift).is_ok_and(|found| is_near(found, position, range));
         bench.check(demand((0..=32).any(fits), || {
             let duty = "6008h shows the place that 6004h shows";
-            Reason::new(duty, format!("{position}, or that times a power of two"), Bytes(&bytes).to_string())
+            let breach = Breach::new(HIGH_PRECISION, duty);
+            breach
+                .expected(format!("{position}, or that times a power of two"))
+                .found(Observation::Value(bytes.clone()))
         }))
     })
 }
@@ -90,11 +96,13 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
     bench.send_bytes(sync, &[])?;
     let heard = bench.frames_of(can_id, Duration::from_millis(50))?;
     let Some(first) = heard.first() else {
-        return Err(Stop::from(Reason::new("TPDO 2 follows SYNC", "one within 50 ms", "none")));
+        let breach = Breach::new(TPDO_2, "TPDO 2 follows SYNC within 50 ms");
+        return bench.check(Err(Box::new(breach.expected("a TPDO").found(Observation::Silence))));
     };
     let found = crate::bench::sdo::number(first.data());
     bench.check(demand(is_near(found, position, u32::MAX), || {
-        Reason::new("TPDO 2 carries the position of now", position.to_string(), Bytes(first.data()).to_string())
+        let breach = Breach::new(TPDO_2, "TPDO 2 carries the position of now");
+        breach.expected(number(position)).found(number(found))
     }))
 }
 
@@ -114,13 +122,14 @@ fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
         let offset = bench.read_number(OFFSET)? as i32;
         bench.note(format!("preset to {set}; with half the range the position is {position}, the offset {offset}"));
         demand(position < range / 2, || {
-            let duty = "with a new range the position lies in it";
-            Reason::new(duty, format!("below {}", range / 2), position.to_string())
+            let breach = Breach::new(POSITION, "with a new range the position lies in it");
+            breach.expected(format!("below {}", range / 2)).found(number(position))
         })?;
         let found = without_offset(bench, position, range / 2)?;
         bench.check(demand(is_near(found, shaft / 2, range / 2), || {
             let duty = "6004h without 6509h is the place of the shaft in the new units";
-            Reason::new(duty, format!("{}", shaft / 2), format!("{position} - {offset}"))
+            let breach = Breach::new(OFFSET, duty).expected(number(shaft / 2));
+            breach.found(number(found)).told(format!("{position} - {offset}"))
         }))
     })
 }
@@ -136,7 +145,7 @@ fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u3
        needs = [Encoder, VolatilePreset, TurningShaft], catches = [PresetGlitch, PresetStopsCounting])]
 fn moving(bench: &mut Bench<'_>) -> Judged {
     use super::position::PRESET;
-    if bench.keeps_presets() {
+    if super::needs::keeps_presets(bench) {
         let actual = "it stores them at once, as its manual says";
         let reason = Reason::new("a reset takes the preset back", "an encoder that does not store presets", actual);
         return Err(Stop::NotApplicable(reason));
@@ -149,7 +158,6 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
     let wanted = range / 2;
     bench.download(PRESET, &wanted.to_le_bytes())?.expect_confirmation()?;
     let set = bench.now();
-    let mut judged = Ok(());
     let mut positions = Vec::new();
     for _ in 0..20 {
         let position = bench.read_number(POSITION)?;
@@ -159,8 +167,8 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
         let away = shorter(wanted, position, range).unsigned_abs() as f64;
         if away > most {
             let duty = "after a preset the position differs by no more than the motion since";
-            let reason = Reason::new(duty, format!("{wanted} ± {most:.0}"), position.to_string());
-            judged = Err(Stop::from(reason));
+            let breach = Breach::new(POSITION, duty).expected(format!("{wanted} ± {most:.0}")).found(number(position));
+            bench.check(Err(Box::new(breach)))?;
             break;
         }
         bench.listen(Duration::from_millis(5))?;
@@ -170,11 +178,10 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
     let turned = per_ms * bench.now().since(ended).as_millis();
     let back = (i64::from(second) + shorter(first, second, range).signum() * turned as i64).rem_euclid(range.into());
     bench.download(PRESET, &(back as u32).to_le_bytes())?;
-    judged.and_then(|_| {
-        bench.check(demand(!stands, || {
-            Reason::new("after a preset the position goes on counting", "another one in 50 ms", "always the same")
-        }))
-    })
+    bench.check(demand(!stands, || {
+        let breach = Breach::new(POSITION, "after a preset the position goes on counting");
+        breach.expected("another one in 50 ms").found(Observation::named("always the same"))
+    }))
 }
 
 /// From one position to another the shorter way round.

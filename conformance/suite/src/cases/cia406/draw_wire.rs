@@ -4,10 +4,11 @@
 use crate::bench::Bench;
 use crate::bench::objects::TPDO_FIRST_ENTRY;
 use crate::case;
-use crate::verdict::{Check, Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Allowed, Breach, Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::pdo::MappingEntry;
 use canvass_analyzer::{CobId, Multiplexer};
+use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
 const TPDO_1: Multiplexer = Multiplexer::new(0x1800, 1);
@@ -38,8 +39,8 @@ fn channels(bench: &mut Bench<'_>, tpdo: Multiplexer, timer: Multiplexer, bits: 
         .filter_map(|record| Some([number(record.data().get(..width)?), number(record.data().get(width..2 * width)?)]))
         .collect();
     demand(found.len() >= 10, || {
-        let actual = format!("{} in 1 s", found.len());
-        Reason::new("the TPDO with both channels is sent every 50 ms", "at least 10 in 1 s", actual)
+        let breach = Breach::new(Subject::CanId(cob_id.into()), "the TPDO with both channels is sent every 50 ms");
+        breach.expected(Allowed::Count { least: 10, most: None }).found(Observation::Count(found.len() as u64))
     })
     .or_inconclusive()?;
     Ok(found)
@@ -72,13 +73,20 @@ fn expect_constant_sum(channels: &[[u64; 2]]) -> Check {
     let (least, most) = (sums.clone().min().unwrap_or(0), sums.max().unwrap_or(0));
     // Both are taken one after the other.
     demand(most - least <= 20, || {
-        Reason::new("the sum of both channels is constant", format!("{least} always"), format!("{least} to {most}"))
+        let breach = Breach::new(Subject::Pdo { transmit: true, number: 1 }, "the sum of both channels is constant");
+        let found = Observation::named("a sum of both channels that changes");
+        breach.expected(format!("{least} always")).found(found).told(format!("{least} to {most}"))
     })
 }
 
 /// The angle in hundredths of a degree, between -180 and 180 degrees.
 fn angle(bench: &mut Bench<'_>) -> Result<i64, Stop> {
     Ok(signed(bench.read_number(ANGLE)?.into()))
+}
+
+/// An angle as the device would show it, INTEGER16.
+fn degrees(angle: i64) -> Observation {
+    Observation::Value((angle as i16).to_le_bytes().to_vec())
 }
 
 fn signed(raw: u64) -> i64 {
@@ -108,7 +116,8 @@ fn direction(bench: &mut Bench<'_>) -> Judged {
     bench.write(DIRECTION, &[0])?;
     let other = angle(bench)?;
     bench.check(demand((clockwise + other).abs() <= TREMBLE, || {
-        Reason::new("3003h turns the direction of the angle", format!("{}", -clockwise), format!("{other}"))
+        let breach = Breach::new(ANGLE, "3003h turns the direction of the angle").expected(degrees(-clockwise));
+        breach.found(degrees(other))
     }))
 }
 
@@ -122,20 +131,16 @@ fn range(bench: &mut Bench<'_>) -> Judged {
     if positive {
         bench.write(DIRECTION, &[u8::from(now == 0)])?;
     }
-    for (code, least) in [(1_u8, 0x8000_u32), (0, 0)] {
+    bench.each([(1_u8, 0x8000_u32), (0, 0)], |bench, (code, least)| {
         bench.write(ANGLE_RANGE, &[code])?;
         let raw = bench.read_number(ANGLE)? & 0xFFFF;
         let fits = if code == 1 { raw >= least && raw >= 0xB9B0 } else { raw < TURN as u32 };
-        demand(fits, || {
+        bench.check(demand(fits, || {
             let expected = if code == 1 { "a negative number of 16 bits" } else { "0 to 35999" };
-            Reason::new(
-                format!("5000h shows a negative angle in the range of 3004h = {code}"),
-                expected,
-                raw.to_string(),
-            )
-        })?;
-    }
-    Ok(())
+            let breach = Breach::new(ANGLE, format!("5000h shows a negative angle in the range of 3004h = {code}"));
+            breach.expected(expected).found(Observation::Number(raw.into()))
+        }))
+    })
 }
 
 /// 3005h = 1 lets the second angle run opposite to the first one, 0 the same way.
@@ -143,18 +148,18 @@ fn range(bench: &mut Bench<'_>) -> Judged {
        needs = [Inclinometer], catches = [RedundantAngleSame])]
 fn redundant_angle(bench: &mut Bench<'_>) -> Judged {
     tilted(bench)?;
-    for (code, sign) in [(0_u8, 1), (1, -1)] {
+    bench.each([(0_u8, 1), (1, -1)], |bench, (code, sign)| {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
         bench.listen(bench.timing().reaction)?;
         bench.write(REDUNDANT, &[code])?;
-        let Some([first, second]) = channels(bench, TPDO_2, TIMER_2, 16)?.last().copied() else { continue };
+        let Some([first, second]) = channels(bench, TPDO_2, TIMER_2, 16)?.last().copied() else { return Ok(()) };
         let (first, second) = (signed(first), signed(second));
-        demand((second - sign * first).abs() <= TREMBLE, || {
+        bench.check(demand((second - sign * first).abs() <= TREMBLE, || {
             let duty = format!("with 3005h = {code} the second angle fits the first, {first}");
-            Reason::new(duty, format!("{}", sign * first), format!("{second}"))
-        })?;
-    }
-    Ok(())
+            let breach = Breach::new(Subject::Pdo { transmit: true, number: 2 }, duty);
+            breach.expected(degrees(sign * first)).found(degrees(second))
+        }))
+    })
 }
 
 /// 3010h = 1 makes the angle of now zero, 0 takes that back.
@@ -168,5 +173,7 @@ fn zero_point(bench: &mut Bench<'_>) -> Judged {
     tilted(bench)?;
     bench.write(ZERO_POINT, &[1])?;
     let zero = angle(bench)?;
-    bench.check(demand(zero.abs() <= TREMBLE, || Reason::new("3010h = 1 makes the angle zero", "0", format!("{zero}"))))
+    bench.check(demand(zero.abs() <= TREMBLE, || {
+        Breach::new(ANGLE, "3010h = 1 makes the angle zero").expected(degrees(0)).found(degrees(zero))
+    }))
 }

@@ -1,10 +1,11 @@
 //! What the encoder says about itself: resolutions (6501h, 6502h, 650Ah), versions (6507h), operating time (6508h),
 //! serial number (650Bh).
 
+use super::number;
 use super::position::{UNITS_PER_REVOLUTION, small_range};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;
 
@@ -28,7 +29,7 @@ fn physical(bench: &mut Bench<'_>) -> Judged {
     bench.write(UNITS_PER_REVOLUTION, &200_u32.to_le_bytes())?;
     let after = bench.read_number(SINGLE_TURN)?;
     bench.check(demand(after == before, || {
-        Reason::new("6501h does not follow 6001h", format!("{before}"), format!("{after}"))
+        Breach::new(SINGLE_TURN, "6501h does not follow 6001h").expected(number(before)).found(number(after))
     }))
 }
 
@@ -36,11 +37,12 @@ fn physical(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "406/resolution/not-zero", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = [Encoder], catches = [RevolutionsZero])]
 fn not_zero(bench: &mut Bench<'_>) -> Judged {
-    for at in [SINGLE_TURN, REVOLUTIONS] {
+    bench.each([SINGLE_TURN, REVOLUTIONS], |bench, at| {
         let value = bench.read_number(at)?;
-        demand(value > 0, || Reason::new(format!("{at} tells the physical resolution"), "at least 1", "0"))?;
-    }
-    Ok(())
+        bench.check(demand(value > 0, || {
+            Breach::new(at, format!("{at} tells the physical resolution")).expected("at least 1").found(number(value))
+        }))
+    })
 }
 
 /// 6507h holds the version of the profile in one of its words, as major and minor number.
@@ -51,7 +53,8 @@ fn version(bench: &mut Bench<'_>) -> Judged {
     let is_version = |word: u32| matches!(word >> 8, 1..=5) || matches!(word, 0x0100..=0x0599);
     bench.check(demand(versions != UNUSED && (is_version(versions & 0xFFFF) || is_version(versions >> 16)), || {
         let duty = "6507h names the version of the profile";
-        Reason::new(duty, "a word from 0100h to 05FFh", format!("{versions:08X}h"))
+        let breach = Breach::new(VERSIONS, duty).expected("a word from 0100h to 05FFh").found(number(versions));
+        breach.told(format!("{versions:08X}h"))
     }))
 }
 
@@ -72,7 +75,8 @@ fn operating_time(bench: &mut Bench<'_>) -> Judged {
     let after = bench.read_number(OPERATING_TIME)?;
     bench.check(demand(after.checked_sub(before).is_some_and(|passed| passed <= 1), || {
         let duty = format!("{SPAN} add no more than one tenth of an hour to 6508h");
-        Reason::new(duty, format!("{before} or {}", u64::from(before) + 1), format!("{after}"))
+        let expected = Allowed::OneOf(vec![number(before), number(u64::from(before) + 1)]);
+        Breach::new(OPERATING_TIME, duty).expected(expected).found(number(after))
     }))
 }
 
@@ -86,6 +90,7 @@ fn serial_number(bench: &mut Bench<'_>) -> Judged {
     }
     let (own, identity) = (bench.read_number(SERIAL_NUMBER)?, bench.read_number(IDENTITY_SERIAL_NUMBER)?);
     bench.check(demand(own == identity || own == UNUSED, || {
-        Reason::new("650Bh is the serial number of 1018h:04", format!("{identity}"), format!("{own}"))
+        let breach = Breach::new(SERIAL_NUMBER, "650Bh is the serial number of 1018h:04");
+        breach.expected(Allowed::OneOf(vec![number(identity), number(UNUSED)])).found(number(own))
     }))
 }

@@ -1,10 +1,11 @@
 //! Limit switches: objects of the manufacturer that bits 12 and 13 of 6000h switch on and of 6500h show. Only devices
 //! whose description names them so are judged.
 
-use super::position::{OPERATING_PARAMETERS, OPERATING_STATUS, POSITION, operate, position_at_rest};
+use super::number;
+use super::position::{OPERATING_STATUS, POSITION, operate, position_at_rest};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Check, Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Breach, Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 
 const LIMIT_MIN: Multiplexer = Multiplexer::new(0x2104, 0);
@@ -37,7 +38,8 @@ fn status(bench: &mut Bench<'_>, low: u32, high: u32) -> Result<u32, Stop> {
 
 fn expect(found: u32, expected: u32, when: &str) -> Check {
     demand(found == expected, || {
-        Reason::new(format!("{OPERATING_STATUS} {when}"), format!("{expected:04X}h"), format!("{found:04X}h"))
+        let breach = Breach::new(OPERATING_STATUS, format!("{OPERATING_STATUS} {when}"));
+        breach.expected(number(expected)).found(number(found)).told(format!("{found:04X}h"))
     })
 }
 
@@ -52,13 +54,18 @@ fn bits(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::Inconclusive(reason));
     };
     operate(bench, 0, BELOW | ABOVE)?;
-    expect(status(bench, more, less)?, 0, "with both limit switches off")?;
+    let off = status(bench, more, less)?;
+    bench.check(expect(off, 0, "with both limit switches off"))?;
     operate(bench, BELOW | ABOVE, 0)?;
-    expect(status(bench, less, more)?, 0, "between the limits")?;
-    expect(status(bench, more, more)?, BELOW, "below limit switch min")?;
-    expect(status(bench, less, less)?, ABOVE, "above limit switch max")?;
-    bench.read(OPERATING_PARAMETERS)?;
-    Ok(())
+    let places = [
+        (less, more, 0, "between the limits"),
+        (more, more, BELOW, "below limit switch min"),
+        (less, less, ABOVE, "above limit switch max"),
+    ];
+    bench.each(places, |bench, (low, high, expected, when)| {
+        let found = status(bench, low, high)?;
+        bench.check(expect(found, expected, when))
+    })
 }
 
 /// On the limit itself a limit switch does not act.
@@ -70,7 +77,9 @@ fn limit(bench: &mut Bench<'_>) -> Judged {
     operate(bench, BELOW | ABOVE, 0)?;
     let found = status(bench, position, position)?;
     let after = bench.read_number(POSITION)?;
-    demand(after == position, || Reason::new("the position stands still", format!("{position}"), format!("{after}")))
-        .or_inconclusive()?;
+    demand(after == position, || {
+        Breach::new(POSITION, "the position stands still").expected(number(position)).found(number(after))
+    })
+    .or_inconclusive()?;
     bench.check(expect(found, 0, "on both limits"))
 }

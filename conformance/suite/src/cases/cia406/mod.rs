@@ -9,6 +9,7 @@ mod draw_wire;
 mod error_behaviour;
 mod identification;
 mod limit_switch;
+pub(crate) mod needs;
 mod operating;
 mod pdo;
 mod position;
@@ -20,3 +21,10 @@ mod scaling_off;
 mod speed;
 mod timer;
 mod work_area;
+
+use canvass_bus::observation::Observation;
+
+/// A number that an object shows.
+fn number(value: impl Into<u64>) -> Observation {
+    Observation::Number(value.into())
+}

@@ -1,9 +1,10 @@
 //! Operating parameters (6000h).
 
+use super::number;
 use super::position::OPERATING_PARAMETERS;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::{Breach, Judged, demand};
 use canvass_bus::client::Outcome;
 
 /// Bits 4 to 11 have no meaning in any version of the profile.
@@ -20,6 +21,7 @@ fn reserved_bits(bench: &mut Bench<'_>) -> Judged {
     }
     let after = bench.read_number(OPERATING_PARAMETERS)?;
     bench.check(demand(after & RESERVED == 0, || {
-        Reason::new("6000h does not take reserved bits over", "bits 4 to 11 are 0", format!("{after:04X}h"))
+        let breach = Breach::new(OPERATING_PARAMETERS, "6000h does not take reserved bits over");
+        breach.expected("bits 4 to 11 are 0").found(number(after & RESERVED)).told(format!("{after:04X}h"))
     }))
 }

@@ -5,13 +5,14 @@ use crate::bench::Bench;
 use crate::bench::objects::{EVENT_TIMER, TRANSMISSION_TYPE};
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
-use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
 const TPDO: Multiplexer = Multiplexer::new(0x1800, 1);
+const TPDO_1: Subject = Subject::Pdo { transmit: true, number: 1 };
 const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
 const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
 
@@ -25,8 +26,8 @@ fn event_driven(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     Ok((CobId(bench.read_number(TPDO)?).can_id() & 0x7FF) as u16)
 }
 
-fn count(heard: &[Record], cob_id: u16) -> usize {
-    heard.iter().filter(|record| record.frame.cob_id() == Some(cob_id)).count()
+fn count(heard: &[Record], cob_id: u16) -> u64 {
+    heard.iter().filter(|record| record.frame.cob_id() == Some(cob_id)).count() as u64
 }
 
 /// The event-driven TPDO 1 is sent when the device becomes operational, without waiting for its event timer.
@@ -38,7 +39,8 @@ fn sent_on_start(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::START)?;
     let heard = bench.listen(bench.timing().silence)?;
     bench.check(demand(count(&heard, cob_id) > 0, || {
-        Reason::new("TPDO 1 is sent when the device becomes operational", "a TPDO within 200 ms", "none")
+        let breach = Breach::new(TPDO_1, "TPDO 1 is sent when the device becomes operational");
+        breach.expected(Allowed::Count { least: 1, most: None }).found(Observation::Silence)
     }))
 }
 
@@ -54,8 +56,8 @@ fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::START)?;
     let running = bench.listen(Duration::from_millis(520))?;
     demand(count(&running, cob_id) >= 9, || {
-        let actual = format!("{}", count(&running, cob_id));
-        Reason::new("with 6200h = 50 TPDO 1 comes every 50 ms", "at least 9 in 520 ms", actual)
+        let breach = Breach::new(TPDO_1, "with 6200h = 50 TPDO 1 comes every 50 ms, for 520 ms");
+        breach.expected(Allowed::Count { least: 9, most: None }).found(Observation::Count(count(&running, cob_id)))
     })
     .or_inconclusive()?;
     bench.write(CYCLIC_TIMER, &0_u16.to_le_bytes())?;
@@ -66,8 +68,9 @@ fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
     position_at_rest(bench)?;
     // A trembling position may still send a TPDO on change.
     bench.check(demand(count(&heard, cob_id) <= 2, || {
-        let actual = format!("{} TPDOs in 500 ms", count(&heard, cob_id));
-        Reason::new("with 6200h = 0 TPDO 1 is not sent cyclically", "none at rest", actual)
+        let breach = Breach::new(TPDO_1, "with 6200h = 0 TPDO 1 is not sent cyclically, for 500 ms at rest");
+        let found = Observation::Count(count(&heard, cob_id));
+        breach.expected(Allowed::Count { least: 0, most: Some(2) }).found(found)
     }))
 }
 
@@ -81,7 +84,8 @@ fn follows_event_timer(bench: &mut Bench<'_>) -> Judged {
     bench.write(EVENT_TIMER, &70_u16.to_le_bytes())?;
     let read = bench.read(CYCLIC_TIMER)?;
     bench.check(demand(read == 70_u16.to_le_bytes(), || {
-        Reason::new("6200h follows 1800h:05 = 70", Bytes(&70_u16.to_le_bytes()).to_string(), Bytes(&read).to_string())
+        let breach = Breach::new(CYCLIC_TIMER, "6200h follows 1800h:05 = 70");
+        breach.expected(Observation::Value(70_u16.to_le_bytes().to_vec())).found(Observation::Value(read.clone()))
     }))
 }
 

@@ -1,9 +1,10 @@
 //! Position, scaling, code sequence and preset (6000h to 6004h, 6500h).
 
+use super::number;
 use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Breach, Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;
 
@@ -26,7 +27,8 @@ pub(super) fn position_at_rest(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     bench.listen(Duration::from_millis(50))?;
     let second = bench.read_number(POSITION)?;
     demand(first.abs_diff(second) <= TREMBLE, || {
-        Reason::new("the shaft is at rest", format!("{first}"), format!("{second} after 50 ms"))
+        let breach = Breach::new(POSITION, "the shaft is at rest for 50 ms");
+        breach.expected(number(first)).found(number(second))
     })
     .or_inconclusive()?;
     Ok(second)
@@ -74,7 +76,8 @@ fn preset(bench: &mut Bench<'_>) -> Judged {
     super::preset::with_preset(bench, wanted, |bench, _| {
         let position = bench.read_number(POSITION)?;
         bench.check(demand(is_near(position, wanted, range), || {
-            Reason::new("after a preset 6004h has its value", format!("{wanted}"), format!("{position}"))
+            let breach = Breach::new(POSITION, "after a preset 6004h has its value");
+            breach.expected(number(wanted)).found(number(position))
         }))
     })
 }
@@ -94,9 +97,7 @@ fn preset_out_of_range(bench: &mut Bench<'_>) -> Judged {
 fn code_sequence(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
     let before = position_at_rest(bench)?;
-    demand(before < range, || {
-        Reason::new("with scaling on 6004h stays below 6002h", format!("below {range}"), format!("{before}"))
-    })?;
+    bench.check(expect_below(before, range))?;
     operate(bench, CODE_SEQUENCE, 0)?;
     let after = position_at_rest(bench)?;
     // At 0 and in the middle both directions show the same.
@@ -107,8 +108,15 @@ fn code_sequence(bench: &mut Bench<'_>) -> Judged {
     }
     bench.check(demand(!is_near(before, after, range), || {
         let duty = "with the code sequence turned the same shaft shows another position";
-        Reason::new(duty, format!("not {before}"), format!("{after}"))
+        Breach::new(POSITION, duty).expected(format!("not {before}")).found(number(after))
     }))
+}
+
+fn expect_below(position: u32, range: u32) -> Check {
+    demand(position < range, || {
+        let breach = Breach::new(POSITION, "with scaling on 6004h stays below 6002h");
+        breach.expected(format!("below {range}")).found(number(position))
+    })
 }
 
 /// With scaling on, the position stays below the measuring range 6002h and counts 6001h units per revolution.
@@ -117,9 +125,7 @@ fn code_sequence(bench: &mut Bench<'_>) -> Judged {
 fn scaling(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
     let position = position_at_rest(bench)?;
-    demand(position < range, || {
-        Reason::new("with scaling on 6004h stays below 6002h", format!("below {range}"), format!("{position}"))
-    })?;
+    bench.check(expect_below(position, range))?;
     // An offset from a stored preset shifts what follows.
     if bench.read_number(OFFSET)? != 0 {
         return Ok(());
@@ -130,7 +136,8 @@ fn scaling(bench: &mut Bench<'_>) -> Judged {
     let half = position_at_rest(bench)?;
     bench.check(demand(is_near(half % (range / 2), position / 2, range / 2), || {
         let expected = format!("{} or {}", position / 2, position / 2 + range / 2);
-        Reason::new("half the units per revolution give half the position", expected, format!("{half}"))
+        let breach = Breach::new(POSITION, "half the units per revolution give half the position");
+        breach.expected(expected).found(number(half))
     }))
 }
 
@@ -138,14 +145,14 @@ fn scaling(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "406/operating-status/follows", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = [Encoder], catches = [OperatingStatusStuck])]
 fn status(bench: &mut Bench<'_>) -> Judged {
-    for (with, without) in [(SCALING, CODE_SEQUENCE), (CODE_SEQUENCE | SCALING, 0), (0, CODE_SEQUENCE | SCALING)] {
+    let settings = [(SCALING, CODE_SEQUENCE), (CODE_SEQUENCE | SCALING, 0), (0, CODE_SEQUENCE | SCALING)];
+    bench.each(settings, |bench, (with, without)| {
         let written = operate(bench, with, without)?;
         let mask = CODE_SEQUENCE | SCALING;
         let status = bench.read_number(OPERATING_STATUS)?;
-        demand(status & mask == written & mask, || {
+        bench.check(demand(status & mask == written & mask, || {
             let duty = format!("bits 0 and 2 of 6500h are those of 6000h, {written:04X}h");
-            Reason::new(duty, format!("{:04X}h", written & mask), format!("{:04X}h", status & mask))
-        })?;
-    }
-    Ok(())
+            Breach::new(OPERATING_STATUS, duty).expected(number(written & mask)).found(number(status & mask))
+        }))
+    })
 }

@@ -1,19 +1,22 @@
 //! Preset (6003h) and offset (6509h). After each case the position is what it was before.
 
+use super::number;
 use super::position::{OFFSET, OPERATING_PARAMETERS, POSITION, PRESET, RANGE, SCALING, is_near, position_at_rest};
 use crate::bench::Bench;
 use crate::bench::objects::EVENT_TIMER;
 use crate::case;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
+use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
 const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
 const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
 const SAVE: Multiplexer = Multiplexer::new(0x1010, 1);
 const TPDO: Multiplexer = Multiplexer::new(0x1800, 1);
+const TPDO_1: Subject = Subject::Pdo { transmit: true, number: 1 };
 const FIRST_ENTRY: Multiplexer = Multiplexer::new(0x1A00, 1);
 
 /// How many positions the encoder shows as it is set now, at most 2^32 - 1.
@@ -60,7 +63,8 @@ fn offset(bench: &mut Bench<'_>) -> Judged {
         let found = i64::from(offset).rem_euclid(range.into()) as u32;
         bench.check(demand(is_near(found, expected, range), || {
             let duty = "6509h is the shift of the position by the preset";
-            Reason::new(duty, format!("{shift}, modulo {range}"), format!("{offset}"))
+            let breach = Breach::new(OFFSET, duty).expected(format!("{shift}, modulo {range}"));
+            breach.found(Observation::Value(offset.to_le_bytes().to_vec())).told(format!("{offset}"))
         }))
     })
 }
@@ -74,7 +78,8 @@ fn at_once(bench: &mut Bench<'_>) -> Judged {
         for _ in 0..10 {
             let position = bench.read_number(POSITION)?;
             demand(is_near(position, wanted, range), || {
-                Reason::new("after a preset 6004h has its value at once", format!("{wanted}"), format!("{position}"))
+                let breach = Breach::new(POSITION, "after a preset 6004h has its value at once");
+                breach.expected(number(wanted)).found(number(position))
             })?;
         }
         Ok(())
@@ -105,7 +110,8 @@ fn tpdo(bench: &mut Bench<'_>) -> Judged {
         };
         let position = crate::bench::sdo::number(first.data());
         bench.check(demand(is_near(position, wanted, range), || {
-            Reason::new("the TPDO after a preset carries it", format!("{wanted}"), format!("{position}"))
+            let breach = Breach::new(TPDO_1, "the TPDO after a preset carries it");
+            breach.expected(number(wanted)).found(number(position))
         }))
     })
 }
@@ -122,7 +128,7 @@ fn volatile(bench: &mut Bench<'_>) -> Judged {
         let position = position_at_rest(bench)?;
         bench.check(demand(is_near(position, before, range), || {
             let duty = "a preset that was not stored is gone after reset node";
-            Reason::new(duty, format!("{before}, as before the preset"), format!("{position}"))
+            Breach::new(POSITION, duty).expected(number(before)).found(number(position))
         }))
     })
 }
@@ -138,7 +144,7 @@ fn stored(bench: &mut Bench<'_>) -> Judged {
         let position = position_at_rest(bench)?;
         bench.check(demand(is_near(position, wanted, range), || {
             let duty = "a preset that was stored is there after reset node";
-            Reason::new(duty, format!("{wanted}"), format!("{position}"))
+            Breach::new(POSITION, duty).expected(number(wanted)).found(number(position))
         }))
     });
     // The position of before is back, and stored again.

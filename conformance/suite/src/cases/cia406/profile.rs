@@ -1,8 +1,9 @@
 //! Which objects an encoder has, and of which types.
 
+use super::number;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::{Breach, Judged, demand, observed};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
@@ -53,7 +54,8 @@ fn device_type(bench: &mut Bench<'_>) -> Judged {
     }
     bench.check(demand(fits, || {
         let expected = if kind == 1 { "1 revolution, as a single-turn encoder has" } else { "more than 1 revolution" };
-        Reason::new(format!("6502h fits the type {kind} of 1000h"), expected, format!("{revolutions}"))
+        let duty = format!("6502h fits the type {kind} of 1000h");
+        Breach::new(REVOLUTIONS, duty).expected(expected).found(number(revolutions))
     }))
 }
 
@@ -61,28 +63,31 @@ fn device_type(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "406/profile/mandatory-objects", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = [Encoder], catches = [OperatingStatusMissing, AlarmsMissing])]
 fn mandatory(bench: &mut Bench<'_>) -> Judged {
-    for index in MANDATORY {
+    bench.each(MANDATORY, |bench, index| {
         let at = Multiplexer::new(index, 0);
         let attempt = bench.upload(at)?;
-        demand(attempt.abort() != Some(AbortCode::NO_OBJECT), || {
+        bench.check(demand(attempt.abort() != Some(AbortCode::NO_OBJECT), || {
             let duty = format!("{index:04X}h, which class C2 demands, exists");
-            Reason::new(duty, "the value", attempt.outcome.to_string())
-        })?;
-    }
-    Ok(())
+            Breach::new(at, duty)
+                .expected("the value")
+                .found(observed(&attempt.outcome))
+                .told(attempt.outcome.to_string())
+        }))
+    })
 }
 
 /// The objects of the profile have the lengths of its data types.
 #[case(id = "406/profile/data-types", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = [Encoder], catches = [PositionSixteenBit, OperatingParametersThirtyTwoBit])]
 fn data_types(bench: &mut Bench<'_>) -> Judged {
-    for (index, lengths) in LENGTHS {
-        let Outcome::Uploaded(value) = bench.upload(Multiplexer::new(index, 0))?.outcome else { continue };
-        demand(lengths.contains(&value.len()), || {
+    bench.each(LENGTHS, |bench, (index, lengths)| {
+        let at = Multiplexer::new(index, 0);
+        let Outcome::Uploaded(value) = bench.upload(at)?.outcome else { return Ok(()) };
+        bench.check(demand(lengths.contains(&value.len()), || {
             let expected: Vec<String> = lengths.iter().map(ToString::to_string).collect();
-            let duty = format!("{index:04X}h has the length of its data type");
-            Reason::new(duty, format!("{} bytes", expected.join(" or ")), format!("{} bytes", value.len()))
-        })?;
-    }
-    Ok(())
+            let breach = Breach::new(at, format!("{index:04X}h has the length of its data type"));
+            let breach = breach.expected(format!("{} bytes", expected.join(" or ")));
+            breach.found(number(value.len() as u64)).told(format!("{} bytes", value.len()))
+        }))
+    })
 }

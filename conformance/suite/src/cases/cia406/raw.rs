@@ -1,10 +1,12 @@
 //! The raw position: 600Ch of the profile, and 2160h of Kübler's Sendix encoders with its inverse and checksum.
 
+use super::number;
 use super::position::position_at_rest;
 use super::preset::{range_now, with_preset};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::demand;
+use crate::verdict::{Breach, Judged};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::crc16;
 
@@ -25,7 +27,7 @@ fn preset(bench: &mut Bench<'_>) -> Judged {
     with_preset(bench, wanted, |bench, _| {
         let after = bench.read_number(RAW_POSITION)?;
         bench.check(demand(after.abs_diff(raw) <= 64, || {
-            Reason::new("600Ch does not follow a preset", format!("{raw}"), format!("{after}"))
+            Breach::new(RAW_POSITION, "600Ch does not follow a preset").expected(number(raw)).found(number(after))
         }))
     })
 }
@@ -36,7 +38,8 @@ fn preset(bench: &mut Bench<'_>) -> Judged {
 fn inverse(bench: &mut Bench<'_>) -> Judged {
     let (raw, inverse) = (bench.read_number(RAW_DATA)?, bench.read_number(INVERSE)?);
     bench.check(demand((!inverse).abs_diff(raw) <= 64, || {
-        Reason::new("2161h is the inverse of 2160h", format!("{:08X}h", !raw), format!("{inverse:08X}h"))
+        let breach = Breach::new(INVERSE, "2161h is the inverse of 2160h").expected(number(!raw));
+        breach.found(number(inverse)).told(format!("{inverse:08X}h"))
     }))
 }
 
@@ -59,7 +62,6 @@ fn checksum(bench: &mut Bench<'_>) -> Judged {
         }
     }
     let (expected, found) = last;
-    bench.check(demand(false, || {
-        Reason::new("2162h is the CRC of 2160h", format!("{expected:04X}h"), format!("{found:04X}h"))
-    }))
+    let breach = Breach::new(CHECKSUM, "2162h is the CRC of 2160h").expected(number(expected));
+    bench.check(Err(Box::new(breach.found(number(found)).told(format!("{found:04X}h")))))
 }

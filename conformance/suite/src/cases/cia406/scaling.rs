@@ -1,5 +1,6 @@
 //! Measuring units per revolution (6001h) and total measuring range (6002h).
 
+use super::number;
 use super::position::{
     CODE_SEQUENCE, OFFSET, POSITION, RANGE, SCALING, UNITS_PER_REVOLUTION, is_near, operate, position_at_rest,
     small_range,
@@ -7,9 +8,10 @@ use super::position::{
 use super::preset::with_preset;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::{Breach, Judged, demand, observed};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::client::Outcome;
+use canvass_bus::observation::Observation;
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
@@ -21,10 +23,10 @@ fn zero_units(bench: &mut Bench<'_>) -> Judged {
     let attempt = bench.download(UNITS_PER_REVOLUTION, &0_u32.to_le_bytes())?;
     for at in [POSITION, DEVICE_TYPE] {
         let alive = bench.upload(at)?;
-        demand(!alive.is_silent(), || {
+        bench.check(demand(!alive.is_silent(), || {
             let duty = format!("after 6001h = 0 ({}) the device answers", attempt.outcome);
-            Reason::new(duty, "a response", "no answer")
-        })?;
+            Breach::new(at, duty).expected("a response").found(Observation::Silence)
+        }))?;
     }
     Ok(())
 }
@@ -35,15 +37,15 @@ fn zero_units(bench: &mut Bench<'_>) -> Judged {
        needs = [Encoder], catches = [UnitsAboveRangeAccepted])]
 fn units_above_range(bench: &mut Bench<'_>) -> Judged {
     let range = small_range(bench)?;
-    for (at, value) in [(UNITS_PER_REVOLUTION, range + 1), (RANGE, 128)] {
+    bench.each([(UNITS_PER_REVOLUTION, range + 1), (RANGE, 128)], |bench, (at, value)| {
         let before = bench.read(at)?;
         let attempt = bench.download(at, &value.to_le_bytes())?;
-        demand(attempt.outcome != Outcome::Downloaded, || {
-            Reason::new(format!("{at} = {value}, less than one revolution, is refused"), "an abort", "confirmation")
+        demand(attempt.abort().is_some(), || {
+            let breach = Breach::new(at, format!("{at} = {value}, less than one revolution, is refused"));
+            breach.expected("an abort").found(observed(&attempt.outcome)).told(attempt.outcome.to_string())
         })?;
-        bench.expect_unchanged(at, &before)?;
-    }
-    Ok(())
+        bench.expect_unchanged(at, &before)
+    })
 }
 
 /// 6002h = 0 is refused, or stands for 2^32: the position takes any preset.
@@ -59,7 +61,7 @@ fn zero_range(bench: &mut Bench<'_>) -> Judged {
         let position = bench.read_number(POSITION)?;
         bench.check(demand(position.abs_diff(WANTED) <= 2, || {
             let duty = "with 6002h = 0 the position has 32 bits";
-            Reason::new(duty, format!("{WANTED}, the preset"), format!("{position}"))
+            Breach::new(POSITION, duty).expected(number(WANTED)).found(number(position))
         }))
     })
 }
@@ -92,7 +94,8 @@ fn mirror(bench: &mut Bench<'_>, range: u32) -> Judged {
         operate(bench, with, without)?;
         let position = position_at_rest(bench)?;
         demand(position < range, || {
-            Reason::new("6004h stays below 6002h", format!("below {range}"), format!("{position}"))
+            let breach = Breach::new(POSITION, "6004h stays below 6002h").expected(format!("below {range}"));
+            breach.found(number(position))
         })?;
         let offset = bench.read_number(OFFSET)? as i32;
         *slot = (i64::from(position) - i64::from(offset)).rem_euclid(range.into());
@@ -102,6 +105,9 @@ fn mirror(bench: &mut Bench<'_>, range: u32) -> Judged {
     bench.check(demand(is_near(sum, 0, range), || {
         let duty = format!("with 6002h = {range} both code sequences mirror each other");
         let expected = (i64::from(range) - up).rem_euclid(range.into());
-        Reason::new(duty, format!("{up} and {expected}"), format!("{up} and {down}"))
+        let breach = Breach::new(POSITION, duty).expected(format!("{up} and {expected}"));
+        breach
+            .found(Observation::named("code sequences that do not mirror each other"))
+            .told(format!("{up} and {down}"))
     }))
 }

@@ -1,9 +1,10 @@
 //! The scaling bit (6000h bit 2) and what it keeps 6001h and 6002h from.
 
-use super::position::{OFFSET, SCALING, UNITS_PER_REVOLUTION, is_near, operate, position_at_rest};
+use super::number;
+use super::position::{OFFSET, POSITION, SCALING, UNITS_PER_REVOLUTION, is_near, operate, position_at_rest};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, demand};
+use crate::verdict::{Breach, Judged, demand};
 use canvass_bus::client::Outcome;
 
 /// While scaling is off, 6001h has no effect on the position, whether it can be written or not.
@@ -21,6 +22,6 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(is_near(before, after, u32::MAX), || {
         let written = if taken { "taken" } else { "refused" };
         let duty = format!("with scaling off, 6001h = {} ({written}) does not move the position", units / 2);
-        Reason::new(duty, format!("{before} (offset {offset})"), format!("{after}"))
+        Breach::new(POSITION, duty).expected(format!("{before} (offset {offset})")).found(number(after))
     }))
 }

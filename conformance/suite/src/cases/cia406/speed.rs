@@ -6,9 +6,10 @@ use super::position::{
 use super::preset::range_now;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::client::Outcome;
+use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
 const SPEED: Multiplexer = Multiplexer::new(0x6030, 1);
@@ -26,6 +27,11 @@ fn signed(bench: &mut Bench<'_>, at: Multiplexer) -> Result<i64, Stop> {
         [a, b, c, d] => i32::from_le_bytes([a, b, c, d]).into(),
         _ => 0,
     })
+}
+
+/// A signed number as an observation: its bytes, INTEGER32.
+fn shown(number: i64) -> Observation {
+    Observation::Value((number as i32).to_le_bytes().to_vec())
 }
 
 /// The change of 6004h in units per second, over half a second.
@@ -63,7 +69,9 @@ fn rest(bench: &mut Bench<'_>) -> Judged {
     position_at_rest(bench)?;
     bench.listen(Duration::from_secs(2))?;
     let speed = signed(bench, SPEED)?;
-    bench.check(demand(speed.abs() <= 2, || Reason::new("6030h is 0 at rest", "0", format!("{speed}"))))
+    bench.check(demand(speed.abs() <= 2, || {
+        Breach::new(SPEED, "6030h is 0 at rest").expected("0").found(shown(speed)).told(speed.to_string())
+    }))
 }
 
 /// In revolutions per minute the speed is what the position turns.
@@ -74,9 +82,10 @@ fn revolutions_per_minute(bench: &mut Bench<'_>) -> Judged {
     let format = if in_units_bit(bench)? == v3 { v3 } else { v4 };
     operate(bench, 0, format)?;
     let turned = units_per_second(bench)? * 60.0 / units_per_revolution(bench)?;
-    let speed = signed(bench, SPEED)? as f64;
-    bench.check(demand(is_like(speed.abs(), turned.abs()), || {
-        Reason::new("6030h is the speed in revolutions per minute", format!("{turned:.0}"), format!("{speed}"))
+    let speed = signed(bench, SPEED)?;
+    bench.check(demand(is_like((speed as f64).abs(), turned.abs()), || {
+        let breach = Breach::new(SPEED, "6030h is the speed in revolutions per minute");
+        breach.expected(format!("{turned:.0}")).found(shown(speed)).told(speed.to_string())
     }))
 }
 
@@ -84,17 +93,17 @@ fn revolutions_per_minute(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "406/speed/sign", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = [Encoder, Speed, TurningShaft], catches = [SpeedSignIgnoresCodeSequence])]
 fn sign(bench: &mut Bench<'_>) -> Judged {
-    for (with, without) in [(0, CODE_SEQUENCE), (CODE_SEQUENCE, 0)] {
+    bench.each([(0, CODE_SEQUENCE), (CODE_SEQUENCE, 0)], |bench, (with, without)| {
         operate(bench, with, without)?;
         bench.listen(Duration::from_millis(500))?;
         let turned = units_per_second(bench)?;
-        let speed = signed(bench, SPEED)? as f64;
-        demand(speed * turned > 0.0, || {
+        let speed = signed(bench, SPEED)?;
+        bench.check(demand(speed as f64 * turned > 0.0, || {
             let duty = format!("6030h has the sign of the change of 6004h (code sequence {with})");
-            Reason::new(duty, if turned > 0.0 { "positive" } else { "negative" }, format!("{speed}"))
-        })?;
-    }
-    Ok(())
+            let breach = Breach::new(SPEED, duty).expected(if turned > 0.0 { "positive" } else { "negative" });
+            breach.found(shown(speed)).told(speed.to_string())
+        }))
+    })
 }
 
 /// The bit that the device takes for the unit of the speed.
@@ -123,7 +132,8 @@ fn format(bench: &mut Bench<'_>) -> Judged {
     let fast = signed(bench, SPEED)?;
     bench.check(demand(fast.abs() > slow.abs() + 2, || {
         let duty = "in units per second 6030h is 256/60 of that in revolutions per minute, or more";
-        Reason::new(duty, format!("{}", slow * 256 / 60), format!("{fast}"))
+        let breach = Breach::new(SPEED, duty).expected(format!("{}", slow * 256 / 60));
+        breach.found(shown(fast)).told(fast.to_string())
     }))
 }
 
@@ -136,7 +146,8 @@ fn divisor(bench: &mut Bench<'_>) -> Judged {
     bench.listen(Duration::from_millis(500))?;
     let part = signed(bench, SPEED)? as f64;
     bench.check(demand(is_like(part * 5.0, whole) || (part - whole / 5.0).abs() <= 1.0, || {
-        Reason::new("6031h:04 = 5 divides the speed by 5", format!("{:.0}", whole / 5.0), format!("{part}"))
+        let breach = Breach::new(SPEED, "6031h:04 = 5 divides the speed by 5");
+        breach.expected(format!("{:.0}", whole / 5.0)).found(shown(part as i64)).told(part.to_string())
     }))
 }
 
@@ -153,7 +164,8 @@ fn acceleration(bench: &mut Bench<'_>) -> Judged {
     }
     let acceleration = signed(bench, ACCELERATION)?;
     bench.check(demand(acceleration.abs() <= 2, || {
-        Reason::new("6040h is 0 at constant speed", "0", format!("{acceleration}"))
+        let breach = Breach::new(ACCELERATION, "6040h is 0 at constant speed").expected("0");
+        breach.found(shown(acceleration)).told(acceleration.to_string())
     }))
 }
 
@@ -171,5 +183,7 @@ fn jerk(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(reason));
     }
     let jerk = signed(bench, JERK)?;
-    bench.check(demand(jerk.abs() <= 2, || Reason::new("6050h is 0 at constant speed", "0", format!("{jerk}"))))
+    bench.check(demand(jerk.abs() <= 2, || {
+        Breach::new(JERK, "6050h is 0 at constant speed").expected("0").found(shown(jerk)).told(jerk.to_string())
+    }))
 }

@@ -3,9 +3,9 @@
 use crate::bench::Bench;
 use crate::bench::objects::EVENT_TIMER;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
-use canvass_bus::client::sdo::Bytes;
+use canvass_bus::observation::Observation;
 
 const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
 
@@ -17,13 +17,12 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("the encoder has a cyclic timer", "6200h", "none");
         return Err(Stop::NotApplicable(reason));
     }
-    for (to, from, time) in [(CYCLIC_TIMER, EVENT_TIMER, 100_u16), (EVENT_TIMER, CYCLIC_TIMER, 250)] {
+    bench.each([(CYCLIC_TIMER, EVENT_TIMER, 100_u16), (EVENT_TIMER, CYCLIC_TIMER, 250)], |bench, (to, from, time)| {
         bench.write(to, &time.to_le_bytes())?;
         let read = bench.read(from)?;
-        demand(read == time.to_le_bytes(), || {
-            let duty = format!("{from} follows {to}");
-            Reason::new(duty, Bytes(&time.to_le_bytes()).to_string(), Bytes(&read).to_string())
-        })?;
-    }
-    Ok(())
+        bench.check(demand(read == time.to_le_bytes(), || {
+            let breach = Breach::new(from, format!("{from} follows {to}"));
+            breach.expected(Observation::Value(time.to_le_bytes().to_vec())).found(Observation::Value(read.clone()))
+        }))
+    })
 }

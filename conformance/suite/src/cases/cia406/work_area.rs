@@ -1,13 +1,13 @@
 //! Work area: state (6400h) and limits (6401h, 6402h) of channel 1.
 
+use super::number;
 use super::position::{POSITION, position_at_rest};
 use super::preset::range_now;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::situation::Situation;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::wire::sdo::AbortCode;
-use canvass_bus::client::Outcome;
 
 const STATE: Multiplexer = Multiplexer::new(0x6400, 1);
 const LOW: Multiplexer = Multiplexer::new(0x6401, 1);
@@ -34,7 +34,8 @@ fn expect_state(bench: &mut Bench<'_>, where_it_is: &str, mask: u32, expected: u
     let state = bench.read_number(STATE)?;
     bench.check(demand(state & mask == expected, || {
         let duty = format!("6400h:01 tells that position {position} is {where_it_is}");
-        Reason::new(duty, format!("{expected:03b} in binary"), format!("{:03b}", state & mask))
+        let breach = Breach::new(STATE, duty).expected(number(expected)).found(number(state & mask));
+        breach.told(format!("{:03b} in binary", state & mask))
     }))
 }
 
@@ -84,15 +85,5 @@ fn swapped(bench: &mut Bench<'_>) -> Judged {
     let position = middle(bench)?;
     limit(bench, position - DISTANCE, position + DISTANCE)?;
     let attempt = bench.download(LOW, &(position + 2 * DISTANCE).to_le_bytes())?;
-    match attempt.outcome {
-        Outcome::Downloaded => Err(Stop::from(Reason::new(
-            "a low limit above the high one is refused",
-            format!("abort {}", AbortCode::MAXIMUM_BELOW_MINIMUM),
-            "confirmation",
-        ))),
-        _ => bench.check(attempt.refused_with(
-            &[AbortCode::MAXIMUM_BELOW_MINIMUM, AbortCode::INVALID_VALUE, AbortCode::VALUE_TOO_HIGH],
-            &[AbortCode::GENERAL, AbortCode::PARAMETER_INCOMPATIBLE],
-        )),
-    }
+    bench.check(attempt.refused(Situation::MaximumBelowMinimum))
 }

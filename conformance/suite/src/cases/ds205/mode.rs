@@ -1,10 +1,11 @@
 //! Operation and configuration: switch mode global, switch mode selective.
 
-use super::{address, exchange, expect_silence, is_configuring, other};
+use super::dialogue::{address, breach, expect_configuring, expect_silence, is_configuring, other, tell};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Check, Judged, Precondition, Stop, demand};
 use canvass_analyzer::wire::lmt::{Part, Request, Seven};
+use canvass_bus::observation::Observation;
 
 /// Switch mode global leads into configuration and back without an answer; only in configuration the slave answers
 /// inquiries and takes configurations.
@@ -15,39 +16,38 @@ fn modes(bench: &mut Bench<'_>) -> Judged {
         expect_silence(bench, Request::Inquire { part }, "in operation")?;
     }
     expect_silence(bench, Request::SwitchGlobal { mode: 1 }, "in operation")?;
-    let configuring = is_configuring(bench)?;
+    expect_configuring(bench, true, "mode 1 leads into configuration")?;
     expect_silence(bench, Request::SwitchGlobal { mode: 0 }, "in configuration")?;
-    demand(configuring, || Reason::new("mode 1 leads into configuration", "answers to inquiries", "silence"))?;
-    let left = !is_configuring(bench)?;
-    bench.check(demand(left, || Reason::new("mode 0 leads back to operation", "no answers to inquiries", "answers")))
+    expect_configuring(bench, false, "mode 0 leads back to operation")
 }
 
 /// Modes other than 0 and 1 are reserved and change nothing.
 #[case(id = "205/switch-global/reserved", clause = "CiA DS-205", confidence = Unknown, level = Should,
        needs = [Alone, Lmt], catches = [LmtReservedModeObeyed])]
 fn reserved(bench: &mut Bench<'_>) -> Judged {
-    let mut obeyed = None;
-    for mode in [2, 3, 0x7F, 0xFF] {
-        exchange(bench, Request::SwitchGlobal { mode })?;
-        if is_configuring(bench)? {
-            obeyed = obeyed.or(Some(mode));
-            exchange(bench, Request::SwitchGlobal { mode: 0 })?;
-        }
-    }
-    bench.check(demand(obeyed.is_none(), || {
-        let actual = format!("mode {} leads into configuration", obeyed.unwrap_or_default());
-        Reason::new("reserved modes change nothing", "operation", actual)
-    }))
+    bench.each([2, 3, 0x7F, 0xFF], |bench, mode| {
+        tell(bench, Request::SwitchGlobal { mode })?;
+        expect_configuring(bench, false, format!("the reserved mode {mode} changes nothing"))?;
+        tell(bench, Request::SwitchGlobal { mode: 0 }).map(|_| ())
+    })
 }
 
 /// Gives an address part by part; says whether the slave is in configuration then, and leads it back.
 fn select(bench: &mut Bench<'_>, address: [Seven; 3]) -> Result<bool, Stop> {
     for (part, value) in Part::ALL.into_iter().zip(address) {
-        exchange(bench, Request::SwitchSelective { part, value })?;
+        tell(bench, Request::SwitchSelective { part, value })?;
     }
     let selected = is_configuring(bench)?;
-    exchange(bench, Request::SwitchGlobal { mode: 0 })?;
+    tell(bench, Request::SwitchGlobal { mode: 0 })?;
     Ok(selected)
+}
+
+/// The own address was given: the slave is in configuration.
+fn expect_selected(selected: bool) -> Check {
+    demand(selected, || {
+        let breach = breach("the own address leads into configuration");
+        breach.expected("an answer to an inquiry").found(Observation::Silence)
+    })
 }
 
 /// The slave whose manufacturer name, product name and serial number are given goes into configuration without an
@@ -56,37 +56,29 @@ fn select(bench: &mut Bench<'_>, address: [Seven; 3]) -> Result<bool, Stop> {
        needs = [Alone, Lmt], catches = [LmtSwitchSelectiveAnswered])]
 fn silent(bench: &mut Bench<'_>) -> Judged {
     let own = address(bench)?;
-    demand(select(bench, own)?, || {
-        Reason::new("the own address leads into configuration", "answers to inquiries", "silence")
+    let selected = select(bench, own)?;
+    bench.check(expect_selected(selected))?;
+    bench.each(Part::ALL.into_iter().zip(own), |bench, (part, value)| {
+        expect_silence(bench, Request::SwitchSelective { part, value }, "even where it fits")
     })?;
-    for (part, value) in Part::ALL.into_iter().zip(own) {
-        let judged = expect_silence(bench, Request::SwitchSelective { part, value }, "even where it fits");
-        if judged.is_err() {
-            exchange(bench, Request::SwitchGlobal { mode: 0 })?;
-        }
-        judged?;
-    }
-    exchange(bench, Request::SwitchGlobal { mode: 0 })?;
-    Ok(())
+    tell(bench, Request::SwitchGlobal { mode: 0 }).map(|_| ())
 }
 
 fn unselected(bench: &mut Bench<'_>, parts: &[Part]) -> Judged {
     let own = address(bench)?;
-    for &part in parts {
+    bench.each(parts.iter().copied(), |bench, part| {
         let mut wrong = own;
         if let Some(value) = wrong.get_mut(part as usize) {
             *value = other(*value);
         }
-        demand(!select(bench, wrong)?, || {
+        let selected = select(bench, wrong)?;
+        bench.check(demand(!selected, || {
             let duty = format!("the address of a slave with another {} leads nobody into configuration", part.name());
-            Reason::new(duty, "operation", "answers to inquiries")
-        })?;
-    }
+            breach(duty).expected(Observation::Silence).found(Observation::named("an answer to an inquiry"))
+        }))
+    })?;
     // Silence means something only if the own address is heard.
-    demand(select(bench, own)?, || {
-        Reason::new("the own address leads into configuration", "answers to inquiries", "silence")
-    })
-    .or_inconclusive()
+    expect_selected(select(bench, own)?).or_inconclusive()
 }
 
 /// Switch mode selective with another serial number leaves the slave in operation.

@@ -1,7 +1,11 @@
 //! The quick way for usual packets gives what the long way gives.
 
 use super::*;
+use pcap_file::pcapng::blocks::{ENHANCED_PACKET_BLOCK, INTERFACE_DESCRIPTION_BLOCK, SECTION_HEADER_BLOCK};
 use proptest::prelude::*;
+
+const EPB_FLAGS: u16 = 2;
+const EPB_DROPCOUNT: u16 = 4;
 
 /// A block of the type, in that byte order, with its length at both ends.
 fn framed(big: bool, kind: u32, body: &[u8]) -> Vec<u8> {
@@ -19,16 +23,16 @@ fn half(big: bool, number: u16) -> [u8; 2] {
 
 /// A section with two interfaces, of link types 227 and 113.
 fn section(big: bool) -> Vec<u8> {
-    let header = [&word(big, block::BYTE_ORDER_MAGIC)[..], &half(big, 1), &half(big, 0), &[0xFF; 8]].concat();
-    let interface = |link| framed(big, INTERFACE_DESCRIPTION, &[&half(big, link)[..], &[0; 6]].concat());
-    [framed(big, SECTION_HEADER, &header), interface(227), interface(113)].concat()
+    let header = [&word(big, 0x1A2B_3C4D)[..], &half(big, 1), &half(big, 0), &[0xFF; 8]].concat();
+    let interface = |link| framed(big, INTERFACE_DESCRIPTION_BLOCK, &[&half(big, link)[..], &[0; 6]].concat());
+    [framed(big, SECTION_HEADER_BLOCK, &header), interface(227), interface(113)].concat()
 }
 
 fn packet(big: bool, interface: u32, cut: u32, data: &[u8], options: &[u8]) -> Vec<u8> {
     let filled = [data, &vec![0; data.len().next_multiple_of(4) - data.len()]].concat();
     let captured = data.len() as u32;
     let words = [interface, 0x0006_1234, 0x8765_4321, captured, captured + cut].map(|number| word(big, number));
-    framed(big, ENHANCED_PACKET, &[words.as_flattened(), &filled, options].concat())
+    framed(big, ENHANCED_PACKET_BLOCK, &[words.as_flattened(), &filled, options].concat())
 }
 
 /// Flags alone, or with something that makes them unusual.
@@ -51,21 +55,16 @@ fn options(big: bool) -> impl Strategy<Value = Vec<u8>> {
 fn read(bytes: &[u8], usual: bool) -> Vec<String> {
     let mut reader = PcapngReader::new(Source::from_bytes(bytes));
     let mut seen = Vec::new();
-    while seen.len() < 100 {
-        let pending = reader.pending.take();
-        let record = if usual && pending.is_none() { reader.usual_block() } else { None };
-        let next = match (pending, record) {
-            (Some(pending), _) => pending,
-            (None, Some(record)) => Ok(record),
-            (None, None) => match reader.block() {
-                Ok(Yield::Record(record)) => Ok(record),
-                Ok(Yield::Nothing) => continue,
-                Ok(Yield::End) => break,
-                Err(damage) => Err(damage),
-            },
-        };
-        seen.push(format!("{next:?}"));
-        if reader.done || next.is_err_and(|damage| damage.kind.is_fatal()) {
+    while seen.len() < 100 && !reader.done {
+        if usual && let Some(record) = reader.usual_block() {
+            seen.push(format!("{record:?}"));
+            continue;
+        }
+        let Yield::Content(Content { damage, record }) = reader.block() else { break };
+        let fatal = damage.as_ref().is_some_and(|damage| damage.kind.is_fatal());
+        seen.extend(damage.map(|damage| format!("{damage:?}")));
+        seen.extend(record.map(|record| format!("{record:?}")));
+        if fatal {
             break;
         }
     }

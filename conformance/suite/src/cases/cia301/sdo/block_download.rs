@@ -1,16 +1,16 @@
 //! Block download (CiA 301, 7.2.4.3.8 to 7.2.4.3.11).
 
+use super::by_hand::MISSING;
 use crate::bench::Bench;
 use crate::bench::objects::Scratch;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Request, Response};
 use canvass_bus::client::block_download::{DownloadManner, Mischief};
-use canvass_bus::client::sdo::Bytes;
-
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+use canvass_bus::observation::Observation;
 
 /// A scratch object with its value of before written once, so that it is put back.
 fn subject(bench: &mut Bench<'_>) -> Result<Scratch, Stop> {
@@ -27,11 +27,8 @@ fn long_subject(bench: &mut Bench<'_>, length: usize) -> Result<(Multiplexer, Ve
 }
 
 fn has_value(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8]) -> Judged {
-    let back = bench.upload(multiplexer)?.value()?;
-    bench.check(demand(back == right, || {
-        let duty = format!("{multiplexer} has the value that was written in blocks");
-        Reason::new(duty, Bytes(right).to_string(), Bytes(&back).to_string())
-    }))
+    bench.expect_value(multiplexer, right, format!("{multiplexer} has the value that was written in blocks"))?;
+    bench.expect_tidy()
 }
 
 /// Writes a string with something wrong in its first block and demands that the server makes it good: it confirms what
@@ -46,50 +43,52 @@ fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Jud
     }
     attempt.expect_confirmation()?;
     let first = client.confirmations.first().copied().unwrap_or_default();
-    demand(confirmed.contains(&first), || {
-        let expected: Vec<String> = confirmed.iter().map(ToString::to_string).collect();
-        let duty = "the server confirms the last segment that came in order";
-        Reason::new(duty, format!("segment {}", expected.join(" or ")), format!("segment {first}"))
-    })?;
+    bench.check(demand(confirmed.contains(&first), || {
+        let expected = confirmed.iter().map(|segment| Observation::Number(u64::from(*segment))).collect();
+        Breach::new(multiplexer, "the server confirms the last segment that came in order")
+            .expected(Allowed::OneOf(expected))
+            .found(Observation::Number(u64::from(first)))
+            .told(format!("segment {first}"))
+    }))?;
     has_value(bench, multiplexer, &value)
 }
 
+/// Writes one object of each length in blocks, and demands that each is taken.
+fn taken(bench: &mut Bench<'_>, manner: fn(&[u8]) -> DownloadManner) -> Judged {
+    let mut scratches = bench.scratch_objects()?;
+    scratches.sort_by_key(|scratch| scratch.value.len());
+    scratches.dedup_by_key(|scratch| scratch.value.len());
+    bench.each(scratches, |bench, scratch| {
+        let (attempt, _) = bench.block_download(scratch.multiplexer, &scratch.other, manner(&scratch.other))?;
+        attempt.expect_confirmation()?;
+        has_value(bench, scratch.multiplexer, &scratch.other)
+    })
+}
+
 /// A block download without CRC is taken, and the value can be read back.
-#[case(id = "301/sdo/block-download/complete", clause = "CiA 301 7.2.4.3.9", confidence = Known, level = Must,
+#[case(id = "301/sdo/block-download/complete", clause = "CiA 301 7.2.4.3.9", confidence = Cited, level = Must,
        needs = [BlockDownload], cct = "2.21",
        catches = [SdoBlockPaddingKept, SdoBlockEndSilent, SdoBlockSizeZeroOffered, SdoBlockCountOffByOne])]
 fn complete(bench: &mut Bench<'_>) -> Judged {
-    let scratch = subject(bench)?;
-    let manner = DownloadManner { crc: false, ..DownloadManner::right(&scratch.other) };
-    let (attempt, _) = bench.block_download(scratch.multiplexer, &scratch.other, manner)?;
-    attempt.expect_confirmation()?;
-    has_value(bench, scratch.multiplexer, &scratch.other)
+    taken(bench, |value| DownloadManner { crc: false, ..DownloadManner::right(value) })
 }
 
 /// A block download with the right CRC is taken, and the value can be read back.
-#[case(id = "301/sdo/block-download/crc", clause = "CiA 301 7.2.4.3.16", confidence = Attested, level = Must,
+#[case(id = "301/sdo/block-download/crc", clause = "CiA 301 7.2.4.3.16", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoBlockPaddingKept, SdoBlockEndSilent], cct = "2.25")]
 fn crc(bench: &mut Bench<'_>) -> Judged {
-    let scratch = subject(bench)?;
-    let manner = DownloadManner::right(&scratch.other);
-    let (attempt, _) = bench.block_download(scratch.multiplexer, &scratch.other, manner)?;
-    attempt.expect_confirmation()?;
-    has_value(bench, scratch.multiplexer, &scratch.other)
+    taken(bench, DownloadManner::right)
 }
 
 /// A block download whose size is not announced is taken.
-#[case(id = "301/sdo/block-download/size-not-announced", clause = "CiA 301 7.2.4.3.9", confidence = Known,
+#[case(id = "301/sdo/block-download/size-not-announced", clause = "CiA 301 7.2.4.3.9", confidence = Cited,
        level = Should, needs = [BlockDownload], catches = [SdoBlockPaddingKept])]
 fn size_not_announced(bench: &mut Bench<'_>) -> Judged {
-    let scratch = subject(bench)?;
-    let manner = DownloadManner { announce: None, ..DownloadManner::right(&scratch.other) };
-    let (attempt, _) = bench.block_download(scratch.multiplexer, &scratch.other, manner)?;
-    attempt.expect_confirmation()?;
-    has_value(bench, scratch.multiplexer, &scratch.other)
+    taken(bench, |value| DownloadManner { announce: None, ..DownloadManner::right(value) })
 }
 
 /// A block download with a wrong CRC is refused with abort 0504 0004h, and the object keeps its value.
-#[case(id = "301/sdo/block-download/wrong-crc", clause = "CiA 301 7.2.4.3.16", confidence = Attested, level = Must,
+#[case(id = "301/sdo/block-download/wrong-crc", clause = "CiA 301 7.2.4.3.8", confidence = Cited, level = Must,
        needs = [BlockDownload, BlockCrc],
        catches = [SdoBlockCrcIgnored, SdoBlockCrcWrongCode, SdoBlockWrittenBeforeCheck])]
 fn wrong_crc(bench: &mut Bench<'_>) -> Judged {
@@ -99,11 +98,11 @@ fn wrong_crc(bench: &mut Bench<'_>) -> Judged {
     attempt.what = format!("{} with a wrong CRC", attempt.what);
     bench.check(attempt.refused(Situation::WrongChecksum))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(())
+    bench.expect_tidy()
 }
 
 /// A block download of fewer bytes than announced is refused with abort 0607 0013h, and the object keeps its value.
-#[case(id = "301/sdo/block-download/too-few-bytes", clause = "CiA 301 7.2.4.3.11", confidence = Known, level = Must,
+#[case(id = "301/sdo/block-download/too-few-bytes", clause = "CiA 301 7.2.4.3.11", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoBlockSizeMismatchAccepted])]
 fn too_few_bytes(bench: &mut Bench<'_>) -> Judged {
     let scratch = subject(bench)?;
@@ -114,11 +113,11 @@ fn too_few_bytes(bench: &mut Bench<'_>) -> Judged {
     attempt.what = format!("{} after {} had been announced", attempt.what, scratch.other.len());
     bench.check(attempt.refused(Situation::TooShort))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(())
+    bench.expect_tidy()
 }
 
 /// A block download of more bytes than announced is refused with abort 0607 0012h, and the object keeps its value.
-#[case(id = "301/sdo/block-download/too-many-bytes", clause = "CiA 301 7.2.4.3.11", confidence = Known, level = Must,
+#[case(id = "301/sdo/block-download/too-many-bytes", clause = "CiA 301 7.2.4.3.11", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoBlockSizeMismatchAccepted])]
 fn too_many_bytes(bench: &mut Bench<'_>) -> Judged {
     let scratch = subject(bench)?;
@@ -130,11 +129,11 @@ fn too_many_bytes(bench: &mut Bench<'_>) -> Judged {
     attempt.what = format!("{} after {} had been announced", attempt.what, scratch.other.len());
     bench.check(attempt.refused(Situation::TooLong))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(())
+    bench.expect_tidy()
 }
 
 /// A size that the object can't have is refused with abort 0607 0012h, with the announcement or at the end.
-#[case(id = "301/sdo/block-download/announced-size-wrong", clause = "CiA 301 7.2.4.3.9", confidence = Known,
+#[case(id = "301/sdo/block-download/announced-size-wrong", clause = "CiA 301 7.2.4.3.9", confidence = Cited,
        level = Should, needs = [BlockDownload], catches = [SdoLengthWrongCode])]
 fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
     let scratch = subject(bench)?;
@@ -143,26 +142,34 @@ fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
     let (attempt, _) = bench.block_download(scratch.multiplexer, &longer, DownloadManner::right(&longer))?;
     bench.check(attempt.refused(Situation::TooLong))?;
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(())
+    bench.expect_tidy()
 }
 
 /// When a segment of a block is lost, the one before it is confirmed, and the rest is taken when it comes again.
-#[case(id = "301/sdo/block-download/segment-lost", clause = "CiA 301 7.2.4.3.10", confidence = Known, level = Must,
+#[case(id = "301/sdo/block-download/segment-lost", clause = "CiA 301 7.2.4.3.10", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockGapAccepted])]
 fn segment_lost(bench: &mut Bench<'_>) -> Judged {
     made_good(bench, Mischief::Skip(3), &[2])
 }
 
-/// A segment that comes twice is taken once.
-#[case(id = "301/sdo/block-download/segment-repeated", clause = "CiA 301 7.2.4.3.10", confidence = Known, level = Must,
+/// A segment that comes twice is taken once. A server that refuses it as out of sequence, with abort 0504 0003h, keeps
+/// the old value.
+#[case(id = "301/sdo/block-download/segment-repeated", clause = "CiA 301 7.2.4.3.10", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockRepeatedAppended])]
 fn segment_repeated(bench: &mut Bench<'_>) -> Judged {
+    let (multiplexer, value) = long_subject(bench, 40)?;
+    let before = bench.read(multiplexer)?;
+    let manner = DownloadManner { mischief: Mischief::Repeat(2), ..DownloadManner::right(&value) };
+    let (attempt, _) = bench.block_download(multiplexer, &value, manner)?;
+    if attempt.abort() == Some(AbortCode::SEQUENCE_NUMBER) {
+        return bench.expect_unchanged(multiplexer, &before);
+    }
     // A server may go on over it or stop there.
     made_good(bench, Mischief::Repeat(2), &[2, 6])
 }
 
 /// When two segments have changed places, the last one in order is confirmed, and the rest is taken when it comes again.
-#[case(id = "301/sdo/block-download/segments-swapped", clause = "CiA 301 7.2.4.3.10", confidence = Known, level = Must,
+#[case(id = "301/sdo/block-download/segments-swapped", clause = "CiA 301 7.2.4.3.10", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockGapAccepted])]
 fn segments_swapped(bench: &mut Bench<'_>) -> Judged {
     // Of 1 3 2 4 5 6 two were in order, unless the server stops at the first that was not.
@@ -170,7 +177,7 @@ fn segments_swapped(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// A segment with sequence number 0 is refused with abort 0504 0003h.
-#[case(id = "301/sdo/block-download/sequence-zero", clause = "CiA 301 7.2.4.3.10", confidence = Known, level = Should,
+#[case(id = "301/sdo/block-download/sequence-zero", clause = "CiA 301 7.2.4.3.10", confidence = Cited, level = Should,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockSequenceZeroIgnored])]
 fn sequence_zero(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, value) = long_subject(bench, 20)?;
@@ -180,128 +187,125 @@ fn sequence_zero(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::SequenceNumber))
 }
 
-/// When the client falls silent in the middle of a block, the server confirms what came or ends the transfer with abort
-/// 0504 0000h, or does nothing; the next transfer works, and the object keeps its value.
-#[case(id = "301/sdo/block-download/silent-client", clause = "CiA 301 7.2.4.3.10", confidence = Known, level = Must,
+/// When the client falls silent in a block download, the next request is served, and the object keeps its value. What the
+/// server does then is left open: no time-out is named, and a request may be taken for a segment.
+#[case(id = "301/sdo/block-download/silent-client", clause = "CiA 301 7.2.4.3.8", confidence = Cited, level = Open,
        needs = [BlockDownload], catches = [SdoTimeoutWedges])]
 fn silent_client(bench: &mut Bench<'_>) -> Judged {
     let scratch = subject(bench)?;
+    begin(bench, &scratch)?;
+    bench.listen(bench.timing().sdo_response.times(3))?;
+    interrupted(bench, &scratch, "after an unfinished block download")
+}
+
+/// A request between the data of a block download and its end is served, and the object keeps its value. What the server
+/// does then is left open: only an abort and the end are named.
+#[case(id = "301/sdo/block-download/abandoned", clause = "CiA 301 7.2.4.3.8", confidence = Cited, level = Open,
+       needs = [BlockDownload], catches = [SdoBusyAfterAbandonedBlock])]
+fn abandoned(bench: &mut Bench<'_>) -> Judged {
+    let scratch = subject(bench)?;
+    begin(bench, &scratch)?;
+    // The data is there, only its end was not said.
+    bench.send_message(segment(1, true, &scratch.other))?;
+    bench.listen(bench.timing().reaction)?;
+    interrupted(bench, &scratch, "in the middle of a block download")
+}
+
+/// Starts a block download by hand.
+fn begin(bench: &mut Bench<'_>, scratch: &Scratch) -> Judged {
     let multiplexer = scratch.multiplexer;
     let size = u32::try_from(scratch.other.len()).ok();
     let request = Request::InitiateBlockDownload { multiplexer, crc: true, size };
     let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
     let is_start = |response: &Response| matches!(response, Response::InitiateBlockDownload { .. });
-    reply.expect("its start", is_start).or_inconclusive()?;
-    bench.listen(bench.timing().sdo_response.times(3))?;
-    let mut attempt = bench.upload(multiplexer)?;
-    attempt.what = format!("{} after an unfinished block download", attempt.what);
-    let back = attempt.value()?;
-    bench.check(demand(back == scratch.value, || {
-        let duty = format!("{multiplexer} keeps its value when a block download is not finished");
-        Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&back).to_string())
-    }))
+    reply.expect("the start of a block download", is_start).or_inconclusive()
 }
 
-/// A request in the middle of a block download ends it; the request is served, and the object keeps its value.
-#[case(id = "301/sdo/block-download/abandoned", clause = "CiA 301 7.2.4", confidence = Attested, level = Must,
-       needs = [BlockDownload], catches = [SdoBusyAfterAbandonedBlock])]
-fn abandoned(bench: &mut Bench<'_>) -> Judged {
-    let scratch = subject(bench)?;
-    let multiplexer = scratch.multiplexer;
-    // The data is there, only its end was not said.
-    let mut message = [0; 8];
-    message[0] = 0x81;
-    message.iter_mut().skip(1).zip(&scratch.other).for_each(|(to, from)| *to = *from);
-    let size = u32::try_from(scratch.other.len()).ok();
-    let request = Request::InitiateBlockDownload { multiplexer, crc: true, size };
-    bench.exchange(&request, format!("block download to {multiplexer}"))?;
-    bench.send_message(message)?;
+fn segment(sequence: u8, last: bool, value: &[u8]) -> [u8; 8] {
+    let (mut data, mut message) = ([0; 7], [0; 8]);
+    data.iter_mut().zip(value).for_each(|(to, from)| *to = *from);
+    BlockSegment { sequence, last, data }.emit(&mut message);
+    message
+}
+
+/// Sees whether a request is served meanwhile, and ends the block download.
+fn interrupted(bench: &mut Bench<'_>, scratch: &Scratch, circumstance: &str) -> Judged {
+    let served = bench.expect_served(circumstance);
+    bench.send_request(&Request::abort(scratch.multiplexer, AbortCode::GENERAL))?;
     bench.listen(bench.timing().reaction)?;
-    let mut attempt = bench.upload(DEVICE_TYPE)?;
-    attempt.what = format!("{} in the middle of a block download", attempt.what);
-    attempt.value()?;
-    bench.expect_unchanged(multiplexer, &scratch.value)
+    bench.each([served], |_, served| served)?;
+    bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
 /// A block download to an object that can only be read is refused with abort 0601 0002h at once, before any data.
-#[case(id = "301/sdo/block-download/read-only", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/block-download/read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoBlockReadOnlyLate, SdoReadOnlyWrongCode])]
 fn read_only(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = Multiplexer::new(0x1018, 1);
     let request = Request::InitiateBlockDownload { multiplexer, crc: true, size: Some(4) };
     let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
-    bench.check(reply.refused(Situation::ReadOnly))
+    bench.check(reply.refused(Situation::ReadOnly))?;
+    bench.expect_tidy()
 }
 
 /// A block download to an object that does not exist is refused with abort 0602 0000h, to a sub-index with 0609 0011h.
-#[case(id = "301/sdo/block-download/missing", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/block-download/missing", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
-    for (multiplexer, code) in
-        [(Multiplexer::new(0xFFFF, 0), AbortCode::NO_OBJECT), (Multiplexer::new(0x1000, 1), AbortCode::NO_SUB_INDEX)]
-    {
+    for (multiplexer, situation) in MISSING {
         let request = Request::InitiateBlockDownload { multiplexer, crc: true, size: Some(4) };
         let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
-        bench.check(reply.refused_with(&[code], &[AbortCode::GENERAL]))?;
+        bench.check(reply.refused(situation))?;
     }
-    Ok(())
+    bench.expect_tidy()
 }
 
 /// Strings whose length is around that of whole blocks are written and read back to the byte.
-#[case(id = "301/sdo/block-download/block-ends", clause = "CiA 301 7.2.4.3.9", confidence = Known, level = Must,
+#[case(id = "301/sdo/block-download/block-ends", clause = "CiA 301 7.2.4.3.9", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockPaddingKept, WatchdogResetUnderLoad])]
 fn block_ends(bench: &mut Bench<'_>) -> Judged {
     // 127 segments of 7 bytes are the longest block.
-    for length in [13, 14, 15, 888, 889, 890] {
+    bench.each([1, 2, 3, 4, 5, 6, 7, 8, 13, 14, 15, 888, 889, 890], |bench, length| {
         let (multiplexer, value) = long_subject(bench, length)?;
         let (attempt, _) = bench.block_download(multiplexer, &value, DownloadManner::right(&value))?;
         let too_long = [AbortCode::LENGTH, AbortCode::LENGTH_TOO_HIGH, AbortCode::OUT_OF_MEMORY];
         if attempt.abort().is_some_and(|code| too_long.contains(&code)) {
             // The description does not say how long a string may be.
-            break;
+            return Ok(());
         }
         attempt.expect_confirmation()?;
-        has_value(bench, multiplexer, &value)?;
-    }
-    Ok(())
+        has_value(bench, multiplexer, &value)
+    })
 }
 
 /// An abort of the client ends a block download wherever it stands: before the first segment, in a block, before the
 /// end. It is not answered, the object keeps its value, and the next transfer works.
-#[case(id = "301/sdo/block-download/client-abort", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/block-download/client-abort", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoAbortAnswered, SdoBlockAbortIgnored])]
 fn client_abort(bench: &mut Bench<'_>) -> Judged {
     let scratch = subject(bench)?;
     let multiplexer = scratch.multiplexer;
-    let mut last = [0; 8];
-    last[0] = 0x81;
-    last.iter_mut().skip(1).zip(&scratch.other).for_each(|(to, from)| *to = *from);
-    let begin =
-        Request::InitiateBlockDownload { multiplexer, crc: false, size: u32::try_from(scratch.other.len()).ok() };
-    let mut first = last;
-    first[0] = 0x01;
-    let places = [("before the first segment", None), ("in a block", Some(first)), ("before the end", Some(last))];
-    for (place, segment) in places {
-        let reply = bench.exchange(&begin, format!("block download to {multiplexer}"))?;
-        let is_start = |response: &Response| matches!(response, Response::InitiateBlockDownload { .. });
-        reply.expect("the start of a block download", is_start).or_inconclusive()?;
+    let places = [
+        ("before the first segment", None),
+        ("in a block", Some(segment(1, false, &scratch.other))),
+        ("before the end", Some(segment(1, true, &scratch.other))),
+    ];
+    bench.each(places, |bench, (place, segment)| {
+        begin(bench, &scratch)?;
         if let Some(segment) = segment {
             bench.send_message(segment)?;
             bench.listen(bench.timing().reaction)?;
         }
         let abort = Request::abort(multiplexer, AbortCode::GENERAL);
-        let what = format!("abort of the client {place} of a block download");
-        bench.send_unanswered(&abort, what)?.expect_silence()?;
+        let reply = bench.send_unanswered(&abort, format!("abort of the client {place} of a block download"))?;
+        bench.check(reply.expect_silence())?;
         let stray = bench.exchange(&Request::UploadSegment { toggle: false }, "a segment request after the abort")?;
-        demand(stray.abort().is_some() || stray.response.is_none(), || {
-            Reason::new(format!("the transfer is over after an abort {place}"), "abort 0504 0001h", stray.actual())
-        })?;
-        let now = bench.upload(multiplexer)?.value()?;
-        demand(now == scratch.value, || {
-            let duty = format!("{multiplexer} keeps its value after an abort {place}");
-            Reason::new(duty, Bytes(&scratch.value).to_string(), Bytes(&now).to_string())
-        })?;
-    }
-    bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(())
+        bench.check(demand(stray.abort().is_some() || stray.response.is_none(), || {
+            let breach = Breach::new(multiplexer, format!("the transfer is over after an abort {place}"));
+            breach.expected("an abort, or no answer").found(stray.observation()).told(stray.actual())
+        }))?;
+        bench.expect_unchanged(multiplexer, &scratch.value)
+    })?;
+    bench.expect_served("after block downloads that were aborted")?;
+    bench.expect_tidy()
 }

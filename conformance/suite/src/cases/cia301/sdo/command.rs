@@ -1,46 +1,46 @@
 //! Command specifiers, aborts and restarts (CiA 301, 7.2.4.3.17).
 
+use super::by_hand::{begin_upload, long_object};
 use crate::bench::Bench;
+use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Precondition, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_analyzer::wire::sdo::{Abort, AbortCode, Payload, Request, Response, Segment};
-
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response, Segment};
 
 /// Command specifier 7, which CiA 301 does not define, with an object behind it as an initiate message has.
 const UNKNOWN: Request = Request::Unknown { command: 0xE0, tail: [0x18, 0x10, 1, 0, 0, 0, 0] };
 
 /// An unknown command specifier is answered with abort 0504 0001h.
-#[case(id = "301/sdo/command/unknown", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/command/unknown", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoUnknownCommandSilent, SdoCommandWrongCode], cct = "2.7")]
 fn unknown(bench: &mut Bench<'_>) -> Judged {
     bench.read(DEVICE_TYPE)?;
     let reply = bench.exchange(&UNKNOWN, "request with the unknown command specifier 7")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
-    bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(())
+    bench.expect_served("after an unknown command specifier")?;
+    bench.expect_tidy()
 }
 
 /// An unknown command specifier as the first request after boot-up is answered with abort 0504 0001h, and the server
 /// works on.
 ///
 /// Servers that keep the object of the last transfer have none yet: some fall silent for good.
-#[case(id = "301/sdo/command/unknown-first", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/command/unknown-first", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoFirstUnknownCommandSilent, SdoUnknownCommandSilent])]
 fn unknown_first(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_NODE)?;
     let reply = bench.exchange(&UNKNOWN, "first request after boot-up, with the unknown command specifier 7,")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
-    bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(())
+    bench.expect_served("after an unknown command specifier as the first request")?;
+    bench.expect_tidy()
 }
 
 /// Segments without a transfer, of a download as of an upload, are answered with abort 0504 0001h.
-#[case(id = "301/sdo/command/segment-without-transfer", clause = "CiA 301 7.2.4.3.17", confidence = Attested,
-       level = Must, catches = [SdoStraySegmentSilent])]
+#[case(id = "301/sdo/command/segment-without-transfer", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
+       level = Should, catches = [SdoStraySegmentSilent])]
 fn segment_without_transfer(bench: &mut Bench<'_>) -> Judged {
     bench.read(DEVICE_TYPE)?;
     let download = Segment::new(false, &[0; 7], true).map(Request::DownloadSegment);
@@ -54,27 +54,29 @@ fn segment_without_transfer(bench: &mut Bench<'_>) -> Judged {
             bench.check(answer.refused(Situation::UnknownCommand))?;
         }
     }
-    bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(())
+    bench.expect_served("after segments without a transfer")?;
+    bench.expect_tidy()
 }
 
-/// An abort of the client is not answered, neither without a transfer nor during one.
-#[case(id = "301/sdo/abort/unanswered", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+/// An abort of the client is not answered, neither without a transfer nor during one: the service is unconfirmed.
+#[case(id = "301/sdo/abort/unanswered", clause = "CiA 301 7.2.4.3.1", confidence = Cited, level = Must,
        catches = [SdoAbortAnswered])]
 fn unanswered(bench: &mut Bench<'_>) -> Judged {
     let abort = Request::abort(DEVICE_TYPE, AbortCode::GENERAL);
-    bench.send_unanswered(&abort, "abort of the client without a transfer")?.expect_silence()?;
+    let reply = bench.send_unanswered(&abort, "abort of the client without a transfer")?;
+    bench.check(reply.expect_silence())?;
     if let Some(name) = bench.long_object(8)? {
         bench.exchange(&Request::upload(name), format!("upload of {name}"))?;
         let abort = Request::abort(name, AbortCode::GENERAL);
-        bench.send_unanswered(&abort, format!("abort of the client in the upload of {name}"))?.expect_silence()?;
+        let reply = bench.send_unanswered(&abort, format!("abort of the client in the upload of {name}"))?;
+        bench.check(reply.expect_silence())?;
     }
-    bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(())
+    bench.expect_served("after an abort of the client")?;
+    bench.expect_tidy()
 }
 
 /// The abort that refuses a request names the object of that request, not that of an earlier one.
-#[case(id = "301/sdo/abort/multiplexer", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/abort/multiplexer", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        catches = [SdoStaleMultiplexer, SdoAbortMultiplexerZero])]
 fn multiplexer(bench: &mut Bench<'_>) -> Judged {
     let no_object = Multiplexer::new(0xFFFF, 2);
@@ -83,47 +85,32 @@ fn multiplexer(bench: &mut Bench<'_>) -> Judged {
     bench.read(Multiplexer::new(0x1001, 0))?;
     let value = |multiplexer| Request::InitiateDownload { multiplexer, payload: Payload::of(&[0; 4]) };
     let requests = [Request::upload(no_object), Request::upload(no_sub_index), value(no_object), value(DEVICE_TYPE)];
+    // Whichever object the abort names, every exchange judges it.
     for request in requests {
         let asked = request.multiplexer().unwrap_or(DEVICE_TYPE);
         let reply = bench.exchange(&request, format!("refused request to {asked}"))?;
-        let Some(Response::Abort(Abort { multiplexer, .. })) = reply.response else {
-            let reason = Reason::new(format!("the request to {asked} is refused"), "an abort", reply.actual());
-            return Err(Stop::Inconclusive(reason));
-        };
-        demand(multiplexer == asked, || {
-            let duty = format!("the abort of the request to {asked} names that object");
-            Reason::new(duty, asked.to_string(), multiplexer.to_string())
-        })?;
+        reply.expect("an abort", |response| matches!(response, Response::Abort(_))).or_inconclusive()?;
     }
-    Ok(())
+    bench.expect_tidy()
 }
 
-/// A new request ends the transfer under way, and is served.
-#[case(id = "301/sdo/transfer/restart", clause = "CiA 301 7.2.4", confidence = Attested, level = Must,
+/// A new request ends the transfer under way, and is served; so is a new upload of the first object, from its beginning.
+#[case(id = "301/sdo/transfer/restart", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoBusyAfterAbandonedTransfer])]
 fn restart(bench: &mut Bench<'_>) -> Judged {
-    let Some(name) = bench.long_object(8)? else {
-        let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
-        return Err(Stop::NotApplicable(reason));
-    };
-    let start = bench.exchange(&Request::upload(name), format!("upload of {name}"))?;
-    start
-        .expect("the start of a segmented upload", |response| {
-            matches!(
-                response,
-                Response::InitiateUpload { payload: Payload::Segmented(_) | Payload::SegmentedUnsized, .. }
-            )
-        })
-        .or_inconclusive()?;
-    let mut attempt = bench.upload(DEVICE_TYPE)?;
-    attempt.what = format!("{} in the middle of another transfer", attempt.what);
-    attempt.value()?;
-    bench.upload(name)?.value()?;
-    Ok(())
+    let name = long_object(bench)?;
+    let right = bench.read(name)?;
+    begin_upload(bench, name)?;
+    let served = bench.expect_served("in the middle of a segmented upload");
+    bench.each([served], |_, served| served)?;
+    begin_upload(bench, name)?;
+    bench.exchange(&Request::UploadSegment { toggle: false }, "request for the first segment")?;
+    bench.expect_value(name, &right, "an upload that begins again from the start gives the whole value")?;
+    bench.expect_tidy()
 }
 
 /// Every abort of the server has eight bytes and a code that CiA 301 or CAL (CiA DS-202) defines.
-#[case(id = "301/sdo/abort/known-code", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/abort/known-code", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        catches = [SdoUnknownAbortCode])]
 fn known_code(bench: &mut Bench<'_>) -> Judged {
     let segment = Segment::new(false, &[0; 7], true).map(Request::DownloadSegment);
@@ -137,14 +124,14 @@ fn known_code(bench: &mut Bench<'_>) -> Judged {
         segment,
         Some(UNKNOWN),
     ];
-    for request in refused.into_iter().flatten() {
+    bench.each(refused.into_iter().flatten(), |bench, request| {
         let reply = bench.exchange(&request, "request that must be refused")?;
-        let (Some(Response::Abort(abort)), Some(frame)) = (reply.response, reply.frame) else { continue };
-        let known = abort.code.name().is_some() || abort.code.cal_name().is_some();
-        demand(known && frame.len() == 8, || {
-            let expected = "eight bytes with a code of CiA 301";
-            Reason::new("aborts have a known form and code", expected, reply.actual())
-        })?;
-    }
-    Ok(())
+        let Some(Response::Abort(abort)) = reply.response else { return Ok(()) };
+        let is_known = abort.code.name().is_some() || abort.code.cal_name().is_some();
+        bench.check(demand(is_known, || {
+            let breach = Breach::new(reply.subject, "aborts have a code that the standard defines");
+            breach.expected("a code of CiA 301").found(reply.observation()).told(reply.actual())
+        }))
+    })?;
+    bench.expect_tidy()
 }

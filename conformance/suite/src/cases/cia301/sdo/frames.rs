@@ -1,36 +1,34 @@
 //! Frames on the CAN-ID of SDO requests that are no SDO requests (CiA 301, 7.2.4.3).
 
 use crate::bench::Bench;
+use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
-use crate::verdict::{Judged, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
+use crate::verdict::{Breach, Check, Judged, Reason, Stop};
+use canvass_analyzer::Service;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, Request};
-use canvass_traces::{CanId, Frame, Record};
-
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+use canvass_bus::observation::Observation;
+use canvass_traces::{CanId, Frame};
 
 fn request_id(bench: &Bench<'_>) -> u32 {
     u32::from(sdo::REQUEST_BASE) + u32::from(bench.node().raw())
 }
 
-/// What the SDO server sends after a frame.
-fn answers_to(bench: &mut Bench<'_>, frame: Option<Frame>) -> Result<Vec<Record>, Stop> {
+/// What the SDO server sends after a frame, if anything.
+fn answer_to(bench: &mut Bench<'_>, frame: Option<Frame>) -> Result<Option<Frame>, Stop> {
     bench.drain()?;
     if let Some(frame) = frame {
         bench.send(&frame)?;
     }
     let response = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
     let heard = bench.listen(bench.timing().silence)?;
-    Ok(heard.into_iter().filter(|record| record.frame.cob_id() == Some(response)).collect())
+    Ok(heard.into_iter().map(|record| record.frame).find(|frame| frame.cob_id() == Some(response)))
 }
 
-/// A server that was asked wrongly must still serve who asks rightly.
-fn still_serves(bench: &mut Bench<'_>, after: &str) -> Judged {
-    let mut attempt = bench.upload(DEVICE_TYPE)?;
-    attempt.what = format!("{} after {after}", attempt.what);
-    attempt.value()?;
-    Ok(())
+fn unanswered(answer: Option<Frame>, duty: &'static str) -> Check {
+    let Some(answer) = answer else { return Ok(()) };
+    let breach = Breach::new(Service::Sdo, duty).expected(Observation::Silence).found(Observation::Frame(answer));
+    Err(Box::new(breach.told(answer.to_string())))
 }
 
 /// A remote frame with the CAN-ID of SDO requests is no request: it is not answered.
@@ -38,12 +36,9 @@ fn still_serves(bench: &mut Bench<'_>, after: &str) -> Judged {
        catches = [SdoRemoteAnswered])]
 fn remote(bench: &mut Bench<'_>) -> Judged {
     let frame = Frame::remote(CanId::standard_masked(request_id(bench)), 8);
-    let answers = answers_to(bench, frame)?;
-    demand(answers.is_empty(), || {
-        let actual = answers.first().map(|record| record.frame.to_string()).unwrap_or_default();
-        Reason::new("a remote frame on the CAN-ID of SDO requests is not answered", "silence", actual)
-    })?;
-    still_serves(bench, "a remote frame")
+    let answer = answer_to(bench, frame)?;
+    bench.check(unanswered(answer, "a remote frame on the CAN-ID of SDO requests is not answered"))?;
+    bench.expect_served("after a remote frame")
 }
 
 /// A 29-bit frame whose identifier ends like the CAN-ID of SDO requests is no request: it is not answered.
@@ -52,12 +47,9 @@ fn remote(bench: &mut Bench<'_>) -> Judged {
 fn extended(bench: &mut Bench<'_>) -> Judged {
     let request = Request::upload(DEVICE_TYPE).to_frame(0);
     let frame = Frame::new(CanId::extended_masked(request_id(bench)), request.data());
-    let answers = answers_to(bench, frame)?;
-    demand(answers.is_empty(), || {
-        let actual = answers.first().map(|record| record.frame.to_string()).unwrap_or_default();
-        Reason::new("a 29-bit frame that looks like an SDO request is not answered", "silence", actual)
-    })?;
-    still_serves(bench, "a 29-bit frame")
+    let answer = answer_to(bench, frame)?;
+    bench.check(unanswered(answer, "a 29-bit frame that looks like an SDO request is not answered"))?;
+    bench.expect_served("after a 29-bit frame")
 }
 
 /// Requests of fewer than eight bytes do no harm: the server answers the next right one.
@@ -72,10 +64,10 @@ fn short(bench: &mut Bench<'_>) -> Judged {
     for length in 0..8 {
         let data = whole.data().get(..length).unwrap_or_default();
         let frame = Frame::new(CanId::standard_masked(request_id(bench)), data);
-        if !answers_to(bench, frame)?.is_empty() {
+        if answer_to(bench, frame)?.is_some() {
             answered.push(length.to_string());
         }
-        still_serves(bench, &format!("a request of {length} bytes"))?;
+        bench.expect_served(&format!("after a request of {length} bytes"))?;
     }
     bench.note(match answered.is_empty() {
         true => "requests of fewer than eight bytes are ignored".to_owned(),
@@ -99,8 +91,5 @@ fn other_node(bench: &mut Bench<'_>) -> Judged {
     let answer = bench.wait_for(bench.timing().silence, |record| {
         record.frame.cob_id().is_some_and(|id| both.contains(&id)).then_some(record.frame)
     })?;
-    bench.check(demand(answer.is_none(), || {
-        let actual = answer.map(|frame| frame.to_string()).unwrap_or_default();
-        Reason::new(format!("a request to node {other} is not answered"), "silence", actual)
-    }))
+    bench.check(unanswered(answer, "a request to another node is not answered"))
 }

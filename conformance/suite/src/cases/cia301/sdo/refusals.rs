@@ -1,46 +1,50 @@
 //! Refusals for more than one reason, and of limits that contradict each other (CiA 301, 7.2.4.3.17).
 
 use crate::bench::Bench;
+use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed};
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::wire::sdo::AbortCode;
 
 /// A download that is wrong in several ways is refused each time with the same abort, whichever of the reasons it names.
 /// Which one wins is noted.
-#[case(id = "301/sdo/download/several-reasons", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Should,
+#[case(id = "301/sdo/download/several-reasons", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoRefusalAlternates, SdoReadOnlyWritable])]
 fn several_reasons(bench: &mut Bench<'_>) -> Judged {
     const REPEATED: usize = 4;
-    let attempts: [(&str, Multiplexer, &[u8]); 3] = [
-        ("a read-only object, of a wrong length", Multiplexer::new(0x1000, 0), &[0]),
-        ("a sub-index that a read-only object does not have", Multiplexer::new(0x1000, 7), &[0, 0]),
-        ("a sub-index that does not exist, of a wrong length", Multiplexer::new(0x1018, 0x70), &[0]),
+    let attempts: [(&str, Multiplexer, &[u8], Situation); 3] = [
+        ("a read-only object, of a wrong length", DEVICE_TYPE, &[0], Situation::ReadOnlyAndTooShort),
+        (
+            "a sub-index that a read-only object does not have",
+            Multiplexer::new(0x1000, 7),
+            &[0, 0],
+            Situation::MissingEntryOfReadOnly,
+        ),
+        (
+            "a sub-index that does not exist, of a wrong length",
+            Multiplexer::new(0x1018, 0x70),
+            &[0],
+            Situation::MissingEntryOfReadOnly,
+        ),
     ];
-    for (what, at, value) in attempts {
-        let mut first: Option<AbortCode> = None;
-        for _ in 0..REPEATED {
-            let attempt = bench.download(at, value)?;
-            let Some(code) = attempt.abort() else {
-                let duty = format!("a download to {what} is refused");
-                return Err(Stop::from(Reason::new(duty, "an abort", attempt.outcome.to_string())));
-            };
-            let expected = *first.get_or_insert(code);
-            demand(code == expected, || {
-                let duty = format!("downloads to {what} are always refused for the same reason");
-                Reason::new(duty, format!("abort {expected}, as before"), format!("abort {code}"))
-            })?;
+    bench.each(attempts, |bench, (what, at, value, situation)| {
+        let first = bench.download(at, value)?;
+        first.refused(situation)?;
+        for _ in 1..REPEATED {
+            let again = bench.download(at, value)?;
+            bench.check(demand(again.outcome == first.outcome, || {
+                let breach = Breach::new(at, format!("downloads to {what} are always refused for the same reason"));
+                breach.expected(observed(&first.outcome)).found(observed(&again.outcome))
+            }))?;
         }
-        if let Some(code) = first {
-            bench.note(format!("{what}: abort {code}"));
-        }
-    }
-    Ok(())
+        bench.note(format!("{what}: {}", first.outcome));
+        Ok(())
+    })
 }
 
 /// A maximum below its minimum is refused with abort 0609 0036h, and the old limit stays.
-#[case(id = "301/sdo/download/maximum-below-minimum", clause = "CiA 301 7.2.4.3.17", confidence = Attested,
+#[case(id = "301/sdo/download/maximum-below-minimum", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
        level = Should, needs = [WorkArea], catches = [WorkAreaLimitsSwappedAccepted, LimitsSwappedWrongCode])]
 fn maximum_below_minimum(bench: &mut Bench<'_>) -> Judged {
     let (low, high) = (Multiplexer::new(0x6401, 1), Multiplexer::new(0x6402, 1));
@@ -54,6 +58,5 @@ fn maximum_below_minimum(bench: &mut Bench<'_>) -> Judged {
     let mut attempt = bench.download(high, &999_u32.to_le_bytes())?;
     attempt.what = "high limit below the low limit".to_owned();
     bench.check(attempt.refused(Situation::MaximumBelowMinimum))?;
-    bench.expect_unchanged(high, &before)?;
-    Ok(())
+    bench.expect_unchanged(high, &before)
 }

@@ -1,72 +1,37 @@
 //! Requests one after the other, at the same time, given up, and never finished (CiA 301, 7.2.4).
 
-use crate::bench::objects::Scratch;
+use super::by_hand::{begin_download, begin_upload, confirmed_segment, long_object};
+use crate::bench::sdo::DEVICE_TYPE;
 use crate::bench::{Bench, percentile};
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
-use canvass_analyzer::Multiplexer;
+use crate::verdict::{Breach, Judged, demand, observed_response};
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::sdo::{self, AbortCode, Payload, Request, Response, Segment};
-use canvass_traces::{Duration, Timestamp};
+use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response, Segment};
+use canvass_analyzer::{Multiplexer, Service};
+use canvass_bus::observation::Observation;
+use canvass_traces::{Duration, Record, Timestamp};
 
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
 
-/// Starts a segmented upload of an object of at least two segments.
-fn begin_upload(bench: &mut Bench<'_>) -> Result<Multiplexer, Stop> {
-    let Some(name) = bench.long_object(8)? else {
-        let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
-        return Err(Stop::NotApplicable(reason));
-    };
-    let reply = bench.exchange(&Request::upload(name), format!("upload of {name}"))?;
-    let is_start = |response: &Response| {
-        matches!(response, Response::InitiateUpload { payload: Payload::Segmented(_) | Payload::SegmentedUnsized, .. })
-    };
-    reply.expect("the start of a segmented upload", is_start).or_inconclusive()?;
-    Ok(name)
-}
-
-/// Starts a segmented download to a scratch object.
-fn begin_download(bench: &mut Bench<'_>) -> Result<Scratch, Stop> {
-    let scratch = bench.scratch(&[4, 2])?;
-    bench.write(scratch.multiplexer, &scratch.value)?;
-    let payload = Payload::Segmented(u32::try_from(scratch.value.len()).unwrap_or(u32::MAX));
-    let multiplexer = scratch.multiplexer;
-    let request = Request::InitiateDownload { multiplexer, payload };
-    let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;
-    reply
-        .expect("confirmation", |response| *response == Response::InitiateDownload { multiplexer })
-        .or_inconclusive()?;
-    Ok(scratch)
-}
-
-fn first_segment(bench: &mut Bench<'_>, scratch: &Scratch) -> Result<(), Stop> {
-    let part = scratch.other.get(..1).unwrap_or_default();
-    if let Some(segment) = Segment::new(false, part, false) {
-        let reply = bench.exchange(&Request::DownloadSegment(segment), "first download segment")?;
-        let is_right = |response: &Response| *response == Response::DownloadSegment { toggle: false };
-        reply.expect("its confirmation", is_right).or_inconclusive()?;
-    }
-    Ok(())
-}
-
 /// A download that is given up for another request ends; the request is served, and the object keeps its value.
-#[case(id = "301/sdo/transfer/abandoned-download", clause = "CiA 301 7.2.4", confidence = Attested, level = Must,
+#[case(id = "301/sdo/transfer/abandoned-download", clause = "CiA 301 7.2.4.3.2", confidence = Cited, level = Must,
        needs = [ScratchObject], catches = [SdoBusyAfterAbandonedDownload, SdoSegmentsWrittenAtOnce])]
 fn abandoned_download(bench: &mut Bench<'_>) -> Judged {
-    let scratch = begin_download(bench)?;
-    first_segment(bench, &scratch)?;
-    let mut attempt = bench.upload(DEVICE_TYPE)?;
-    attempt.what = format!("{} in the middle of a download", attempt.what);
-    attempt.value()?;
-    bench.expect_unchanged(scratch.multiplexer, &scratch.value)
+    let scratch = bench.scratch(&[4, 2])?;
+    for circumstance in ["in the middle of a segmented download", "in the middle of a second segmented download"] {
+        begin_download(bench, &scratch)?;
+        confirmed_segment(bench, false, scratch.other.get(..1).unwrap_or_default(), false)?;
+        bench.expect_served(circumstance)?;
+    }
+    bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
+    bench.expect_tidy()
 }
 
 /// Two requests without a pause between them: each answer belongs to one of them and names its object with its value.
 ///
 /// A server may have room for one request only; the first or the second may then go unanswered.
-#[case(id = "301/sdo/transfer/back-to-back", clause = "CiA 301 7.2.4", confidence = Attested, level = Must,
+#[case(id = "301/sdo/transfer/back-to-back", clause = "CiA 301 7.2.4.3.6", confidence = Cited, level = Should,
        catches = [SdoBackToBackMixed])]
 fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     let right = [(DEVICE_TYPE, bench.read(DEVICE_TYPE)?), (ERROR_REGISTER, bench.read(ERROR_REGISTER)?)];
@@ -74,67 +39,78 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     for (multiplexer, _) in &right {
         bench.send_request(&Request::upload(*multiplexer))?;
     }
-    let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
     let heard = bench.listen(bench.timing().silence)?;
-    let answers: Vec<_> = heard.into_iter().filter(|record| record.frame.cob_id() == Some(response_id)).collect();
+    let response_id = response_id(bench);
+    let answers: Vec<Record> = heard.into_iter().filter(|record| record.frame.cob_id() == Some(response_id)).collect();
     demand(!answers.is_empty(), || {
-        Reason::new("of two requests back to back at least one is answered", "one or two answers", "none")
+        Breach::new(Service::Sdo, "of two requests back to back at least one is answered")
+            .expected("one or two answers")
     })?;
     for answer in answers {
         let response = Response::read(answer.data()).ok();
         let is_right = match response {
-            Some(Response::InitiateUpload { multiplexer, payload }) => {
-                right.iter().any(|(asked, value)| *asked == multiplexer && payload.value() == Some(value))
-            }
+            Some(Response::InitiateUpload { multiplexer, payload }) => right.iter().any(|(asked, value)| {
+                *asked == multiplexer && payload.value().is_some_and(|given| given.starts_with(value))
+            }),
             Some(Response::Abort(abort)) => right.iter().any(|(asked, _)| *asked == abort.multiplexer),
             _ => false,
         };
-        demand(is_right, || {
-            let duty = "each answer to two requests back to back is that of one of them";
-            Reason::new(duty, "the object with its own value", answer.frame.to_string())
-        })?;
+        bench.check(demand(is_right, || {
+            Breach::new(Service::Sdo, "each answer to two requests back to back names one of them and has its value")
+                .expected("the object with its own value")
+                .found(Observation::named("an answer that belongs to neither of two requests"))
+                .told(answer.frame.to_string())
+        }))?;
     }
-    bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(())
+    bench.expect_served("after two requests back to back")
+}
+
+/// What the server sends on.
+fn response_id(bench: &Bench<'_>) -> u16 {
+    sdo::RESPONSE_BASE + u16::from(bench.node().raw())
 }
 
 /// An abort of the client ends the transfer: a further segment is refused with abort 0504 0001h.
-#[case(id = "301/sdo/abort/ends-transfer", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/abort/ends-transfer", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoAbortIgnored, SdoCommandWrongCode])]
 fn ends_transfer(bench: &mut Bench<'_>) -> Judged {
-    let name = begin_upload(bench)?;
+    let name = long_object(bench)?;
+    begin_upload(bench, name)?;
     bench.send_request(&Request::abort(name, AbortCode::GENERAL))?;
     let what = "request for a segment after the client's abort";
     let reply = bench.exchange(&Request::UploadSegment { toggle: false }, what)?;
-    bench.check(reply.refused(Situation::UnknownCommand))
+    bench.check(reply.refused(Situation::UnknownCommand))?;
+    bench.expect_served("after the client's abort")?;
+    bench.expect_tidy()
 }
 
 /// A command that has no place in an upload under way is refused with abort 0504 0001h.
-#[case(id = "301/sdo/command/wrong-in-upload", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Should,
+#[case(id = "301/sdo/command/wrong-in-upload", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        needs = [SegmentedUpload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode])]
 fn wrong_in_upload(bench: &mut Bench<'_>) -> Judged {
-    begin_upload(bench)?;
+    let name = long_object(bench)?;
+    begin_upload(bench, name)?;
     let Some(segment) = Segment::new(false, &[0; 7], false) else { return Ok(()) };
     let reply = bench.exchange(&Request::DownloadSegment(segment), "download segment in the middle of an upload")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
-    bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(())
+    bench.expect_served("after a command that had no place")?;
+    bench.expect_tidy()
 }
 
 /// A command that has no place in a download under way is refused with abort 0504 0001h, and the object keeps its value.
-#[case(id = "301/sdo/command/wrong-in-download", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Should,
+#[case(id = "301/sdo/command/wrong-in-download", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        needs = [ScratchObject], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode])]
 fn wrong_in_download(bench: &mut Bench<'_>) -> Judged {
-    let scratch = begin_download(bench)?;
+    let scratch = bench.scratch(&[4, 2])?;
+    begin_download(bench, &scratch)?;
     let what = "request for an upload segment in the middle of a download";
     let reply = bench.exchange(&Request::UploadSegment { toggle: false }, what)?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
-    bench.expect_unchanged(scratch.multiplexer, &scratch.value)?;
-    Ok(())
+    bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
 /// Commands of a block upload without one are refused with abort 0504 0001h.
-#[case(id = "301/sdo/command/stray-block-upload", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/command/stray-block-upload", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoStrayBlockSilent, SdoCommandWrongCode])]
 fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
     let strays = [
@@ -149,19 +125,19 @@ fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
         let answer = bench.exchange(&request, what)?;
         bench.check(answer.refused(Situation::UnknownCommand))?;
     }
-    bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(())
+    bench.expect_served("after block commands without a block transfer")?;
+    bench.expect_tidy()
 }
 
 /// The end of a block download without one is refused with abort 0504 0001h.
-#[case(id = "301/sdo/command/stray-block-download", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/command/stray-block-download", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoStrayBlockSilent, SdoCommandWrongCode])]
 fn stray_block_download(bench: &mut Bench<'_>) -> Judged {
     let request = Request::EndBlockDownload { unused: 0, crc: 0 };
     let reply = bench.exchange(&request, "end of a block download without one")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
-    bench.upload(DEVICE_TYPE)?.value()?;
-    Ok(())
+    bench.expect_served("after block commands without a block transfer")?;
+    bench.expect_tidy()
 }
 
 /// So long a client may think; a server that supervises its transfers ends them by then.
@@ -169,38 +145,39 @@ const SILENCE: Duration = Duration::from_millis(3_000);
 
 /// After a client that does not go on with a segmented transfer the next request is served. A server that ends the
 /// transfer by itself says so with abort 0504 0000h.
-#[case(id = "301/sdo/transfer/silent-client", clause = "CiA 301 7.2.4.3.17", confidence = Attested, level = Must,
+#[case(id = "301/sdo/transfer/silent-client", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoTimeoutWedges])]
 fn silent_client(bench: &mut Bench<'_>) -> Judged {
-    let name = begin_upload(bench)?;
-    let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
-    let said = bench.wait_for(SILENCE, |record| {
-        let is_ours = record.frame.cob_id() == Some(response_id);
-        is_ours.then(|| (record.timestamp, Response::read(record.frame.data()).ok()))
-    })?;
-    if let Some((_, response)) = said {
+    let name = long_object(bench)?;
+    begin_upload(bench, name)?;
+    let response_id = response_id(bench);
+    let said =
+        bench.wait_for(SILENCE, |record| (record.frame.cob_id() == Some(response_id)).then_some(record.frame))?;
+    if let Some(frame) = said {
+        let response = Response::read(frame.data()).ok();
         let is_timeout = matches!(response, Some(Response::Abort(abort)) if abort.code == AbortCode::TIMEOUT);
-        demand(is_timeout, || {
-            let duty = format!("the server ends the unfinished upload of {name} with the reason");
-            Reason::new(duty, format!("abort {}", AbortCode::TIMEOUT), format!("{response:?}"))
-        })?;
+        bench.check(demand(is_timeout, || {
+            let found = response.as_ref().map_or(Observation::Frame(frame), observed_response);
+            Breach::new(name, "a server that ends an unfinished upload by itself gives the reason")
+                .expected(Observation::Abort(AbortCode::TIMEOUT))
+                .found(found)
+                .told(frame.to_string())
+        }))?;
     } else {
         bench.note(format!("the server does not end an unfinished transfer within {SILENCE}"));
     }
-    let mut attempt = bench.upload(DEVICE_TYPE)?;
-    attempt.what = format!("{} after an unfinished transfer", attempt.what);
-    attempt.value()?;
-    Ok(())
+    bench.expect_served("after an unfinished transfer")?;
+    bench.expect_tidy()
 }
 
 /// How many requests are timed.
 const REQUESTS: usize = 600;
 
 /// Of many requests in a row every one is answered in time. Median, 95th percentile and maximum are reported.
-#[case(id = "301/sdo/timing/responses", clause = "CiA 301 7.2.4.2", confidence = Known, level = Must,
+#[case(id = "301/sdo/timing/responses", clause = "CiA 301 7.2.4.3.1", confidence = Cited, level = Must,
        catches = [SdoResponseLost, SdoMemoryLeak, SdoResponseSlow])]
 fn responses(bench: &mut Bench<'_>) -> Judged {
-    let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
+    let response_id = response_id(bench);
     let mut times = Vec::with_capacity(REQUESTS);
     for n in 1..=REQUESTS {
         bench.drain()?;
@@ -210,9 +187,9 @@ fn responses(bench: &mut Bench<'_>) -> Judged {
         let answered: Option<Timestamp> =
             bench.wait_for(limit, |record| (record.frame.cob_id() == Some(response_id)).then_some(record.timestamp))?;
         let Some(at) = answered else {
-            let actual = format!("none to request {n} of {REQUESTS}");
-            let duty = "every request is answered in time";
-            return Err(Stop::from(Reason::new(duty, format!("a response within {limit}"), actual)));
+            let breach = Breach::new(DEVICE_TYPE, "every request is answered in time");
+            let breach = breach.expected(format!("a response within {limit}")).found(Observation::Silence);
+            return Err(Box::new(breach.told(format!("none to request {n} of {REQUESTS}"))).into());
         };
         times.push(at.since(sent));
     }

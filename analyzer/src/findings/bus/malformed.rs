@@ -1,0 +1,80 @@
+use crate::findings::Context;
+use crate::findings::rule::Rule;
+use crate::findings::sink::{Report, Sink};
+use crate::message::{Message, Service};
+use crate::wire::Malformed as Unreadable;
+use canvass_analyzer_macros::rule;
+
+/// a frame is not as long as its service demands, or can't be read
+///
+/// A frame on a CAN-ID of NMT, error control, SYNC, TIME, EMCY, SDO, LSS or LMT that has more or fewer bytes than the
+/// standard gives to that service, or whose bytes have no meaning in it. Findings are told apart by service and length.
+/// An EMCY without bytes is the boot-up message of devices before CiA 301 V4.
+///
+/// # Why
+/// Receivers drop such frames, or read something else in them than was meant: a command is not obeyed by some nodes and
+/// obeyed by others.
+///
+/// # What to do
+/// Find out who sends it: a node by its CAN-ID, commands and requests by what the masters and tools on this bus do. If
+/// nothing of CANopen should be on that CAN-ID, another protocol uses it.
+#[rule(
+    id = "bus/malformed",
+    severity = Warning,
+    services = [Nmt, Heartbeat, BootUp, Guarding, Sync, Time, Emcy, Sdo, Lss, Lmt, FlyingMaster]
+)]
+struct Malformed;
+
+/// How many bytes the messages of a service have: at least, at most.
+const fn lengths(service: Service) -> (usize, usize) {
+    match service {
+        Service::Nmt => (2, 2),
+        Service::Heartbeat | Service::BootUp | Service::Guarding => (1, 1),
+        Service::Sync => (0, 1),
+        Service::Time => (6, 6),
+        Service::Emcy | Service::Sdo | Service::Lss | Service::Lmt => (8, 8),
+        _ => (0, 8),
+    }
+}
+
+impl Rule for Malformed {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let service = context.decoded.service;
+        let length = context.record.frame.len();
+        let (least, most) = lengths(service);
+        let is_right = (least..=most).contains(&length);
+        let unreadable = match context.message() {
+            Message::Malformed(_, error) => Some(*error),
+            _ => None,
+        };
+        if is_right && unreadable.is_none() {
+            return;
+        }
+        // Remote frames have no bytes, and this is the boot-up message of old devices.
+        let is_empty_emcy = service == Service::BootUp && matches!(context.message(), Message::Emcy(_));
+        if *context.message() == Message::GuardingRequest || is_empty_emcy {
+            return;
+        }
+        tell(unreadable.filter(|_| is_right), (least, length), context, sink);
+    }
+}
+
+#[cold]
+fn tell(unreadable: Option<Unreadable>, (right, length): (usize, usize), context: &Context<'_>, sink: &mut Sink<'_>) {
+    let service = context.decoded.service;
+    // Commands come from the master, whichever node they name.
+    let node = context.node().filter(|_| service != Service::Nmt);
+    let report = Report::at(context.now()).node(node).detail((service as u64) << 8 | length as u64);
+    sink.report(report.evidence(context.evidence()), || match unreadable {
+        Some(error) => format!("{service} that can't be read: {error}"),
+        None => format!(
+            "{service} of {}, {} right",
+            bytes(length),
+            if right == 1 { "1 byte is".to_owned() } else { format!("{right} bytes are") }
+        ),
+    });
+}
+
+fn bytes(length: usize) -> String {
+    if length == 1 { "1 byte".to_owned() } else { format!("{length} bytes") }
+}

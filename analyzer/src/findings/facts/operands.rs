@@ -1,0 +1,66 @@
+//! The values of an encoder's objects, wherever they come by: in a PDO or an SDO transfer.
+
+use crate::dictionary::names::ENCODER_PROFILE;
+use crate::message::{Message, PdoNumber};
+use crate::network::sdo::{Direction, Outcome};
+use crate::network::{Bus, Decoded, Event, Signal};
+use crate::{Multiplexer, NodeId};
+use canvass_traces::Record;
+
+/// A value of an object.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Operand {
+    /// The node.
+    pub node: NodeId,
+    /// The object.
+    pub object: Multiplexer,
+    /// Its bits.
+    pub raw: u64,
+    /// How many bits it has.
+    pub bits: u8,
+    /// Whether a client wrote it: else it is the device's own word.
+    pub written: bool,
+}
+
+impl Operand {
+    /// The value as a signed number.
+    pub const fn signed(self) -> i64 {
+        let unused = 64 - if self.bits > 64 { 64 } else { self.bits } as u32;
+        if unused == 64 { 0 } else { ((self.raw << unused) as i64) >> unused }
+    }
+}
+
+/// Collects the values of the objects in a frame, if its node is an encoder.
+pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec<Operand>) {
+    operands.clear();
+    let Some(node) = decoded.node else { return };
+    match decoded.message {
+        Message::Pdo(number @ PdoNumber::Transmit(_)) => {
+            let encoder = bus.node(node).filter(|known| known.profile(node) == Some(ENCODER_PROFILE));
+            let Some(layout) = encoder.and_then(|known| known.known_layout(number)) else { return };
+            let payload = record.frame.data();
+            let operand = |signal: &Signal| {
+                let raw = signal.raw(payload)?;
+                Some(Operand { node, object: signal.object, raw, bits: signal.bits, written: false })
+            };
+            operands.extend(layout.signals.iter().filter_map(operand));
+        }
+        _ if decoded.event == Some(Event::TransferEnded) => {
+            let is_encoder = bus.node(node).and_then(|known| known.profile(node)) == Some(ENCODER_PROFILE);
+            operands.extend(transferred(node, decoded, bus).filter(|_| is_encoder));
+        }
+        _ => {}
+    }
+}
+
+fn transferred(node: NodeId, decoded: &Decoded, bus: &Bus) -> Option<Operand> {
+    let transfer = bus.transfer(decoded.channel?)?;
+    let (object, data) = (transfer.multiplexer, transfer.data());
+    if transfer.outcome != Outcome::Complete || !matches!(object.index.0, 0x6000..=0x6FFF) || data.len() > 8 {
+        return None;
+    }
+    let mut bytes = [0; 8];
+    bytes.get_mut(..data.len())?.copy_from_slice(data);
+    let written = transfer.direction == Direction::Download;
+    Some(Operand { node, object, raw: u64::from_le_bytes(bytes), bits: 8 * data.len() as u8, written })
+}

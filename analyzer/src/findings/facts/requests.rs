@@ -1,0 +1,210 @@
+//! The requests that wait for an answer, on each SDO channel.
+
+use crate::Multiplexer;
+use crate::findings::Seen;
+use crate::message::{Message, Service};
+use crate::network::Decoded;
+use crate::network::sdo::ChannelIndex;
+use crate::wire::nmt::Command;
+use crate::wire::sdo::Request;
+use canvass_traces::{Duration, Record, Timestamp};
+
+/// The requests that wait for an answer.
+#[derive(Default)]
+pub struct Requests {
+    channels: Vec<Option<Pending>>,
+    /// The latest requests that a client has given up, and when: their answers may still come.
+    left: Vec<Left>,
+}
+
+/// A request that nobody waits for any more.
+struct Left {
+    channel: ChannelIndex,
+    pending: Pending,
+    since: Timestamp,
+    /// The client has given it up; else a restart of the node has ended it.
+    by_client: bool,
+}
+
+/// A request that waits for its answer.
+#[derive(Clone)]
+pub struct Pending {
+    /// The request.
+    pub request: Seen,
+    /// When it was sent.
+    pub since: Timestamp,
+    /// How often it was sent.
+    pub times: u32,
+    /// The object that the transfer is about.
+    pub object: Option<Multiplexer>,
+}
+
+/// What a frame did to the requests.
+#[derive(Default)]
+pub enum Step {
+    /// Nothing that counts.
+    #[default]
+    None,
+    /// An answer came.
+    Answered(Pending),
+    /// The client sent something else: it does not wait any more.
+    GivenUp(Pending),
+    /// The answer came to a request that the client had given up at that time, or that a restart had ended then.
+    AnsweredLate {
+        /// The request.
+        pending: Pending,
+        /// When it was given up.
+        gave_up: Timestamp,
+        /// Whether the client did so.
+        by_client: bool,
+    },
+    /// The client sent the same request again.
+    Repeated,
+}
+
+impl Requests {
+    /// So many requests that were given up are remembered, and for so long.
+    const LEFT: usize = 32;
+    const REMEMBERED: Duration = Duration::from_secs(10);
+    /// Copies that an interface loops back come within this time.
+    const COPY: Duration = Duration::from_millis(1);
+
+    /// Takes a frame of SDO, a boot-up or an NMT command.
+    pub fn frame(&mut self, record: &Record, decoded: &Decoded) -> Step {
+        let Some(channel) = decoded.channel.filter(|_| decoded.service == Service::Sdo) else {
+            self.forget_node(record.timestamp, decoded);
+            return Step::None;
+        };
+        match decoded.message {
+            Message::SdoRequest(Request::Abort(_)) => match self.slot(channel).take() {
+                Some(pending) => self.give_up(channel, pending, record.timestamp),
+                None => Step::None,
+            },
+            // The server does not answer the end of a block upload, nor segments of a block one by one.
+            Message::SdoRequest(Request::EndBlockUpload) | Message::SdoBlockDownload(_) => {
+                *self.slot(channel) = None;
+                Step::None
+            }
+            Message::SdoRequest(_) => self.request(channel, record, decoded),
+            Message::SdoResponse(response) => match self.left(channel, response.multiplexer(), record.timestamp) {
+                Some(late) => late,
+                None => self.slot(channel).take().map_or(Step::None, Step::Answered),
+            },
+            Message::SdoBlockUpload(_) => self.slot(channel).take().map_or(Step::None, Step::Answered),
+            _ => Step::None,
+        }
+    }
+
+    fn request(&mut self, channel: ChannelIndex, record: &Record, decoded: &Decoded) -> Step {
+        let now = record.timestamp;
+        let request = Seen { record: record.clone(), decoded: *decoded };
+        let pending = Pending { request, since: now, times: 1, object: decoded.object };
+        let slot = self.slot(channel);
+        let Some(open) = slot.as_mut() else {
+            *slot = Some(pending);
+            return Step::None;
+        };
+        let same = open.request.record.frame == record.frame;
+        let elapsed = now.since(open.since);
+        match same {
+            true if elapsed <= Self::COPY => Step::None,
+            true => {
+                (open.since, open.times) = (now, open.times.saturating_add(1));
+                Step::Repeated
+            }
+            false => match slot.replace(pending) {
+                Some(open) => self.give_up(channel, open, now),
+                None => Step::None,
+            },
+        }
+    }
+
+    /// The client does not wait any more.
+    #[cold]
+    fn give_up(&mut self, channel: ChannelIndex, pending: Pending, now: Timestamp) -> Step {
+        if self.left.len() >= Self::LEFT {
+            self.left.remove(0);
+        }
+        self.left.push(Left { channel, pending: pending.clone(), since: now, by_client: true });
+        Step::GivenUp(pending)
+    }
+
+    /// What an answer about that object is if its request was given up: none that waits asks for the same.
+    #[inline]
+    fn left(&mut self, channel: ChannelIndex, object: Option<Multiplexer>, now: Timestamp) -> Option<Step> {
+        if self.left.is_empty() {
+            return None;
+        }
+        self.left.retain(|left| now.since(left.since) <= Self::REMEMBERED);
+        let object = object?;
+        let open = self.channels.get(usize::from(channel.0)).and_then(Option::as_ref);
+        if open.is_some_and(|open| open.object == Some(object)) {
+            return None;
+        }
+        let at = self.left.iter().position(|left| left.channel == channel && left.pending.object == Some(object))?;
+        // Each time that it was sent may have an answer.
+        let left = self.left.get_mut(at)?;
+        let (gave_up, by_client) = (left.since, left.by_client);
+        let pending = left.pending.clone();
+        left.pending.times = left.pending.times.saturating_sub(1);
+        if left.pending.times == 0 {
+            self.left.remove(at);
+        }
+        Some(Step::AnsweredLate { pending, gave_up, by_client })
+    }
+
+    /// A node that restarts has forgotten what it was asked, unless that waits in a queue.
+    fn forget_node(&mut self, now: Timestamp, decoded: &Decoded) {
+        let named = match decoded.message {
+            // Going to operational or pre-operational does not disturb a transfer.
+            Message::Nmt(nmt) if matches!(nmt.command, Command::START | Command::ENTER_PRE_OPERATIONAL) => return,
+            Message::Nmt(nmt) => nmt.node,
+            _ => decoded.node.map_or(0, |node| node.raw()),
+        };
+        for (channel, slot) in (0..).map(ChannelIndex).zip(&mut self.channels) {
+            let server = slot.as_ref().and_then(|pending| pending.request.decoded.node);
+            if named == 0 || server.is_some_and(|server| server.raw() == named) {
+                if let Some(pending) = slot.take().filter(|_| self.left.len() < Self::LEFT) {
+                    self.left.push(Left { channel, pending, since: now, by_client: false });
+                }
+            }
+        }
+    }
+
+    fn slot(&mut self, channel: ChannelIndex) -> &mut Option<Pending> {
+        let at = usize::from(channel.0);
+        if self.channels.len() <= at {
+            self.channels.resize_with(at + 1, || None);
+        }
+        &mut self.channels[at]
+    }
+
+    /// All requests that wait, with their channels.
+    pub fn open(&self) -> impl Iterator<Item = (ChannelIndex, &Pending)> {
+        let channels = (0_u16..).map(ChannelIndex).zip(&self.channels);
+        channels.filter_map(|(channel, pending)| Some((channel, pending.as_ref()?)))
+    }
+
+    /// Answers may have come unseen.
+    pub fn interrupted(&mut self) {
+        self.channels.fill_with(|| None);
+        self.left.clear();
+    }
+}
+
+impl Pending {
+    /// Whether it stores or restores parameters, which takes some devices seconds.
+    pub fn is_store(&self) -> bool {
+        self.object.is_some_and(|object| matches!(object.index.0, 0x1010 | 0x1011 | 0x1F50 | 0x1F51))
+    }
+
+    /// ` for 6004h:00`, where the object is known.
+    pub fn about(&self) -> String {
+        self.object.map(|object| format!(" for {object}")).unwrap_or_default()
+    }
+
+    /// The object as a number, to tell findings apart.
+    pub fn detail(&self) -> u64 {
+        self.object.map_or(0, |object| u64::from(object.index.0) << 8 | u64::from(object.sub.0))
+    }
+}

@@ -1,0 +1,125 @@
+//! The communication parameters of TPDOs, as the trace itself has shown them.
+//!
+//! A description says only what the defaults are; most machines set these parameters before a capture begins, so that
+//! nothing is concluded from defaults.
+
+use crate::dictionary::names::ENCODER_PROFILE;
+use crate::message::Service;
+use crate::network::{Bus, Decoded, Event};
+use crate::{Multiplexer, NodeId, PerNode};
+use canvass_traces::Duration;
+
+/// TPDOs 1 to 8 of a node; further ones are rare, and not judged.
+pub const TPDOS: usize = 8;
+
+/// Synchronous window length, in microseconds; 0 is no window.
+const SYNC_WINDOW: u16 = 0x1007;
+
+/// Event timer of the first TPDO, and the cyclic timer of encoders, in milliseconds.
+const EVENT_TIMER: Multiplexer = Multiplexer::new(0x1800, 5);
+const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
+
+/// What is known of one TPDO.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub struct Parameters {
+    /// Sub-index 2.
+    pub transmission_type: Option<u8>,
+    /// Sub-index 3; `None` where it is 0 or not known.
+    pub inhibit: Option<Duration>,
+    /// Sub-index 5; `None` where it is 0 or not known.
+    pub event_timer: Option<Duration>,
+}
+
+impl Parameters {
+    const UNKNOWN: Self = Self { transmission_type: None, inhibit: None, event_timer: None };
+
+    /// Whether anything is known.
+    pub const fn is_known(&self) -> bool {
+        self.transmission_type.is_some() || self.inhibit.is_some() || self.event_timer.is_some()
+    }
+}
+
+/// The parameters of all TPDOs of a bus.
+#[derive(Default)]
+pub struct AllParameters {
+    nodes: PerNode<[Parameters; TPDOS]>,
+    /// 1007h of the nodes.
+    windows: PerNode<Option<Duration>>,
+    /// Whether they were read at all.
+    known: PerNode<bool>,
+    /// Whether the cyclic timer of an encoder (6200h) was shown later than the event timer of its first TPDO.
+    cyclic: PerNode<bool>,
+}
+
+impl AllParameters {
+    /// Takes a frame; returns the node whose parameters may have changed.
+    #[inline]
+    pub fn frame(&mut self, decoded: &Decoded, bus: &Bus) -> Option<NodeId> {
+        let node = decoded.node?;
+        // What a description says of objects that can't be written is known from the first frame on.
+        let is_new = !self.known[node];
+        let may_change = match decoded.service {
+            Service::BootUp => true,
+            Service::Sdo => decoded.event == Some(Event::TransferEnded) && is_shown(decoded, bus),
+            _ => false,
+        };
+        (is_new || may_change).then(|| {
+            match decoded.object {
+                Some(CYCLIC_TIMER) => self.cyclic[node] = true,
+                Some(EVENT_TIMER) => self.cyclic[node] = false,
+                _ => {}
+            }
+            self.read(node, bus);
+            node
+        })
+    }
+
+    #[cold]
+    fn read(&mut self, node: NodeId, bus: &Bus) {
+        let rows = &mut self.nodes[node];
+        *rows = Default::default();
+        let window = &mut self.windows[node];
+        *window = None;
+        self.known[node] = true;
+        let cyclic = self.cyclic[node];
+        let Some(known) = bus.node(node) else { return };
+        let micros = known.certain(node, Multiplexer::new(SYNC_WINDOW, 0)).filter(|&micros| micros > 0);
+        *window = micros.map(|micros| Duration::from_micros(u64::from(micros)));
+        for (row, index) in rows.iter_mut().zip(0x1800..) {
+            let of = |sub| known.certain(node, Multiplexer::new(index, sub));
+            let time = |value: Option<u32>, unit: Duration| {
+                value.filter(|&value| value > 0).map(|value| unit.times(u64::from(value & 0xFFFF)))
+            };
+            let millis = Duration::from_millis(1);
+            row.transmission_type = of(2).map(|value| value as u8);
+            row.inhibit = time(of(3), Duration::from_micros(100));
+            row.event_timer = time(of(5), millis);
+            // Encoders have a timer of their own for their first TPDO; where both exist they are the same, so that the
+            // latest holds.
+            let is_cyclic = index == 0x1800 && row.transmission_type == Some(254);
+            if is_cyclic && (cyclic || row.event_timer.is_none()) && known.profile(node) == Some(ENCODER_PROFILE) {
+                row.event_timer = time(known.certain(node, CYCLIC_TIMER), millis);
+            }
+        }
+    }
+
+    /// The window after SYNC in which a node's synchronous PDOs must come (1007h); `None` where there is none, or it is
+    /// not known.
+    pub fn sync_window(&self, node: NodeId) -> Option<Duration> {
+        self.windows[node]
+    }
+
+    /// The parameters of a TPDO, by its number from 1; nothing is known of those beyond [`TPDOS`].
+    pub fn of(&self, node: NodeId, number: u16) -> &Parameters {
+        let row = usize::from(number).checked_sub(1);
+        row.and_then(|row| self.nodes[node].get(row)).unwrap_or(&Parameters::UNKNOWN)
+    }
+}
+
+/// Whether a transfer has shown something that parameters come from: themselves, the cyclic timer and the profile of
+/// encoders, or which model the node is.
+fn is_shown(decoded: &Decoded, bus: &Bus) -> bool {
+    let object =
+        decoded.object.is_some_and(|object| matches!(object.index.0, 0x1000 | SYNC_WINDOW | 0x1800..=0x19FF | 0x6200));
+    object || bus.events().iter().any(|event| matches!(event, Event::Recognised(_)))
+}

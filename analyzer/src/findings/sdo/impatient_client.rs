@@ -1,0 +1,69 @@
+use super::late::{self, Limits};
+use crate::findings::Context;
+use crate::findings::facts::Step;
+use crate::findings::rule::Rule;
+use crate::findings::sink::{Report, Sink};
+use crate::message::Message;
+use crate::wire::sdo::Request;
+use canvass_analyzer_macros::rule;
+use canvass_traces::Duration;
+
+/// an SDO client gives up too soon
+///
+/// A client aborts its request, or goes on to another one, before the server has had time to answer; or the answer
+/// comes after that, within the time that sdo/late allows. The server is not blamed for it.
+///
+/// # Why
+/// The transfer fails although nothing is wrong with the server, whose answer is then taken for another one, or for that
+/// of a second device.
+///
+/// # What to do
+/// Lengthen the time-out of the client: 500 ms are usual, several seconds for stores.
+#[rule(id = "sdo/impatient-client", severity = Warning, services = [Sdo])]
+struct ImpatientClient {
+    /// who aborts sooner is impatient, whether an answer comes or not
+    #[threshold(ms = 20)]
+    patience: Duration,
+    #[from(late::limits)]
+    limits: Limits,
+}
+
+/// How soon giving up is impatient, whether an answer comes or not.
+pub fn patience(thresholds: &crate::findings::Thresholds) -> Duration {
+    ImpatientClient::new(thresholds).patience
+}
+
+impl Rule for ImpatientClient {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
+        match &context.news().request {
+            Step::GivenUp(pending) if aborts => {
+                let waited = context.now().since(pending.request.time());
+                if waited < self.patience {
+                    let report = Report::at(pending.request.time())
+                        .node(context.node())
+                        .detail(pending.detail())
+                        .object(pending.object);
+                    let report = report.evidence(pending.request.evidence()).evidence(context.evidence());
+                    sink.report(report, || format!("the client gave up the request{} after {waited}", pending.about()));
+                }
+            }
+            Step::AnsweredLate { pending, gave_up, by_client: true } => {
+                let asked = pending.request.time();
+                let (took, waited) = (context.now().since(asked), gave_up.since(asked));
+                if took > self.limits.of(pending) + context.scene.slack() {
+                    return;
+                }
+                let report = Report::at(asked).node(context.node()).detail(pending.detail()).object(pending.object);
+                let report = if waited < self.patience { report.amend() } else { report };
+                sink.report(report.evidence(pending.request.evidence()).evidence(context.evidence()), || {
+                    format!(
+                        "the client gave up the request{} after {waited}; the answer came after {took}",
+                        pending.about()
+                    )
+                });
+            }
+            _ => {}
+        }
+    }
+}

@@ -1,0 +1,96 @@
+//! Findings of one kind: of one rule and one node, or of several nodes where that is one event.
+
+use crate::NodeId;
+use crate::findings::finding::{Finding, Severity};
+use canvass_traces::{ChannelId, Duration, Timestamp};
+
+/// Findings of one kind.
+pub struct Group<'a> {
+    /// The rule.
+    pub rule: &'static str,
+    /// What tells kinds of the same rule apart, such as an abort code.
+    pub kind: u64,
+    pub channel: Option<ChannelId>,
+    pub severity: Severity,
+    /// The nodes, each once.
+    pub nodes: Vec<NodeId>,
+    pub findings: Vec<&'a Finding>,
+    /// Their places among all.
+    pub places: Vec<usize>,
+}
+
+/// What happens to several nodes within this time is one event.
+const TOGETHER: Duration = Duration::from_secs(2);
+
+impl Group<'_> {
+    /// When the first of them was first seen.
+    pub fn first(&self) -> Timestamp {
+        self.findings.iter().map(|finding| finding.first).min().unwrap_or_default()
+    }
+
+    /// Whether it was under way at a time, or up to `settle` before it.
+    pub fn covers(&self, time: Timestamp, early: Duration, settle: Duration) -> bool {
+        let mut windows = self.findings.iter().flat_map(|finding| &finding.windows);
+        windows.any(|(begin, end)| time + early >= *begin && time <= *end + settle)
+    }
+
+    /// Whether it was under way at any time between the first and the last time that it was seen.
+    pub fn spans(&self, time: Timestamp, settle: Duration) -> bool {
+        let last = self.findings.iter().map(|finding| finding.last).max().unwrap_or_default();
+        time + settle >= self.first() && time <= last + settle
+    }
+
+    /// Whether one of them is about that node.
+    pub fn has(&self, node: Option<NodeId>) -> bool {
+        node.is_some_and(|node| self.nodes.contains(&node))
+    }
+
+    fn takes(&self, finding: &Finding) -> bool {
+        let same = (self.rule, self.kind, self.channel, self.severity)
+            == (finding.rule.id, finding.kind, finding.channel, finding.severity);
+        let own = match finding.node {
+            None => self.nodes.is_empty(),
+            Some(node) => self.nodes.contains(&node) || self.is_together(finding),
+        };
+        same && own && finding.source == self.findings.first().and_then(|first| first.source)
+    }
+
+    /// Whether what befell another node is the same event; where times tell nothing, the same fault.
+    fn is_together(&self, finding: &Finding) -> bool {
+        let apart = self.first().since(finding.first).max(finding.first.since(self.first()));
+        match self.rule.split('/').next() {
+            Some("emcy" | "encoder") => false,
+            Some("nodes") => apart <= TOGETHER,
+            _ => true,
+        }
+    }
+}
+
+/// All findings in groups.
+pub fn of(findings: &[Finding]) -> Vec<Group<'_>> {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    for (place, finding) in findings.iter().enumerate() {
+        let group = match groups.iter_mut().position(|group| group.takes(finding)) {
+            Some(at) => &mut groups[at],
+            None => {
+                groups.push(Group {
+                    rule: finding.rule.id,
+                    kind: finding.kind,
+                    channel: finding.channel,
+                    severity: finding.severity,
+                    nodes: Vec::new(),
+                    findings: Vec::new(),
+                    places: Vec::new(),
+                });
+                let last = groups.len() - 1;
+                &mut groups[last]
+            }
+        };
+        if let Some(node) = finding.node.filter(|node| !group.nodes.contains(node)) {
+            group.nodes.push(node);
+        }
+        group.findings.push(finding);
+        group.places.push(place);
+    }
+    groups
+}

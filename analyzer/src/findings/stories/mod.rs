@@ -1,0 +1,74 @@
+//! What happened, told once each: findings of one kind together, and what follows from something below it.
+//!
+//! A rule says what it sees, whatever else is wrong. Most of what is found when something breaks follows from it: others
+//! miss the node, requests to it are not answered, it restarts. A story has the finding from which the others follow as
+//! its head, and the others in the order of time.
+
+mod causes;
+mod groups;
+mod order;
+
+use super::finding::{Finding, Severity};
+
+/// What happened, once.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Story {
+    /// The findings of one kind that are its head, by their places: those of one node, or of several at the same time.
+    pub head: Vec<usize>,
+    /// What follows from it: findings of one kind each, in the order of time.
+    pub consequences: Vec<Consequence>,
+}
+
+/// Findings of one kind that follow from others.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Consequence {
+    /// Their places.
+    pub findings: Vec<usize>,
+    /// The place of the finding from which they follow.
+    pub of: usize,
+}
+
+impl Story {
+    /// The places of all findings in it.
+    pub fn all(&self) -> impl Iterator<Item = usize> {
+        let consequences = self.consequences.iter().flat_map(|consequence| &consequence.findings);
+        self.head.iter().chain(consequences).copied()
+    }
+
+    /// How bad it is: as bad as the worst finding in its head.
+    pub fn severity(&self, findings: &[Finding]) -> Severity {
+        let severities = self.head.iter().filter_map(|at| Some(findings.get(*at)?.severity));
+        severities.max().unwrap_or(Severity::Info)
+    }
+}
+
+/// The stories that findings tell: what has the worst consequences first. Each finding is in one of them.
+pub(super) fn tell(findings: &[Finding]) -> Vec<Story> {
+    let groups = groups::of(findings);
+    let causes = causes::of(&groups);
+    let mut stories: Vec<(usize, Story)> = Vec::new();
+    for (at, group) in groups.iter().enumerate() {
+        if causes[at].is_none() {
+            stories.push((at, Story { head: group.places.clone(), consequences: Vec::new() }));
+        }
+    }
+    for (at, group) in groups.iter().enumerate() {
+        let Some(of) = causes[at] else { continue };
+        let root = causes::root(&causes, at);
+        if let Some((_, story)) = stories.iter_mut().find(|(head, _)| *head == root) {
+            let of = groups[of].places.first().copied().unwrap_or_default();
+            story.consequences.push(Consequence { findings: group.places.clone(), of });
+        }
+    }
+    let mut stories: Vec<Story> = stories.into_iter().map(|(_, story)| story).collect();
+    let first = |places: &[usize]| places.iter().filter_map(|at| Some(findings.get(*at)?.first)).min();
+    for story in &mut stories {
+        story.consequences.sort_by_key(|consequence| first(&consequence.findings));
+    }
+    stories.sort_by_key(|story| {
+        let head = story.head.first().and_then(|at| findings.get(*at));
+        let is_hint = story.severity(findings) == Severity::Info;
+        (is_hint, head.map(|head| order::rank(head.rule.id)), first(&story.head))
+    });
+    stories
+}

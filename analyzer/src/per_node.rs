@@ -1,0 +1,99 @@
+//! Something for each node-ID of a bus.
+
+use crate::NodeId;
+use std::ops::{Index, IndexMut};
+
+/// One `T` for each node-ID from 1 to 127.
+#[derive(Clone, Debug)]
+pub struct PerNode<T>(Box<[T; 128]>);
+
+impl<T: Default> Default for PerNode<T> {
+    fn default() -> Self {
+        Self(Box::new(std::array::from_fn(|_| T::default())))
+    }
+}
+
+impl<T> PerNode<T> {
+    /// All with their node-IDs.
+    pub fn iter(&self) -> impl Iterator<Item = (NodeId, &T)> {
+        NodeId::all().zip(self.0.iter().skip(1))
+    }
+
+    /// All with their node-IDs, for good.
+    pub fn into_all(self) -> impl Iterator<Item = (NodeId, T)> {
+        NodeId::all().zip(self.0.into_iter().skip(1))
+    }
+
+    /// All with their node-IDs, to change.
+    pub fn iter_mut(&mut self) -> impl Iterator<Item = (NodeId, &mut T)> {
+        NodeId::all().zip(self.0.iter_mut().skip(1))
+    }
+
+    /// All, to change.
+    pub fn values_mut(&mut self) -> impl Iterator<Item = &mut T> {
+        self.0.iter_mut().skip(1)
+    }
+
+    /// Those that an NMT command names: one, or all where it names 0.
+    pub fn named(&self, node: u8) -> impl Iterator<Item = (NodeId, &T)> {
+        self.iter().filter(move |(id, _)| node == 0 || id.raw() == node)
+    }
+
+    /// Those that an NMT command names, to change.
+    pub fn named_mut(&mut self, node: u8) -> impl Iterator<Item = (NodeId, &mut T)> {
+        self.iter_mut().filter(move |(id, _)| node == 0 || id.raw() == node)
+    }
+}
+
+impl<T: Default> PerNode<T> {
+    /// All are as in the beginning.
+    pub fn reset(&mut self) {
+        self.0.iter_mut().for_each(|value| *value = T::default());
+    }
+
+    /// Those that an NMT command names are as in the beginning.
+    pub fn reset_named(&mut self, node: u8) {
+        match NodeId::new(node) {
+            Some(node) => self[node] = T::default(),
+            None if node == 0 => self.reset(),
+            None => {}
+        }
+    }
+}
+
+impl<T> Index<NodeId> for PerNode<T> {
+    type Output = T;
+
+    #[inline]
+    fn index(&self, node: NodeId) -> &T {
+        // A node-ID has 7 bits: the index is always there.
+        &self.0[usize::from(node.raw() & 0x7F)]
+    }
+}
+
+impl<T> IndexMut<NodeId> for PerNode<T> {
+    #[inline]
+    fn index_mut(&mut self, node: NodeId) -> &mut T {
+        &mut self.0[usize::from(node.raw() & 0x7F)]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_for_each_node() {
+        let mut of: PerNode<u32> = PerNode::default();
+        assert_eq!(of.iter().count(), 127);
+        of.iter_mut().for_each(|(node, value)| *value = u32::from(node.raw()));
+        assert_eq!((of[NodeId::MIN], of[NodeId::new(127).unwrap()]), (1, 127));
+        of.reset_named(5);
+        of.reset_named(200);
+        assert_eq!((of[NodeId::new(5).unwrap()], of[NodeId::new(6).unwrap()]), (0, 6));
+        assert_eq!(of.named(7).map(|(_, value)| *value).collect::<Vec<_>>(), [7]);
+        assert_eq!((of.named(0).count(), of.named(128).count()), (127, 0));
+        of.reset_named(0);
+        assert!(of.iter().all(|(_, value)| *value == 0));
+    }
+}

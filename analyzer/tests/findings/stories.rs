@@ -1,0 +1,81 @@
+//! What follows from something is told below it.
+
+use crate::traffic::{END, Traffic, machine};
+use canvass_analyzer::findings::{Results, Story};
+
+fn head(results: &Results, story: &Story) -> (&'static str, Option<u8>) {
+    let finding = &results.findings[story.head[0]];
+    (finding.rule.id, finding.node.map(|node| node.raw()))
+}
+
+fn consequences(results: &Results, story: &Story) -> Vec<(&'static str, Option<u8>)> {
+    let of = |at: usize| (results.findings[at].rule.id, results.findings[at].node.map(|node| node.raw()));
+    story.consequences.iter().map(|consequence| of(consequence.findings[0])).collect()
+}
+
+/// Each finding is in one story.
+fn check(results: &Results) {
+    let mut all: Vec<usize> = results.stories.iter().flat_map(Story::all).collect();
+    all.sort_unstable();
+    assert_eq!(all, (0..results.findings.len()).collect::<Vec<_>>());
+}
+
+/// Node 3 waits for node 1, which loses its supply: node 3 says so and leaves operational.
+#[test]
+fn a_node_that_others_wait_for() {
+    let mut traffic = machine();
+    traffic.sdo(600, 3, "2316100196000100", "6016100100000000");
+    traffic.silence(0x701, 25_000, END).at(25_070, "083#3081110000000000");
+    traffic.silence(0x703, 25_080, END).every(25_160, END, 100, |_| "703#7F".to_owned());
+    traffic.silence(0x183, 25_080, END).silence(0x283, 25_080, END);
+    let results = traffic.results();
+    check(&results);
+    assert_eq!(head(&results, &results.stories[0]), ("nodes/lost", Some(1)));
+    let follows = consequences(&results, &results.stories[0]);
+    let rules: Vec<&str> = follows.iter().map(|row| row.0).collect();
+    assert!(rules.starts_with(&["nodes/consumer-time", "emcy/raised"]), "{rules:?}");
+    assert!(rules.contains(&"emcy/never-cleared") && rules.contains(&"nodes/state-lost"), "{rules:?}");
+    assert!(follows.iter().all(|row| row.1 == Some(3)));
+    assert_eq!(results.stories.len(), 1);
+}
+
+/// Sixty objects that a device does not have are one story with its objects.
+#[test]
+fn aborts_of_the_same_kind_are_one() {
+    let mut traffic = Traffic::default();
+    for n in 0..60_u64 {
+        let object = format!("{:02X}20{:02X}", n, n % 3);
+        traffic.sdo(1_000 + n * 20, 5, &format!("23{object}00000000"), &format!("80{object}02000106"));
+    }
+    let results = traffic.results();
+    check(&results);
+    assert_eq!((results.findings.len(), results.stories.len()), (60, 1));
+    assert!(results.findings.iter().all(|finding| finding.object.is_some()));
+}
+
+/// Two nodes that restart together have one cause; one that restarts later has its own.
+#[test]
+fn what_happens_to_several_nodes_at_once_is_one() {
+    let mut traffic = Traffic::default();
+    for node in [3, 4, 5] {
+        let at = if node == 5 { 15_000 } else { 8_000 + 10 * node };
+        traffic.every(100 + node, at, 500, |_| format!("70{node}#05")).at(at + 40, &format!("70{node}#00"));
+        traffic.every(at + 500, 20_000, 500, |_| format!("70{node}#7F"));
+    }
+    let results = traffic.results();
+    check(&results);
+    let nodes: Vec<usize> = results.stories.iter().map(|story| story.head.len()).collect();
+    assert_eq!(nodes, [2, 1], "{:#?}", results.stories);
+}
+
+/// A loss comes before an EMCY, and that before aborts, whatever came first.
+#[test]
+fn the_worst_is_told_first() {
+    let mut traffic = machine();
+    traffic.sdo(5_000, 3, "2304600000000000", "8004600002000106").at(8_000, "083#1050110000000000");
+    traffic.at(8_500, "083#0000000000000000").silence(0x701, 20_000, 24_000);
+    let results = traffic.results();
+    check(&results);
+    let heads: Vec<&str> = results.stories.iter().map(|story| head(&results, story).0).collect();
+    assert_eq!(heads, ["nodes/lost", "emcy/raised", "sdo/aborted"]);
+}

@@ -1,0 +1,133 @@
+//! What the services of a device share.
+
+use super::PLACEHOLDER;
+use super::emcy::Condition;
+use super::nmt::{Order, Phase, Service};
+use super::objects::Objects;
+use super::service::Event;
+use super::store::Store;
+use crate::Firmware;
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::error_control::{self, ErrorControl};
+use canvass_traces::{Frame, Timestamp};
+use std::collections::VecDeque;
+
+/// The state that services share, and what they want of the device.
+#[derive(Clone, Debug)]
+pub(super) struct Context {
+    pub node: Option<NodeId>,
+    pub phase: Phase,
+    pub objects: Objects,
+    pub store: Store,
+    /// Until then the device neither hears nor sends anything; [`Timestamp::ZERO`]: it works.
+    pub silent_until: Timestamp,
+    /// What is ready to be sent.
+    pub outbox: VecDeque<Frame>,
+    /// What has happened and nobody was told yet.
+    pub events: VecDeque<Event>,
+    /// COB-IDs have changed.
+    pub routes_changed: bool,
+    /// It is too late for synchronous PDOs.
+    pub sync_closed: bool,
+    /// Heartbeats are sent, so that guarding is not answered.
+    pub is_heartbeat_active: bool,
+}
+
+/// More frames than that don't wait: a device that can't get rid of its frames loses them.
+const LONGEST_OUTBOX: usize = 256;
+
+impl Context {
+    /// Before the first start.
+    pub fn new(node: Option<NodeId>, objects: Objects, store: Store) -> Self {
+        Self {
+            node,
+            phase: Phase::Unconfigured,
+            objects,
+            store,
+            silent_until: Timestamp::ZERO,
+            outbox: VecDeque::with_capacity(LONGEST_OUTBOX),
+            events: VecDeque::with_capacity(8),
+            routes_changed: false,
+            sync_closed: false,
+            is_heartbeat_active: false,
+        }
+    }
+
+    /// A reset: nothing waits any more, to be sent or to be acted on.
+    pub fn clear(&mut self) {
+        self.outbox.clear();
+        self.objects.written.clear();
+        self.objects.wedged = false;
+        self.objects.drop_waiting();
+        self.silent_until = Timestamp::ZERO;
+    }
+
+    /// What the firmware does otherwise.
+    pub const fn firmware(&self) -> &Firmware {
+        &self.objects.firmware
+    }
+
+    /// The node-ID that defaults follow.
+    pub fn node_or_placeholder(&self) -> NodeId {
+        self.node.unwrap_or(PLACEHOLDER)
+    }
+
+    /// Whether a service works in the state of now.
+    pub fn serves(&self, service: Service) -> bool {
+        self.phase.serves(service, self.firmware())
+    }
+
+    /// Sends a frame.
+    pub fn send(&mut self, frame: Frame) {
+        if self.outbox.len() < LONGEST_OUTBOX {
+            self.outbox.push_back(frame);
+        }
+    }
+
+    /// Sends an error control message.
+    pub fn send_error_control(&mut self, message: ErrorControl) {
+        if let Some(node) = self.node {
+            self.send(message.to_frame(error_control::CAN_ID_BASE + u16::from(node.raw())));
+        }
+    }
+
+    /// Has the device do something.
+    pub fn order(&mut self, order: Order) {
+        self.events.push_back(Event::Order(order));
+    }
+
+    /// A condition is there or gone.
+    pub fn report(&mut self, condition: Condition, present: bool) {
+        let next = if self.objects.errors.set(condition, present) && present { self.reaction(condition) } else { None };
+        if next.unwrap_or(self.phase) == Phase::Stopped {
+            self.objects.errors.on_stopped();
+        }
+        next.into_iter().for_each(|phase| self.order(Order::Enter(phase)));
+    }
+
+    /// As [`Context::report`] of a condition that is there, without telling anybody.
+    pub fn react(&mut self, condition: Condition) {
+        self.reaction(condition).into_iter().for_each(|phase| self.order(Order::Enter(phase)));
+    }
+
+    /// 1029h: the NMT state that follows an error. Without its first entry operational is left when the master or a
+    /// watched node is missing.
+    fn reaction(&self, condition: Condition) -> Option<Phase> {
+        let firmware = self.firmware();
+        let sub = condition.behaviour().filter(|_| firmware.heeds_error_behaviour())?;
+        if sub == 2 && firmware.ignores_profile_errors() {
+            return None;
+        }
+        let leaves_stopped = self.phase == Phase::Stopped && firmware.leaves_stopped_on_error();
+        let behaviour = match self.objects.parameters.number(0x1029, sub) {
+            Some(1) if sub == 2 && firmware.leaves_on_any_profile_error() => Some(0),
+            behaviour => behaviour.or((sub == 1).then_some(0)),
+        };
+        match behaviour {
+            Some(0) if self.phase == Phase::Operational || leaves_stopped => Some(Phase::PreOperational),
+            Some(2) if self.phase.is_running() => Some(Phase::Stopped),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,23 @@
+use super::hooks;
+use crate::{Fault, Firmware};
+use canvass_traces::Duration;
+
+hooks! {
+    follows_time unless TimeIgnored,
+    sets_reserved_time_bits with TimeReservedBitsSet,
+    resets_sync_counter unless SyncCounterNotReset,
+    checks_sync_length unless SyncLengthUnchecked,
+    heeds_sync_window unless SyncWindowIgnored,
+}
+
+impl Firmware {
+    /// The time between SYNC messages, by 1006h.
+    pub(in crate::device) fn sync_period(&self, micros: u64) -> Duration {
+        Duration::from_micros(micros).times(if self.has(Fault::SyncPeriodDoubled) { 2 } else { 1 })
+    }
+
+    /// The counter of the first SYNC.
+    pub(in crate::device) const fn first_sync_counter(&self) -> u8 {
+        if self.has(Fault::SyncCounterFromZero) { 0 } else { 1 }
+    }
+}

@@ -1,0 +1,17 @@
+use super::hooks;
+use crate::{Fault, Firmware};
+
+hooks! {
+    checks_error_behaviour unless ErrorBehaviourUnchecked,
+    checks_history_count unless ErrorHistoryNonZeroAccepted,
+    checks_range unless SdoRangeUnchecked,
+    checks_work_area_order unless WorkAreaLimitsSwappedAccepted,
+    checks_restricted_can_ids unless RestrictedCanIdAccepted,
+    checks_time_id_while_valid unless TimeIdChangeWhileValid,
+    checks_sync_id_while_producing unless SyncIdChangeWhileProducing,
+    checks_overflow_while_producing unless SyncOverflowChangeWhileProducing,
+    checks_overflow unless SyncOverflowUnchecked,
+    checks_emcy_ids_while_valid unless EmcyIdChangeWhileValid,
+    checks_sdo_ids_while_valid unless SdoChannelIdChangeWhileValid,
+    checks_rpdo_values unless RpdoRangeUnchecked,
+}

@@ -1,0 +1,20 @@
+use super::hooks;
+use crate::{Fault, Firmware};
+
+hooks! {
+    stores unless StoreWithoutEffect,
+    restores unless RestoreWithoutEffect,
+    stores_by_group unless StoreGroupIgnored,
+    loses_application_group with StoreLosesGroup,
+    restores_at_once with RestoreAtOnce,
+    keeps_configuration_date with ConfigurationDateKept,
+    checks_save_signature unless StoreSignatureUnchecked,
+}
+
+impl Firmware {
+    /// Whether 1011h takes no value but its signature.
+    pub(in crate::device) const fn checks_load_signature(&self) -> bool {
+        // One function checks both signatures.
+        !self.has(Fault::RestoreSignatureUnchecked) && !self.has(Fault::StoreSignatureUnchecked)
+    }
+}

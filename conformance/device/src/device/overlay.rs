@@ -1,0 +1,87 @@
+//! Faults, and liberties, in what the dictionary holds, not in what the firmware does: they lie over the description.
+
+use super::parameters::{Content, Parameters};
+use crate::{Fault, Firmware, Liberty};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::DataType;
+
+/// A single-turn encoder in the upper word of 1000h.
+const SINGLE_TURN: u64 = 0x0001_0000;
+/// A bit of 6503h and 6504h that is reserved.
+const RESERVED_ALARM: u64 = 1 << 3;
+
+/// Changes what the dictionary says, as the firmware has it.
+pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
+    plant_encoder(parameters, firmware);
+    if firmware.takes(Liberty::HeartbeatAbsent) {
+        parameters.remove(0x1017, None);
+    }
+    let vendor_id = Multiplexer::new(0x1018, 1);
+    let device_type = Multiplexer::new(0x1000, 0);
+    if firmware.has(Fault::VendorIdZero) {
+        parameters.redefine(vendor_id, Content::Number(0));
+    }
+    if firmware.has(Fault::DeviceTypeProfileWrong) {
+        let other = parameters.number_or_zero(0x1000, 0) & 0xFFFF_0000 | 401;
+        parameters.redefine(device_type, Content::Number(other));
+    }
+    if firmware.has(Fault::IdentityRevisionMissing) {
+        parameters.remove(0x1018, Some(3));
+    }
+    for (fault, at) in [
+        (Fault::PdoCountWrong, Multiplexer::new(0x1004, 0)),
+        (Fault::NodeIdObjectWrong, Multiplexer::new(0x100B, 0)),
+        (Fault::GuardingCobIdWrong, Multiplexer::new(0x100E, 0)),
+    ] {
+        if firmware.has(fault) {
+            parameters.redefine(at, Content::Number(parameters.number_or_zero(at.index.0, at.sub.0) + 1));
+        }
+    }
+    if firmware.has(Fault::ErrorControlMissing) {
+        parameters.remove(0x100D, None);
+    }
+    if firmware.has(Fault::ErrorRegisterMissing) {
+        parameters.remove(0x1001, None);
+    }
+    if firmware.has(Fault::DeviceNameWithGarbage) {
+        let name = Multiplexer::new(0x1008, 0);
+        let mut bytes = parameters.entry(name).map_or(Vec::new(), |entry| entry.reading(None).bytes().to_vec());
+        bytes.extend([0x00, 0xFF, 0x1B]);
+        parameters.redefine(name, Content::Bytes(bytes));
+    }
+}
+
+/// The same for an encoder.
+fn plant_encoder(parameters: &mut Parameters, firmware: &Firmware) {
+    let wrong = |fault: Fault, at: Multiplexer, number: u64, parameters: &mut Parameters| {
+        if firmware.has(fault) {
+            parameters.redefine(at, Content::Number(number));
+        }
+    };
+    let at = |index| Multiplexer::new(index, 0);
+    let profile = parameters.number_or_zero(0x1000, 0) & 0xFFFF;
+    wrong(Fault::DeviceTypeTurnsWrong, at(0x1000), SINGLE_TURN | profile, parameters);
+    wrong(Fault::RevolutionsZero, at(0x6502), 0, parameters);
+    wrong(Fault::ProfileVersionUnset, at(0x6507), 0xFFFF_FFFF, parameters);
+    let half = parameters.number_or_zero(0x650A, 3) / 2;
+    wrong(Fault::HighestPositionWrong, Multiplexer::new(0x650A, 3), half, parameters);
+    let alarms = parameters.number_or_zero(0x6504, 0) | RESERVED_ALARM;
+    wrong(Fault::ReservedAlarmBitSet, at(0x6504), alarms, parameters);
+    let serial = parameters.number_or_zero(0x650B, 0) + 1;
+    wrong(Fault::SerialNumberDiffers, at(0x650B), serial, parameters);
+    if firmware.has(Fault::OperatingStatusMissing) {
+        parameters.remove(0x6500, None);
+    }
+    if firmware.has(Fault::AlarmsMissing) {
+        parameters.remove(0x6503, None);
+    }
+    if firmware.has(Fault::PositionSixteenBit) {
+        parameters.retype(at(0x6004), DataType::UNSIGNED16);
+    }
+    if firmware.has(Fault::OperatingParametersThirtyTwoBit) {
+        parameters.retype(at(0x6000), DataType::UNSIGNED32);
+    }
+    if firmware.has(Fault::PositionWritable) {
+        parameters.open(at(0x6004));
+    }
+}

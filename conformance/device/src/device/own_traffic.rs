@@ -1,0 +1,74 @@
+//! What some devices send that no master asked for: requests of an SDO client of their own, and frames of the application.
+
+use super::context::Context;
+use super::nmt::Phase;
+use super::service::{Event, Service};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::sdo::{self, Request};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_traces::{CanId, Duration, Frame, Timestamp};
+
+/// How often the client asks.
+const ASKED: Duration = Duration::from_millis(500);
+/// The nodes that the client asks: the first one that it is not itself.
+const SERVERS: [u16; 2] = [127, 126];
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+
+/// How often there is a burst, and how long it is.
+const BURSTS: Duration = Duration::from_millis(250);
+const BURST: u8 = 20;
+/// No predefined object has it.
+const BURST_ID: u32 = 0x6D0;
+
+/// Sends by itself.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct OwnTraffic {
+    request: Timestamp,
+    burst: Timestamp,
+}
+
+impl OwnTraffic {
+    /// Silent.
+    pub const fn new() -> Self {
+        Self { request: Timestamp::MAX, burst: Timestamp::MAX }
+    }
+
+    fn ask(node: NodeId) -> Frame {
+        let server = SERVERS.into_iter().find(|&server| server != u16::from(node.raw())).unwrap_or_default();
+        Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + server)
+    }
+}
+
+impl Service for OwnTraffic {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Initialise => *self = Self::new(),
+            Event::Started => {
+                let firmware = context.firmware();
+                self.request = if firmware.has_sdo_client() { now + ASKED } else { Timestamp::MAX };
+                self.burst = if firmware.sends_bursts() { now + BURSTS } else { Timestamp::MAX };
+            }
+            _ => {}
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        let may_send = matches!(context.phase, Phase::PreOperational | Phase::Operational);
+        let Some(node) = context.node else { return };
+        if now >= self.request {
+            self.request = now + ASKED;
+            if may_send {
+                context.send(Self::ask(node));
+            }
+        }
+        if now >= self.burst {
+            self.burst = now + BURSTS;
+            let numbers = if may_send { 0..BURST } else { 0..0 };
+            numbers.for_each(|number| context.send(Frame::full(CanId::standard_masked(BURST_ID), [number; 8])));
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.request.min(self.burst)
+    }
+}

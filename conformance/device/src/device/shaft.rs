@@ -1,0 +1,70 @@
+//! Errors of the application: of a shaft that is too fast, of a position that is wrong, of a sensor that is too hot.
+
+use super::context::Context;
+use super::emcy::Condition;
+use super::objects::Objects;
+use super::service::{Event, Service};
+use canvass_traces::{Duration, Timestamp};
+
+/// The temperature of the sensor as 2120h counts it: degrees Celsius plus 64.
+pub(super) const TEMPERATURE: u8 = 0x56;
+
+/// How often the speed of a shaft that turns is compared with its limit.
+const WATCH: Duration = Duration::from_millis(100);
+
+/// Watches the shaft.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Shaft {
+    /// When it is seen next whether the shaft is too fast.
+    due: Timestamp,
+}
+
+impl Shaft {
+    /// Nothing is watched.
+    pub const fn new() -> Self {
+        Self { due: Timestamp::MAX }
+    }
+
+    /// A shaft that turns can become too fast, or be so no longer, without anything being written.
+    pub fn watch(&mut self, now: Timestamp, context: &Context) {
+        let warns = context.objects.model.sheet().encoder.is_some_and(|encoder| encoder.speed_warning_rpm.is_some());
+        let watched = warns && context.objects.is_moving() && context.phase.is_running();
+        self.due = if watched { now + WATCH } else { Timestamp::MAX };
+    }
+}
+
+impl Service for Shaft {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        match event {
+            Event::Initialise => self.due = Timestamp::MAX,
+            Event::Started => self.watch(now, context),
+            Event::Changed => find_errors(now, context),
+            _ => {}
+        }
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if now >= self.due {
+            find_errors(now, context);
+            self.watch(now, context);
+        }
+    }
+
+    fn timeout(&self, _: &Context) -> Timestamp {
+        self.due
+    }
+}
+
+fn find_errors(now: Timestamp, context: &mut Context) {
+    let Objects { parameters, encoder, .. } = &context.objects;
+    let limits = parameters.number(0x2120, 2).zip(parameters.number(0x2120, 3));
+    let shaft = encoder.as_ref().map(|it| (it.is_overspeed(now, parameters), it.has_position_error()));
+    if let Some((low, high)) = limits.map(|(low, high)| (low as u8, high as u8)) {
+        let outside = !(low..=high).contains(&TEMPERATURE) && context.firmware().reports_temperature();
+        context.report(Condition::Temperature { now: TEMPERATURE, low, high }, outside);
+    }
+    if let Some((too_fast, wrong_position)) = shaft {
+        context.report(Condition::Overspeed, too_fast);
+        context.report(Condition::Position, wrong_position);
+    }
+}

@@ -1,0 +1,91 @@
+//! What is stored when: the commands of 1010h and 1011h, objects that are stored as soon as they are written, and 1020h,
+//! which forgets its date with every other change.
+
+use super::context::Context;
+use super::lss_slave::UNCONFIGURED;
+use super::service::{Event, Service};
+use super::store::{Groups, StoreCommand, StoredNetwork};
+use canvass_analyzer::Multiplexer;
+use canvass_traces::Timestamp;
+
+const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
+
+/// Bit 2 of 6000h.
+const SCALING: u64 = 1 << 2;
+
+/// Stores; what is stored is in the [`Context`].
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Storing;
+
+impl Service for Storing {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
+        let Event::Written(at, value) = event else { return };
+        if let Some(command) = StoreCommand::of(at, &context.objects.model.sheet().storage) {
+            begin(now, command, context);
+        }
+        persist_at_once(at, value, context);
+        forget_verification(at, context);
+    }
+
+    fn poll(&mut self, now: Timestamp, context: &mut Context) {
+        if let Some(node) = context.node {
+            context.store.finish(now, &context.objects.parameters, context.objects.encoder.as_ref(), node);
+        }
+    }
+
+    fn timeout(&self, context: &Context) -> Timestamp {
+        context.store.timeout()
+    }
+}
+
+fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
+    let node = context.node_or_placeholder();
+    if matches!(command, StoreCommand::Restore(_)) && context.firmware().restores_at_once() {
+        context.objects.parameters.restore(node);
+    }
+    let sheet = context.objects.model.sheet();
+    let done = now + sheet.timing.store();
+    if command.is_save() {
+        if sheet.quirks.silent_while_storing {
+            context.silent_until = done;
+        }
+        context.objects.take_waiting();
+    }
+    if command == StoreCommand::Restore(Groups::PARAMETERS) && context.firmware().restores_node_id() {
+        let network = context.store.network();
+        context.store.save_network(StoredNetwork { node_id: Some(UNCONFIGURED), ..network });
+    }
+    context.store.begin(done, command, &context.objects.firmware);
+}
+
+/// Some objects are stored as soon as they are written.
+fn persist_at_once(at: Multiplexer, value: u64, context: &mut Context) {
+    let node = context.node_or_placeholder();
+    if resets_scaling(at, value, context) {
+        context.objects.reset_scaling(node);
+        for index in [0x6001, 0x6002] {
+            context.store.forget_number(Multiplexer::new(index, 0), &context.objects.parameters);
+        }
+    }
+    if context.objects.model.sheet().storage.persist_at_once.contains(&at) {
+        context.store.save_number(at, value, &context.objects.parameters);
+        if let Some(encoder) = &context.objects.encoder {
+            context.store.save_offset(encoder.offset());
+        }
+    }
+}
+
+/// Whether that write switches scaling off in a device that then forgets what it was.
+pub(super) fn resets_scaling(at: Multiplexer, value: u64, context: &Context) -> bool {
+    at == OPERATING_PARAMETERS && value & SCALING == 0 && context.objects.model.sheet().quirks.scaling_bit_guards
+}
+
+/// 1020h: date and time of the configuration are gone as soon as it is changed.
+fn forget_verification(at: Multiplexer, context: &mut Context) {
+    let is_command = StoreCommand::of(at, &context.objects.model.sheet().storage).is_some();
+    let kept = context.firmware().keeps_configuration_date();
+    if !matches!(at.index.0, 0x1003 | 0x1020) && !is_command && !kept {
+        context.objects.parameters.set_number(0x1020, 1, 0);
+        context.objects.parameters.set_number(0x1020, 2, 0);
+    }
+}

@@ -1,0 +1,198 @@
+//! Liberties in what a device has and how it is delivered: its description and the device itself change together.
+
+use super::edit::Edit;
+use super::{Liberties, Liberty, timing};
+use crate::models::{Model, Sheet};
+use canvass_analyzer::dictionary::{Access, DeviceDescription, Entry};
+use canvass_analyzer::{CobId, Multiplexer};
+use std::borrow::Cow;
+
+/// The first and the last of a series.
+type Span<T> = (T, T);
+
+/// Objects that a device need not have, by liberty.
+const ABSENT: [(Liberty, &[Span<u16>]); 16] = [
+    (Liberty::NoNames, &[(0x1008, 0x100A)]),
+    (Liberty::NoEmcy, &[(0x1014, 0x1015)]),
+    (Liberty::NoEmcyInhibitTime, &[(0x1015, 0x1015)]),
+    (Liberty::NoErrorHistory, &[(0x1003, 0x1003)]),
+    (Liberty::NoErrorBehaviour, &[(0x1029, 0x1029)]),
+    (Liberty::NoHeartbeatConsumer, &[(0x1016, 0x1016)]),
+    (Liberty::NoGuarding, &[(0x100C, 0x100D)]),
+    (Liberty::NoSyncCounter, &[(0x1019, 0x1019)]),
+    (Liberty::NoSyncWindow, &[(0x1007, 0x1007)]),
+    (Liberty::NoSyncProducer, &[(0x1006, 0x1006), (0x1019, 0x1019)]),
+    (Liberty::NoTime, &[(0x1012, 0x1013)]),
+    (Liberty::NoStore, &[(0x1010, 0x1011)]),
+    (Liberty::NoConfigurationDate, &[(0x1020, 0x1020)]),
+    (Liberty::NoFurtherSdo, &[(0x1201, 0x127F)]),
+    (Liberty::NoEmcyConsumer, &[(0x1028, 0x1028)]),
+    (Liberty::OnePdo, &[(0x1401, 0x15FF), (0x1601, 0x17FF), (0x1801, 0x19FF), (0x1A01, 0x1BFF)]),
+];
+
+/// Sub-indexes that objects need not have.
+const ABSENT_SUBS: [(Liberty, Span<u16>, Span<u8>); 6] = [
+    (Liberty::VendorIdAlone, (0x1018, 0x1018), (2, 255)),
+    (Liberty::ShortErrorHistory, (0x1003, 0x1003), (2, 255)),
+    (Liberty::OneHeartbeatConsumer, (0x1016, 0x1016), (2, 255)),
+    (Liberty::NoInhibitTime, (0x1800, 0x19FF), (3, 3)),
+    (Liberty::NoEventTimer, (0x1800, 0x19FF), (5, 5)),
+    (Liberty::NoRpdoDeadline, (0x1400, 0x15FF), (5, 5)),
+];
+
+/// Event-driven PDOs only.
+const EVENT_DRIVEN: (u8, u8) = (254, 255);
+
+impl Model {
+    /// The model as a maker has it whose devices take those liberties.
+    pub fn taking(&self, liberties: Liberties) -> Cow<'_, Self> {
+        if liberties.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let (mut description, mut sheet) = (self.description().clone(), self.sheet().clone());
+        apply(&mut description, &mut sheet, liberties);
+        Cow::Owned(self.with(description, sheet))
+    }
+}
+
+/// Changes what is described and what is not, as those liberties have it.
+pub(crate) fn apply(description: &mut DeviceDescription, sheet: &mut Sheet, liberties: Liberties) {
+    let mut edit = Edit { description, sheet };
+    services(&mut edit, liberties);
+    objects(&mut edit, liberties);
+    pdos(&mut edit, liberties);
+    timing::apply(&mut edit.sheet.timing, liberties);
+}
+
+/// What the firmware of such a device can do at all.
+fn services(edit: &mut Edit<'_>, liberties: Liberties) {
+    let has = |liberty| liberties.has(liberty);
+    let sheet = &mut *edit.sheet;
+    let network = &mut sheet.network;
+    network.sdo_block_transfer &= !has(Liberty::NoBlockTransfer);
+    network.node_guarding &= !has(Liberty::NoGuarding);
+    network.sync_producer &= !has(Liberty::NoSyncProducer);
+    network.time_consumer &= !has(Liberty::NoTime);
+    network.rtr &= !has(Liberty::NoRtr);
+    if has(Liberty::NoTime) {
+        network.time_period_ms = None;
+    }
+    if has(Liberty::NoLss) {
+        network.lss = false;
+        edit.description.device.lss_supported = false;
+    }
+    if has(Liberty::OwnEvents) {
+        network.sent_on_change.clear();
+    }
+    if has(Liberty::NoSynchronousPdos) {
+        network.transmission_types = vec![EVENT_DRIVEN];
+        network.rpdo_transmission_types = vec![EVENT_DRIVEN];
+    }
+    sheet.quirks.strings_in_segments |= has(Liberty::StringsInSegments);
+    if has(Liberty::GenericErrorBit) {
+        sheet.quirks.error_register_bits = Some(1);
+    }
+    if has(Liberty::SignatureCodeValue) {
+        sheet.storage.wrong_signature_abort = 0x0609_0030;
+    }
+    if has(Liberty::SignatureCodeGeneral) {
+        sheet.storage.wrong_signature_abort = 0x0800_0000;
+    }
+}
+
+/// Which objects there are.
+fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
+    for (_, ranges) in ABSENT.iter().filter(|(liberty, _)| liberties.has(*liberty)) {
+        edit.remove(ranges.iter().map(|&(first, last)| first..=last));
+    }
+    for (_, (first, last), (low, high)) in ABSENT_SUBS.into_iter().filter(|(liberty, ..)| liberties.has(*liberty)) {
+        edit.remove_subs(first..=last, low..=high);
+    }
+    if liberties.has(Liberty::NamesEndInNul) {
+        // A text of an EDS can't end so: the device alone has it.
+        (0x1008..=0x100A).for_each(|index| edit.end_in_nul(index));
+    }
+    if liberties.has(Liberty::NoApplicationObjects) {
+        edit.remove([0x2000..=0xFFFF]);
+        edit.sheet.encoder = None;
+        unmap_all(edit);
+    }
+    if liberties.has(Liberty::NoLongObjects) {
+        remove_long(edit);
+    }
+    if liberties.has(Liberty::SelfStart) {
+        edit.remove([0x1F80..=0x1F80]);
+    }
+    if liberties.has(Liberty::SelfStartByObject) {
+        let start_up = edit.sheet.network.start_up;
+        edit.set(0x1F80, 0, u64::from(start_up.value));
+    }
+    if liberties.has(Liberty::NoDummies) {
+        edit.description.dummy_usage.values_mut().for_each(|usable| *usable = false);
+    }
+    if liberties.has(Liberty::EdsIdentityWithoutDefaults) {
+        // The device has its numbers all the same: they move from the description to the sheet.
+        edit.move_defaults(0x1018);
+    }
+}
+
+/// Takes out what can be written and has more than four bytes.
+fn remove_long(edit: &mut Edit<'_>) {
+    let is_long = |entry: &Entry| entry.access.is_writable() && entry.data_type.bytes().is_none_or(|bytes| bytes > 4);
+    let entries = edit.description.dictionary.entries();
+    let long: Vec<u16> = entries.filter(|(_, entry)| is_long(entry)).map(|(at, _)| at.index.0).collect();
+    edit.remove(long.into_iter().map(|index| index..=index));
+}
+
+/// How PDOs are delivered.
+fn pdos(edit: &mut Edit<'_>, liberties: Liberties) {
+    let has = |liberty| liberties.has(liberty);
+    let (rpdos, tpdos) = (edit.pdos(0x1400), edit.pdos(0x1800));
+    if has(Liberty::PdosInvalid) {
+        rpdos.iter().chain(&tpdos).for_each(|&index| edit.set_cob_id_bits(index, CobId::INVALID));
+    }
+    if has(Liberty::NoRtr) {
+        tpdos.iter().for_each(|&index| edit.set_cob_id_bits(index, CobId::NO_RTR));
+        tpdos.iter().for_each(|&index| event_driven(edit, index, |kind| matches!(kind, 252 | 253)));
+    }
+    if has(Liberty::NoSynchronousPdos) {
+        rpdos.iter().chain(&tpdos).for_each(|&index| event_driven(edit, index, |kind| kind < 254));
+    }
+    if has(Liberty::LongInhibitTime) {
+        // Times in 100 us and in ms.
+        edit.set(0x1800, 3, 2_000);
+        edit.set(0x1800, 5, 100);
+    }
+    if has(Liberty::ValidAndEmpty) {
+        edit.unmap(0x1A00);
+    }
+    if has(Liberty::MappingInBytes) {
+        edit.description.device.granularity = 8;
+    }
+    if has(Liberty::MappingFixed) {
+        edit.description.device.granularity = 0;
+        edit.entries(|at, entry| {
+            if let 0x1600..0x1800 | 0x1A00..0x1C00 = at.index.0 {
+                entry.access = Access::Const;
+            }
+        });
+    }
+}
+
+/// A PDO that would have one of those transmission types as delivered is event-driven.
+fn event_driven(edit: &mut Edit<'_>, index: u16, is_missing: impl Fn(u64) -> bool) {
+    let entry = edit.description.dictionary.entry(Multiplexer::new(index, 2));
+    let default = entry.ok().and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());
+    if default.is_some_and(is_missing) {
+        edit.set(index, 2, 255);
+    }
+}
+
+fn unmap_all(edit: &mut Edit<'_>) {
+    for first in [0x1400, 0x1800] {
+        for index in edit.pdos(first) {
+            edit.set_cob_id_bits(index, CobId::INVALID);
+            edit.unmap(index + 0x200);
+        }
+    }
+}

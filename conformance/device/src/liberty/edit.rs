@@ -1,0 +1,138 @@
+//! Changes to a model: what is taken out of its object dictionary, and what has another default.
+
+use crate::models::{self, Sheet};
+use canvass_analyzer::dictionary::{DeviceDescription, Entry, Object, ObjectDictionary, Setting, Value};
+use canvass_analyzer::{Index, Multiplexer, SubIndex};
+use std::ops::RangeInclusive;
+
+/// A model that is being changed: its description and its sheet.
+pub(super) struct Edit<'a> {
+    pub description: &'a mut DeviceDescription,
+    pub sheet: &'a mut Sheet,
+}
+
+impl Edit<'_> {
+    /// Takes objects out.
+    pub fn remove(&mut self, indexes: impl IntoIterator<Item = RangeInclusive<u16>>) {
+        let ranges: Vec<_> = indexes.into_iter().collect();
+        self.keep(|at| !ranges.iter().any(|range| range.contains(&at.index.0)));
+    }
+
+    /// Takes sub-indexes out of objects.
+    pub fn remove_subs(&mut self, indexes: RangeInclusive<u16>, subs: RangeInclusive<u8>) {
+        self.keep(|at| !indexes.contains(&at.index.0) || !subs.contains(&at.sub.0));
+    }
+
+    fn keep(&mut self, stays: impl Fn(Multiplexer) -> bool) {
+        let mut kept = ObjectDictionary::default();
+        for object in self.description.dictionary.objects() {
+            let mut copy = Object::new(object.index.0, object.name.clone(), object.code);
+            copy.line = object.line;
+            let stays = |entry: &&Entry| stays(Multiplexer { index: object.index, sub: entry.sub });
+            object.entries().iter().filter(stays).cloned().for_each(|entry| drop(copy.insert(entry)));
+            if !copy.entries().is_empty() {
+                if copy.entries().len() < object.entries().len() {
+                    lower_highest(&mut copy);
+                }
+                kept.insert(copy);
+            }
+        }
+        self.description.dictionary = kept;
+        let dictionary = &self.description.dictionary;
+        let lists = &mut self.description.lists;
+        for list in [&mut lists.mandatory, &mut lists.optional, &mut lists.manufacturer] {
+            list.retain(|(index, _)| dictionary.object(*index).is_some());
+        }
+        let count = |first: u16| (first..first + 0x200).filter(|&index| has(dictionary, index)).count() as u16;
+        (self.description.device.rpdos, self.description.device.tpdos) = (count(0x1400), count(0x1800));
+    }
+
+    /// Changes an entry, where it is.
+    pub fn entry(&mut self, index: u16, sub: u8, change: impl FnOnce(&mut Entry)) {
+        let object = self.description.dictionary.object_mut(Index(index));
+        if let Some(entry) = object.and_then(|object| object.entry_mut(SubIndex(sub))) {
+            change(entry);
+        }
+    }
+
+    /// Changes all entries.
+    pub fn entries(&mut self, change: impl Fn(Multiplexer, &mut Entry)) {
+        let addresses: Vec<Multiplexer> = self.description.dictionary.entries().map(|(at, _)| at).collect();
+        for at in addresses {
+            self.entry(at.index.0, at.sub.0, |entry| change(at, entry));
+        }
+    }
+
+    /// Gives an entry another number as delivered.
+    pub fn set(&mut self, index: u16, sub: u8, number: u64) {
+        self.entry(index, sub, |entry| entry.default = Value::from_raw(entry.data_type, number).map(Setting::Fixed));
+        self.sheet.values.retain(|value| value.at != Multiplexer::new(index, sub));
+    }
+
+    /// Moves the defaults of an object from the description to the sheet.
+    pub fn move_defaults(&mut self, index: u16) {
+        let Some(object) = self.description.dictionary.object_mut(Index(index)) else { return };
+        for sub in 1..=u8::MAX {
+            let Some(entry) = object.entry_mut(SubIndex(sub)) else { continue };
+            let number = entry.default.take().as_ref().and_then(Setting::fixed).and_then(Value::to_raw);
+            let at = Multiplexer::new(index, sub);
+            if let (Some(number), true) = (number, self.sheet.values.iter().all(|value| value.at != at)) {
+                self.sheet.values.push(models::Value::new(at, number as i64));
+            }
+        }
+    }
+
+    /// The device's text ends in a byte 00h.
+    pub fn end_in_nul(&mut self, index: u16) {
+        let at = Multiplexer::new(index, 0);
+        let entry = self.description.dictionary.entry(at).ok();
+        let described = entry.and_then(|entry| match entry.default.as_ref()?.fixed()? {
+            Value::VisibleString(bytes) => Some(String::from_utf8_lossy(bytes).into_owned()),
+            _ => None,
+        });
+        let own = self.sheet.values.iter().find(|value| value.at == at);
+        let text = own.and_then(|value| value.value.as_str().map(str::to_owned)).or(described);
+        if let Some(text) = text {
+            self.sheet.values.retain(|value| value.at != at);
+            self.sheet.values.push(models::Value::new(at, format!("{text}\0")));
+        }
+    }
+
+    /// Sets bits of a COB-ID as delivered.
+    pub fn set_cob_id_bits(&mut self, index: u16, bits: u32) {
+        self.entry(index, 1, |entry| {
+            entry.default = match entry.default.take() {
+                Some(Setting::NodeIdPlus(offset)) => Some(Setting::NodeIdPlus(offset | bits)),
+                default => {
+                    let raw = default.as_ref().and_then(Setting::fixed).and_then(Value::to_raw).unwrap_or(0);
+                    Value::from_raw(entry.data_type, raw | u64::from(bits)).map(Setting::Fixed)
+                }
+            };
+        });
+    }
+
+    /// The indexes of the communication parameters of PDOs that there are.
+    pub fn pdos(&self, first: u16) -> Vec<u16> {
+        (first..first + 0x200).filter(|&index| has(&self.description.dictionary, index)).collect()
+    }
+
+    /// Delivers a PDO with nothing mapped.
+    pub fn unmap(&mut self, mapping: u16) {
+        (0..=64).for_each(|sub| self.set(mapping, sub, 0));
+    }
+}
+
+fn has(dictionary: &ObjectDictionary, index: u16) -> bool {
+    dictionary.object(Index(index)).is_some()
+}
+
+/// Sub-index 0 of a record or array that has lost its last sub-indexes names the highest one that is left.
+fn lower_highest(object: &mut Object) {
+    let Some(highest) = object.entries().last().map(|entry| entry.sub.0) else { return };
+    if let Some(entry) = object.entry_mut(SubIndex(0)) {
+        let before = entry.default.as_ref().and_then(Setting::fixed).and_then(Value::to_raw);
+        if before.is_some_and(|before| before > u64::from(highest)) {
+            entry.default = Value::from_raw(entry.data_type, u64::from(highest)).map(Setting::Fixed);
+        }
+    }
+}

@@ -1,0 +1,162 @@
+//! Values are written back in the order that CiA 301 asks for: a PDO, an EMCY or a SYNC is switched off, its parameters
+//! and its mapping follow, its COB-ID is the last (7.5.2.37, 7.5.2.38).
+//!
+//! A device that refuses what is written to a PDO in use is right; one that takes it in any order does not mind this one.
+
+use super::Bench;
+use canvass_analyzer::{CobId, Multiplexer};
+use canvass_bus::client::Outcome;
+use canvass_bus::client::sdo::Mode;
+
+/// An object with the value that it shall have again.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Original {
+    pub multiplexer: Multiplexer,
+    pub value: Vec<u8>,
+}
+
+/// What is written to, and in which step.
+#[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
+struct Step {
+    /// Objects of one communication object are written together.
+    group: u16,
+    order: Order,
+    multiplexer: Multiplexer,
+    value: Vec<u8>,
+}
+
+/// The order within a communication object.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
+enum Order {
+    SwitchOff,
+    Parameter,
+    MappingOff,
+    MappingEntry,
+    MappingOn,
+    CobId,
+}
+
+/// EMCY: COB-ID; SYNC: COB-ID, period; TIME: COB-ID.
+const EMCY_ID: u16 = 0x1014;
+const EMCY_INHIBIT: u16 = 0x1015;
+const SYNC_ID: u16 = 0x1005;
+const SYNC_PERIOD: u16 = 0x1006;
+const SYNC_OVERFLOW: u16 = 0x1019;
+const TIME_ID: u16 = 0x1012;
+
+/// Bit 30 of 1005h: the device produces SYNC.
+const PRODUCES: u32 = 1 << 30;
+
+impl Bench<'_> {
+    /// Writes values back; returns those that the device does not have again.
+    pub(super) fn write_back(&mut self, originals: &[Original]) -> Vec<Original> {
+        let wrong: Vec<&Original> = originals.iter().filter(|original| !self.has_again(original)).collect();
+        let companions = wrong.iter().flat_map(|original| companions(original.multiplexer));
+        let needed: Vec<Multiplexer> =
+            wrong.iter().map(|original| original.multiplexer).chain(companions.flatten()).collect();
+        let rewritten = originals.iter().filter(|original| needed.contains(&original.multiplexer));
+        for Step { multiplexer, value, .. } in steps(rewritten) {
+            // What is refused shows when it is read back.
+            let _ = self.download_as(multiplexer, &value, Mode::Shortest);
+        }
+        let again: Vec<&Original> =
+            originals.iter().filter(|original| needed.contains(&original.multiplexer)).collect();
+        again.into_iter().filter(|original| !self.has_again(original)).cloned().collect()
+    }
+
+    /// Whether an object has its value again. One that can't be read has not.
+    fn has_again(&mut self, original: &Original) -> bool {
+        let now = self.upload(original.multiplexer).map(|attempt| attempt.outcome);
+        matches!(now, Ok(Outcome::Uploaded(value)) if value == original.value)
+    }
+}
+
+/// The writes that give objects their values again, in their order.
+fn steps<'a>(originals: impl IntoIterator<Item = &'a Original>) -> Vec<Step> {
+    let mut steps: Vec<Step> = Vec::new();
+    for Original { multiplexer, value } in originals {
+        let (index, sub) = (multiplexer.index.0, multiplexer.sub.0);
+        let step =
+            |order: Order, value: Vec<u8>| Step { group: group_of(index), order, multiplexer: *multiplexer, value };
+        match (index, sub) {
+            (0x1400..=0x15FF | 0x1800..=0x19FF, 1) | (EMCY_ID | TIME_ID, 0) => {
+                steps.push(step(Order::SwitchOff, with(value, CobId::INVALID)));
+                steps.push(step(Order::CobId, value.clone()));
+            }
+            (SYNC_ID, 0) => {
+                steps.push(step(Order::SwitchOff, without(value, PRODUCES)));
+                steps.push(step(Order::CobId, value.clone()));
+            }
+            (0x1600..=0x17FF | 0x1A00..=0x1BFF, 0) => {
+                steps.push(step(Order::MappingOff, vec![0]));
+                steps.push(step(Order::MappingOn, value.clone()));
+            }
+            (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => steps.push(step(Order::MappingEntry, value.clone())),
+            _ => steps.push(step(Order::Parameter, value.clone())),
+        }
+    }
+    steps.sort();
+    steps
+}
+
+/// The communication object that an object belongs to: that of its COB-ID.
+const fn group_of(index: u16) -> u16 {
+    match index {
+        0x1600..=0x17FF | 0x1A00..=0x1BFF => index - 0x200,
+        EMCY_INHIBIT => EMCY_ID,
+        SYNC_PERIOD | SYNC_OVERFLOW => SYNC_ID,
+        _ => index,
+    }
+}
+
+fn with(value: &[u8], bits: u32) -> Vec<u8> {
+    (super::sdo::number(value) | bits).to_le_bytes().to_vec()
+}
+
+fn without(value: &[u8], bits: u32) -> Vec<u8> {
+    (super::sdo::number(value) & !bits).to_le_bytes().to_vec()
+}
+
+/// What has to be written, too, when an object is: a PDO whose mapping changes is switched off and on again, and its mapping
+/// is, even where neither has changed. The object itself may be among them.
+pub(super) fn companions(multiplexer: Multiplexer) -> [Option<Multiplexer>; 2] {
+    let (index, group) = (multiplexer.index.0, group_of(multiplexer.index.0));
+    let cob_id = match group {
+        0x1400..=0x15FF | 0x1800..=0x19FF => Some(Multiplexer::new(group, 1)),
+        EMCY_ID | SYNC_ID => Some(Multiplexer::new(group, 0)),
+        _ => None,
+    };
+    [cob_id, (index != group && cob_id.is_some_and(|at| at.sub.0 == 1)).then(|| Multiplexer::new(index, 0))]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pdo_is_off_while_it_is_set_up_and_on_at_the_end() {
+        let original =
+            |index, sub, value: &[u8]| Original { multiplexer: Multiplexer::new(index, sub), value: value.to_vec() };
+        let originals = [
+            original(0x1800, 1, &[0xBF, 1, 0, 0x40]),
+            original(0x1A00, 0, &[1]),
+            original(0x1A00, 1, &[0x20, 0, 4, 0x60]),
+            original(0x1800, 2, &[254]),
+            original(0x1017, 0, &[0, 0]),
+        ];
+        let written: Vec<String> =
+            steps(&originals).iter().map(|step| format!("{} {:02X?}", step.multiplexer, step.value)).collect();
+        assert_eq!(
+            written,
+            [
+                "1017h:00 [00, 00]",
+                "1800h:01 [BF, 01, 00, C0]",
+                "1800h:02 [FE]",
+                "1A00h:00 [00]",
+                "1A00h:01 [20, 00, 04, 60]",
+                "1A00h:00 [01]",
+                "1800h:01 [BF, 01, 00, 40]",
+            ]
+        );
+    }
+}

@@ -1,0 +1,95 @@
+//! Objects of the dictionary, and objects that serve a case.
+
+use crate::need::Need;
+use canvass_analyzer::Multiplexer;
+
+/// An object that can be written without consequence, and read back.
+pub static SCRATCH_OBJECT: Need =
+    Need::new("scratch-object", "an object that can be written and read back without consequence", |bench| {
+        Ok(match bench.scratch_objects()?.is_empty() {
+            true => Err("the device has no object that can be written without consequence".to_owned()),
+            false => Ok(()),
+        })
+    });
+
+/// A value of more than four bytes that can be read: it comes in segments.
+pub static SEGMENTED_UPLOAD: Need =
+    Need::new("segmented-upload", "a readable value of more than four bytes", |bench| {
+        let found = bench.long_object(8)?.map(|_| ());
+        Ok(found.ok_or_else(|| "no object that was found gives more than 7 bytes".to_owned()))
+    });
+
+/// A device name, hardware or software version: 1008h, 1009h, 100Ah.
+pub static NAME: Need = Need::new("name", "a device name or version (1008h, 1009h or 100Ah)", |bench| {
+    Ok(match bench.names()?.is_empty() {
+        true => Err("the device has no 1008h, 1009h or 100Ah".to_owned()),
+        false => Ok(()),
+    })
+});
+
+/// The predefined error field, 1003h.
+pub static ERROR_HISTORY: Need = Need::new("error-history", "the predefined error field (1003h)", |bench| {
+    bench.has_all(&[Multiplexer::new(0x1003, 0)])
+});
+
+/// TIME, 1012h.
+pub static TIME: Need = Need::new("time", "TIME (1012h)", |bench| bench.can_write_all(&[Multiplexer::new(0x1012, 0)]));
+
+/// The COB-ID of EMCY, 1014h.
+pub static EMCY_OBJECT: Need =
+    Need::new("emcy-object", "the COB-ID of EMCY (1014h)", |bench| bench.has_all(&[Multiplexer::new(0x1014, 0)]));
+
+/// A COB-ID of EMCY that can be written, 1014h.
+pub static EMCY_ID: Need = Need::new("emcy-id", "a COB-ID of EMCY that can be written (1014h)", |bench| {
+    bench.can_write_all(&[Multiplexer::new(0x1014, 0)])
+});
+
+/// The inhibit time of EMCY, 1015h.
+pub static EMCY_INHIBIT: Need = Need::new("emcy-inhibit", "the inhibit time of EMCY (1015h)", |bench| {
+    bench.can_write_all(&[Multiplexer::new(0x1015, 0)])
+});
+
+/// The device's description names an application object that can be written without consequence.
+pub static APPLICATION_PARAMETER: Need =
+    Need::new("application-parameter", "an application object that can be written without consequence", |bench| {
+        Ok(match bench.application_scratch()? {
+            Some(_) => Ok(()),
+            None => Err("no application object that the tester knows can be written without consequence".to_owned()),
+        })
+    });
+
+/// The SDO server parameter, 1200h.
+pub static SERVER_PARAMETER: Need = Need::new("server-parameter", "the SDO server parameter (1200h)", |bench| {
+    bench.has_all(&[Multiplexer::new(0x1200, 1)])
+});
+
+/// A second SDO server, 1201h.
+pub static SECOND_SERVER: Need = Need::new("second-server", "a second SDO server (1201h)", |bench| {
+    bench.can_write_all(&[Multiplexer::new(0x1201, 1), Multiplexer::new(0x1201, 2)])
+});
+
+/// Store parameters, 1010h:01.
+pub static STORE: Need =
+    Need::new("store", "store parameters (1010h:01)", |bench| bench.has_all(&[Multiplexer::new(0x1010, 1)]));
+
+/// Verify configuration, 1020h.
+pub static VERIFY_CONFIGURATION: Need = Need::new("verify-configuration", "verify configuration (1020h)", |bench| {
+    bench.can_write_all(&[Multiplexer::new(0x1020, 1), Multiplexer::new(0x1020, 2)])
+});
+
+/// A string that can be written without consequence, as the description says.
+pub static LONG_SCRATCH: Need =
+    Need::new("long-scratch", "a string that can be written without consequence", |bench| {
+        Ok(match bench.long_writable() {
+            Some(_) => Ok(()),
+            None => Err("the description names no string that can be written and read".to_owned()),
+        })
+    });
+
+/// A string that is empty.
+pub static EMPTY_VALUE: Need = Need::new("empty-value", "a string that is empty", |bench| {
+    Ok(match bench.empty_object()? {
+        Some(_) => Ok(()),
+        None => Err("no object that was found is an empty string".to_owned()),
+    })
+});

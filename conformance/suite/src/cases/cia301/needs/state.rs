@@ -1,0 +1,79 @@
+//! NMT states, error control, and who is on the bus.
+
+use crate::bench::Bench;
+use crate::bench::state::{GUARD_TIME, Heartbeats};
+use crate::need::{Met, Need};
+use crate::verdict::Stop;
+use canvass_analyzer::Multiplexer;
+
+/// The device shows its NMT state: by heartbeat (1017h) or by node guarding (100Ch).
+pub static VISIBLE_STATE: Need =
+    Need::new("visible-state", "a heartbeat (1017h) or node guarding (100Ch), which show the NMT state", |bench| {
+        match bench.heartbeats()? != Heartbeats::None || bench.has(GUARD_TIME)? {
+            true => Ok(Ok(())),
+            false => Ok(Err("the device has no 1017h that is not 0, and no 100Ch".to_owned())),
+        }
+    });
+
+/// A heartbeat producer whose period can be set, 1017h.
+pub static HEARTBEAT: Need = Need::new("heartbeat", "the heartbeat producer (1017h)", |bench| {
+    Ok(match bench.heartbeats()? {
+        Heartbeats::Settable => Ok(()),
+        Heartbeats::Fixed(period) => Err(format!("the period is fixed: 1017h is {period} and can't be written")),
+        Heartbeats::None => Err("the device has no 1017h that can be written".to_owned()),
+    })
+});
+
+/// The heartbeat consumer, 1016h:01, and a node-ID beside the device's own that the tester can act as.
+pub static HEARTBEAT_CONSUMER: Need =
+    Need::new("heartbeat-consumer", "the heartbeat consumer (1016h:01)", heartbeat_consumer);
+
+fn heartbeat_consumer(bench: &mut Bench<'_>) -> Result<Met, Stop> {
+    Ok(match (bench.has(Multiplexer::new(0x1016, 1))?, bench.vacant_neighbour()) {
+        (false, _) => Err("the device has no 1016h:01".to_owned()),
+        (true, None) => Err("every node-ID beside that of the device is in use".to_owned()),
+        (true, Some(_)) => Ok(()),
+    })
+}
+
+/// Life guarding that can be set, 100Ch and 100Dh, or the heartbeat consumer, 1016h:01.
+pub static MONITORING: Need =
+    Need::new("monitoring", "life guarding (100Ch, 100Dh) or a heartbeat consumer (1016h:01)", |bench| {
+        match bench.can_be_guarded()? {
+            true => Ok(Ok(())),
+            false if watches_once_stored(bench) => {
+                Ok(Err("the device watches other nodes only once that is stored, as its manual says".to_owned()))
+            }
+            false => heartbeat_consumer(bench),
+        }
+    });
+
+/// Whether the manual says that entries of 1016h act only once they are stored.
+fn watches_once_stored(bench: &Bench<'_>) -> bool {
+    bench.manual().is_some_and(|model| model.sheet().network.heartbeat_consumer_needs_store)
+}
+
+/// Node guarding, 100Ch.
+pub static GUARDING: Need = Need::new("guarding", "node guarding (100Ch)", |bench| {
+    Ok(match (bench.has(GUARD_TIME)?, bench.heartbeats()?) {
+        (false, _) => Err("the device has no 100Ch".to_owned()),
+        (true, Heartbeats::Fixed(_)) => {
+            Err("its heartbeat can't be switched off (1017h), and goes before guarding".to_owned())
+        }
+        (true, _) => Ok(()),
+    })
+});
+
+/// Error behaviour, 1029h:01.
+pub static ERROR_BEHAVIOUR: Need = Need::new("error-behaviour", "error behaviour (1029h:01)", |bench| {
+    bench.can_write_all(&[Multiplexer::new(0x1029, 1)])
+});
+
+/// NMT start-up, 1F80h.
+pub static START_UP: Need =
+    Need::new("start-up", "NMT start-up (1F80h)", |bench| bench.can_write_all(&[Multiplexer::new(0x1F80, 0)]));
+
+/// No other node was heard on the bus or answers, or `--allow other-nodes` was given: the case commands all nodes.
+pub static ALONE: Need =
+    Need::new("alone", "a bus without other nodes, because the case commands all of them", |bench| bench.is_alone())
+        .fleeting();

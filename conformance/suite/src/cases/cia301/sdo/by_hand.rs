@@ -1,0 +1,81 @@
+//! Transfers that a case leads message by message.
+
+use crate::bench::Bench;
+use crate::bench::objects::Scratch;
+use crate::situation::Situation;
+use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::{Payload, Request, Response, Segment};
+use canvass_bus::observation::Observation;
+
+/// An object and a sub-index that no device has, and what they are.
+pub(super) const MISSING: [(Multiplexer, Situation); 2] =
+    [(Multiplexer::new(0xFFFF, 0), Situation::MissingObject), (Multiplexer::new(0x1000, 1), Situation::MissingEntry)];
+
+/// An object whose upload takes at least two segments.
+pub(super) fn long_object(bench: &mut Bench<'_>) -> Result<Multiplexer, Stop> {
+    bench.long_object(8)?.ok_or_else(|| {
+        let reason = Reason::new("an object is read in segments", "more than 7 bytes", "none found");
+        Stop::NotApplicable(reason)
+    })
+}
+
+/// Starts a segmented upload.
+pub(super) fn begin_upload(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Judged {
+    let reply = bench.exchange(&Request::upload(multiplexer), format!("upload of {multiplexer}"))?;
+    let is_start = |response: &Response| {
+        matches!(response, Response::InitiateUpload { multiplexer: named, payload } if *named == multiplexer
+            && matches!(payload, Payload::Segmented(_) | Payload::SegmentedUnsized))
+    };
+    reply.expect("the start of a segmented upload", is_start).or_inconclusive()
+}
+
+/// Starts a segmented download to a scratch object, which announces as many bytes as it has.
+pub(super) fn begin_download(bench: &mut Bench<'_>, scratch: &Scratch) -> Judged {
+    let multiplexer = scratch.multiplexer;
+    bench.write(multiplexer, &scratch.value)?;
+    let payload = Payload::Segmented(u32::try_from(scratch.value.len()).unwrap_or(u32::MAX));
+    let request = Request::InitiateDownload { multiplexer, payload };
+    let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;
+    reply.expect("confirmation", |response| *response == Response::InitiateDownload { multiplexer }).or_inconclusive()
+}
+
+/// A download segment of up to seven bytes.
+pub(super) fn segment(toggle: bool, data: &[u8], last: bool) -> Result<Request, Stop> {
+    Segment::new(toggle, data, last).map(Request::DownloadSegment).ok_or_else(|| {
+        Stop::Error(Reason::new("the tester builds a segment", "up to 7 bytes", format!("{}", data.len())))
+    })
+}
+
+/// Sends a download segment whose confirmation is not the matter of the case.
+pub(super) fn confirmed_segment(bench: &mut Bench<'_>, toggle: bool, data: &[u8], last: bool) -> Judged {
+    let reply = bench.exchange(&segment(toggle, data, last)?, "download segment")?;
+    let is_right = |response: &Response| *response == Response::DownloadSegment { toggle };
+    reply.expect("its confirmation", is_right).or_inconclusive()
+}
+
+/// Asks for the other segments of an upload, of which `data` has come, and demands the whole value.
+pub(super) fn finish_upload(
+    bench: &mut Bench<'_>,
+    multiplexer: Multiplexer,
+    mut data: Vec<u8>,
+    mut toggle: bool,
+    right: &[u8],
+) -> Judged {
+    loop {
+        let reply = bench.exchange(&Request::UploadSegment { toggle }, "request for the next segment of the upload")?;
+        let is_next = |response: &Response| matches!(response, Response::UploadSegment(next) if next.toggle == toggle);
+        reply.expect("the segment, with the toggle bit of its request", is_next)?;
+        let Some(Response::UploadSegment(next)) = reply.response else { return Ok(()) };
+        data.extend_from_slice(next.data());
+        if next.last || data.len() > right.len() {
+            break;
+        }
+        toggle = !toggle;
+    }
+    bench.check(demand(data == right, || {
+        Breach::new(multiplexer, "the segments of an upload give the whole value, each byte once")
+            .expected(Observation::Value(right.to_vec()))
+            .found(Observation::Value(data))
+    }))
+}

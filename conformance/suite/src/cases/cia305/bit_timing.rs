@@ -1,0 +1,106 @@
+//! Configuration and activation of the bit timing (CiA 305, 6.4.3 and 6.4.4).
+
+use super::dialogue::{breach, configure, exchange, expect_error, wait};
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, MASTER_CAN_ID, Request, Response};
+use canvass_bus::observation::Observation;
+use canvass_traces::Duration;
+
+/// Bit rates of the standard table that the description names are confirmed; all others are refused with error 1.
+#[case(id = "305/bit-timing/table", clause = "CiA 305 6.4.3", confidence = Attested, level = Must,
+       needs = [Lss, Alone, Description], touches = [BitRate], catches = [LssBitTimingRefused])]
+fn table(bench: &mut Bench<'_>) -> Judged {
+    let rates: Vec<u32> = bench.target().description.as_ref().map_or_else(Vec::new, |description| {
+        description.device.bit_rates.iter().map(|kbit| u32::from(*kbit) * 1_000).collect()
+    });
+    let current = bench.bit_rate();
+    configure(bench)?;
+    let mut answers = Vec::new();
+    for index in (0..=8_u8).filter(|&index| index != 5) {
+        answers.push((index, exchange(bench, Request::ConfigureBitTiming { table: 0, index })?));
+    }
+    leave_bit_rate(bench, current)?;
+    let is_refused = |answer: &Option<Response>| {
+        matches!(answer, Some(Response::Configured { command: ConfigureCommand::BitTiming, error: 1, .. }))
+    };
+    // Who has one bit rate only has nothing to configure, and may refuse that one too.
+    if rates.len() == 1 && answers.iter().all(|(_, answer)| is_refused(answer)) {
+        return Ok(());
+    }
+    bench.each(answers, |bench, (index, answer)| {
+        let rate = BIT_RATES.get(usize::from(index)).copied().flatten();
+        let has = rate.is_some_and(|rate| rates.contains(&rate));
+        let what = format!("bit timing {index} of table 0, which the device {},", if has { "has" } else { "has not" });
+        bench.check(expect_error(&what, ConfigureCommand::BitTiming, &[u8::from(!has)], answer))
+    })
+}
+
+/// Reserved rows and tables of bit timings are refused with error 1.
+#[case(id = "305/bit-timing/reserved", clause = "CiA 305 6.4.3", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [BitRate], catches = [LssBitTimingUnchecked, LssBitTimingWrongCode])]
+fn reserved(bench: &mut Bench<'_>) -> Judged {
+    let current = bench.bit_rate();
+    configure(bench)?;
+    bench.each([(0, 5), (0, 10), (0, 255), (1, 0), (127, 0)], |bench, (table, index)| {
+        let answer = exchange(bench, Request::ConfigureBitTiming { table, index })?;
+        let what = format!("the reserved bit timing {index} of table {table}");
+        bench.check(expect_error(&what, ConfigureCommand::BitTiming, &[1], answer))
+    })?;
+    leave_bit_rate(bench, current)
+}
+
+fn index_of(rate: Option<u32>) -> Option<u8> {
+    let index = BIT_RATES.iter().position(|known| known.is_some() && *known == rate);
+    index.and_then(|index| u8::try_from(index).ok())
+}
+
+/// Replaces what is pending by the bit rate in use, and ends configuration.
+fn leave_bit_rate(bench: &mut Bench<'_>, current: Option<u32>) -> Result<(), Stop> {
+    if let Some(index) = index_of(current) {
+        exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
+    }
+    wait(bench)
+}
+
+/// Activate bit timing makes the slave silent for its delay, twice: before and after the change.
+#[case(id = "305/bit-timing/activate", clause = "CiA 305 6.4.4", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [BitRate], catches = [LssActivatesAtOnce])]
+fn activate(bench: &mut Bench<'_>) -> Judged {
+    const DELAY_MS: u16 = 300;
+    let delay = Duration::from_millis(u64::from(DELAY_MS));
+    let Some(index) = index_of(bench.bit_rate()) else {
+        let found = bench.bit_rate().map_or_else(|| "it is not known".to_owned(), |rate| format!("{rate} bit/s"));
+        let reason = Reason::new("the bit rate of the bus is in table 0", "one of CiA 305", found);
+        return Err(Stop::NotApplicable(reason));
+    };
+    // The rate that is in use: nobody has to follow.
+    bench.show_state()?;
+    configure(bench)?;
+    let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
+    if matches!(answer, Some(Response::Configured { command: ConfigureCommand::BitTiming, error: 1, .. })) {
+        wait(bench)?;
+        let found = "error code 1: it does not support the bit rate that it has";
+        return Err(Stop::NotApplicable(Reason::new("the bit rate can be set", "error code 0", found)));
+    }
+    expect_error("the bit timing in use", ConfigureCommand::BitTiming, &[0], answer).or_inconclusive()?;
+    bench.watch_restart();
+    bench.drain()?;
+    bench.send(&Request::ActivateBitTiming { delay: DELAY_MS }.to_frame(MASTER_CAN_ID))?;
+    // What was on its way may still come.
+    bench.listen(Duration::from_millis(20))?;
+    let heard = bench.listen(Duration::from_millis(2 * u64::from(DELAY_MS) - 40))?;
+    bench.listen(delay.times(2))?;
+    wait(bench)?;
+    bench.check(heard.first().map_or(Ok(()), |first| {
+        let breach = breach("after activate bit timing the slave is silent for twice the delay");
+        Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(first.frame))))
+    }))?;
+    let answers = bench.answers()?;
+    bench.check(demand(answers, || {
+        let breach = breach("after activate bit timing the device works on");
+        breach.expected("an SDO response").found(Observation::Silence)
+    }))
+}

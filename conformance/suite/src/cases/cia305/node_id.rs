@@ -1,0 +1,203 @@
+//! Configuration of the node-ID (CiA 305, 6.4.2).
+
+use super::dialogue::{breach, configure, exchange, expect_error, observed, set_node_id, shown, wait};
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::error_control;
+use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, Request};
+use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::observation::Observation;
+use canvass_traces::Duration;
+use std::collections::BTreeSet;
+
+/// After a boot-up: what else the device sends first belongs to its start.
+const AFTER_BOOT_UP: Duration = Duration::from_millis(100);
+
+/// A device that takes its node-ID over by itself when configuration ends does it by then.
+const RESTART: Duration = Duration::from_millis(500);
+
+/// A node-ID that nobody uses.
+pub(super) fn vacant(bench: &Bench<'_>) -> Result<u8, Stop> {
+    let none = || Stop::NotApplicable(Reason::new("a node-ID beside that of the device is free", "one", "none"));
+    bench.vacant_neighbour().ok_or_else(none)
+}
+
+/// The node-ID with which the device starts, within the time that it has to boot: the expected one, whatever the message
+/// of it says, else one with which a node started that was never heard before.
+pub(super) fn boots(bench: &mut Bench<'_>, expected: u8) -> Result<Option<u8>, Stop> {
+    let others: BTreeSet<NodeId> = bench.others().clone();
+    let mut elsewhere = None;
+    let there = bench.wait_for(bench.timing().boot_up, |record| {
+        let cob_id = record.frame.cob_id().filter(|id| id & 0x780 == error_control::CAN_ID_BASE)?;
+        let node = NodeId::of_cob_id(cob_id)?;
+        if node.raw() == expected {
+            return Some(());
+        }
+        if record.frame.data() == [0] && !others.contains(&node) {
+            elsewhere = Some(node.raw());
+        }
+        None
+    })?;
+    if let Some(node) = elsewhere {
+        bench.gives_node_id(node);
+    }
+    bench.listen(AFTER_BOOT_UP)?;
+    Ok(if there.is_some() { Some(expected) } else { elsewhere })
+}
+
+/// The device did not start with the node-ID with which it had to.
+pub(super) fn started_elsewhere(duty: impl Into<String>, expected: u8, booted: Option<u8>) -> Breach {
+    let found = booted.map_or(Observation::Silence, |node| Observation::Number(node.into()));
+    let told =
+        booted.map_or_else(|| "no boot-up message".to_owned(), |node| format!("a boot-up message of node {node}"));
+    breach(duty).expected(Observation::Number(expected.into())).found(found).told(told)
+}
+
+/// Gives the device its own node-ID, which is in use after a reset; where it does not take it, what is stored is back
+/// after reset node.
+pub(super) fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    let own = bench.node().raw();
+    configure(bench)?;
+    set_node_id(bench, own)?;
+    wait(bench)?;
+    bench.listen(RESTART)?;
+    bench.command_all(Command::RESET_COMMUNICATION)?;
+    if boots(bench, own)? != Some(own) && !bench.answers()? {
+        bench.command_all(Command::RESET_NODE)?;
+        boots(bench, own)?;
+    }
+    Ok(())
+}
+
+/// Gives the device its own node-ID and the bit rate of the bus back, and stores them where something else is stored.
+pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
+    let own = bench.node().raw();
+    let rate = BIT_RATES.iter().position(|rate| rate.is_some() && *rate == bench.bit_rate());
+    configure(bench)?;
+    set_node_id(bench, own)?;
+    if let Some(index) = rate.and_then(|index| u8::try_from(index).ok()) {
+        exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
+    }
+    if stored {
+        exchange(bench, Request::StoreConfiguration)?;
+        bench.listen(bench.timing().silence)?;
+    }
+    wait(bench)?;
+    bench.command_all(Command::RESET_COMMUNICATION)?;
+    bench.wait_for_boot_up().map(|_| ())
+}
+
+/// The node-IDs 1 and 127 and "not configured" (255) are confirmed.
+#[case(id = "305/node-id/valid", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdRefused])]
+fn valid(bench: &mut Bench<'_>) -> Judged {
+    configure(bench)?;
+    bench.each([1, 127, 255], |bench, node| {
+        let answer = exchange(bench, Request::ConfigureNodeId { node_id: node })?;
+        bench.check(expect_error(&format!("node-ID {node}"), ConfigureCommand::NodeId, &[0], answer))
+    })?;
+    own_again(bench)
+}
+
+/// Node-IDs that don't exist, 0 and 128 to 254, are refused with error code 1.
+#[case(id = "305/node-id/invalid", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdUnchecked])]
+fn invalid(bench: &mut Bench<'_>) -> Judged {
+    configure(bench)?;
+    bench.each([0, 128, 200, 254], |bench, node_id| {
+        let answer = exchange(bench, Request::ConfigureNodeId { node_id })?;
+        bench.check(expect_error(&format!("node-ID {node_id}"), ConfigureCommand::NodeId, &[1], answer))
+    })?;
+    own_again(bench)
+}
+
+/// Replaces what is pending by the node-ID that the device has, before it can come into force.
+fn own_again(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    let own = bench.node().raw();
+    set_node_id(bench, own)?;
+    wait(bench)
+}
+
+/// A new node-ID is used from the next reset communication on: the device boots with it.
+#[case(id = "305/node-id/takes-effect", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect, NmtBroadcastIgnored])]
+fn takes_effect(bench: &mut Bench<'_>) -> Judged {
+    let other = vacant(bench)?;
+    configure(bench)?;
+    set_node_id(bench, other)?;
+    wait(bench)?;
+    bench.command_all(Command::RESET_COMMUNICATION)?;
+    let booted = boots(bench, other)?;
+    let duty = "the device uses its new node-ID after reset communication";
+    bench.check(demand(booted == Some(other), || started_elsewhere(duty, other, booted)))?;
+    bench.uncancelled(back_to_own)
+}
+
+/// Before a reset the device goes on with its old node-ID.
+#[case(id = "305/node-id/pending", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdAtOnce])]
+fn pending(bench: &mut Bench<'_>) -> Judged {
+    let other = vacant(bench)?;
+    configure(bench)?;
+    set_node_id(bench, other)?;
+    wait(bench)?;
+    let restarted = bench.wait_for(RESTART, |record| {
+        let id = record.frame.cob_id()?;
+        (id & 0x780 == error_control::CAN_ID_BASE && record.frame.data() == [0]).then_some(id)
+    })?;
+    if restarted.is_some() {
+        // Some devices restart as soon as configuration is over.
+        bench.uncancelled(back_to_own)?;
+        bench.note("a new node-ID restarts the device as soon as it is in waiting");
+        let reason = Reason::new("a new node-ID waits for a reset", "no restart", "a restart after configuration");
+        return Err(Stop::NotApplicable(reason));
+    }
+    let answers = bench.answers()?;
+    bench.check(demand(answers, || {
+        let breach = breach("before a reset the device answers with its old node-ID");
+        breach.expected("an SDO response").found(Observation::Silence)
+    }))?;
+    bench.uncancelled(back_to_own)
+}
+
+/// While a new node-ID is pending, the inquiry gives the one in use.
+#[case(id = "305/node-id/inquired-pending", clause = "CiA 305 6.5.3", confidence = Attested, level = Should,
+       needs = [Lss, LssInquiry, Alone], touches = [NodeId], catches = [LssNodeIdAtOnce])]
+fn inquired_pending(bench: &mut Bench<'_>) -> Judged {
+    let other = vacant(bench)?;
+    configure(bench)?;
+    set_node_id(bench, other)?;
+    let given = exchange(bench, Request::InquireNodeId)?;
+    let own = bench.node().raw();
+    let is_own = given.is_some_and(|given| given == canvass_analyzer::wire::lss::Response::NodeId(own));
+    bench.check(demand(is_own, || {
+        breach("the node-ID in use is given while another one is pending")
+            .expected(Observation::Number(own.into()))
+            .found(observed(given))
+            .told(shown(given))
+    }))?;
+    own_again(bench)
+}
+
+/// A node-ID that was configured but not stored is lost with reset node: the device has its old one.
+#[case(id = "305/node-id/not-stored", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdStoredAtOnce])]
+fn not_stored(bench: &mut Bench<'_>) -> Judged {
+    let (own, other) = (bench.node().raw(), vacant(bench)?);
+    configure(bench)?;
+    let answer = set_node_id(bench, other)?;
+    wait(bench)?;
+    if let Err(breach) = expect_error(&format!("node-ID {other}"), ConfigureCommand::NodeId, &[0], answer) {
+        return Err(Stop::from(breach).unreached());
+    }
+    bench.listen(RESTART)?;
+    bench.command_all(Command::RESET_NODE)?;
+    let booted = boots(bench, own)?;
+    let is_back = booted == Some(own) || bench.answers()?;
+    bench.check(demand(is_back, || {
+        started_elsewhere("after reset node a node-ID that was not stored is lost", own, booted)
+    }))?;
+    if is_back { Ok(()) } else { bench.uncancelled(back_to_own) }
+}

@@ -1,0 +1,124 @@
+//! Inquiries (CiA 305, 6.5), and what holds for all services.
+
+use super::dialogue::{address, breach, configure, exchange, expect, expect_silence, parts, shown, tell, wait};
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Check, Judged, Reason, Stop, demand};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::lss::{self, Part, Request, Response};
+use canvass_bus::observation::Observation;
+use canvass_traces::Frame;
+
+/// In waiting the slave answers no inquiry; in configuration it does.
+#[case(id = "305/waiting/inquiries", clause = "CiA 305 6.5", confidence = Attested, level = Must,
+       needs = [Lss, Alone], catches = [LssAnsweredWhileWaiting])]
+fn in_waiting(bench: &mut Bench<'_>) -> Judged {
+    let inquiries = Part::ALL.map(|part| Request::Inquire { part }).into_iter().chain([Request::InquireNodeId]);
+    unanswered_in_waiting(bench, inquiries)
+}
+
+/// The services of configuration are not answered in waiting.
+#[case(id = "305/waiting/configuration", clause = "CiA 305 6.4", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId, BitRate, Nvm], catches = [LssAnsweredWhileWaiting])]
+fn configuration_in_waiting(bench: &mut Bench<'_>) -> Judged {
+    let own = Request::ConfigureNodeId { node_id: bench.node().raw() };
+    let bit_timing = Request::ConfigureBitTiming { table: 0, index: 5 };
+    unanswered_in_waiting(bench, [own, bit_timing, Request::StoreConfiguration])
+}
+
+fn unanswered_in_waiting(bench: &mut Bench<'_>, requests: impl IntoIterator<Item = Request>) -> Judged {
+    bench.each(requests, |bench, request| {
+        let answer = tell(bench, request)?;
+        bench.check(expect_silence(&format!("\"{request}\" in waiting"), answer))
+    })?;
+    // Silence means something only if the slave is there.
+    configure(bench)?;
+    wait(bench)
+}
+
+/// In configuration the four inquiries give the parts of the LSS address, which are 1018h:01 to 1018h:04.
+///
+/// A slave that answers none of the four does not have them.
+#[case(id = "305/inquiry/address", clause = "CiA 305 6.5.2", confidence = Attested, level = Must,
+       needs = [Lss, Alone], catches = [LssInquirySwapped])]
+fn inquiry(bench: &mut Bench<'_>) -> Judged {
+    let address = address(bench)?;
+    configure(bench)?;
+    let mut answers = Vec::new();
+    for (part, right) in parts(address) {
+        answers.push((part, right, exchange(bench, Request::Inquire { part })?));
+    }
+    wait(bench)?;
+    if answers.iter().all(|(_, _, answer)| answer.is_none()) {
+        let found = "in configuration it answers none of 5Ah to 5Dh";
+        return Err(Stop::NotApplicable(Reason::new(
+            "the slave has the inquiries of its address",
+            "5Ah to 5Dh",
+            found,
+        )));
+    }
+    bench.each(answers, |bench, (part, right, answer)| {
+        let what = format!("the inquiry of the {}, as 1018h has it,", part.name());
+        let expected = Observation::Number(right.into());
+        bench.check(expect(&what, expected, answer, |answer| answer == Response::Part { part, value: right }))
+    })
+}
+
+/// In configuration the inquiry of the node-ID gives the one in use.
+#[case(id = "305/inquiry/node-id", clause = "CiA 305 6.5.3", confidence = Attested, level = Must,
+       needs = [Lss, LssInquiry, Alone], catches = [LssNodeIdInquiredWrong])]
+fn inquiry_node_id(bench: &mut Bench<'_>) -> Judged {
+    configure(bench)?;
+    let answer = exchange(bench, Request::InquireNodeId)?;
+    let own = bench.node().raw();
+    let expected = Observation::Number(own.into());
+    bench.check(expect("the inquiry of the node-ID", expected, answer, |answer| answer == Response::NodeId(own)))?;
+    wait(bench)
+}
+
+/// Command specifiers that CiA 305 does not define are not answered.
+#[case(id = "305/reserved-commands", clause = "CiA 305", confidence = Unknown, level = Should,
+       needs = [Lss, Alone], catches = [LssUnknownAnswered])]
+fn reserved_commands(bench: &mut Bench<'_>) -> Judged {
+    const RESERVED: [u8; 12] = [0x00, 0x05, 0x10, 0x12, 0x14, 0x16, 0x18, 0x3F, 0x4D, 0x52, 0x5F, 0xFF];
+    configure(bench)?;
+    bench.each(RESERVED, |bench, command| {
+        let answer = tell(bench, Request::Unknown { command, tail: [0; 7] })?;
+        bench.check(expect_silence(&format!("the reserved command {command:02X}h"), answer))
+    })?;
+    wait(bench)
+}
+
+/// Every response of the slave has eight bytes, and zeros where nothing is said.
+#[case(id = "305/form", clause = "CiA 305", confidence = Unknown, level = Should,
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssShortResponse])]
+fn form(bench: &mut Bench<'_>) -> Judged {
+    configure(bench)?;
+    let own = bench.node().raw();
+    let inquiries = Part::ALL.map(|part| Request::Inquire { part });
+    let others = [Request::InquireNodeId, Request::ConfigureNodeId { node_id: own }];
+    bench.each(inquiries.into_iter().chain(others), |bench, request| {
+        bench.drain()?;
+        bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
+        let frame = bench.wait_for(bench.timing().lss, |record| {
+            (record.frame.cob_id() == Some(lss::SLAVE_CAN_ID)).then_some(record.frame)
+        })?;
+        bench.check(frame.map_or(Ok(()), |frame| expect_form(request, &frame)))
+    })?;
+    wait(bench)
+}
+
+/// Which of the services a slave answers is the matter of other cases.
+fn expect_form(request: Request, frame: &Frame) -> Check {
+    let response = Response::read(frame.data()).ok();
+    let is_clean = response.is_some_and(|response| {
+        let means_nothing =
+            matches!(response, Response::Configured { error, specific, .. } if error != 255 && specific != 0);
+        response.to_frame(lss::SLAVE_CAN_ID) == *frame && !means_nothing
+    });
+    demand(is_clean, || {
+        let breach = breach(format!("the response to \"{request}\" has eight bytes, and 0 where nothing is said"));
+        let breach = breach.expected("eight bytes, the unused ones 0").found(Observation::Frame(*frame));
+        breach.told(format!("{frame}: {}", shown(response)))
+    })
+}

@@ -1,0 +1,70 @@
+//! Storing what LSS configured (CiA 305, 6.4.5).
+
+use super::dialogue::{configure, exchange, expect_error, set_node_id, wait};
+use super::node_id::{boots, started_elsewhere, vacant};
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::wire::lss::{ConfigureCommand, Request, Response};
+use canvass_analyzer::wire::nmt::Command;
+
+/// Stores the node-ID; a device that does not store is none for the case.
+fn store(bench: &mut Bench<'_>) -> Result<(), Stop> {
+    let answer = exchange(bench, Request::StoreConfiguration)?;
+    bench.listen(bench.timing().silence)?;
+    match answer {
+        Some(Response::Configured { command: ConfigureCommand::Store, error: 1, .. }) => {
+            let duty = "the device stores what LSS configures";
+            Err(Stop::NotApplicable(Reason::new(duty, "error code 0", "error code 1: it does not support storing")))
+        }
+        // That the confirmation is missing is the matter of another case.
+        None => Ok(()),
+        answer => expect_error("store configuration", ConfigureCommand::Store, &[0], answer).or_inconclusive(),
+    }
+}
+
+/// A stored node-ID is used after reset node; the old one is stored again afterwards.
+#[case(id = "305/store/persists", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId, Nvm], catches = [LssStoreNotPersistent, NmtResetNodeKeepsParameters, NmtBroadcastIgnored])]
+fn persists(bench: &mut Bench<'_>) -> Judged {
+    let (own, other) = (bench.node().raw(), vacant(bench)?);
+    configure(bench)?;
+    set_node_id(bench, other)?;
+    if let Err(stop) = store(bench) {
+        set_node_id(bench, own)?;
+        wait(bench)?;
+        return Err(stop);
+    }
+    wait(bench)?;
+    bench.watch_restart();
+    bench.command_all(Command::RESET_NODE)?;
+    boots(bench, other)?;
+    // Only a second reset tells what was stored from what was pending.
+    bench.command_all(Command::RESET_NODE)?;
+    let booted = boots(bench, other)?;
+    let duty = "a node-ID that was stored is used after reset node";
+    bench.check(demand(booted == Some(other), || started_elsewhere(duty, other, booted)))?;
+    bench.uncancelled(|bench| {
+        configure(bench)?;
+        set_node_id(bench, own)?;
+        store(bench)?;
+        wait(bench)?;
+        bench.command_all(Command::RESET_NODE)?;
+        boots(bench, own).map(|_| ())
+    })
+}
+
+/// Store configuration is answered by success, "not supported" or a failure of the memory, however long storing takes.
+#[case(id = "305/store/answer", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [Nvm], catches = [LssStoreUnanswered])]
+fn answer(bench: &mut Bench<'_>) -> Judged {
+    configure(bench)?;
+    let sent = bench.now();
+    let answer = exchange(bench, Request::StoreConfiguration)?;
+    if answer.is_some() {
+        bench.measure("store configuration of LSS", bench.now().since(sent));
+    }
+    bench.check(expect_error("store configuration", ConfigureCommand::Store, &[0, 1, 2, 255], answer))?;
+    bench.listen(bench.timing().silence)?;
+    wait(bench)
+}

@@ -1,0 +1,126 @@
+//! Slaves without node-ID: how they are made, and what they do.
+
+use super::dialogue::{
+    address, breach, configure, exchange, expect, node_id, observed, set_node_id, shown, tell, wait,
+};
+use super::node_id::{back_to_own, started_elsewhere};
+use crate::bench::Bench;
+use crate::case;
+use crate::verdict::{Judged, Reason, Stop, demand};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::lss::{self, ConfigureCommand, Request, Response};
+use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::observation::Observation;
+use canvass_traces::Duration;
+
+/// The node-ID that says "not configured".
+const NONE: u8 = 255;
+
+/// Runs `test` while the device has no node-ID; gives it its own back afterwards, whatever came of it.
+pub(super) fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'_>, [u32; 4]) -> Judged) -> Judged {
+    let address = address(bench)?;
+    configure(bench)?;
+    let answer = set_node_id(bench, NONE)?;
+    let taken = matches!(answer, Some(Response::Configured { command: ConfigureCommand::NodeId, error: 0, .. }));
+    wait(bench)?;
+    bench.command_all(Command::RESET_COMMUNICATION)?;
+    bench.listen(Duration::from_millis(1_000))?;
+    let judged = match taken && is_without(bench)? {
+        true => test(bench, address),
+        false => Err(Stop::NotApplicable(Reason::new(
+            "the node-ID can be taken away by LSS",
+            "a device without node-ID",
+            "it keeps its node-ID",
+        ))),
+    };
+    // What happened in the case counts, not that the device can't be configured after it.
+    let configured = bench.uncancelled(back_to_own);
+    judged.and(configured)
+}
+
+/// Whether the device has no node-ID any more; a slow one is waited for until it has started.
+fn is_without(bench: &mut Bench<'_>) -> Result<bool, Stop> {
+    let deadline = bench.now() + bench.timing().boot_up;
+    while bench.now() < deadline {
+        if tell(bench, Request::IdentifyNonConfigured)? == Some(Response::NonConfigured) {
+            return Ok(true);
+        }
+        if bench.answers()? {
+            // It may say that it has no node-ID, and answer SDOs all the same: that is the matter of a case.
+            configure(bench)?;
+            let is_without = node_id(bench)? == Some(NONE);
+            wait(bench)?;
+            return Ok(is_without);
+        }
+    }
+    Ok(true)
+}
+
+/// A device without node-ID is silent but for LSS: no boot-up message, no SDO.
+#[case(id = "305/unconfigured/silent", clause = "CiA 305", confidence = Unknown, level = Must,
+       needs = [Lss, Alone], touches = [NodeId], catches = [UnconfiguredNodeBoots])]
+fn silent(bench: &mut Bench<'_>) -> Judged {
+    unconfigured(bench, |bench, _| {
+        bench.command_all(Command::RESET_NODE)?;
+        let mut heard = None;
+        bench.wait_for(Duration::from_millis(1_500), |record| {
+            heard = heard.or(Some(record.frame));
+            None::<()>
+        })?;
+        bench.check(heard.map_or(Ok(()), |frame| {
+            let breach = breach("a device without node-ID sends nothing after a reset");
+            Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(frame))))
+        }))?;
+        let answers = bench.answers()?;
+        bench.check(demand(!answers, || {
+            let breach = breach("a device without node-ID answers no SDO request");
+            breach.expected(Observation::Silence).found(Observation::named("an SDO response"))
+        }))
+    })
+}
+
+/// A device without node-ID answers the search for such devices by 50h.
+#[case(id = "305/unconfigured/identify", clause = "CiA 305 6.6.4", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssIdentifyUnanswered])]
+fn identify(bench: &mut Bench<'_>) -> Judged {
+    unconfigured(bench, |bench, _| {
+        let answer = exchange(bench, Request::IdentifyNonConfigured)?;
+        let expected = observed(Some(Response::NonConfigured));
+        bench.check(expect("the search for slaves without node-ID", expected, answer, |answer| {
+            answer == Response::NonConfigured
+        }))
+    })
+}
+
+/// A device that gets a node-ID by LSS boots with it when configuration ends.
+#[case(id = "305/unconfigured/boots", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId], catches = [UnconfiguredNodeIdWaits, BootUpMissing, BootUpWrongData])]
+fn boots(bench: &mut Bench<'_>) -> Judged {
+    unconfigured(bench, |bench, _| {
+        let own = bench.node().raw();
+        configure(bench)?;
+        set_node_id(bench, own)?;
+        bench.watch_restart();
+        bench.drain()?;
+        bench.send(&Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
+        let boot_up = bench.wait_for_boot_up()?;
+        bench.check(demand(boot_up.is_some(), || {
+            started_elsewhere("a device that had no node-ID boots with the one that it got", own, None)
+        }))
+    })
+}
+
+/// The inquiry of the node-ID of a device without one gives 255.
+#[case(id = "305/unconfigured/inquiry", clause = "CiA 305 6.5.3", confidence = Attested, level = Should,
+       needs = [Lss, LssInquiry, Alone], touches = [NodeId], catches = [LssNodeIdInquiredWrong])]
+fn inquiry(bench: &mut Bench<'_>) -> Judged {
+    unconfigured(bench, |bench, _| {
+        configure(bench)?;
+        let given = exchange(bench, Request::InquireNodeId)?;
+        wait(bench)?;
+        bench.check(demand(given == Some(Response::NodeId(NONE)), || {
+            let breach = breach("a device without node-ID says so").expected(Observation::Number(NONE.into()));
+            breach.found(observed(given)).told(shown(given))
+        }))
+    })
+}

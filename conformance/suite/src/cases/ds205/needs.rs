@@ -1,0 +1,27 @@
+//! What the cases of CiA DS-205 need.
+
+use super::configuration::{configure_own, configure_own_rate};
+use super::dialogue::{in_configuration, is_configuring, tell};
+use crate::need::Need;
+use canvass_analyzer::wire::lmt::Request;
+
+/// Layer management: the slave answers an inquiry in configuration. It is led back to operation.
+pub static LMT: Need = Need::new("lmt", "layer management (LMT)", |bench| {
+    let described = bench.target().description.as_ref();
+    if described.is_some_and(|description| description.device.lss_supported) {
+        return Ok(Err("the description says that the device has LSS".to_owned()));
+    }
+    tell(bench, Request::SwitchGlobal { mode: 1 })?;
+    let answers = is_configuring(bench)?;
+    tell(bench, Request::SwitchGlobal { mode: 0 })?;
+    Ok(match answers {
+        true => Ok(()),
+        false => Err("no LMT slave answers an inquiry".to_owned()),
+    })
+})
+.rescued_by(|bench, _| {
+    in_configuration(bench, |bench| {
+        configure_own(bench)?;
+        configure_own_rate(bench)
+    })
+});

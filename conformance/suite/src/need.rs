@@ -1,0 +1,194 @@
+//! What a case needs of the device or the bus: a feature with its words and its check, in one item.
+//!
+//! The items stand beside the cases that use them; [`needs`](crate::needs) names all of them.
+
+use crate::bench::Bench;
+use crate::case::{Case, Level};
+use crate::verdict::{Reason, Stop};
+use std::fmt;
+
+/// A feature of the device or the bus without which a case is not applicable.
+pub struct Need {
+    /// Stable and textual: `visible-state`.
+    pub id: &'static str,
+    text: &'static str,
+    check: fn(&mut Bench<'_>) -> Result<Met, Stop>,
+    fleeting: bool,
+    rescue: Option<Rescue>,
+}
+
+/// Whether a need is met; if not, why not.
+pub type Met = Result<(), String>;
+
+/// What puts a device right after a case that could not go on; `true` if the case stored something.
+pub type Rescue = fn(&mut Bench<'_>, bool) -> Result<(), Stop>;
+
+/// What asking for a need led to. Kept for the run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Found {
+    /// The device has it, or says why not.
+    Known(Met),
+    /// The device answered neither as one that has it nor as one that does not: that case reports the breach.
+    Broken { why: Reason, reported_in: &'static str },
+}
+
+impl Need {
+    /// A need that is asked for once in a run: `text` says what the device or the bus would have to have.
+    ///
+    /// The check asks the description and the device. Absent is what the description leaves out and what the device
+    /// answers as CiA 301 lets one answer that does not have it; any other answer to a right request is returned as the
+    /// breach that it is.
+    pub(crate) const fn new(
+        id: &'static str,
+        text: &'static str,
+        check: fn(&mut Bench<'_>) -> Result<Met, Stop>,
+    ) -> Self {
+        Self { id, text, check, fleeting: false, rescue: None }
+    }
+
+    /// What was met before one case may not be met before the next: it is asked for each time.
+    #[must_use]
+    pub(crate) const fn fleeting(self) -> Self {
+        Self { fleeting: true, ..self }
+    }
+
+    /// Cases with this need may leave a device that has to be put right.
+    #[must_use]
+    pub(crate) const fn rescued_by(self, rescue: Rescue) -> Self {
+        Self { rescue: Some(rescue), ..self }
+    }
+
+    /// What the device or the bus would have to have.
+    pub const fn text(&self) -> &'static str {
+        self.text
+    }
+
+    pub(crate) const fn rescue(&self) -> Option<Rescue> {
+        self.rescue
+    }
+}
+
+impl Case {
+    /// Whether the case needs that.
+    pub fn requires(&self, need: &Need) -> bool {
+        self.needs.contains(&need)
+    }
+
+    /// Sees that the case has all that it needs.
+    ///
+    /// # Errors
+    /// [`Stop::NotApplicable`] if the device lacks something. [`Stop::Breach`] if it refuses what it has to have or to
+    /// say that it has not; a breach of that kind is reported by the first case that meets it, the others are
+    /// [`Stop::Inconclusive`]. A case of [`Level::Open`] reports none.
+    pub(crate) fn require(&self, bench: &mut Bench<'_>) -> Result<(), Stop> {
+        for &need in self.needs {
+            if let Err(why) = self.ask(bench, need)? {
+                return Err(Stop::NotApplicable(Reason::new("the case has what it needs", need.text, why)));
+            }
+        }
+        Ok(())
+    }
+
+    fn ask(&self, bench: &mut Bench<'_>, need: &Need) -> Result<Met, Stop> {
+        match bench.known(need).cloned() {
+            Some(Found::Known(met)) if !need.fleeting => return Ok(met),
+            Some(Found::Broken { why, reported_in }) if reported_in != self.id => {
+                let actual = format!("{}, as {reported_in} reports", why.actual);
+                return Err(Stop::Inconclusive(Reason { actual, ..why }));
+            }
+            _ => {}
+        }
+        let met = match bench.unjudged(need.check) {
+            Err(Stop::NotApplicable(reason)) => Err(reason.actual),
+            Err(Stop::Breach(breach)) if self.level != Level::Open => {
+                let why = Reason::from(&*breach);
+                bench.learned(need, Found::Broken { why, reported_in: self.id });
+                return Err(Stop::Breach(breach));
+            }
+            other => other.map_err(Stop::unreached)?,
+        };
+        bench.learned(need, Found::Known(met.clone()));
+        Ok(met)
+    }
+}
+
+impl PartialEq for Need {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
+impl Eq for Need {}
+
+impl fmt::Debug for Need {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::catalogue;
+    use crate::scripted::{frame, with_bench};
+    use canvass_bus::observation::Observation;
+    use canvass_traces::{Duration, Frame};
+    use std::collections::BTreeMap;
+
+    #[test]
+    fn every_need_has_an_id_and_words_of_its_own() {
+        let mut texts = BTreeMap::new();
+        for need in catalogue::cases().into_iter().flat_map(|case| case.needs) {
+            let known = *texts.entry(need.id).or_insert(need.text());
+            assert_eq!(known, need.text(), "{need:?}");
+        }
+        let distinct: std::collections::BTreeSet<_> = texts.values().collect();
+        assert!(texts.len() > 50 && distinct.len() == texts.len());
+    }
+
+    /// A device with a name of 14 bytes, which answers an initiate of a block upload so.
+    fn with_block_answer(answer: &'static str) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> {
+        move |request| {
+            let answer = match request.to_string().get(..10).unwrap_or_default() {
+                "63F#400810" => "5BF#410810000E000000",
+                "63F#A40810" => answer,
+                "63F#600000" => "5BF#0043414E6F706E73",
+                "63F#700000" => "5BF#1143414E6F706E73",
+                _ => return Vec::new(),
+            };
+            vec![(Duration::from_millis(1), frame(answer))]
+        }
+    }
+
+    /// The outcomes of two cases that need block uploads, one after the other; the first is open.
+    fn outcomes(answer: &'static str) -> [Result<(), Stop>; 3] {
+        const NEEDS: &[&Need] = &[&crate::needs::BLOCK_UPLOAD];
+        let needs = |level| {
+            let like = catalogue::find("301/sdo/block-upload/sized");
+            let like = like.or_else(|| catalogue::cases().into_iter().find(|case| case.id.contains("/block-upload/")));
+            Case { level, needs: NEEDS, ..*like.unwrap() }
+        };
+        let (open, must) = (needs(Level::Open), needs(Level::Must));
+        let other = Case { id: "301/other", ..must };
+        with_bench(with_block_answer(answer), |bench| [open, must, other].map(|case| case.require(bench)))
+    }
+
+    #[test]
+    fn only_what_the_standard_gives_for_absent_is_absence() {
+        for outcome in outcomes("5BF#8008100001000405") {
+            assert!(matches!(outcome, Err(Stop::NotApplicable(_))), "{outcome:?}");
+        }
+        assert!(outcomes("5BF#C60810000E000000").iter().all(Result::is_ok));
+    }
+
+    /// 0607 0013h to a right request says nothing of absence: it is a breach, of one case.
+    #[test]
+    fn any_other_refusal_is_a_breach_and_reported_once() {
+        let [open, must, other] = outcomes("5BF#8008100013000706");
+        assert!(matches!(open, Err(Stop::Inconclusive(_))), "{open:?}");
+        let Err(Stop::Breach(breach)) = must else { panic!("{must:?}") };
+        assert_eq!(breach.actual, Observation::Abort(canvass_analyzer::wire::sdo::AbortCode(0x0607_0013)));
+        let Err(Stop::Inconclusive(reason)) = other else { panic!("{other:?}") };
+        assert!(reason.actual.contains("block-upload"), "{reason}");
+    }
+}

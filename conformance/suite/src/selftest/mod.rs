@@ -1,0 +1,276 @@
+//! The tester is tested: every case on every fault, and on every model without one.
+//!
+//! A fault is put into the firmware of the model that its row names, and every case runs against a device of its own.
+//! A fault is detected if a case that names it fails. A case that fails without naming the fault must at least belong
+//! to the chapter of one that does: else it judges something that it is not about.
+
+mod masking;
+
+pub use masking::{Masked, Masking};
+
+use crate::bench::{Bench, Knowledge, Options, Target};
+use crate::case::{Case, Level, Touch};
+use crate::catalogue;
+use crate::runner::{CaseReport, run_case};
+use crate::verdict::{Grade, Kind, Reason, Verdict};
+use canvass_analyzer::NodeId;
+use canvass_bus::SimulatedBus;
+use canvass_device::models::Model;
+use canvass_device::{Device, Motion};
+use canvass_device::{Fault, Faults};
+use canvass_traces::Record;
+use std::collections::BTreeSet;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
+
+/// How many cells of the matrix are filled.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Extent {
+    /// All.
+    Whole,
+    /// Those of the faults with the cases that name them, and of the others one in so many, evenly spread.
+    OneIn(usize),
+}
+
+impl Extent {
+    fn contains(self, fault: Fault, number: usize, case: &Case) -> bool {
+        match self {
+            Self::Whole => true,
+            Self::OneIn(n) => case.catches.contains(&fault) || (number + fault as usize).is_multiple_of(n.max(1)),
+        }
+    }
+}
+
+/// The outcome of the selftest.
+#[derive(Clone, Debug, Default)]
+pub struct Matrix {
+    /// One row for each fault, in the order of their definition.
+    pub faults: Vec<FaultRow>,
+    /// One row for each model without fault.
+    pub models: Vec<ModelRow>,
+    /// Whether what manuals document hides a fault.
+    pub masking: Masking,
+    /// The cases that ran.
+    pub cases: Vec<&'static Case>,
+}
+
+/// What the cases made of a fault.
+#[derive(Clone, Debug)]
+pub struct FaultRow {
+    /// The fault.
+    pub fault: Fault,
+    /// The model whose firmware had it.
+    pub model: &'static str,
+    /// The cases that failed.
+    pub failed: Vec<&'static Case>,
+    /// Cases that name the fault and did not fail, each with its verdict.
+    pub missed: Vec<(&'static Case, Kind)>,
+    /// Cases that failed and are no kin of those that name the fault.
+    pub unrelated: Vec<&'static Case>,
+}
+
+/// What the cases made of a model without fault.
+#[derive(Clone, Debug)]
+pub struct ModelRow {
+    /// The model.
+    pub model: &'static str,
+    /// How many cases ran to an end.
+    pub executed: usize,
+    /// The cases that failed, or could not be judged, or in which the tester failed.
+    pub alarms: Vec<(&'static Case, Kind, Reason)>,
+}
+
+impl FaultRow {
+    /// Whether a case that names the fault failed.
+    pub fn is_detected(&self) -> bool {
+        self.failed.iter().any(|case| case.catches.contains(&self.fault))
+    }
+}
+
+impl Matrix {
+    /// How many faults were detected.
+    pub fn detected(&self) -> usize {
+        self.faults.iter().filter(|row| row.is_detected()).count()
+    }
+
+    /// How many cases failed on a model without fault, or on a fault that is no business of theirs.
+    pub fn false_alarms(&self) -> usize {
+        let unrelated: usize = self.faults.iter().map(|row| row.unrelated.len()).sum();
+        let alarms: usize = self.models.iter().map(|row| row.alarms.len()).sum();
+        unrelated + alarms
+    }
+
+    /// The cases that failed on no fault.
+    pub fn vacuous_cases(&self) -> Vec<&'static Case> {
+        let failed: BTreeSet<&str> = self.faults.iter().flat_map(|row| &row.failed).map(|case| case.id).collect();
+        self.cases.iter().copied().filter(|case| !failed.contains(case.id)).collect()
+    }
+
+    /// Whether every fault was detected, every case detects one, no case misses a fault that it names, and there was no
+    /// false alarm.
+    pub fn is_good(&self) -> bool {
+        self.detected() == self.faults.len()
+            && self.false_alarms() == 0
+            && self.vacuous_cases().is_empty()
+            && self.masking.masked.is_empty()
+            && self.faults.iter().all(|row| row.missed.is_empty())
+    }
+}
+
+/// Runs the cases on the faults and, without fault, on the models. On as many threads as the computer has cores.
+///
+/// The order of the rows does not depend on the threads.
+pub fn run(cases: &[&'static Case], faults: &[Fault], models: &[&'static Model], extent: Extent) -> Matrix {
+    let mut order: Vec<Fault> = faults.to_vec();
+    order.sort_unstable();
+    let fault_rows = in_parallel(&order, |fault| fault_row(*fault, cases, extent));
+    let model_rows = in_parallel(models, |model| model_row(model, cases));
+    let mut masking = Masking::default();
+    // The models whose manuals announce something.
+    let deviating: Vec<_> = models.iter().copied().filter(|model| !model.deviations().is_empty()).collect();
+    in_parallel(&deviating, |model| masking::of_model(model, cases, &order))
+        .into_iter()
+        .for_each(|one| masking.add(one));
+    let faults = fault_rows.into_iter().flatten().collect();
+    Matrix { faults, models: model_rows, masking, cases: cases.to_vec() }
+}
+
+/// The faults that the cases name.
+pub fn named_by(cases: &[&'static Case]) -> Vec<Fault> {
+    let named: BTreeSet<Fault> = cases.iter().flat_map(|case| case.catches).copied().collect();
+    named.into_iter().collect()
+}
+
+/// A case about what the standard leaves open fails nobody: it detects a fault by what it records.
+fn records(case: &Case, verdict: &Verdict) -> bool {
+    case.level == Level::Open && verdict.breaches().iter().any(|ruled| ruled.breach.grade == Grade::Open)
+}
+
+/// `None` if the fault's model does not exist.
+fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<FaultRow> {
+    let model = Model::by_id(fault.model())?;
+    let named = catalogue::cases().into_iter().filter(|case| case.catches.contains(&fault));
+    let relatives: BTreeSet<&str> = named.map(chapter).collect();
+    let mut row = FaultRow { fault, model: model.id(), failed: Vec::new(), missed: Vec::new(), unrelated: Vec::new() };
+    let target = Target::with_faults(model, node_of(model), fault.into());
+    let mut knowledge = Knowledge::default();
+    for (n, &case) in cases.iter().enumerate() {
+        if !extent.contains(fault, n, case) {
+            continue;
+        }
+        let verdict = judge_knowing(case, model, fault.into(), &target, &mut knowledge).verdict;
+        let kind = verdict.kind();
+        if kind == Kind::Fail || records(case, &verdict) {
+            row.failed.push(case);
+            if !relatives.contains(chapter(case)) {
+                row.unrelated.push(case);
+            }
+        } else if case.catches.contains(&fault) {
+            row.missed.push((case, kind));
+        }
+    }
+    Some(row)
+}
+
+fn model_row(model: &'static Model, cases: &[&'static Case]) -> ModelRow {
+    let mut row = ModelRow { model: model.id(), executed: 0, alarms: Vec::new() };
+    let target = Target::of(model, node_of(model));
+    let mut knowledge = Knowledge::default();
+    for &case in cases {
+        let verdict = judge_knowing(case, model, Faults::NONE, &target, &mut knowledge).verdict;
+        let kind = verdict.kind();
+        row.executed += usize::from(kind.is_executed());
+        if matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) {
+            row.alarms.push((case, kind, verdict.reason().unwrap_or_default()));
+        }
+    }
+    row
+}
+
+/// Runs one case, with everything allowed, on a new device of that model with those faults.
+pub fn judge(case: &'static Case, model: &'static Model, faults: Faults) -> CaseReport {
+    let target = Target::with_faults(model, node_of(model), faults);
+    judge_target(case, model, faults, &target)
+}
+
+/// That of delivery. A device without one as delivered has been given one.
+fn node_of(model: &Model) -> NodeId {
+    model.default_node().unwrap_or(GIVEN_NODE)
+}
+
+const GIVEN_NODE: NodeId = NodeId::MAX;
+
+/// Where the shaft stands, in steps of the physical resolution.
+const REST: i64 = 0x4CBA;
+
+/// How fast it turns where a case needs that, in thousandths of a revolution per minute.
+const TURNING: i64 = 30_000;
+
+/// As [`judge`], with what the tester is to know of the device.
+pub fn judge_target(case: &'static Case, model: &'static Model, faults: Faults, target: &Target) -> CaseReport {
+    judge_knowing(case, model, faults, target, &mut Knowledge::default())
+}
+
+/// As [`judge_target`], with what the cases before found out about the device; what this one finds out is added.
+fn judge_knowing(
+    case: &'static Case,
+    model: &'static Model,
+    faults: Faults,
+    target: &Target,
+    knowledge: &mut Knowledge,
+) -> CaseReport {
+    let mut bus = SimulatedBus::new(model.default_bit_rate());
+    let motion = Motion::constant(REST, if case.requires(&crate::needs::TURNING_SHAFT) { TURNING } else { 0 });
+    bus.attach(Box::new(Device::with_motion(model, Some(target.node), faults, 0, motion)));
+    let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
+    let cancel = AtomicBool::new(false);
+    let mut annotate = |_: &Record| String::new();
+    let mut bench = Bench::new(&mut bus, target, &options, &mut annotate, &cancel);
+    bench.learn(std::mem::take(knowledge));
+    let report = run_case(&mut bench, case);
+    *knowledge = bench.into_knowledge();
+    report
+}
+
+/// What a case is about, by the services that can't be told apart from outside: a device shows its NMT state by its
+/// heartbeats, and its objects by its SDO server. A fault of one of them shows in the cases of all.
+fn chapter(case: &'static Case) -> &'static str {
+    match case.family() {
+        "301/nmt"
+        | "301/boot-up"
+        | "301/state"
+        | "301/heartbeat"
+        | "301/heartbeat-consumer"
+        | "301/guarding"
+        | "301/error-behaviour" => "network management",
+        "301/sdo" | "301/dictionary" | "301/identity" | "301/description" => "object dictionary",
+        "301/pdo" | "301/tpdo" | "301/rpdo" | "301/sync" => "process data",
+        "301/emcy" | "301/error-history" | "301/error-register" => "emergencies",
+        "301/store" | "301/restore" => "non-volatile memory",
+        family => family.split('/').next().filter(|standard| *standard != "301").unwrap_or(family),
+    }
+}
+
+/// The results in the order of the items, whatever thread works on which.
+fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let threads = std::thread::available_parallelism().map_or(1, usize::from).min(items.len().max(1));
+    let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(items.len())));
+    std::thread::scope(|scope| {
+        for _ in 0..threads {
+            scope.spawn(|| {
+                while let Some((at, item)) = take(&next, items) {
+                    let result = work(item);
+                    results.lock().unwrap_or_else(PoisonError::into_inner).push((at, result));
+                }
+            });
+        }
+    });
+    let mut results = results.into_inner().unwrap_or_else(PoisonError::into_inner);
+    results.sort_unstable_by_key(|(at, _)| *at);
+    results.into_iter().map(|(_, result)| result).collect()
+}
+
+fn take<'a, T>(next: &AtomicUsize, items: &'a [T]) -> Option<(usize, &'a T)> {
+    let at = next.fetch_add(1, Ordering::Relaxed);
+    items.get(at).map(|item| (at, item))
+}

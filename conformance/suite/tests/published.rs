@@ -1,0 +1,53 @@
+//! Devices as descriptions of other makers have them, of several profiles: what the description alone makes of a simulated
+//! device fails no case.
+
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
+use canvass_device::Faults;
+use canvass_device::models::Model;
+use canvass_suite::bench::Target;
+use canvass_suite::catalogue;
+use canvass_suite::selftest::judge_target;
+use canvass_suite::verdict::Kind;
+
+/// Runs every case with everything allowed; what is wrong must be what is expected, each with its case.
+fn check(eds: &[u8], expected: &[(&str, Kind)]) {
+    let model: &'static Model = Box::leak(Box::new(Model::generic("published.eds", eds).unwrap()));
+    let target = Target::of(model, model.default_node().unwrap());
+    let mut wrong = Vec::new();
+    for case in catalogue::cases() {
+        let report = judge_target(case, model, Faults::NONE, &target);
+        let kind = report.verdict.kind();
+        if matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) && !expected.contains(&(case.id, kind)) {
+            let reason = report.verdict.reason().map(|reason| reason.to_string()).unwrap_or_default();
+            wrong.push(format!("{}: {kind}: {reason}", case.id));
+        }
+    }
+    assert!(wrong.is_empty(), "{}:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// CiA 401; one-digit hours in the file's dates; eight mapping entries of which two are used.
+#[test]
+fn digital_inputs_and_outputs() {
+    check(include_bytes!("published/io-module.eds"), &[]);
+}
+
+/// CiA 402; an inhibit time above the event timer, PDOs that are off, limits, lists out of order.
+#[test]
+fn a_drive() {
+    check(include_bytes!("published/drive.eds"), &[]);
+}
+
+/// CiA 406, without anything of a manufacturer.
+#[test]
+fn a_plain_encoder() {
+    check(include_bytes!("published/plain-encoder.eds"), &[]);
+}
+
+/// A TPDO that is on and maps nothing, an identity without defaults, a parameter that must not be touched (ObjFlags), names
+/// in Latin-1, comments after values.
+#[test]
+fn a_device_with_little() {
+    check(include_bytes!("published/bare.eds"), &[]);
+}
