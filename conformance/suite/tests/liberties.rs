@@ -1,29 +1,14 @@
 //! Where the catalogue was once stricter than the text: what the standard leaves free, on a device that makes use of it.
 
-use canvass_bus::SimulatedBus;
+use canvass_device::Liberty;
 use canvass_device::models::Model;
-use canvass_device::{Device, Firmware, Liberties, Liberty, Motion};
-use canvass_suite::bench::{Bench, Options, Target};
-use canvass_suite::case::Touch;
-use canvass_suite::catalogue;
-use canvass_suite::runner::{CaseReport, run_case};
+use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
-use canvass_traces::Record;
-use std::sync::atomic::AtomicBool;
+use canvass_suite::{catalogue, selftest};
 
 /// How a case ends on a device that takes a liberty, with everything allowed.
 fn judge(id: &str, liberty: Liberty) -> CaseReport {
-    let model = Model::by_id(liberty.model()).unwrap();
-    let node = model.default_node().unwrap();
-    let target = Target::of(&model.taking(Liberties::from(liberty)), node);
-    let mut bus = SimulatedBus::new(model.default_bit_rate());
-    let firmware = Firmware::from(liberty);
-    bus.attach(Box::new(Device::with_motion(model, Some(node), firmware, 0, Motion::constant(0, 0))));
-    let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
-    let cancel = AtomicBool::new(false);
-    let mut annotate = |_: &Record| String::new();
-    let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
-    run_case(&mut bench, catalogue::find(id).unwrap())
+    selftest::judge(catalogue::find(id).unwrap(), Model::by_id(liberty.model()).unwrap(), liberty)
 }
 
 fn spared(liberty: Liberty, cases: &[&str]) {
