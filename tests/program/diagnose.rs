@@ -268,15 +268,14 @@ fn a_noisy_capture_takes_fewer_than_sixty_lines() {
     for n in 0..4_000_u64 {
         let (time, node) = (1_000 + n / 20, 2 + n % 19);
         let micros = n % 20 * 50_000;
-        match n % 5 {
-            0 => log.push_str(&format!("({time}.{micros:06}) can0 {:03X}#{:02X}503F0000000000\n", 0x80 + node, n % 7)),
-            1 => log.push_str(&format!("({time}.{micros:06}) can0 {:03X}#00\n", 0x700 + node)),
-            2 => {
-                log.push_str(&format!("({time}.{micros:06}) can0 {:03X}#8000{:02X}0002000106\n", 0x580 + node, n % 97))
-            }
-            3 => log.push_str(&format!("({time}.{micros:06}) can0 {:03X}#4000100000000000\n", 0x600 + node)),
-            _ => log.push_str(&format!("({time}.{micros:06}) can0 000#81\n")),
-        }
+        let frame = match n % 5 {
+            0 => format!("{:03X}#{:02X}503F0000000000", 0x80 + node, n % 7),
+            1 => format!("{:03X}#00", 0x700 + node),
+            2 => format!("{:03X}#8000{:02X}0002000106", 0x580 + node, n % 97),
+            3 => format!("{:03X}#4000100000000000", 0x600 + node),
+            _ => "000#81".to_owned(),
+        };
+        log.push_str(&format!("({time}.{micros:06}) can0 {frame}\n"));
     }
     let table = run_with_input(&["diagnose", "-"], &log).stdout;
     assert!(table.lines().count() < 60, "{} lines:\n{table}", table.lines().count());
