@@ -8,6 +8,7 @@ use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use anyhow::anyhow;
 use canvass_analyzer::Meaning;
+use canvass_analyzer::findings::InOrder;
 use canvass_analyzer::network::Network;
 use canvass_reports::decode::{CsvLines, JsonLines, Line, Lines, TableLines, TextLines, TimeStyle};
 use canvass_traces::{Record, TimeBase};
@@ -37,6 +38,9 @@ pub struct View {
     /// Show what happened instead of frames: whole SDO transfers, states, errors, layer setting, COB-IDs and mappings
     #[arg(long)]
     events: bool,
+    /// Sort frames that are out of order by up to 20 ms, as several processors or adapters leave them
+    #[arg(long, conflicts_with = "events")]
+    in_order: bool,
     /// Which time to show; JSON always has integer nanoseconds
     #[arg(long, value_enum, default_value_t)]
     time: Time,
@@ -97,8 +101,19 @@ impl View {
         let mut lines = self.lines(color);
         output.append(|buffer| lines.begin(buffer))?;
         let mut range = self.range;
+        let mut order = self.in_order.then(InOrder::default);
         while inputs.advance()?.is_some() {
-            self.show_frame(inputs.record(), &inputs, &mut network, &mut range, lines.as_mut(), output)?;
+            let Some(order) = &mut order else {
+                self.show_frame(inputs.record(), &inputs, &mut network, &mut range, lines.as_mut(), output)?;
+                continue;
+            };
+            order.push(inputs.record());
+            while let Some(record) = order.pop() {
+                self.show_frame(record, &inputs, &mut network, &mut range, lines.as_mut(), output)?;
+            }
+        }
+        while let Some(record) = order.as_mut().and_then(InOrder::flush) {
+            self.show_frame(record, &inputs, &mut network, &mut range, lines.as_mut(), output)?;
         }
         self.end(inputs)
     }

@@ -113,20 +113,20 @@ impl Args {
             if found != damages {
                 damages = found;
                 while let Some(record) = order.flush() {
-                    look_at(&record, &mut diagnosis, &mut collector, &inputs)?;
+                    look_at(record, &mut diagnosis, &mut collector, &inputs)?;
                 }
                 diagnosis.interrupted();
             }
             let record = inputs.record();
             if seen == Seen::Record && range.contains(record.timestamp) {
-                order.push(record.clone());
+                order.push(record);
                 while let Some(record) = order.pop() {
-                    look_at(&record, &mut diagnosis, &mut collector, &inputs)?;
+                    look_at(record, &mut diagnosis, &mut collector, &inputs)?;
                 }
             }
         }
         while let Some(record) = order.flush() {
-            look_at(&record, &mut diagnosis, &mut collector, &inputs)?;
+            look_at(record, &mut diagnosis, &mut collector, &inputs)?;
         }
         diagnosis.disordered(order.disorder());
         let captures = inputs.captures();

@@ -217,3 +217,81 @@ fn simulated_devices_in_normal_operation_have_no_findings() {
         }
     }
 }
+
+/// Two frames that a kernel has handed over in the wrong order: `decode` sorts them when it is asked to, `diagnose` always.
+#[test]
+fn records_out_of_order() {
+    let log = "(1.000) can0 702#00\n(2.009) can0 602#4017100000000000\n(2.004) can0 703#05\n(3.000) can0 702#7F\n";
+    let ids = |args: &[&str]| {
+        let lines = run_with_input(&[&["decode", "-", "--format", "json"], args].concat(), log).stdout;
+        let id = |line: &str| serde_json::from_str::<Value>(line).unwrap()["id"].as_u64().unwrap();
+        lines.lines().map(id).collect::<Vec<_>>()
+    };
+    assert_eq!(ids(&[]), [0x702, 0x602, 0x703, 0x702]);
+    assert_eq!(ids(&["--in-order"]), [0x702, 0x703, 0x602, 0x702]);
+    let (_, document) = json(&["diagnose", "-", "--format", "json"], log);
+    let found = document["findings"].as_array().unwrap();
+    assert!(found.iter().any(|finding| finding["rule"] == "capture/out-of-order"), "{document}");
+}
+
+/// A node drops out and restarts: the loss is the first line, what follows is below it, and nothing is lost.
+#[test]
+fn a_story_begins_with_what_must_be_known() {
+    let mut log = String::new();
+    for n in 0..20 {
+        log.push_str(&format!("({}.0) can0 701#05\n", 1_000 + n));
+        if n < 8 {
+            log.push_str(&format!("({}.1) can0 705#05\n", 1_000 + n));
+        }
+    }
+    log.push_str("(1020.0) can0 705#00\n");
+    let table = run_with_input(&["diagnose", "-"], &log).stdout;
+    let first = table.lines().next().unwrap();
+    assert!(first.contains("node 5") && first.contains("nodes/lost"), "{table}");
+    assert!(table.contains("then at 20.000000 s: node 5: boot-up without a reset command"), "{table}");
+    let (_, document) = json(&["diagnose", "-", "--format", "json"], &log);
+    let story = &document["stories"][0];
+    let rule = |at: &Value| document["findings"][at.as_u64().unwrap() as usize]["rule"].clone();
+    assert_eq!(rule(&story["findings"][0]), "nodes/lost");
+    assert_eq!(rule(&story["consequences"][0]["findings"][0]), "nodes/boot-up-without-command");
+    assert_eq!(story["consequences"][0]["of"], story["findings"][0]);
+    let markdown = run_with_input(&["diagnose", "-", "--format", "markdown"], &log).stdout;
+    assert!(markdown.contains("This follows from: node 5, a node drops out"), "{markdown}");
+    let page = run_with_input(&["diagnose", "-", "--format", "html"], &log).stdout;
+    assert!(page.contains("follows from"), "no story in the page");
+}
+
+/// However much is wrong, the table fits on a page; `--verbose` has all.
+#[test]
+fn a_noisy_capture_takes_fewer_than_sixty_lines() {
+    let mut log = String::new();
+    for n in 0..4_000_u64 {
+        let (time, node) = (1_000 + n / 20, 2 + n % 19);
+        let micros = n % 20 * 50_000;
+        let frame = match n % 5 {
+            0 => format!("{:03X}#{:02X}503F0000000000", 0x80 + node, n % 7),
+            1 => format!("{:03X}#00", 0x700 + node),
+            2 => format!("{:03X}#8000{:02X}0002000106", 0x580 + node, n % 97),
+            3 => format!("{:03X}#4000100000000000", 0x600 + node),
+            _ => "000#81".to_owned(),
+        };
+        log.push_str(&format!("({time}.{micros:06}) can0 {frame}\n"));
+    }
+    let table = run_with_input(&["diagnose", "-"], &log).stdout;
+    assert!(table.lines().count() < 60, "{} lines:\n{table}", table.lines().count());
+    let verbose = run_with_input(&["diagnose", "-", "--verbose"], &log).stdout;
+    assert!(verbose.lines().count() > 300, "{} lines", verbose.lines().count());
+}
+
+/// A file of which half can't be read, or with both sides of a merge in it, describes no device.
+#[test]
+fn a_device_file_that_is_none_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("motor.eds");
+    std::fs::write(&path, "[DeviceInfo]\n<<<<<<< HEAD\nVendorName=a\n=======\nVendorName=b\n>>>>>>> other\n").unwrap();
+    let device = format!("5={}", path.display());
+    for command in ["decode", "diagnose"] {
+        let refused = run_with_input(&[command, "-", "--device", &device], HEALTHY);
+        assert!(refused.status == 2 && refused.stderr.contains("line 2 begins a merge conflict"), "{}", refused.stderr);
+    }
+}

@@ -4,6 +4,38 @@
 //! which channel, in which direction, and where in the file it stands. What can't be read becomes a located
 //! [`Damage`], and reading goes on.
 //!
+//! ```
+//! use canvass_traces::{Capture, ReadOptions, Reader, Source};
+//!
+//! let log = "(1700000000.000000) can0 701#05\n(1700000000.100000) can0 70\n";
+//! let mut capture = Capture::from_source("a.log", Source::from_bytes(log), &ReadOptions::default())?;
+//! let (mut frames, mut damages) = (Vec::new(), Vec::new());
+//! while let Some(next) = capture.next() {
+//!     match next {
+//!         Ok(record) => frames.push(format!("{} {}", capture.channels().name(record.channel), record.frame)),
+//!         Err(damage) => damages.push(damage.place.number),
+//!     }
+//! }
+//! assert_eq!(frames, ["can0 701#05"]);
+//! assert_eq!(damages, [2], "the second line is damaged");
+//! # Ok::<(), canvass_traces::OpenError>(())
+//! ```
+//!
+//! A [`Writer`] writes records in another format; what that can't hold is counted:
+//!
+//! ```
+//! use canvass_traces::{Channels, Format, WriteOptions, parse_frame};
+//!
+//! let mut channels = Channels::new();
+//! let mut record = parse_frame("123##5112233")?;
+//! record.channel = channels.intern("can0");
+//! let mut writer = Format::Pcapng.create(Box::new(std::io::sink()), &WriteOptions::default())?;
+//! writer.write(&record, &channels)?;
+//! writer.finish()?;
+//! assert!(writer.losses().is_empty());
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! One file per format; each describes its grammar and what is easily got wrong in its module's docs.
 
 mod bit_length;

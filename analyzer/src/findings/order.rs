@@ -4,12 +4,16 @@
 //! same time in another order. Who looks at them one after the other takes an answer for one to an earlier request.
 
 use canvass_traces::{Duration, Place, Record, Timestamp};
-use std::collections::VecDeque;
 
-/// Holds records back for a short time, and gives them out in the order of their times. Memory is bounded.
+/// Holds records back for a short time, and gives them out in the order of their times. Memory is bounded, and used
+/// again: every frame of a capture goes through here.
 #[derive(Debug, Default)]
 pub struct InOrder {
-    waiting: VecDeque<Record>,
+    /// A ring whose length is a power of two.
+    ring: Vec<Record>,
+    /// The place of the first that waits, and how many do.
+    first: usize,
+    waiting: usize,
     newest: Timestamp,
     disorder: Disorder,
 }
@@ -30,52 +34,85 @@ impl InOrder {
     pub const WINDOW: Duration = Duration::from_millis(20);
     /// So many records are held back at most.
     const MOST: usize = 8_192;
+    /// So many there is room for at first.
+    const LEAST: usize = 64;
 
     /// Takes the next record as it was read.
     #[inline]
-    pub fn push(&mut self, record: Record) {
+    pub fn push(&mut self, record: &Record) {
+        if self.waiting == self.ring.len() {
+            self.grow(record);
+        }
+        let at = self.place(self.waiting);
+        if let Some(slot) = self.ring.get_mut(at) {
+            slot.clone_from(record);
+            self.waiting += 1;
+        }
         if record.timestamp >= self.newest {
             self.newest = record.timestamp;
-            self.waiting.push_back(record);
         } else {
-            self.insert(record);
+            self.sort_in(record);
         }
     }
 
-    /// A record that is older than the one before it.
+    /// The place of the n-th that waits.
+    #[inline]
+    const fn place(&self, n: usize) -> usize {
+        (self.first + n) & self.ring.len().wrapping_sub(1)
+    }
+
+    /// Makes room for twice as many.
     #[cold]
-    fn insert(&mut self, record: Record) {
+    fn grow(&mut self, record: &Record) {
+        self.ring.rotate_left(self.first);
+        self.first = 0;
+        let length = (self.ring.len() * 2).max(Self::LEAST);
+        self.ring.resize(length, record.clone());
+    }
+
+    /// The last one is older than the one before it: it goes where it belongs.
+    #[cold]
+    fn sort_in(&mut self, record: &Record) {
         let late = self.newest.since(record.timestamp);
         if late > Self::WINDOW {
             // What is waiting comes before a step of the clock.
             self.newest = record.timestamp;
-            self.waiting.push_back(record);
             return;
         }
         self.disorder.count += 1;
         self.disorder.largest = self.disorder.largest.max(late);
         self.disorder.first.get_or_insert((record.timestamp, record.place));
-        let younger = self.waiting.iter().rev().take_while(|waiting| {
-            waiting.timestamp > record.timestamp && waiting.timestamp.since(record.timestamp) <= Self::WINDOW
-        });
-        let at = self.waiting.len() - younger.count();
-        self.waiting.insert(at, record);
+        for n in (1..self.waiting).rev() {
+            let (before, own) = (self.place(n - 1), self.place(n));
+            let ahead = self.ring.get(before).map(|waiting| waiting.timestamp).unwrap_or_default();
+            if ahead <= record.timestamp || ahead.since(record.timestamp) > Self::WINDOW {
+                break;
+            }
+            self.ring.swap(before, own);
+        }
     }
 
     /// The next record whose turn it is: none that is older can come any more.
     #[inline]
-    pub fn pop(&mut self) -> Option<Record> {
-        let first = self.waiting.front()?;
+    pub fn pop(&mut self) -> Option<&Record> {
+        if self.waiting == 0 {
+            return None;
+        }
+        let first = self.ring.get(self.first)?.timestamp;
         // After a step back of the clock the newest is older.
-        let is_due = self.newest.since(first.timestamp) >= Self::WINDOW
-            || first.timestamp.since(self.newest) > Duration::ZERO
-            || self.waiting.len() > Self::MOST;
-        if is_due { self.waiting.pop_front() } else { None }
+        let is_due = self.newest.since(first) >= Self::WINDOW || first > self.newest || self.waiting > Self::MOST;
+        if is_due { self.flush() } else { None }
     }
 
     /// The next record, whatever may still come.
-    pub fn flush(&mut self) -> Option<Record> {
-        self.waiting.pop_front()
+    #[inline]
+    pub fn flush(&mut self) -> Option<&Record> {
+        if self.waiting == 0 {
+            return None;
+        }
+        let at = self.first;
+        (self.first, self.waiting) = (self.place(1), self.waiting - 1);
+        self.ring.get(at)
     }
 
     /// How far records were out of order so far.
@@ -92,13 +129,17 @@ mod tests {
     fn through(millis: &[u64]) -> (Vec<u64>, Disorder) {
         let mut order = InOrder::default();
         let mut out = Vec::new();
-        let ms = |record: Record| record.timestamp.nanos() / 1_000_000;
+        let ms = |record: &Record| record.timestamp.nanos() / 1_000_000;
         for &at in millis {
             let frame = Frame::full(CanId::standard_masked(1), [0; 8]);
-            order.push(Record::new(Timestamp(at * 1_000_000), ChannelId(0), frame));
-            out.extend(std::iter::from_fn(|| order.pop()).map(ms));
+            order.push(&Record::new(Timestamp(at * 1_000_000), ChannelId(0), frame));
+            while let Some(record) = order.pop() {
+                out.push(ms(record));
+            }
         }
-        out.extend(std::iter::from_fn(|| order.flush()).map(ms));
+        while let Some(record) = order.flush() {
+            out.push(ms(record));
+        }
         (out, order.disorder())
     }
 
@@ -108,6 +149,17 @@ mod tests {
         assert_eq!(out, [100, 101, 103, 104, 105, 120, 190, 200]);
         assert_eq!((disorder.count, disorder.largest), (4, Duration::from_millis(19)));
         assert_eq!(disorder.first.map(|first| first.0), Some(Timestamp(103_000_000)));
+    }
+
+    /// More than there is room for at first, in any order.
+    #[test]
+    fn many_that_come_at_once() {
+        let mut times: Vec<u64> = (0..1_000).map(|n| 1_000 + n / 100).collect();
+        for at in (0..990).step_by(7) {
+            times.swap(at, at + 9);
+        }
+        let (out, _) = through(&times);
+        assert!(out.is_sorted() && out.len() == 1_000);
     }
 
     #[test]
@@ -121,9 +173,9 @@ mod tests {
         let mut order = InOrder::default();
         let frame = Frame::full(CanId::standard_masked(1), [0; 8]);
         for _ in 0..20_000 {
-            order.push(Record::new(Timestamp(0), ChannelId(0), frame));
+            order.push(&Record::new(Timestamp(0), ChannelId(0), frame));
             order.pop();
         }
-        assert!(order.waiting.len() <= InOrder::MOST);
+        assert!(order.waiting <= InOrder::MOST + 1 && order.ring.len() <= 4 * InOrder::MOST);
     }
 }

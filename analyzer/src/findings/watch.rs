@@ -32,10 +32,8 @@ pub struct BusWatch {
     of_encoder_values: Vec<u8>,
     /// Those of the rules that want TPDOs whose parameters are known.
     of_known_tpdos: Vec<u8>,
-    /// Those of the rules that want frames about nodes that reset themselves.
-    of_resetting: Vec<u8>,
-    /// Those of the rules that want frames of nodes that were away.
-    of_returning: Vec<u8>,
+    /// Those of the rules that want frames about nodes that reset themselves (1), that were away (2), or both (3).
+    of_absent: [Vec<u8>; 4],
     known: Known,
     statistics: Statistics,
     /// Where a frame was first recorded twice.
@@ -95,15 +93,15 @@ impl BusWatch {
         let mut rules = Vec::new();
         let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
         let (mut of_encoder_values, mut of_known_tpdos) = (Vec::new(), Vec::new());
-        let (mut of_resetting, mut of_returning) = (Vec::new(), Vec::new());
+        let mut of_absent: [Vec<u8>; 4] = Default::default();
         for definition in registry::all() {
             let Make::Bus(make) = definition.make else { continue };
             match definition.also {
                 Also::Nothing => {}
                 Also::EncoderValues => of_encoder_values.push(rules.len() as u8),
                 Also::KnownTpdos => of_known_tpdos.push(rules.len() as u8),
-                Also::Resetting => of_resetting.push(rules.len() as u8),
-                Also::Returning => of_returning.push(rules.len() as u8),
+                Also::Resetting => [1, 3].into_iter().for_each(|kind: usize| of_absent[kind].push(rules.len() as u8)),
+                Also::Returning => [2, 3].into_iter().for_each(|kind: usize| of_absent[kind].push(rules.len() as u8)),
             }
             for service in definition.services {
                 by_service[*service as usize].push(rules.len() as u8);
@@ -115,8 +113,7 @@ impl BusWatch {
             by_service,
             of_encoder_values,
             of_known_tpdos,
-            of_resetting,
-            of_returning,
+            of_absent,
             known: Known {
                 channel: first.channel,
                 facts: Facts::default(),
@@ -228,12 +225,11 @@ impl BusWatch {
         let context = Context { scene: &scene, record, bits, decoded, previous };
         let news = &self.known.facts.news;
         let resets = decoded.node.is_some_and(|node| self.known.facts.node(node).pending_reset.is_some());
-        let wanted: [&[u8]; 5] = [
+        let wanted: [&[u8]; 4] = [
             &self.by_service[decoded.service as usize],
             if news.operands.is_empty() { &[] } else { &self.of_encoder_values },
             if news.is_known_tpdo { &self.of_known_tpdos } else { &[] },
-            if resets { &self.of_resetting } else { &[] },
-            if news.returned.is_some() { &self.of_returning } else { &[] },
+            &self.of_absent[usize::from(resets) | usize::from(news.returned.is_some()) << 1],
         ];
         let mut sink = Sink { findings, rule: Copies::METADATA, bus: Some((bus, self.known.channel)) };
         for list in wanted {

@@ -71,7 +71,8 @@ impl Bus {
             Use::Unknown => self.unknown(now, can_id, frame),
         };
         decoded.source = source;
-        if source != Source::Predefined {
+        // Of a PDO nothing tells: any bytes may be one.
+        if source != Source::Predefined && decoded.service != Service::Pdo {
             let fits = fits(&decoded);
             if !fits || self.cob_ids.is_doubted(can_id) {
                 self.cob_ids.judge(can_id, fits);

@@ -353,3 +353,17 @@ fn records_out_of_order_are_sorted() {
     says(&results.findings[0], &["1 frame", "3"]);
     assert!(findings::find("capture/out-of-order").is_some());
 }
+
+/// A master that has stopped guarding, and resets the node much later; one that resets communication and then the node,
+/// which takes its time.
+#[test]
+fn who_is_not_waited_for_is_not_lost() {
+    let mut guarded_once = master(100);
+    guarded(&mut guarded_once, 1_000, 31_000, 5);
+    guarded_once.at(80_000, "000#8109").at(80_300, "709#00").only(&[]);
+    let mut slow = master(100);
+    beats(&mut slow, 200, 40_000, "05");
+    slow.at(40_100, "000#820F").at(40_200, "000#810F").at(65_000, "70F#00");
+    beats(&mut slow, 66_400, 100_000, "7F");
+    slow.only(&[]);
+}

@@ -118,13 +118,13 @@ pub fn diagnose(records: &[Record], prepare: impl FnOnce(&mut Diagnosis)) -> Res
     let mut order = InOrder::default();
     for record in records {
         quality.record(record);
-        order.push(record.clone());
+        order.push(record);
         while let Some(record) = order.pop() {
-            diagnosis.record(&record);
+            diagnosis.record(record);
         }
     }
     while let Some(record) = order.flush() {
-        diagnosis.record(&record);
+        diagnosis.record(record);
     }
     diagnosis.disordered(order.disorder());
     diagnosis.finish(&[SourceQuality { name: "test.log", quality: &quality }])

@@ -52,7 +52,7 @@ impl Bus for Between {
             let due = self.held.front().map(|record| record.timestamp).filter(|due| *due <= deadline);
             match self.inner.receive(due.unwrap_or(deadline))? {
                 Some(mut record) if record.frame.cob_id() == Some(SLAVE) && record.data().first() == Some(&0x17) => {
-                    record.timestamp = record.timestamp + self.storing;
+                    record.timestamp += self.storing;
                     self.held.push_back(record);
                 }
                 Some(record) => return Ok(Some(record)),

@@ -6,8 +6,9 @@
 use canvass_device::models::Model;
 use canvass_device::{Fault, Faults};
 use canvass_suite::bench::Target;
-use canvass_suite::case::{Case, Level, Need};
+use canvass_suite::case::{Case, Level};
 use canvass_suite::catalogue;
+use canvass_suite::needs;
 use canvass_suite::selftest::{judge, judge_target};
 use canvass_suite::verdict::Kind;
 use std::collections::BTreeMap;
@@ -134,7 +135,7 @@ fn what_the_text_leaves_open_fails_no_case() {
     for fault in open {
         let model = Model::by_id(fault.model()).unwrap();
         // What the history keeps is the matter of its own family.
-        let is_judged = |case: &&Case| is_one(case.id) && !case.needs.contains(&Need::ErrorHistory);
+        let is_judged = |case: &&Case| is_one(case.id) && !case.requires(&needs::ERROR_HISTORY);
         for case in catalogue::cases().into_iter().filter(is_judged) {
             let report = judge(case, model, Faults::from(fault));
             assert!(report.verdict.kind() != Kind::Fail, "{} with {fault}: {:?}", case.id, report.verdict.reason());

@@ -103,7 +103,7 @@ fn stories(diagnosed: &Diagnosed<'_>, style: Style, room: usize) -> Vec<String> 
         let mut advised_here = advised.clone();
         let short = of_story(diagnosed, told, Detail::Short, style, &mut advised_here);
         // Each of the others wants a line, as far as there is room for half of them.
-        if lines.len() + short.len() + left.min(room / 2) + 1 <= room {
+        if lines.len() + short.len() + left.min(room / 2) < room {
             advised = advised_here;
             lines.extend(short);
             continue;

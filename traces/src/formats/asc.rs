@@ -32,7 +32,7 @@
 //! number; a `CANFD` row must go on behind its flags.
 
 use crate::formats::asc_row::{self, Radix, Row};
-use crate::grammar::{Expected, blanks1, decimal, seconds, skip_blanks, word};
+use crate::grammar::{Expected, decimal, seconds, skip_blanks, word};
 use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::{
     Channels, Damage, DamageKind, ReadOptions, Reader, Record, Source, TimeBase, Timestamp,
@@ -114,7 +114,9 @@ impl Asc {
     fn event(&mut self, line: &Line<'_>, channels: &mut Channels) -> Result<Option<Record>, Damage> {
         let damage = |error| line.damage(Expected::from(error));
         let (rest, time) = seconds(skip_blanks(line.bytes)).map_err(damage)?;
-        blanks1(rest).map_err(damage)?;
+        if !matches!(rest.first(), Some(b' ' | b'\t')) {
+            return Err(line.damage(Expected::new(rest, "a space behind the time")));
+        }
         let before = if self.relative { self.now } else { Timestamp::ZERO };
         self.now = before.after(time).ok_or_else(|| line.malformed(LATEST))?;
         match asc_row::row(rest, self.radix).map_err(damage)?.1 {

@@ -34,7 +34,15 @@ impl Numbers {
     }
 
     /// The next row's number.
+    #[inline]
     pub(crate) fn see(&mut self, number: u64, place: Place) {
+        if self.expected != Some(number) || self.jump.is_some() {
+            self.compare(number, place);
+        }
+        self.expected = Some(number.saturating_add(1));
+    }
+
+    fn compare(&mut self, number: u64, place: Place) {
         match self.jump.take() {
             Some(jump) if number == jump.expected.saturating_add(1) => self.owed = Some(jump.damaged_number()),
             jump => {
@@ -44,13 +52,13 @@ impl Numbers {
                 }
             }
         }
-        self.expected = Some(number.saturating_add(1));
     }
 
     /// What the rows so far have shown.
     #[inline]
     pub(crate) fn owed(&mut self) -> Option<Damage> {
-        self.owed.take()
+        // Nearly always there is none: so much need not be moved.
+        if self.owed.is_some() { self.owed.take() } else { None }
     }
 
     /// The same after the last row.

@@ -97,11 +97,9 @@ pub(crate) fn row<'a>(line: &'a [u8], columns: &[Column]) -> Parsed<'a, Row<'a>>
     Ok((rest, Row { number: fields.number, content }))
 }
 
-fn content<'a>(line: &'a [u8], columns: &[Column], fields: &mut Fields<'a>) -> Parsed<'a, Content<'a>> {
+fn content<'a>(line: &'a [u8], all: &[Column], fields: &mut Fields<'a>) -> Parsed<'a, Content<'a>> {
     let mut rest = line;
-    let mut columns = columns.iter();
-    // Version 1.0 has no column that tells a bus status from a frame.
-    let kindless = !columns.as_slice().iter().any(|c| matches!(c, Column::Kind | Column::DirectionOrKind));
+    let mut columns = all.iter();
     while let Some(column) = columns.next() {
         if *column == Column::Data {
             break;
@@ -134,9 +132,7 @@ fn content<'a>(line: &'a [u8], columns: &[Column], fields: &mut Fields<'a>) -> P
                     _ => return Expected::fail(rest, "Rx or Tx"),
                 }
             }
-            Column::Id if kindless && word("an id")(rest).is_ok_and(|(_, id)| id == b"FFFFFFFF") => {
-                return Ok((rest, Content::Event));
-            }
+            Column::Id if rest.starts_with(STATUS_ID) && is_status(rest, all) => return Ok((rest, Content::Event)),
             Column::Id => {
                 let (behind, id) = identifier(rest)?;
                 (rest, fields.id) = (behind, Some(id));
@@ -149,6 +145,14 @@ fn content<'a>(line: &'a [u8], columns: &[Column], fields: &mut Fields<'a>) -> P
         }
     }
     data(rest, fields)
+}
+
+/// The id of a bus status in version 1.0, which has no column that tells it from a frame.
+const STATUS_ID: &[u8] = b"FFFFFFFF";
+
+fn is_status(rest: &[u8], columns: &[Column]) -> bool {
+    let has_kind = columns.iter().any(|column| matches!(column, Column::Kind | Column::DirectionOrKind));
+    !has_kind && word("an id")(rest).is_ok_and(|(_, id)| id == STATUS_ID)
 }
 
 fn direction(word: &[u8]) -> Option<Direction> {

@@ -34,7 +34,7 @@ fn fault(object: Multiplexer, cob_id: CobId, direction: Direction, node: Option<
         let fixed = u32::from(base) + u32::from(node?.raw());
         let wrong = !written && cob_id.0 != fixed;
         return wrong
-            .then(|| (Severity::Warning, format!("{object} reads {cob_id}: CiA 301 fixes it to {:08X}h", fixed)));
+            .then(|| (Severity::Warning, format!("{object} reads {cob_id}: CiA 301 fixes it to {fixed:08X}h")));
     }
     // Bit 31 of 1005h and 1012h does not say that it is off.
     let used = cob_id.is_valid() || matches!(object.index.0, 0x1005 | 0x1012);

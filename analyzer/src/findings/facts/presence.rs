@@ -10,6 +10,10 @@ use canvass_traces::{Duration, Timestamp};
 #[derive(Default)]
 pub struct Presence {
     nodes: PerNode<Watch>,
+    /// A silence that is not longer is none; `None` where nothing is expected of the node.
+    alarms: PerNode<Option<Duration>>,
+    /// Whether the master has told or asked the node something since it last sent something.
+    addressed: PerNode<bool>,
     /// Nothing is known of before: frames may be missing there.
     since: Timestamp,
 }
@@ -17,8 +21,6 @@ pub struct Presence {
 /// One node.
 #[derive(Clone, Copy, Default)]
 struct Watch {
-    /// A silence that is not longer is none; `None` where nothing is expected of the node.
-    alarm: Option<Duration>,
     orders: Orders,
     guarding: Guarding,
     /// The longest time that it has taken to restart when it was reset.
@@ -74,6 +76,8 @@ impl Presence {
     const MISSING: Percent = Percent(300);
     /// The same before a reset: a master that waits for one and a half periods resets the node sooner.
     const BEFORE_RESET: Percent = Percent(150);
+    /// Resets that follow each other sooner are one: some masters reset communication and then the node.
+    const RETRY: Duration = Duration::from_secs(2);
     /// How long a node that is there may take to restart, before the capture has shown how long it takes.
     const RESTART: Duration = Duration::from_secs(10);
     /// How long a node may be silent around layer setting.
@@ -82,7 +86,7 @@ impl Presence {
     /// Whether a silence of that length may be an outage.
     #[inline]
     pub fn is_long(&self, node: NodeId, silence: Duration) -> bool {
-        self.nodes[node].alarm.is_some_and(|alarm| silence > alarm)
+        self.alarms[node].is_some_and(|alarm| silence > alarm)
     }
 
     /// The silence of a node, if it is longer than what the node was told in the meantime explains. `period` is that of
@@ -100,16 +104,18 @@ impl Presence {
         if since < self.since || facts.has_moved || facts.last_program_control > facts.last_boot_up {
             return None;
         }
-        let Orders { resets, first_reset, shifts, .. } = watch.orders;
+        let Orders { first_reset, last_reset, shifts, .. } = watch.orders;
         // What follows a reset is the reset's, unless the master has to repeat it.
-        let repeated = resets > 1 && first_reset.is_some_and(|reset| now.since(reset) > self.restart_limit(node));
+        let tried = first_reset.zip(last_reset).is_some_and(|(first, last)| last.since(first) >= Self::RETRY);
+        let repeated = tried && first_reset.is_some_and(|reset| now.since(reset) > self.restart_limit(node));
         let end = first_reset.filter(|_| !repeated);
         let silence = end.unwrap_or(now).since(since);
         let missing = if end.is_some() { Self::BEFORE_RESET } else { Self::MISSING };
         let sign = match period {
             Some(period) => Sign::Heartbeat(period),
             None => {
-                Sign::Guarding(watch.guarding.interval.filter(|_| watch.guarding.unanswered >= 3 || end.is_some())?)
+                let least = if end.is_some() { 2 } else { 3 };
+                Sign::Guarding(watch.guarding.interval.filter(|_| watch.guarding.unanswered >= least)?)
             }
         };
         let (Sign::Heartbeat(period) | Sign::Guarding(period)) = sign;
@@ -132,16 +138,15 @@ impl Presence {
 
     /// A heartbeat has come, and the next one is due after that period.
     pub fn beat(&mut self, node: NodeId, period: Option<Duration>) {
-        self.nodes[node].alarm = period.map(|period| Self::BEFORE_RESET.of(period));
+        self.alarms[node] = period.map(|period| Self::BEFORE_RESET.of(period));
     }
 
     /// A node has sent something.
     #[inline]
     pub fn heard(&mut self, node: NodeId) {
-        let watch = &mut self.nodes[node];
-        watch.guarding.unanswered = 0;
-        if watch.orders.last.is_some() {
-            watch.orders = Orders::default();
+        if std::mem::take(&mut self.addressed[node]) {
+            let watch = &mut self.nodes[node];
+            (watch.guarding.unanswered, watch.orders) = (0, Orders::default());
         }
     }
 
@@ -153,6 +158,7 @@ impl Presence {
 
     /// The master has sent a command.
     pub fn commanded(&mut self, now: Timestamp, nmt: Nmt) {
+        self.addressed.named_mut(nmt.node).for_each(|(_, addressed)| *addressed = true);
         for (_, watch) in self.nodes.named_mut(nmt.node) {
             let orders = &mut watch.orders;
             orders.last = Some((nmt.command, now));
@@ -167,13 +173,14 @@ impl Presence {
 
     /// The master has asked a node for its state.
     pub fn guarded(&mut self, now: Timestamp, node: NodeId) {
-        let watch = &mut self.nodes[node];
+        self.addressed[node] = true;
+        let (watch, alarm) = (&mut self.nodes[node], &mut self.alarms[node]);
         let guarding = &mut watch.guarding;
         if let Some(interval) = guarding.asked.replace(now).map(|asked| now.since(asked))
             && guarding.unanswered == 0
         {
             guarding.interval = Some(interval);
-            watch.alarm = watch.alarm.max(Some(Self::BEFORE_RESET.of(interval)));
+            *alarm = (*alarm).max(Some(Self::BEFORE_RESET.of(interval)));
         }
         guarding.unanswered += u32::from(watch.orders.resets == 0);
     }

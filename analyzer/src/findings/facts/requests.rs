@@ -163,10 +163,12 @@ impl Requests {
         };
         for (channel, slot) in (0..).map(ChannelIndex).zip(&mut self.channels) {
             let server = slot.as_ref().and_then(|pending| pending.request.decoded.node);
-            if named == 0 || server.is_some_and(|server| server.raw() == named) {
-                if let Some(pending) = slot.take().filter(|_| self.left.len() < Self::LEFT) {
-                    self.left.push(Left { channel, pending, since: now, by_client: false });
-                }
+            let is_named = named == 0 || server.is_some_and(|server| server.raw() == named);
+            if is_named
+                && let Some(pending) = slot.take()
+                && self.left.len() < Self::LEFT
+            {
+                self.left.push(Left { channel, pending, since: now, by_client: false });
             }
         }
     }

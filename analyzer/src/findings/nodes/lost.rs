@@ -140,6 +140,11 @@ impl Lost {
         sink: &mut Sink<'_>,
     ) {
         let length = scene.now.since(outage.since);
+        // Two steps of a coarse clock may be longer than all periods.
+        let (Sign::Heartbeat(period) | Sign::Guarding(period)) = outage.sign;
+        if length <= period.times(3) + scene.slack() && scene.slack() > Duration::ZERO {
+            return;
+        }
         let restarts = next.is_some_and(|context| context.decoded.service == Service::BootUp);
         let limit = scene.facts.presence.restart_limit(node);
         let reset = outage.orders.last_reset.map(|reset| scene.now.since(reset)).filter(|after| *after <= limit);

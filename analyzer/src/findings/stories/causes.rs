@@ -55,25 +55,28 @@ fn is_circle(causes: &[Option<usize>], at: usize) -> bool {
 /// Whether what the one group says follows from what the other says.
 fn follows(effect: &Group<'_>, cause: &Group<'_>) -> bool {
     let time = effect.first();
-    let same = effect.nodes.iter().any(|node| cause.has(Some(*node)));
-    let origin = effect.findings.iter().any(|finding| cause.has(finding.origin));
+    // Asked for where it matters only: there may be thousands of groups.
+    let same = || effect.nodes.iter().any(|node| cause.has(Some(*node)));
+    let origin = || effect.findings.iter().any(|finding| cause.has(finding.origin));
     match (cause.rule, effect.rule) {
-        ("nodes/lost", effect_rule) => by_loss(effect, effect_rule, cause, same, origin),
-        ("nodes/heartbeat-ended" | "nodes/no-boot-up", "nodes/consumer-time") => origin,
-        ("nodes/heartbeat-missing", "nodes/consumer-time") => origin && cause.spans(time, SOON),
+        ("nodes/lost", effect_rule) => by_loss(effect, effect_rule, cause, same(), origin()),
+        ("nodes/heartbeat-ended" | "nodes/no-boot-up", "nodes/consumer-time") => origin(),
+        ("nodes/heartbeat-missing", "nodes/consumer-time") => origin() && cause.spans(time, SOON),
         ("nodes/boot-up-without-command" | "nodes/repeated-resets", rule) => {
-            by_restart(effect, rule, cause, same, origin)
+            by_restart(effect, rule, cause, same(), origin())
         }
         ("nodes/consumer-time" | "nodes/life-guarding", "emcy/raised") => {
-            same && MONITORING.contains(&effect.kind) && cause.covers(time, SOON, SETTLE)
+            same() && MONITORING.contains(&effect.kind) && cause.covers(time, SOON, SETTLE)
         }
-        ("nodes/consumer-time" | "nodes/life-guarding", "nodes/state-lost") => same && cause.covers(time, SOON, SETTLE),
-        ("emcy/raised", "nodes/state-lost") => same && cause.covers(time, SOON, SOON),
-        ("emcy/raised", "emcy/never-cleared") => same && cause.kind == effect.kind,
-        ("emcy/raised", "encoder/alarm" | "encoder/warning") => same && cause.covers(time, SOON, SETTLE),
-        ("emcy/storm", "emcy/raised" | "emcy/contradiction" | "emcy/never-cleared") => same,
+        ("nodes/consumer-time" | "nodes/life-guarding", "nodes/state-lost") => {
+            same() && cause.covers(time, SOON, SETTLE)
+        }
+        ("emcy/raised", "nodes/state-lost") => same() && cause.covers(time, SOON, SOON),
+        ("emcy/raised", "emcy/never-cleared") => same() && cause.kind == effect.kind,
+        ("emcy/raised", "encoder/alarm" | "encoder/warning") => same() && cause.covers(time, SOON, SETTLE),
+        ("emcy/storm", "emcy/raised" | "emcy/contradiction" | "emcy/never-cleared") => same(),
         ("emcy/storm", "bus/load") => cause.spans(time, SOON),
-        ("bus/duplicate-node-id", rule) => same && !rule.starts_with("lss/") && rank(rule) > 0,
+        ("bus/duplicate-node-id", rule) => same() && !rule.starts_with("lss/") && rank(rule) > 0,
         ("bus/two-producers", "pdo/sync-counter" | "pdo/sync-jitter" | "pdo/sync-missing") => true,
         ("bus/two-producers", "pdo/sync-pdo-missing" | "pdo/sync-window" | "pdo/time-jump") => true,
         ("bus/load", rule) => by_load(effect, rule, cause),
@@ -82,14 +85,14 @@ fn follows(effect: &Group<'_>, cause: &Group<'_>) -> bool {
         }
         ("pdo/sync-missing", "emcy/raised" | "nodes/state-lost") => cause.covers(time, SOON, SETTLE),
         ("pdo/length", "emcy/raised") => OF_LENGTH.contains(&effect.kind) && cause.spans(time, SOON),
-        ("nodes/command-not-obeyed", "nodes/pdo-outside-operational" | "nodes/sdo-in-stopped") => same,
-        ("nodes/command-not-obeyed", "nodes/no-boot-up") => same,
-        ("nodes/state-lost", "nodes/pdo-outside-operational" | "pdo/sync-pdo-missing") => same,
+        ("nodes/command-not-obeyed", "nodes/pdo-outside-operational" | "nodes/sdo-in-stopped") => same(),
+        ("nodes/command-not-obeyed", "nodes/no-boot-up") => same(),
+        ("nodes/state-lost", "nodes/pdo-outside-operational" | "pdo/sync-pdo-missing") => same(),
         ("sdo/impatient-client" | "sdo/unanswered", "sdo/aborted" | "sdo/retries" | "sdo/protocol-violation") => {
-            same && cause.spans(time, SETTLE)
+            same() && cause.spans(time, SETTLE)
         }
-        ("sdo/late", "sdo/retries" | "sdo/protocol-violation") => same && cause.spans(time, SETTLE),
-        ("sdo/late", "sdo/aborted") => same && cause.spans(time, SOON),
+        ("sdo/late", "sdo/retries" | "sdo/protocol-violation") => same() && cause.spans(time, SETTLE),
+        ("sdo/late", "sdo/aborted") => same() && cause.spans(time, SOON),
         ("capture/bus-off", "capture/error-frames" | "capture/error-passive") => cause.covers(time, SETTLE, SETTLE),
         ("capture/error-frames", "capture/error-passive") => true,
         _ => false,

@@ -177,7 +177,7 @@ impl Network {
         let id = u16::from(node.id);
         let mut beats: Vec<u64> = node.beats().collect();
         if let Some((_, from, period)) = self.slower.filter(|row| row.0 == node.id) {
-            let last = beats.iter().copied().filter(|ms| *ms <= from).last().unwrap_or(0);
+            let last = beats.iter().copied().rfind(|ms| *ms <= from).unwrap_or(0);
             beats.retain(|ms| *ms <= from);
             beats.extend((1..).map(|n| last + n * period).take_while(|ms| *ms < END));
         }

@@ -281,6 +281,27 @@ mod tests {
         assert_eq!(run(4, 0x31C3), violated(Violation::Size { announced: 9, received: 10 }));
     }
 
+    /// Without CRC its field is 0, whatever the server keeps of another transfer (CiA 301, 7.2.4.3.15).
+    #[test]
+    fn without_crc_its_field_is_0() {
+        for (client_has, server_has) in [(false, true), (true, false), (false, false)] {
+            let run = |crc| {
+                let manner = UploadManner { crc: client_has, ..UploadManner::default() };
+                let mut client = BlockUpload::new(OBJECT, manner);
+                client.begin();
+                client.handle(server(Response::InitiateBlockUpload {
+                    multiplexer: OBJECT,
+                    crc: server_has,
+                    size: None,
+                }));
+                client.handle(segment(1, true, *b"1234567"));
+                client.handle(server(Response::EndBlockUpload { unused: 0, crc }))
+            };
+            assert!(matches!(run(0), BlockStep::Finish(_, Outcome::Uploaded(_))));
+            assert_eq!(run(0x31C3), violated(Violation::Checksum { computed: 0, found: 0x31C3 }));
+        }
+    }
+
     #[test]
     fn lost_segments_are_asked_for_again() {
         let manner = UploadManner { block_sizes: vec![2], lose_after: Some((0, 1)), ..UploadManner::default() };

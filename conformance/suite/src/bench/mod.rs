@@ -10,6 +10,7 @@
 //! - `restore`: as it was found.
 
 mod answers;
+mod attempt;
 pub mod block;
 mod decoder;
 mod dictionary;
@@ -34,7 +35,7 @@ pub use evidence::{Annotate, Evidence, Exhibit};
 pub(crate) use foreign::Foreign;
 pub use measurement::{Measurement, Unit, percentile};
 pub use target::{Deviation, Options, Target, Timing};
-pub use traffic::Sent;
+pub use traffic::{Sent, is_from};
 
 use crate::need::Found;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop};

@@ -7,6 +7,7 @@ use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response};
 use canvass_bus::client::Outcome;
+use canvass_bus::client::sdo::Mode;
 
 /// COB-ID of TPDO 1.
 pub const TPDO_COB_ID: Multiplexer = Multiplexer::new(0x1800, 1);
@@ -108,13 +109,19 @@ impl Bench<'_> {
             return Ok(None);
         }
         let Outcome::Uploaded(value) = self.upload(candidate.multiplexer)?.outcome else { return Ok(None) };
-        if candidate.data_type.bytes() != Some(value.len()) {
+        if candidate.data_type.bytes() != Some(value.len()) || self.is_locked(candidate.multiplexer, &value)? {
             return Ok(None);
         }
         let bytes = |number: u32| number.to_le_bytes().into_iter().take(value.len()).collect::<Vec<u8>>();
         let [first, second] = candidate.values;
         let other = if bytes(first) == value { bytes(second) } else { bytes(first) };
         Ok(Some(Scratch { multiplexer: candidate.multiplexer, value, other }))
+    }
+
+    /// Whether a device refuses to change a parameter of a PDO while that is valid: even the value that it has.
+    fn is_locked(&mut self, at: Multiplexer, value: &[u8]) -> Result<bool, Stop> {
+        let is_of_pdo = matches!(at.index.0, 0x1400..=0x1BFF);
+        Ok(is_of_pdo && self.download_as(at, value, Mode::Shortest)?.outcome != Outcome::Downloaded)
     }
 
     /// The best scratch object of that many bytes.

@@ -120,6 +120,18 @@ impl Bench<'_> {
         subs.map(|sub| self.read_number(pdo.entry(sub)).map(Mapped::from_entry)).collect()
     }
 
+    /// Demands that a PDO carries something as delivered: one that carries nothing is not sent, and has no entry in use.
+    ///
+    /// # Errors
+    /// [`Stop::NotApplicable`] if it carries nothing, [`Stop::Inconclusive`] if that can't be read.
+    pub fn require_mapped(&mut self, pdo: Pdo) -> Judged {
+        if self.read_number(pdo.entry(0))? > 0 {
+            return Ok(());
+        }
+        let duty = format!("{} carries an object as delivered", pdo.subject());
+        Err(Stop::NotApplicable(Reason::new(duty, "one or more", "none")))
+    }
+
     /// Switches a PDO and its mapping off, so that entries can be written; returns the COB-ID before.
     ///
     /// # Errors

@@ -8,7 +8,7 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
 use canvass_analyzer::{Multiplexer, NodeId};
-use canvass_traces::{Direction, Duration};
+use canvass_traces::Duration;
 use std::collections::BTreeSet;
 
 /// A device that is gone is looked for so long before each case, so that a run still comes to its end.

@@ -6,6 +6,8 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_bus::client::Outcome;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{CanId, Duration, Frame};
 
@@ -45,7 +47,8 @@ impl Bench<'_> {
         if let Some(known) = self.knowledge.heartbeats {
             return Ok(known);
         }
-        let found = if !self.has(HEARTBEAT_TIME)? {
+        // Some descriptions name a 1017h that the device does not have: that is the matter of one case, not of all.
+        let found = if !self.has(HEARTBEAT_TIME)? || is_absent(&self.upload(HEARTBEAT_TIME)?.outcome) {
             Heartbeats::None
         } else if self.can_write(HEARTBEAT_TIME)? {
             Heartbeats::Settable
@@ -211,6 +214,10 @@ impl Bench<'_> {
         }
         self.restoring = false;
     }
+}
+
+fn is_absent(outcome: &Outcome) -> bool {
+    matches!(outcome, Outcome::Aborted(abort) if matches!(abort.code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX))
 }
 
 /// The command that leads to a state from every other.

@@ -235,16 +235,3 @@ impl From<&Breach> for Reason {
         Self::new(breach.duty(), breach.allowed.to_string(), breach.found_text())
     }
 }
-
-impl From<Reason> for Breach {
-    fn from(reason: Reason) -> Self {
-        let Reason { duty, expected, actual, .. } = reason;
-        Self::new(Subject::Device, duty).expected(expected).found(Observation::named("otherwise")).told(actual)
-    }
-}
-
-impl From<Reason> for super::Stop {
-    fn from(reason: Reason) -> Self {
-        Self::Breach(Box::new(reason.into()))
-    }
-}

@@ -291,8 +291,8 @@ impl fmt::Display for Reason {
 ///
 /// # Errors
 /// The breach.
-pub fn demand<B: Into<Breach>>(met: bool, breach: impl FnOnce() -> B) -> Check {
-    if met { Ok(()) } else { Err(Box::new(breach().into())) }
+pub fn demand(met: bool, breach: impl FnOnce() -> Breach) -> Check {
+    if met { Ok(()) } else { Err(Box::new(breach())) }
 }
 
 #[cfg(test)]

@@ -4,16 +4,19 @@ use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Stop, demand};
-use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{Index, Multiplexer};
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
+/// Its entries can only be read while there are errors.
+const ERROR_HISTORY: Index = Index(0x1003);
+
 /// Every object that the description calls readable can be read, and has the length of its data type.
 ///
-/// An object that has nothing to give at the moment may answer with abort 0800 0020h to 0800 0024h, as an empty error
-/// history does.
+/// An object that has nothing to give at the moment may answer with abort 0800 0020h to 0800 0024h, an empty error history
+/// with 0800 0000h too.
 #[case(id = "301/dictionary/described", clause = "CiA 301 7.4.2", confidence = Cited, level = Must,
        needs = [Description], catches = [ErrorRegisterMissing, EdsSubIndexMissing, EdsDataTypeWrong, IdentityRevisionMissing, SdoSegmentLengthWrong,
                   ErrorControlMissing, OperatingStatusMissing, AlarmsMissing, PositionSixteenBit,
@@ -22,7 +25,9 @@ fn described(bench: &mut Bench<'_>) -> Judged {
     let objects = readable(bench);
     bench.each(objects, |bench, (multiplexer, data_type)| {
         let attempt = bench.upload(multiplexer)?;
-        if attempt.abort().is_some_and(is_momentary) {
+        let is_history = multiplexer.index == ERROR_HISTORY && multiplexer.sub.0 > 0;
+        let is_empty = is_history && attempt.refused(Situation::EmptyHistory).is_ok();
+        if is_empty || attempt.abort().is_some_and(is_momentary) {
             return Ok(());
         }
         let value = attempt.value()?;
@@ -81,7 +86,7 @@ fn structure(bench: &mut Bench<'_>) -> Judged {
             continue;
         };
         let object = bench.target().description.as_ref();
-        let object = object.and_then(|described| described.dictionary.object(canvass_analyzer::Index(index)));
+        let object = object.and_then(|described| described.dictionary.object(Index(index)));
         // Bits 0 to 7 are the object code: 7 VAR, 8 ARRAY, 9 RECORD. Bits 24 to 31 are reserved.
         let expected = object.map(|object| u32::from(object.code.0));
         let found = crate::bench::sdo::number(value);

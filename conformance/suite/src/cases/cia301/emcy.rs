@@ -136,20 +136,20 @@ pub(super) fn reported_loss(bench: &mut Bench<'_>) -> Result<(Monitored, Vec<Rec
     Err(Stop::Inconclusive(Reason::new("a master or node that falls silent is reported", "an EMCY", found)))
 }
 
-/// Whether the loss of a master or of a watched node is reported by EMCY 8130h: recorded only, as a device need know no
-/// error codes but 0000h and 1000h.
+/// Whether the loss of a master or of a watched node is reported by EMCY 8130h, or a more general code: recorded only, as a
+/// device need know no error codes but 0000h and 1000h.
 #[case(id = "301/emcy/monitoring-lost", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Open,
        needs = [Monitoring], catches = [LifeGuardingUnreported, HeartbeatConsumerSilent], cct = "7.106")]
 fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
     let monitored = begin_monitoring(bench)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
-    let mut codes = vec![EmcyCode::HEARTBEAT];
-    if let Monitored::Node(node) = monitored {
-        codes.push(EmcyCode(0x8F00 | u16::from(node)));
-    }
-    let is_right = heard.first().and_then(code_of).is_some_and(|code| codes.contains(&code));
-    bench.check(demand(is_right, || {
-        Breach::new(Service::Emcy, "a master or node that falls silent is reported by the code for that")
+    let node = match monitored {
+        Monitored::Master => None,
+        Monitored::Node(node) => Some(node),
+    };
+    bench.note(format!("the EMCY for a lost master or node: {}", shown(&heard)));
+    bench.check(demand(heard.first().is_some_and(|first| fits_loss(first, node)), || {
+        Breach::new(Service::Emcy, "a master or node that falls silent is reported by a code that fits")
             .expected(Observation::Emcy(EmcyCode::HEARTBEAT))
             .found(observed(&heard))
             .told(shown(&heard))

@@ -13,6 +13,7 @@ use canvass_traces::{Duration, Record};
 
 const COUNT: Multiplexer = Multiplexer::new(0x1003, 0);
 const NEWEST: Multiplexer = Multiplexer::new(0x1003, 1);
+const BEFORE_NEWEST: Multiplexer = Multiplexer::new(0x1003, 2);
 /// Long enough for the loss of the one who is monitored.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 
@@ -86,6 +87,10 @@ fn entry(bench: &mut Bench<'_>) -> Judged {
        needs = [ErrorHistory, HeartbeatConsumer, RpdoMapping], catches = [ErrorHistoryReversed])]
 fn newest_first(bench: &mut Bench<'_>) -> Judged {
     use crate::bench::pdo::RPDO;
+    if !bench.has(BEFORE_NEWEST)? {
+        let reason = Reason::new("the history holds two errors", BEFORE_NEWEST.to_string(), "no such entry");
+        return Err(Stop::NotApplicable(reason));
+    }
     clear(bench)?;
     begin_monitoring(bench)?;
     let first = reported(bench)?.last().copied().unwrap_or_default();
@@ -107,7 +112,7 @@ fn newest_first(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(reason));
     };
     expect_code(bench, NEWEST, second, "the newest error comes first")?;
-    expect_code(bench, Multiplexer::new(0x1003, 2), first, "the error before the newest is at 1003h:02")
+    expect_code(bench, BEFORE_NEWEST, first, "the error before the newest is at 1003h:02")
 }
 
 /// The history never counts more errors than it has entries.

@@ -24,8 +24,8 @@ fn vendor_id(bench: &mut Bench<'_>) -> Judged {
     as_described(bench, identity(1), &value)
 }
 
-/// Product code, revision number and serial number, where 1018h has them, are not 0, which is reserved, and the first two
-/// are those of the description.
+/// Product code and revision number, where 1018h has them, are those of the description. That one of them, or the serial
+/// number, is 0, which is reserved, is recorded.
 #[case(id = "301/identity/product", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
        needs = [Description], catches = [IdentityRevisionMissing])]
 fn product(bench: &mut Bench<'_>) -> Judged {
@@ -35,15 +35,16 @@ fn product(bench: &mut Bench<'_>) -> Judged {
         }
         let value = bench.upload(multiplexer)?.value()?;
         bench.check(demand(number(&value) != 0, || {
-            let breach = Breach::new(multiplexer, "0 is reserved in the identity of a device");
+            // Reserved, but not called invalid as that of the vendor-ID is.
+            let breach = Breach::new(multiplexer, "0 is reserved in the identity of a device").open();
             breach.expected("a number other than 0").found(Observation::Value(value.clone()))
         }))?;
         if multiplexer == identity(4) { Ok(()) } else { as_described(bench, multiplexer, &value) }
     })
 }
 
-/// A device with LSS has all four parts of its LSS address: 1018h:01 to 1018h:04.
-#[case(id = "301/identity/lss-address", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
+/// A device with LSS has all four parts of its LSS address: 1018h:01 to 1018h:04. CiA 301 leaves all but the first open.
+#[case(id = "301/identity/lss-address", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Open,
        needs = [Lss], catches = [IdentityRevisionMissing])]
 fn lss_address(bench: &mut Bench<'_>) -> Judged {
     bench.expect_value(identity(0), &[4], "1018h:00 counts four entries")?;

@@ -55,6 +55,7 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
 #[case(id = "301/pdo/mapping/procedure", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [MappingProcedureRefused, SameCobIdRefused], cct = "3.22")]
 fn procedure(bench: &mut Bench<'_>) -> Judged {
+    bench.require_mapped(TPDO)?;
     let before = bench.mapping(TPDO)?;
     let own = bench.pdo_cob_id(TPDO)?;
     bench.remap(TPDO, &before, own)?;
@@ -122,6 +123,7 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/pdo/mapping/entry-in-use", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Should,
        needs = [Tpdo, DynamicMapping], catches = [MappingChangeWhileValid], cct = "3.23")]
 fn entry_in_use(bench: &mut Bench<'_>) -> Judged {
+    bench.require_mapped(TPDO)?;
     bench.pdo_off(TPDO)?;
     let before = bench.read(TPDO.entry(1))?;
     let attempt = bench.download(TPDO.entry(1), &0_u32.to_le_bytes())?;

@@ -15,6 +15,7 @@ const PERIOD: Duration = Duration::from_millis(100);
 
 /// Sets TPDO 1 to its event timer and returns its CAN-ID.
 fn cyclic_tpdo(bench: &mut Bench<'_>) -> Result<u16, Stop> {
+    bench.require_mapped(TPDO)?;
     let cob_id = CobId(bench.read_number(TPDO_COB_ID)?);
     let transmission_type = bench.read_number(TRANSMISSION_TYPE)?;
     if transmission_type < 254 {
@@ -176,6 +177,7 @@ impl Trigger {
 #[case(id = "301/tpdo/sync-cycle", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Must,
        needs = [Tpdo], catches = [SyncCycleIgnored], cct = "6.3")]
 fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
+    bench.require_mapped(TPDO)?;
     bench.expect_plain_sync()?;
     let cob_id = (CobId(bench.read_number(TPDO_COB_ID)?).can_id() & 0x7FF) as u16;
     let sync_id = bench.sync_id()?;

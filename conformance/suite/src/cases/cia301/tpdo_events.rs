@@ -180,6 +180,7 @@ fn at_start(bench: &mut Bench<'_>) -> Judged {
 fn event_timer_mean(bench: &mut Bench<'_>) -> Judged {
     const TIMER: Duration = Duration::from_millis(20);
     const PERIODS: u64 = 50;
+    bench.require_mapped(TPDO)?;
     let transmission_type = bench.read_number(TPDO.parameter(2))?;
     if transmission_type < 254 {
         bench.set_pdo(TPDO, &[(2, &[255])])?;
@@ -318,6 +319,7 @@ fn sync_start(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/tpdo/length", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [EventTimer], catches = [TpdoTooLong])]
 fn length(bench: &mut Bench<'_>) -> Judged {
+    bench.require_mapped(TPDO)?;
     let bits: u32 = bench.mapping(TPDO)?.iter().map(|mapped| u32::from(mapped.bits)).sum();
     let length = bits.div_ceil(8) as usize;
     let transmission_type = bench.read_number(TPDO.parameter(2))?;

@@ -19,7 +19,8 @@ fn candidates(bench: &mut Bench<'_>) -> Result<Vec<(u16, u16)>, Stop> {
         let cob_id = Multiplexer::new(0x17FF + number, 1);
         let Outcome::Uploaded(value) = bench.upload(cob_id)?.outcome else { continue };
         let cob_id = CobId(crate::bench::sdo::number(&value));
-        if cob_id.is_valid() && cob_id.allows_rtr() && !cob_id.is_extended() {
+        let carries = bench.read_number(Multiplexer::new(0x19FF + number, 0))? > 0;
+        if carries && cob_id.is_valid() && cob_id.allows_rtr() && !cob_id.is_extended() {
             found.push((number, (cob_id.can_id() & 0x7FF) as u16));
         }
     }

@@ -4,10 +4,12 @@ use super::dialogue::{
     address, breach, configure, exchange, expect, node_id, observed, set_node_id, shown, tell, wait,
 };
 use super::node_id::{back_to_own, started_elsewhere};
-use crate::bench::Bench;
+use crate::bench::{Bench, is_from};
 use crate::case;
 use crate::verdict::{Judged, Reason, Stop, demand};
+use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::lss::{self, ConfigureCommand, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
@@ -62,10 +64,13 @@ fn is_without(bench: &mut Bench<'_>) -> Result<bool, Stop> {
 fn silent(bench: &mut Bench<'_>) -> Judged {
     unconfigured(bench, |bench, _| {
         bench.command_all(Command::RESET_NODE)?;
-        let mut heard = None;
-        bench.wait_for(Duration::from_millis(1_500), |record| {
-            heard = heard.or(Some(record.frame));
-            None::<()>
+        let (node, others) = (bench.node(), bench.others().clone());
+        // Others may be on the bus: the device's is what has its old node-ID, and the start of a node that nobody knows.
+        let heard = bench.wait_for(Duration::from_millis(1_500), |record| {
+            let cob_id = record.frame.cob_id()?;
+            let is_known = NodeId::of_cob_id(cob_id).is_some_and(|node| others.contains(&node));
+            let is_start = cob_id & 0x780 == error_control::CAN_ID_BASE && record.frame.data() == [0] && !is_known;
+            (is_start || is_from(node, &record.frame)).then_some(record.frame)
         })?;
         bench.check(heard.map_or(Ok(()), |frame| {
             let breach = breach("a device without node-ID sends nothing after a reset");

@@ -39,7 +39,8 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     for (multiplexer, _) in &right {
         bench.send_request(&Request::upload(*multiplexer))?;
     }
-    let heard = bench.listen(bench.timing().silence)?;
+    // One answer after the other.
+    let heard = bench.listen(bench.timing().sdo_response.times(2))?;
     let response_id = response_id(bench);
     let answers: Vec<Record> = heard.into_iter().filter(|record| record.frame.cob_id() == Some(response_id)).collect();
     demand(!answers.is_empty(), || {

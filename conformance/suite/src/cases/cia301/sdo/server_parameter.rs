@@ -1,6 +1,7 @@
 //! SDO server parameters (1200h and the following).
 
 use crate::bench::Bench;
+use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed_response};
@@ -62,13 +63,23 @@ fn close(bench: &mut Bench<'_>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Sends a request on the second channel and waits for its response.
-fn ask_second(bench: &mut Bench<'_>, request: &Request) -> Result<Option<Response>, Stop> {
-    bench.send(&request.to_frame(TO_SERVER as u16))?;
-    bench.wait_for(bench.timing().sdo_response, |record| {
-        let is_ours = record.frame.cob_id().is_some_and(|id| u32::from(id) == TO_CLIENT);
-        is_ours.then(|| Response::read(record.frame.data()).ok()).flatten()
-    })
+/// Sends a request on each channel without a pause between them, and gives the answers.
+fn ask_both(bench: &mut Bench<'_>, first: &Request, other: &Request) -> Result<[Option<Response>; 2], Stop> {
+    bench.drain()?;
+    bench.send(&other.to_frame(TO_SERVER as u16))?;
+    bench.send_request(first)?;
+    let ids = [sdo::RESPONSE_BASE + u16::from(bench.node().raw()), TO_CLIENT as u16];
+    let mut answers = [None, None];
+    // One answer after the other.
+    bench.wait_for(bench.timing().sdo_response.times(2), |record| {
+        for (id, answer) in ids.iter().zip(&mut answers) {
+            if record.frame.cob_id() == Some(*id) && answer.is_none() {
+                *answer = Response::read(record.frame.data()).ok();
+            }
+        }
+        answers.iter().all(Option::is_some).then_some(())
+    })?;
+    Ok(answers)
 }
 
 /// A second SDO channel works beside the first, also in the middle of a segmented transfer there.
@@ -81,15 +92,17 @@ fn parallel(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(reason));
     };
     bench.exchange(&Request::upload(name), format!("upload of {name} on the first channel"))?;
-    let device_type = Multiplexer::new(0x1000, 0);
-    let answer = ask_second(bench, &Request::upload(device_type))?;
-    let is_right = matches!(answer, Some(Response::InitiateUpload { multiplexer, .. }) if multiplexer == device_type);
+    let [first, second] = ask_both(bench, &Request::UploadSegment { toggle: false }, &Request::upload(DEVICE_TYPE))?;
+    let is_right = matches!(second, Some(Response::InitiateUpload { multiplexer, .. }) if multiplexer == DEVICE_TYPE);
     bench.check(demand(is_right, || {
-        let found = answer.as_ref().map_or(Observation::Silence, observed_response);
-        Breach::new(device_type, "the second SDO channel answers").expected("the device type").found(found)
+        let found = second.as_ref().map_or(Observation::Silence, observed_response);
+        Breach::new(DEVICE_TYPE, "the second SDO channel answers").expected("the device type").found(found)
     }))?;
-    let reply = bench.exchange(&Request::UploadSegment { toggle: false }, "next segment on the first channel")?;
-    bench.check(reply.expect("an upload segment", |response| matches!(response, Response::UploadSegment(_))))?;
+    bench.check(demand(matches!(first, Some(Response::UploadSegment(_))), || {
+        let found = first.as_ref().map_or(Observation::Silence, observed_response);
+        let breach = Breach::new(name, "an upload on the first channel goes on beside a request on the second");
+        breach.expected("an upload segment").found(found)
+    }))?;
     close(bench)
 }
 
