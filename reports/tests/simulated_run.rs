@@ -30,7 +30,6 @@ fn run_with(faults: Faults, reporters: &mut [&mut dyn Reporter]) -> Summary {
             case: "301/identity/names".to_owned(),
             subject: "1008".parse().unwrap(),
             does: "value *".parse().unwrap(),
-            any: false,
             documented: "the manual says so".to_owned(),
             by: Authority::Manual,
         }],

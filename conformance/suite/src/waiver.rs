@@ -156,7 +156,6 @@ impl Waiver {
             case: self.case.clone(),
             subject: self.subject,
             does: self.does.clone(),
-            any: false,
             documented: format!("waived: {} (line {}{until})", self.reason, self.line),
             by: Authority::Waiver { line: self.line },
         }

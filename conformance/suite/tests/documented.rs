@@ -6,14 +6,14 @@
 use canvass_analyzer::NodeId;
 use canvass_bus::SimulatedBus;
 use canvass_device::Faults;
-use canvass_device::models::Model;
+use canvass_device::models::{Deviation as Documented, Model};
 use canvass_device::{Device, Motion};
 use canvass_suite::bench::{Bench, Options, Target};
 use canvass_suite::case::Touch;
 use canvass_suite::catalogue;
 use canvass_suite::needs;
 use canvass_suite::runner::run_case;
-use canvass_suite::verdict::Kind;
+use canvass_suite::verdict::{Kind, Ruled};
 use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
@@ -37,9 +37,15 @@ fn check(id: &str, executed_at_least: usize) {
         let kind = report.verdict.kind();
         executed += usize::from(kind.is_executed());
         if kind == Kind::Deviation {
-            let explains =
-                |deviation: &&canvass_device::models::Deviation| catalogue::matches(&deviation.case, case.id);
-            used.extend(deviations.iter().filter(explains).map(|deviation| deviation.case.clone()));
+            let explains = |deviation: &Documented| {
+                let explained = |ruled: &Ruled| {
+                    deviation.subject.covers(ruled.breach.subject) && deviation.does.accepts(&ruled.breach.actual)
+                };
+                catalogue::matches(&deviation.case, case.id) && report.verdict.breaches().iter().any(explained)
+            };
+            used.extend(
+                (0..).zip(deviations).filter(|(_, deviation)| explains(deviation)).map(|(at, _): (usize, _)| at),
+            );
         }
         let not_restored = report.notes.iter().any(|note| note.contains("restored") || note.contains("set back"));
         if matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive) || not_restored {
@@ -48,8 +54,8 @@ fn check(id: &str, executed_at_least: usize) {
     }
     assert!(wrong.is_empty(), "{id}: {}:\n{}", wrong.len(), wrong.join("\n"));
     assert!(executed >= executed_at_least, "{id}: {executed} cases were executed");
-    let idle: Vec<&String> =
-        deviations.iter().map(|deviation| &deviation.case).filter(|case| !used.contains(*case)).collect();
+    let idle = (0..).zip(deviations).filter(|(at, _)| !used.contains(at));
+    let idle: Vec<String> = idle.map(|(_, row)| format!("{} {}: {}", row.case, row.subject, row.does)).collect();
     assert!(idle.is_empty(), "{id}: explained, but not found: {idle:?}");
 }
 

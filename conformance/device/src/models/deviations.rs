@@ -25,8 +25,6 @@ pub struct Deviation {
     pub subject: Subject,
     /// What the device does instead.
     pub does: Pattern,
-    /// Transitional: whatever the case finds.
-    pub any: bool,
     /// What the manual says, and where.
     pub documented: String,
 }
@@ -60,9 +58,6 @@ struct Row {
     object: Option<Subject>,
     #[serde(default)]
     breaches: Vec<Explained>,
-    /// Transitional: cases all of whose breaches are explained.
-    #[serde(default)]
-    cases: Vec<String>,
 }
 
 /// A breach that a difference explains.
@@ -94,17 +89,9 @@ impl DeviationTables {
                 case: case.clone(),
                 subject: object.or(row.object).unwrap_or(Subject::Device),
                 does: does.clone(),
-                any: false,
                 documented: documented.clone(),
             };
-            let of_case = |case: &String| Deviation {
-                case: case.clone(),
-                subject: Subject::Device,
-                does: "silence".parse().unwrap_or_else(|_| unreachable!()),
-                any: true,
-                documented: documented.clone(),
-            };
-            row.breaches.iter().map(of_breach).chain(row.cases.iter().map(of_case)).collect::<Vec<_>>()
+            row.breaches.iter().map(of_breach).collect::<Vec<_>>()
         };
         self.deviations.iter().flat_map(of_row).collect()
     }

@@ -34,8 +34,6 @@ pub struct Deviation {
     pub subject: Subject,
     /// What the device does instead of what the standard says.
     pub does: Pattern,
-    /// Transitional: whatever the case finds.
-    pub any: bool,
     /// What the documentation or the waiver says, and where.
     pub documented: String,
     /// Who says so.
@@ -49,7 +47,6 @@ impl Deviation {
             case: row.case.clone(),
             subject: row.subject,
             does: row.does.clone(),
-            any: row.any,
             documented: row.documented.clone(),
             by: Authority::Manual,
         };
@@ -59,7 +56,8 @@ impl Deviation {
     /// Whether it explains that breach of that case.
     pub fn explains(&self, case: &Case, breach: &Breach) -> bool {
         catalogue::matches(&self.case, case.id)
-            && (self.any || self.subject.covers(breach.subject) && self.does.accepts(&breach.actual))
+            && self.subject.covers(breach.subject)
+            && self.does.accepts(&breach.actual)
     }
 }
 

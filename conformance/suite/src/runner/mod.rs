@@ -255,7 +255,6 @@ mod tests {
             case: "test/*".to_owned(),
             subject: Subject::Device,
             does: "silence".parse().unwrap(),
-            any: false,
             documented: "manual, 5.1".to_owned(),
             by: Authority::Manual,
         }];
