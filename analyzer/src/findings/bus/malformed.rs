@@ -64,7 +64,8 @@ fn tell(unreadable: Option<Unreadable>, (right, length): (usize, usize), context
     let service = context.decoded.service;
     // Commands come from the master, whichever node they name.
     let node = context.node().filter(|_| service != Service::Nmt);
-    let report = Report::at(context.now()).node(node).detail((service as u64) << 8 | length as u64);
+    let kind = (service as u64) << 8 | length as u64;
+    let report = Report::at(context.now()).node(node).detail(kind).kind(kind);
     sink.report(report.evidence(context.evidence()), || match unreadable {
         Some(error) => format!("{service} that can't be read: {error}"),
         None => format!(
