@@ -292,7 +292,6 @@ faults! {
     ErrorHistoryNotKept = "error-history-not-kept" on "reference-301" because "is about the history of errors: what stands in 1003h depends on errors that only the device knows": "1003h:00 stays 0, whatever happens.",
     ExtendedBitAccepted = "extended-bit-accepted" on "reference-301" fuzz: "Bit 29 of a COB-ID is accepted and has no effect.",
     FastscanIgnoresBits = "fastscan-ignores-bits" on "reference-301" fuzz: "Every Fastscan matches, whatever it compares.",
-    FastscanUnanswered = "fastscan-unanswered" on "reference-301" fuzz: "Fastscan is not answered.",
     HeartbeatConsumerLate = "heartbeat-consumer-late" on "reference-301" because "is about when a lost node or master is noticed: whether and when a device reports an error, the models take from its EMCY messages and don't demand": "A watched node is missed after twice its time.",
     HeartbeatConsumerNotRestarted = "heartbeat-consumer-not-restarted" on "reference-301" because "is about when a lost node or master is noticed: whether and when a device reports an error, the models take from its EMCY messages and don't demand": "Only the first heartbeat of a watched node counts.",
     HeartbeatConsumerNotStopped = "heartbeat-consumer-not-stopped" on "reference-301" because "is about when a lost node or master is noticed: whether and when a device reports an error, the models take from its EMCY messages and don't demand": "An entry of 1016h whose time is set to 0 goes on watching.",

@@ -67,7 +67,6 @@ const MINE: &[Fault] = &[
     Fault::ErrorHistoryNotKept,
     Fault::ExtendedBitAccepted,
     Fault::FastscanIgnoresBits,
-    Fault::FastscanUnanswered,
     Fault::FastscanYieldsToOthers,
     Fault::GuardingAnsweredUnsupported,
     Fault::HeartbeatConsumerCrashes,

@@ -22,7 +22,9 @@ pub(super) fn sheet(name: &str, description: &DeviceDescription) -> Result<Sheet
     sheet.insert("bit_rate".to_owned(), Value::Array(bit_rates(description)));
     if let Some(encoder) = encoder(description) {
         sheet.insert("encoder".to_owned(), encoder.into());
+        sheet.insert("link".to_owned(), Value::Array(links(description)));
     }
+    sheet.insert("value".to_owned(), Value::Array(identity(description)));
     sheet.try_into()
 }
 
@@ -74,6 +76,42 @@ fn bit_rates(description: &DeviceDescription) -> Vec<Value> {
         row.into()
     };
     description.device.bit_rates.iter().map(row).collect()
+}
+
+/// Of an encoder, the cyclic timer is the event timer of TPDO 1 (CiA 406).
+fn links(description: &DeviceDescription) -> Vec<Value> {
+    let timers = [Multiplexer::new(0x6200, 0), Multiplexer::new(0x1800, 5)];
+    let is_writable =
+        |at: &Multiplexer| description.dictionary.entry(*at).is_ok_and(|entry| entry.access.is_writable());
+    if !timers.iter().all(is_writable) {
+        return Vec::new();
+    }
+    let objects: Vec<Value> = timers.iter().map(|at| written(*at).into()).collect();
+    let mut link = Table::new();
+    link.insert("kind".to_owned(), "same".into());
+    link.insert("objects".to_owned(), Value::Array(objects));
+    vec![link.into()]
+}
+
+/// The identity as the head of the file has it, where 1018h has no default.
+fn identity(description: &DeviceDescription) -> Vec<Value> {
+    let device = &description.device;
+    let numbers = [(1, device.vendor_number), (2, device.product_number), (3, device.revision_number)];
+    let row = |(sub, number): (u8, Option<u32>)| {
+        let at = Multiplexer::new(0x1018, sub);
+        let entry = description.dictionary.entry(at).ok().filter(|entry| entry.default.is_none())?;
+        let number = number.filter(|_| entry.access.is_readable())?;
+        let mut row = Table::new();
+        row.insert("at".to_owned(), written(at).into());
+        row.insert("value".to_owned(), i64::from(number).into());
+        Some(row.into())
+    };
+    numbers.into_iter().filter_map(row).collect()
+}
+
+/// An object as sheets write it: `1018:01`.
+fn written(at: Multiplexer) -> String {
+    format!("{:04X}:{:02X}", at.index.0, at.sub.0)
 }
 
 /// Of an encoder (CiA 406), the physical resolution that 6501h and 6502h tell.

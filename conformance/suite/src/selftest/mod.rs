@@ -14,9 +14,11 @@ use crate::bench::{Bench, Knowledge, Options, Target};
 use crate::case::{Case, Level, Touch};
 use crate::catalogue;
 use crate::runner::{CaseReport, run_case};
-use crate::verdict::{Grade, Kind, Reason, Verdict};
+use crate::verdict::{Grade, Kind, Reason, Ruled, Verdict};
 use canvass_analyzer::NodeId;
 use canvass_bus::SimulatedBus;
+use canvass_bus::client::Violation;
+use canvass_bus::observation::Observation;
 use canvass_device::models::Model;
 use canvass_device::{Device, Motion};
 use canvass_device::{Fault, Firmware};
@@ -153,6 +155,13 @@ pub fn named_by(cases: &[&'static Case]) -> Vec<Fault> {
     named.into_iter().collect()
 }
 
+/// Whether all that a case found shows in whatever case meets it: an abort that names another object than was asked for.
+fn shows_anywhere(verdict: &Verdict) -> bool {
+    let is_everywhere =
+        |ruled: &Ruled| matches!(ruled.breach.actual, Observation::Violation(Violation::Multiplexer(_)));
+    verdict.breaches().iter().filter(|ruled| ruled.kind() == Kind::Fail).all(is_everywhere)
+}
+
 /// A case about what the standard leaves open fails nobody: it detects a fault by what it records.
 fn records(case: &Case, verdict: &Verdict) -> bool {
     case.level == Level::Open && verdict.breaches().iter().any(|ruled| ruled.breach.grade == Grade::Open)
@@ -174,7 +183,7 @@ fn fault_row(fault: Fault, cases: &[&'static Case], extent: Extent) -> Option<Fa
         let kind = verdict.kind();
         if kind == Kind::Fail || records(case, &verdict) {
             row.failed.push(case);
-            if !relatives.contains(chapter(case)) {
+            if kind == Kind::Fail && !relatives.contains(chapter(case)) && !shows_anywhere(&verdict) {
                 row.unrelated.push(case);
             }
         } else if case.catches.contains(&fault) {

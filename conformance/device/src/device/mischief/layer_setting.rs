@@ -25,7 +25,7 @@ impl Mischief {
             0x11 if self.configuring && self.has(Fault::LssNodeIdWithoutEffect) && bytes[1] != 255 => {
                 return answer([0x11, 0, 0, 0, 0, 0, 0, 0]);
             }
-            0x51 if self.has(Fault::FastscanUnanswered) || self.has_yielded(bytes) => return Incoming::Lost,
+            0x51 if self.has_yielded(bytes) => return Incoming::Lost,
             0x40..=0x43
                 if self.has(Fault::LssSelectiveMismatchIgnored)
                     && bytes[1..5] != address[usize::from(command - 0x40)].to_le_bytes() =>

@@ -359,6 +359,10 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("an RPDO can carry two objects", "two in the description", "fewer");
         return Err(Stop::NotApplicable(reason));
     };
+    if !bench.can_write(RPDO.entry(2))? {
+        let reason = Reason::new("RPDO 1 can carry two objects", format!("{}", RPDO.entry(2)), "absent or read-only");
+        return Err(Stop::NotApplicable(reason));
+    }
     let before = [bench.read(first.at)?, bench.read(second.at)?];
     for (mapped, value) in objects.iter().zip(&before) {
         bench.write(mapped.at, value)?;

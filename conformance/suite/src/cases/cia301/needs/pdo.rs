@@ -23,10 +23,11 @@ fn tpdo(bench: &mut Bench<'_>) -> Result<Met, Stop> {
         return Ok(Err(why));
     }
     let cob_id = CobId(number(&bench.upload(TPDO_COB_ID)?.value()?));
-    Ok(match cob_id.is_valid() {
-        true => Ok(()),
-        false => Err(format!("TPDO 1 is switched off ({TPDO_COB_ID} is {cob_id})")),
-    })
+    if !cob_id.is_valid() {
+        return Ok(Err(format!("TPDO 1 is switched off ({TPDO_COB_ID} is {cob_id})")));
+    }
+    let mapped = number(&bench.upload(TPDO_MAPPED)?.value()?);
+    Ok(if mapped > 0 { Ok(()) } else { Err(format!("TPDO 1 carries nothing ({TPDO_MAPPED} is 0)")) })
 }
 
 /// A TPDO with an event timer, 1800h:05.
