@@ -13,7 +13,7 @@ pub const CASES: &[Case] = &[
     ),
     ("carriage-return-line-feed", &[], &[]),
     ("carriage-return-only", &[], &[]),
-    ("comment-behind-value", &["warning Number [2000] DataType @ DataType=0x0006 ; UNSIGNED16"], &[]),
+    ("comment-behind-value", &["info Number [2000] DataType @ DataType=0x0006 ; UNSIGNED16"], &[]),
     ("comment-count", &["warning Count [Comments] Lines @ Lines=4"], &[]),
     ("compact-pdo", &[], &[]),
     (

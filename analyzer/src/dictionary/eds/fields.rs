@@ -35,8 +35,8 @@ impl<'s> Fields<'s, '_> {
             self.report(field, Severity::Error, ProblemKind::Number, "a number", text);
             return None;
         };
-        if let Some(expected) = number.oddity {
-            self.report(field, Severity::Warning, ProblemKind::Number, expected, text);
+        if let Some(oddity) = number.oddity {
+            self.report(field, oddity.severity, ProblemKind::Number, oddity.expected, text);
         }
         let value = u32::try_from(number.value).ok().filter(|&value| value <= most);
         if value.is_none() {
@@ -121,8 +121,8 @@ fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Pr
         problems.report(place, Severity::Error, ProblemKind::Number, "a number", text);
         return None;
     };
-    if let Some(expected) = number.oddity {
-        problems.report(place, Severity::Warning, ProblemKind::Number, expected, text);
+    if let Some(oddity) = number.oddity {
+        problems.report(place, oddity.severity, ProblemKind::Number, oddity.expected, text);
     }
     let setting = if number.plus_node_id {
         // The highest node-ID must fit too.

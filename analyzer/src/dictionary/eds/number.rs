@@ -1,6 +1,8 @@
 //! Numbers and formulas: decimal, `0x` hexadecimal, leading `0` octal, and sums with `$NODEID` (CiA 306, entry value
 //! interpretation), plus the ways in which the field writes them otherwise.
 
+use crate::dictionary::Severity;
+
 /// What a number field says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Number {
@@ -8,8 +10,23 @@ pub(super) struct Number {
     pub value: i128,
     /// Whether `$NODEID` is to be added.
     pub plus_node_id: bool,
-    /// What was odd about it, as what the standard expects instead.
-    pub oddity: Option<&'static str>,
+    /// What was odd about it.
+    pub oddity: Option<Oddity>,
+}
+
+/// A spelling that is understood and that the standard has not.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Oddity {
+    /// What the standard expects instead.
+    pub expected: &'static str,
+    /// Comments after values are in files of several makers, and every tool reads them.
+    pub severity: Severity,
+}
+
+impl Oddity {
+    const fn warning(expected: &'static str) -> Self {
+        Self { expected, severity: Severity::Warning }
+    }
 }
 
 /// The number or formula in that text; `None` if it is none.
@@ -35,13 +52,13 @@ pub(super) fn parse(text: &str) -> Option<Number> {
                 return None;
             }
             number.plus_node_id = true;
-            oddity = oddity.or(odd);
+            oddity = oddity.or(odd.map(Oddity::warning));
             if !first {
-                oddity = oddity.or(Some("$NODEID before the number"));
+                oddity = oddity.or(Some(Oddity::warning("$NODEID before the number")));
             }
         } else {
             let (value, odd) = literal(term.trim())?;
-            oddity = oddity.or(odd);
+            oddity = oddity.or(odd.map(Oddity::warning));
             number.value = number.value.checked_add(if negative { -value } else { value })?;
         }
         rest = after;
@@ -52,16 +69,16 @@ pub(super) fn parse(text: &str) -> Option<Number> {
 }
 
 /// Without quotes, and without what stands behind a `;`.
-fn without_decoration(text: &str) -> (&str, Option<&'static str>) {
+fn without_decoration(text: &str) -> (&str, Option<Oddity>) {
     let mut oddity = None;
     let mut text = text.trim();
     if let Some((number, _)) = text.split_once([';', '#']) {
         text = number.trim();
-        oddity = Some("a comment in a line of its own");
+        oddity = Some(Oddity { expected: "a comment in a line of its own", severity: Severity::Info });
     }
     if let Some(inner) = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
         text = inner.trim();
-        oddity = Some("a number without quotes");
+        oddity = Some(Oddity::warning("a number without quotes"));
     }
     (text, oddity)
 }
@@ -145,7 +162,7 @@ mod tests {
 
     #[test]
     fn odd_spellings_are_understood_and_named() {
-        let odd = |text| parse(text).and_then(|number| number.oddity.map(|oddity| (number.value, oddity)));
+        let odd = |text| parse(text).and_then(|number| number.oddity.map(|oddity| (number.value, oddity.expected)));
         assert_eq!(odd("180h"), Some((0x180, "hexadecimal numbers with 0x")));
         assert_eq!(odd("5 ; five"), Some((5, "a comment in a line of its own")));
         assert_eq!(odd("0x7 # VAR"), Some((7, "a comment in a line of its own")));

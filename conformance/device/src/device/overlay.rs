@@ -1,7 +1,7 @@
 //! Faults, and liberties, in what the dictionary holds, not in what the firmware does: they lie over the description.
 
 use super::parameters::{Content, Parameters};
-use crate::{Fault, Firmware, Liberty};
+use crate::{Fault, Firmware};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
@@ -14,9 +14,6 @@ const RESERVED_ALARM: u64 = 1 << 3;
 /// Changes what the dictionary says, as the firmware has it.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     plant_encoder(parameters, firmware);
-    if firmware.takes(Liberty::HeartbeatAbsent) {
-        parameters.remove(object::PRODUCER_HEARTBEAT_TIME, None);
-    }
     let vendor_id = Multiplexer::new(object::IDENTITY, 1);
     let device_type = Multiplexer::new(object::DEVICE_TYPE, 0);
     if firmware.has(Fault::VendorIdZero) {

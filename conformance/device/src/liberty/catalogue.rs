@@ -120,7 +120,6 @@ liberties! {
     NoHeartbeatConsumer = "no-heartbeat-consumer", "CiA 301 7.5.2.19" by [LIKA, TR]: "There is no 1016h.",
     OneHeartbeatConsumer = "one-heartbeat-consumer", "CiA 301 7.5.2.19": "1016h has one entry.",
     NoGuarding = "no-guarding", "CiA 301 7.2.8.2.2" by [CANOPEN_NODE]: "There is no node guarding: no 100Ch, no 100Dh, no answer to remote frames.",
-    HeartbeatAbsent = "heartbeat-absent", "CiA 301 7.5.2.20" by [PUBLISHED]: "1017h is described and absent: the device is guarded.",
     // SYNC, TIME and other services
     NoSyncCounter = "no-sync-counter", "CiA 301 7.5.2.22": "There is no 1019h.",
     NoSyncWindow = "no-sync-window", "CiA 301 7.5.2.7" by [CANOPEN_STACK]: "There is no 1007h.",

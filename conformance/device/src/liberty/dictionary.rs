@@ -137,6 +137,7 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
     }
     if liberties.has(Liberty::NoDummies) {
         edit.description.dummy_usage.values_mut().for_each(|usable| *usable = false);
+        edit.unmap_where(|at| at.index.0 < 0x20);
     }
     if liberties.has(Liberty::EdsIdentityWithoutDefaults) {
         // The device has its numbers all the same: they move from the description to the sheet.
@@ -149,6 +150,7 @@ fn remove_long(edit: &mut Edit<'_>) {
     let is_long = |entry: &Entry| entry.access.is_writable() && entry.data_type.bytes().is_none_or(|bytes| bytes > 4);
     let entries = edit.description.dictionary.entries();
     let long: Vec<u16> = entries.filter(|(_, entry)| is_long(entry)).map(|(at, _)| at.index.0).collect();
+    edit.unmap_where(|at| long.contains(&at.index.0));
     edit.remove(long.into_iter().map(|index| index..=index));
 }
 

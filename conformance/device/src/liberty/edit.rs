@@ -122,6 +122,19 @@ impl Edit<'_> {
     pub fn unmap(&mut self, mapping: u16) {
         (0..=64).for_each(|sub| self.set(mapping, sub, 0));
     }
+
+    /// Every PDO that is delivered with such an object carries nothing.
+    pub fn unmap_where(&mut self, is_gone: impl Fn(Multiplexer) -> bool) {
+        let carries = |object: &Object| {
+            let entries = object.entries().iter().filter(|entry| entry.sub.0 > 0);
+            let mapped = entries.filter_map(|entry| entry.default.as_ref()?.fixed()?.to_raw());
+            mapped.filter(|raw| *raw != 0).any(|raw| is_gone(Multiplexer::new((raw >> 16) as u16, (raw >> 8) as u8)))
+        };
+        let objects = self.description.dictionary.objects().iter();
+        let mappings = objects.filter(|object| matches!(object.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF));
+        let gone: Vec<u16> = mappings.filter(|object| carries(object)).map(|object| object.index.0).collect();
+        gone.into_iter().for_each(|mapping| self.unmap(mapping));
+    }
 }
 
 fn has(dictionary: &ObjectDictionary, index: u16) -> bool {

@@ -104,7 +104,6 @@ fn description_and_device_change_together() {
             let expected = match description.dictionary.entry(at) {
                 Err(Missing::Object) => Some("06020000"),
                 Err(Missing::SubIndex) => Some("06090011"),
-                Ok(_) if liberty == HeartbeatAbsent && at.index.0 == 0x1017 => Some("06020000"),
                 Ok(_) => None,
             };
             if expected.is_none() && at.index.0 & 0xF != 0 {

@@ -16,11 +16,17 @@ const LOOK: Duration = Duration::from_millis(250);
 
 impl Bench<'_> {
     /// Whether the device has left the bus during a case: it neither answers, nor starts when it is reset.
-    pub(crate) fn has_left(&mut self, case: &'static str) -> bool {
+    /// `regain` gives a device its node-ID again that has lost it, where the user allows that.
+    pub(crate) fn has_left(&mut self, case: &'static str, regain: impl FnOnce(&mut Self)) -> bool {
         if self.gone.is_some() {
             return false;
         }
-        let there = self.uncancelled(Self::is_there);
+        let there = self.uncancelled(|bench| {
+            bench.is_there() || {
+                regain(bench);
+                bench.is_there()
+            }
+        });
         self.gone = (!there).then_some(case);
         !there
     }

@@ -4,6 +4,7 @@ use super::blame::{blameless, overload};
 use super::event::CaseReport;
 use crate::bench::{Bench, Deviation, Evidence, Remains};
 use crate::case::{Case, Level, Touch};
+use crate::needs;
 use crate::verdict::{Breach, End, Excuse, Grade, Judged, Reason, Ruled, Stop, Verdict};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Timestamp;
@@ -24,7 +25,14 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let overload = (!breaches.is_empty()).then(|| overload(bench, took)).flatten();
     // A device that has gone is looked for while its frames are still evidence; a case that passed may have stopped it, too.
     let ran = !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
-    let has_left = ran && bench.has_left(case.id);
+    let may_regain = bench.options().allow.contains(&Touch::NodeId);
+    let regain = |bench: &mut Bench<'_>| {
+        if let Some(rescue) = needs::LSS.rescue().filter(|_| may_regain) {
+            // What fails here shows in whether the device answers then.
+            let _ = rescue(bench, true);
+        }
+    };
+    let has_left = ran && bench.has_left(case.id, regain);
     // Also what puts the device back could panic; the run goes on.
     let ended_early = matches!(end, Some(End::Inconclusive(_) | End::Error(_)));
     let clean_up = || {
