@@ -1,5 +1,8 @@
 //! Where the catalogue was once stricter than the text: what the standard leaves free, on a device that makes use of it.
 
+// `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
+#![cfg(test)]
+
 use canvass_device::Liberty;
 use canvass_device::models::Model;
 use canvass_suite::runner::CaseReport;

@@ -159,8 +159,9 @@ fn judge(
     found: Observation,
     told: impl FnOnce() -> String,
 ) -> Check {
-    let breach = || Breach::listed(subject, situation, what).found(found.clone()).told(told());
-    match situation.judge(&found) {
+    let judgement = situation.judge(&found);
+    let breach = || Breach::listed(subject, situation, what).found(found).told(told());
+    match judgement {
         Judgement::Allowed => Ok(()),
         Judgement::Tolerated => Err(Box::new(breach().tolerated())),
         Judgement::Wrong => Err(Box::new(breach())),

@@ -211,7 +211,7 @@ mod tests {
             run(bench, &plan, &mut |event| match event {
                 RunEvent::RunStarted(info) => events.push(format!("{:?}", info.device.device_type)),
                 RunEvent::CaseFinished(report) => {
-                    let reason = report.verdict.reason().map(|reason| reason.actual.clone()).unwrap_or_default();
+                    let reason = report.verdict.reason().map(|reason| reason.actual).unwrap_or_default();
                     events.push(format!("{}: {} {reason}", report.case.id, report.verdict.kind()));
                 }
                 _ => {}

@@ -269,6 +269,7 @@ fn chapter(case: &'static Case) -> &'static str {
         | "301/heartbeat"
         | "301/heartbeat-consumer"
         | "301/guarding"
+        | "301/life-guarding"
         | "301/error-behaviour" => "network management",
         "301/sdo" | "301/dictionary" | "301/identity" | "301/description" => "object dictionary",
         "301/pdo" | "301/tpdo" | "301/rpdo" | "301/sync" => "process data",

@@ -88,7 +88,7 @@ fn only_operational(bench: &mut Bench<'_>) -> Judged {
 /// 1029h takes 0, 1 and 2; of the reserved values, 3 to 127, none is accepted: abort 0609 0030h or 0609 0031h. Those
 /// above are the manufacturer's.
 #[case(id = "301/error-behaviour/reserved", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Should,
-       needs = [ErrorBehaviour], catches = [ErrorBehaviourUnchecked])]
+       needs = [ErrorBehaviour], catches = [SdoRangeWrongCode, ErrorBehaviourUnchecked])]
 fn reserved(bench: &mut Bench<'_>) -> Judged {
     let before = bench.read(BEHAVIOUR)?;
     bench.each([3_u8, 64, 127], |bench, value| {

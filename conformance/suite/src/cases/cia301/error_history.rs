@@ -84,7 +84,7 @@ fn entry(bench: &mut Bench<'_>) -> Judged {
 
 /// The newest error is at 1003h:01, the one before it at 1003h:02.
 #[case(id = "301/error-history/newest-first", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Must,
-       needs = [ErrorHistory, HeartbeatConsumer, RpdoMapping], catches = [ErrorHistoryReversed])]
+       needs = [ErrorHistory, HeartbeatConsumer, RpdoMapping], catches = [SdoSilentWhenOperational, ErrorHistoryReversed])]
 fn newest_first(bench: &mut Bench<'_>) -> Judged {
     use crate::bench::pdo::RPDO;
     if !bench.has(BEFORE_NEWEST)? {

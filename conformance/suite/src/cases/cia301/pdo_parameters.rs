@@ -250,7 +250,7 @@ fn while_valid(bench: &mut Bench<'_>, sub: u8, usual: u16, otherwise: u16) -> Ju
 
 /// Sub-index 4 of a communication parameter is reserved: reading and writing it are refused with abort 0609 0011h.
 #[case(id = "301/pdo/reserved-entry", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       catches = [SdoWrongCodeForNoSubIndex, SdoUnknownAbortCode])]
+       catches = [SdoRefusalAlternates, SdoWrongCodeForNoSubIndex, SdoUnknownAbortCode])]
 fn reserved_entry(bench: &mut Bench<'_>) -> Judged {
     let pdos = predefined(bench)?;
     bench.each(pdos, |bench, (pdo, _)| {

@@ -42,7 +42,7 @@ fn is_covered(bench: &mut Bench<'_>, object: Multiplexer) -> Result<bool, Stop> 
 /// What can be stored is there after "save" and reset node: what 1010h covers by the description, and of other parameters
 /// at least one. The old values are stored again afterwards.
 #[case(id = "301/store/persists", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
-       needs = [Store, ScratchObject], touches = [Nvm], catches = [StoreWithoutEffect], cct = "8.5")]
+       needs = [Store, ScratchObject], touches = [Nvm], catches = [ParameterDriftsAtReset, ErrorBehaviourAlwaysLeaves, StoreWithoutEffect], cct = "8.5")]
 fn persists(bench: &mut Bench<'_>) -> Judged {
     let mut scratches = bench.scratch_objects()?;
     scratches.extend(bench.application_scratch()?);
