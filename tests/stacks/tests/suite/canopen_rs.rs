@@ -2,7 +2,7 @@
 
 use super::{Expected, Outcome, Peer, expect, judge, passed, trace};
 use canvass_stacks::canopen_rs::{CanopenRs, EDS, NODE};
-use canvass_suite::verdict::Kind::Fail;
+use canvass_suite::verdict::Kind::{Fail, Inconclusive};
 
 /// All are its own, and in `docs/peers.md`.
 const EXPECTED: &Expected = &[
@@ -33,13 +33,14 @@ const EXPECTED: &Expected = &[
     ("301/rpdo/cob-id/valid", Fail, PDO_PARAMETERS),
     ("301/rpdo/mapping/valid", Fail, PDO_PARAMETERS),
     ("301/rpdo/reserved-type", Fail, PDO_PARAMETERS),
-    ("301/state/stopped/running-upload", Fail, "a transfer goes on after stopped"),
     ("301/rpdo/synchronous", Fail, "an RPDO acts when it comes, whatever its transmission type"),
-    ("301/tpdo/acyclic", Fail, EVERY_SYNC),
     ("301/tpdo/sync-count-restarts", Fail, EVERY_SYNC),
     ("301/tpdo/sync-cycle", Fail, EVERY_SYNC),
     ("301/tpdo/remote-sampled", Fail, REMOTE),
     ("301/tpdo/remote-triggered", Fail, REMOTE),
+    ("301/rpdo/too-short", Fail, "an RPDO that is too short causes no EMCY"),
+    ("301/sdo/download/several-reasons", Fail, NO_SUB_INDEX),
+    ("305/bit-timing/activate", Inconclusive, BIT_TIMING),
     ("305/bit-timing/reserved", Fail, BIT_TIMING),
     ("305/bit-timing/table", Fail, BIT_TIMING),
     ("305/fastscan/out-of-range", Fail, "bit checks 32 to 127 and 129 to 255 begin a Fastscan"),

@@ -7,6 +7,7 @@ use canvass_suite::verdict::Kind::{Fail, Inconclusive};
 /// All are its own, and in `docs/peers.md`.
 const EXPECTED: &Expected = &[
     ("301/boot-up/every-time", Fail, BOOT_UP),
+    ("301/boot-up/no-sdo-before", Fail, BOOT_UP),
     ("301/boot-up/reset-communication", Fail, BOOT_UP),
     ("301/boot-up/reset-node", Fail, BOOT_UP),
     ("301/boot-up/silent-before", Fail, BOOT_UP),
@@ -24,7 +25,6 @@ const EXPECTED: &Expected = &[
     ("301/pdo/cob-id/too-high", Fail, PDO_PARAMETERS),
     ("301/pdo/cob-id/valid", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/count", Fail, PDO_PARAMETERS),
-    ("301/pdo/mapping/entry-in-use", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/too-long", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/unmappable", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/valid", Fail, PDO_PARAMETERS),
@@ -43,7 +43,9 @@ const EXPECTED: &Expected = &[
     ("301/sdo/block-download/sequence-zero", Fail, "a segment with sequence number 0 is passed over"),
     ("301/sdo/block-upload/all-lost", Fail, CRC),
     ("301/sdo/block-upload/part-lost", Fail, CRC),
-    ("301/sdo/block-upload/restart", Fail, BUSY),
+    ("301/sdo/block-upload/complete", Fail, NAMELESS),
+    ("301/sdo/block-upload/crc", Fail, NAMELESS),
+    ("301/sdo/block-upload/lengths", Fail, NAMELESS),
     ("301/sdo/block-upload/too-much-confirmed", Fail, "segments may be confirmed that were never sent"),
     ("301/sdo/block-upload/wrong-block-size", Fail, BLOCK_SIZE),
     ("301/sdo/block-upload/wrong-next-size", Fail, BLOCK_SIZE),
@@ -57,7 +59,7 @@ const EXPECTED: &Expected = &[
     ("301/store/wrong-signature", Fail, SIGNATURE),
     ("301/store/operational", Fail, SIGNATURE),
     ("301/store/all", Inconclusive, SIGNATURE),
-    ("301/store/persists", Fail, SIGNATURE),
+    ("301/store/persists", Inconclusive, SIGNATURE),
     ("301/store/reset-at-once", Inconclusive, SIGNATURE),
     ("305/fastscan/early-match", Fail, "a match that goes back to an earlier part ends Fastscan"),
     ("305/fastscan/out-of-range", Fail, "bit check 32 is a panic"),
@@ -77,6 +79,7 @@ const BOOT_UP: &str = "the first message is 7Fh, not the boot-up message";
 const PDO_PARAMETERS: &str = "PDO parameters are stored with few checks";
 const LATE: &str = "the start of the transfer is confirmed, and only its end refused";
 const REPEATED: &str = "what is sent again after a lost segment goes to the wrong place";
+const NAMELESS: &str = "an abort in a block upload names object 0000h:00";
 const CRC: &str = "the CRC counts what is sent again";
 const BLOCK_SIZE: &str = "block sizes 0 and above 127 are taken";
 const UNKNOWN: &str = "unknown command specifiers are not answered";
