@@ -102,15 +102,22 @@ fn in_mid_transfer(bus: &Interface, act: impl FnOnce()) {
 }
 
 #[test]
-fn a_device_that_dies_in_mid_transfer_fails_nothing() {
+fn a_device_that_dies_in_mid_transfer_fails_that_case_alone() {
     let bus = Interface::new("vdies");
     let device = simulate(MODEL, bus.name(), &[]);
     let test = start_test(&bus, "301/sdo", &[]);
     in_mid_transfer(&bus, || device.kill());
     let ended = test.finish();
     let report = parsed(&ended.stdout);
-    assert_eq!(count(&report, "fail"), 0, "{}", brief(&report));
+    assert_eq!(count(&report, "fail"), 1, "{}", brief(&report));
+    let cases = report["cases"].as_array().unwrap();
+    let failed = cases.iter().find(|case| case["verdict"] == "fail").unwrap();
+    let says = |case: &Value, what: &str| case["breaches"].to_string().contains(what);
+    assert!(says(failed, "the device stopped answering"), "{failed:#}");
+    // Those after it name it.
     assert!(count(&report, "inconclusive") >= 2, "{}", brief(&report));
+    let last = &cases.last().unwrap()["reason"]["actual"];
+    assert!(last.as_str().unwrap().contains(failed["id"].as_str().unwrap()), "{last}");
     assert_eq!(ended.status, 1);
 }
 
