@@ -1,4 +1,4 @@
-//! The tester's side of the protocols, as state machines without I/O and clock: the [`crate::bench`] drives them in
+//! The tester's side of the protocols, as state machines without I/O and clock: a bench drives them in
 //! cases, [`Exchange`] in commands.
 
 pub mod block_download;

@@ -161,5 +161,5 @@ liberties! {
     EdsListsOutOfOrder = "eds-lists-out-of-order", "CiA 306-1, object sections" by [PUBLISHED]: "The keys of the lists of objects are not in their order.",
     EdsInlineComments = "eds-inline-comments", "CiA 306-1, general format" by [PUBLISHED]: "Lines of the EDS end in comments.",
     EdsLatin1 = "eds-latin-1", "CiA 306-1, general format" by [PUBLISHED]: "The EDS has characters of ISO 8859-1.",
-    EdsIdentityWithoutDefaults = "eds-identity-without-defaults", "CiA 306-1, object sections" by [PUBLISHED]: "1018h has no defaults in the EDS; [DeviceInfo] has the numbers.",
+    EdsIdentityWithoutDefaults = "eds-identity-without-defaults", "CiA 306-1, object sections" by [PUBLISHED]: "1018h has no defaults in the EDS; its DeviceInfo has the numbers.",
 }

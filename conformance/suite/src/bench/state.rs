@@ -164,7 +164,7 @@ impl Bench<'_> {
     /// Demands that the device now is in that state, `after` something. Gives it the time to get there.
     ///
     /// # Errors
-    /// [`Stop::Fail`] if it shows another or none.
+    /// Those of the waits; another state, or none, is recorded as a breach.
     pub fn expect_state(&mut self, expected: State, after: &str) -> Judged {
         self.listen(self.timing().reaction)?;
         let found = self.state()?;
