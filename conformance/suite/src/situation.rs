@@ -58,7 +58,6 @@ macro_rules! situations {
             pub const fn answers(self) -> &'static Answers {
                 match self {
                     $(Self::$name => const {
-                        #[allow(unused_mut)]
                         let mut row = Answers::row($id, concat!($($doc),+), $section, Level::$level);
                         $(situations!(@set row $key $value);)+
                         &{ row }
