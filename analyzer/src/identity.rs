@@ -31,6 +31,17 @@ impl NodeId {
         self.0
     }
 
+    /// All node-IDs, in their order.
+    pub const ALL: [Self; 127] = {
+        let mut all = [Self::MIN; 127];
+        let mut at = 0;
+        while at < 127 {
+            all[at] = Self(at as u8 + 1);
+            at += 1;
+        }
+        all
+    };
+
     /// All node-IDs.
     pub fn all() -> impl Iterator<Item = Self> {
         (1..=127).map(Self)

@@ -15,6 +15,7 @@ pub mod message;
 pub mod network;
 pub mod object;
 mod per_node;
+mod room;
 pub mod statistics;
 mod text;
 pub mod wire;

@@ -1,7 +1,7 @@
 //! Something for each node-ID of a bus.
 
 use crate::NodeId;
-use std::ops::{Index, IndexMut};
+use std::ops::{Index, IndexMut, Range};
 
 /// One `T` for each node-ID from 1 to 127.
 #[derive(Clone, Debug)]
@@ -36,13 +36,27 @@ impl<T> PerNode<T> {
 
     /// Those that an NMT command names: one, or all where it names 0.
     pub fn named(&self, node: u8) -> impl Iterator<Item = (NodeId, &T)> {
-        self.iter().filter(move |(id, _)| node == 0 || id.raw() == node)
+        let (places, ids) = named(node);
+        ids.iter().copied().zip(self.0.get(places).unwrap_or_default())
     }
 
     /// Those that an NMT command names, to change.
     pub fn named_mut(&mut self, node: u8) -> impl Iterator<Item = (NodeId, &mut T)> {
-        self.iter_mut().filter(move |(id, _)| node == 0 || id.raw() == node)
+        let (places, ids) = named(node);
+        ids.iter().copied().zip(self.0.get_mut(places).unwrap_or_default())
     }
+}
+
+/// The places that an NMT command names, and their node-IDs.
+fn named(node: u8) -> (Range<usize>, &'static [NodeId]) {
+    static IDS: [NodeId; 127] = NodeId::ALL;
+    let places = match usize::from(node) {
+        0 => 1..128,
+        node @ 1..=127 => node..node + 1,
+        _ => 1..1,
+    };
+    let ids = IDS.get(places.start - 1..places.end - 1).unwrap_or_default();
+    (places, ids)
 }
 
 impl<T: Default> PerNode<T> {

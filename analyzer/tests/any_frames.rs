@@ -3,7 +3,7 @@
 #[cfg(test)]
 mod trace;
 
-use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, eds};
 use canvass_analyzer::{NodeId, Service};
 use canvass_traces::{CanId, ChannelId, ErrorClass, Flags, Frame, Record, Timestamp};
 use proptest::prelude::*;
@@ -89,7 +89,7 @@ proptest! {
         });
         let mut trace = Trace::new();
         for node in 1..=2 {
-            trace.network.describe(NodeId::new(node).unwrap(), SENDIX.clone());
+            trace.network.describe(NodeId::new(node).unwrap(), KnownDevice::described(SENDIX.clone()));
         }
         records.iter().for_each(|record| say(&mut trace, record));
     }

@@ -48,6 +48,7 @@ fn extended_header(frame: &Frame) -> [u8; 5] {
 }
 
 /// RTR, two dominant bits, DLC.
+#[inline]
 fn control(frame: &Frame) -> u32 {
     u32::from(frame.kind() == FrameKind::Remote) << 6 | u32::from(frame.dlc() & 0xF)
 }
@@ -73,7 +74,7 @@ fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [
     let [upper, lower] = (crc << 1 | !crc & 1).to_be_bytes();
     stuffing.byte(upper);
     stuffing.byte(lower);
-    len + 8 * data.len() as u32 + 15 + stuffing.stuffed + FIXED_FORM
+    len + 8 * data.len() as u32 + 15 + stuffing.stuffed() + FIXED_FORM
 }
 
 /// The CRC sequence over a header and `len` bytes of data. Leading zeros don't change it, so it is that of whole bytes;
@@ -96,8 +97,9 @@ fn crc15<const N: usize>(header: [u8; N], len: usize, data: [u8; 8]) -> u16 {
 #[derive(Default)]
 struct Stuffing {
     /// The run after the last byte, and the stuff bits in it: [`STUFF_TABLE`].
-    last: u8,
-    stuffed: u32,
+    last: u16,
+    /// The sum of all of them: the runs of 15 bytes do not reach the upper half.
+    sum: u32,
 }
 
 impl Stuffing {
@@ -105,7 +107,11 @@ impl Stuffing {
     fn byte(&mut self, byte: u8) {
         // Each byte waits for the one before, so that nothing but this look-up is to be on the way.
         self.last = STUFF_TABLE[usize::from(byte)][usize::from(self.last & 0xF)];
-        self.stuffed += u32::from(self.last >> 4);
+        self.sum += u32::from(self.last);
+    }
+
+    const fn stuffed(&self) -> u32 {
+        self.sum >> 8
     }
 }
 
@@ -157,8 +163,8 @@ const CRC_TABLES: [[u16; 256]; 13] = {
     tables
 };
 
-/// By byte and the run before it: the run after it in the lower half, the stuff bits in it in the upper one.
-static STUFF_TABLE: [[u8; 16]; 256] = {
+/// By byte and the run before it: the run after it in the lower byte, the stuff bits in it in the upper one.
+static STUFF_TABLE: [[u16; 16]; 256] = {
     let mut table = [[0; 16]; 256];
     let mut at = 0;
     while at < 16 * 256 {
@@ -171,9 +177,9 @@ static STUFF_TABLE: [[u8; 16]; 256] = {
             bit -= 1;
             let (next, added) = run.after(byte >> bit & 1 != 0);
             run = next;
-            stuffed += added as u8;
+            stuffed += added as u16;
         }
-        table[byte][number] = stuffed << 4 | run.number() as u8;
+        table[byte][number] = stuffed << 8 | run.number() as u16;
         at += 1;
     }
     table
@@ -249,7 +255,7 @@ mod tests {
         let count = |bytes: &[u8]| {
             let mut stuffing = Stuffing::default();
             bytes.iter().for_each(|byte| stuffing.byte(*byte));
-            stuffing.stuffed
+            stuffing.stuffed()
         };
         assert_eq!(count(&[0b1010_0000]), 1);
         assert_eq!(count(&[0b0101_0110, 0b0000_1111, 0b0000_1111]), 4, "each stuff bit opens the next run");

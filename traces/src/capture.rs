@@ -1,19 +1,10 @@
 //! Opening a capture, whatever its format.
 
 use crate::compression;
-use crate::{Channels, Damage, Format, Reader, Record, Source, SourceError, TimeBase};
+use crate::{Channels, Damage, Format, ReadOptions, Reader, Record, Source, SourceError, TimeBase};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// How to read a capture.
-#[derive(Clone, Debug, Default)]
-pub struct ReadOptions {
-    /// The format, where the user says it; else it is recognised by the content.
-    pub format: Option<Format>,
-    /// The topics to read, where the format has topics (MCAP); empty for all that carry CAN frames.
-    pub topics: Vec<String>,
-}
 
 /// An opened capture: its name, its format, and its records.
 pub struct Capture {
@@ -131,6 +122,10 @@ impl Reader for Capture {
 
     fn time_base(&self) -> TimeBase {
         self.reader.time_base()
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.reader.bit_rate()
     }
 }
 

@@ -226,6 +226,11 @@ pub(crate) trait LineFormat {
 
     /// See [`Reader::time_base`].
     fn time_base(&self) -> TimeBase;
+
+    /// See [`Reader::bit_rate`].
+    fn bit_rate(&self) -> Option<u32> {
+        None
+    }
 }
 
 /// Reads a capture of a text format.
@@ -284,6 +289,10 @@ impl<F: LineFormat> Reader for TextReader<F> {
 
     fn time_base(&self) -> TimeBase {
         self.format.time_base()
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.format.bit_rate()
     }
 }
 

@@ -87,6 +87,12 @@ impl Merge {
         self.own_names.get(usize::from(channel.0)).map_or("?", |name| name)
     }
 
+    /// The bit rate of a channel's bus in bit/s, where its source says it. To be asked once a record of it was seen.
+    pub fn bit_rate(&self, channel: ChannelId) -> Option<u32> {
+        let of_channel = |source: &&MergedSource| source.channels.contains(&channel);
+        self.sources.iter().filter(of_channel).find_map(|source| source.capture.bit_rate())
+    }
+
     /// What the timestamps count from: that of the first source, as far as it has shown.
     pub fn time_base(&self) -> TimeBase {
         self.sources.first().map_or(TimeBase::None, |source| source.capture.time_base())

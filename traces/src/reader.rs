@@ -1,6 +1,6 @@
 //! What every capture reader does.
 
-use crate::{Channels, Damage, Record};
+use crate::{Channels, Damage, Format, Record};
 
 /// Reads a capture, one record or damage after the other, in the order of the source.
 ///
@@ -11,6 +11,20 @@ pub trait Reader: Iterator<Item = Result<Record, Damage>> {
 
     /// What the timestamps count from, as far as the source has shown.
     fn time_base(&self) -> TimeBase;
+
+    /// The bit rate of the bus in bit/s, where the source says it.
+    fn bit_rate(&self) -> Option<u32> {
+        None
+    }
+}
+
+/// How to read a capture.
+#[derive(Clone, Debug, Default)]
+pub struct ReadOptions {
+    /// The format, where the user says it; else it is recognised by the content.
+    pub format: Option<Format>,
+    /// The topics to read, where the format has topics (MCAP); empty for all that carry CAN frames.
+    pub topics: Vec<String>,
 }
 
 /// What the timestamps of a capture count from.

@@ -4,7 +4,7 @@ use crate::{CanId, ChannelId, Flags, Frame, Timestamp};
 use std::fmt;
 
 /// One frame of a capture.
-#[derive(Clone, PartialEq, Eq, Debug)]
+#[derive(PartialEq, Eq, Debug)]
 pub struct Record {
     /// When the frame was seen (its end on the bus, as most interfaces stamp it).
     pub timestamp: Timestamp,
@@ -64,6 +64,24 @@ pub struct XlHeader {
     pub sdt: u8,
     /// Acceptance field.
     pub af: u32,
+}
+
+impl Clone for Record {
+    #[inline]
+    fn clone(&self) -> Self {
+        let Self { timestamp, frame, channel, direction, place, ref long } = *self;
+        Self { timestamp, frame, channel, direction, place, long: long.clone() }
+    }
+
+    /// Nearly no frame is a long one: then nothing is to be given up or allocated.
+    #[inline]
+    fn clone_from(&mut self, other: &Self) {
+        (self.timestamp, self.frame, self.channel) = (other.timestamp, other.frame, other.channel);
+        (self.direction, self.place) = (other.direction, other.place);
+        if self.long.is_some() || other.long.is_some() {
+            self.long.clone_from(&other.long);
+        }
+    }
 }
 
 impl Record {
@@ -152,6 +170,20 @@ mod tests {
         let xl = XlHeader { vcid: 0x45, sdt: 3, af: 0x1234_5678, ..XlHeader::default() };
         let record = Record::xl(Timestamp(1), ChannelId(0), id, xl, &data[..5]).unwrap();
         assert_eq!((record.data(), record.xl_header()), (&data[..5], Some(xl)));
+    }
+
+    #[test]
+    fn a_copy_in_its_place_is_equal() {
+        let id = CanId::standard(1).unwrap();
+        let short =
+            Record::new(Timestamp(7), ChannelId(3), Frame::full(id, [1; 8])).at(4, 5).with_direction(Direction::Tx);
+        let long = Record::fd(Timestamp(1), ChannelId(0), id, Flags::BRS, &[9; 64]).unwrap();
+        let mut copy = short.clone();
+        for record in [&long, &short, &short, &long, &long] {
+            copy.clone_from(record);
+            assert_eq!(&copy, record);
+        }
+        assert_eq!(long.clone(), long);
     }
 
     #[test]

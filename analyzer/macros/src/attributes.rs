@@ -10,7 +10,7 @@ pub struct Attributes {
     pub id: LitStr,
     pub severity: Ident,
     pub services: Services,
-    pub also: Option<Ident>,
+    pub also: Vec<Ident>,
     pub of: Of,
 }
 
@@ -37,7 +37,7 @@ struct Keys {
     id: Option<LitStr>,
     severity: Option<Ident>,
     services: Option<Services>,
-    also: Option<Ident>,
+    also: Option<Vec<Ident>>,
     of: Option<Ident>,
 }
 
@@ -63,7 +63,7 @@ impl Keys {
             "id" => self.id.replace(input.parse()?).is_some(),
             "severity" => self.severity.replace(input.parse()?).is_some(),
             "services" => self.services.replace(services(input)?).is_some(),
-            "also" => self.also.replace(input.parse()?).is_some(),
+            "also" => self.also.replace(one_or_several(input)?).is_some(),
             "of" => self.of.replace(input.parse()?).is_some(),
             _ => {
                 let known = "id, severity, services, also and of";
@@ -91,7 +91,7 @@ impl Keys {
             return Err(Error::new(whole, advice));
         }
         let severity = required(self.severity, "severity = Error|Warning|Info", whole)?;
-        Ok(Attributes { id, severity, services, also: self.also, of })
+        Ok(Attributes { id, severity, services, also: self.also.unwrap_or_default(), of })
     }
 }
 
@@ -107,10 +107,19 @@ fn services(input: ParseStream) -> Result<Services> {
         }
         return Err(Error::new(all.span(), "services are `[Sdo, Nmt]`, or `all`"));
     }
+    Ok(Services::These(several(input)?))
+}
+
+/// `KnownTpdos`, or `[KnownTpdos, EndedTransfers]`.
+fn one_or_several(input: ParseStream) -> Result<Vec<Ident>> {
+    if input.peek(Ident) { Ok(vec![input.parse()?]) } else { several(input) }
+}
+
+fn several(input: ParseStream) -> Result<Vec<Ident>> {
     let content;
     bracketed!(content in input);
     let list = Punctuated::<Ident, Token![,]>::parse_terminated(&content)?;
-    Ok(Services::These(list.into_iter().collect()))
+    Ok(list.into_iter().collect())
 }
 
 /// Ids are typed on command lines: a family and a name of lower-case words.

@@ -19,10 +19,6 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
         Services::All => quote!(&crate::message::Service::ALL),
         Services::These(these) => quote!(&[#(crate::message::Service::#these),*]),
     };
-    let also = match also {
-        Some(also) => quote!(crate::findings::Also::#also),
-        None => quote!(crate::findings::Also::Nothing),
-    };
     let make = match of {
         Of::Bus => quote!(Bus(|thresholds| ::std::boxed::Box::new(#name::new(thresholds)))),
         Of::Capture => quote!(Capture(|thresholds| ::std::boxed::Box::new(#name::new(thresholds)))),
@@ -52,7 +48,7 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
             crate::findings::Definition {
                 metadata: #name::METADATA,
                 services: #services,
-                also: #also,
+                also: &[#(crate::findings::Also::#also),*],
                 make: crate::findings::Make::#make,
             }
         }

@@ -17,7 +17,7 @@ use proc_macro::TokenStream;
 /// - `id`: stable and textual, such as `"nodes/heartbeat-missing"`;
 /// - `severity`: `Error`, `Warning` or `Info`;
 /// - `services`: those whose frames the rule is shown, `[Sdo, Nmt]` or `all`;
-/// - `also` (optional): frames that it is shown beside these, such as `KnownTpdos`;
+/// - `also` (optional): frames that it is shown beside these, such as `KnownTpdos`, or several in brackets;
 /// - `of` (optional): `capture` for a rule about whole captures, `nothing` for one that other code reports.
 ///
 /// Fields of the struct:

@@ -1,6 +1,5 @@
 //! What a device description (EDS, DCF, XDD, XDC) says about a device.
 
-use super::manual::Manual;
 use super::object::{Object, ObjectDictionary};
 use super::problem::EdsProblem;
 use crate::identity::{Index, Multiplexer, NodeId};
@@ -21,8 +20,6 @@ pub struct DeviceDescription {
     pub comments: Vec<String>,
     /// The objects.
     pub dictionary: ObjectDictionary,
-    /// What no file of this kind holds, and the manual of the device says; empty where nobody gave it.
-    pub manual: Manual,
     /// Which list of the file names which objects.
     pub lists: ObjectLists,
     /// The modules of a modular device.

@@ -1,8 +1,25 @@
 //! What the manual of a device says and its description does not.
 
 use super::annotation::Annotations;
+use super::description::DeviceDescription;
 use crate::identity::Multiplexer;
 use crate::wire::emcy::{Emcy, EmcyCode};
+
+/// What is known of a device before it has sent anything.
+#[derive(Clone, Debug, Default)]
+pub struct KnownDevice {
+    /// What its file says.
+    pub description: DeviceDescription,
+    /// What no file of that kind holds, and its manual says; empty where nobody gave it.
+    pub manual: Manual,
+}
+
+impl KnownDevice {
+    /// A device of which nobody has read the manual.
+    pub fn described(description: DeviceDescription) -> Self {
+        Self { description, manual: Manual::default() }
+    }
+}
 
 /// What a manual adds to a device description.
 #[derive(Clone, Debug, Default)]

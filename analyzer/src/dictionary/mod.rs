@@ -17,7 +17,7 @@ pub mod xdd;
 pub use annotation::{Annotation, Annotations, BitName};
 pub use data_type::{DataClass, DataType};
 pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension};
-pub use manual::{KnownEmergency, Manual, Settings};
+pub use manual::{KnownDevice, KnownEmergency, Manual, Settings};
 pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 pub use problem::{EdsProblem, ProblemKind, Severity};

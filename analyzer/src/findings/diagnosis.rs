@@ -3,14 +3,16 @@
 use super::capture::{self, OutOfOrder};
 use super::finding::Finding;
 use super::order::Disorder;
+use super::provoked;
 use super::sink::{Findings, Reported, Sink};
 use super::source::SourceQuality;
 use super::stories::{self, Story};
 use super::thresholds::Thresholds;
 use super::watch::{BusWatch, Incoming};
 use crate::NodeId;
-use crate::dictionary::DeviceDescription;
+use crate::dictionary::KnownDevice;
 use crate::network::{Bus, Candidates, Decoded, Network};
+use crate::room::Room;
 use crate::statistics::BusStatistics;
 use canvass_traces::{ChannelId, Duration, Record};
 
@@ -18,7 +20,8 @@ use canvass_traces::{ChannelId, Duration, Record};
 pub struct Diagnosis {
     network: Network,
     thresholds: Thresholds,
-    bit_rate: Option<u32>,
+    bit_rates: BitRates,
+    room: Room,
     buses: Vec<Option<Box<BusWatch>>>,
     watched: usize,
     findings: Findings,
@@ -27,6 +30,20 @@ pub struct Diagnosis {
     /// Frames of channels beyond [`Diagnosis::BUSES`], which no rule looked at.
     unwatched: u64,
     disorder: Disorder,
+}
+
+/// The bit rates that were said, in bit/s.
+#[derive(Default)]
+struct BitRates {
+    of_all: Option<u32>,
+    of_channels: Vec<(ChannelId, u32)>,
+}
+
+impl BitRates {
+    fn of(&self, channel: ChannelId) -> Option<u32> {
+        let of_channel = || self.of_channels.iter().find(|row| row.0 == channel).map(|row| row.1);
+        self.of_all.or_else(of_channel)
+    }
 }
 
 /// What has come out.
@@ -57,6 +74,9 @@ pub struct Observed<'a> {
 impl Diagnosis {
     /// How many channels are watched at most.
     pub const BUSES: usize = 64;
+    /// How many bytes the figures of all nodes may take, of which a node has as many as it likes (states, errors, EMCY,
+    /// response times): enough for several buses with all nodes.
+    const ROOM: usize = 8 << 20;
     /// How often rules look at the clock, at most.
     pub const TICK: Duration = Duration::from_millis(20);
 
@@ -65,7 +85,8 @@ impl Diagnosis {
         Self {
             network: Network::new(),
             thresholds,
-            bit_rate: None,
+            bit_rates: BitRates::default(),
+            room: Room::new(Self::ROOM),
             buses: Vec::new(),
             watched: 0,
             findings: Findings::default(),
@@ -76,8 +97,8 @@ impl Diagnosis {
     }
 
     /// Says which device a node is, on all buses.
-    pub fn describe(&mut self, node: NodeId, description: DeviceDescription) {
-        self.network.describe(node, description);
+    pub fn describe(&mut self, node: NodeId, device: KnownDevice) {
+        self.network.describe(node, device);
     }
 
     /// Says which models nodes that nobody described can be recognised as.
@@ -87,13 +108,21 @@ impl Diagnosis {
 
     /// Says the bit rate of all buses, in bit/s. Without it, it is inferred.
     pub const fn set_bit_rate(&mut self, bit_rate: u32) {
-        self.bit_rate = Some(bit_rate);
+        self.bit_rates.of_all = Some(bit_rate);
+    }
+
+    /// Says the bit rate of one bus, in bit/s, before its first record, as a capture does that names it. What
+    /// [`Diagnosis::set_bit_rate`] says goes before.
+    pub fn say_bit_rate(&mut self, channel: ChannelId, bit_rate: u32) {
+        self.bit_rates.of_channels.push((channel, bit_rate));
     }
 
     /// Takes the next record, and says what it means and what it has shown; `None` where its channel is not watched.
     pub fn record(&mut self, record: &Record) -> Option<Observed<'_>> {
         self.findings.reported.clear();
-        let Some(watch) = watch(&mut self.buses, &mut self.watched, record, &self.thresholds, self.bit_rate) else {
+        let Some(watch) =
+            watch(&mut self.buses, &mut self.watched, record, &self.thresholds, &self.bit_rates, &self.room)
+        else {
             self.unwatched += 1;
             return None;
         };
@@ -130,9 +159,10 @@ impl Diagnosis {
         let mut sink = Sink { findings: &mut self.findings, rule: OutOfOrder::METADATA, bus: None };
         capture::tell_disorder(&self.disorder, &mut sink);
         capture::check(sources, &self.thresholds, &mut self.findings);
-        let (findings, omitted) = self.findings.into_sorted();
+        let (mut findings, omitted) = self.findings.into_sorted();
         let buses = self.buses.into_iter().flatten();
-        let buses = buses.map(|watch| watch.into_statistics(self.bit_rate)).collect();
+        let buses: Vec<_> = buses.map(|watch| watch.into_statistics()).collect();
+        provoked::tie(&mut findings, &buses);
         let stories = stories::tell(&findings);
         Results { findings, stories, omitted, unwatched: self.unwatched, buses }
     }
@@ -144,7 +174,8 @@ fn watch<'a>(
     watched: &mut usize,
     record: &Record,
     thresholds: &Thresholds,
-    bit_rate: Option<u32>,
+    bit_rates: &BitRates,
+    room: &Room,
 ) -> Option<&'a mut BusWatch> {
     let index = usize::from(record.channel.0);
     if buses.len() <= index {
@@ -156,7 +187,7 @@ fn watch<'a>(
             return None;
         }
         *watched += 1;
-        *slot = Some(Box::new(BusWatch::new(record, thresholds, bit_rate)));
+        *slot = Some(Box::new(BusWatch::new(record, thresholds, bit_rates.of(record.channel), room.clone())));
     }
     slot.as_deref_mut()
 }

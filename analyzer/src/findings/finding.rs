@@ -63,6 +63,8 @@ pub struct Finding {
     pub origin: Option<NodeId>,
     /// How often it was seen.
     pub count: u64,
+    /// Group and number of the case of a conformance run that was under way when it was first seen.
+    pub case: Option<(u8, u8)>,
     /// What happened: of several times the worst. It may hold text that came off the bus, with control characters
     /// escaped.
     pub message: String,

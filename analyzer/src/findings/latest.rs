@@ -5,29 +5,31 @@ use crate::network::Decoded;
 use canvass_traces::Record;
 
 /// The last frames of 128 CAN-IDs.
-type Page = Box<[Option<Seen>]>;
+type Page = Box<[Option<Seen>; 128]>;
 
 /// The last frame of each CAN-ID of 11 bits, in pages of 128.
 pub struct Latest {
-    pages: Box<[Option<Page>]>,
+    pages: [Option<Page>; 16],
 }
 
 impl Default for Latest {
     fn default() -> Self {
-        Self { pages: (0..16).map(|_| None).collect() }
+        Self { pages: std::array::from_fn(|_| None) }
     }
 }
 
 impl Latest {
     /// The last frame with that CAN-ID.
+    #[inline]
     pub fn get(&self, id: u16) -> Option<&Seen> {
-        self.pages.get(usize::from(id >> 7))?.as_ref()?.get(usize::from(id & 0x7F))?.as_ref()
+        self.pages.get(usize::from(id >> 7))?.as_ref()?[usize::from(id & 0x7F)].as_ref()
     }
 
     /// Keeps a frame as the latest with its CAN-ID.
+    #[inline]
     pub fn keep(&mut self, id: u16, record: &Record, decoded: &Decoded) {
         let Some(page) = self.pages.get_mut(usize::from(id >> 7)) else { return };
-        let page = page.get_or_insert_with(|| (0..128).map(|_| None).collect());
+        let page = page.get_or_insert_with(|| Box::new(std::array::from_fn(|_| None)));
         match &mut page[usize::from(id & 0x7F)] {
             Some(seen) => {
                 seen.record.clone_from(record);

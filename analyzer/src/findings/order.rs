@@ -37,21 +37,22 @@ impl InOrder {
     /// So many there is room for at first.
     const LEAST: usize = 64;
 
-    /// Takes the next record as it was read.
+    /// Takes the next record as it was read, and leaves one in its place that is no longer wanted: nothing is copied.
     #[inline]
-    pub fn push(&mut self, record: &Record) {
+    pub fn push(&mut self, record: &mut Record) {
         if self.waiting == self.ring.len() {
             self.grow(record);
         }
+        let (time, place) = (record.timestamp, record.place);
         let at = self.place(self.waiting);
         if let Some(slot) = self.ring.get_mut(at) {
-            slot.clone_from(record);
+            std::mem::swap(slot, record);
             self.waiting += 1;
         }
-        if record.timestamp >= self.newest {
-            self.newest = record.timestamp;
+        if time >= self.newest {
+            self.newest = time;
         } else {
-            self.sort_in(record);
+            self.sort_in(time, place);
         }
     }
 
@@ -72,20 +73,20 @@ impl InOrder {
 
     /// The last one is older than the one before it: it goes where it belongs.
     #[cold]
-    fn sort_in(&mut self, record: &Record) {
-        let late = self.newest.since(record.timestamp);
+    fn sort_in(&mut self, time: Timestamp, place: Place) {
+        let late = self.newest.since(time);
         if late > Self::WINDOW {
             // What is waiting comes before a step of the clock.
-            self.newest = record.timestamp;
+            self.newest = time;
             return;
         }
         self.disorder.count += 1;
         self.disorder.largest = self.disorder.largest.max(late);
-        self.disorder.first.get_or_insert((record.timestamp, record.place));
+        self.disorder.first.get_or_insert((time, place));
         for n in (1..self.waiting).rev() {
             let (before, own) = (self.place(n - 1), self.place(n));
             let ahead = self.ring.get(before).map(|waiting| waiting.timestamp).unwrap_or_default();
-            if ahead <= record.timestamp || ahead.since(record.timestamp) > Self::WINDOW {
+            if ahead <= time || ahead.since(time) > Self::WINDOW {
                 break;
             }
             self.ring.swap(before, own);
@@ -132,7 +133,7 @@ mod tests {
         let ms = |record: &Record| record.timestamp.nanos() / 1_000_000;
         for &at in millis {
             let frame = Frame::full(CanId::standard_masked(1), [0; 8]);
-            order.push(&Record::new(Timestamp(at * 1_000_000), ChannelId(0), frame));
+            order.push(&mut Record::new(Timestamp(at * 1_000_000), ChannelId(0), frame));
             while let Some(record) = order.pop() {
                 out.push(ms(record));
             }
@@ -173,7 +174,7 @@ mod tests {
         let mut order = InOrder::default();
         let frame = Frame::full(CanId::standard_masked(1), [0; 8]);
         for _ in 0..20_000 {
-            order.push(&Record::new(Timestamp(0), ChannelId(0), frame));
+            order.push(&mut Record::new(Timestamp(0), ChannelId(0), frame));
             order.pop();
         }
         assert!(order.waiting <= InOrder::MOST + 1 && order.ring.len() <= 4 * InOrder::MOST);

@@ -35,7 +35,7 @@ pub struct Definition {
     /// The services whose frames it is shown.
     pub services: &'static [Service],
     /// Frames that it is shown beside these.
-    pub also: Also,
+    pub also: &'static [Also],
     /// How its state is made.
     pub make: Make,
 }
@@ -45,8 +45,6 @@ inventory::collect!(Definition);
 /// Frames of which only some are worth a rule's while: so that the others cost it nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Also {
-    /// No others.
-    Nothing,
     /// Those with values of an encoder's objects, be it in a TPDO or an SDO transfer.
     EncoderValues,
     /// TPDOs of whose communication parameters the capture has shown something.
@@ -55,6 +53,10 @@ pub enum Also {
     Resetting,
     /// Those of a node that has sent nothing for so long that it was lost.
     Returning,
+    /// SDO messages that end a transfer.
+    EndedTransfers,
+    /// SDO messages by which a request is repeated or given up, or that answer one which was given up.
+    UnusualRequests,
 }
 
 /// Makes a rule's state.

@@ -229,6 +229,7 @@ impl<'a> Sink<'a> {
             kind: report.kind,
             object: report.object,
             count: report.times,
+            case: None,
             message: message(),
             evidence: exhibits(report, self.bus.map(|bus| bus.0)).collect(),
         };

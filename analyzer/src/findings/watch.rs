@@ -3,14 +3,14 @@
 use super::Diagnosis;
 use super::capture::{self, Copies};
 use super::context::{Context, Scene};
+use super::dispatch::{self, Dispatch, Traits, Watching};
 use super::facts::Facts;
 use super::latest::Latest;
-use super::registry;
-use super::rule::{Also, Make, Metadata, Rule};
+use super::rule::{Also, Rule};
 use super::sink::{Findings, Sink};
 use super::thresholds::Thresholds;
-use crate::message::Service;
 use crate::network::{Bus, Decoded, Network};
+use crate::room::Room;
 use crate::statistics::{BusStatistics, Statistics};
 use canvass_traces::{ChannelId, Direction, Duration, INTERMISSION, Place, Quality, Record, Timestamp, bit_length};
 
@@ -25,15 +25,8 @@ pub struct Incoming<'a> {
 
 /// What watches one bus.
 pub struct BusWatch {
-    rules: Vec<(&'static Metadata, Box<dyn Rule>)>,
-    /// The places of the rules that want frames of a service.
-    by_service: [Vec<u8>; Service::ALL.len()],
-    /// Those of the rules that want values of encoders.
-    of_encoder_values: Vec<u8>,
-    /// Those of the rules that want TPDOs whose parameters are known.
-    of_known_tpdos: Vec<u8>,
-    /// Those of the rules that want frames about nodes that reset themselves (1), that were away (2), or both (3).
-    of_absent: [Vec<u8>; 4],
+    rules: Vec<Watching>,
+    dispatch: &'static Dispatch,
     known: Known,
     statistics: Statistics,
     /// Where a frame was first recorded twice.
@@ -89,31 +82,10 @@ impl<'a> Incoming<'a> {
 
 impl BusWatch {
     /// What watches the bus of its first frame.
-    pub fn new(first: &Record, thresholds: &Thresholds, bit_rate: Option<u32>) -> Self {
-        let mut rules = Vec::new();
-        let mut by_service: [Vec<u8>; Service::ALL.len()] = Default::default();
-        let (mut of_encoder_values, mut of_known_tpdos) = (Vec::new(), Vec::new());
-        let mut of_absent: [Vec<u8>; 4] = Default::default();
-        for definition in registry::all() {
-            let Make::Bus(make) = definition.make else { continue };
-            match definition.also {
-                Also::Nothing => {}
-                Also::EncoderValues => of_encoder_values.push(rules.len() as u8),
-                Also::KnownTpdos => of_known_tpdos.push(rules.len() as u8),
-                Also::Resetting => [1, 3].into_iter().for_each(|kind: usize| of_absent[kind].push(rules.len() as u8)),
-                Also::Returning => [2, 3].into_iter().for_each(|kind: usize| of_absent[kind].push(rules.len() as u8)),
-            }
-            for service in definition.services {
-                by_service[*service as usize].push(rules.len() as u8);
-            }
-            rules.push((definition.metadata, make(thresholds)));
-        }
+    pub fn new(first: &Record, thresholds: &Thresholds, bit_rate: Option<u32>, room: Room) -> Self {
         Self {
-            rules,
-            by_service,
-            of_encoder_values,
-            of_known_tpdos,
-            of_absent,
+            rules: dispatch::rules(thresholds),
+            dispatch: Dispatch::get(),
             known: Known {
                 channel: first.channel,
                 facts: Facts::default(),
@@ -124,7 +96,7 @@ impl BusWatch {
                 start: first.timestamp,
                 now: first.timestamp,
             },
-            statistics: Statistics::default(),
+            statistics: Statistics::new(room),
             first_copy: None,
             next_look: first.timestamp,
             next_tick: first.timestamp + Diagnosis::TICK,
@@ -225,19 +197,18 @@ impl BusWatch {
         let context = Context { scene: &scene, record, bits, decoded, previous };
         let news = &self.known.facts.news;
         let resets = decoded.node.is_some_and(|node| self.known.facts.node(node).pending_reset.is_some());
-        let wanted: [&[u8]; 4] = [
-            &self.by_service[decoded.service as usize],
-            if news.operands.is_empty() { &[] } else { &self.of_encoder_values },
-            if news.is_known_tpdo { &self.of_known_tpdos } else { &[] },
-            &self.of_absent[usize::from(resets) | usize::from(news.returned.is_some()) << 1],
-        ];
+        let traits = Traits::default()
+            .with(Also::EncoderValues, !news.operands.is_empty())
+            .with(Also::KnownTpdos, news.is_known_tpdo)
+            .with(Also::Resetting, resets)
+            .with(Also::Returning, news.returned.is_some())
+            .with(Also::EndedTransfers, decoded.ends_transfer())
+            .with(Also::UnusualRequests, news.request.is_unusual());
         let mut sink = Sink { findings, rule: Copies::METADATA, bus: Some((bus, self.known.channel)) };
-        for list in wanted {
-            for &at in list {
-                if let Some((metadata, rule)) = self.rules.get_mut(usize::from(at)) {
-                    sink.rule = metadata;
-                    rule.frame(&context, &mut sink);
-                }
+        for &at in self.dispatch.places(decoded.service, traits) {
+            if let Some((metadata, rule)) = self.rules.get_mut(usize::from(at)) {
+                sink.rule = metadata;
+                rule.frame(&context, &mut sink);
             }
         }
         self.statistics.frame(record, bits, decoded, bus);
@@ -253,8 +224,8 @@ impl BusWatch {
     }
 
     /// The channel and its figures.
-    pub fn into_statistics(self, bit_rate: Option<u32>) -> (ChannelId, BusStatistics) {
-        (self.known.channel, self.statistics.finish(self.known.now, bit_rate))
+    pub fn into_statistics(self) -> (ChannelId, BusStatistics) {
+        (self.known.channel, self.statistics.finish(self.known.now, self.known.said_bit_rate))
     }
 
     /// The capture has ended.

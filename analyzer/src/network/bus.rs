@@ -7,15 +7,17 @@ use super::layer_setting::LayerSetting;
 use super::node::Node;
 use super::sdo::{Channel, ChannelIndex, Transfer};
 use super::srdo_pairs::SrdoPairs;
+use crate::room::Room;
 use crate::wire::lmt::Dialect;
 use crate::{NodeId, PerNode};
+use std::collections::BTreeMap;
 
 /// What is known of one bus.
 pub struct Bus {
     pub(super) cob_ids: CobIds,
     pub(super) channels: Vec<Channel>,
-    /// The SDO servers beyond the first of a node: node, number from 1, channel.
-    pub(super) further_channels: Vec<(NodeId, u16, ChannelIndex)>,
+    /// The SDO servers beyond the first of a node, by node and number from 1.
+    pub(super) further_channels: BTreeMap<(NodeId, u16), ChannelIndex>,
     pub(super) nodes: PerNode<Option<Box<Node>>>,
     /// The models that nodes can be recognised as.
     pub(super) candidates: Candidates,
@@ -25,23 +27,55 @@ pub struct Bus {
     pub(super) layer_setting: LayerSetting,
     /// What the last frame brought about; its memory is used again.
     pub(super) events: Vec<Event>,
+    /// For what devices show of themselves.
+    pub(super) room: Room,
+    /// For long values while they are transferred.
+    pub(super) values: Room,
     /// The next frame begins a new list of events.
     pub(super) handled: bool,
+}
+
+/// What all buses share.
+#[derive(Clone)]
+pub(super) struct Rooms {
+    shown: Room,
+    values: Room,
+}
+
+impl Rooms {
+    /// Bytes for what devices have shown of themselves: enough for all communication parameters of the devices of several
+    /// full buses.
+    const SHOWN: usize = 8 << 20;
+    /// Bytes for long values: enough for the firmware of dozens of devices at a time, as far as it is kept.
+    const VALUES: usize = 4 << 20;
+}
+
+impl Default for Rooms {
+    fn default() -> Self {
+        Self { shown: Room::new(Self::SHOWN), values: Room::new(Self::VALUES) }
+    }
 }
 
 impl Bus {
     /// A bus of which nothing is known but the predefined connection set.
     pub fn new() -> Self {
+        Self::within(Rooms::default())
+    }
+
+    /// The same, where what devices show takes its memory from these rooms.
+    pub(super) fn within(rooms: Rooms) -> Self {
         Self {
             cob_ids: CobIds::default(),
             channels: NodeId::all().map(Channel::new).collect(),
-            further_channels: Vec::new(),
+            further_channels: BTreeMap::new(),
             nodes: PerNode::default(),
             candidates: Candidates::default(),
             dialect: None,
             srdo_pairs: SrdoPairs::default(),
             layer_setting: LayerSetting::default(),
             events: Vec::new(),
+            room: rooms.shown,
+            values: rooms.values,
             handled: false,
         }
     }
@@ -61,6 +95,12 @@ impl Bus {
     /// The transfer on an SDO channel that was left last, before its end.
     pub fn left_transfer(&self, channel: ChannelIndex) -> Option<&Transfer> {
         self.channels.get(usize::from(channel.0)).and_then(Channel::left_transfer)
+    }
+
+    /// All SDO channels of a node.
+    pub(super) fn channels_of(&self, node: NodeId) -> impl Iterator<Item = ChannelIndex> {
+        let further = self.further_channels.range((node, 0)..=(node, u16::MAX)).map(|row| *row.1);
+        std::iter::once(ChannelIndex::predefined(node)).chain(further)
     }
 
     /// The node that serves an SDO channel.
@@ -89,5 +129,44 @@ impl Bus {
 impl Default for Bus {
     fn default() -> Self {
         Self::new()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::{CanId, ChannelId, Frame, Record, Timestamp};
+
+    /// A segmented download of 600 segments to a node.
+    fn download(bus: &mut Bus, node: u8) {
+        let mut times = 1..;
+        let mut send = |id: u32, data: [u8; 8]| {
+            let time = Timestamp(times.next().unwrap_or(0) * 1_000_000);
+            bus.handle(&Record::new(
+                time,
+                ChannelId(0),
+                Frame::full(CanId::standard_masked(id + u32::from(node)), data),
+            ));
+        };
+        send(0x600, [0x20, 0x00, 0x20, 0, 0, 0, 0, 0]);
+        send(0x580, [0x60, 0x00, 0x20, 0, 0, 0, 0, 0]);
+        for n in 0..600_u16 {
+            let toggle = (n as u8 & 1) << 4;
+            send(0x600, [toggle | u8::from(n == 599), 1, 2, 3, 4, 5, 6, 7]);
+            send(0x580, [0x20 | toggle, 0, 0, 0, 0, 0, 0, 0]);
+        }
+    }
+
+    /// Where there is no room for a long value, its length is known all the same.
+    #[test]
+    fn long_values_share_their_room() {
+        let mut bus = Bus::within(Rooms { shown: Room::new(1 << 20), values: Room::new(8_000) });
+        download(&mut bus, 1);
+        download(&mut bus, 2);
+        let seen = |node: u8| {
+            let transfer = bus.transfer(ChannelIndex::predefined(NodeId::new(node).unwrap())).unwrap();
+            (transfer.data().len(), transfer.length(), transfer.is_open())
+        };
+        assert_eq!((seen(1), seen(2)), ((4_200, 4_200, false), (Transfer::SHORT, 4_200, false)));
     }
 }

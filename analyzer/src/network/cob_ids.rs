@@ -5,7 +5,7 @@ use crate::NodeId;
 use crate::message::PdoNumber;
 use crate::wire::flying_master::FlyingMaster;
 use crate::wire::{case_marker, emcy, error_control, lss, nmt, pdo, sdo, srdo, sync, time};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// The use of a CAN-ID.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -56,13 +56,20 @@ pub enum Source {
 /// The uses of all 11-bit CAN-IDs of one bus.
 pub struct CobIds {
     table: Box<[(Use, Source)]>,
+    /// The CAN-IDs whose use is not that of the predefined connection set, by [`rank`]: a boot-up looks only at those of
+    /// its node.
+    moved: BTreeSet<(u32, u16)>,
     /// How many frames more did not fit a learned use than did, by CAN-ID.
     misfits: BTreeMap<u16, u16>,
 }
 
 impl Default for CobIds {
     fn default() -> Self {
-        Self { table: (0..=0x7FF).map(|id| (predefined(id), Source::Predefined)).collect(), misfits: BTreeMap::new() }
+        Self {
+            table: (0..=0x7FF).map(|id| (predefined(id), Source::Predefined)).collect(),
+            moved: BTreeSet::new(),
+            misfits: BTreeMap::new(),
+        }
     }
 }
 
@@ -75,20 +82,43 @@ impl CobIds {
 
     /// The CAN-ID of a use, the lowest if there are several.
     pub fn place(&self, used: Use) -> Option<u16> {
-        self.table.iter().position(|entry| entry.0 == used).and_then(|id| u16::try_from(id).ok())
+        let home = home(used).filter(|id| self.get(*id).0 == used);
+        let moved = self.moved.range((rank(used), 0)..=(rank(used), u16::MAX)).next().map(|moved| moved.1);
+        home.into_iter().chain(moved).min()
     }
 
-    /// All CAN-IDs with their uses.
-    pub fn iter(&self) -> impl Iterator<Item = (u16, Use, Source)> {
-        (0_u16..).zip(&self.table).map(|(id, &(used, source))| (id, used, source))
+    /// The CAN-IDs that a node uses, its further SDO channels aside, in their order.
+    pub fn of_node(&self, node: NodeId) -> impl Iterator<Item = (u16, Use, Source)> {
+        let mut ids: Vec<u16> = homes(node).chain(self.moved_of(node)).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        ids.into_iter()
+            .map(|id| (id, self.get(id)))
+            .filter_map(move |(id, (used, source))| (owner(used) == Some(node)).then_some((id, used, source)))
+    }
+
+    /// The CAN-IDs to which uses of a node have moved.
+    fn moved_of(&self, node: NodeId) -> impl Iterator<Item = u16> {
+        let first = u32::from(node.raw()) << NODE;
+        self.moved.range((first, 0)..(first + (1 << NODE), 0)).map(|moved| moved.1)
+    }
+
+    /// Everything that changes the table goes through here.
+    fn set(&mut self, can_id: u16, entry: (Use, Source)) {
+        let Some(place) = self.table.get_mut(usize::from(can_id)) else { return };
+        let before = std::mem::replace(place, entry);
+        self.moved.remove(&(rank(before.0), can_id));
+        if entry != (predefined(can_id), Source::Predefined) && entry.0 != Use::Unknown {
+            self.moved.insert((rank(entry.0), can_id));
+        }
     }
 
     /// Sets the use of a CAN-ID, unless a better source said otherwise.
     pub fn assign(&mut self, can_id: u32, used: Use, source: Source) {
-        if let Some(entry) = self.table.get_mut(can_id as usize)
-            && entry.1 <= source
+        if let Ok(can_id) = u16::try_from(can_id)
+            && self.get(can_id).1 <= source
         {
-            *entry = (used, source);
+            self.set(can_id, (used, source));
         }
     }
 
@@ -97,10 +127,15 @@ impl CobIds {
     /// The CAN-ID that the predefined connection set gives to this very use is left as it is known by default only
     /// where nothing better is known: then it has no use any more.
     pub fn release(&mut self, used: Use, keep: Option<u32>) {
-        for (id, entry) in (0_u32..).zip(self.table.iter_mut()) {
-            if entry.0 == used && Some(id) != keep {
-                let default = predefined(id as u16);
-                *entry = if default == used { (Use::Unknown, Source::Trace) } else { (default, Source::Predefined) };
+        let moved = self.moved.range((rank(used), 0)..=(rank(used), u16::MAX)).map(|moved| moved.1);
+        let ids: Vec<u16> = home(used).into_iter().chain(moved).collect();
+        for id in ids {
+            if self.get(id).0 == used && Some(u32::from(id)) != keep {
+                let default = predefined(id);
+                self.set(
+                    id,
+                    if default == used { (Use::Unknown, Source::Trace) } else { (default, Source::Predefined) },
+                );
             }
         }
     }
@@ -115,10 +150,8 @@ impl CobIds {
         *misfits = if fits { misfits.saturating_sub(1) } else { *misfits + 1 };
         if *misfits == 0 {
             self.misfits.remove(&can_id);
-        } else if *misfits >= Self::DISPROVED
-            && let Some(entry) = self.table.get_mut(usize::from(can_id))
-        {
-            *entry = (predefined(can_id), Source::Predefined);
+        } else if *misfits >= Self::DISPROVED {
+            self.set(can_id, (predefined(can_id), Source::Predefined));
             self.misfits.remove(&can_id);
         }
     }
@@ -131,12 +164,51 @@ impl CobIds {
 
     /// Gives a CAN-ID back to the predefined connection set, as a reset of its node does.
     pub fn reset(&mut self, node: NodeId) {
-        for (id, entry) in (0_u16..).zip(self.table.iter_mut()) {
-            let default = predefined(id);
-            if owner(entry.0) == Some(node) || owner(default) == Some(node) {
-                *entry = (default, Source::Predefined);
-            }
+        let ids: Vec<u16> = homes(node).chain(self.moved_of(node)).collect();
+        for id in ids {
+            self.set(id, (predefined(id), Source::Predefined));
         }
+    }
+}
+
+/// From which bit on a [`rank`] has the node.
+const NODE: u32 = 20;
+
+/// A number for each use, by which those of a node lie together.
+fn rank(used: Use) -> u32 {
+    let node = owner(used).map_or(0, |node| u32::from(node.raw())) << NODE;
+    node | match used {
+        Use::Emcy(_) => 1,
+        Use::ErrorControl(_) => 2,
+        Use::Pdo(_, PdoNumber::Transmit(number)) => 1 << 16 | u32::from(number),
+        Use::Pdo(_, PdoNumber::Receive(number)) => 2 << 16 | u32::from(number),
+        Use::Srdo(_, number, half) => 3 << 16 | u32::from(number) << 1 | half as u32,
+        Use::SdoRequest(channel) => 4 << 16 | u32::from(channel.0),
+        Use::SdoResponse(channel) => 5 << 16 | u32::from(channel.0),
+        Use::Nmt => 3,
+        Use::Sync => 4,
+        Use::Time => 5,
+        Use::LssRequest => 6,
+        Use::LssResponse => 7,
+        Use::GlobalFailSafe => 8,
+        Use::FlyingMaster => 9,
+        Use::CaseMarker => 10,
+        Use::Unknown => 11,
+    }
+}
+
+/// The CAN-IDs that the predefined connection set gives to a node.
+fn homes(node: NodeId) -> impl Iterator<Item = u16> {
+    let ids = (0..16).map(move |function: u16| function << 7 | u16::from(node.raw()));
+    ids.filter(move |id| owner(predefined(*id)) == Some(node))
+}
+
+/// The CAN-ID that the predefined connection set gives to a use that can move.
+fn home(used: Use) -> Option<u16> {
+    match used {
+        Use::Sync => Some(sync::CAN_ID),
+        Use::Time => Some(time::CAN_ID),
+        _ => homes(owner(used)?).find(|id| predefined(*id) == used),
     }
 }
 
@@ -224,5 +296,44 @@ mod tests {
         assert_eq!(ids.get(0x10A).0, tpdo, "the trace knows better than a description");
         ids.reset(node(5));
         assert_eq!((ids.get(0x10A).0, ids.get(0x185).0), (Use::Unknown, tpdo));
+    }
+
+    /// The index of what has moved tells the same as looking through the whole table.
+    #[test]
+    fn places_are_those_of_the_table() {
+        let mut ids = CobIds::default();
+        let mut random = 1_u64;
+        let mut next = |below: u64| {
+            random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+            (random >> 33) % below
+        };
+        for _ in 0..20_000 {
+            let (id, at) = (next(0x800) as u16, node(1 + next(4) as u8));
+            let used = match next(7) {
+                0 => Use::Sync,
+                1 => Use::Emcy(at),
+                2 => Use::Srdo(at, 1 + next(3) as u8, srdo::Half::Inverted),
+                3 => Use::SdoRequest(ChannelIndex(next(130) as u16)),
+                4 => Use::SdoResponse(ChannelIndex::predefined(at)),
+                5 => Use::Pdo(at, PdoNumber::Receive(1 + next(6) as u16)),
+                _ => Use::Pdo(at, PdoNumber::Transmit(1 + next(6) as u16)),
+            };
+            let source = if next(2) == 0 { Source::Trace } else { Source::Description };
+            match next(8) {
+                0 => ids.reset(at),
+                1 => ids.release(used, None),
+                2 => ids.release(used, Some(u32::from(id))),
+                _ => ids.assign(u32::from(id), used, source),
+            }
+            let in_table = |used| (0..0x800).find(|id| ids.get(*id).0 == used);
+            assert_eq!(ids.place(used), in_table(used), "{used:?}");
+            let own: Vec<u16> = (0..0x800).filter(|id| owner(ids.get(*id).0) == Some(at)).collect();
+            assert_eq!(ids.of_node(at).map(|row| row.0).collect::<Vec<_>>(), own);
+        }
+        NodeId::all().for_each(|node| ids.reset(node));
+        for used in [Use::Sync, Use::SdoRequest(ChannelIndex(127)), Use::SdoRequest(ChannelIndex(128))] {
+            ids.release(used, None);
+        }
+        assert!(ids.moved.iter().all(|moved| ids.get(moved.1).0 == Use::SdoRequest(ChannelIndex(129))));
     }
 }

@@ -16,8 +16,8 @@ pub struct Pending {
 /// An object of a node was written with that number.
 pub fn written(bus: &mut Bus, id: NodeId, object: Multiplexer, value: Option<u32>) {
     let node = bus.node_mut(id);
-    let Some(description) = node.description.as_deref() else { return };
-    let settings = &description.manual.settings;
+    let Some(device) = node.device.as_deref() else { return };
+    let settings = &device.manual.settings;
     if settings.node_id == Some(object) {
         let set = value.and_then(|raw| u8::try_from(raw).ok()).and_then(NodeId::new);
         node.pending.node_id = set.map(|set| (set, object));

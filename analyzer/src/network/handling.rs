@@ -7,7 +7,7 @@ use super::node::Cause;
 use super::sdo::{Channel, ChannelIndex, Step, Violation};
 use super::{Decoded, configured, learning};
 use crate::NodeId;
-use crate::dictionary::DeviceDescription;
+use crate::dictionary::KnownDevice;
 use crate::message::{Message, PdoNumber, Service};
 use crate::wire::case_marker::CaseMarker;
 use crate::wire::error_control::{ErrorControl, State};
@@ -25,12 +25,12 @@ use std::sync::Arc;
 
 impl Bus {
     /// Says which device a node is.
-    pub fn describe(&mut self, id: NodeId, description: &Arc<DeviceDescription>) {
+    pub fn describe(&mut self, id: NodeId, device: &Arc<KnownDevice>) {
         if std::mem::take(&mut self.handled) {
             self.events.clear();
         }
-        self.node_mut(id).describe(Arc::clone(description));
-        learning::from_description(self, id, description);
+        self.node_mut(id).describe(Arc::clone(device));
+        learning::from_description(self, id, &device.description);
     }
 
     /// Takes the next record and says what it means.
@@ -90,6 +90,7 @@ impl Bus {
     }
 
     /// A frame of an SRDO whose parameters are known.
+    #[cold]
     fn srdo(&mut self, now: Timestamp, (id, number, half): (NodeId, u8, Half), frame: &Frame) -> Decoded {
         // Works out the layout if it is new, as of PDOs.
         self.node_mut(id).srdo_layout(id, number);
@@ -97,6 +98,7 @@ impl Bus {
         plain(Service::Srdo, Some(id), Message::Srdo(srdo))
     }
 
+    #[cold]
     fn layer_setting_request(&mut self, now: Timestamp, payload: &[u8]) -> Decoded {
         let decoded = match self.dialect(payload) {
             Dialect::Lss => read::<lss::Request>(Service::Lss, None, payload, Message::LssRequest),
@@ -110,6 +112,7 @@ impl Bus {
         decoded
     }
 
+    #[cold]
     fn layer_setting_response(&mut self, now: Timestamp, payload: &[u8]) -> Decoded {
         let decoded = match self.dialect(payload) {
             Dialect::Lss => read::<lss::Response>(Service::Lss, None, payload, Message::LssResponse),
@@ -133,16 +136,16 @@ impl Bus {
     /// LMT where a device on the bus knows it and none knows LSS.
     fn described_dialect(&self) -> Dialect {
         let nodes = self.nodes.iter().filter_map(|(_, node)| node.as_deref());
-        let mut descriptions = nodes.filter_map(|node| node.description.as_deref());
-        let lss = |description: &DeviceDescription| description.device.lss_supported;
+        let mut devices = nodes.filter_map(|node| node.device.as_deref());
         let mut known = false;
-        let only_lmt = descriptions.all(|description| {
-            known |= description.manual.settings.layer_management;
-            !lss(description)
+        let only_lmt = devices.all(|device| {
+            known |= device.manual.settings.layer_management;
+            !device.description.device.lss_supported
         });
         if known && only_lmt { Dialect::Lmt } else { Dialect::Lss }
     }
 
+    #[cold]
     fn remote(&mut self, now: Timestamp, frame: &Frame) -> Decoded {
         let used = frame.id().as_standard().filter(|_| !frame.is_fd()).map(|id| self.cob_ids.get(id));
         match used {
@@ -157,6 +160,8 @@ impl Bus {
         }
     }
 
+    /// Few frames: apart from what most run through, as are the others that are cold here.
+    #[cold]
     fn nmt(&mut self, payload: &[u8]) -> Decoded {
         let command = match Nmt::read(payload) {
             Ok(command) => command,
@@ -215,19 +220,25 @@ impl Bus {
         let event = changed.then_some(Event::StateChanged(id, Change { from, to, cause }));
         self.events.extend(event);
         if cause == Cause::BootUp {
-            learning::after_boot_up(self, id);
-            let given = configured::started(self, id);
-            match (self.layer_setting.started(id), given) {
-                (Some(before), _) => learning::after_new_node_id(self, id, &before),
-                (None, Some((from, object))) => learning::after_written_node_id(self, from, id, object),
-                (None, None) => {}
-            }
+            self.started(id);
         }
         event
     }
 
+    /// A node has started: with what it had stored, and perhaps with another node-ID.
+    #[cold]
+    fn started(&mut self, id: NodeId) {
+        learning::after_boot_up(self, id);
+        let given = configured::started(self, id);
+        match (self.layer_setting.started(id), given) {
+            (Some(before), _) => learning::after_new_node_id(self, id, &before),
+            (None, Some((from, object))) => learning::after_written_node_id(self, from, id, object),
+            (None, None) => {}
+        }
+    }
+
     fn emcy(&mut self, now: Timestamp, id: NodeId, payload: &[u8]) -> Decoded {
-        let decoded = read::<Emcy>(Service::Emcy, Some(id), payload, Message::Emcy);
+        let decoded = emcy(id, Source::Predefined, payload);
         if !payload.is_empty() {
             self.emergency(now, id, &decoded.message);
             return decoded;
@@ -277,6 +288,7 @@ impl Bus {
             return plain(Service::Unknown, None, Message::Unknown);
         };
         let step = step(channel);
+        channel.settle(&self.values);
         let server = channel.server;
         let object = channel.transfer().map(|transfer| transfer.multiplexer);
         if step.superseded {
@@ -345,6 +357,11 @@ fn flying_master(can_id: u16, payload: &[u8]) -> Decoded {
 
 fn case_marker(payload: &[u8]) -> Decoded {
     plain(Service::Unknown, None, CaseMarker::read(payload).map_or(Message::Unknown, Message::CaseMarker))
+}
+
+/// An EMCY message of a node.
+pub(super) fn emcy(node: NodeId, source: Source, payload: &[u8]) -> Decoded {
+    Decoded { source, ..read::<Emcy>(Service::Emcy, Some(node), payload, Message::Emcy) }
 }
 
 fn malformed(service: Service, node: Option<NodeId>, error: Malformed) -> Decoded {

@@ -31,7 +31,7 @@ pub struct Signal {
 impl Layout {
     /// The layout that a mapping of a node gives; its description tells the data types.
     pub fn new(entries: &[MappingEntry], id: NodeId, node: &Node) -> Self {
-        let description = node.description.as_deref();
+        let description = node.description();
         let mut offset = 0;
         let signals = entries.iter().map(|entry| {
             let object = entry.object();

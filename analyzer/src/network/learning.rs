@@ -9,7 +9,7 @@ use super::number::number;
 use super::scaling::is_scaling_parameter;
 use super::sdo::{Channel, ChannelIndex, Direction, Outcome};
 use super::{configured, recognition};
-use crate::dictionary::DeviceDescription;
+use crate::dictionary::{DeviceDescription, KnownDevice};
 use crate::message::PdoNumber;
 use crate::wire::pdo::MappingEntry;
 use crate::wire::srdo::{self, Half};
@@ -75,7 +75,7 @@ fn recognise(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
     let node = bus.node_mut(id);
     node.identity.insert(object, data[..data.len().min(recognition::LONGEST)].to_vec());
     // What the user says is not doubted.
-    if node.description.is_some() && node.recognition.is_none() {
+    if node.device.is_some() && node.recognition.is_none() {
         return;
     }
     let Some((place, recognition)) = recognition::recognise(&candidates, &node.identity) else { return };
@@ -83,13 +83,17 @@ fn recognise(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
     if before.map(|before| before.model) != node.recognition.as_ref().map(|now| Arc::clone(&now.model))
         && let Some(candidate) = candidates.get(place)
     {
-        after_recognition(bus, id, &candidate.description);
+        after_recognition(bus, id, &candidate.device);
     }
 }
 
 fn learn(bus: &mut Bus, server: NodeId, object: Multiplexer, value: u32, shown: Shown) {
     let pdo = PdoNumber::of_mapping_index(object.index.0);
+    let room = bus.room.clone();
     let node = bus.node_mut(server);
+    if !node.has_shown(object) && !room.take(Node::PARAMETER) {
+        return;
+    }
     let before = pdo.map(|pdo| node.mapping(server, pdo));
     node.learn(object, value, shown);
     let after = pdo.map(|pdo| node.mapping(server, pdo));
@@ -127,20 +131,24 @@ fn learn_srdo_direction(bus: &mut Bus, node: NodeId, object: Multiplexer, source
 /// After its boot-up a node has its stored parameters again: COB-IDs and mappings that were changed and not stored
 /// are gone, and so are its transfers.
 pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
-    for (index, channel) in (0_u16..).zip(&mut bus.channels) {
-        if channel.server == node && channel.reset() {
-            bus.events.push(Event::TransferLeft(ChannelIndex(index)));
+    let channels: Vec<ChannelIndex> = bus.channels_of(node).collect();
+    for index in channels {
+        if bus.channels.get_mut(usize::from(index.0)).is_some_and(Channel::reset) {
+            bus.events.push(Event::TransferLeft(index));
         }
     }
     let (places, mappings) = (places(bus, node), mappings(bus, node));
     let state = bus.node_mut(node);
+    let before = state.parameters().count();
     state.restart();
-    let description = state.description.clone();
+    let forgotten = before.saturating_sub(state.parameters().count());
+    let device = state.device.clone();
     let parameters: Vec<_> = state.parameters().collect();
+    bus.room.give(forgotten * Node::PARAMETER);
     bus.cob_ids.reset(node);
     let announced = bus.events.len();
-    if let Some(description) = description {
-        from_description(bus, node, &description);
+    if let Some(device) = device {
+        from_description(bus, node, &device.description);
     }
     for (object, value) in parameters {
         learn_cob_id(bus, node, object, value, Source::Trace);
@@ -157,10 +165,10 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
 
 /// A node was recognised: what the description of its model says is known from here on, unless the trace has shown
 /// otherwise.
-pub fn after_recognition(bus: &mut Bus, node: NodeId, description: &Arc<DeviceDescription>) {
+pub fn after_recognition(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
     let (places, announced) = (places(bus, node), bus.events.len());
-    bus.node_mut(node).describe(Arc::clone(description));
-    from_description(bus, node, description);
+    bus.node_mut(node).describe(Arc::clone(device));
+    from_description(bus, node, &device.description);
     let parameters: Vec<_> = bus.node_mut(node).parameters().collect();
     for (object, value) in parameters {
         learn_cob_id(bus, node, object, value, Source::Trace);
@@ -192,13 +200,13 @@ pub fn after_new_node_id(bus: &mut Bus, to: NodeId, before: &Before) {
 /// The device has another node-ID: its description goes with it.
 fn take_over_description(bus: &mut Bus, from: NodeId, to: NodeId) {
     let Some(known) = bus.node(from) else { return };
-    let Some(description) = known.description.clone() else { return };
+    let Some(device) = known.device.clone() else { return };
     let recognition = known.recognition.clone();
     let node = bus.node_mut(to);
-    if node.description.is_none() {
-        node.describe(Arc::clone(&description));
+    if node.device.is_none() {
+        node.describe(Arc::clone(&device));
         node.recognition = recognition;
-        from_description(bus, to, &description);
+        from_description(bus, to, &device.description);
     }
 }
 
@@ -210,12 +218,16 @@ fn has_address(node: &Node, id: NodeId, before: &Before) -> bool {
 
 /// The CAN-IDs that a node uses.
 fn places(bus: &Bus, node: NodeId) -> Vec<(Use, u16, Source)> {
-    let of_node = |used: Use| match used {
-        Use::SdoRequest(channel) | Use::SdoResponse(channel) => bus.server(channel) == Some(node),
-        Use::Emcy(id) | Use::Pdo(id, _) | Use::Srdo(id, ..) => id == node,
-        _ => false,
-    };
-    bus.cob_ids.iter().filter(|&(_, used, _)| of_node(used)).map(|(id, used, source)| (used, id, source)).collect()
+    let own = bus.cob_ids.of_node(node).filter(|row| !matches!(row.1, Use::ErrorControl(_)));
+    let further =
+        bus.channels_of(node).skip(1).flat_map(|channel| [Use::SdoRequest(channel), Use::SdoResponse(channel)]);
+    let further = further.filter_map(|used| {
+        let id = bus.cob_ids.place(used)?;
+        Some((id, used, bus.cob_ids.get(id).1))
+    });
+    let mut places: Vec<_> = own.chain(further).map(|(id, used, source)| (used, id, source)).collect();
+    places.sort_unstable_by_key(|place| place.1);
+    places
 }
 
 fn announce_moves(bus: &mut Bus, node: NodeId, before: &[(Use, u16, Source)]) {
@@ -329,11 +341,13 @@ fn server_channel(bus: &mut Bus, node: NodeId, n: u16) -> Option<ChannelIndex> {
         return Some(ChannelIndex::predefined(node));
     }
     // One further channel for each node and server is all that a trace can ever need: 127 * 127.
-    let known = bus.further_channels.iter().find(|row| (row.0, row.1) == (node, n)).map(|row| row.2);
-    known.or_else(|| {
+    bus.further_channels.get(&(node, n)).copied().or_else(|| {
         let index = ChannelIndex(u16::try_from(bus.channels.len()).ok()?);
+        if !bus.room.take(Channel::MEMORY) {
+            return None;
+        }
         bus.channels.push(Channel::new(node));
-        bus.further_channels.push((node, n, index));
+        bus.further_channels.insert((node, n), index);
         Some(index)
     })
 }

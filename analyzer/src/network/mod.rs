@@ -30,9 +30,10 @@ pub use node::{Cause, Node};
 pub use open_errors::OpenErrors;
 pub use recognition::{Candidate, Candidates, Fact, Recognition, Shown};
 
-use crate::dictionary::DeviceDescription;
+use crate::dictionary::KnownDevice;
 use crate::message::{Message, PdoNumber, Service};
 use crate::{Multiplexer, NodeId};
+use bus::Rooms;
 use canvass_traces::{ChannelId, Record};
 use sdo::{ChannelIndex, Violation};
 use std::sync::Arc;
@@ -41,8 +42,10 @@ use std::sync::Arc;
 #[derive(Default)]
 pub struct Network {
     buses: Vec<Bus>,
-    descriptions: Vec<(NodeId, Arc<DeviceDescription>)>,
+    devices: Vec<(NodeId, Arc<KnownDevice>)>,
     candidates: Candidates,
+    /// For what the devices of all buses show of themselves.
+    rooms: Rooms,
 }
 
 /// A frame, understood in its context.
@@ -67,9 +70,20 @@ pub struct Decoded {
 }
 
 impl Decoded {
+    /// An EMCY message of a node, whose use of the CAN-ID is known from `source`.
+    pub(crate) fn emcy(node: NodeId, source: Source, payload: &[u8]) -> Self {
+        handling::emcy(node, source, payload)
+    }
+
     /// Whether it is a boot-up message that says only what another one has just said.
     pub fn repeats_boot_up(&self) -> bool {
         self.service == Service::BootUp && self.event.is_none()
+    }
+
+    /// Whether it ends an SDO transfer.
+    #[inline]
+    pub const fn ends_transfer(&self) -> bool {
+        matches!(self.event, Some(Event::TransferEnded))
     }
 
     /// Whether the node that the frame is about has sent it itself.
@@ -94,12 +108,12 @@ impl Network {
     }
 
     /// Says which device a node is, on all buses. Its COB-IDs, mappings, names and types are then known.
-    pub fn describe(&mut self, node: NodeId, description: DeviceDescription) {
-        let description = Arc::new(description);
+    pub fn describe(&mut self, node: NodeId, device: KnownDevice) {
+        let device = Arc::new(device);
         for bus in &mut self.buses {
-            bus.describe(node, &description);
+            bus.describe(node, &device);
         }
-        self.descriptions.push((node, description));
+        self.devices.push((node, device));
     }
 
     /// Says which models nodes that nobody described can be recognised as. Of models that show the same, the first one is
@@ -121,10 +135,10 @@ impl Network {
     fn bus_mut(&mut self, channel: ChannelId) -> &mut Bus {
         let index = usize::from(channel.0);
         while self.buses.len() <= index {
-            let mut bus = Bus::new();
+            let mut bus = Bus::within(self.rooms.clone());
             bus.candidates = self.candidates.clone();
-            for (node, description) in &self.descriptions {
-                bus.describe(*node, description);
+            for (node, device) in &self.devices {
+                bus.describe(*node, device);
             }
             self.buses.push(bus);
         }

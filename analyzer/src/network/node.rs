@@ -1,7 +1,7 @@
 //! What is known of one node.
 
 use crate::dictionary::Unit;
-use crate::dictionary::{Access, DeviceDescription};
+use crate::dictionary::{Access, DeviceDescription, KnownDevice};
 use crate::message::PdoNumber;
 use crate::network::configured::Pending;
 use crate::network::guarding::Guarding;
@@ -27,8 +27,8 @@ pub struct Node {
     pub state: Option<(State, Cause)>,
     /// What tells its answers to node guarding from heartbeats.
     pub(super) guarding: Guarding,
-    /// Its description, where the user gave one or its identity was recognised.
-    pub description: Option<Arc<DeviceDescription>>,
+    /// What is known of it beforehand, where the user gave its description or its identity was recognised.
+    pub device: Option<Arc<KnownDevice>>,
     /// As what it was recognised, where the description comes from that.
     pub recognition: Option<Recognition>,
     /// What it has shown of the objects that tell models apart.
@@ -75,7 +75,7 @@ impl Node {
     /// What the trace has shown, or else the description says, as the value of a communication parameter.
     pub fn parameter(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
         let described = || {
-            let entry = self.description.as_ref()?.dictionary.entry(object).ok()?;
+            let entry = self.description()?.dictionary.entry(object).ok()?;
             u32::try_from(entry.start_value(id)?.to_raw()?).ok()
         };
         self.parameters.get(&object).map(|shown| shown.0).or_else(described)
@@ -85,7 +85,7 @@ impl Node {
     /// that no one can write. Other defaults may have been changed before the trace began.
     pub fn certain(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
         let fixed = || {
-            let entry = self.description.as_ref()?.dictionary.entry(object).ok()?;
+            let entry = self.description()?.dictionary.entry(object).ok()?;
             let value = u32::try_from(entry.start_value(id)?.to_raw()?).ok()?;
             matches!(entry.access, Access::Const | Access::Ro).then_some(value)
         };
@@ -141,14 +141,27 @@ impl Node {
         self.error_since = None;
     }
 
+    /// What a parameter takes in memory: it stands among those of now and among the stored ones.
+    pub(super) const PARAMETER: usize = 2 * 2 * size_of::<(Multiplexer, (u32, Shown))>();
+
+    /// Whether the trace has shown that parameter since the node has started.
+    pub(super) fn has_shown(&self, object: Multiplexer) -> bool {
+        self.parameters.contains_key(&object)
+    }
+
     /// The communication parameters that the trace has shown.
     pub fn parameters(&self) -> impl Iterator<Item = (Multiplexer, u32)> {
         self.parameters.iter().map(|(&object, &(value, _))| (object, value))
     }
 
-    /// Sets or replaces the description.
-    pub fn describe(&mut self, description: Arc<DeviceDescription>) {
-        self.description = Some(description);
+    /// What its file says, where there is one.
+    pub fn description(&self) -> Option<&DeviceDescription> {
+        Some(&self.device.as_deref()?.description)
+    }
+
+    /// Sets or replaces what is known of it beforehand.
+    pub fn describe(&mut self, device: Arc<KnownDevice>) {
+        self.device = Some(device);
         self.forget_layouts();
     }
 

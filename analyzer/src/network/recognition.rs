@@ -6,7 +6,7 @@
 //! once, they differ in nothing that they show; the first of them stands for all if their PDOs are alike.
 
 use super::number::number;
-use crate::dictionary::{DeviceDescription, Value};
+use crate::dictionary::{KnownDevice, Value};
 use crate::{Multiplexer, NodeId};
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -19,7 +19,7 @@ pub struct Candidate {
     /// What a node of this model shows.
     pub facts: Vec<(Multiplexer, Fact)>,
     /// What is then known of the node.
-    pub description: Arc<DeviceDescription>,
+    pub device: Arc<KnownDevice>,
 }
 
 /// The models that nodes can be recognised as: worked out when they are first needed, as that may cost more than a short
@@ -100,9 +100,9 @@ pub(super) const LONGEST: usize = 64;
 
 impl Candidate {
     /// The model of that description: its facts are the defaults of 1000h, 1008h and 1018h:01 and :02.
-    pub fn of(id: &str, description: Arc<DeviceDescription>) -> Self {
+    pub fn of(id: &str, device: Arc<KnownDevice>) -> Self {
         let fact = |object| {
-            let value = description.dictionary.entry(object).ok()?.start_value(NodeId::MIN)?;
+            let value = device.description.dictionary.entry(object).ok()?.start_value(NodeId::MIN)?;
             let fact = match value {
                 Value::VisibleString(text) => Fact::Text(String::from_utf8(text).ok()?),
                 other => Fact::Number(vec![u32::try_from(other.to_raw()?).ok()?]),
@@ -110,7 +110,7 @@ impl Candidate {
             Some((object, fact))
         };
         let facts = [DEVICE_TYPE, NAME, VENDOR, PRODUCT].into_iter().filter_map(fact).collect();
-        Self { id: id.into(), facts, description }
+        Self { id: id.into(), facts, device }
     }
 
     /// Replaces or adds a fact.
@@ -138,10 +138,10 @@ impl Candidate {
     /// Whether the PDOs that both have are laid out and sent alike.
     fn has_pdos_of(&self, other: &Self) -> bool {
         let start = |candidate: &Self, object| {
-            let entry = candidate.description.dictionary.entry(object).ok()?;
+            let entry = candidate.device.description.dictionary.entry(object).ok()?;
             entry.start_value(NodeId::MIN)
         };
-        self.description.dictionary.entries().all(|(object, entry)| {
+        self.device.description.dictionary.entries().all(|(object, entry)| {
             let is_pdo = matches!(object.index.0, 0x1400..=0x1BFF);
             !is_pdo || start(other, object).is_none_or(|value| entry.start_value(NodeId::MIN) == Some(value))
         })
@@ -181,8 +181,8 @@ mod tests {
             "[DeviceInfo]\n[1800]\nParameterName=TPDO\nObjectType=8\nSubNumber=1\n[1800sub1]\nParameterName=COB-ID\n\
              ObjectType=7\nDataType=7\nAccessType=rw\nDefaultValue={pdo}\n"
         );
-        let description = Arc::new(DeviceDescription::read(eds.as_bytes()).unwrap());
-        let mut candidate = Candidate::of(id, description);
+        let description = crate::dictionary::DeviceDescription::read(eds.as_bytes()).unwrap();
+        let mut candidate = Candidate::of(id, Arc::new(KnownDevice::described(description)));
         candidate.set(DEVICE_TYPE, Fact::Number(vec![0x0001_0196, 0x0002_0196]));
         candidate.set(NAME, Fact::Begins(name.to_owned()));
         candidate.set(VENDOR, Fact::Number(vec![0x13]));

@@ -88,9 +88,9 @@ fn speed(node: &Node, of: impl Fn(u16, u8) -> Option<u32>) -> Option<Unit> {
 
 /// The state of the bit of 6000h that an annotation calls "Speed format".
 fn named_format(node: &Node, of: &impl Fn(u16, u8) -> Option<u32>) -> Option<Cow<'static, str>> {
-    let description = node.description.as_ref()?;
+    let device = node.device.as_ref()?;
     let operating = of(0x6000, 0)?;
-    let annotation = description.manual.annotations.get(Multiplexer::new(0x6000, 0))?;
+    let annotation = device.manual.annotations.get(Multiplexer::new(0x6000, 0))?;
     let bit = annotation.bits.iter().find(|bit| bit.name.starts_with("Speed format"))?;
     let state = if operating >> bit.bit.min(31) & 1 != 0 { Some(&bit.name) } else { bit.clear.as_ref() };
     Some(match state?.split_once(": ")?.1 {

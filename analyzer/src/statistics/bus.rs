@@ -7,12 +7,12 @@ use super::peak::Peak;
 use super::test_run::TestRun;
 use crate::message::{Message, Service};
 use crate::network::{Bus, Cause, Decoded};
+use crate::room::Room;
 use crate::wire::error_control::State;
 use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Record, Timestamp};
 
 /// Collects the figures of one bus.
-#[derive(Default)]
 pub struct Statistics {
     frames: [u64; Service::ALL.len()],
     bits: [u64; Service::ALL.len()],
@@ -29,6 +29,8 @@ pub struct Statistics {
     copies: u64,
     /// Frames whose times are no multiples of 10 µs: without them, the clock is too coarse for a bit rate.
     fine: u64,
+    /// For what nodes have many of.
+    room: Room,
 }
 
 /// The figures of one bus.
@@ -61,6 +63,26 @@ pub struct BusStatistics {
 }
 
 impl Statistics {
+    /// No figures yet; what nodes have many of takes its memory from `room`.
+    pub fn new(room: Room) -> Self {
+        Self {
+            frames: Default::default(),
+            bits: Default::default(),
+            first: None,
+            last: Timestamp::default(),
+            load: Load::default(),
+            bit_rate: BitRate::default(),
+            nodes: PerNode::default(),
+            test_run: TestRun::default(),
+            window: Timestamp::default(),
+            peak: Peak::default(),
+            peaks: Default::default(),
+            copies: 0,
+            fine: 0,
+            room,
+        }
+    }
+
     /// Takes a frame.
     /// `bits` are those that it takes on the bus, with the intermission; 0 where that is not known.
     pub fn frame(&mut self, record: &Record, bits: u32, decoded: &Decoded, bus: &Bus) {
@@ -79,14 +101,14 @@ impl Statistics {
             self.bit_rate.frame(now, bits);
         }
         match decoded.message {
-            Message::CaseMarker(marker) => self.test_run.marker(now, record.place, marker),
+            Message::CaseMarker(marker) => self.test_run.marker(now, record.place, marker, &self.room),
             _ => self.test_run.frame(now, record.place),
         }
         if matches!(decoded.message, Message::Nmt(nmt) if nmt.node == 0) {
             self.commanded(now, bus);
         }
         if let Some(node) = decoded.node {
-            self.node(node).frame(now, bits, decoded, bus);
+            self.nodes[node].get_or_insert_default().frame(now, bits, decoded, bus, &self.room);
         }
     }
 
@@ -127,14 +149,10 @@ impl Statistics {
             if let Some(node) = &mut self.nodes[id] {
                 let known = node.states.last().map(|change| change.state);
                 if known != Some(state) || state == State::BOOT_UP {
-                    node.state(now, state, Cause::Command);
+                    node.state(now, state, Cause::Command, &self.room);
                 }
             }
         }
-    }
-
-    fn node(&mut self, id: NodeId) -> &mut NodeStatistics {
-        self.nodes[id].get_or_insert_default()
     }
 
     /// The figures; the bit rate is the one that was said, or inferred.

@@ -5,6 +5,7 @@
 //! 1 to 999 ns as they are; then 900 buckets from each power of ten to the next: 1.00 to 9.99 µs, 10.0 to 99.9 µs, ...
 //! ```
 
+use crate::room::Room;
 use canvass_traces::Duration;
 
 /// From 100 to 999.
@@ -19,24 +20,27 @@ pub struct Histogram {
     short: Vec<u32>,
     decades: [Vec<u32>; DECADES],
     count: u64,
+    /// Those for whose decade there was no room.
+    unplaced: u64,
     max: Duration,
     min: Option<Duration>,
 }
 
 impl Histogram {
-    /// Counts a time.
-    pub fn add(&mut self, time: Duration) {
+    /// Counts a time; a decade takes its memory from `room`.
+    pub(super) fn add(&mut self, time: Duration, room: &Room) {
         let (decade, digits) = rounded(time.nanos());
         let (row, at, length) = match digits.checked_sub(100) {
             Some(at) => (self.decades.get_mut(decade), at, BUCKETS),
             None => (Some(&mut self.short), digits, 100),
         };
         if let Some(row) = row {
-            if row.is_empty() {
+            if row.is_empty() && room.take(length * size_of::<u32>()) {
                 row.resize(length, 0);
             }
-            if let Some(bucket) = row.get_mut(at) {
-                *bucket = bucket.saturating_add(1);
+            match row.get_mut(at) {
+                Some(bucket) => *bucket = bucket.saturating_add(1),
+                None => self.unplaced += 1,
             }
         }
         self.count += 1;
@@ -59,8 +63,12 @@ impl Histogram {
         self.min
     }
 
-    /// The time that `percent` of all do not exceed, rounded to three digits; `None` of none.
+    /// The time that `percent` of all do not exceed, rounded to three digits; `None` of none, or where there was no room
+    /// for all.
     pub fn quantile(&self, percent: u64) -> Option<Duration> {
+        if self.unplaced > 0 {
+            return None;
+        }
         let wanted = (self.count * percent.min(100)).div_ceil(100).max(1);
         let mut seen = 0;
         let mut rows = self.rows();
@@ -101,7 +109,7 @@ mod tests {
         let mut histogram = Histogram::default();
         assert_eq!((histogram.quantile(50), histogram.max(), histogram.min()), (None, None, None));
         for ms in 1..=100 {
-            histogram.add(Duration(ms * 1_000_000 + 1_234));
+            histogram.add(Duration(ms * 1_000_000 + 1_234), &Room::new(1 << 20));
         }
         // 1.00 to 100 ms, to three digits.
         let of = |percent| histogram.quantile(percent).unwrap();
@@ -109,6 +117,17 @@ mod tests {
         assert_eq!(of(100), Duration(100_000_000));
         assert_eq!(histogram.max(), Some(Duration(100_001_234)));
         assert_eq!(histogram.rows().map(|row| u64::from(row.1)).sum::<u64>(), 100);
+    }
+
+    /// Quantiles of only some of the times would be wrong ones.
+    #[test]
+    fn without_room_there_are_no_quantiles() {
+        let (mut histogram, room) = (Histogram::default(), Room::new(4_000));
+        histogram.add(Duration(1_500_000), &room);
+        assert_eq!(histogram.quantile(50), Some(Duration(1_500_000)));
+        histogram.add(Duration(15_000_000), &room);
+        assert_eq!((histogram.quantile(50), histogram.count()), (None, 2));
+        assert_eq!(histogram.max(), Some(Duration(15_000_000)));
     }
 
     #[test]
@@ -124,7 +143,7 @@ mod tests {
         #[test]
         fn quantiles_are_exact_to_three_digits(times in proptest::collection::vec(any::<u32>(), 1..200), percent in 1..100_u64) {
             let mut histogram = Histogram::default();
-            times.iter().for_each(|&nanos| histogram.add(Duration(u64::from(nanos))));
+            times.iter().for_each(|&nanos| histogram.add(Duration(u64::from(nanos)), &Room::new(1 << 20)));
             let mut sorted = times;
             sorted.sort_unstable();
             let at = (sorted.len() as u64 * percent).div_ceil(100).max(1) - 1;

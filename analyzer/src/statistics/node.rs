@@ -5,6 +5,7 @@ use super::peak::Peak;
 use crate::message::{Message, Service};
 use crate::network::sdo::{ChannelIndex, Direction, Outcome, Transfer, Violation};
 use crate::network::{Bus, Cause, Decoded, Event, OpenErrors};
+use crate::room::Room;
 use crate::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
 use crate::wire::error_control::State;
 use crate::wire::sdo::Request;
@@ -123,9 +124,11 @@ impl NodeStatistics {
     const CHANNELS: usize = 16;
     /// How many characters of a name are kept.
     pub const NAME: usize = 64;
+    /// A list that grows takes up to twice the memory of what is in it.
+    const GROWTH: usize = 2;
 
     /// Takes a frame of the node.
-    pub(super) fn frame(&mut self, now: Timestamp, bits: u32, decoded: &Decoded, bus: &Bus) {
+    pub(super) fn frame(&mut self, now: Timestamp, bits: u32, decoded: &Decoded, bus: &Bus, room: &Room) {
         if !std::mem::replace(&mut self.begun, true) {
             self.first = now;
         }
@@ -144,36 +147,36 @@ impl NodeStatistics {
                 self.asked.clear();
                 self.restarted(now);
             }
-            Service::Emcy => self.emcy(now, decoded),
-            Service::Sdo => self.sdo(now, decoded, bus),
+            Service::Emcy => self.emcy(now, decoded, room),
+            Service::Sdo => self.sdo(now, decoded, bus, room),
             _ => {}
         }
         if let Some(Event::StateChanged(_, change)) = decoded.event {
-            self.state(now, change.to, change.cause);
+            self.state(now, change.to, change.cause, room);
         }
     }
 
     /// Notes a state.
-    pub(super) fn state(&mut self, time: Timestamp, state: State, cause: Cause) {
-        if self.states.len() < Self::STATES {
+    pub(super) fn state(&mut self, time: Timestamp, state: State, cause: Cause, room: &Room) {
+        if self.states.len() < Self::STATES && room.take(Self::GROWTH * size_of::<StateChange>()) {
             self.states.push(StateChange { time, state, cause });
         } else {
             self.states_omitted += 1;
         }
     }
 
-    fn emcy(&mut self, now: Timestamp, decoded: &Decoded) {
+    fn emcy(&mut self, now: Timestamp, decoded: &Decoded, room: &Room) {
         let Message::Emcy(emcy) = decoded.message else { return };
         let Some(code) = emcy.code() else { return };
-        self.error(now, code, &emcy);
+        self.error(now, code, &emcy, room);
         if let Some(row) = self.emcy.iter_mut().find(|row| row.code == code) {
             (row.count, row.last) = (row.count + 1, now);
-        } else if self.emcy.len() < Self::CODES {
+        } else if self.emcy.len() < Self::CODES && room.take(Self::GROWTH * size_of::<EmcyCount>()) {
             self.emcy.push(EmcyCount { code, count: 1, first: now, last: now });
         }
     }
 
-    fn error(&mut self, now: Timestamp, code: EmcyCode, emcy: &Emcy) {
+    fn error(&mut self, now: Timestamp, code: EmcyCode, emcy: &Emcy, room: &Room) {
         let known = self.open_errors.iter().any(|row| row.0 == code);
         let place = self.errors.len();
         for (_, at) in self.open_errors.handle(emcy, || place) {
@@ -184,7 +187,7 @@ impl NodeStatistics {
         if known || code.is_reset() {
             return;
         }
-        if place < Self::ERRORS {
+        if place < Self::ERRORS && room.take(Self::GROWTH * size_of::<ErrorEpisode>()) {
             self.errors.push(ErrorEpisode { code, register: emcy.register(), raised: now, ended: None });
         } else {
             self.errors_omitted += 1;
@@ -219,7 +222,7 @@ impl NodeStatistics {
         Some(self.asked.swap_remove(at).1)
     }
 
-    fn sdo(&mut self, now: Timestamp, decoded: &Decoded, bus: &Bus) {
+    fn sdo(&mut self, now: Timestamp, decoded: &Decoded, bus: &Bus, room: &Room) {
         match decoded.message {
             // Segments of a block: the last one is answered.
             Message::SdoRequest(Request::Abort(_) | Request::EndBlockUpload) | Message::SdoBlockDownload(_) => {
@@ -228,12 +231,12 @@ impl NodeStatistics {
             message @ Message::SdoRequest(_) => self.asked(decoded.channel, now, message),
             Message::SdoResponse(_) | Message::SdoBlockUpload(_) => {
                 if let Some(asked) = self.answered(decoded.channel) {
-                    self.responses.add(now.since(asked));
+                    self.responses.add(now.since(asked), room);
                 }
             }
             _ => {}
         }
-        if decoded.event != Some(Event::TransferEnded) {
+        if !decoded.ends_transfer() {
             return;
         }
         let Some(transfer) = decoded.channel.and_then(|channel| bus.transfer(channel)) else { return };

@@ -17,8 +17,8 @@ pub struct EmcyText<'a> {
 impl<'a> EmcyText<'a> {
     /// The message of a node of that bus.
     pub fn of(emcy: &'a Emcy, node: NodeId, bus: &'a Bus) -> Self {
-        let description = bus.node(node).and_then(|node| node.description.as_deref());
-        let known = description.and_then(|description| description.manual.emergency(emcy));
+        let device = bus.node(node).and_then(|node| node.device.as_deref());
+        let known = device.and_then(|device| device.manual.emergency(emcy));
         Self { emcy, known: known.map(|known| &*known.text) }
     }
 }
@@ -38,7 +38,7 @@ impl fmt::Display for EmcyText<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dictionary::{DeviceDescription, KnownEmergency, Manual};
+    use crate::dictionary::{KnownDevice, KnownEmergency, Manual};
     use crate::network::Network;
     use crate::wire::emcy::{EmcyCode, ErrorRegister};
     use canvass_traces::{ChannelId, Record, Timestamp, parse_frame};
@@ -57,7 +57,7 @@ mod tests {
         let mut network = Network::new();
         let node = NodeId::new(63).unwrap();
         let manual = Manual { emergencies, ..Manual::default() };
-        network.describe(node, DeviceDescription { manual, ..DeviceDescription::default() });
+        network.describe(node, KnownDevice { manual, ..KnownDevice::default() });
         let frame = parse_frame("73F#00").unwrap().frame;
         network.handle(&Record::new(Timestamp::ZERO, ChannelId(0), frame));
         let bus = network.bus(ChannelId(0)).unwrap();

@@ -24,8 +24,8 @@ pub(super) struct Object<'a> {
 
 impl<'a> Object<'a> {
     pub fn new(id: Option<NodeId>, node: Option<&'a Node>, multiplexer: Multiplexer) -> Self {
-        let description = node.and_then(|node| node.description.as_deref());
-        let object = description.and_then(|description| description.dictionary.object(multiplexer.index));
+        let device = node.and_then(|node| node.device.as_deref());
+        let object = device.and_then(|device| device.description.dictionary.object(multiplexer.index));
         let profile = id.zip(node).and_then(|(id, node)| node.profile(id));
         Self {
             id,
@@ -34,7 +34,7 @@ impl<'a> Object<'a> {
             object,
             entry: object.and_then(|object| object.entry(multiplexer.sub)),
             standard: object_name(multiplexer, profile),
-            annotation: description.and_then(|description| description.manual.annotations.get(multiplexer)),
+            annotation: device.and_then(|device| device.manual.annotations.get(multiplexer)),
             profile,
         }
     }

@@ -52,3 +52,41 @@ fn loads_and_peaks_of_nodes_and_services() {
     assert!(of_node > 1.0 && of_node < mean && encoder.peak.best().is_some());
     assert!(bus.rate(bus.frames[Service::Sync as usize]).is_some_and(|rate| rate > 45.0 && rate < 50.0));
 }
+
+/// Who repeats a request has waited since the first time.
+#[test]
+fn response_times_count_from_the_first_request() {
+    let mut traffic = Traffic::default();
+    traffic.at(900, "703#00").at(1_000, "603#4000100000000000").at(1_300, "603#4000100000000000");
+    traffic.at(1_500, "583#4300100096010200");
+    let results = traffic.results();
+    let (_, node) = &results.buses[0].1.nodes[0];
+    let longest = node.responses.max().unwrap();
+    assert!((ms(499)..ms(501)).contains(&longest), "{longest}");
+    assert_eq!(node.responses.count(), 1);
+}
+
+/// What a conformance test provokes is told with the case that provoked it.
+#[test]
+fn findings_in_a_certification_run_name_their_case() {
+    let mut traffic = Traffic::default();
+    traffic.at(0, "703#00").at(100, "7FF#010307000000").at(200, "083#1081110000000000");
+    traffic.sdo(300, 3, "4055550000000000", "8055550000000206").at(400, "083#0000000000000000");
+    traffic.at(500, "7FF#020307000100").at(600, "7FF#010401000000").at(700, "083#1081110000000000");
+    traffic.at(750, "083#0000000000000000").at(800, "7FF#020401000100");
+    traffic.at(2_000, "083#2081110000000000").at(2_100, "083#0000000000000000");
+    let found = traffic.results().findings;
+    let case = |text: &str| {
+        let finding = found.iter().find(|finding| finding.message.contains(text)).unwrap();
+        (finding.case, finding.message.clone())
+    };
+    let (of_abort, words) = case("0602 0000h");
+    assert!(of_abort == Some((3, 7)) && words.ends_with("; in case 7 of group 3 of the test run"), "{words}");
+    let (of_error, words) = case("8110h");
+    assert!(
+        of_error == Some((3, 7)) && words.ends_with("; first in case 7 of group 3 of the test run, then in 1 other"),
+        "{words}"
+    );
+    let (afterwards, words) = case("8120h");
+    assert!(afterwards.is_none() && !words.contains("case"), "{words}");
+}

@@ -13,6 +13,12 @@ fn consequences(results: &Results, story: &Story) -> Vec<(&'static str, Option<u
     story.consequences.iter().map(|consequence| of(consequence.findings[0])).collect()
 }
 
+/// What each of the consequences follows from, as rules.
+fn links(results: &Results, story: &Story) -> Vec<(&'static str, &'static str)> {
+    let rule = |at: usize| results.findings[at].rule.id;
+    story.consequences.iter().map(|consequence| (rule(consequence.of), rule(consequence.findings[0]))).collect()
+}
+
 /// Each finding is in one story.
 fn check(results: &Results) {
     let mut all: Vec<usize> = results.stories.iter().flat_map(Story::all).collect();
@@ -37,6 +43,15 @@ fn a_node_that_others_wait_for() {
     assert!(rules.contains(&"emcy/never-cleared") && rules.contains(&"nodes/state-lost"), "{rules:?}");
     assert!(follows.iter().all(|row| row.1 == Some(3)));
     assert_eq!(results.stories.len(), 1);
+    // One thing leads to the next.
+    let links = links(&results, &results.stories[0]);
+    let chain = ["nodes/lost", "nodes/consumer-time", "emcy/raised", "nodes/state-lost"];
+    for pair in chain.windows(2) {
+        assert!(links.contains(&(pair[0], pair[1])), "{pair:?} in {links:?}");
+    }
+    // It begins when the consumer has waited for long enough, which is after its cause.
+    let first = |rule: &str| results.findings.iter().find(|finding| finding.rule.id == rule).map(|found| found.first);
+    assert!(first("nodes/lost") < first("nodes/consumer-time"));
 }
 
 /// Sixty objects that a device does not have are one story with its objects.

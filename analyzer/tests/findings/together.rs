@@ -29,7 +29,7 @@ const EXPECTED: &[(&str, Option<u8>, u64)] = &[
     ("lss/unanswered", None, 670),
     ("nodes/boot-up-without-command", Some(4), 25_100),
     ("nodes/command-not-obeyed", Some(4), 10_031),
-    ("nodes/consumer-time", Some(3), 6_910),
+    ("nodes/consumer-time", Some(3), 7_110),
     ("nodes/guarding-toggle", Some(6), 15_400),
     ("nodes/guarding-unanswered", Some(6), 15_100),
     ("nodes/heartbeat-ended", Some(10), 19_530),

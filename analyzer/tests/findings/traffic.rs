@@ -118,7 +118,7 @@ pub fn diagnose(records: &[Record], prepare: impl FnOnce(&mut Diagnosis)) -> Res
     let mut order = InOrder::default();
     for record in records {
         quality.record(record);
-        order.push(record);
+        order.push(&mut record.clone());
         while let Some(record) = order.pop() {
             diagnosis.record(record);
         }

@@ -1,7 +1,7 @@
 //! Devices that are recognised, that get another node-ID or bit rate by objects of their own, or that speak LMT.
 
 use crate::trace::Trace;
-use canvass_analyzer::dictionary::{DeviceDescription, Settings};
+use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, Settings};
 use canvass_analyzer::network::{Candidate, Candidates, Event, Fact};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Duration};
@@ -72,21 +72,21 @@ fn node(raw: u8) -> NodeId {
     NodeId::new(raw).unwrap()
 }
 
-fn description() -> DeviceDescription {
-    let mut description = DeviceDescription::read(EDS.as_bytes()).unwrap();
-    description.manual.settings = Settings {
+fn described() -> KnownDevice {
+    let mut device = KnownDevice::described(DeviceDescription::read(EDS.as_bytes()).unwrap());
+    device.manual.settings = Settings {
         node_id: Some(Multiplexer::new(0x2101, 0)),
         bit_rate: Some(Multiplexer::new(0x2100, 0)),
         bit_rates: vec![(5, 250_000), (6, 500_000)],
         layer_management: false,
         padded_tpdos: Vec::new(),
     };
-    description
+    device
 }
 
 fn offering() -> Trace {
     let mut trace = Trace::new();
-    trace.network.offer(Candidates::new(|| [Candidate::of("model", Arc::new(description()))].into()));
+    trace.network.offer(Candidates::new(|| [Candidate::of("model", Arc::new(described()))].into()));
     trace
 }
 
@@ -148,7 +148,7 @@ fn the_trace_knows_better_than_a_model() {
 #[test]
 fn what_the_user_says_is_not_doubted() {
     let mut trace = offering();
-    trace.network.describe(node(63), DeviceDescription::default());
+    trace.network.describe(node(63), KnownDevice::default());
     for frame in ["63F#40 18 10 01 00 00 00 00", "5BF#43 18 10 01 13 00 00 00", "63F#40 18 10 02 00 00 00 00"] {
         trace.say(frame);
     }
@@ -158,7 +158,7 @@ fn what_the_user_says_is_not_doubted() {
 /// Device type and name, which comes in segments.
 #[test]
 fn a_model_is_recognised_by_its_name() {
-    let mut candidate = Candidate::of("named", Arc::new(description()));
+    let mut candidate = Candidate::of("named", Arc::new(described()));
     candidate.set(Multiplexer::new(0x1008, 0), Fact::Begins("Sendix".to_owned()));
     let mut trace = Trace::new();
     trace.network.offer(Candidates::new(move || [candidate].into()));
@@ -178,7 +178,7 @@ fn a_model_is_recognised_by_its_name() {
 #[test]
 fn a_node_id_and_a_bit_rate_that_were_written_take_effect_at_the_start() {
     let mut trace = Trace::new();
-    trace.network.describe(node(63), description());
+    trace.network.describe(node(63), described());
     for frame in [
         "63F#2F 01 21 00 2A 00 00 00",
         "5BF#60 01 21 00 00 00 00 00",
@@ -201,7 +201,7 @@ fn a_node_id_and_a_bit_rate_that_were_written_take_effect_at_the_start() {
 #[test]
 fn what_did_not_take_effect_is_forgotten() {
     let mut trace = Trace::new();
-    trace.network.describe(node(63), description());
+    trace.network.describe(node(63), described());
     trace.say("63F#2F 01 21 00 00 00 00 00");
     trace.say("5BF#80 01 21 00 30 00 09 06");
     assert_eq!(events(&mut trace, "72A#00").len(), 1);
@@ -214,7 +214,7 @@ fn what_did_not_take_effect_is_forgotten() {
 /// Both protocols know "configure bit timing"; their tables differ from code 5 on.
 #[test]
 fn lmt_is_known_from_the_description() {
-    let mut lmt = DeviceDescription::default();
+    let mut lmt = KnownDevice::default();
     lmt.manual.settings.layer_management = true;
     let mut trace = Trace::new();
     trace.network.describe(node(5), lmt.clone());
@@ -224,8 +224,8 @@ fn lmt_is_known_from_the_description() {
     trace.say("7E5#5E 00 00 00 00 00 00 00");
     assert_eq!(trace.say("7E5#13 00 05 00 00 00 00 00").service(), "lss");
 
-    let mut lss = DeviceDescription::default();
-    lss.device.lss_supported = true;
+    let mut lss = KnownDevice::default();
+    lss.description.device.lss_supported = true;
     let mut trace = Trace::new();
     trace.network.describe(node(5), lmt);
     trace.network.describe(node(6), lss);
@@ -288,7 +288,8 @@ fn an_srdo_is_known_by_its_parameters() {
 #[test]
 fn an_srdo_of_a_description_belongs_to_its_sender() {
     let mut trace = Trace::new();
-    trace.network.describe(node(5), DeviceDescription::read(SRDO.as_bytes()).unwrap());
+    let device = KnownDevice::described(DeviceDescription::read(SRDO.as_bytes()).unwrap());
+    trace.network.describe(node(5), device);
     let said = trace.say("110#11");
     assert_eq!((said.service(), said.decoded.node), ("srdo", Some(node(5))), "{}", said.text);
     // Node 9 receives it.

@@ -16,6 +16,7 @@
 //! - Ids have no leading zeros, so `Std` and `Ext` alone tell their kind. The data ends with a blank.
 //! - Times have two or three decimals. They are times of the day if the first is not before the header's start
 //!   time; otherwise they count from it. A time of the day that falls by more than half a day is past midnight.
+//! - `Baudrate` is the bit rate of the bus, in kbit/s or Mbit/s; one that is not a number of the kind is passed over.
 //! - `Overruns` above 0 are frames that the recorder lost.
 //! - A remote frame has `Rtr` in its flags, a frame that the recorder sent itself has `Self`.
 //!
@@ -57,6 +58,8 @@ struct MiniMon {
     /// Whether rows have times of the day.
     of_day: bool,
     last: u64,
+    /// In bit/s.
+    bit_rate: Option<u32>,
 }
 
 impl LineFormat for MiniMon {
@@ -71,6 +74,10 @@ impl LineFormat for MiniMon {
 
     fn time_base(&self) -> TimeBase {
         if self.date.is_some() { TimeBase::Local } else { TimeBase::Start }
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        self.bit_rate
     }
 }
 
@@ -92,7 +99,11 @@ impl MiniMon {
                 Err(_) => Some(line.malformed("a number of lost frames")),
             };
         }
-        let known = [&b"ASCII Trace"[..], b"Stop time:", b"Baudrate:", b"\"Time\"", b"Time"];
+        if let Some(rate) = text.strip_prefix(b"Baudrate:") {
+            self.bit_rate = bit_rate(rate);
+            return None;
+        }
+        let known = [&b"ASCII Trace"[..], b"Stop time:", b"\"Time\"", b"Time"];
         if known.iter().any(|known| text.starts_with(known)) {
             return None;
         }
@@ -125,6 +136,22 @@ impl MiniMon {
         self.last = time;
         Timestamp(time).after(self.zero.unwrap_or(zero))
     }
+}
+
+/// `250 kbit/s`, in bit/s. A decimal point may be a comma.
+fn bit_rate(text: &[u8]) -> Option<u32> {
+    const FASTEST: f64 = 1e6;
+    let text = std::str::from_utf8(text).ok()?.trim().replace(',', ".");
+    let unit = text.find(|c: char| c != '.' && !c.is_ascii_digit())?;
+    let (number, unit) = text.split_at_checked(unit)?;
+    let factor = match unit.trim().to_ascii_lowercase().as_str() {
+        "bit/s" | "bps" | "baud" | "bd" => 1.0,
+        "kbit/s" | "kbps" | "kbaud" | "kbd" => 1e3,
+        "mbit/s" | "mbps" | "mbaud" | "mbd" => 1e6,
+        _ => return None,
+    };
+    let rate = number.parse::<f64>().ok()? * factor;
+    (1.0..=FASTEST).contains(&rate).then_some(rate as u32)
 }
 
 struct Row {

@@ -1,6 +1,7 @@
 use crate::frames::*;
 use canvass_traces::*;
 use proptest::prelude::*;
+use std::io::Cursor;
 
 const CSV: Format = Format::PythonCanCsv;
 const MINIMON: Format = Format::MiniMon;
@@ -79,6 +80,22 @@ fn minimon_rows() {
         (start + second, "701#R".to_owned()),
     ];
     assert_eq!(minimon(rows), (expected.to_vec(), TimeBase::Local));
+}
+
+#[test]
+fn minimon_says_the_bit_rate() {
+    let rate = |words: &str| {
+        let header = MINIMON_HEADER.replace("250 kbit/s", words);
+        let (text, options) = (header + "\"10:47:15.23\";\"83\";\"Std\";\"\";\"00 \"\r\n", ReadOptions::default());
+        let mut capture = Capture::from_source("x", Source::new(Cursor::new(text.into_bytes())), &options).unwrap();
+        assert_eq!(capture.by_ref().filter(Result::is_ok).count(), 1);
+        capture.bit_rate()
+    };
+    assert_eq!(
+        (rate("250 kbit/s"), rate("1 Mbit/s"), rate("83,3 kBaud")),
+        (Some(250_000), Some(1_000_000), Some(83_300))
+    );
+    assert_eq!((rate("auto"), rate("-5 kbit/s"), rate("9 Mbit/s"), rate("")), (None, None, None, None));
 }
 
 #[test]

@@ -27,7 +27,7 @@ struct BeforeBootUp {
     #[threshold(ms = 10_000)]
     within: Duration,
     /// The first frame since the reset, by node.
-    early: PerNode<Option<Seen>>,
+    early: PerNode<Option<Box<Seen>>>,
 }
 
 impl Rule for BeforeBootUp {
@@ -39,7 +39,7 @@ impl Rule for BeforeBootUp {
             let is_meant = context.decoded.service != Service::Guarding && context.decoded.is_from_node();
             let Some(reset) = reset.filter(|_| is_meant) else { return };
             if early.is_none() && context.now().since(reset) > self.grace {
-                *early = Some(context.seen());
+                *early = Some(Box::new(context.seen()));
             }
             return;
         }

@@ -67,13 +67,16 @@ impl Full {
 
 impl Load {
     /// A window is over; one that is longer than asked for has had a pause in it: its load is lower all the same.
-    fn judge(&mut self, begin: Timestamp, elapsed: Duration, end: &Seen, scene: &Scene<'_>) {
-        if let Some(rate) = scene.bit_rate.filter(|rate| self.full.iter().all(|full| full.rate != *rate)) {
+    #[cold]
+    fn judge(&mut self, begin: Timestamp, elapsed: Duration, context: &Context<'_>) {
+        let end = context.seen();
+        if let Some(rate) = context.scene.bit_rate.filter(|rate| self.full.iter().all(|full| full.rate != *rate)) {
             self.full.push(Full { rate, ..Full::default() });
         }
         for full in &mut self.full {
-            full.window((self.bits, begin, elapsed), self.percent, end);
+            full.window((self.bits, begin, elapsed), self.percent, &end);
         }
+        (self.begin, self.bits) = (Some(context.now()), u64::from(context.bits));
     }
 }
 
@@ -84,10 +87,9 @@ impl Rule for Load {
         let elapsed = now.since(begin);
         if elapsed < self.window {
             self.bits += u64::from(bits);
-            return;
+        } else {
+            self.judge(begin, elapsed, context);
         }
-        self.judge(begin, elapsed, &context.seen(), context.scene);
-        (self.begin, self.bits) = (Some(now), u64::from(bits));
     }
 
     fn interrupted(&mut self) {

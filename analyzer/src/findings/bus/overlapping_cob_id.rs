@@ -2,7 +2,6 @@ use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::Service;
-use crate::network::Event;
 use crate::network::sdo::Outcome;
 use crate::{CobId, Multiplexer, NodeId};
 use canvass_analyzer_macros::rule;
@@ -18,7 +17,7 @@ use std::collections::BTreeMap;
 ///
 /// # What to do
 /// Give one of them another CAN-ID, or switch it off (bit 31 of its COB-ID).
-#[rule(id = "bus/overlapping-cob-id", severity = Error, services = [Sdo, BootUp])]
+#[rule(id = "bus/overlapping-cob-id", severity = Error, services = [BootUp], also = EndedTransfers)]
 struct OverlappingCobId {
     /// The producers by CAN-ID; an entry for each object that the trace has shown.
     producers: BTreeMap<(NodeId, Multiplexer), u32>,
@@ -35,9 +34,6 @@ impl Rule for OverlappingCobId {
         if context.decoded.service == Service::BootUp {
             // What was not stored is gone.
             self.producers.retain(|producer, _| producer.0 != node);
-            return;
-        }
-        if context.decoded.event != Some(Event::TransferEnded) {
             return;
         }
         let Some(transfer) = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel)) else {

@@ -2,7 +2,6 @@ use super::is_cob_id;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
-use crate::network::Event;
 use crate::network::sdo::{Direction, Outcome};
 use crate::wire::sdo;
 use crate::{CobId, Multiplexer, NodeId};
@@ -23,7 +22,7 @@ use canvass_analyzer_macros::rule;
 /// # What to do
 /// Choose another CAN-ID in the configuration. The device should have refused it with abort 0609 0030h. What a device
 /// says wrongly of itself is a fault of its firmware: tools that believe it lose it.
-#[rule(id = "bus/restricted-cob-id", severity = Error, services = [Sdo])]
+#[rule(id = "bus/restricted-cob-id", severity = Error, also = EndedTransfers)]
 struct RestrictedCobId;
 
 /// What is wrong with a COB-ID.
@@ -51,9 +50,6 @@ fn fault(object: Multiplexer, cob_id: CobId, direction: Direction, node: Option<
 
 impl Rule for RestrictedCobId {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        if context.decoded.event != Some(Event::TransferEnded) {
-            return;
-        }
         let Some(transfer) = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel)) else {
             return;
         };

@@ -1,8 +1,7 @@
+use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
-use crate::network::OpenErrors;
 use crate::text::EmcyText;
 use crate::wire::emcy::Emcy;
 use crate::{NodeId, PerNode};
@@ -21,10 +20,8 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// The code and the manufacturer's bytes tell the cause; 1003h holds the history. Look at what happened on the bus just
 /// before.
-#[rule(id = "emcy/raised", severity = Error, services = [Emcy, BootUp, Sdo])]
+#[rule(id = "emcy/raised", severity = Error, services = [Emcy], also = EndedTransfers)]
 struct Raised {
-    /// The errors that are present, by node.
-    nodes: PerNode<OpenErrors<Seen>>,
     /// When the error register was last read from a node.
     register_read: PerNode<Option<Timestamp>>,
 }
@@ -36,7 +33,6 @@ impl Rule for Raised {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
         match (context.decoded.service, context.message()) {
-            (Service::BootUp, _) => self.nodes[node].clear(),
             (Service::Sdo, Message::SdoResponse(_)) => {
                 let register = context.decoded.object.is_some_and(|object| object.index.0 == 0x1001);
                 if register {
@@ -58,7 +54,8 @@ impl Raised {
             });
         }
         let by_reading = self.register_read[node].is_some_and(|read| context.now().since(read) <= ACKNOWLEDGED);
-        for (code, raised) in self.nodes[node].handle(emcy, || context.seen()) {
+        for (code, raised) in &context.news().ended_errors {
+            let raised = raised.seen();
             let lasted = context.now().since(raised.time());
             let report = Report::at(context.now()).node(node).detail(u64::from(code.0)).kind(u64::from(code.0)).amend();
             let report = report.measure(lasted.nanos()).evidence(raised.evidence()).evidence(context.evidence());

@@ -26,8 +26,8 @@ pub fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<
         for bit in (0..16).filter(|bit| operand.raw >> bit & 1 != 0) {
             let report = Report::at(context.now()).node(operand.node).detail(u64::from(bit));
             sink.report(report.evidence(context.evidence()), || {
-                let described = context.scene.bus.node(operand.node).and_then(|node| node.description.as_deref());
-                let annotated = described.and_then(|description| description.manual.annotations.get(operand.object));
+                let described = context.scene.bus.node(operand.node).and_then(|node| node.device.as_deref());
+                let annotated = described.and_then(|device| device.manual.annotations.get(operand.object));
                 let annotated = annotated.and_then(|annotation| annotation.bit(bit)).map(|name| name.name.to_string());
                 let standard = || bit_name(operand.object.index, bit, Some(ENCODER_PROFILE)).map(str::to_owned);
                 let name = annotated.or_else(standard).map(|name| format!(": {}", name.escape_debug()));

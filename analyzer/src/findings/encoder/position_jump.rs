@@ -85,7 +85,7 @@ impl PositionJump {
         let known = context.scene.bus.node(node);
         let linear = |millimetres: f64| (self.linear_speed as f64 / millimetres) as u64;
         if is_channel(position) {
-            let described = known.and_then(|known| known.description.as_deref());
+            let described = known.and_then(|known| known.device.as_deref());
             let annotated = || described?.manual.annotations.get(position.object)?.unit.clone();
             let unit = known.and_then(|known| known.scale(node, position.object)).or_else(annotated);
             return match unit.filter(|unit| unit.factor > 0.0) {

@@ -77,16 +77,27 @@ impl RedundantChannels {
 impl Rule for RedundantChannels {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
-        let first = matches!(context.message(), Message::Pdo(PdoNumber::Transmit(1)));
-        if !first && context.decoded.service != Service::BootUp {
-            return;
-        }
-        let known = &mut self.nodes[node];
         if context.decoded.service == Service::BootUp {
-            *known = Channels::default();
-            return;
+            self.nodes[node] = Channels::default();
+        } else if matches!(context.message(), Message::Pdo(PdoNumber::Transmit(1)))
+            && let Some(values) = channels(context, node)
+        {
+            self.compare(node, values, context, sink);
         }
-        let Some(([a, b], mapped)) = channels(context, node) else { return };
+    }
+}
+
+impl RedundantChannels {
+    /// Apart, so that the PDOs that hold nothing to compare cost nothing.
+    #[inline(never)]
+    fn compare(
+        &mut self,
+        node: NodeId,
+        ([a, b], mapped): ([u64; 2], bool),
+        context: &Context<'_>,
+        sink: &mut Sink<'_>,
+    ) {
+        let known = &mut self.nodes[node];
         // Zero point, direction or mapping may just have been set.
         let facts = context.scene.facts.node(node);
         if NodeFacts::is_recent(facts.last_download, context.now(), Duration::from_secs(1)) {

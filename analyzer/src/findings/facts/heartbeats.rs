@@ -4,7 +4,7 @@ use super::NodeFacts;
 use crate::findings::rhythm::{Interval, Rhythm};
 use crate::message::{Message, Service};
 use crate::network::sdo::Outcome;
-use crate::network::{Bus, Decoded, Event};
+use crate::network::{Bus, Decoded};
 use crate::wire::lss;
 use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Timestamp};
@@ -63,7 +63,7 @@ impl Heartbeats {
 
     /// The heartbeat time was read or written: from now on it counts.
     fn configured(&mut self, decoded: &Decoded, bus: &Bus) {
-        if decoded.event != Some(Event::TransferEnded) {
+        if !decoded.ends_transfer() {
             return;
         }
         let Some(transfer) = decoded.channel.and_then(|channel| bus.transfer(channel)) else { return };

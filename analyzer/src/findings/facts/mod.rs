@@ -1,5 +1,6 @@
 //! What the nodes of a bus have done, as many rules want to know it.
 
+mod errors;
 mod heartbeats;
 mod node;
 mod operands;
@@ -7,6 +8,7 @@ mod presence;
 mod requests;
 mod tpdos;
 
+pub use errors::{Errors, Raised};
 pub use heartbeats::Heartbeats;
 pub use node::NodeFacts;
 pub use operands::Operand;
@@ -18,6 +20,7 @@ use super::rhythm::Interval;
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::sdo::{Direction, Outcome};
 use crate::network::{Bus, Decoded, Event};
+use crate::wire::emcy::EmcyCode;
 use crate::wire::lss;
 use crate::wire::nmt::{Command, Nmt};
 use crate::wire::sdo::Request;
@@ -40,6 +43,8 @@ pub struct Facts {
     pub heartbeats: Heartbeats,
     /// The SDO requests that wait for an answer, after the frame.
     pub requests: Requests,
+    /// The errors that nodes have reported and not taken back, after the frame.
+    pub errors: Errors,
     /// Which nodes are there, before the frame.
     pub presence: Presence,
     /// What the frame means to several rules.
@@ -61,6 +66,8 @@ pub struct News {
     pub heartbeat: Option<Interval>,
     /// Of an SDO message: what it does to the requests that wait.
     pub request: Step,
+    /// Of an EMCY: the errors that it says are gone.
+    pub ended_errors: Vec<(EmcyCode, Raised)>,
     /// The values of an encoder's objects in it.
     pub operands: Vec<Operand>,
 }
@@ -88,9 +95,17 @@ impl Facts {
         let begins_anew = matches!(decoded.message, Message::Nmt(nmt) if !self.is_repeated(nmt));
         let reconfigured = self.tpdos.frame(decoded, bus);
         let is_from_node = decoded.is_from_node();
-        let returned = decoded.node.filter(|_| is_from_node).and_then(|node| self.returned(node, now));
+        // Nearly always there is nothing to take away, nor to put there.
+        if self.news.returned.is_some() {
+            self.news.returned = None;
+        }
+        if let Some(node) = decoded.node.filter(|_| is_from_node)
+            && self.was_long_silent(node, now)
+        {
+            self.news.returned = self.outage(node, now);
+        }
         let news = &mut self.news;
-        (news.is_from_node, news.returned) = (is_from_node, returned);
+        news.is_from_node = is_from_node;
         (news.begins_anew, news.is_known_tpdo, news.heartbeat) = (begins_anew, false, None);
         // Most frames are no SDO messages: nothing to take away.
         if !matches!(news.request, Step::None) {
@@ -109,7 +124,11 @@ impl Facts {
                     self.presence.beat(node, interval.expected);
                 }
             }
+            Service::Emcy => news.ended_errors = self.errors.frame(record, decoded),
             Service::Sdo | Service::BootUp | Service::Nmt => {
+                if decoded.service == Service::BootUp {
+                    self.errors.frame(record, decoded);
+                }
                 news.request = self.requests.frame(record, decoded);
                 self.heartbeats.other(decoded, begins_anew, bus);
             }
@@ -120,11 +139,10 @@ impl Facts {
         reconfigured
     }
 
-    /// The silence of a node that a frame of it ends, if it was an outage.
+    /// Whether a frame of a node ends a silence that may have been an outage.
     #[inline]
-    fn returned(&self, node: NodeId, now: Timestamp) -> Option<Outage> {
-        let since = self.nodes[node].last_seen?;
-        if self.presence.is_long(node, now.since(since)) { self.outage(node, now) } else { None }
+    fn was_long_silent(&self, node: NodeId, now: Timestamp) -> bool {
+        self.nodes[node].last_seen.is_some_and(|since| self.presence.is_long(node, now.since(since)))
     }
 
     /// The silence of a node, if it is longer than its heartbeat or guarding allows and nothing explains it.
@@ -186,7 +204,7 @@ impl Facts {
             (facts.last_boot_up, facts.pending_reset, facts.has_moved) = (Some(now), None, false);
             self.moved(bus);
         }
-        if decoded.event == Some(Event::TransferEnded) {
+        if decoded.ends_transfer() {
             self.transferred(now, node, decoded, bus);
         }
     }

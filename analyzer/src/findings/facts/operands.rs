@@ -3,7 +3,7 @@
 use crate::dictionary::names::ENCODER_PROFILE;
 use crate::message::{Message, PdoNumber};
 use crate::network::sdo::{Direction, Outcome};
-use crate::network::{Bus, Decoded, Event, Signal};
+use crate::network::{Bus, Decoded, Signal};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Record;
 
@@ -45,7 +45,7 @@ pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec
             };
             operands.extend(layout.signals.iter().filter_map(operand));
         }
-        _ if decoded.event == Some(Event::TransferEnded) => {
+        _ if decoded.ends_transfer() => {
             let is_encoder = bus.node(node).and_then(|known| known.profile(node)) == Some(ENCODER_PROFILE);
             operands.extend(transferred(node, decoded, bus).filter(|_| is_encoder));
         }

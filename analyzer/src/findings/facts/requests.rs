@@ -62,6 +62,14 @@ pub enum Step {
     Repeated,
 }
 
+impl Step {
+    /// Whether it is something else than that a request is answered.
+    #[inline]
+    pub const fn is_unusual(&self) -> bool {
+        !matches!(self, Self::None | Self::Answered(_))
+    }
+}
+
 impl Requests {
     /// So many requests that were given up are remembered, and for so long.
     const LEFT: usize = 32;

@@ -60,7 +60,7 @@ impl AllParameters {
         let is_new = !self.known[node];
         let may_change = match decoded.service {
             Service::BootUp => true,
-            Service::Sdo => decoded.event == Some(Event::TransferEnded) && is_shown(decoded, bus),
+            Service::Sdo => decoded.ends_transfer() && is_shown(decoded, bus),
             _ => false,
         };
         (is_new || may_change).then(|| {

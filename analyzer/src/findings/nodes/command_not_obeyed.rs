@@ -7,6 +7,7 @@ use crate::wire::nmt::Command;
 use crate::{NodeId, PerNode};
 use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
+use std::rc::Rc;
 
 /// a node does not reach the commanded NMT state
 ///
@@ -45,7 +46,8 @@ struct Watched {
 }
 
 struct Pending {
-    command: Seen,
+    /// Shared by all nodes that it names.
+    command: Rc<Seen>,
     expected: State,
     /// How often another state was seen.
     against: u8,
@@ -138,6 +140,7 @@ impl CommandNotObeyed {
             Command::RESET_NODE | Command::RESET_COMMUNICATION => State::BOOT_UP,
             _ => return,
         };
+        let command = Rc::new(context.seen());
         for (_, watched) in self.nodes.named_mut(node) {
             // The same command again: the node has had its time since the first one.
             let waits = watched.pending.as_ref().is_some_and(|pending| pending.expected == expected);
@@ -145,7 +148,7 @@ impl CommandNotObeyed {
             if expected == State::BOOT_UP && watched.beat.is_none() {
                 watched.pending = None;
             } else if !waits || expected == State::BOOT_UP {
-                let (command, before) = (context.seen(), watched.beat);
+                let (command, before) = (Rc::clone(&command), watched.beat);
                 watched.pending = Some(Pending { command, expected, against: 0, before, on_time: 0 });
             }
         }

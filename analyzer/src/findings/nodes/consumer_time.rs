@@ -2,7 +2,6 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
 use crate::message::{Message, Service};
-use crate::network::Event;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
@@ -19,10 +18,12 @@ use canvass_traces::Duration;
 /// # What to do
 /// The consumer time should be at least one and a half times the producer time. If it is, find out why the producer was
 /// silent.
-#[rule(id = "nodes/consumer-time", severity = Error, services = [Heartbeat, BootUp, Nmt, Sdo])]
+#[rule(id = "nodes/consumer-time", severity = Error, services = [Heartbeat, BootUp, Nmt], also = EndedTransfers)]
 struct ConsumerTime {
-    /// Who consumes whose heartbeat, and how long it waits.
-    consumers: Vec<Consumer>,
+    /// Who consumes the heartbeat of each node, and how long it waits.
+    consumers: PerNode<Consumers>,
+    /// How many there are in all.
+    count: usize,
     /// The nodes whose description or stored parameters were looked at.
     known: PerNode<bool>,
     last: PerNode<Option<Seen>>,
@@ -31,10 +32,31 @@ struct ConsumerTime {
 #[derive(Clone, Copy)]
 struct Consumer {
     node: NodeId,
-    producer: u8,
     time: Duration,
     /// The silence under way was reported.
     told: bool,
+}
+
+/// Who consumes the heartbeat of one node.
+#[derive(Default)]
+struct Consumers {
+    list: Vec<Consumer>,
+    /// The shortest time of those whose silence was not reported: before that there is nothing to look at.
+    patience: Option<Duration>,
+}
+
+impl Consumers {
+    fn changed(&mut self) {
+        self.patience = self.list.iter().filter(|consumer| !consumer.told).map(|consumer| consumer.time).min();
+    }
+
+    fn forget(&mut self) {
+        if self.list.is_empty() {
+            return;
+        }
+        self.list.iter_mut().for_each(|consumer| consumer.told = false);
+        self.changed();
+    }
 }
 
 impl ConsumerTime {
@@ -44,16 +66,26 @@ impl ConsumerTime {
     /// Takes the entries of 1016h of a node as they are at this moment.
     fn configure(&mut self, node: NodeId, scene: &Scene<'_>) {
         self.known[node] = true;
-        self.consumers.retain(|consumer| consumer.node != node);
+        if self.count > 0 {
+            for consumers in self.consumers.values_mut() {
+                let before = consumers.list.len();
+                consumers.list.retain(|consumer| consumer.node != node);
+                self.count -= before - consumers.list.len();
+                consumers.changed();
+            }
+        }
         let Some(known) = scene.bus.node(node) else { return };
         // A description says only what the default is; nobody delivers a device with a consumer switched on, unless
         // it is a device configuration file.
         let entries = |sub: u8| known.parameter(node, Multiplexer::new(0x1016, sub));
         let most = entries(0).map_or(127, |count| count.min(127) as u8);
         for value in (1..=most).filter_map(entries) {
-            let (producer, time) = ((value >> 16) as u8, Duration::from_millis(u64::from(value & 0xFFFF)));
-            if time > Duration::ZERO && (1..128).contains(&producer) && self.consumers.len() < Self::MOST {
-                self.consumers.push(Consumer { node, producer, time, told: false });
+            let (producer, time) = (NodeId::new((value >> 16) as u8), Duration::from_millis(u64::from(value & 0xFFFF)));
+            if let Some(producer) = producer.filter(|_| time > Duration::ZERO && self.count < Self::MOST) {
+                let consumers = &mut self.consumers[producer];
+                consumers.list.push(Consumer { node, time, told: false });
+                consumers.changed();
+                self.count += 1;
             }
         }
     }
@@ -62,11 +94,19 @@ impl ConsumerTime {
     fn check(&mut self, producer: NodeId, next: Option<&Context<'_>>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         let Some(last) = &self.last[producer] else { return };
         let silence = scene.now.since(last.time());
-        for consumer in self.consumers.iter_mut().filter(|consumer| consumer.producer == producer.raw()) {
+        let consumers = &mut self.consumers[producer];
+        let due = consumers.patience.is_some_and(|patience| silence > patience);
+        // With the heartbeat that ends a silence, the words of what was reported are amended.
+        let amends = next.is_some() && consumers.list.iter().any(|consumer| consumer.told);
+        if !due && !amends {
+            return;
+        }
+        for consumer in &mut consumers.list {
             if silence <= consumer.time + scene.slack() || consumer.told && next.is_none() {
                 continue;
             }
-            let report = Report::at(last.time())
+            // It happens when the consumer has waited for long enough, not when it began to.
+            let report = Report::at(last.time() + consumer.time)
                 .node(consumer.node)
                 .origin(producer)
                 .until(scene.now)
@@ -80,13 +120,12 @@ impl ConsumerTime {
             });
             consumer.told = next.is_none();
         }
+        consumers.changed();
     }
 
     fn forget(&mut self, producer: u8) {
         self.last.reset_named(producer);
-        for consumer in self.consumers.iter_mut().filter(|consumer| producer == 0 || consumer.producer == producer) {
-            consumer.told = false;
-        }
+        self.consumers.named_mut(producer).for_each(|(_, consumers)| consumers.forget());
     }
 }
 
@@ -102,11 +141,8 @@ impl Rule for ConsumerTime {
             self.configure(node, context.scene);
         }
         match context.decoded.service {
-            Service::Sdo => {
-                let object = context.decoded.object.is_some_and(|object| object.index.0 == 0x1016);
-                if object && context.decoded.event == Some(Event::TransferEnded) {
-                    self.configure(node, context.scene);
-                }
+            Service::Sdo if context.decoded.object.is_some_and(|object| object.index.0 == 0x1016) => {
+                self.configure(node, context.scene);
             }
             Service::BootUp => {
                 self.configure(node, context.scene);
@@ -123,7 +159,7 @@ impl Rule for ConsumerTime {
     }
 
     fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        if self.consumers.is_empty() {
+        if self.count == 0 {
             return;
         }
         for producer in NodeId::all() {

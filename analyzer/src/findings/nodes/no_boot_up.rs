@@ -27,13 +27,17 @@ struct NoBootUp {
     /// so long a reset may take
     #[threshold(ms = 5000)]
     wait: Duration,
-    /// The last reset command to each node.
-    resets: PerNode<Option<Seen>>,
+    /// The last reset command to each node alone.
+    resets: PerNode<Option<Box<Seen>>>,
+    /// The last one to all nodes.
+    reset_of_all: Option<Seen>,
 }
 
 impl NoBootUp {
     fn reset_of(&self, node: NodeId) -> Option<Evidence<'_>> {
-        self.resets[node].as_ref().map(Seen::evidence)
+        let own = self.resets[node].as_deref();
+        let last = own.into_iter().chain(&self.reset_of_all).max_by_key(|reset| reset.time());
+        last.map(Seen::evidence)
     }
 }
 
@@ -41,7 +45,11 @@ impl Rule for NoBootUp {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let Message::Nmt(nmt) = context.message() else { return };
         if nmt.command.is_reset() {
-            self.resets.named_mut(nmt.node).for_each(|(_, reset)| *reset = Some(context.seen()));
+            match NodeId::new(nmt.node) {
+                Some(node) => self.resets[node] = Some(Box::new(context.seen())),
+                None if nmt.node == 0 => self.reset_of_all = Some(context.seen()),
+                None => {}
+            }
         }
     }
 

@@ -1,10 +1,10 @@
-use crate::PerNode;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::Cause;
 use crate::wire::error_control::State;
+use crate::{NodeId, PerNode};
 use canvass_analyzer_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
@@ -43,10 +43,14 @@ impl PdoOutsideOperational {
     fn pdo(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(node) = context.node() else { return };
         let Some((state, cause)) = context.scene.bus.node(node).and_then(|node| node.state) else { return };
-        let watched = &mut self.nodes[node];
-        if state == State::OPERATIONAL || state == State::BOOT_UP {
-            return;
+        if state != State::OPERATIONAL && state != State::BOOT_UP {
+            self.outside((node, state, cause), context, sink);
         }
+    }
+
+    #[cold]
+    fn outside(&mut self, (node, state, cause): (NodeId, State, Cause), context: &Context<'_>, sink: &mut Sink<'_>) {
+        let watched = &mut self.nodes[node];
         match cause {
             Cause::ErrorControl if watched.suspect.is_none() => watched.suspect = Some(context.seen()),
             Cause::Command => {
@@ -63,6 +67,19 @@ impl PdoOutsideOperational {
             _ => {}
         }
     }
+
+    /// Error control after a PDO that seemed to come from a node that is not operational.
+    #[cold]
+    fn shown(&mut self, node: NodeId, state: State, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let suspect = self.nodes[node].suspect.take();
+        let outside = matches!(state, State::PRE_OPERATIONAL | State::STOPPED);
+        if let Some(pdo) = suspect.filter(|_| outside && context.decoded.service != Service::BootUp) {
+            let before = context.previous.map(Seen::evidence);
+            let report = Report::at(pdo.time()).node(node).evidence(before);
+            let report = report.evidence(pdo.evidence()).evidence(context.evidence());
+            sink.report(report, || format!("a PDO between two heartbeats that say {state}"));
+        }
+    }
 }
 
 impl Rule for PdoOutsideOperational {
@@ -76,14 +93,8 @@ impl Rule for PdoOutsideOperational {
             }
             Message::ErrorControl(message) => {
                 let Some(node) = context.node() else { return };
-                let watched = &mut self.nodes[node];
-                let suspect = watched.suspect.take();
-                let outside = matches!(message.state, State::PRE_OPERATIONAL | State::STOPPED);
-                if let Some(pdo) = suspect.filter(|_| outside && context.decoded.service != Service::BootUp) {
-                    let report = Report::at(pdo.time()).node(node);
-                    let before = context.previous.map(Seen::evidence);
-                    let report = report.evidence(before).evidence(pdo.evidence()).evidence(context.evidence());
-                    sink.report(report, || format!("a PDO between two heartbeats that say {}", message.state));
+                if self.nodes[node].suspect.is_some() {
+                    self.shown(node, message.state, context, sink);
                 }
             }
             _ => {}

@@ -2,6 +2,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::{Message, PdoNumber};
+use crate::network::Node;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_analyzer_macros::rule;
 
@@ -50,20 +51,32 @@ impl Rule for Length {
         let (mapped, found) = (layout.length(), context.record.frame.len());
         let fits = match number {
             PdoNumber::Transmit(tpdo) => {
-                let pads =
-                    known.description.as_ref().is_some_and(|description| description.manual.settings.pads(*tpdo));
+                let pads = known.device.as_ref().is_some_and(|device| device.manual.settings.pads(*tpdo));
                 mapped == found || found == 8 && mapped < 8 && (pads || self.fills_up(node, *number, mapped, context))
             }
             PdoNumber::Receive(_) => mapped <= found,
         };
-        // Which mapping is in force is certain only where the capture shows it.
-        let shown = || known.certain(node, Multiplexer::new(number.mapping_index(), 0)).is_some();
-        let (fitted, bit) = (&mut self.fitted[node], bit(*number));
         if fits {
-            *fitted |= if mapped == found { bit } else { 0 };
-            return;
+            self.fitted[node] |= if mapped == found { bit(*number) } else { 0 };
+        } else {
+            self.tell((node, *number), (mapped, found), context, sink);
         }
-        let default = !shown() && *fitted & bit == 0;
+    }
+}
+
+impl Length {
+    #[cold]
+    fn tell(
+        &self,
+        (node, number): (NodeId, PdoNumber),
+        (mapped, found): (usize, usize),
+        context: &Context<'_>,
+        sink: &mut Sink<'_>,
+    ) {
+        // Which mapping is in force is certain only where the capture shows it.
+        let certain = |known: &Node| known.certain(node, Multiplexer::new(number.mapping_index(), 0)).is_some();
+        let shown = context.scene.bus.node(node).is_some_and(certain);
+        let default = !shown && self.fitted[node] & bit(number) == 0;
         let detail = u64::from(number.communication_index()) << 8 | found as u64;
         let report = Report::at(context.now()).node(node).detail(detail).evidence(context.evidence());
         let report = if default { report.severity(Severity::Info) } else { report };

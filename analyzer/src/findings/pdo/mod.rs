@@ -12,13 +12,12 @@ mod sync_window;
 mod time_jump;
 
 use super::Context;
-use crate::network::Event;
 use crate::network::sdo::{Direction, Outcome};
 
 /// Whether an SDO client has written COB-ID SYNC (1005h) or the communication cycle period (1006h): SYNC comes at another
 /// period from now on, or begins or ends.
 fn changes_sync(context: &Context<'_>) -> bool {
-    let ended = context.decoded.event == Some(Event::TransferEnded);
+    let ended = context.decoded.ends_transfer();
     let transfer = context.decoded.channel.filter(|_| ended).and_then(|channel| context.scene.bus.transfer(channel));
     transfer.is_some_and(|transfer| {
         let written = transfer.direction == Direction::Download && transfer.outcome == Outcome::Complete;

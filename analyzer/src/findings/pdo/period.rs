@@ -3,7 +3,6 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Scene, Seen};
 use crate::message::Service;
-use crate::network::Event;
 use crate::wire::error_control::State;
 use crate::{NodeId, PerNode};
 use canvass_analyzer_macros::rule;
@@ -20,7 +19,7 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// Look at the bus load and at how high the PDO's CAN-ID is. If the bus is not full, the device does not keep its own
 /// cycle.
-#[rule(id = "pdo/period", severity = Warning, services = [Sdo, Nmt], also = KnownTpdos)]
+#[rule(id = "pdo/period", severity = Warning, services = [Nmt], also = [KnownTpdos, EndedTransfers])]
 struct Period {
     /// of the event timer; later is late
     #[threshold(percent = 150)]
@@ -35,7 +34,7 @@ impl Rule for Period {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         match context.decoded.service {
             Service::Nmt if context.begins_anew() => return self.interrupted(),
-            Service::Sdo if context.decoded.event == Some(Event::TransferEnded) => {
+            Service::Sdo => {
                 // Some devices are silent while they store.
                 let stored = context.decoded.object.is_some_and(|object| matches!(object.index.0, 0x1010 | 0x1011));
                 if let Some(node) = context.node().filter(|_| stored) {

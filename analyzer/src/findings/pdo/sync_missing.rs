@@ -17,7 +17,7 @@ use canvass_traces::{Duration, Timestamp};
 /// # What to do
 /// Look at what the SYNC producer was doing, and at the bus load: SYNC has a high priority, so that a full bus alone
 /// does not delay it.
-#[rule(id = "pdo/sync-missing", severity = Error, services = [Sync, Nmt, Sdo])]
+#[rule(id = "pdo/sync-missing", severity = Error, services = [Sync, Nmt], also = EndedTransfers)]
 struct SyncMissing {
     /// of the period; later is missing
     #[threshold(percent = 180)]

@@ -19,7 +19,7 @@ use canvass_traces::Duration;
 ///
 /// # What to do
 /// Lengthen the time-out of the client: 500 ms are usual, several seconds for stores.
-#[rule(id = "sdo/impatient-client", severity = Warning, services = [Sdo])]
+#[rule(id = "sdo/impatient-client", severity = Warning, also = UnusualRequests)]
 struct ImpatientClient {
     /// who aborts sooner is impatient, whether an answer comes or not
     #[threshold(ms = 20)]

@@ -15,21 +15,21 @@ use canvass_analyzer_macros::rule;
 ///
 /// # What to do
 /// Lengthen the time-out of the client, and see how long the server takes for other objects.
-#[rule(id = "sdo/retries", severity = Warning, services = [Sdo])]
+#[rule(id = "sdo/retries", severity = Warning, also = UnusualRequests)]
 struct Retries {
     /// The first repeated request to each node, and how many there were.
-    first: PerNode<Option<(Seen, u64)>>,
+    first: PerNode<Option<Box<(Seen, u64)>>>,
 }
 
 impl Rule for Retries {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let (Step::Repeated, Some(node)) = (&context.news().request, context.node()) else { return };
-        self.first[node].get_or_insert_with(|| (context.seen(), 0)).1 += 1;
+        self.first[node].get_or_insert_with(|| Box::new((context.seen(), 0))).1 += 1;
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         for (node, first) in self.first.iter() {
-            let Some((seen, times)) = first.as_ref().filter(|_| scene.facts.node(node).first_seen.is_some()) else {
+            let Some((seen, times)) = first.as_deref().filter(|_| scene.facts.node(node).first_seen.is_some()) else {
                 continue;
             };
             sink.report(Report::at(seen.time()).node(node).evidence(seen.evidence()), || {

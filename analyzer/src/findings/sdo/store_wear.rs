@@ -2,7 +2,6 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::wear::{Wear, WearLimits};
 use crate::findings::{Context, Scene};
-use crate::network::Event;
 use crate::network::sdo::{Direction, Outcome};
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_analyzer_macros::rule;
@@ -19,7 +18,7 @@ use canvass_analyzer_macros::rule;
 ///
 /// # What to do
 /// Store once, at commissioning. Configure the rest at every start without storing.
-#[rule(id = "sdo/store-wear", severity = Warning, services = [Sdo])]
+#[rule(id = "sdo/store-wear", severity = Warning, also = EndedTransfers)]
 struct StoreWear {
     /// fewer stores in a capture are not judged
     #[threshold(count = 10, min = 1)]
@@ -40,7 +39,7 @@ const TR_ELECTRONIC: u32 = 0xD4;
 fn is_kept(object: Multiplexer, node: NodeId, context: &Context<'_>) -> bool {
     let vendor = || {
         let known = context.scene.bus.node(node)?;
-        let described = || known.description.as_deref().and_then(|description| description.device.vendor_number);
+        let described = || known.description().and_then(|description| description.device.vendor_number);
         known.certain(node, Multiplexer::new(0x1018, 1)).or_else(described)
     };
     match object.index.0 {
@@ -52,7 +51,7 @@ fn is_kept(object: Multiplexer, node: NodeId, context: &Context<'_>) -> bool {
 
 impl Rule for StoreWear {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
-        let Some(node) = context.node().filter(|_| context.decoded.event == Some(Event::TransferEnded)) else { return };
+        let Some(node) = context.node() else { return };
         let transfer = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel));
         let written = transfer
             .filter(|transfer| transfer.outcome == Outcome::Complete && transfer.direction == Direction::Download);

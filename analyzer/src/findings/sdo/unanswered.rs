@@ -45,12 +45,12 @@ struct Unanswered {
     /// The requests that were given up, with why: an answer may still come.
     given_up: Vec<(ChannelIndex, Pending, String)>,
     /// The first request to each node that has not sent anything so far.
-    absent: PerNode<Option<(Seen, String)>>,
+    absent: PerNode<Option<Box<(Seen, String)>>>,
 }
 
 /// Reports a request, or keeps it where the node may not exist at all.
 fn tell(
-    absent: &mut PerNode<Option<(Seen, String)>>,
+    absent: &mut PerNode<Option<Box<(Seen, String)>>>,
     pending: &Pending,
     why: &str,
     scene: &Scene<'_>,
@@ -64,7 +64,7 @@ fn tell(
     }
     let message = format!("no answer to the request{}: {why}", pending.about());
     if scene.facts.node(node).first_seen.is_none() {
-        absent[node].get_or_insert_with(|| (pending.request.clone(), message));
+        absent[node].get_or_insert_with(|| Box::new((pending.request.clone(), message)));
         return;
     }
     let asked = pending.request.time();
@@ -166,7 +166,7 @@ impl Rule for Unanswered {
             return;
         }
         for (node, request) in absent {
-            if let Some((request, message)) = request.take() {
+            if let Some((request, message)) = request.take().map(|absent| *absent) {
                 let report = Report::at(request.time()).node(node).evidence(request.evidence());
                 sink.report(report, || format!("{message}; the node never sends anything"));
             }

@@ -33,7 +33,36 @@ pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
             causes[at] = None;
         }
     }
+    link(groups, &mut causes);
     causes
+}
+
+/// Between a cause and what follows from it there may be something that follows from the one and brings about the other:
+/// a node is lost, its consumer notices, sends an EMCY, and leaves operational. All of it stays in the same story.
+fn link(groups: &[Group<'_>], causes: &mut [Option<usize>]) {
+    let orders: Vec<_> = groups.iter().map(|group| (group.first(), rank(group.rule))).collect();
+    for (at, effect) in groups.iter().enumerate() {
+        let Some(cause) = causes[at] else { continue };
+        let story = root(causes, cause);
+        let between = (0..groups.len()).filter(|&other| {
+            let is_between = orders[cause] < orders[other] && orders[other] < orders[at];
+            let group = &groups[other];
+            is_between
+                && group.channel == effect.channel
+                && follows(effect, group)
+                && root(causes, other) == story
+                && !leads_to(causes, other, at)
+        });
+        if let Some(last) = between.max_by_key(|other| orders[*other]) {
+            causes[at] = Some(last);
+        }
+    }
+}
+
+/// Whether what is at the one place is among the causes of what is at the other.
+fn leads_to(causes: &[Option<usize>], effect: usize, cause: usize) -> bool {
+    let chain = std::iter::successors(Some(effect), |at| causes[*at]);
+    chain.take(causes.len()).any(|at| at == cause)
 }
 
 /// The group from which all of a story follows.
@@ -61,7 +90,9 @@ fn follows(effect: &Group<'_>, cause: &Group<'_>) -> bool {
     match (cause.rule, effect.rule) {
         ("nodes/lost", effect_rule) => by_loss(effect, effect_rule, cause, same(), origin()),
         ("nodes/heartbeat-ended" | "nodes/no-boot-up", "nodes/consumer-time") => origin(),
-        ("nodes/heartbeat-missing", "nodes/consumer-time") => origin() && cause.spans(time, SOON),
+        ("nodes/heartbeat-missing", "nodes/consumer-time") => {
+            origin() && (cause.covers(time, SOON, SOON) || cause.spans(time, SOON))
+        }
         ("nodes/boot-up-without-command" | "nodes/repeated-resets", rule) => {
             by_restart(effect, rule, cause, same(), origin())
         }

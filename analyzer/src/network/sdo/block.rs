@@ -129,6 +129,11 @@ impl Run {
 pub struct HeldBack(Vec<u8>);
 
 impl HeldBack {
+    /// What it takes in memory.
+    pub(super) const fn capacity(&self) -> usize {
+        self.0.capacity()
+    }
+
     /// Takes the bytes of the first `segments` segments that count; `keep_last` holds the last one of them back,
     /// because only the end message says how many of its bytes count.
     fn release(&mut self, segments: u8, keep_last: bool, mut take: impl FnMut(&[u8])) {

@@ -4,6 +4,7 @@ use super::block::{Block, DownloadBlock, HeldBack, UploadBlock};
 use super::transfer::{Direction, Mode, Outcome, Side, Transfer, Violation};
 use super::under_way::UnderWay;
 use crate::message::{Message, Service};
+use crate::room::Room;
 use crate::wire::sdo::{Abort, BlockSegment, Payload, Request, Response, Segment};
 use crate::wire::{Malformed, Wire};
 use crate::{Multiplexer, NodeId};
@@ -35,6 +36,8 @@ pub struct Channel {
     pub(super) held_back: HeldBack,
     phase: Phase,
     under_way: UnderWay,
+    /// The bytes of long values that it has taken from a room.
+    taken: usize,
 }
 
 /// What is due next on a channel.
@@ -81,10 +84,39 @@ impl Step {
 }
 
 impl Channel {
+    /// What a channel takes in memory, with what rules keep of it: a request and its place.
+    pub(in crate::network) const MEMORY: usize = 2 * size_of::<Self>() + 512;
+
     /// A channel on which nothing was seen yet.
     pub fn new(server: NodeId) -> Self {
         let (held_back, under_way) = (HeldBack::default(), UnderWay::default());
-        Self { server, transfer: None, left: None, held_back, phase: Phase::Idle, under_way }
+        Self { server, transfer: None, left: None, held_back, phase: Phase::Idle, under_way, taken: 0 }
+    }
+
+    /// What values take in memory beside short ones.
+    #[inline]
+    fn held(&self) -> usize {
+        let values = self.transfer.iter().chain(&self.left).map(Transfer::capacity).sum::<usize>();
+        (values + self.held_back.capacity()).saturating_sub(2 * Transfer::SHORT)
+    }
+
+    /// Takes the memory of long values from `room`; where there is none, no more than a short one is kept of them.
+    #[inline]
+    pub fn settle(&mut self, room: &Room) {
+        if self.held() != self.taken {
+            self.settle_in(room);
+        }
+    }
+
+    #[cold]
+    fn settle_in(&mut self, room: &Room) {
+        room.give(std::mem::take(&mut self.taken));
+        if !room.take(self.held()) {
+            self.transfer.iter_mut().chain(&mut self.left).for_each(Transfer::shorten);
+            // What a block holds back until its end is needed, and short enough.
+            return;
+        }
+        self.taken = self.held();
     }
 
     /// The transfer under way, or the last one.

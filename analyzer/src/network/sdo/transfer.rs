@@ -27,6 +27,8 @@ pub struct Transfer {
     /// The first rule that was broken in it.
     pub violation: Option<Violation>,
     data: Vec<u8>,
+    /// How many bytes of it are kept at most.
+    most: usize,
     length: u64,
     crc: u16,
 }
@@ -108,6 +110,8 @@ pub enum Violation {
 impl Transfer {
     /// How many bytes of a value are kept; longer ones are counted and their CRC is calculated all the same.
     pub const KEPT: usize = 64 * 1024;
+    /// So many are kept even where there is no room for more.
+    pub const SHORT: usize = 256;
 
     /// A transfer whose first frame was just seen.
     pub fn new(multiplexer: Multiplexer, direction: Direction, mode: Mode, now: Timestamp) -> Self {
@@ -122,6 +126,7 @@ impl Transfer {
             outcome: Outcome::Open,
             violation: None,
             data: Vec::new(),
+            most: Self::KEPT,
             length: 0,
             crc: 0,
         }
@@ -163,8 +168,20 @@ impl Transfer {
     pub fn extend(&mut self, bytes: &[u8]) {
         self.length += bytes.len() as u64;
         self.crc = crc16(self.crc, bytes);
-        let room = Self::KEPT.saturating_sub(self.data.len()).min(bytes.len());
+        let room = self.most.saturating_sub(self.data.len()).min(bytes.len());
         self.data.extend_from_slice(&bytes[..room]);
+    }
+
+    /// What the value takes in memory.
+    pub(super) fn capacity(&self) -> usize {
+        self.data.capacity()
+    }
+
+    /// Keeps no more of the value than a short one has.
+    pub(super) fn shorten(&mut self) {
+        self.most = Self::SHORT;
+        self.data.truncate(Self::SHORT);
+        self.data.shrink_to(Self::SHORT);
     }
 
     /// Notes a broken rule, if it is the first.

@@ -1,0 +1,114 @@
+//! Which rules are shown which frames.
+
+use super::registry;
+use super::rule::{Also, Definition, Make, Metadata, Rule};
+use super::thresholds::Thresholds;
+use crate::message::Service;
+use std::sync::LazyLock;
+
+/// A rule with what is said of it.
+pub type Watching = (&'static Metadata, Box<dyn Rule>);
+
+/// What a frame is beside its service: a set of [`Also`].
+#[derive(Clone, Copy, Default)]
+pub struct Traits(u8);
+
+/// The places of the rules that are shown frames of each service with each set of traits, so that a frame needs one look.
+pub struct Dispatch(Box<[Box<[u8]>]>);
+
+static DISPATCH: LazyLock<Dispatch> = LazyLock::new(Dispatch::new);
+
+impl Also {
+    const COUNT: usize = Self::UnusualRequests as usize + 1;
+}
+
+impl Traits {
+    const SETS: usize = 1 << Also::COUNT;
+
+    /// The set, and `also` where that is so.
+    #[inline]
+    pub const fn with(self, also: Also, is_so: bool) -> Self {
+        Self(self.0 | (is_so as u8) << also as u8)
+    }
+}
+
+impl Dispatch {
+    fn new() -> Self {
+        // What each rule asks for: services as bits, and traits.
+        let asked = |definition: &Definition| {
+            let services = definition.services.iter().fold(0_u32, |services, service| services | 1 << *service as u8);
+            let traits = definition.also.iter().fold(Traits::default(), |traits, also| traits.with(*also, true));
+            (services, traits)
+        };
+        let rules: Vec<(u32, Traits)> = of_buses().map(|rule| asked(rule.0)).collect();
+        let places = |row: usize| -> Box<[u8]> {
+            let (service, traits) = (1 << (row / Traits::SETS), (row % Traits::SETS) as u8);
+            let shown = (0..).zip(&rules).filter(|(_, rule)| rule.0 & service | u32::from(rule.1.0 & traits) != 0);
+            shown.map(|(at, _)| at).collect()
+        };
+        Self((0..Self::row(Service::ALL.len(), Traits::default())).map(places).collect())
+    }
+
+    /// That of all rules.
+    pub fn get() -> &'static Self {
+        &DISPATCH
+    }
+
+    const fn row(service: usize, traits: Traits) -> usize {
+        service * Traits::SETS + traits.0 as usize
+    }
+
+    /// The places, among [`rules`], of those that are shown a frame.
+    #[inline]
+    pub fn places(&self, service: Service, traits: Traits) -> &[u8] {
+        self.0.get(Self::row(service as usize, traits)).map_or(&[], |places| places)
+    }
+}
+
+/// How the state of a rule that watches a bus is made.
+type MakeOfBus = fn(&Thresholds) -> Box<dyn Rule>;
+
+/// The rules that watch a bus, and how the state of each is made.
+fn of_buses() -> impl Iterator<Item = (&'static Definition, MakeOfBus)> {
+    registry::all().filter_map(|definition| match definition.make {
+        Make::Bus(make) => Some((definition, make)),
+        Make::Capture(_) | Make::Nothing => None,
+    })
+}
+
+/// All rules that watch a bus, as they are in the beginning.
+pub fn rules(thresholds: &Thresholds) -> Vec<Watching> {
+    of_buses().map(|(definition, make)| (definition.metadata, make(thresholds))).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shown(service: Service, traits: Traits) -> Vec<&'static str> {
+        let all: Vec<_> = of_buses().map(|(definition, _)| definition.metadata.id).collect();
+        Dispatch::get().places(service, traits).iter().map(|at| all[usize::from(*at)]).collect()
+    }
+
+    #[test]
+    fn a_rule_is_shown_what_it_asks_for_and_once() {
+        let ended = Traits::default().with(Also::EndedTransfers, true);
+        let unusual = ended.with(Also::UnusualRequests, true);
+        assert!(!shown(Service::Sdo, Traits::default()).contains(&"sdo/store-wear"));
+        assert!(shown(Service::Sdo, ended).contains(&"sdo/store-wear"));
+        assert!(!shown(Service::Sdo, ended).contains(&"sdo/retries"));
+        assert!(shown(Service::Sdo, unusual).contains(&"sdo/retries"));
+        // By its service and by both traits.
+        let known = unusual.with(Also::KnownTpdos, true);
+        assert_eq!(shown(Service::Nmt, known).iter().filter(|id| **id == "pdo/period").count(), 1);
+        assert!(shown(Service::Lss, Traits::default()).iter().all(|id| !id.starts_with("sdo/")));
+    }
+
+    #[test]
+    fn every_rule_is_shown_something() {
+        let all = Traits((Traits::SETS - 1) as u8);
+        for (definition, _) in of_buses() {
+            assert!(Service::ALL.iter().any(|service| shown(*service, all).contains(&definition.metadata.id)));
+        }
+    }
+}

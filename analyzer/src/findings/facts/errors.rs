@@ -1,0 +1,55 @@
+//! The errors that nodes have reported by EMCY and not yet taken back, once for all rules that ask.
+
+use crate::findings::Seen;
+use crate::message::{Message, Service};
+use crate::network::{Decoded, OpenErrors, Source};
+use crate::wire::emcy::EmcyCode;
+use crate::{NodeId, PerNode};
+use canvass_traces::{Record, Timestamp};
+
+/// The errors that are present at all nodes of a bus.
+#[derive(Default)]
+pub struct Errors {
+    nodes: PerNode<OpenErrors<Raised>>,
+}
+
+/// The first message of an error: less than what was seen, as there may be many.
+pub struct Raised {
+    record: Record,
+    node: NodeId,
+    source: Source,
+}
+
+impl Raised {
+    /// When it came.
+    pub const fn time(&self) -> Timestamp {
+        self.record.timestamp
+    }
+
+    /// The message as it was seen.
+    pub fn seen(&self) -> Seen {
+        Seen { record: self.record.clone(), decoded: Decoded::emcy(self.node, self.source, self.record.frame.data()) }
+    }
+}
+
+impl Errors {
+    /// Takes a frame; returns the errors that it says are gone.
+    pub(super) fn frame(&mut self, record: &Record, decoded: &Decoded) -> Vec<(EmcyCode, Raised)> {
+        let Some(node) = decoded.node else { return Vec::new() };
+        let errors = &mut self.nodes[node];
+        match decoded.message {
+            _ if decoded.service == Service::BootUp => errors.clear(),
+            Message::Emcy(emcy) => {
+                let source = decoded.source;
+                return errors.handle(&emcy, || Raised { record: record.clone(), node, source });
+            }
+            _ => {}
+        }
+        Vec::new()
+    }
+
+    /// All that are present.
+    pub fn open(&self) -> impl Iterator<Item = (NodeId, EmcyCode, &Raised)> {
+        self.nodes.iter().flat_map(|(node, errors)| errors.iter().map(move |(code, raised)| (node, code, raised)))
+    }
+}

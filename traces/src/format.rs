@@ -1,0 +1,80 @@
+//! What the capture formats are called. How each is recognised, read and written stands in `formats`.
+
+use std::fmt;
+
+/// A capture file format.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Format {
+    /// candump's log.
+    Candump,
+    /// candump's output on a console.
+    CandumpConsole,
+    /// pcap.
+    Pcap,
+    /// pcapng.
+    Pcapng,
+    /// MCAP.
+    Mcap,
+    /// Vector ASC.
+    Asc,
+    /// PEAK TRC.
+    Trc,
+    /// IXXAT MiniMon CSV.
+    MiniMon,
+    /// Vector BLF.
+    Blf,
+    /// python-can CSV.
+    PythonCanCsv,
+}
+
+/// What a format is called.
+struct Facts {
+    id: &'static str,
+    summary: &'static str,
+    /// The usual file name endings, the first one for writing.
+    extensions: &'static [&'static str],
+}
+
+const fn facts(id: &'static str, summary: &'static str, extensions: &'static [&'static str]) -> Facts {
+    Facts { id, summary, extensions }
+}
+
+impl Format {
+    const fn facts(self) -> Facts {
+        match self {
+            Self::Candump => facts("candump", "candump log (candump -l, -L, -f)", &["log"]),
+            Self::CandumpConsole => facts("candump-console", "candump console output", &["txt"]),
+            Self::Pcap => facts("pcap", "pcap (tcpdump), link types SocketCAN, Linux SLL and SLL2", &["pcap", "cap"]),
+            Self::Pcapng => {
+                facts("pcapng", "pcapng (Wireshark), link types SocketCAN, Linux SLL and SLL2", &["pcapng", "ntar"])
+            }
+            Self::Mcap => facts("mcap", "MCAP (ROS 1, ROS 2, Foxglove) with CAN messages", &["mcap"]),
+            Self::Asc => facts("asc", "Vector ASC", &["asc"]),
+            Self::Trc => facts("trc", "PEAK TRC 1.0 to 2.1", &["trc"]),
+            Self::MiniMon => facts("minimon", "IXXAT MiniMon CSV", &["csv"]),
+            Self::Blf => facts("blf", "Vector BLF", &["blf"]),
+            Self::PythonCanCsv => facts("csv", "python-can CSV", &["csv"]),
+        }
+    }
+
+    /// The name on the command line.
+    pub const fn id(self) -> &'static str {
+        self.facts().id
+    }
+
+    /// The format in a few words.
+    pub const fn summary(self) -> &'static str {
+        self.facts().summary
+    }
+
+    /// The usual file name endings.
+    pub const fn extensions(self) -> &'static [&'static str] {
+        self.facts().extensions
+    }
+}
+
+impl fmt::Display for Format {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id())
+    }
+}
