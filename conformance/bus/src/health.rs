@@ -77,6 +77,17 @@ impl Latencies {
         self.quantile(1_000)
     }
 
+    /// How many were counted in each bucket.
+    pub(crate) const fn buckets(&self) -> &[u64; Self::BUCKETS] {
+        &self.0
+    }
+
+    /// Sets what was counted in a bucket, if there is such a bucket.
+    pub(crate) fn set(&mut self, bucket: usize, count: u64) -> Option<()> {
+        *self.0.get_mut(bucket)? = count;
+        Some(())
+    }
+
     fn since(&self, before: &Self) -> Self {
         let mut counts = self.0;
         counts.iter_mut().zip(&before.0).for_each(|(count, before)| *count = count.saturating_sub(*before));

@@ -3,7 +3,8 @@
 //! - [`Bus`]: what every bus can do; [`SimulatedBus`], [`socketcan`] and [`slcan`] are buses;
 //! - [`Machine`]: what takes part in a bus without I/O and clock of its own; [`participate`] lets it do so;
 //! - [`client`]: the state machines of an SDO client and an LSS master;
-//! - [`observation`]: what a device did, as data.
+//! - [`observation`]: what a device did, as data;
+//! - [`transcript`]: a run that can be done again on its recording.
 
 pub mod client;
 mod clock;
@@ -17,13 +18,14 @@ mod simulated;
 pub mod slcan;
 #[cfg(target_os = "linux")]
 pub mod socketcan;
+pub mod transcript;
 
 pub use health::{Health, Latencies};
 pub use machine::Machine;
 pub use participant::{Participation, participate};
 pub use simulated::SimulatedBus;
 
-use canvass_traces::{Frame, Record, Timestamp};
+use canvass_traces::{Duration, Frame, Record, Timestamp};
 
 /// A CAN bus with its clock.
 pub trait Bus {
@@ -53,6 +55,19 @@ pub trait Bus {
     fn is_live(&self) -> bool {
         false
     }
+
+    /// Where somebody has to connect to this end first: waits for that, at most so long.
+    ///
+    /// # Errors
+    /// [`BusError`] if nobody has connected.
+    fn wait_for_client(&mut self, patience: Duration) -> Result<(), BusError> {
+        let _ = patience;
+        Ok(())
+    }
+
+    /// From now on those bytes of the frames that are handed over that carry nothing are not zero, as of programs that
+    /// don't clear `struct can_frame`: readers must not look at them. Only SocketCAN has such bytes.
+    fn dirty_padding(&mut self) {}
 
     /// How well it works. A simulated bus always works well.
     fn health(&self) -> Health {
@@ -124,6 +139,9 @@ pub enum BusError {
     /// The SLCAN adapter does not work.
     #[error(transparent)]
     SlCan(#[from] slcan::SlCanError),
+    /// A recording does not go on as the tester does.
+    #[error("the recording goes another way {0}")]
+    Replay(#[from] transcript::Divergence),
     /// The operating system reports an error.
     #[error("the bus failed: {0}")]
     Io(#[from] std::io::Error),

@@ -10,6 +10,9 @@ use crate::Machine;
 use canvass_traces::{ChannelId, Direction, Duration, Frame, INTERMISSION, Record, Timestamp, bit_length};
 use std::collections::VecDeque;
 
+/// A machine that asks to be woken at once, again and again, is woken so often: no controller's main loop is faster.
+const SOONEST: Duration = Duration::from_micros(100);
+
 /// Simulated participants, the tester, and the wire between them.
 pub struct SimulatedBus {
     now: Timestamp,
@@ -104,7 +107,7 @@ impl SimulatedBus {
                 participant.machine.handle_timeout(self.now);
                 participant.settle(self.now);
                 // Time goes on, whatever a machine asks for.
-                participant.timeout = participant.timeout.max(self.now + Duration(1));
+                participant.timeout = participant.timeout.max(self.now + SOONEST);
             }
         }
         self.survey();

@@ -8,6 +8,7 @@
 //! - [`address`]: the addresses of buses as they are typed, simulated devices among them.
 
 pub mod address;
+mod damage;
 mod device;
 mod fault;
 mod firmware;

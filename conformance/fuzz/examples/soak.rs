@@ -1,5 +1,5 @@
 //! Fuzzes models without fault, and faults, as long as one likes: `soak models EXCHANGES [SEED] [TARGET] [ALLOW] [MODEL...]`,
-//! `soak faults SECONDS [SEED] [FAULT...]`.
+//! `soak faults SECONDS [SEED] [FAULT...]`; firmwares with liberties: `soak liberties EXCHANGES [SEED] [COMBINATIONS]`.
 
 use canvass_analyzer::NodeId;
 use canvass_device::Fault;
@@ -8,8 +8,9 @@ use canvass_device::models::Model;
 use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::coverage::LssReach;
 use canvass_fuzzer::detection::{Limit, detect, fuzz};
+use canvass_fuzzer::liberties::Chance;
 use canvass_fuzzer::{Knowledge, Target, reproducer};
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
 use std::collections::BTreeSet;
 use std::io::{Write, stdout};
 use std::time::Duration;
@@ -25,9 +26,10 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
             args.get(4).map_or("", |names| names),
             args.get(5..).unwrap_or(&[]),
         ),
+        Some("liberties") => liberties(number(1, 20_000)?, number(2, 1)?, number(3, 100)?),
         Some("faults") => faults(number(1, 10)?, number(2, 0)?, args.get(3..).unwrap_or(&[])),
         _ => Err(
-            "usage: soak models EXCHANGES [SEED] [TARGET] [ALLOW] [MODEL...] | soak faults SECONDS [SEED] [FAULT...]"
+            "usage: soak models EXCHANGES [SEED] [TARGET] [ALLOW] [MODEL...] | soak faults SECONDS [SEED] [FAULT...] | soak liberties EXCHANGES [SEED] [COMBINATIONS]"
                 .into(),
         ),
     }
@@ -95,6 +97,27 @@ fn faults(seconds: u64, seed: u64, named: &[String]) -> Result<(), Box<dyn std::
         }
         out.flush()?;
     }
+    Ok(())
+}
+
+/// Each liberty alone, and so many random combinations: a line for each violation, and how many exchanges there were.
+fn liberties(exchanges: u64, seed: u64, combinations: u64) -> Result<(), Box<dyn std::error::Error>> {
+    let mut out = stdout().lock();
+    let trial = canvass_fuzzer::liberties::run(Chance { seed, combinations: combinations as usize, exchanges })?;
+    for row in trial.rows() {
+        for found in &row.violations {
+            writeln!(out, "{:?} on {}", row.liberties, row.model)?;
+            show(&mut out, found)?;
+        }
+    }
+    let broken = trial.rows().filter(|row| !row.violations.is_empty()).count();
+    writeln!(
+        out,
+        "{} exchanges, {} liberties, {} combinations, {broken} with violations",
+        trial.exchanges(),
+        trial.alone.len(),
+        trial.combined.len()
+    )?;
     Ok(())
 }
 

@@ -1,19 +1,23 @@
 //! A run of the fuzzer: sequences until its time is over, each violation once, made small.
 
 use super::coverage::{Command, Coverage, LssReach, SdoState};
-use super::execute::{DEATH, Executor};
+use super::execute::{Ended, Executor, Pace};
 use super::generate::{Dialogues, Target};
-use super::ground::{Ground, Live, learn};
+use super::ground::Ground;
+use super::learn::learn;
+use super::live::Live;
 use super::oracle::Violation;
 use super::shrink::SequenceTree;
 use super::stimulus::Sequence;
-use super::{Knowledge, Property};
+use super::time_limit::TimeLimit;
+use super::{Kept, Knowledge, Property};
+use canvass_analyzer::wire::lss;
 use canvass_bus::{Bus, BusError};
-use canvass_suite::case::Touch;
-use canvass_traces::Record;
+use canvass_suite::touch::Touch;
+use canvass_traces::{Duration, Record, Timestamp};
 use proptest::strategy::{Strategy, ValueTree};
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// What a run does.
@@ -27,6 +31,8 @@ pub struct Plan {
     pub allow: BTreeSet<Touch>,
     /// How many tries making one violation smaller may take.
     pub shrink_budget: u32,
+    /// When the run ends, also in the middle of a sequence or of making one shorter.
+    pub time: TimeLimit,
     /// End with the first violation.
     pub stop_at_first: bool,
     /// Sequences of earlier runs, tried first.
@@ -44,8 +50,12 @@ pub struct Found {
     pub sequence: Sequence,
     /// All frames of that sequence, with the device's, as they were on the bus.
     pub evidence: Vec<Record>,
-    /// Whether it came again when the sequence was repeated. If not, sequence and evidence are those of the one time.
+    /// Whether it came again when the sequence was repeated from power-on. If not, sequence and evidence are those of the
+    /// one time.
     pub confirmed: bool,
+    /// The objects that had not their values of power-on when it was seen: neither a reset nor a write had brought them
+    /// back. What is confirmed is confirmed with these.
+    pub state: Vec<Kept>,
 }
 
 /// The state of a run, told after each sequence.
@@ -99,6 +109,8 @@ const MOST_VIOLATIONS: usize = 25;
 
 /// After so many sequences the least exercised combination is looked for anew.
 const REFOCUS: u64 = 64;
+/// The same on a device that goes on, where a sequence takes much longer.
+const REFOCUS_LIVE: u64 = 4;
 
 /// Fuzzes a device. `go_on` is asked after each sequence.
 ///
@@ -110,53 +122,21 @@ pub fn run(
     plan: &Plan,
     go_on: &mut dyn FnMut(Progress<'_>) -> bool,
 ) -> Result<Outcome, FuzzError> {
-    if !learn(ground, &mut knowledge)? {
+    if !learn(ground, &mut knowledge, matches!(plan.target, Target::Lss | Target::All), &plan.time)? {
         return Err(FuzzError::Unreachable(knowledge.node));
     }
     let knowledge = Arc::new(knowledge);
     let mut campaign = Campaign {
-        executor: Executor::new(Arc::clone(&knowledge)),
-        seen: BTreeSet::new(),
+        executor: Executor::new(Arc::clone(&knowledge), plan.time.clone()),
+        seen: BTreeMap::new(),
         violations: Vec::new(),
         sequences: 0,
-        last: None,
         dead: false,
         plan,
     };
-    for sequence in &plan.regressions {
-        campaign.attempt(ground, SequenceTree::new(sequence.clone()))?;
-        if campaign.is_over(go_on) {
-            return Ok(campaign.outcome());
-        }
-    }
-    if plan.only_regressions {
-        return Ok(campaign.outcome());
-    }
-    let mut dialogues = Dialogues {
-        target: plan.target,
-        allow: plan.allow.clone(),
-        unconfigured: ground.has_unconfigured() && knowledge.services.lss == Some(true),
-        patient: ground.is_repeatable(),
-        focus: None,
-        lss_focus: None,
-        knowledge: Arc::clone(&knowledge),
-    };
-    let reach = LssReach::of(&knowledge.services, dialogues.unconfigured, &plan.allow);
-    let mut runner = TestRunner::new_with_rng(Config::default(), rng(plan.seed));
-    loop {
-        if campaign.sequences.is_multiple_of(REFOCUS) {
-            let coverage = &campaign.executor.coverage;
-            dialogues.focus = least_exercised(coverage, &knowledge);
-            dialogues.lss_focus =
-                Coverage::lss_pairs(&reach).min_by_key(|&(state, command)| coverage.lss_count(state, command));
-        }
-        // The strategy always makes a sequence.
-        let Ok(tree) = dialogues.new_tree(&mut runner) else { return Ok(campaign.outcome()) };
-        campaign.attempt(ground, tree)?;
-        if campaign.is_over(go_on) {
-            return Ok(campaign.outcome());
-        }
-    }
+    campaign.fuzz(ground, &knowledge, go_on)?;
+    campaign.leave(ground)?;
+    Ok(campaign.outcome())
 }
 
 /// Fuzzes the device on any bus, live or in this process; it is reset before each sequence. See [`run`].
@@ -185,77 +165,213 @@ pub fn replay(
     mut knowledge: Knowledge,
     sequence: &Sequence,
 ) -> Result<(Option<Violation>, Vec<Record>), FuzzError> {
-    if !learn(ground, &mut knowledge)? {
+    let has_lss = sequence.stimuli.iter().any(|stimulus| stimulus.frame.cob_id() == Some(lss::MASTER_CAN_ID));
+    let time = TimeLimit::default();
+    if !learn(ground, &mut knowledge, has_lss, &time)? {
         return Err(FuzzError::Unreachable(knowledge.node));
     }
-    let mut executor = Executor::new(Arc::new(knowledge));
-    let violation = executor.run(ground, sequence, true)?;
+    let mut executor = Executor::new(Arc::new(knowledge), time);
+    let violation = match executor.run(ground, sequence, Pace::Careful, true)? {
+        Ended::Well => None,
+        Ended::Violation(violation) | Ended::Lost { violation, .. } => Some(violation),
+    };
     Ok((violation, executor.evidence))
 }
 
 struct Campaign<'a> {
     executor: Executor,
-    /// Violations that were reported: the same one again is no news.
-    seen: BTreeSet<(Property, &'static str)>,
+    /// Violations that were reported, and how often those were tried that did not come back: the same one again is no news.
+    seen: BTreeMap<(Property, &'static str), Standing>,
     violations: Vec<Found>,
     sequences: u64,
-    /// On a device that is reset: the last sequence and its frames. A device that does not come back died of them.
-    last: Option<(Sequence, Vec<Record>)>,
     dead: bool,
     plan: &'a Plan,
 }
 
+/// What is known of a violation that was seen.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Standing {
+    Confirmed,
+    /// It did not come back so often.
+    Doubtful(u32),
+}
+
+/// A violation that did not come back so often is not tried again.
+const MOST_DOUBTS: u32 = 3;
+
+/// On a device that goes on, shrinking one violation ends after that time of the bus.
+const LONGEST_SHRINKING: Duration = Duration::from_secs(10);
+
 impl Campaign<'_> {
-    fn attempt(&mut self, ground: &mut dyn Ground, mut tree: SequenceTree) -> Result<(), BusError> {
+    /// Sequences until the run is over.
+    fn fuzz(
+        &mut self,
+        ground: &mut dyn Ground,
+        knowledge: &Arc<Knowledge>,
+        go_on: &mut dyn FnMut(Progress<'_>) -> bool,
+    ) -> Result<(), FuzzError> {
+        for sequence in &self.plan.regressions {
+            // There are few of them, and each has shown something before: what is seen now is to be the device's doing.
+            self.attempt(ground, SequenceTree::new(sequence.clone()), Pace::Careful)?;
+            if self.is_over(go_on) {
+                return Ok(());
+            }
+        }
+        if self.plan.only_regressions {
+            return Ok(());
+        }
+        let mut dialogues = Dialogues {
+            target: self.plan.target,
+            allow: self.plan.allow.clone(),
+            unconfigured: ground.has_unconfigured() && knowledge.services.lss == Some(true),
+            patient: ground.is_repeatable(),
+            focus: None,
+            lss_focus: None,
+            knowledge: Arc::clone(knowledge),
+        };
+        let reach = LssReach::of(&knowledge.services, dialogues.unconfigured, &self.plan.allow);
+        let pace = if ground.is_repeatable() { Pace::Careful } else { Pace::Swift };
+        let mut runner = TestRunner::new_with_rng(Config::default(), rng(self.plan.seed));
+        let refocus = if ground.is_repeatable() { REFOCUS } else { REFOCUS_LIVE };
+        loop {
+            if self.sequences.is_multiple_of(refocus) {
+                let coverage = &self.executor.coverage;
+                dialogues.focus = least_exercised(coverage, knowledge);
+                dialogues.lss_focus =
+                    Coverage::lss_pairs(&reach).min_by_key(|&(state, command)| coverage.lss_count(state, command));
+            }
+            // The strategy always makes a sequence.
+            let Ok(tree) = dialogues.new_tree(&mut runner) else { return Ok(()) };
+            self.attempt(ground, tree, pace)?;
+            if self.is_over(go_on) {
+                return Ok(());
+            }
+        }
+    }
+
+    /// A device that goes on is left as it was found: nothing was stored. The last sequence may have been its end.
+    fn leave(&mut self, ground: &mut dyn Ground) -> Result<(), BusError> {
+        if ground.is_repeatable() || self.dead {
+            return Ok(());
+        }
+        match self.executor.restart(ground)? {
+            Ended::Lost { violation, dead } => self.lose(ground, violation, dead),
+            Ended::Well | Ended::Violation(_) => Ok(()),
+        }
+    }
+
+    fn attempt(&mut self, ground: &mut dyn Ground, tree: SequenceTree, pace: Pace) -> Result<(), BusError> {
         self.sequences += 1;
         let keep = !ground.is_repeatable();
-        let shown = self.executor.run(ground, tree.tried(), keep)?;
-        let evidence = std::mem::take(&mut self.executor.evidence);
-        let Some(violation) = shown else {
-            self.last = keep.then(|| (tree.current(), evidence));
-            return Ok(());
+        match self.executor.run(ground, tree.tried(), pace, keep)? {
+            Ended::Well => Ok(()),
+            Ended::Violation(violation) => self.judge(ground, tree, violation, pace),
+            Ended::Lost { violation, dead } => self.lose(ground, violation, dead),
+        }
+    }
+
+    /// A violation was seen: it is repeated from power-on, with its sequence alone or, on a device that goes on, with all
+    /// that came before it. What was seen at the swift pace and does not come back may have been a late answer to another
+    /// frame: it is told of when it was seen several times.
+    fn judge(
+        &mut self,
+        ground: &mut dyn Ground,
+        mut tree: SequenceTree,
+        violation: Violation,
+        pace: Pace,
+    ) -> Result<(), BusError> {
+        let key = (violation.property, violation.rule);
+        let doubts = match self.seen.get(&key) {
+            Some(Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) => return Ok(()),
+            Some(Standing::Doubtful(doubts)) => *doubts,
+            None => 0,
         };
-        let sequence = tree.current();
-        if violation.rule == DEATH && evidence.is_empty() && keep {
-            self.bury(violation);
+        let (sequence, whole) = (tree.current(), self.executor.since_start());
+        let seen = Found {
+            violation,
+            sequence,
+            evidence: self.executor.evidence.clone(),
+            confirmed: false,
+            state: self.executor.kept.clone(),
+        };
+        let mut confirmed = self.confirm(ground, &seen.sequence, &seen.violation)?;
+        if matches!(confirmed, Confirmed::No) && whole.stimuli.len() > seen.sequence.stimuli.len() {
+            confirmed = self.confirm(ground, &whole, &seen.violation)?;
+            tree = SequenceTree::new(whole);
+        }
+        let (found, lost) = match confirmed {
+            Confirmed::Again => (self.shrink(ground, &mut tree, seen.violation)?, None),
+            Confirmed::No => (seen, None),
+            Confirmed::Lost(lost, dead) => (seen, Some((lost, dead))),
+        };
+        if !found.confirmed
+            && lost.is_none()
+            && doubts + 1 < MOST_DOUBTS
+            && pace == Pace::Swift
+            && self.may_be_mixed_up(&found.violation)
+        {
+            self.executor.distrust();
+            self.seen.insert(key, Standing::Doubtful(doubts + 1));
             return Ok(());
         }
-        if !self.seen.insert((violation.property, violation.rule)) {
-            self.last = keep.then_some((sequence, evidence));
+        let standing = if found.confirmed { Standing::Confirmed } else { Standing::Doubtful(doubts + 1) };
+        self.seen.insert(key, standing);
+        if found.confirmed {
+            self.executor.take_for_granted(key.0, key.1);
+        }
+        let is_known = |other: &&mut Found| (other.violation.property, other.violation.rule) == key;
+        match self.violations.iter_mut().find(is_known) {
+            Some(before) if found.confirmed => *before = found,
+            Some(_) => {}
+            None => self.violations.push(found),
+        }
+        match lost {
+            Some((violation, dead)) => self.lose(ground, violation, dead),
+            None => Ok(()),
+        }
+    }
+
+    /// Whether what was seen at the swift pace may come from an answer to another frame, or from an order of service that
+    /// nobody has promised.
+    fn may_be_mixed_up(&self, violation: &Violation) -> bool {
+        // A device that has died is no matter of order.
+        violation.property != Property::Alive
+            && !violation.is_silence
+            && (self.executor.is_in_order() || is_mixable(violation))
+    }
+
+    /// The device did not come back from a reset: what was sent since the start before, and the frames, are what is known of
+    /// its end. `dead`: nor did further resets bring it back.
+    fn lose(&mut self, ground: &mut dyn Ground, violation: Violation, dead: bool) -> Result<(), BusError> {
+        self.dead |= dead;
+        let (sequence, evidence) = self.executor.before_start();
+        let key = (violation.property, violation.rule);
+        if self.seen.insert(key, Standing::Confirmed).is_some() {
             return Ok(());
         }
-        let found = match self.confirm(ground, &sequence, &violation)? {
-            Confirmed::Again => self.shrink(ground, &mut tree, violation)?,
-            Confirmed::No => Found { violation, sequence, evidence, confirmed: false },
-            Confirmed::Dead => {
-                self.dead = true;
-                Found { violation, sequence, evidence, confirmed: false }
+        let mut confirmed = false;
+        if !dead {
+            self.executor.run(ground, &sequence, Pace::Careful, true)?;
+            if let Ended::Lost { dead, .. } = self.executor.restart(ground)? {
+                confirmed = true;
+                self.dead |= dead;
             }
-        };
-        self.violations.push(found);
+        }
+        self.violations.push(Found { violation, sequence, evidence, confirmed, state: Vec::new() });
         Ok(())
     }
 
-    /// The device did not come back after the last sequence: that one and its frames are what is known of its end.
-    fn bury(&mut self, violation: Violation) {
-        self.dead = true;
-        let (sequence, evidence) = self.last.take().unwrap_or_default();
-        self.violations.push(Found { violation, sequence, evidence, confirmed: false });
-    }
-
-    /// Whether the sequence shows the same violation again.
+    /// Whether the sequence shows the same violation again, from power-on.
     fn confirm(
         &mut self,
         ground: &mut dyn Ground,
         sequence: &Sequence,
         as_in: &Violation,
     ) -> Result<Confirmed, BusError> {
-        let is_repeatable = ground.is_repeatable();
-        let again = self.executor.run(ground, sequence, !is_repeatable)?;
-        let is_dead = |violation: &Violation| violation.rule == DEATH && self.executor.evidence.is_empty();
-        Ok(match again {
-            Some(violation) if is_same(&violation, as_in) => Confirmed::Again,
-            Some(violation) if !is_repeatable && is_dead(&violation) => Confirmed::Dead,
+        let keep = !ground.is_repeatable();
+        Ok(match self.executor.run(ground, sequence, Pace::Careful, keep)? {
+            Ended::Violation(violation) if is_same(&violation, as_in) => Confirmed::Again,
+            Ended::Lost { violation, dead } if keep => Confirmed::Lost(violation, dead),
             _ => Confirmed::No,
         })
     }
@@ -266,26 +382,55 @@ impl Campaign<'_> {
         tree: &mut SequenceTree,
         violation: Violation,
     ) -> Result<Found, BusError> {
+        // The frames of the shortest sequence so far, where they are kept.
+        let mut shown = std::mem::take(&mut self.executor.evidence);
+        let until = match ground.is_repeatable() {
+            true => Timestamp::MAX,
+            false => ground.bus().now() + LONGEST_SHRINKING,
+        };
         let mut more = tree.simplify();
         let mut tries = 0;
-        while more && tries < self.plan.shrink_budget {
+        while more && tries < self.plan.shrink_budget && ground.bus().now() < until && !self.plan.time.is_over() {
             tries += 1;
             more = match self.confirm(ground, tree.tried(), &violation)? {
-                Confirmed::Again => tree.simplify(),
+                Confirmed::Again => {
+                    shown = std::mem::take(&mut self.executor.evidence);
+                    tree.simplify()
+                }
                 Confirmed::No => tree.complicate(),
-                Confirmed::Dead => {
-                    self.dead = true;
-                    break;
+                Confirmed::Lost(lost, dead) => {
+                    self.lose(ground, lost, dead)?;
+                    !self.dead && tree.complicate()
                 }
             };
         }
         let sequence = tree.best().clone();
+        if self.plan.time.is_over() && !shown.is_empty() {
+            return Ok(Found {
+                violation,
+                sequence,
+                evidence: shown,
+                confirmed: true,
+                state: self.executor.kept.clone(),
+            });
+        }
         // Once more with its frames, and with the words for this sequence.
-        let last = self.executor.run(ground, &sequence, true)?;
+        let last = match self.dead {
+            true => Ended::Well,
+            false => self.executor.run(ground, &sequence, Pace::Careful, true)?,
+        };
         let evidence = std::mem::take(&mut self.executor.evidence);
-        let confirmed = last.as_ref().is_some_and(|last| is_same(last, &violation));
-        let violation = last.filter(|_| confirmed).unwrap_or(violation);
-        Ok(Found { violation, sequence, evidence, confirmed })
+        let state = self.executor.kept.clone();
+        Ok(match last {
+            Ended::Violation(last) if is_same(&last, &violation) => {
+                Found { violation: last, sequence, evidence, confirmed: true, state }
+            }
+            Ended::Lost { violation: lost, dead } => {
+                self.lose(ground, lost, dead)?;
+                Found { violation, sequence, evidence, confirmed: false, state }
+            }
+            _ => Found { violation, sequence, evidence, confirmed: false, state },
+        })
     }
 
     fn is_over(&self, go_on: &mut dyn FnMut(Progress<'_>) -> bool) -> bool {
@@ -319,8 +464,26 @@ enum Confirmed {
     Again,
     /// Another one, or none.
     No,
-    /// The device does not come back any more.
-    Dead,
+    /// The device did not come back from the reset before it, which is a violation of its own; whether further resets
+    /// did not bring it back either.
+    Lost(Violation, bool),
+}
+
+/// Whether the answer to another frame, come late, can look like that.
+fn is_mixable(violation: &Violation) -> bool {
+    let is_answer = matches!(
+        violation.property,
+        Property::LegalSdo
+            | Property::OneAnswer
+            | Property::Silent
+            | Property::Consistent
+            | Property::ReadBack
+            | Property::AbortedUnchanged
+            | Property::Restored
+            | Property::LegalLss
+            | Property::Fastscan
+    );
+    is_answer && !violation.is_silence
 }
 
 fn is_same(one: &Violation, other: &Violation) -> bool {

@@ -2,7 +2,7 @@
 
 use super::{Knowledge, Services};
 use canvass_analyzer::wire::sdo::Response;
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
 use canvass_traces::Frame;
 use std::collections::BTreeSet;
 

@@ -6,8 +6,8 @@ use super::generate::Target;
 use super::ground::simulated;
 use canvass_analyzer::NodeId;
 use canvass_device::models::Model;
-use canvass_device::{Fault, Faults};
-use canvass_suite::case::Touch;
+use canvass_device::{Fault, Faults, Firmware};
+use canvass_suite::touch::Touch;
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
@@ -57,7 +57,7 @@ pub fn detect(fault: Fault, seed: u64, limit: Limit) -> Result<Trial, FuzzError>
     };
     let begun = Instant::now();
     let allow: BTreeSet<Touch> = fault.fuzz_needs().and_then(|name| name.parse().ok()).into_iter().collect();
-    let outcome = fuzz(model, fault.into(), Target::All, &allow, seed, &mut |exchanges| {
+    let outcome = fuzz(model, fault, Target::All, &allow, seed, &mut |exchanges| {
         exchanges < limit.exchanges && begun.elapsed() < limit.time
     })?;
     let elapsed = begun.elapsed();
@@ -81,18 +81,19 @@ fn node_of(model: &Model) -> NodeId {
 /// [`FuzzError`] if the device can't be reached.
 pub fn fuzz(
     model: &'static Model,
-    faults: Faults,
+    firmware: impl Into<Firmware>,
     target: Target,
     allow: &BTreeSet<Touch>,
     seed: u64,
     go_on: &mut dyn FnMut(u64) -> bool,
 ) -> Result<campaign::Outcome, FuzzError> {
-    let (mut ground, knowledge) = simulated(model, node_of(model), faults, model.default_bit_rate(), seed);
+    let (mut ground, knowledge) = simulated(model, node_of(model), firmware, model.default_bit_rate(), seed);
     let plan = Plan {
         target,
         seed,
         allow: allow.clone(),
         shrink_budget: SHRINK_BUDGET,
+        time: crate::time_limit::TimeLimit::default(),
         stop_at_first: true,
         regressions: Vec::new(),
         only_regressions: false,

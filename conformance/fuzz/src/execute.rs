@@ -1,23 +1,27 @@
 //! Runs one sequence and holds every frame against the reference models.
 
+use super::baseline::{self, Kept};
 use super::coverage::Coverage;
 use super::ground::{Ground, Readiness};
 use super::oracle::{Oracle, Violation};
 use super::property::Property;
 use super::stimulus::{Sequence, Start, Stimulus, Then};
+use super::time_limit::TimeLimit;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss;
 use canvass_analyzer::wire::sdo::{AbortCode, REQUEST_BASE, RESPONSE_BASE, Request};
-use canvass_bus::BusError;
-use canvass_traces::{Direction, Frame, Record, Timestamp};
+use canvass_bus::{BusError, Health};
+use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 use std::any::Any;
+use std::cell::Cell;
+use std::collections::{BTreeMap, BTreeSet};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 
-use super::{Knowledge, Patience};
+use super::Knowledge;
 
-/// The most frames of a sequence that are kept as evidence.
+/// So many of the last frames are kept as evidence at least.
 const LONGEST_EVIDENCE: usize = 1_000;
 
 /// Runs sequences.
@@ -31,9 +35,33 @@ pub(super) struct Executor {
     pub executions: u64,
     /// Frames that were sent, with those after which anything may come.
     pub frames: u64,
-    /// The frames of the last sequence, if they are kept.
+    /// The frames since the last start, if they are kept.
     pub evidence: Vec<Record>,
+    /// What was sent since the last start, on a device that goes on.
+    sent: Vec<Stimulus>,
+    /// The same of the start before, with its frames: of these a device died that does not come back.
+    before: (Sequence, Vec<Record>),
+    /// What the last start has not brought back.
+    pub kept: Vec<Kept>,
+    /// Sequences since the last start.
+    in_a_row: u32,
+    /// The last sequence has left the device where the next one can begin.
+    rests: bool,
+    pace: Pace,
+    /// How long silence has to last.
+    quiet: Duration,
+    /// How often something was seen that did not come back.
+    doubts: u32,
+    /// Sequences since the last time.
+    since_doubt: u32,
+    /// Violations that need no further proof: for an answer that is known not to come nobody waits long.
+    known: BTreeSet<(Property, &'static str)>,
+    /// How often an answer of the SDO server took so long that others have to be left out: by what was awaited.
+    slow: BTreeMap<&'static str, u32>,
+    /// An answer to this frame that must not come shows also when the next frame follows at once.
+    followed: bool,
     keep: bool,
+    time: TimeLimit,
     /// Own frames that were handed over and have not been on the bus.
     outstanding: usize,
     /// Sequences that say nothing, because the way to the device failed.
@@ -44,8 +72,65 @@ pub(super) struct Executor {
     response: u16,
 }
 
+/// How a sequence is run.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Pace {
+    /// From a start, and after each frame there is time for an answer that must not come.
+    Careful,
+    /// On a device that goes on: from where the last sequence has left it, if that is known, and with the next frame at
+    /// once where an answer too many would come before the next answer.
+    Swift,
+}
+
+/// How a sequence ended.
+#[derive(Debug)]
+pub(super) enum Ended {
+    /// All properties hold, or nothing can be said.
+    Well,
+    /// One does not hold.
+    Violation(Violation),
+    /// The device was lost before the sequence: the reset did not bring it back. `dead`: nor did further ones.
+    Lost { violation: Violation, dead: bool },
+}
+
 /// The rule that a device breaks that does nothing any more.
 pub(super) const DEATH: &str = "device death";
+
+/// The rule that a device breaks that one reset does not bring back.
+const REVIVED: &str = "reset after a sequence";
+
+/// After so many sequences a device that goes on is reset, so that what shows is not the sum of too much.
+const MOST_IN_A_ROW: u32 = 64;
+
+/// A device that has shown so often what did not come back is not taken to serve what comes first first.
+const MOST_DOUBTS: u32 = 3;
+
+/// An answer that takes so many times as long as silence has to last is slow.
+const SLOW_ANSWER: u64 = 25;
+
+/// So many slow answers of a kind are waited for, and judged; the others end in an abort of the client.
+const MOST_SLOW: u32 = 2;
+
+/// After so many sequences without a doubt silence has to last half as long again, down to what was measured.
+const REGAINED: u32 = 64;
+
+/// Silence is waited for so many times as long as it has to last, where others keep the bus busy.
+const MOST_QUIET: u64 = 10;
+
+/// On a device that goes on, an answer that may come or not is waited for so many times as long as silence has to last; and
+/// so is every one where a violation is repeated.
+const LATE_ANSWER: u64 = 3;
+
+/// An answer that is missing, as it was before, is waited for so many times as long as silence has to last: twelve times the
+/// usual time of an answer, and more.
+const MISSING_ANSWER: u64 = 6;
+
+/// Whether an answer to that frame that must not come is wrong whenever it comes: servers and slaves answer one request
+/// after the other, and the models of SDO and LSS don't mix them up. What other frames do, the next one may meet half done.
+fn shows_late(frame: &Frame) -> bool {
+    let is_request = |id| matches!(id, 0x600..=0x67F | lss::MASTER_CAN_ID);
+    frame.id().as_standard().is_none_or(|id| is_request(id) && !frame.is_remote())
+}
 
 /// What a panic says.
 fn panicked(panic: &(dyn Any + Send)) -> String {
@@ -62,7 +147,13 @@ fn activates(frame: &Frame) -> bool {
 /// Why a sequence ended early.
 enum Stop {
     Violation(Violation),
+    Lost {
+        violation: Violation,
+        dead: bool,
+    },
     Bus(BusError),
+    /// The run is over.
+    Time,
 }
 
 impl From<Violation> for Stop {
@@ -78,7 +169,7 @@ impl From<BusError> for Stop {
 }
 
 impl Executor {
-    pub fn new(knowledge: Arc<Knowledge>) -> Self {
+    pub fn new(knowledge: Arc<Knowledge>, time: TimeLimit) -> Self {
         let node = u16::from(knowledge.node.raw());
         Self {
             oracle: Oracle::new(Arc::clone(&knowledge)),
@@ -86,7 +177,20 @@ impl Executor {
             executions: 0,
             frames: 0,
             evidence: Vec::new(),
+            sent: Vec::new(),
+            before: (Sequence::default(), Vec::new()),
+            kept: Vec::new(),
+            in_a_row: 0,
+            rests: false,
+            pace: Pace::Careful,
+            quiet: knowledge.patience.quiet,
+            doubts: 0,
+            since_doubt: 0,
+            known: BTreeSet::new(),
+            slow: BTreeMap::new(),
+            followed: false,
             keep: false,
+            time,
             outstanding: 0,
             unjudged: 0,
             response: RESPONSE_BASE + node,
@@ -96,7 +200,7 @@ impl Executor {
         }
     }
 
-    /// Runs a sequence from its start; the first property that does not hold ends it. `keep`: with its frames.
+    /// Runs a sequence; the first property that does not hold ends it. `keep`: with its frames.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
@@ -104,48 +208,150 @@ impl Executor {
         &mut self,
         ground: &mut dyn Ground,
         sequence: &Sequence,
+        pace: Pace,
         keep: bool,
-    ) -> Result<Option<Violation>, BusError> {
+    ) -> Result<Ended, BusError> {
         self.keep = keep;
-        self.evidence.clear();
+        self.pace = pace;
         self.outstanding = 0;
+        let goes_on = pace == Pace::Swift && self.rests && self.in_a_row < MOST_IN_A_ROW;
+        self.rests = false;
+        let is_begun = Cell::new(goes_on);
         // A device in this process can panic. What is left of it is not used any more: the next start makes it anew.
-        let ended = catch_unwind(AssertUnwindSafe(|| self.attempt(ground, sequence)));
-        match ended.unwrap_or_else(|panic| Err(Stop::Violation(self.death(&panicked(&*panic))))) {
-            Ok(()) => Ok(None),
-            Err(Stop::Violation(violation)) => Ok(Some(violation)),
+        let ended = catch_unwind(AssertUnwindSafe(|| self.attempt(ground, sequence, &is_begun)));
+        let ended = ended.unwrap_or_else(|panic| {
+            let violation = self.death(DEATH, "a device that lives", &panicked(&*panic));
+            if is_begun.get() { Err(Stop::Violation(violation)) } else { Err(Stop::Lost { violation, dead: true }) }
+        });
+        match ended {
+            Ok(()) => Ok(Ended::Well),
+            Err(Stop::Violation(violation)) => Ok(Ended::Violation(violation)),
+            Err(Stop::Lost { violation, dead }) => Ok(Ended::Lost { violation, dead }),
             Err(Stop::Bus(error)) => Err(error),
+            Err(Stop::Time) => {
+                self.unjudged += 1;
+                Ok(Ended::Well)
+            }
         }
     }
 
-    fn attempt(&mut self, ground: &mut dyn Ground, sequence: &Sequence) -> Result<(), Stop> {
+    /// On a live device the end of a run does not wait for that of a sequence.
+    fn in_time(&self, ground: &dyn Ground) -> Result<(), Stop> {
+        if !ground.is_repeatable() && self.time.is_over() { Err(Stop::Time) } else { Ok(()) }
+    }
+
+    fn attempt(&mut self, ground: &mut dyn Ground, sequence: &Sequence, is_begun: &Cell<bool>) -> Result<(), Stop> {
         if sequence.start == Start::Unconfigured && !ground.has_unconfigured() {
             self.unjudged += 1;
             return Ok(());
         }
-        if ground.begin(sequence.start)? == Readiness::Dead {
-            return Err(Stop::Violation(self.death("neither a boot-up message nor an answer after repeated resets")));
+        self.in_time(ground)?;
+        if !is_begun.get() {
+            self.start(ground, sequence.start)?;
+            is_begun.set(true);
         }
+        self.in_a_row += 1;
+        self.regain_trust();
         let before = ground.bus().health();
-        self.oracle.start(ground.bus().now(), sequence.start);
         let ended = self.steps(ground, sequence);
-        if let Err(Stop::Violation(_)) = &ended {
-            let trouble = ground.bus().health().since(&before);
-            if trouble.lost > 0 || trouble.interruptions > 0 {
-                // Frames are missing that the device may have sent.
-                self.unjudged += 1;
-                return Ok(());
-            }
+        if let Err(Stop::Violation(_)) = &ended
+            && is_troubled(ground, &before)
+        {
+            // Frames are missing that the device may have sent.
+            self.unjudged += 1;
+            return Ok(());
         }
+        self.rests = ended.is_ok() && self.oracle.is_at_rest();
         ended
     }
 
+    /// Brings the device to its start, with the values of power-on.
+    fn start(&mut self, ground: &mut dyn Ground, start: Start) -> Result<(), Stop> {
+        let is_repeatable = ground.is_repeatable();
+        let evidence = std::mem::take(&mut self.evidence);
+        if !is_repeatable {
+            let stimuli = std::mem::take(&mut self.sent);
+            self.before = (Sequence { start: Start::Configured, stimuli }, evidence);
+        }
+        self.in_a_row = 0;
+        let health = ground.bus().health();
+        let readiness = ground.begin(start)?;
+        if readiness != Readiness::Ready && !is_troubled(ground, &health) {
+            let within = self.knowledge.patience.boot;
+            let expected =
+                format!("a boot-up message, or an answer, within {within} of the reset between two sequences");
+            let dead = readiness == Readiness::Dead;
+            let violation = match dead {
+                true => self.death(DEATH, &expected, "neither of them, after repeated resets"),
+                false => self.death(REVIVED, &expected, "neither of them; a further reset brought it back"),
+            };
+            return Err(Stop::Lost { violation, dead });
+        }
+        self.kept.clear();
+        if !is_repeatable {
+            self.kept = baseline::restore(ground.bus(), &self.before.0.stimuli, &self.knowledge)?;
+        }
+        self.oracle.start(ground.bus().now(), start);
+        for kept in &self.kept {
+            self.oracle.holds(kept.at, kept.value);
+        }
+        Ok(())
+    }
+
+    /// Resets the device behind the last sequence, and says whether that has brought it back.
+    ///
+    /// # Errors
+    /// [`BusError`] if the bus fails.
+    pub fn restart(&mut self, ground: &mut dyn Ground) -> Result<Ended, BusError> {
+        self.run(ground, &Sequence::default(), Pace::Careful, true)
+    }
+
+    /// A sequence has shown something that did not come back: an answer may have come later than was waited for, or the
+    /// device may serve later frames before earlier ones. Silence has to last longer for a while, and where that goes on, it
+    /// is waited for after each frame.
+    pub fn distrust(&mut self) {
+        self.unjudged += 1;
+        self.doubts += 1;
+        self.since_doubt = 0;
+        self.quiet = self.quiet.times(2).min(self.knowledge.patience.answer);
+    }
+
+    /// What was late once may have been the host's doing.
+    fn regain_trust(&mut self) {
+        self.since_doubt += 1;
+        if self.since_doubt >= REGAINED {
+            self.since_doubt = 0;
+            self.quiet = Duration(self.quiet.nanos() / 2).max(self.knowledge.patience.quiet);
+        }
+    }
+
+    /// Whether the device serves what comes first first, as far as it has shown: then an answer to a later request says that
+    /// earlier frames have done what they do.
+    pub const fn is_in_order(&self) -> bool {
+        self.doubts < MOST_DOUBTS
+    }
+
+    /// That violation needs no further proof.
+    pub fn take_for_granted(&mut self, property: Property, rule: &'static str) {
+        self.known.insert((property, rule));
+    }
+
+    /// What was sent since the last start: all that has made the device what it is.
+    pub fn since_start(&self) -> Sequence {
+        Sequence { start: Start::Configured, stimuli: self.sent.clone() }
+    }
+
+    /// What was sent between the last start and the one before, and the frames.
+    pub fn before_start(&mut self) -> (Sequence, Vec<Record>) {
+        std::mem::take(&mut self.before)
+    }
+
     /// The device does nothing any more.
-    fn death(&self, actual: &str) -> Violation {
+    fn death(&self, rule: &'static str, expected: &str, actual: &str) -> Violation {
         Violation {
-            property: Property::Responsive,
-            rule: DEATH,
-            expected: "a device that lives".to_owned(),
+            property: Property::Alive,
+            rule,
+            expected: expected.to_owned(),
             actual: actual.to_owned(),
             is_silence: false,
             at: self.evidence.last().map_or(Timestamp::ZERO, |record| record.timestamp),
@@ -158,8 +364,11 @@ impl Executor {
             if is_live && activates(&stimulus.frame) {
                 continue;
             }
-            self.step(ground, stimulus)?;
+            self.in_time(ground)?;
             let next = sequence.stimuli.get(at + 1);
+            self.followed = shows_late(&stimulus.frame)
+                || next.is_some_and(|next| next.frame.id() == stimulus.frame.id() && !stimulus.frame.is_remote());
+            self.step(ground, stimulus)?;
             if is_live && stimulus.then == Then::AtOnce && next.is_some_and(|next| !self.are_told_apart(stimulus, next))
             {
                 self.settle(ground)?;
@@ -169,6 +378,12 @@ impl Executor {
             self.settle(ground)?;
         }
         self.oracle.finish(ground.bus().now())?;
+        if self.pace == Pace::Swift {
+            for frame in self.oracle.brings_to_rest() {
+                self.followed = shows_late(&frame);
+                self.step(ground, &Stimulus::settle(frame))?;
+            }
+        }
         self.probe(ground)
     }
 
@@ -183,6 +398,7 @@ impl Executor {
 
     /// PROP-01: whatever came before, 1000h can be read.
     fn probe(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
+        self.followed = true;
         if !self.oracle.serves_sdo() {
             return Ok(());
         }
@@ -200,6 +416,9 @@ impl Executor {
 
     fn step(&mut self, ground: &mut dyn Ground, stimulus: &Stimulus) -> Result<(), Stop> {
         ground.bus().send(&stimulus.frame)?;
+        if !ground.is_repeatable() {
+            self.sent.push(*stimulus);
+        }
         self.outstanding += 1;
         self.frames += 1;
         match stimulus.then {
@@ -212,17 +431,34 @@ impl Executor {
         }
     }
 
+    /// Whether nobody need wait for silence: an answer that must not come shows before the answer to the next frame.
+    fn may_hurry(&self) -> bool {
+        self.pace == Pace::Swift && self.followed && !self.oracle.may_be_answered()
+    }
+
     /// Until what is due has come, or no answer has come for a while where none is due.
     fn settle(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
-        let Patience { quiet, answer, .. } = self.knowledge.patience;
+        let answer = self.knowledge.patience.answer;
+        let mut quiet = self.quiet;
+        let must_be_sure = self.pace == Pace::Careful || self.oracle.may_be_answered();
+        if must_be_sure && !ground.is_repeatable() {
+            // What comes later would be taken for the answer to the next frame.
+            quiet = quiet.times(LATE_ANSWER);
+        }
         let mut was_due = false;
         let mut until = Timestamp::MAX;
+        let mut known_by = self.known_by(ground);
+        let longest = ground.bus().now() + quiet.times(MOST_QUIET);
+        let begun = ground.bus().now();
         loop {
             let due = self.oracle.due();
+            let awaited = self.oracle.awaits();
             let deadline = match due {
                 _ if self.outstanding > 0 => ground.bus().now() + answer,
-                Some(due) => due,
+                Some(due) => due.min(known_by),
                 None if was_due && !self.oracle.is_open() => return Ok(()),
+                None if self.may_hurry() => return Ok(()),
+                None if self.may_ask(ground) => return self.ask(ground),
                 None => {
                     if until == Timestamp::MAX {
                         until = ground.bus().now() + quiet;
@@ -233,14 +469,25 @@ impl Executor {
             was_due |= due.is_some();
             match self.receive(ground, deadline)? {
                 // Several answers may be under way; heartbeats and PDOs come all the time.
-                Received::Answer => until = Timestamp::MAX,
-                Received::Other => {}
+                Received::Answer => {
+                    until = Timestamp::MAX;
+                    self.remember_slow(awaited, ground.bus().now().since(begun));
+                }
+                // The answer may wait for the bus.
+                Received::Bystander if ground.bus().now() < longest => until = Timestamp::MAX,
+                Received::Bystander | Received::Other => {}
                 Received::Nothing => {
                     self.oracle.expire(ground.bus().now())?;
                     if self.outstanding > 0 {
                         // The bus does not take the frame: nothing can be said about the device.
                         self.outstanding = 0;
-                    } else if due.is_none() {
+                    } else if let Some(due) = due {
+                        if ground.bus().now() >= known_by {
+                            known_by = Timestamp::MAX;
+                            self.is_missing_as_before(due)?;
+                            self.give_up(ground)?;
+                        }
+                    } else {
                         self.oracle.quiet();
                         return Ok(());
                     }
@@ -249,15 +496,96 @@ impl Executor {
         }
     }
 
-    /// Lets time pass.
-    fn pass(&mut self, ground: &mut dyn Ground, until: Timestamp) -> Result<(), Stop> {
+    /// When an answer that has not come is held against those that are known not to come, or to be slow.
+    fn known_by(&self, ground: &mut dyn Ground) -> Timestamp {
+        if self.pace == Pace::Careful || self.known.is_empty() && self.slow.is_empty() {
+            return Timestamp::MAX;
+        }
+        ground.bus().now() + self.quiet.times(MISSING_ANSWER)
+    }
+
+    /// Remembers what took long: a server that ends a block by a time-out of its own, where segments were missing.
+    fn remember_slow(&mut self, awaited: Option<&'static str>, took: Duration) {
+        if let Some(awaited) = awaited.filter(|_| self.pace == Pace::Swift && took > self.quiet.times(SLOW_ANSWER)) {
+            *self.slow.entry(awaited).or_default() += 1;
+        }
+    }
+
+    /// Aborts a transfer whose answer is known to be slow: it was judged when it came before.
+    fn give_up(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
+        let slow = self.oracle.awaits().and_then(|awaited| self.slow.get(awaited));
+        if slow.is_none_or(|&times| times < MOST_SLOW) {
+            return Ok(());
+        }
+        ground.bus().send(&self.abort)?;
+        self.sent.push(Stimulus::settle(self.abort));
+        self.outstanding += 1;
+        Ok(())
+    }
+
+    /// Ends the sequence where the answer that is due until then is one that is known not to come: the whole of its time
+    /// was waited for when it was missing for the first time, and when that was repeated.
+    fn is_missing_as_before(&self, due: Timestamp) -> Result<(), Stop> {
+        match self.oracle.clone().expire(due) {
+            Err(violation) if self.known.contains(&(violation.property, violation.rule)) => Err(violation.into()),
+            _ => Ok(()),
+        }
+    }
+
+    /// Whether a request can take the place of waiting: its answer comes when what was sent before it is done.
+    fn may_ask(&self, ground: &dyn Ground) -> bool {
+        self.pace == Pace::Swift && self.is_in_order() && !ground.is_repeatable() && self.oracle.may_be_asked()
+    }
+
+    /// Reads 1000h; what comes until the answer is judged. It is no exchange of the sequence, and not counted as one.
+    fn ask(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
+        let executions = self.executions;
+        ground.bus().send(&self.probe)?;
+        self.sent.push(Stimulus::settle(self.probe));
+        self.outstanding += 1;
+        let begun = ground.bus().now();
+        let until = begun + self.knowledge.patience.answer;
+        let longest = begun + self.quiet.times(MOST_QUIET);
         loop {
-            let deadline = self.oracle.due().unwrap_or(until).min(until);
+            let due = self.oracle.due();
+            let deadline = match due {
+                _ if self.outstanding > 0 => until,
+                Some(due) => due,
+                None if self.oracle.may_be_asked() => break,
+                // What came meanwhile leaves open whether it is answered.
+                None => longest.min(ground.bus().now() + self.quiet.times(LATE_ANSWER)),
+            };
             if self.receive(ground, deadline)? == Received::Nothing {
                 self.oracle.expire(ground.bus().now())?;
-                if ground.bus().now() >= until {
-                    self.oracle.quiet();
-                    return Ok(());
+                if self.outstanding == 0 && due.is_none() {
+                    break;
+                }
+                self.outstanding = 0;
+            }
+        }
+        self.executions = executions;
+        self.oracle.quiet();
+        Ok(())
+    }
+
+    /// Lets time pass.
+    fn pass(&mut self, ground: &mut dyn Ground, until: Timestamp) -> Result<(), Stop> {
+        let mut heard = ground.bus().now();
+        loop {
+            let deadline = self.oracle.due().unwrap_or(until).min(until);
+            match self.receive(ground, deadline)? {
+                Received::Answer => heard = ground.bus().now(),
+                Received::Bystander | Received::Other => {}
+                Received::Nothing => {
+                    let now = ground.bus().now();
+                    self.oracle.expire(now)?;
+                    if now >= until {
+                        // In a short pause an answer may still be under way.
+                        if now.since(heard) >= self.quiet {
+                            self.oracle.quiet();
+                        }
+                        return Ok(());
+                    }
                 }
             }
         }
@@ -270,7 +598,10 @@ impl Executor {
             return Ok(Received::Other);
         }
         let (now, frame, own) = (record.timestamp, record.frame, record.direction == Direction::Tx);
-        if self.keep && self.evidence.len() < LONGEST_EVIDENCE {
+        if self.keep {
+            if self.evidence.len() >= 2 * LONGEST_EVIDENCE {
+                self.evidence.drain(..LONGEST_EVIDENCE);
+            }
             self.evidence.push(record);
         }
         if own {
@@ -282,8 +613,18 @@ impl Executor {
         self.oracle.received(now, &frame, &mut self.coverage)?;
         let id = frame.cob_id();
         let is_answer = id == Some(self.response) || id == Some(lss::SLAVE_CAN_ID);
-        Ok(if is_answer { Received::Answer } else { Received::Other })
+        Ok(match id {
+            _ if is_answer => Received::Answer,
+            Some(id) if self.knowledge.bystanders.contains(&id) => Received::Bystander,
+            _ => Received::Other,
+        })
     }
+}
+
+/// Whether frames were lost on this machine, or the bus was interrupted, since then.
+fn is_troubled(ground: &mut dyn Ground, before: &Health) -> bool {
+    let trouble = ground.bus().health().since(before);
+    trouble.lost > 0 || trouble.interruptions > 0
 }
 
 /// What was received.
@@ -292,6 +633,8 @@ enum Received {
     Nothing,
     /// An own frame, or one with which servers and slaves answer.
     Answer,
+    /// What others send, or the device beside its services.
+    Bystander,
     /// What comes by itself.
     Other,
 }

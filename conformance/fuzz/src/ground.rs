@@ -1,18 +1,15 @@
 //! Where sequences run: on a device that is new each time, or on one that is reset.
 
 use super::{Knowledge, Patience, Start};
-use canvass_analyzer::wire::Wire;
+use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::error_control;
-use canvass_analyzer::wire::nmt::{self, Command, Nmt};
-use canvass_analyzer::wire::sdo::{Payload, REQUEST_BASE, RESPONSE_BASE, Request, Response};
-use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::Machine;
 use canvass_bus::{Bus, BusError, SimulatedBus};
 use canvass_device::Firmware;
 use canvass_device::address::SimulatedDevice;
 use canvass_device::models::Model;
 use canvass_device::{Device, Motion};
-use canvass_traces::{Duration, Frame, Timestamp};
+use canvass_traces::{Duration, Timestamp};
 
 /// A device on a bus that can be brought back to its start.
 pub trait Ground {
@@ -30,6 +27,16 @@ pub trait Ground {
 
     /// Whether each start is the same to the bit, so that what was seen once is seen again.
     fn is_repeatable(&self) -> bool;
+
+    /// How long the last start took.
+    fn restart_time(&self) -> Duration {
+        Duration::ZERO
+    }
+
+    /// Waits as long as that from now on.
+    fn attune(&mut self, patience: Patience) {
+        let _ = patience;
+    }
 }
 
 /// What became of an attempt to start.
@@ -37,6 +44,8 @@ pub trait Ground {
 pub enum Readiness {
     /// The device has started.
     Ready,
+    /// It did not come back from the first reset, but from a further one.
+    Revived,
     /// It neither boots nor answers any more, also after repeated resets.
     Dead,
 }
@@ -99,63 +108,8 @@ impl Ground for Simulated {
     }
 }
 
-/// A device on a bus that goes on: it is reset before each sequence.
-pub struct Live<'a> {
-    bus: &'a mut dyn Bus,
-    node: NodeId,
-    patience: Patience,
-    boot_up_message: bool,
-}
-
-/// So often a device that shows no sign of life is reset before it is given up.
-const RESETS: u32 = 3;
-
-/// Frames of the time before a reset are over after so long.
-const LEFTOVERS: Duration = Duration::from_millis(5);
-
-impl<'a> Live<'a> {
-    /// The device that `knowledge` is about.
-    pub fn new(bus: &'a mut dyn Bus, knowledge: &Knowledge) -> Self {
-        let boot_up_message = knowledge.services.boot_up_message;
-        Self { bus, node: knowledge.node, patience: knowledge.patience, boot_up_message }
-    }
-
-    fn is_alive(&mut self) -> Result<bool, BusError> {
-        Ok(ask(self.bus, self.node, self.patience.answer, Multiplexer::new(0x1000, 0))?.is_some())
-    }
-}
-
-impl Ground for Live<'_> {
-    fn begin(&mut self, _: Start) -> Result<Readiness, BusError> {
-        for _ in 0..RESETS {
-            let reset = Nmt { command: Command::RESET_NODE, node: self.node.raw() };
-            self.bus.send(&reset.to_frame(nmt::CAN_ID))?;
-            let booted = wait_for_boot_up(self.bus, self.node, self.patience.boot)?;
-            // Where there is no boot-up message, an answer is the sign of life.
-            if booted && self.boot_up_message || self.is_alive()? {
-                let until = self.bus.now() + LEFTOVERS;
-                while self.bus.receive(until)?.is_some() {}
-                return Ok(Readiness::Ready);
-            }
-        }
-        Ok(Readiness::Dead)
-    }
-
-    fn bus(&mut self) -> &mut dyn Bus {
-        self.bus
-    }
-
-    fn has_unconfigured(&self) -> bool {
-        false
-    }
-
-    fn is_repeatable(&self) -> bool {
-        false
-    }
-}
-
 /// Whether the boot-up message came in time.
-fn wait_for_boot_up(bus: &mut dyn Bus, node: NodeId, boot: Duration) -> Result<bool, BusError> {
+pub(super) fn wait_for_boot_up(bus: &mut dyn Bus, node: NodeId, boot: Duration) -> Result<bool, BusError> {
     let deadline = bus.now() + boot;
     let id = error_control::CAN_ID_BASE + u16::from(node.raw());
     while let Some(record) = bus.receive(deadline)? {
@@ -164,63 +118,6 @@ fn wait_for_boot_up(bus: &mut dyn Bus, node: NodeId, boot: Duration) -> Result<b
         }
     }
     Ok(false)
-}
-
-/// Whether the device answered an SDO request at all.
-pub(super) type Answers = bool;
-
-/// Reads what the device holds after power-on: its identity, and every number of its dictionary.
-///
-/// # Errors
-/// [`BusError`] if the bus fails.
-pub(super) fn learn(ground: &mut dyn Ground, knowledge: &mut Knowledge) -> Result<Answers, BusError> {
-    ground.begin(Start::Configured)?;
-    let (node, answer) = (knowledge.node, knowledge.patience.answer);
-    if ask(ground.bus(), node, answer, Multiplexer::new(0x1000, 0))?.is_none() {
-        return Ok(false);
-    }
-    let addresses: Vec<Multiplexer> = knowledge
-        .entries()
-        .iter()
-        .filter(|known| known.readable && known.size.is_some_and(|size| size <= 4))
-        .map(|known| known.at)
-        .collect();
-    for at in addresses {
-        if let Some(raw) = read(ground.bus(), node, answer, at)? {
-            knowledge.learn(at, raw);
-        }
-    }
-    let mut address = [0; 4];
-    for (sub, part) in (1..).zip(&mut address) {
-        match read(ground.bus(), node, answer, Multiplexer::new(0x1018, sub))? {
-            Some(raw) => *part = raw as u32,
-            None => return Ok(true),
-        }
-    }
-    knowledge.address = Some(address);
-    Ok(true)
-}
-
-fn read(bus: &mut dyn Bus, node: NodeId, answer: Duration, at: Multiplexer) -> Result<Option<u64>, BusError> {
-    Ok(ask(bus, node, answer, at)?.and_then(|response| match response {
-        Response::InitiateUpload { multiplexer, payload: Payload::Expedited(value) } if multiplexer == at => {
-            Some(value.data().iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte)))
-        }
-        _ => None,
-    }))
-}
-
-fn ask(bus: &mut dyn Bus, node: NodeId, answer: Duration, at: Multiplexer) -> Result<Option<Response>, BusError> {
-    let node = u16::from(node.raw());
-    let request: Frame = Request::upload(at).to_frame(REQUEST_BASE + node);
-    bus.send(&request)?;
-    let deadline = bus.now() + answer;
-    while let Some(record) = bus.receive(deadline)? {
-        if record.frame.cob_id() == Some(RESPONSE_BASE + node) {
-            return Ok(Response::read(record.frame.data()).ok());
-        }
-    }
-    Ok(None)
 }
 
 /// A model on a simulated bus, and what its description says.

@@ -5,6 +5,7 @@ use canvass_analyzer::wire::lmt::{BIT_RATES, Seven};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_device::models::Sheet;
 use canvass_traces::Duration;
+use std::collections::BTreeSet;
 
 /// A device as the fuzzer knows it.
 #[derive(Clone, Debug)]
@@ -22,6 +23,8 @@ pub struct Knowledge {
     entries: Vec<Known>,
     /// The indexes of the communication parameters of its RPDOs.
     pub rpdos: Vec<u16>,
+    /// CAN-IDs of frames that come by themselves: of other nodes, of an SDO client of the device, of its application.
+    pub bystanders: BTreeSet<u16>,
 }
 
 /// The address of an LMT slave.
@@ -44,6 +47,10 @@ pub struct Services {
     pub lss: Option<bool>,
     /// LSS does not work in operational.
     pub lss_not_in_operational: bool,
+    /// It answers Fastscan.
+    pub fastscan: Option<bool>,
+    /// It answers the inquiry services of LSS.
+    pub lss_inquiry: Option<bool>,
     /// A node-ID that LSS configured acts when the slave leaves configuration, by a restart; else at the next reset.
     pub lss_restarts: Option<bool>,
     /// It has an LMT slave, whose frames have the CAN-IDs of LSS.
@@ -83,6 +90,27 @@ pub struct Patience {
     /// measures them is late sometimes.
     pub jitter: Duration,
 }
+
+impl Patience {
+    /// For a device whose answers, and whose last start, took so long. Silence lasts by what nine of ten answers took: a
+    /// single late one is the host's, and is noticed where it matters.
+    pub fn measured(self, mut answers: Vec<Duration>, restart: Duration) -> Self {
+        answers.sort_unstable();
+        let slowest = answers.last().copied().unwrap_or_default();
+        let usual = answers.get(answers.len() * 9 / 10).copied().unwrap_or(slowest);
+        Self {
+            answer: self.answer.max(slowest.times(3)),
+            quiet: usual.times(2) + self.jitter.min(LEAST_QUIET),
+            boot: LEAST_BOOT.max(restart.times(3)),
+            jitter: self.jitter,
+        }
+    }
+}
+
+/// What is added to twice the usual time of an answer.
+const LEAST_QUIET: Duration = Duration::from_millis(2);
+/// A device that boots at once is given that time all the same.
+const LEAST_BOOT: Duration = Duration::from_secs(1);
 
 impl Default for Patience {
     /// As on a live bus with a slow device.
@@ -148,6 +176,7 @@ impl Knowledge {
                 .filter(|known| known.at.sub.0 == 1 && (0x1400..0x1600).contains(&known.at.index.0))
                 .map(|known| known.at.index.0)
                 .collect(),
+            bystanders: BTreeSet::new(),
             entries,
         };
         for known in &mut knowledge.entries {
@@ -217,6 +246,8 @@ impl Services {
             lss_not_in_operational: network.is_some_and(|network| {
                 !network.lss_states.is_empty() && !network.lss_states.iter().any(|state| state == "operational")
             }),
+            fastscan: None,
+            lss_inquiry: None,
             lss_restarts: network.map(|network| network.lss_restarts),
             lmt: network.is_some_and(|network| network.lmt),
             lmt_bit_rates: (0..)

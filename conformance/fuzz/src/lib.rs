@@ -7,6 +7,7 @@
 //!                     every frame --oracle--> violation --shrink--> reproducer
 //! ```
 
+mod baseline;
 pub mod campaign;
 pub mod coverage;
 pub mod detection;
@@ -14,16 +15,22 @@ mod execute;
 mod generate;
 pub mod ground;
 mod knowledge;
+mod learn;
+pub mod liberties;
 pub mod limits;
+mod live;
 mod oracle;
 mod property;
 pub mod reproducer;
 mod shrink;
 mod stimulus;
 pub mod storm;
+pub mod time_limit;
 
+pub use baseline::Kept;
 pub use generate::{Dialogues, Target, UnknownTarget};
 pub use knowledge::{Knowledge, Known, Patience, Services};
+pub use live::Live;
 pub use oracle::Violation;
 pub use property::{Property, UnknownProperty};
 pub use shrink::SequenceTree;

@@ -3,7 +3,7 @@
 use super::Knowledge;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::{lss, nmt, sdo};
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
 use canvass_traces::Frame;
 use std::collections::BTreeSet;
 use std::fmt;

@@ -77,6 +77,9 @@ properties! {
     /// For every scaling (6000h, 6001h, 6002h) and preset (6003h) that the device has accepted, the position 6004h lies
     /// in the measuring range: from 0 to 6002h - 1.
     PositionInRange = "PROP-15" "the position stays in its range",
+    /// The device lives: after every sequence the first reset brings it back, with its boot-up message where it has one.
+    /// What needs a further reset, or the power switched off and on, had stopped.
+    Alive = "PROP-16" "a reset brings the device back",
 }
 
 impl fmt::Display for Property {
@@ -87,7 +90,7 @@ impl fmt::Display for Property {
 
 /// There is no property of that name.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("no property is called \"{0}\": there are PROP-01 to PROP-15")]
+#[error("no property is called \"{0}\": there are PROP-01 to PROP-16")]
 pub struct UnknownProperty(pub String);
 
 impl FromStr for Property {
@@ -110,6 +113,6 @@ mod tests {
             assert_eq!(property.id().to_lowercase().parse(), Ok(property));
             assert!(!property.explanation().trim().is_empty());
         }
-        assert!("PROP-16".parse::<Property>().is_err());
+        assert!("PROP-17".parse::<Property>().is_err());
     }
 }

@@ -1,6 +1,6 @@
 //! PROP-02: every SDO response is legal in its state (a toggle bit that does not alternate).
 //!
-//! Expected: no answer, or abort 0503 0000h: a toggle bit that does not alternate
+//! Expected: a toggle bit that does not alternate: no answer, or abort with 0503 0000h
 //! Found: 10 41 20 70 72 6F 67 72
 //! By canvass 0.1.0 with seed 7.
 

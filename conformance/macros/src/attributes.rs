@@ -15,6 +15,7 @@ pub struct Attributes {
     pub needs: Vec<Ident>,
     pub touches: Vec<Ident>,
     pub catches: Vec<Ident>,
+    pub answers: Vec<Ident>,
     pub cct: Option<LitStr>,
 }
 
@@ -28,6 +29,7 @@ struct Keys {
     needs: Option<Vec<Ident>>,
     touches: Option<Vec<Ident>>,
     catches: Option<Vec<Ident>>,
+    answers: Option<Vec<Ident>>,
     cct: Option<LitStr>,
 }
 
@@ -57,9 +59,10 @@ impl Keys {
             "level" => self.level.replace(name(input)?).is_some(),
             "needs" => self.needs.replace(names(input)?).is_some(),
             "touches" => self.touches.replace(names(input)?).is_some(),
+            "answers" => self.answers.replace(names(input)?).is_some(),
             "catches" => self.catches.replace(names(input)?).is_some(),
             _ => {
-                let known = "id, clause, confidence, level, needs, touches, catches and cct";
+                let known = "id, clause, confidence, level, needs, touches, catches, answers and cct";
                 return Err(Error::new(key.span(), format!("no key of a case is called `{key}`: there are {known}")));
             }
         };
@@ -85,6 +88,7 @@ impl Keys {
             needs: self.needs.unwrap_or_default(),
             touches: self.touches.unwrap_or_default(),
             catches,
+            answers: self.answers.unwrap_or_default(),
             cct: self.cct,
         })
     }

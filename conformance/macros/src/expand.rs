@@ -1,8 +1,9 @@
 //! What the attribute becomes.
 
 use crate::attributes::Attributes;
-use proc_macro2::TokenStream;
-use quote::quote;
+use proc_macro2::{TokenStream, TokenTree};
+use quote::{ToTokens, quote};
+use std::collections::BTreeSet;
 use syn::{Attribute, Error, Expr, ExprLit, Ident, ItemFn, Lit, Meta, Result};
 
 /// The function as it was, and its registration.
@@ -11,7 +12,8 @@ pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
     let function: ItemFn = syn::parse2(item)?;
     let requirement = requirement(&function)?;
     let name = &function.sig.ident;
-    let Attributes { id, standard, section, confidence, level, needs, touches, catches, cct } = attributes;
+    let Attributes { id, standard, section, confidence, level, needs, touches, catches, answers, cct } = attributes;
+    let answers = situations(function.block.to_token_stream(), answers);
     let needs = needs.iter().map(static_of);
     let section = option(section);
     let cct = option(cct);
@@ -22,20 +24,46 @@ pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
             crate::case::Case {
                 id: #id,
                 requirement: #requirement,
-                clause: crate::case::Clause {
+                clause: crate::clause::Clause {
                     standard: #standard,
                     section: #section,
-                    confidence: crate::case::Confidence::#confidence,
+                    confidence: crate::clause::Confidence::#confidence,
                 },
-                level: crate::case::Level::#level,
+                level: crate::clause::Level::#level,
                 needs: &[#(&crate::needs::#needs),*],
-                touches: &[#(crate::case::Touch::#touches),*],
+                touches: &[#(crate::touch::Touch::#touches),*],
                 catches: &[#(crate::Fault::#catches),*],
+                answers: &[#(crate::situation::Situation::#answers),*],
                 cct: #cct,
                 run: #name,
             }
         }
     })
+}
+
+/// The rows of the table of allowed answers that a case asks: those that it names, and those that the attribute adds for
+/// the functions that it calls.
+fn situations(body: TokenStream, mut known: Vec<Ident>) -> Vec<Ident> {
+    // `Situation`, `:`, `:`, the row.
+    let mut after: Option<usize> = None;
+    for token in body {
+        match (&token, after) {
+            (TokenTree::Ident(name), _) if name == "Situation" => after = Some(0),
+            (TokenTree::Punct(punct), Some(colons @ 0..2)) if punct.as_char() == ':' => after = Some(colons + 1),
+            (TokenTree::Ident(row), Some(2)) => {
+                known.push(row.clone());
+                after = None;
+            }
+            (TokenTree::Group(group), _) => {
+                known = situations(group.stream(), known);
+                after = None;
+            }
+            _ => after = None,
+        }
+    }
+    let mut seen = BTreeSet::new();
+    known.retain(|row| seen.insert(row.to_string()));
+    known
 }
 
 /// The static that a need is: `VisibleState` -> `VISIBLE_STATE`.
@@ -102,6 +130,16 @@ mod tests {
     fn expanded(attribute: &str, item: &str) -> std::result::Result<String, String> {
         let parsed = (attribute.parse().unwrap(), item.parse().unwrap());
         case(parsed.0, parsed.1).map(|tokens| tokens.to_string()).map_err(|error| error.to_string())
+    }
+
+    #[test]
+    fn a_case_lists_the_situations_that_it_names_and_those_that_are_added() {
+        let item = "/// All.\nfn f(b: &mut Bench) -> Judged { if x { a.refused(Situation::TooLong)? } g(Situation::TooShort, Situation::TooLong) }";
+        let attribute = COMPLETE.to_owned() + ", answers = [ReadOnly]";
+        let tokens = expanded(&attribute, item).unwrap().replace(' ', "");
+        let row = |name| format!("crate::situation::Situation::{name}");
+        let list = [row("ReadOnly"), row("TooLong"), row("TooShort")].join(",");
+        assert!(tokens.contains(&format!("answers:&[{list}]")), "{tokens}");
     }
 
     #[test]

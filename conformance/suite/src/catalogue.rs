@@ -1,6 +1,7 @@
 //! All cases, and how some of them are selected.
 
 use crate::case::Case;
+use crate::glob;
 use std::fmt;
 use std::str::FromStr;
 
@@ -79,7 +80,7 @@ impl Selector {
     pub fn selects(&self, case: &Case) -> bool {
         match self {
             Self::Prefix(prefix) => is_prefix(prefix, case.id, '/'),
-            Self::Glob(pattern) => matches(pattern, case.id),
+            Self::Glob(pattern) => glob::matches(pattern, case.id),
             Self::Section { standard, section } => {
                 standard.as_ref().is_none_or(|standard| standard.eq_ignore_ascii_case(case.clause.standard))
                     && case.clause.section.is_some_and(|own| is_prefix(section.trim_end_matches('.'), own, '.'))
@@ -88,7 +89,8 @@ impl Selector {
     }
 }
 
-/// The cases that one of the selectors selects, by rising id; all cases if there is no selector.
+/// The cases that one of the selectors selects, in the order in which they run: by rising id, but those that can lose the
+/// device are the last, whatever was selected. All cases if there is no selector.
 ///
 /// # Errors
 /// A selector that selects no case: most likely a typing error, and a test that was not run.
@@ -100,6 +102,7 @@ pub fn select(selectors: &[Selector]) -> Result<Vec<&'static Case>, Selector> {
     if !selectors.is_empty() {
         cases.retain(|case| selectors.iter().any(|selector| selector.selects(case)));
     }
+    cases.sort_by_key(|case| case.can_lose_the_device());
     Ok(cases)
 }
 
@@ -118,23 +121,6 @@ fn is_prefix(prefix: &str, text: &str, separator: char) -> bool {
     text.strip_prefix(prefix).is_some_and(|rest| rest.is_empty() || rest.starts_with(separator))
 }
 
-/// Whether an id matches a pattern, in which `*` stands for any characters, none too.
-pub fn matches(pattern: &str, id: &str) -> bool {
-    let mut parts = pattern.split('*');
-    let Some(mut rest) = parts.next().and_then(|first| id.strip_prefix(first)) else { return false };
-    let mut parts = parts.peekable();
-    while let Some(part) = parts.next() {
-        if parts.peek().is_none() {
-            return rest.ends_with(part);
-        }
-        match rest.find(part) {
-            Some(at) => rest = &rest[at + part.len()..],
-            None => return false,
-        }
-    }
-    rest.is_empty()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -149,6 +135,22 @@ mod tests {
     fn ids_are_unique() {
         let ids: BTreeSet<&str> = cases().iter().map(|case| case.id).collect();
         assert_eq!(ids.len(), cases().len());
+    }
+
+    #[test]
+    fn what_can_lose_the_device_runs_last() {
+        let shape = |selectors: &[Selector]| {
+            let cases = select(selectors).unwrap();
+            let first = cases.partition_point(|case| !case.can_lose_the_device());
+            let (safe, risky) = cases.split_at(first);
+            assert!(risky.iter().all(|case| case.can_lose_the_device()));
+            assert!(safe.is_sorted_by_key(|case| case.id) && risky.is_sorted_by_key(|case| case.id));
+            (safe.len(), risky.len())
+        };
+        let (safe, risky) = shape(&[]);
+        assert!(safe + risky == cases().len() && risky > 10);
+        let selected = ["305/node-id", "301/restore", "301/time"].map(|text| text.parse().unwrap());
+        assert!(shape(&selected).1 > 0);
     }
 
     #[test]
@@ -172,12 +174,5 @@ mod tests {
         assert_eq!(nearest(&Selector::Prefix("nonsense".to_owned())), None);
         let idle = select(&["301/sod".parse().unwrap()]).map(|cases| cases.len());
         assert_eq!(idle, Err(Selector::Prefix("301/sod".to_owned())));
-    }
-
-    #[test]
-    fn patterns() {
-        assert!(matches("*", "a/b") && matches("a*", "a/b") && matches("*b", "a/b") && matches("a*/*b", "a/x/b"));
-        assert!(!matches("a*c", "a/b") && !matches("a", "a/b") && !matches("*ab*", "ba"));
-        assert!(matches("a/b", "a/b"));
     }
 }

@@ -10,6 +10,10 @@ pub mod bench;
 pub mod case;
 mod cases;
 pub mod catalogue;
+pub mod clause;
+pub mod comparison;
+pub mod glob;
+pub mod journal;
 pub mod need;
 pub mod needs;
 pub mod runner;
@@ -17,6 +21,7 @@ pub mod runner;
 mod scripted;
 pub mod selftest;
 pub mod situation;
+pub mod touch;
 pub mod verdict;
 pub mod waiver;
 

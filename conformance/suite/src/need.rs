@@ -2,8 +2,10 @@
 //!
 //! The items stand beside the cases that use them; [`needs`](crate::needs) names all of them.
 
-use crate::bench::Bench;
-use crate::case::{Case, Level};
+use crate::bench::{Bench, Found, Met, Rescue};
+use crate::case::Case;
+use crate::clause::Level;
+use crate::touch::Touch;
 use crate::verdict::{Reason, Stop};
 use std::fmt;
 
@@ -14,22 +16,8 @@ pub struct Need {
     text: &'static str,
     check: fn(&mut Bench<'_>) -> Result<Met, Stop>,
     fleeting: bool,
+    provide: Option<Provide>,
     rescue: Option<Rescue>,
-}
-
-/// Whether a need is met; if not, why not.
-pub type Met = Result<(), String>;
-
-/// What puts a device right after a case that could not go on; `true` if the case stored something.
-pub type Rescue = fn(&mut Bench<'_>, bool) -> Result<(), Stop>;
-
-/// What asking for a need led to. Kept for the run.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub(crate) enum Found {
-    /// The device has it, or says why not.
-    Known(Met),
-    /// The device answered neither as one that has it nor as one that does not: that case reports the breach.
-    Broken { why: Reason, reported_in: &'static str },
 }
 
 impl Need {
@@ -43,13 +31,19 @@ impl Need {
         text: &'static str,
         check: fn(&mut Bench<'_>) -> Result<Met, Stop>,
     ) -> Self {
-        Self { id, text, check, fleeting: false, rescue: None }
+        Self { id, text, check, fleeting: false, provide: None, rescue: None }
     }
 
     /// What was met before one case may not be met before the next: it is asked for each time.
     #[must_use]
     pub(crate) const fn fleeting(self) -> Self {
         Self { fleeting: true, ..self }
+    }
+
+    /// What the device can have, but does not as delivered, is set up before each case, and put back after it.
+    #[must_use]
+    pub(crate) const fn provided_by(self, provide: Provide) -> Self {
+        Self { provide: Some(provide), ..self }
     }
 
     /// Cases with this need may leave a device that has to be put right.
@@ -68,6 +62,13 @@ impl Need {
     }
 }
 
+/// Sets up what a case needs; why not, if the device does not let that be done.
+type Provide = fn(&mut Bench<'_>) -> Result<Met, Stop>;
+
+fn unmet(need: &Need, why: String) -> Stop {
+    Stop::NotApplicable(Reason::new("the case has what it needs", need.text, why))
+}
+
 impl Case {
     /// Whether the case needs that.
     pub fn requires(&self, need: &Need) -> bool {
@@ -83,14 +84,27 @@ impl Case {
     pub(crate) fn require(&self, bench: &mut Bench<'_>) -> Result<(), Stop> {
         for &need in self.needs {
             if let Err(why) = self.ask(bench, need)? {
-                return Err(Stop::NotApplicable(Reason::new("the case has what it needs", need.text, why)));
+                return Err(unmet(need, why));
+            }
+        }
+        for &need in self.needs {
+            if let Some(provide) = need.provide
+                && let Err(why) = bench.unjudged(provide)?
+            {
+                return Err(unmet(need, why));
             }
         }
         Ok(())
     }
 
+    /// Cleans up after the case was cancelled, or could not go on: the node-ID and bit rate are the device's own again.
+    pub(crate) fn rescue(&self, bench: &mut Bench<'_>) {
+        let touches = self.touches.iter().any(|touch| matches!(touch, Touch::NodeId | Touch::BitRate | Touch::Nvm));
+        bench.end_early(self.needs.iter().find_map(|need| need.rescue()).filter(|_| touches));
+    }
+
     fn ask(&self, bench: &mut Bench<'_>, need: &Need) -> Result<Met, Stop> {
-        match bench.known(need).cloned() {
+        match bench.known(need.id).cloned() {
             Some(Found::Known(met)) if !need.fleeting => return Ok(met),
             Some(Found::Broken { why, reported_in }) if reported_in != self.id => {
                 let actual = format!("{}, as {reported_in} reports", why.actual);
@@ -102,12 +116,12 @@ impl Case {
             Err(Stop::NotApplicable(reason)) => Err(reason.actual),
             Err(Stop::Breach(breach)) if self.level != Level::Open => {
                 let why = Reason::from(&*breach);
-                bench.learned(need, Found::Broken { why, reported_in: self.id });
+                bench.learned(need.id, Found::Broken { why, reported_in: self.id });
                 return Err(Stop::Breach(breach));
             }
             other => other.map_err(Stop::unreached)?,
         };
-        bench.learned(need, Found::Known(met.clone()));
+        bench.learned(need.id, Found::Known(met.clone()));
         Ok(met)
     }
 }

@@ -68,11 +68,20 @@ pub fn with_bench<T>(
     script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
     test: impl FnOnce(&mut Bench<'_>) -> T,
 ) -> T {
+    with_options(script, &Options::default(), test)
+}
+
+/// The same with options.
+pub fn with_options<T>(
+    script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
+    options: &Options,
+    test: impl FnOnce(&mut Bench<'_>) -> T,
+) -> T {
     let mut bus = ScriptedBus::new(script);
     let target = Target::unknown(NodeId::new(NODE).unwrap());
-    let (options, cancel) = (Options::default(), AtomicBool::new(false));
+    let cancel = AtomicBool::new(false);
     let mut annotate = |record: &Record| record.frame.to_string();
-    test(&mut Bench::new(&mut bus, &target, &options, &mut annotate, &cancel))
+    test(&mut Bench::new(&mut bus, &target, options, &mut annotate, &cancel))
 }
 
 /// A frame in the notation of `cansend`.

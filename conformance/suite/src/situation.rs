@@ -4,7 +4,7 @@
 //! repeats. The table says which answers pass, which only CiA's own test tool accepts, where the standard says so, and how
 //! strictly.
 
-use crate::case::{Clause, Confidence, Level};
+use crate::clause::{Clause, Confidence, Level};
 use canvass_analyzer::wire::sdo::AbortCode as Code;
 use canvass_bus::observation::Observation;
 
@@ -179,7 +179,7 @@ situations! {
 
 impl Answers {
     const fn row(id: &'static str, requirement: &'static str, section: &'static str, level: Level) -> Self {
-        let clause = Clause { standard: "CiA 301", section: Some(section), confidence: Confidence::Attested };
+        let clause = Clause { standard: "CiA 301", section: Some(section), confidence: Confidence::Cited };
         Self {
             id,
             requirement,
@@ -195,6 +195,11 @@ impl Answers {
 }
 
 impl Situation {
+    /// The row of that name.
+    pub fn by_id(id: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|row| row.id() == id)
+    }
+
     /// The name of the row.
     pub const fn id(self) -> &'static str {
         self.answers().id

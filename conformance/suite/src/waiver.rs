@@ -13,10 +13,10 @@
 //! finds still fails. A waiver for a case that does not exist is an error; one that excused nothing is reported with what
 //! was found instead, and so is one that has expired: waivers must not outlive what they are for.
 
-use crate::bench::Deviation;
 use crate::catalogue;
+use crate::glob;
 use crate::runner::CaseReport;
-use crate::verdict::{Authority, Grade};
+use crate::verdict::{Authority, Deviation, Grade};
 use canvass_bus::observation::{BadPattern, BadSubject, Pattern, Subject};
 use serde::Deserialize;
 use std::collections::BTreeSet;
@@ -129,8 +129,7 @@ impl Waiver {
         if self.has_expired(today) {
             return Some(format!("{this} has expired on {}", self.expires.as_deref().unwrap_or_default()));
         }
-        let ran =
-            |report: &&&CaseReport| report.verdict.kind().is_executed() && catalogue::matches(case, report.case.id);
+        let ran = |report: &&&CaseReport| report.verdict.kind().is_executed() && glob::matches(case, report.case.id);
         let ran: Vec<_> = reports.iter().filter(ran).collect();
         if ran.is_empty() {
             return None;
@@ -167,7 +166,7 @@ fn waiver(line: usize, row: Row) -> Result<Waiver, String> {
     if reason.trim().is_empty() {
         return Err("expected a reason: a waiver says why the breach is accepted".to_owned());
     }
-    if !catalogue::cases().iter().any(|known| catalogue::matches(&case, known.id)) {
+    if !catalogue::cases().iter().any(|known| glob::matches(&case, known.id)) {
         return Err(format!("no case is called \"{case}\": `canvass list cases` shows them"));
     }
     let subject = object.parse().map_err(|error: BadSubject| error.to_string())?;
@@ -209,6 +208,7 @@ mod tests {
             evidence: Evidence::default(),
             notes: Vec::new(),
             measurements: Vec::new(),
+            uses: Vec::new(),
             outcomes: Vec::new(),
             duration: Duration::ZERO,
         }
@@ -219,7 +219,7 @@ mod tests {
         let waivers = Waivers::read(FILE).unwrap();
         let names = catalogue::find("301/identity/names").unwrap();
         let explains = |today: &str, breach: &Breach| {
-            waivers.deviations(today).iter().any(|deviation| deviation.explains(names, breach))
+            waivers.deviations(today).iter().any(|deviation| deviation.explains(names.id, breach))
         };
         assert!(explains("2027-06-30", &breach("1008:00")));
         assert!(!explains("2027-06-30", &breach("1009:00")), "another object");

@@ -5,10 +5,13 @@
 
 use canvass_device::Fault;
 use canvass_device::Faults;
+use canvass_device::Liberty;
 use canvass_device::models::Model;
 use canvass_suite::bench::Target;
-use canvass_suite::case::{Case, Level};
+use canvass_suite::case::Case;
 use canvass_suite::catalogue;
+use canvass_suite::clause::Level;
+use canvass_suite::glob;
 use canvass_suite::runner::CaseReport;
 use canvass_suite::selftest::{self, Chance, Extent, Matrix, judge_target};
 use canvass_suite::verdict::Kind;
@@ -95,6 +98,37 @@ fn every_case_catches_what_it_names_and_nothing_else() {
     wrong.extend(matrix.vacuous_cases().iter().map(|case| format!("{} fails on no fault", case.id)));
     assert!(wrong.is_empty() && matrix.is_good(), "{}:\n{}", wrong.len(), wrong.join("\n"));
     assert_eq!(matrix.faults.len(), Fault::ALL.len(), "every fault's model exists");
+}
+
+/// A fault beside a documented deviation of the same case is never hidden: all faults that those cases name, on all models
+/// whose manuals announce something.
+#[test]
+fn no_documented_deviation_hides_a_fault() {
+    let models: Vec<&'static Model> = Model::all().iter().filter(|model| !model.deviations().is_empty()).collect();
+    let deviates = |case: &&'static Case| {
+        let rows = models.iter().flat_map(|model| model.deviations());
+        rows.into_iter().any(|row| glob::matches(&row.case, case.id))
+    };
+    let cases: Vec<&'static Case> = catalogue::cases().into_iter().filter(deviates).collect();
+    let faults = selftest::named_by(&cases);
+    let masking = selftest::run(&cases, &faults, &models, Extent::OneIn(usize::MAX), Chance::NONE).masking;
+    let masked = masking.masked.iter().map(|row| format!("{} on {}: {}", row.fault, row.model, row.case.id));
+    assert_eq!(masked.collect::<Vec<_>>(), Vec::<String>::new());
+    assert!(masking.tried > 100 && masking.beside_deviations > 5, "{masking:?}");
+}
+
+/// No case fails what the standard leaves free, one liberty at a time and several together. `canvass selftest` tries more.
+#[test]
+fn what_the_standard_leaves_free_is_spared() {
+    let chance = Chance { seed: 2, combinations: 20, beside_faults: 0 };
+    let sparing = selftest::run(&catalogue::cases(), &[], &[], Extent::OneIn(usize::MAX), chance).sparing;
+    let rows = sparing.alone.iter().chain(&sparing.combined);
+    let alarms =
+        rows.flat_map(|row| row.alarms.iter().map(move |(case, kind, why)| (row.liberties, case.id, kind, why)));
+    let alarms: Vec<String> = alarms.map(|alarm| format!("{alarm:?}")).collect();
+    assert!(alarms.is_empty(), "{}", alarms.join("\n"));
+    assert_eq!((sparing.alone.len(), sparing.combined.len()), (Liberty::ALL.len(), 20));
+    assert!(Liberty::ALL.len() >= 60);
 }
 
 /// What a standard demands is worth a case only if its violation shows.

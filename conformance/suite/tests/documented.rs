@@ -9,11 +9,11 @@ use canvass_device::Faults;
 use canvass_device::models::{Deviation as Documented, Model};
 use canvass_device::{Device, Motion};
 use canvass_suite::bench::{Bench, Options, Target};
-use canvass_suite::case::Touch;
-use canvass_suite::catalogue;
 use canvass_suite::needs;
 use canvass_suite::runner::run_case;
+use canvass_suite::touch::Touch;
 use canvass_suite::verdict::{Kind, Ruled};
+use canvass_suite::{catalogue, glob};
 use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 
@@ -41,7 +41,7 @@ fn check(id: &str, executed_at_least: usize) {
                 let explained = |ruled: &Ruled| {
                     deviation.subject.covers(ruled.breach.subject) && deviation.does.accepts(&ruled.breach.actual)
                 };
-                catalogue::matches(&deviation.case, case.id) && report.verdict.breaches().iter().any(explained)
+                glob::matches(&deviation.case, case.id) && report.verdict.breaches().iter().any(explained)
             };
             used.extend(
                 (0..).zip(deviations).filter(|(_, deviation)| explains(deviation)).map(|(at, _): (usize, _)| at),

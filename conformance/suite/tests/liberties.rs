@@ -3,8 +3,8 @@
 // `cfg(test)` says nothing new here, but clippy tells by it where a test may unwrap.
 #![cfg(test)]
 
-use canvass_device::Liberty;
 use canvass_device::models::Model;
+use canvass_device::{Fault, Liberty};
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
 use canvass_suite::{catalogue, selftest};
@@ -65,6 +65,20 @@ fn one_of_several_codes() {
     spared(Liberty::LengthBeforeCrc, &lengths);
 }
 
+/// Strings that are arrays have one length; a case that needs others has nothing to judge, one that needs some takes that.
+#[test]
+fn a_string_may_have_one_length() {
+    let cases = ["block-ends", "sequence-zero", "segment-lost", "segment-repeated", "segments-swapped", "complete"];
+    let cases = cases.map(|case| format!("301/sdo/block-download/{case}"));
+    spared(Liberty::StringsOfOneLength, &cases.each_ref().map(String::as_str));
+    spared(Liberty::StringsOfOneLength, &["301/sdo/download/segment-ends", "301/sdo/block-upload/lengths"]);
+}
+
+#[test]
+fn which_sync_of_a_cycle_counts_is_the_devices_matter() {
+    spared(Liberty::SyncCountFromMiddle, &["301/tpdo/sync-count-restarts", "301/tpdo/sync-cycle"]);
+}
+
 #[test]
 fn names_may_end_in_nul() {
     spared(Liberty::NamesEndInNul, &["301/identity/names", "301/sdo/block-upload/complete"]);
@@ -76,6 +90,70 @@ fn errors_in_stopped_need_not_be_kept_and_codes_are_the_devices_own() {
     spared(Liberty::GenericErrorCodes, &["301/error-history/entry"]);
     let follow_up = judge("301/error-history/entry", Liberty::NoEmcy).verdict;
     assert_eq!(follow_up.kind(), Kind::Inconclusive, "without EMCY there is nothing to be kept");
+}
+
+/// An RPDO that is too short has to be reported where there is EMCY, and only there.
+#[test]
+fn what_is_reported_by_emcy() {
+    spared(Liberty::NoEmcy, &["301/rpdo/too-short"]);
+    spared(Liberty::GenericErrorCodes, &["301/rpdo/too-short"]);
+    let model = Model::by_id("reference-301").unwrap();
+    let silent = selftest::judge(catalogue::find("301/rpdo/too-short").unwrap(), model, Fault::ShortRpdoUnreported);
+    assert_eq!(silent.verdict.kind(), Kind::Fail);
+    let lost = ["301/emcy/monitoring-lost", "301/heartbeat-consumer/lost", "301/heartbeat-consumer/all-entries"];
+    spared(Liberty::LostHeartbeatUnreported, &lost);
+    spared(Liberty::SyncLengthUnreported, &["301/sync/wrong-length"]);
+    for id in ["301/emcy/inhibit-time", "301/emcy/generic-bit", "301/error-history/full"] {
+        let verdict = judge(id, Liberty::NoEmcy).verdict;
+        assert!(matches!(verdict.kind(), Kind::Inconclusive | Kind::NotApplicable), "{id}: {:?}", verdict.reason());
+    }
+}
+
+#[test]
+fn a_device_may_start_itself_and_choose_its_events() {
+    let resets = ["pre-operational", "operational", "stopped"]
+        .map(|state| ["reset-node", "reset-communication"].map(|reset| format!("301/nmt/{state}/{reset}")));
+    let resets: Vec<&str> = resets.iter().flatten().map(String::as_str).collect();
+    spared(Liberty::SelfStart, &resets);
+    spared(Liberty::SelfStartByObject, &resets);
+    spared(Liberty::OwnEvents, &["301/tpdo/acyclic", "301/tpdo/change"]);
+    spared(Liberty::LongInhibitTime, &["301/tpdo/event-timer-mean"]);
+}
+
+#[test]
+fn refusals_may_be_more_precise_or_come_earlier() {
+    spared(Liberty::LimitCodePrecise, &["301/pdo/transmission-type/reserved", "301/sync/overflow-range"]);
+    // Of the models with limits, that of the fault about them.
+    let model = Model::by_id(Fault::SdoRangeUnchecked.model()).unwrap();
+    for id in ["301/sdo/download/out-of-range", "301/sdo/download/below-range"] {
+        let report = selftest::judge(catalogue::find(id).unwrap(), model, Liberty::RangeCodeGeneral);
+        assert!(!matches!(report.verdict.kind(), Kind::Fail | Kind::Error), "{id}: {:?}", report.verdict.reason());
+        let checked = selftest::judge(catalogue::find(id).unwrap(), model, Fault::SdoRangeUnchecked);
+        assert_eq!(checked.verdict.kind(), Kind::Fail, "{id} applies");
+    }
+    spared(Liberty::OverflowCodeGeneral, &["301/sync/overflow-while-running"]);
+    let mapping = ["301/pdo/mapping/unmappable", "301/pdo/mapping/missing", "301/pdo/mapping/missing-sub-index"];
+    spared(Liberty::EntryCodeMissing, &mapping);
+    spared(Liberty::EntryCodeUnmappable, &mapping);
+    spared(Liberty::CountCodeMissing, &["301/pdo/mapping/count"]);
+    spared(Liberty::CobIdRewriteRefused, &["301/pdo/mapping/recovery", "301/emcy/cob-id"]);
+}
+
+#[test]
+fn layer_setting_takes_its_time_and_fastscan_is_optional() {
+    spared(Liberty::LssStoreIn2S, &["305/store/answer", "305/store/persists"]);
+    for case in catalogue::cases().into_iter().filter(|case| case.id.starts_with("305/fastscan/")) {
+        let verdict = judge(case.id, Liberty::NoFastscan).verdict;
+        // That one with a node-ID does not answer holds for all.
+        let right = if case.id == "305/fastscan/configured" { Kind::Pass } else { Kind::NotApplicable };
+        assert_eq!(verdict.kind(), right, "{}: {:?}", case.id, verdict.reason());
+    }
+}
+
+#[test]
+fn descriptions_that_other_tools_take() {
+    spared(Liberty::EdsOneDigitHour, &["306/file/header"]);
+    spared(Liberty::EdsListsOutOfOrder, &["306/file/counts", "306/file/sections"]);
 }
 
 #[test]

@@ -6,8 +6,9 @@
 use canvass_device::models::Model;
 use canvass_device::{Fault, Faults};
 use canvass_suite::bench::Target;
-use canvass_suite::case::{Case, Level};
+use canvass_suite::case::Case;
 use canvass_suite::catalogue;
+use canvass_suite::clause::Level;
 use canvass_suite::needs;
 use canvass_suite::selftest::{judge, judge_target};
 use canvass_suite::verdict::Kind;
@@ -178,4 +179,23 @@ fn an_object_with_narrow_limits() {
     for id in ["301/rpdo/event-driven", "301/rpdo/synchronous", "301/rpdo/layout", "301/rpdo/too-long"] {
         assert_eq!(verdicts[id], Kind::Pass, "{id}");
     }
+}
+
+/// In which cases a device fails whose file says something else of it in general than 1018h holds.
+fn failing_identity(change: fn(&mut canvass_analyzer::dictionary::DeviceInfo)) -> Vec<&'static str> {
+    let model = Model::by_id("reference-301").unwrap();
+    let mut target = Target::of(model, model.default_node().unwrap());
+    change(&mut target.description.as_mut().unwrap().device);
+    let cases = catalogue::cases().into_iter().filter(|case| case.id.starts_with("301/identity/"));
+    let failing = cases.filter(|case| judge_target(case, model, Faults::NONE, &target).verdict.kind() == Kind::Fail);
+    failing.map(|case| case.id).collect()
+}
+
+#[test]
+fn a_file_names_the_vendor_but_may_number_products_its_own_way() {
+    let none: [&str; 0] = [];
+    assert_eq!(failing_identity(|device| device.product_number = Some(4_711)), none);
+    assert_eq!(failing_identity(|device| device.revision_number = Some(0x0009_0000)), none);
+    assert_eq!(failing_identity(|device| device.vendor_number = Some(0)), none);
+    assert_eq!(failing_identity(|device| device.vendor_number = Some(0x13)), ["301/identity/vendor-id"]);
 }

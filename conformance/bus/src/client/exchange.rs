@@ -6,7 +6,7 @@ use crate::{Bus, BusError};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
 use canvass_analyzer::wire::{Wire, lss};
-use canvass_traces::{Direction, Duration, Frame, Record};
+use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 
 /// A bus, and who watches what is on it meanwhile.
 pub struct Exchange<'a> {
@@ -14,6 +14,8 @@ pub struct Exchange<'a> {
     pub bus: &'a mut dyn Bus,
     /// Sees every frame, own ones too.
     pub observe: &'a mut dyn FnMut(&Record),
+    /// When transfers are given up, also in their middle: a server can send segments without end.
+    pub ends: Timestamp,
 }
 
 impl Exchange<'_> {
@@ -56,6 +58,7 @@ impl Exchange<'_> {
         loop {
             self.bus.send(&request.to_frame(to))?;
             let response = self.wait_for(patience, |record| answer(record, from))?;
+            let response = response.filter(|_| self.bus.now() < self.ends);
             let step = match response.map(|frame| Response::read(frame.data())) {
                 None => {
                     self.bus.send(&transfer.abort(AbortCode::TIMEOUT).to_frame(to))?;

@@ -1,7 +1,7 @@
 //! The way to an adapter: a serial port, or TCP in either direction.
 
 use std::io::{self, Read, Write};
-use std::net::{TcpListener, TcpStream, ToSocketAddrs};
+use std::net::{Ipv4Addr, TcpListener, TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
 /// Where an adapter is.
@@ -36,7 +36,11 @@ impl Place {
             return Ok(Self::Tcp(address.to_owned()));
         }
         if let Some(address) = text.strip_prefix("listen://") {
-            let listener = TcpListener::bind(address)?;
+            // Whoever connects commands the bus unasked for a password: from other machines only where a host is named.
+            let listener = match address.strip_prefix(':').unwrap_or(address).parse::<u16>() {
+                Ok(port) => TcpListener::bind((Ipv4Addr::LOCALHOST, port))?,
+                Err(_) => TcpListener::bind(address)?,
+            };
             listener.set_nonblocking(true)?;
             return Ok(Self::Listener(listener));
         }

@@ -74,6 +74,16 @@ pub enum SlCanError {
         /// What it was told.
         action: &'static str,
     },
+    /// Nobody has connected to this end.
+    #[error(
+        "nobody has connected to {name} within {waited}: start the program or adapter that connects to it, or say how long to wait"
+    )]
+    NoClient {
+        /// The address.
+        name: String,
+        /// How long.
+        waited: canvass_traces::Duration,
+    },
     /// There is no connection now.
     #[error("{name} is not connected: plug it in, it is opened again by itself")]
     NotConnected {
@@ -93,7 +103,8 @@ fn remedy(error: &io::Error) -> &'static str {
 
 impl SlCan {
     /// Opens the adapter at `place`: a serial port's path, `tcp://host:port`, or `listen://host:port` to wait for a
-    /// program that takes this end for the adapter.
+    /// program that takes this end for the adapter. `listen://port` is reached from this machine only. The protocol knows
+    /// no passwords: whoever connects commands the bus.
     ///
     /// # Errors
     /// [`SlCanError`], which says what to do.
@@ -173,6 +184,17 @@ impl Bus for SlCan {
 
     fn is_live(&self) -> bool {
         true
+    }
+
+    fn wait_for_client(&mut self, patience: canvass_traces::Duration) -> Result<(), BusError> {
+        let deadline = self.now() + patience;
+        while self.is_adapter && self.shared.writer.lock().unwrap_or_else(PoisonError::into_inner).is_none() {
+            if self.now() >= deadline {
+                return Err(SlCanError::NoClient { name: self.shared.name.clone(), waited: patience }.into());
+            }
+            std::thread::sleep(link::LOOK);
+        }
+        Ok(())
     }
 
     fn health(&self) -> Health {
@@ -262,6 +284,38 @@ mod tests {
             adapter.receive(adapter.now() + Duration::from_millis(10)).unwrap();
         }
         assert_eq!(adapter.health().interruptions, 2, "{:?}", adapter.health());
+    }
+
+    #[test]
+    fn who_waits_for_a_client_is_told_when_none_comes() {
+        let mut bus = SlCan::open("listen://0", None).unwrap();
+        let error = bus.wait_for_client(Duration::from_millis(50)).unwrap_err().to_string();
+        assert!(error.contains("nobody has connected to listen://0 within"), "{error}");
+        let address = address();
+        let port = address.rsplit(':').next().unwrap();
+        let mut bus = SlCan::open(&format!("listen://:{port}"), None).unwrap();
+        let client = std::thread::spawn(move || {
+            std::thread::sleep(std::time::Duration::from_millis(100));
+            std::net::TcpStream::connect(address).unwrap()
+        });
+        bus.wait_for_client(Duration::from_secs(10)).unwrap();
+        bus.send(&frame(1)).unwrap();
+        drop(client.join().unwrap());
+    }
+
+    /// A client that says nothing is served until another one comes.
+    #[test]
+    fn a_silent_client_does_not_keep_others_away() {
+        let address = address();
+        let mut bus = SlCan::open(&format!("listen://{address}"), None).unwrap();
+        let silent = std::net::TcpStream::connect(&address).unwrap();
+        bus.wait_for_client(Duration::from_secs(5)).unwrap();
+        let mut second = std::net::TcpStream::connect(&address).unwrap();
+        second.write_all(b"t12310F\r").unwrap();
+        let deadline = bus.now() + Duration::from_secs(10);
+        let record = bus.receive(deadline).unwrap().unwrap();
+        assert_eq!((record.frame.id().raw(), bus.health().interruptions), (0x123, 1));
+        drop(silent);
     }
 
     /// An adapter that has no 800 kbit/s; gives what it was told, line by line.

@@ -15,6 +15,9 @@ const PATIENCE: Duration = Duration::from_millis(300);
 /// How often a lost adapter is looked for.
 const RETRY: Duration = Duration::from_millis(200);
 
+/// A client that has sent nothing for so long gives way to one that waits.
+const IDLE: Duration = Duration::from_secs(5);
+
 /// How often the adapter is asked for its status flags.
 const STATUS: Duration = Duration::from_secs(1);
 
@@ -23,6 +26,8 @@ pub(super) struct Reader {
     place: Place,
     bit_rate: Option<u8>,
     port: Option<Box<dyn Read + Send>>,
+    /// When something came last, or the way was opened.
+    heard: Instant,
     decoder: Decoder,
     minute: MinuteClock,
     hardware: HardwareClock,
@@ -38,6 +43,7 @@ impl Reader {
             place,
             bit_rate,
             port: None,
+            heard: Instant::now(),
             decoder: Decoder::default(),
             minute: MinuteClock::default(),
             hardware: HardwareClock::default(),
@@ -51,6 +57,7 @@ impl Reader {
         let failed = |source| SlCanError::Open { name: self.shared.name.clone(), source };
         let Some(Link { reader, writer }) = self.place.open().map_err(failed)? else { return Ok(()) };
         self.port = Some(reader);
+        self.heard = Instant::now();
         *self.shared.writer.lock().unwrap_or_else(PoisonError::into_inner) = Some(writer);
         (self.decoder, self.has_status) = (Decoder::default(), true);
         (self.minute, self.hardware) = (MinuteClock::default(), HardwareClock::default());
@@ -136,6 +143,7 @@ impl Reader {
                 }
                 continue;
             }
+            self.give_way();
             match self.read() {
                 Ok(messages) => {
                     let arrived = shared.clock.now();
@@ -161,6 +169,23 @@ impl Reader {
         }
     }
 
+    /// One bus has room for one client: whoever has connected and fallen silent does not keep others away for ever.
+    fn give_way(&mut self) {
+        if !matches!(self.place, Place::Listener(_)) || self.heard.elapsed() < IDLE {
+            return;
+        }
+        let before = self.heard;
+        // Nobody waits, or the one who does can't be served: the client that is there stays.
+        if self.connect(false).is_ok() && self.heard != before {
+            let name = &self.shared.name;
+            let trouble = format!("{name}: a silent client gave way to another one");
+            self.shared.inbox.note(|health| {
+                health.interruptions += 1;
+                health.trouble = Some(trouble);
+            });
+        }
+    }
+
     /// What has come, within [`LOOK`].
     fn read(&mut self) -> io::Result<Vec<Message>> {
         let mut bytes = [0; 4096];
@@ -169,6 +194,7 @@ impl Reader {
         match port.read(&mut bytes) {
             Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
             Ok(n) => {
+                self.heard = Instant::now();
                 self.decoder.push(bytes.get(..n).unwrap_or_default(), |message| messages.push(message));
                 Ok(messages)
             }

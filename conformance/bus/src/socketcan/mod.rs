@@ -35,6 +35,8 @@ pub struct SocketCan {
     open: Option<PipeWriter>,
     bit_rate: Option<u32>,
     losses: Cell<Losses>,
+    /// What stands in the bytes of a frame that carry nothing.
+    padding: u8,
 }
 
 /// The frames that were lost before any socket saw them.
@@ -106,7 +108,7 @@ impl SocketCan {
         let receiver = Receiver::new(Arc::clone(&shared), end);
         let thread = std::thread::Builder::new().name(format!("receive {interface}"));
         let receiver = thread.spawn(move || receiver.run()).map_err(failed("receive from"))?;
-        Ok(Self { shared, receiver: Some(receiver), open: Some(open), bit_rate: link.bit_rate, losses })
+        Ok(Self { shared, receiver: Some(receiver), open: Some(open), bit_rate: link.bit_rate, losses, padding: 0 })
     }
 
     /// Whether the kernel has what is needed, whichever interfaces there are.
@@ -150,6 +152,23 @@ impl SocketCan {
     }
 }
 
+/// What is left of an earlier use of the memory. Taken for flags of CAN FD, its bits say: a CAN FD frame, sent by a device
+/// in error passive state.
+const DIRT: u8 = 0xA7;
+
+/// Fills the bytes of a classical frame for the socket that carry nothing: three behind the length, and the data that it
+/// does not have.
+fn pad(packet: &mut [u8], length: usize, padding: u8) {
+    const CLASSICAL: usize = 16;
+    if packet.len() != CLASSICAL || padding == 0 {
+        return;
+    }
+    let carries_nothing = |at: usize| matches!(at, 5..8) || at >= 8 + length;
+    for (_, byte) in packet.iter_mut().enumerate().filter(|(at, _)| carries_nothing(*at)) {
+        *byte = padding;
+    }
+}
+
 impl Bus for SocketCan {
     fn now(&self) -> Timestamp {
         self.shared.clock.now()
@@ -162,6 +181,7 @@ impl Bus for SocketCan {
         }
         let mut packet = Vec::with_capacity(72);
         to_socket(&Record::new(Timestamp::ZERO, ChannelId(0), *frame), &mut packet);
+        pad(&mut packet, frame.data().len(), self.padding);
         let started = self.now();
         // Before the frame is handed over: its echo may be faster than this thread.
         self.remember_sent(started);
@@ -187,6 +207,10 @@ impl Bus for SocketCan {
 
     fn bit_rate(&self) -> Option<u32> {
         self.bit_rate
+    }
+
+    fn dirty_padding(&mut self) {
+        self.padding = DIRT;
     }
 
     fn is_live(&self) -> bool {
@@ -246,6 +270,7 @@ impl Drop for SocketCan {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_traces::CanId;
 
     #[test]
     fn what_an_interface_lost_before_is_not_counted_and_a_new_one_counts_from_zero() {
@@ -253,5 +278,19 @@ mod tests {
         assert_eq!(losses.at(40).lost, 0);
         assert_eq!(losses.at(47).lost, 7);
         assert_eq!(losses.at(47).at(2).at(3).lost, 10);
+    }
+
+    #[test]
+    fn dirt_stands_where_a_frame_says_nothing_and_is_not_read() {
+        let id = CanId::standard(0x58B).unwrap();
+        let record = Record::new(Timestamp::ZERO, ChannelId(0), Frame::new(id, &[0x43, 0, 0x10]).unwrap());
+        let mut packet = Vec::new();
+        to_socket(&record, &mut packet);
+        let clean = packet.clone();
+        pad(&mut packet, 3, 0);
+        assert_eq!(packet, clean);
+        pad(&mut packet, 3, DIRT);
+        assert_eq!((&packet[..5], &packet[5..8], &packet[8..11]), (&clean[..5], &[DIRT; 3][..], &clean[8..11]));
+        assert_eq!(packet[11..], [DIRT; 5]);
     }
 }

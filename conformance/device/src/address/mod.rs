@@ -6,6 +6,7 @@
 //! slcan:/dev/ttyACM0[@BITRATE]      a serial CAN adapter
 //! slcan:tcp://HOST:PORT[@BITRATE]   one behind TCP
 //! slcan:listen://HOST:PORT          this end is the adapter, for a program that connects
+//! slcan:listen://PORT               the same, for programs on this machine only
 //! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
 //! sim:MODEL[:NODE][@BITRATE][~MOTION][~~LIBERTY...][+FAULT...][+MODEL...]    with all that can be said, and with several
 //!                                   devices
@@ -82,6 +83,15 @@ pub fn open(address: &str) -> Result<Opened, BusError> {
 /// # Errors
 /// As [`open`].
 pub fn open_seeded(address: &str, seed: u64) -> Result<Opened, BusError> {
+    open_seeded_at(address, seed, None)
+}
+
+/// As [`open_seeded`]; a simulated device that is alone on its bus, and whose node-ID the address does not tell, gets
+/// `node`.
+///
+/// # Errors
+/// As [`open`].
+pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<Opened, BusError> {
     match address.parse()? {
         #[cfg(target_os = "linux")]
         BusAddress::SocketCan { interface } => {
@@ -96,7 +106,12 @@ pub fn open_seeded(address: &str, seed: u64) -> Result<Opened, BusError> {
             let bus = Box::new(canvass_bus::slcan::SlCan::open(&port, bit_rate)?);
             Ok(Opened { bus, model: None, devices: Vec::new() })
         }
-        BusAddress::Simulated(devices) => simulate(&devices, seed),
+        BusAddress::Simulated(mut devices) => {
+            if let ([only], Some(node)) = (&mut devices[..], node) {
+                only.node.get_or_insert(GivenNode::Id(node));
+            }
+            simulate(&devices, seed)
+        }
     }
 }
 
@@ -206,6 +221,15 @@ mod tests {
         let second = Timestamp(1_000_000_000);
         let boots = std::iter::from_fn(|| opened.bus.receive(second).unwrap()).map(|record| record.frame.to_string());
         assert_eq!(boots.collect::<Vec<_>>(), ["705#00", "73F#00"]);
+    }
+
+    #[test]
+    fn a_device_that_is_alone_takes_the_node_id_that_it_is_given() {
+        let node = |address: &str| open_seeded_at(address, 0, NodeId::new(5)).unwrap().node().map(NodeId::raw);
+        assert_eq!((node("sim:kuebler-sendix-58x8"), node("sim:kuebler-sendix-m58")), (Some(5), Some(5)));
+        assert_eq!(node("sim:kuebler-sendix-58x8:63"), Some(63), "the address decides");
+        assert_eq!(node("sim:kuebler-sendix-58x8:255"), None);
+        assert_eq!(node("sim:kuebler-sendix-58x8+kuebler-sendix-58x8"), Some(63), "it would not tell which of them");
     }
 
     #[test]

@@ -4,7 +4,7 @@ use super::emcy::{check_cob_id, check_peer_cob_id};
 use super::lss_slave::UNCONFIGURED;
 use super::objects::Objects;
 use super::store::StoreCommand;
-use super::{clock, heartbeat_consumer, pdo, sync};
+use super::{heartbeat_consumer, pdo, sync, time};
 use crate::models::Rule;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -71,7 +71,7 @@ impl Objects {
             }
             (object::COB_ID_SYNC, _) => sync::check_cob_id(value, parameters, network, firmware),
             (object::COMMUNICATION_CYCLE_PERIOD, _) => sync::check_period(value, network),
-            (object::COB_ID_TIME, _) => clock::check(value, parameters, network, firmware),
+            (object::COB_ID_TIME, _) => time::check(value, parameters, network, firmware),
             (object::COB_ID_EMCY, _) => check_cob_id(value, parameters, firmware),
             (object::CONSUMER_HEARTBEAT_TIME, 1..) => {
                 let code = self.model.sheet().abort(Rule::OneConsumerPerNode, at);

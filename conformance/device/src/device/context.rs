@@ -1,7 +1,7 @@
 //! What the services of a device share.
 
 use super::PLACEHOLDER;
-use super::emcy::Condition;
+use super::condition::Condition;
 use super::nmt::{Order, Phase, Service};
 use super::objects::Objects;
 use super::service::Event;
@@ -100,7 +100,12 @@ impl Context {
 
     /// A condition is there or gone.
     pub fn report(&mut self, condition: Condition, present: bool) {
-        let next = if self.objects.errors.set(condition, present) && present { self.reaction(condition) } else { None };
+        let reacts_to_return = self.firmware().reacts_to_return();
+        let next = if self.objects.errors.set(condition, present) && (present || reacts_to_return) {
+            self.reaction(condition)
+        } else {
+            None
+        };
         if next.unwrap_or(self.phase) == Phase::Stopped {
             self.objects.errors.on_stopped();
         }

@@ -1,8 +1,4 @@
-//! Errors: the error register (1001h), the history (1003h) and the EMCY messages (1014h, 1015h).
-
-mod condition;
-
-pub(super) use condition::Condition;
+//! EMCY: what is sent of the device's own errors (1014h, 1015h), and what is heard of others' (1028h).
 
 use super::context::Context;
 use super::nmt;
@@ -10,220 +6,12 @@ use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
 use crate::Firmware;
-use crate::models::Quirks;
 use canvass_analyzer::CobId;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
+use canvass_analyzer::wire::emcy;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::{Duration, Frame, Timestamp};
-use std::collections::VecDeque;
-
-/// The state of errors.
-#[derive(Clone, Debug)]
-pub(super) struct Errors {
-    present: Vec<Condition>,
-    /// 1003h, newest first.
-    history: VecDeque<u32>,
-    /// How many the history holds.
-    capacity: usize,
-    /// Not sent yet.
-    queue: VecDeque<Emcy>,
-    /// 1015h: no EMCY before then.
-    inhibited_until: Timestamp,
-    /// Bits that a firmware forgets to clear.
-    stuck: u8,
-    quirks: Quirks,
-    firmware: Firmware,
-}
-
-/// More EMCY messages than that don't wait; the oldest stay.
-const LONGEST_QUEUE: usize = 16;
-
-/// As many errors are counted where 1003h shows fewer.
-const MOST_COUNTED: usize = 16;
-
-impl Errors {
-    /// No error; the history holds `capacity` entries.
-    pub fn new(capacity: usize, quirks: &Quirks, firmware: &Firmware) -> Self {
-        // Errors that can only be cleared one by one are counted beyond those that are shown.
-        let capacity = if quirks.error_register_read_clears { MOST_COUNTED } else { capacity };
-        Self {
-            quirks: quirks.clone(),
-            stuck: 0,
-            firmware: *firmware,
-            present: Vec::new(),
-            history: VecDeque::with_capacity(capacity),
-            capacity,
-            queue: VecDeque::with_capacity(LONGEST_QUEUE),
-            inhibited_until: Timestamp::ZERO,
-        }
-    }
-
-    /// 1001h.
-    pub fn register(&self) -> u8 {
-        let register =
-            self.present.iter().fold(self.stuck, |register, condition| register | condition.register(&self.quirks));
-        match !self.firmware.sets_generic_bit() {
-            true => register & !ErrorRegister::GENERIC.0,
-            false => register,
-        }
-    }
-
-    /// The entry of 1003h, of which sub-index 0 is the number of errors.
-    ///
-    /// # Errors
-    /// "No data" for an entry that is still empty.
-    pub fn history(&self, sub: u8) -> Result<u64, AbortCode> {
-        let Some(n) = usize::from(sub).checked_sub(1) else { return Ok(self.history.len() as u64) };
-        let position = match self.firmware.reverses_history() {
-            true => self.history.len().checked_sub(n + 1),
-            false => Some(n),
-        };
-        match position.and_then(|position| self.history.get(position)) {
-            Some(&entry) => Ok(u64::from(entry)),
-            None if self.quirks.empty_error_history_reads_zero => Ok(0),
-            None if self.firmware.reads_empty_history_as_zero() => Ok(0),
-            None => Err(self.firmware.empty_history_code()),
-        }
-    }
-
-    /// 0 was written to 1003h:00.
-    pub fn clear_history(&mut self) {
-        if !self.firmware.clears_history() {
-            return;
-        }
-        let was_empty = self.history.is_empty();
-        self.history.clear();
-        if self.quirks.error_register_read_clears && !was_empty {
-            self.acknowledge();
-        }
-    }
-
-    /// 1001h was read by SDO.
-    pub fn register_was_read(&mut self) {
-        if self.quirks.error_register_read_clears && self.history.pop_front().is_some() && self.history.is_empty() {
-            self.acknowledge();
-        }
-    }
-
-    /// The last error of the history is gone: so is what the register shows.
-    fn acknowledge(&mut self) {
-        self.present.clear();
-        self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(0), [0; 5]));
-    }
-
-    /// 6503h.
-    pub fn alarms(&self) -> u64 {
-        self.present.iter().fold(0, |alarms, condition| alarms | condition.alarm())
-    }
-
-    /// A condition is there or gone. Reports it only when that changes, and says whether it does.
-    pub fn set(&mut self, condition: Condition, present: bool) -> bool {
-        let position = self.present.iter().position(|other| other.key() == condition.key());
-        match (position, present) {
-            (None, true) => self.present.push(condition),
-            (Some(position), false) => {
-                self.present.remove(position);
-            }
-            _ => return false,
-        }
-        if !present && self.firmware.keeps_register_bits() {
-            self.stuck |= condition.register(&self.quirks);
-        }
-        let register = ErrorRegister(if !self.firmware.shows_register_in_emcy() { 0 } else { self.register() });
-        if present {
-            self.remember(condition);
-            let emcy = Emcy::new(self.code(condition), register, condition.manufacturer());
-            self.push(emcy);
-            if self.firmware.repeats_emcy() {
-                self.push(emcy);
-            }
-        } else if self.firmware.sends_error_reset() {
-            self.push(Emcy::new(EmcyCode::NO_ERROR, register, [0; 5]));
-        }
-        true
-    }
-
-    /// The code that is signalled.
-    fn code(&self, condition: Condition) -> EmcyCode {
-        if self.firmware.has_generic_codes_only() { EmcyCode::GENERIC } else { condition.code(&self.quirks) }
-    }
-
-    fn remember(&mut self, condition: Condition) {
-        let kept = if self.firmware.overflows_history() { 254 } else { self.capacity };
-        self.history.truncate(kept.saturating_sub(1));
-        let [low, high, ..] = condition.manufacturer();
-        let information = u32::from(u16::from_le_bytes([low, high]));
-        self.history.push_front(information << 16 | u32::from(self.code(condition).0));
-    }
-
-    fn push(&mut self, emcy: Emcy) {
-        if self.queue.len() < LONGEST_QUEUE && self.firmware.signals_errors() {
-            self.queue.push_back(emcy);
-        }
-    }
-
-    /// The next message to send, unless the inhibit time runs.
-    pub fn poll(&mut self, now: Timestamp, inhibit: Duration) -> Option<Emcy> {
-        if now < self.inhibited_until {
-            if !self.firmware.keeps_emcy_when_inhibited() {
-                self.queue.clear();
-            }
-            return None;
-        }
-        let emcy = self.queue.pop_front()?;
-        if self.firmware.heeds_emcy_inhibit_time() {
-            self.inhibited_until = now + inhibit;
-        }
-        Some(emcy)
-    }
-
-    /// When [`Errors::poll`] has something again.
-    pub fn timeout(&self) -> Timestamp {
-        match self.queue.is_empty() {
-            true => Timestamp::MAX,
-            // What is lost is lost at once.
-            false if !self.firmware.keeps_emcy_when_inhibited() => Timestamp::ZERO,
-            false => self.inhibited_until,
-        }
-    }
-
-    /// The device is in stopped.
-    pub fn on_stopped(&mut self) {
-        if !self.firmware.keeps_emcy_when_stopped() {
-            self.queue.clear();
-            self.clear_history();
-        }
-    }
-
-    /// The device has left stopped: what came meanwhile may be signalled now.
-    fn after_stopped(&mut self) {
-        if self.firmware.drops_emcy_of_stopped() {
-            self.queue.clear();
-        }
-        if self.firmware.signals_newest_after_stopped() {
-            self.queue.drain(..self.queue.len().saturating_sub(1));
-        }
-    }
-
-    /// A reset: conditions are found anew, what was not sent is lost, the history stays until power-off, unless a reset
-    /// clears it too.
-    pub fn reset(&mut self) {
-        self.present.clear();
-        self.queue.clear();
-        self.inhibited_until = Timestamp::ZERO;
-        if self.quirks.error_register_read_clears {
-            self.clear_history();
-        }
-    }
-
-    /// Off and on again: nothing is remembered, and nothing said.
-    pub fn power_on(&mut self) {
-        self.history.clear();
-        self.reset();
-    }
-}
 
 /// Sends what is to be said of errors, and hears what others say of theirs.
 #[derive(Clone, Copy, Debug)]
@@ -237,6 +25,11 @@ impl EmcyService {
         }
         let inhibit =
             Duration::from_micros(100 * context.objects.parameters.number_or_zero(object::INHIBIT_TIME_EMCY, 0));
+        if inhibit > Duration::ZERO && context.firmware().mutes_inhibited_emcy() {
+            // What is in the queue is lost.
+            while context.objects.errors.poll(now, Duration::ZERO).is_some() {}
+            return None;
+        }
         // One that 1014h silences is gone, the next one may follow at once.
         loop {
             let emcy = context.objects.errors.poll(now, inhibit)?;
@@ -272,7 +65,7 @@ impl Service for EmcyService {
             Event::Written(at, value)
                 if at.index.0 == object::INHIBIT_TIME_EMCY && context.firmware().inhibits_from_write() =>
             {
-                context.objects.errors.inhibited_until = now + Duration::from_micros(100 * value);
+                context.objects.errors.inhibit_until(now + Duration::from_micros(100 * value));
             }
             Event::Written(at, _) if at.index.0 == object::PREDEFINED_ERROR_FIELD => {
                 context.objects.errors.clear_history();

@@ -1,7 +1,7 @@
 //! Node guarding and life guarding (100Ch, 100Dh).
 
+use super::condition::Condition;
 use super::context::Context;
-use super::emcy::Condition;
 use super::nmt::Phase;
 use super::service::{Event, Service};
 use crate::Firmware;

@@ -79,7 +79,8 @@ impl Service for HeartbeatProducer {
         match event {
             Event::Initialise => self.stop(),
             Event::Started | Event::Resumed => {
-                self.boot(now, context.objects.parameters.number_or_zero(object::PRODUCER_HEARTBEAT_TIME, 0), firmware);
+                let stored = context.objects.parameters.number_or_zero(object::PRODUCER_HEARTBEAT_TIME, 0);
+                self.boot(now, if firmware.heeds_stored_times() { stored } else { 0 }, firmware);
             }
             Event::Entered { .. } if !firmware.keeps_heartbeat_over_state_change() => self.stop(),
             Event::Written(at, millis) if at.index.0 == object::PRODUCER_HEARTBEAT_TIME => {

@@ -1,7 +1,8 @@
 //! The heartbeat consumer (1016h): misses the nodes that it has heard once.
 
+use super::condition::Condition;
 use super::context::Context;
-use super::emcy::Condition;
+use super::nmt::Order;
 use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
@@ -89,8 +90,13 @@ impl Service for HeartbeatConsumer {
 
     fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
         match event {
+            Event::Started if context.firmware().forgets_stored_consumer() => self.watched.clear(),
+            Event::Started if !context.firmware().heeds_stored_times() => {}
             Event::Started => self.configure(now, &context.objects.parameters, context.firmware()),
-            Event::Written(at, _) if at.index.0 == object::CONSUMER_HEARTBEAT_TIME && acts(at, context) => {
+            Event::Written(at, value) if at.index.0 == object::CONSUMER_HEARTBEAT_TIME && acts(at, context) => {
+                if split(value).0 > 127 && context.firmware().hangs_of_consumer_entry() {
+                    context.order(Order::Hang);
+                }
                 self.configure(now, &context.objects.parameters, context.firmware());
             }
             _ => {}
@@ -134,6 +140,9 @@ pub(super) fn check(
     firmware: &Firmware,
 ) -> Result<(), AbortCode> {
     let (node, time) = split(value);
+    if !firmware.takes_consumer_times() {
+        return Err(AbortCode::INVALID_VALUE);
+    }
     if node == 0 || time == 0 {
         return Ok(());
     }

@@ -39,7 +39,9 @@ impl Device {
 
     /// What a service wants of the device.
     pub(super) fn obey(&mut self, now: Timestamp, order: Order) {
-        match order {
+        let resets = matches!(order, Order::ResetCommunication | Order::ResetNode);
+        let hangs = self.context.phase == Phase::Stopped && self.context.firmware().hangs_at_reset_when_stopped();
+        match if resets && hangs { Order::Hang } else { order } {
             Order::Enter(phase) => self.enter(now, phase),
             Order::ResetCommunication => self.reset_communication(now),
             Order::ResetNode => self.reset_node(now),

@@ -1,16 +1,19 @@
 //! Simulated devices: the state machines of a CANopen device, without I/O and without a clock.
 //!
-//! One file for each service. `service` says what they have in common and in which order they are called, `context` what
-//! they share; `dispatch` is the loop over them, `lifecycle` what the device as a whole does. What faulty firmwares do is
+//! One file for each service. `service` says what they have in common, `services` which there are and in which order they
+//! are called, `context` what they share; `dispatch` is the loop over them, `lifecycle` what the device as a whole does. What faulty firmwares do is
 //! in `firmware` (hooks), `mischief` (a filter of frames) and `overlay` (the object dictionary).
 
 mod bit_rate;
+mod chance;
 mod checks;
 mod clock;
+mod condition;
 mod context;
 mod dispatch;
 mod emcy;
 mod encoder;
+mod errors;
 mod firmware;
 mod guarding;
 mod heartbeat;
@@ -36,10 +39,12 @@ mod rpdo;
 mod sdo_channels;
 mod sdo_server;
 mod service;
+mod services;
 mod shaft;
 mod store;
 mod storing;
 mod sync;
+mod time;
 mod tpdo;
 
 pub use memory::{Memory, MemoryError};
@@ -53,9 +58,9 @@ use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_analyzer::wire::error_control::State;
 use canvass_traces::Timestamp;
-use clock::TimeService;
+use condition::Condition;
 use context::Context;
-use emcy::{Condition, EmcyService};
+use emcy::EmcyService;
 use guarding::NodeGuarding;
 use heartbeat::HeartbeatProducer;
 use heartbeat_consumer::HeartbeatConsumer;
@@ -69,11 +74,13 @@ use own_traffic::OwnTraffic;
 use routes::Routes;
 use rpdo::Rpdos;
 use sdo_channels::SdoChannels;
-use service::{Event, Services};
+use service::Event;
+use services::Services;
 use shaft::Shaft;
 use store::{Groups, Store};
 use storing::Storing;
 use sync::SyncObject;
+use time::TimeService;
 use tpdo::Tpdos;
 
 /// A simulated device.

@@ -2,8 +2,9 @@
 
 use super::PLACEHOLDER;
 use super::clock::Clock;
-use super::emcy::{Condition, Errors};
+use super::condition::Condition;
 use super::encoder::Encoder;
+use super::errors::Errors;
 use super::limit_switches;
 use super::lss_slave::UNCONFIGURED;
 use super::motion::Motion;
@@ -254,7 +255,21 @@ impl Objects {
             Err(AbortCode::LENGTH_TOO_HIGH) if !self.firmware.checks_length() => Ok(()),
             Err(AbortCode::LENGTH_TOO_LOW) if !self.firmware.checks_short_length() => Ok(()),
             Err(code) => Err(self.model.sheet().network.sdo_length_abort.map_or(code, AbortCode)),
-            Ok(()) => Ok(()),
+            Ok(()) => self.check_usual_length(at, len),
+        }
+    }
+
+    /// A firmware that keeps strings in arrays: each has the length of what it holds.
+    fn check_usual_length(&self, at: Multiplexer, len: usize) -> Result<(), AbortCode> {
+        let entry = self.parameters.entry(at)?;
+        if entry.size().is_some() || !self.firmware.takes_one_length() {
+            return Ok(());
+        }
+        match entry.reading(None).bytes().len() {
+            0 => Ok(()),
+            usual if len < usual => Err(AbortCode::LENGTH_TOO_LOW),
+            usual if len > usual => Err(AbortCode::LENGTH_TOO_HIGH),
+            _ => Ok(()),
         }
     }
 

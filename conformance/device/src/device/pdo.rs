@@ -66,6 +66,13 @@ pub(super) fn mapping(
     (1..=count).filter_map(move |sub| parameters.number(index, sub)).map(|raw| MappingEntry(raw as u32))
 }
 
+/// The entry after the last one that is in use, if it is filled.
+pub(super) fn entry_beyond(direction: Direction, parameters: &Parameters, number: u16) -> Option<MappingEntry> {
+    let index = direction.mapping() + number;
+    let next = u8::try_from(parameters.number_or_zero(index, 0)).ok()?.checked_add(1)?;
+    parameters.number(index, next).filter(|&raw| raw != 0).map(|raw| MappingEntry(raw as u32))
+}
+
 /// The conditions of a write to 1400h.. or 1800h..
 ///
 /// # Errors
@@ -73,6 +80,9 @@ pub(super) fn mapping(
 pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
+    if number > 0 && firmware.protects_first_pdo_only() {
+        return Ok(());
+    }
     let cob_id = CobId(parameters.number_or_zero(at.index.0, 1) as u32);
     let is_valid_and_changes = cob_id.is_valid() && value != parameters.number_or_zero(at.index.0, at.sub.0);
     if at.sub.0 != 1 && cob_id.is_valid() && firmware.locks_pdo_parameters() {
@@ -131,6 +141,9 @@ fn check_cob_id(
     if moved && !reserved && firmware.checks_pdo_id_while_valid() {
         return Err(firmware.cob_id_code(objects.model.sheet().abort(Rule::CanIdWhileInvalid, at)));
     }
+    if !firmware.switches_pdos_off() && old.is_valid() && !new.is_valid() {
+        return Err(AbortCode::INVALID_VALUE);
+    }
     if firmware.refuses_cob_id_rewrite() && old.is_valid() && new.is_valid() {
         return Err(firmware.cob_id_code(AbortCode::INVALID_VALUE));
     }
@@ -162,6 +175,9 @@ fn is_delivered_empty(direction: Direction, number: u16, objects: &Objects) -> b
 pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
     let Some((direction, number)) = Direction::of(at.index.0) else { return Ok(()) };
     let (parameters, firmware) = (&objects.parameters, &objects.firmware);
+    if number > 0 && firmware.protects_first_pdo_only() {
+        return Ok(());
+    }
     let valid = CobId(parameters.number_or_zero(direction.communication() + number, 1) as u32).is_valid();
     let in_use = at.sub.0 != 0 && parameters.number_or_zero(at.index.0, 0) != 0;
     if (valid || in_use) && firmware.checks_mapping_while_valid() {

@@ -1,7 +1,7 @@
 //! Receive PDOs: when their values act, their length, and their deadline (CiA 301, 7.2.2.4).
 
+use super::condition::Condition;
 use super::context::Context;
-use super::emcy::Condition;
 use super::objects::Objects;
 use super::parameters::Parameters;
 use super::pdo::{self, Direction};
@@ -188,14 +188,17 @@ impl Rpdos {
             return;
         }
         let too_long = data.len() > rpdo.len();
+        let is_right = data.len() == rpdo.len();
         if rpdo.is_synchronous() && context.sync_closed || too_long && !context.firmware().takes_long_rpdo() {
             return;
         }
         let received = rpdo.on_frame(now, data, context.firmware());
         let too_short = received == Received::TooShort;
         let ordinal = rpdo.ordinal();
-        context.report(Condition::RpdoTooShort { rpdo: ordinal }, too_short);
-        let reported = too_long && context.firmware().reports_long_rpdo();
+        let reported = too_short && context.firmware().reports_short_rpdo();
+        context.report(Condition::RpdoTooShort { rpdo: ordinal }, reported);
+        let reported =
+            too_long && context.firmware().reports_long_rpdo() || is_right && context.firmware().reports_right_rpdo();
         context.report(Condition::RpdoTooLong { rpdo: ordinal }, reported);
         if !too_short {
             context.report(Condition::RpdoLate { rpdo: ordinal }, false);

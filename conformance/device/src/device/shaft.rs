@@ -1,13 +1,11 @@
 //! Errors of the application: of a shaft that is too fast, of a position that is wrong, of a sensor that is too hot.
 
+use super::condition::Condition;
 use super::context::Context;
-use super::emcy::Condition;
+use super::encoder::TEMPERATURE;
 use super::objects::Objects;
 use super::service::{Event, Service};
 use canvass_traces::{Duration, Timestamp};
-
-/// The temperature of the sensor as 2120h counts it: degrees Celsius plus 64.
-pub(super) const TEMPERATURE: u8 = 0x56;
 
 /// How often the speed of a shaft that turns is compared with its limit.
 const WATCH: Duration = Duration::from_millis(100);

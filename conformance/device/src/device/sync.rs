@@ -1,7 +1,7 @@
 //! SYNC: consumed and produced, with or without a counter (1005h, 1006h, 1007h, 1019h).
 
+use super::condition::Condition;
 use super::context::Context;
-use super::emcy::Condition;
 use super::nmt;
 use super::parameters::Parameters;
 use super::routes::{Route, Routes};
@@ -23,6 +23,8 @@ pub(super) struct SyncObject {
     period: Duration,
     /// The highest counter; 0: no counter.
     overflow: u8,
+    /// Whether SYNCs that are produced have a counter.
+    sends_counter: bool,
     /// Whether 1019h exists: only then a wrong length is noticed.
     counts: bool,
     /// The counter of the next SYNC produced.
@@ -45,6 +47,7 @@ impl SyncObject {
             produces: false,
             period: Duration::ZERO,
             overflow: 0,
+            sends_counter: false,
             counts: false,
             counter: FIRST,
             due: Timestamp::MAX,
@@ -67,6 +70,8 @@ impl SyncObject {
             network.sync_producer && is_producing(number(object::COB_ID_SYNC)) && self.period > Duration::ZERO;
         self.counts = parameters.number(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0).is_some();
         self.overflow = number(object::SYNCHRONOUS_COUNTER_OVERFLOW) as u8;
+        self.sends_counter =
+            self.overflow > 0 || firmware.counts_moved_sync() && self.cob_id.can_id() != u32::from(CAN_ID);
         let ignored = !firmware.heeds_sync_window();
         self.window =
             if ignored { Duration::ZERO } else { Duration::from_micros(number(object::SYNCHRONOUS_WINDOW_LENGTH)) };
@@ -98,7 +103,7 @@ impl SyncObject {
             return None;
         }
         self.due += self.period;
-        if self.overflow == 0 {
+        if !self.sends_counter {
             return Some(SyncMessage { counter: None });
         }
         let counter = self.counter;
@@ -142,7 +147,8 @@ impl Service for SyncObject {
             return;
         }
         let fits = self.has_length(frame.len(), context.firmware());
-        context.report(Condition::SyncLength, !fits && context.firmware().reports_sync_length());
+        let reported = !fits && context.firmware().reports_sync_length() || context.firmware().reports_right_sync();
+        context.report(Condition::SyncLength, reported);
         if fits {
             self.open(now);
             context.events.push_back(Event::Sync { counter: frame.data().first().copied() });
@@ -218,7 +224,7 @@ pub(super) fn check_cob_id(
     let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let moved = is_producing(old.0.into()) && new.can_id() != old.can_id() && is_producing(value);
     let moved = moved && firmware.checks_sync_id_while_producing();
-    if reserved || impossible || restricted {
+    if reserved || impossible || restricted || !firmware.takes_sync_id() {
         return Err(AbortCode::INVALID_VALUE);
     }
     if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }

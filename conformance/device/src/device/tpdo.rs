@@ -111,6 +111,9 @@ impl Tpdo {
         self.sync_start = sync_start;
         self.mapping.clear();
         self.mapping.extend(pdo::mapping(Direction::Transmit, &objects.parameters, self.number));
+        if firmware.maps_beyond_count() && !self.mapping.is_empty() {
+            self.mapping.extend(pdo::entry_beyond(Direction::Transmit, &objects.parameters, self.number));
+        }
         if self.running {
             self.arm(now, objects);
         }
@@ -130,7 +133,7 @@ impl Tpdo {
     fn start(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         self.running = true;
         if objects.firmware.resets_sync_count() {
-            self.syncs = 0;
+            self.syncs = if objects.firmware.counts_from_middle() { self.transmission.0 / 2 } else { 0 };
         }
         self.awaits_start = self.sync_start != 0;
         self.last = None;

@@ -67,9 +67,12 @@ liberties! {
     BlockInitiateRefused = "block-initiate-refused", "CiA 301 7.2.4.3.8, 7.2.4.3.12" by [CANOPEN_NODE]: "A new initiate during a block transfer is answered with abort 0504 0001h; the next request is served.",
     TransferWithoutTimeout = "transfer-without-timeout", "CiA 301 7.2.4.3.17" by [CANOPEN_STACK]: "A transfer waits for its client for ever.",
     TimeoutWithoutAbort = "timeout-without-abort", "CiA 301 7.2.4.3.17": "A transfer whose client says nothing any more ends in silence.",
+    ReservedBitsRefused = "reserved-bits-refused", "CiA 301 7.2.4.3" by [CANOPEN_NODE]: "A request whose command has reserved bits set is an unknown one: abort 0504 0001h, which names no object.",
+    ProtocolBeforeBlockSize = "protocol-before-block-size", "CiA 301 7.2.4.3.13" by [CANOPEN_NODE]: "A block upload of a value up to the threshold becomes a normal one, whatever the size of blocks it asks for.",
     SmallBlocks = "small-blocks", "CiA 301 7.2.4.3.9": "Downloads come in blocks of four segments.",
     SizesUnannounced = "sizes-unannounced", "CiA 301 7.2.4.3.6, 7.2.4.3.13": "Uploads in segments and in blocks don't announce their size.",
     StringsInSegments = "strings-in-segments", "CiA 301 7.2.4.3.6" by [LIKA, TR]: "Strings come in segments, however short they are.",
+    StringsOfOneLength = "strings-of-one-length", "CiA 301 7.2.4.3.17" by [CANOPEN_NODE]: "A string or domain that is not empty takes values of its own length, and refuses others with abort 0607 0012h or 0607 0013h.",
     BlocksWithoutCrc = "blocks-without-crc", "CiA 301 7.2.4.3.9, 7.2.4.3.13": "Block transfers have no CRC.",
     NoBlockTransfer = "no-block-transfer", "CiA 301 7.2.4.1" by [KUEBLER, LIKA, TR]: "The SDO server knows no block transfers.",
     ProtocolNotSwitched = "protocol-not-switched", "CiA 301 7.2.4.3.13": "A block upload stays one, whatever its threshold for another protocol.",
@@ -135,6 +138,7 @@ liberties! {
     NoApplicationObjects = "no-application-objects", "CiA 301 7.4.1" by [CANOPEN_NODE]: "Nothing but the communication profile: no object from 2000h on; PDOs map nothing and are off.",
     NoLongObjects = "no-long-objects", "CiA 301 7.4.1": "No object can be written that has more than four bytes.",
     OwnEvents = "own-events", "CiA 301 7.2.2.3" by [LELY]: "What is written over the bus is no event: TPDOs are sent by events of the application alone.",
+    SyncCountFromMiddle = "sync-count-from-middle", "CiA 301 7.2.2.2, 7.3.2.2.3" by [CANOPEN_NODE]: "The first TPDO of transmission type n comes in the middle of n SYNCs after the start, the others every n.",
     NoSynchronousPdos = "no-synchronous-pdos", "CiA 301 7.5.2.35, 7.5.2.37": "PDOs are event-driven only: other transmission types are refused with abort 0609 0030h.",
     NoRtr = "no-rtr", "CiA 301 7.5.2.37" by [KUEBLER, LIKA]: "TPDOs can't be asked for by remote frames: bit 30 of their COB-IDs is set and can't be cleared.",
     NoDummies = "no-dummies", "CiA 301 7.5.2.36": "There is no dummy mapping.",
@@ -153,6 +157,7 @@ liberties! {
     // The bus
     OwnSdoClient = "own-sdo-client", "CiA 301 7.2.4.1": "The device is an SDO client too: it asks node 127, or node 126, for its device type twice a second.",
     OwnTraffic = "own-traffic", "CiA 301 7.3.5": "The device sends bursts of frames of its own, with CAN-ID 6D0h that nobody else has.",
+    DirtyPadding = "dirty-padding", "CiA 301 6.2" by [C_OPEN, CAN_FESTIVAL]: "On SocketCAN the bytes of a classical frame that carry nothing are not zero.",
     // Descriptions
     EdsWithoutLimits = "eds-without-limits", "CiA 306-1, object sections" by [PUBLISHED]: "The EDS has no LowLimit and no HighLimit.",
     EdsObjFlags = "eds-obj-flags", "CiA 306-1, object sections" by [PUBLISHED]: "The EDS has ObjFlags: 1010h and 1011h are not to be written with all the rest.",

@@ -2,7 +2,6 @@
 //! cannot say.
 
 mod annotations;
-mod damage;
 mod deviations;
 #[cfg(test)]
 mod documentation;
@@ -24,7 +23,7 @@ pub use rules::{Check, Link, LinkKind, Rule};
 pub use sheet::{BitRate, LmtAddress, Sheet, Storage, Timing, Value};
 
 use canvass_analyzer::NodeId;
-use canvass_analyzer::dictionary::{DeviceDescription, eds};
+use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, eds};
 use canvass_analyzer::network::{Candidate, Candidates};
 use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
@@ -79,7 +78,7 @@ pub fn built_in() -> Result<&'static [Model], &'static UnreadableModel> {
 /// A type of device: what it is, and what a simulated one needs to know.
 #[derive(Clone, Debug)]
 pub struct Model {
-    description: Arc<DeviceDescription>,
+    device: Arc<KnownDevice>,
     sheet: Arc<Sheet>,
     deviations: Arc<[Deviation]>,
 }
@@ -118,11 +117,11 @@ impl Model {
         if let Some(node) = sheet.network.default_node_id {
             NodeId::new(node).ok_or(ModelError::NodeId(node))?;
         }
-        let mut description = eds::read(eds.as_bytes())?;
+        let description = eds::read(eds.as_bytes())?;
         let deviations: DeviationTables = toml::from_str(text)?;
         let deviations = deviations.deviations().into();
-        description.manual = sheet.manual_facts();
-        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations })
+        let device = KnownDevice { description, manual: sheet.manual_facts() };
+        Ok(Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations })
     }
 
     /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
@@ -133,18 +132,20 @@ impl Model {
     pub fn generic(name: &str, bytes: &[u8]) -> Result<Self, ModelError> {
         let description = DeviceDescription::read(bytes)?;
         let sheet = generic::sheet(name, &description)?;
-        Ok(Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations: Arc::new([]) })
+        let device = KnownDevice::described(description);
+        Ok(Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations: Arc::new([]) })
     }
 
     /// The same model with another description and another sheet.
     pub(crate) fn with(&self, description: DeviceDescription, sheet: Sheet) -> Self {
         let deviations = Arc::clone(&self.deviations);
-        Self { description: Arc::new(description), sheet: Arc::new(sheet), deviations }
+        let device = KnownDevice { description, manual: self.device.manual.clone() };
+        Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations }
     }
 
     /// What tells that a node is of this model.
     pub fn candidate(&self) -> Candidate {
-        let mut candidate = Candidate::of(self.id(), Arc::clone(&self.description));
+        let mut candidate = Candidate::of(self.id(), Arc::clone(&self.device));
         self.sheet.recognition.refine(&mut candidate);
         candidate
     }
@@ -176,11 +177,16 @@ impl Model {
 
     /// The device description.
     pub fn description(&self) -> &DeviceDescription {
-        &self.description
+        &self.device.description
+    }
+
+    /// The device description, with what the manual adds.
+    pub fn device(&self) -> &Arc<KnownDevice> {
+        &self.device
     }
 
     /// The text of its EDS, of a built-in model.
-    fn eds_text(&self) -> Option<&'static str> {
+    pub(crate) fn eds_text(&self) -> Option<&'static str> {
         let position = Self::all().iter().position(|model| model.id() == self.id())?;
         FILES.get(position).map(|(eds, _)| *eds)
     }

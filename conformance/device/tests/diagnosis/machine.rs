@@ -141,7 +141,7 @@ impl Machine {
     pub fn findings(&self, described: bool) -> Vec<Finding> {
         let mut diagnosis = Diagnosis::new(Thresholds::default());
         if described {
-            diagnosis.describe(self.node, self.model.description().clone());
+            diagnosis.describe(self.node, canvass_analyzer::dictionary::KnownDevice::clone(self.model.device()));
         }
         let mut quality = Quality::default();
         for record in &self.records {

@@ -19,7 +19,7 @@ use super::stimulus::{Sequence, Start, Stimulus, Then};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::{lss as lss_wire, sdo as sdo_wire};
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
 use canvass_traces::{CanId, Duration, Frame};
 pub(super) use dice::Dice;
 use proptest::strategy::{NewTree, Strategy};
@@ -113,6 +113,9 @@ impl Strategy for Dialogues {
     }
 }
 
+/// On a device that goes on, one pause in so many is made.
+const PAUSES_LIVE: usize = 16;
+
 /// The most frames of a sequence.
 const LONGEST: usize = 48;
 
@@ -179,6 +182,10 @@ impl<'a> Script<'a> {
     }
 
     fn pause(&mut self, milliseconds: u64) {
+        // Where waiting takes the time of people, few dialogues wait: the others go on at once.
+        if !self.plan.patient && !self.dice.one_in(PAUSES_LIVE) {
+            return;
+        }
         if let Some(last) = self.sequence.stimuli.last_mut() {
             last.then = Then::Pause(Duration::from_millis(milliseconds));
         }

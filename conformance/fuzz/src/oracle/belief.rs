@@ -90,6 +90,10 @@ impl Belief {
                 // The cyclic timer of encoders is the event timer of a PDO.
                 Extent::Communication if !communication && known.at.index.0 == 0x6200 => None,
                 Extent::Communication if !communication && knowledge.services.reset_communication_loads_all => None,
+                // What has not been stored before a reset never acts.
+                _ if knowledge.services.acts_when_stored.contains(&known.at) => None,
+                // A manufacturer's variables need not be parameters, which a reset sets.
+                _ if (0x2000..0x6000).contains(&known.at.index.0) && extent == Extent::Node => None,
                 Extent::Communication if !communication => held.raw.filter(|_| held.since + 1 == self.writes),
                 _ => known.power_on.filter(|_| known.stable && !known.persists),
             };
@@ -185,6 +189,14 @@ impl Belief {
         }
     }
 
+    /// An object has another value after a start than that of power-on.
+    pub fn holds(&mut self, knowledge: &Knowledge, at: Multiplexer, raw: u64) {
+        if let Some(entry) = knowledge.position(at) {
+            self.read(knowledge, entry, raw);
+            self.learn_identifiers(knowledge);
+        }
+    }
+
     /// Objects may have been written by a PDO.
     pub fn forget_outputs(&mut self) {
         self.writes += 1;
@@ -236,11 +248,27 @@ impl Belief {
         }
     }
 
-    /// Whether an error may not be reported at once: EMCY is off, has an inhibit time, or nobody knows.
+    /// Whether an error may not be reported at once: there is no EMCY, it is off or has an inhibit time, or nobody knows;
+    /// or the device watches other nodes, whose loss it need not report (CiA 301, 7.2.8.2.2).
     pub fn errs_silently(&self, knowledge: &Knowledge) -> bool {
+        if !self.has_emcy_object || self.watches(knowledge) {
+            return true;
+        }
         let is_set = |index| knowledge.entry(Multiplexer::new(index, 0)).is_some_and(|known| known.stable);
         let valid = self.emcy.is_some_and(|raw| CobId(raw as u32).is_valid());
         is_set(0x1014) && !valid || is_set(0x1015) && self.number(knowledge, 0x1015, 0) != Some(0)
+    }
+
+    /// Whether the device may be watching other nodes (1016h), or its master (100Ch, 100Dh).
+    fn watches(&self, knowledge: &Knowledge) -> bool {
+        let first = knowledge.entries().partition_point(|known| known.at < Multiplexer::new(0x1016, 1));
+        let consumers = knowledge.entries()[first..].iter().take_while(|known| known.at.index.0 == 0x1016);
+        let heartbeats = self.values[first..].iter().zip(consumers).any(|(held, _)| held.raw.is_none_or(has_time));
+        let is_guarded = [0x100C, 0x100D].into_iter().all(|index| {
+            let exists = knowledge.entry(Multiplexer::new(index, 0)).is_some();
+            exists && self.number(knowledge, index, 0) != Some(0)
+        });
+        heartbeats || is_guarded
     }
 
     /// Whether the device produces SYNC or TIME on that identifier.
@@ -250,4 +278,9 @@ impl Belief {
         };
         produces(self.sync) || produces(self.time)
     }
+}
+
+/// Whether an entry of 1016h has a time, so that it is in use.
+const fn has_time(entry: u64) -> bool {
+    entry & 0xFFFF != 0
 }

@@ -3,6 +3,7 @@
 use super::nmt;
 use super::{Violation, violation};
 use crate::property::Property;
+use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_traces::{Duration, Frame, Timestamp};
 
 /// The same message again so soon is the same event.
@@ -28,6 +29,11 @@ impl Watch {
         *self = Self::new();
     }
 
+    /// The fuzzer has sent something: an error that is reported from now on may be another one.
+    pub const fn provoked(&mut self) {
+        self.last = None;
+    }
+
     /// An EMCY came.
     ///
     /// # Errors
@@ -48,7 +54,11 @@ impl Watch {
         }
         // Several errors can be gone at the same time.
         let is_reset = bytes[..2] == [0, 0];
-        let repeated = !is_reset && self.last.is_some_and(|(at, before)| before == bytes && now.since(at) < SAME_EVENT);
+        // A device that has one code for all errors says the same of two of them.
+        let is_generic = bytes[..2] == EmcyCode::GENERIC.0.to_le_bytes();
+        let repeated = !is_reset
+            && !is_generic
+            && self.last.is_some_and(|(at, before)| before == bytes && now.since(at) < SAME_EVENT);
         self.last = Some((now, bytes));
         if repeated {
             let expected = "one EMCY for one event";

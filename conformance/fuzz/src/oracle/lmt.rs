@@ -86,6 +86,11 @@ impl Slave {
         }
     }
 
+    /// Whether the slave is in operation, and awaits nothing.
+    pub fn is_at_rest(&self) -> bool {
+        self.mode == Mode::Operation && self.awaited == Awaited::Nothing
+    }
+
     pub fn due(&self) -> Option<Timestamp> {
         (self.due < Timestamp::MAX).then_some(self.due)
     }

@@ -8,10 +8,13 @@ use crate::property::Property;
 use crate::stimulus::Start;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{ConfigureCommand, Request, Response};
-use canvass_traces::{Frame, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 
 /// The node-ID that says "not configured".
 const NONE: u8 = 255;
+
+/// Writing the non-volatile memory takes a device seconds, and it may answer when it is done.
+const STORING: Duration = Duration::from_secs(10);
 
 /// Begins Fastscan anew.
 const BEGIN: u8 = 128;
@@ -126,6 +129,15 @@ impl Slave {
         self.awaited == Awaited::Anything
     }
 
+    /// Whether the slave waits, and nothing that was configured waits for a reset.
+    pub fn is_at_rest(&self) -> bool {
+        self.mode == Mode::Waiting
+            && self.awaited == Awaited::Nothing
+            && self.pending.is_none()
+            && !self.given
+            && !self.timing_changed
+    }
+
     pub fn due(&self) -> Option<Timestamp> {
         (self.due < Timestamp::MAX).then_some(self.due)
     }
@@ -150,7 +162,8 @@ impl Slave {
             coverage.lss(self.asked.0, self.asked.1, false);
         }
         let required = matches!(awaited, Awaited::Exactly(_) | Awaited::Stored | Awaited::Timing { .. });
-        self.due = if required { now + knowledge.patience.answer } else { Timestamp::MAX };
+        let patience = if awaited == Awaited::Stored { STORING } else { knowledge.patience.answer };
+        self.due = if required { now + patience } else { Timestamp::MAX };
         self.awaited = awaited;
         effect
     }
@@ -335,6 +348,10 @@ impl Slave {
             self.scanning = None;
             return Awaited::Anything;
         }
+        if knowledge.services.fastscan == Some(false) {
+            self.scanning = None;
+            return Awaited::Nothing;
+        }
         if bit_check == BEGIN {
             self.scanning = Some(0);
             return Awaited::Exactly(Response::Identified);
@@ -410,6 +427,9 @@ impl Slave {
                 // What a reset brings then is not known.
                 self.given = true;
                 Awaited::Stored
+            }
+            Request::Inquire { .. } | Request::InquireNodeId if knowledge.services.lss_inquiry == Some(false) => {
+                Awaited::Nothing
             }
             Request::Inquire { part } => match knowledge.address {
                 Some(address) => Awaited::Exactly(Response::Part { part, value: address[part as usize] }),

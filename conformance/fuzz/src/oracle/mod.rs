@@ -23,8 +23,9 @@ use super::property::Property;
 use super::stimulus::Start;
 use belief::Belief;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::{error_control, lss as lss_wire, nmt as nmt_wire, sdo as sdo_wire};
-use canvass_traces::{Frame, Timestamp};
+use canvass_traces::{Duration, Frame, Timestamp};
 use std::sync::Arc;
 
 /// A property that does not hold.
@@ -44,6 +45,9 @@ pub struct Violation {
     pub at: Timestamp,
 }
 
+/// Frames that follow each other so soon leave no room for others.
+const BURST: Duration = Duration::from_millis(2);
+
 /// The reference models of one device.
 #[derive(Clone, Debug)]
 pub struct Oracle {
@@ -55,6 +59,8 @@ pub struct Oracle {
     lmt: lmt::Slave,
     pdo: pdo::Pdos,
     emcy: emcy::Watch,
+    /// When a frame of somebody else came last.
+    passed: Timestamp,
     /// Something happened that the models don't follow: nothing is judged until the next start.
     blind: bool,
 }
@@ -70,6 +76,7 @@ impl Oracle {
             lmt: lmt::Slave::new(),
             pdo: pdo::Pdos::new(&knowledge),
             emcy: emcy::Watch::new(),
+            passed: Timestamp::ZERO,
             blind: false,
             knowledge,
         }
@@ -96,6 +103,7 @@ impl Oracle {
             return Ok(());
         }
         self.expire(now)?;
+        self.emcy.provoked();
         let Some(can_id) = frame.id().as_standard() else {
             coverage.sdo_frame(self.sdo.class(), super::coverage::Command::Extended, frame, &self.knowledge);
             return Ok(());
@@ -164,7 +172,7 @@ impl Oracle {
             nmt::Change::None => {}
             nmt::Change::State => {
                 self.doubt(now);
-                self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
+                self.sdo.state_changed(now, self.nmt.serves_sdo(), self.late());
                 self.pdo.state_changed(now, &self.nmt);
             }
             nmt::Change::Reset(what) => {
@@ -185,9 +193,14 @@ impl Oracle {
         Ok(())
     }
 
+    /// How long an SDO response that was on its way may still come.
+    fn late(&self) -> Duration {
+        self.nmt.grace().max(self.knowledge.patience.quiet)
+    }
+
     /// A device whose EMCY is off, or waits, leaves operational on an error without a word.
     fn doubt(&mut self, now: Timestamp) {
-        if self.belief.errs_silently(&self.knowledge) {
+        if self.nmt.phase() == nmt::Phase::Operational && self.belief.errs_silently(&self.knowledge) {
             self.nmt.doubt(now);
         }
     }
@@ -212,7 +225,7 @@ impl Oracle {
                 };
                 if change == nmt::Change::State {
                     self.doubt(now);
-                    self.sdo.booted(now, self.nmt.grace());
+                    self.sdo.booted(now, self.late());
                     self.pdo.state_changed(now, &self.nmt);
                 }
                 Ok(())
@@ -221,7 +234,11 @@ impl Oracle {
             Some(lss_wire::SLAVE_CAN_ID) => self.lss.answered(now, frame, coverage),
             _ => {
                 self.nmt.passed(now);
-                self.nmt.may_speak(now, frame, &self.knowledge)?;
+                if can_id.is_some_and(|id| self.knowledge.bystanders.contains(&id)) {
+                    self.passed_by(now);
+                } else {
+                    self.nmt.may_speak(now, frame, &self.knowledge)?;
+                }
                 match can_id {
                     Some(id) if id == sdo_wire::RESPONSE_BASE + node => {
                         let served = self.nmt.serves_sdo();
@@ -233,12 +250,13 @@ impl Oracle {
                             self.nmt.held_up(now);
                             self.pdo.held_up(now);
                         }
+                        // What nobody can follow may have been a configuration too.
+                        self.doubt(now);
                         if let Some(change) = self.belief.take_change() {
                             // A device that stops on an error does so without a word.
                             self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;
                             self.nmt.configured(now, change);
                             self.pdo.configured(now, change);
-                            self.doubt(now);
                         }
                         Ok(())
                     }
@@ -250,7 +268,7 @@ impl Oracle {
                             judged?;
                         }
                         if self.nmt.erred(now, frame, &self.belief, &self.knowledge) == nmt::Change::State {
-                            self.sdo.state_changed(now, self.nmt.serves_sdo(), self.nmt.grace());
+                            self.sdo.state_changed(now, self.nmt.serves_sdo(), self.late());
                             self.pdo.state_changed(now, &self.nmt);
                         }
                         Ok(())
@@ -270,6 +288,15 @@ impl Oracle {
                 }
             }
         }
+    }
+
+    /// A frame of somebody else: several without a pause hold up what the device has to send.
+    fn passed_by(&mut self, now: Timestamp) {
+        if now.since(self.passed) < BURST {
+            self.nmt.held_up(now);
+            self.pdo.held_up(now);
+        }
+        self.passed = now;
     }
 
     /// When the earliest outstanding answer is overdue; `None` if none is outstanding.
@@ -315,6 +342,58 @@ impl Oracle {
         !self.blind && self.sdo.is_open()
     }
 
+    /// Whether the standard leaves open if the last frame is answered, by whatever service.
+    pub fn may_be_answered(&self) -> bool {
+        !self.blind && (self.sdo.is_open() || self.lss.is_open() || self.lmt.is_open())
+    }
+
+    /// What the SDO server has to answer now, if anything.
+    pub fn awaits(&self) -> Option<&'static str> {
+        if self.blind { None } else { self.sdo.awaits() }
+    }
+
+    /// Whether a request to read would be answered, and disturb no transfer.
+    pub fn may_be_asked(&self) -> bool {
+        self.serves_sdo() && !self.sdo.is_busy() && !self.sdo.is_open()
+    }
+
+    /// Whether it is known where the device is, so that a next sequence can begin from there: it runs, no transfer is under
+    /// way, and neither node-ID nor bit rate has changed.
+    pub fn is_at_rest(&self) -> bool {
+        !self.blind
+            && matches!(self.nmt.phase(), nmt::Phase::PreOperational | nmt::Phase::Operational | nmt::Phase::Running)
+            && self.due().is_none()
+            && !self.sdo.is_busy()
+            && !self.sdo.is_open()
+            && self.waits_for_lss()
+            && !self.belief.bus_changed()
+    }
+
+    /// Whether the slave of LSS, or that of LMT, waits, if there is one.
+    fn waits_for_lss(&self) -> bool {
+        match &self.knowledge.services {
+            services if services.lmt => self.lmt.is_at_rest(),
+            services => services.lss == Some(false) || self.lss.is_at_rest(),
+        }
+    }
+
+    /// What brings the device to rest that is not: commands whose effect is known in every state.
+    pub fn brings_to_rest(&self) -> impl Iterator<Item = Frame> + use<> {
+        let node = self.knowledge.node.raw();
+        let is_lost = self.blind;
+        let wait = lss_wire::Request::SwitchGlobal { mode: 0 }.to_frame(lss_wire::MASTER_CAN_ID);
+        let wait = Some(wait).filter(|_| !is_lost && !self.waits_for_lss());
+        let stands = matches!(self.nmt.phase(), nmt::Phase::Stopped | nmt::Phase::Unsure);
+        let wake = nmt_wire::Nmt { command: nmt_wire::Command::ENTER_PRE_OPERATIONAL, node };
+        let wake = Some(wake.to_frame(nmt_wire::CAN_ID)).filter(|_| !is_lost && stands);
+        wait.into_iter().chain(wake)
+    }
+
+    /// An object has that value, though a start should have given it another one.
+    pub fn holds(&mut self, at: Multiplexer, value: u64) {
+        self.belief.holds(&self.knowledge, at, value);
+    }
+
     /// Nothing has come for a while.
     pub const fn quiet(&mut self) {
         self.nmt.quiet();
@@ -330,6 +409,10 @@ impl Oracle {
             return Ok(());
         }
         self.expire(now)?;
+        if self.sdo.is_writing() {
+            // What is on its way may have changed the periods already.
+            return Ok(());
+        }
         self.nmt.finish(now, &self.belief, &self.knowledge)?;
         self.pdo.finish(now, &self.nmt, &self.belief, &self.knowledge)
     }

@@ -26,6 +26,8 @@ struct Seen {
     open: u8,
     /// The answer to a SYNC is overdue then.
     due: Timestamp,
+    /// An inhibit time that began before it was changed may still run: the next one may be later by that.
+    lag: Duration,
     /// Since the last one the bus was full for a while.
     held_up: bool,
     /// It is not the answer to a SYNC, but to a remote frame.
@@ -62,7 +64,8 @@ impl Pdos {
         if self.version != Some(belief.version()) {
             self.version = Some(belief.version());
             for seen in &mut self.seen {
-                seen.parameters = Parameters::of(seen.index, belief, knowledge);
+                let before = std::mem::replace(&mut seen.parameters, Parameters::of(seen.index, belief, knowledge));
+                seen.lag = seen.lag.max(before.inhibit.unwrap_or_default());
             }
         }
     }
@@ -228,7 +231,7 @@ impl Pdos {
         }
         // An identifier that changed a moment ago may still be on its way.
         let changing = self.seen.iter().any(|seen| now.since(seen.since) < knowledge.patience.jitter.times(2));
-        if unknown || changing {
+        if unknown || changing || knowledge.bystanders.contains(&(id as u16)) {
             return Ok(());
         }
         let expected = "frames only on the identifiers of its services and valid PDOs";
@@ -272,7 +275,7 @@ impl Pdos {
         for seen in &self.seen {
             let Some(period) = seen.parameters.period() else { continue };
             let last = seen.last.unwrap_or(seen.since).max(seen.since);
-            if last > Timestamp::ZERO && now.since(last) > late(period, knowledge.patience.jitter) {
+            if last > Timestamp::ZERO && now.since(last) > late(period, knowledge.patience.jitter) + seen.lag {
                 let expected = format!("the TPDO of {:04X}h every {period}", seen.index);
                 let actual = format!("none for {}", now.since(last));
                 return Err(violation(Property::Pdo, "event timer", expected, actual, now));
@@ -295,6 +298,7 @@ impl Seen {
             open: 0,
             due: Timestamp::MAX,
             remote: false,
+            lag: Duration::ZERO,
             held_up: false,
         }
     }
@@ -335,6 +339,7 @@ impl Seen {
             return wrong("length of a PDO", format!("{len} bytes, as mapped"), format!("{} bytes", frame.len()));
         }
         let last = self.last.replace(now);
+        let lag = std::mem::take(&mut self.lag);
         let asked = self.open > 0;
         self.open = self.open.saturating_sub(1);
         self.due = Timestamp::MAX;
@@ -363,7 +368,7 @@ impl Seen {
             return wrong("inhibit time", format!("at least {inhibit} between two"), format!("{interval}"));
         }
         match parameters.period() {
-            Some(period) if interval > late(period, jitter) => {
+            Some(period) if interval > late(period, jitter) + lag => {
                 wrong("event timer", format!("the TPDO every {period}"), format!("after {interval}"))
             }
             _ => Ok(()),

@@ -17,7 +17,8 @@ pub use candump::{candump, sequence};
 pub use rust_test::rust_test;
 
 use super::campaign::{self, Found, FuzzError};
-use super::ground::{Ground, Live, of_address};
+use super::ground::{Ground, of_address};
+use super::live::Live;
 use super::stimulus::Then;
 use super::{Knowledge, Sequence, Start, Violation};
 use canvass_analyzer::NodeId;

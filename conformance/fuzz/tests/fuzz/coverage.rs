@@ -6,7 +6,7 @@ use canvass_device::models::Model;
 use canvass_fuzzer::coverage::LssReach;
 use canvass_fuzzer::detection::fuzz;
 use canvass_fuzzer::{Knowledge, Target};
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
 
 /// A minute of an optimised build is a thousand times more.
 #[test]

@@ -2,7 +2,7 @@
 
 use canvass_device::Fault;
 use canvass_fuzzer::detection::{Limit, detect};
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
 use std::time::Duration;
 
 const SEED: u64 = 1;

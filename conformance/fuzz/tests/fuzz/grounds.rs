@@ -79,6 +79,7 @@ fn plan() -> Plan {
         seed: 2,
         allow: BTreeSet::new(),
         shrink_budget: 50,
+        time: canvass_fuzzer::time_limit::TimeLimit::default(),
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,
@@ -113,7 +114,7 @@ fn a_device_that_does_not_come_back_is_dead() {
     let outcome = on_a_bus(Failing::Dies, 12);
     assert!(outcome.dead && outcome.sequences < 40);
     let last = outcome.violations.last().unwrap();
-    assert_eq!(last.violation.property, Property::Responsive);
+    assert_eq!(last.violation.property, Property::Alive);
     assert!(!last.evidence.is_empty(), "its last frames are known");
 }
 

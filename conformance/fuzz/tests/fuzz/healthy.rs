@@ -4,7 +4,7 @@ use canvass_device::Faults;
 use canvass_device::models::Model;
 use canvass_fuzzer::detection::fuzz;
 use canvass_fuzzer::{Target, reproducer};
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
 
 const EXCHANGES: u64 = 6_000;
 

@@ -48,6 +48,7 @@ fn a_device_on_a_bus_is_not_worn_out_renamed_or_given_company() {
             seed: 5,
             allow: BTreeSet::new(),
             shrink_budget: 10,
+            time: canvass_fuzzer::time_limit::TimeLimit::default(),
             stop_at_first: false,
             regressions: Vec::new(),
             only_regressions: false,

@@ -6,4 +6,5 @@ mod faults;
 mod grounds;
 mod healthy;
 mod limits;
+mod live;
 mod reproduced;

@@ -2,6 +2,7 @@
 
 use super::{Annotate, Target};
 use canvass_analyzer::Meaning;
+use canvass_analyzer::dictionary::KnownDevice;
 use canvass_analyzer::network::Network;
 use canvass_traces::Record;
 
@@ -16,7 +17,8 @@ impl Decoder {
     pub fn new(target: &Target) -> Self {
         let mut network = Network::new();
         if let Some(description) = &target.description {
-            network.describe(target.node, description.clone());
+            let (description, manual) = (description.clone(), target.manual.clone());
+            network.describe(target.node, KnownDevice { description, manual });
         }
         Self { network }
     }

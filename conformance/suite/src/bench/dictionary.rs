@@ -2,9 +2,11 @@
 
 use super::Bench;
 use super::rewrite::Original;
+use crate::comparison::{Change, Comparison, Nature};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::{Access, DeviceDescription, names};
 use canvass_bus::client::Outcome;
-use canvass_bus::client::sdo::Bytes;
+use std::collections::BTreeMap;
 
 /// Where a device without description is looked at: the communication objects that a master configures.
 const UNDESCRIBED: [(u16, u16); 7] = [
@@ -20,13 +22,29 @@ const UNDESCRIBED: [(u16, u16); 7] = [
 /// No more entries of one object are read than that, whatever its sub-index 0 says.
 const MOST_SUBS: u8 = 16;
 
+/// Who the device is.
+const IDENTITY: u16 = 0x1018;
+
+/// On a live bus: after so many objects in a row that are read without an answer, or with one that makes no sense, the rest
+/// would only take its time.
+const MOST_UNANSWERED: u32 = 20;
+
 impl Bench<'_> {
     /// Reads every object that the description calls readable; without a description the communication objects that
     /// are there. What does not answer with a value is left out.
     pub(crate) fn dump(&mut self) -> Vec<(Multiplexer, Vec<u8>)> {
         let mut values = Vec::new();
+        let mut unanswered = 0;
         for multiplexer in self.described_objects() {
-            values.extend(self.value_of(multiplexer).map(|value| (multiplexer, value)));
+            let outcome = self.upload(multiplexer).map(|attempt| attempt.outcome);
+            unanswered =
+                if matches!(outcome, Ok(Outcome::Uploaded(_) | Outcome::Aborted(_))) { 0 } else { unanswered + 1 };
+            if let Ok(Outcome::Uploaded(value)) = outcome {
+                values.push((multiplexer, value));
+            }
+            if unanswered >= MOST_UNANSWERED && self.is_live() {
+                return values;
+            }
         }
         if self.target.description.is_none() {
             for index in UNDESCRIBED.into_iter().flat_map(|(first, last)| first..=last) {
@@ -58,41 +76,82 @@ impl Bench<'_> {
         }
     }
 
-    fn value_of(&mut self, multiplexer: Multiplexer) -> Option<Vec<u8>> {
+    pub(super) fn value_of(&mut self, multiplexer: Multiplexer) -> Option<Vec<u8>> {
         match self.upload(multiplexer).ok()?.outcome {
             Outcome::Uploaded(value) => Some(value),
             _ => None,
         }
     }
 
-    /// Compares the writable objects with what was read before the run and writes back what differs: values that were
-    /// not stored were lost with the first reset. A sentence about each that could not be written back.
+    /// Compares all objects with what was read before the run, and writes back settings that differ: values that were not
+    /// stored were lost with the first reset. `bus` is how the user addresses it in commands.
     ///
     /// Works after Ctrl-C too.
-    pub(crate) fn put_back_dictionary(&mut self, before: &[(Multiplexer, Vec<u8>)]) -> Vec<String> {
-        self.restoring = true;
-        if !self.answers_at_last() {
-            self.restoring = false;
-            let notice = "the device does not answer after the run: its values could not be compared with those before";
-            return vec![notice.to_owned()];
+    pub(crate) fn put_back_dictionary(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)]) -> Comparison {
+        self.uncancelled(|bench| {
+            if !bench.answers_at_last() {
+                return Comparison { objects: before.len(), ..Comparison::default() };
+            }
+            let mut changes = bench.changes_since(before);
+            if changes.iter().any(|change| bench.is_put_back(change.multiplexer)) {
+                let configured = before.iter().filter(|(multiplexer, _)| bench.is_put_back(*multiplexer));
+                let originals: Vec<Original> = configured.map(Original::from).collect();
+                bench.write_back(&originals);
+                changes = bench.changes_since(before);
+            }
+            bench.compared(bus, before, changes)
+        })
+    }
+
+    fn compared(&mut self, bus: &str, before: &[(Multiplexer, Vec<u8>)], mut changes: Vec<Change>) -> Comparison {
+        changes.extend(self.left_behind(&changes));
+        changes.sort_by_key(|change| change.multiplexer);
+        // One that has gone meanwhile has not lost all its objects.
+        let is_complete = matches!(self.answers(), Ok(true));
+        let appeared = changes.iter().filter(|change| change.before.is_none()).count();
+        let commands = self.commands(bus, before, &changes);
+        Comparison { is_complete, objects: before.len() + appeared, changes, commands }
+    }
+
+    /// What reading the whole dictionary again gives otherwise than before.
+    fn changes_since(&mut self, before: &[(Multiplexer, Vec<u8>)]) -> Vec<Change> {
+        let mut after: BTreeMap<Multiplexer, Vec<u8>> = self.dump().into_iter().collect();
+        let mut changes: Vec<Change> = Vec::new();
+        for (multiplexer, value) in before {
+            let now = after.remove(multiplexer);
+            if now.as_ref() != Some(value) {
+                changes.push(self.change(*multiplexer, Some(value.clone()), now));
+            }
         }
-        let mut wrong = self.differences(before);
-        if !wrong.is_empty() {
-            let configured = before.iter().filter(|(multiplexer, _)| self.is_put_back(*multiplexer));
-            let originals: Vec<Original> = configured
-                .map(|(multiplexer, value)| Original { multiplexer: *multiplexer, value: value.clone() })
-                .collect();
-            self.write_back(&originals);
-            wrong = self.differences(before);
+        changes.extend(after.into_iter().map(|(multiplexer, now)| self.change(multiplexer, None, Some(now))));
+        changes.iter_mut().for_each(|change| self.see_whether_it_moves(change));
+        changes
+    }
+
+    pub(super) fn change(&self, multiplexer: Multiplexer, before: Option<Vec<u8>>, after: Option<Vec<u8>>) -> Change {
+        let described = self.target.description.as_ref();
+        let entry = described.and_then(|description| description.dictionary.entry(multiplexer).ok());
+        let name = entry.map(|entry| entry.name.clone());
+        let profile = described.and_then(DeviceDescription::device_profile);
+        let standard = || names::object_name(multiplexer, profile)?.entry?.data_type;
+        let data_type = entry.map(|entry| entry.data_type).or_else(standard);
+        let is_constant = entry.is_some_and(|entry| entry.access == Access::Const);
+        let nature = match multiplexer.index.0 {
+            _ if self.is_put_back(multiplexer) => Nature::Setting,
+            // Writing them moves the position, so that they are not written back; but they are settings.
+            0x6003 | 0x6009 if entry.is_some_and(|entry| entry.access.is_writable()) => Nature::Setting,
+            0x1000 | 0x1008..=0x100A | IDENTITY => Nature::Constant,
+            _ if is_constant => Nature::Constant,
+            _ => Nature::Own,
+        };
+        Change { multiplexer, name, data_type, nature, before, after }
+    }
+
+    /// A value that differs from one reading to the next is set by the device, whatever its description says.
+    fn see_whether_it_moves(&mut self, change: &mut Change) {
+        if change.is_left() && change.after.is_some() && self.value_of(change.multiplexer) != change.after {
+            change.nature = Nature::Own;
         }
-        let lines = wrong.iter().map(|(multiplexer, value)| {
-            let now =
-                self.value_of(*multiplexer).map_or_else(|| "unreadable".to_owned(), |now| Bytes(&now).to_string());
-            format!("{multiplexer} was {} before the run and is {now} after it", Bytes(value))
-        });
-        let lines = lines.collect();
-        self.restoring = false;
-        lines
     }
 
     /// Whether the device answers, though it may be starting again: a reset that was cut short is followed by another, and
@@ -107,23 +166,11 @@ impl Bench<'_> {
             answers
         })
     }
-
-    /// The objects whose value is another one than before, with that before. Values that change by themselves are
-    /// read-only.
-    fn differences(&mut self, before: &[(Multiplexer, Vec<u8>)]) -> Vec<(Multiplexer, Vec<u8>)> {
-        let mut wrong = Vec::new();
-        for (multiplexer, value) in before {
-            if self.is_put_back(*multiplexer) && self.value_of(*multiplexer).is_some_and(|now| now != *value) {
-                wrong.push((*multiplexer, value.clone()));
-            }
-        }
-        wrong
-    }
 }
 
 impl Bench<'_> {
     /// Whether an object is configuration that a run leaves as it was.
-    fn is_put_back(&self, multiplexer: Multiplexer) -> bool {
+    pub(super) fn is_put_back(&self, multiplexer: Multiplexer) -> bool {
         let described = self.target.description.is_some() && self.is_described_as_writable(multiplexer);
         (described || is_configuration(multiplexer)) && !super::restore::is_trigger(multiplexer)
     }

@@ -1,6 +1,6 @@
 //! The frames that were on the bus while a case ran.
 
-use canvass_traces::{Record, Timestamp};
+use canvass_traces::{Direction, Record, Timestamp};
 use std::collections::VecDeque;
 
 /// Frames with their decoded text, bounded: the first and the last of them.
@@ -52,6 +52,15 @@ impl Evidence {
     /// The frames that were kept, in the order in which they were on the bus.
     pub fn frames(&self) -> impl Iterator<Item = &Exhibit> {
         self.head.iter().chain(&self.tail)
+    }
+
+    /// When the tester's latest frame with that CAN-ID was on the bus.
+    pub(crate) fn sent(&self, can_id: u16) -> Option<Timestamp> {
+        let is_it = |exhibit: &&Exhibit| {
+            exhibit.record.direction == Direction::Tx && exhibit.record.frame.cob_id() == Some(can_id)
+        };
+        let found = self.tail.iter().rev().find(is_it).or_else(|| self.head.iter().rev().find(is_it));
+        found.map(|exhibit| exhibit.record.timestamp)
     }
 
     /// When the latest frame was on the bus.

@@ -1,8 +1,7 @@
 //! What the device has: its description and the device itself are asked.
 
-use super::Bench;
 use super::state::{GUARD_TIME, Heartbeats};
-use crate::need::{Found, Met, Need};
+use super::{Bench, Met};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -10,16 +9,6 @@ use canvass_bus::client::Outcome;
 use canvass_device::models::Model;
 
 impl Bench<'_> {
-    /// What is known of a need.
-    pub(crate) fn known(&self, need: &Need) -> Option<&Found> {
-        self.knowledge.features.get(need.id)
-    }
-
-    /// Keeps what was found out about a need.
-    pub(crate) fn learned(&mut self, need: &Need, found: Found) {
-        self.knowledge.features.insert(need.id, found);
-    }
-
     /// Whether the device has an object. Where there is no description, the device decides: absent are only 0602 0000h,
     /// 0609 0011h, and what is not answered at all.
     ///

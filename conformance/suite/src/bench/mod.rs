@@ -17,11 +17,14 @@ mod dictionary;
 mod evidence;
 mod features;
 mod foreign;
+mod journalled;
+mod knowledge;
 mod measurement;
 pub mod nmt;
 pub mod objects;
 pub mod pdo;
 mod presence;
+mod provide;
 mod restore;
 mod rewrite;
 pub mod sdo;
@@ -33,17 +36,19 @@ mod watch;
 pub use decoder::Decoder;
 pub use evidence::{Annotate, Evidence, Exhibit};
 pub(crate) use foreign::Foreign;
+pub use knowledge::Met;
+pub(crate) use knowledge::{Found, Knowledge};
 pub use measurement::{Measurement, Unit, percentile};
-pub use target::{Deviation, Options, Target, Timing};
+pub use restore::Rescue;
+pub use target::{Options, Target, Timing};
 pub use traffic::{Sent, is_from};
 
-use crate::need::Found;
+use crate::journal::Journal;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop};
-use canvass_analyzer::NodeId;
+use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::{Bus, Health};
 use canvass_traces::{Duration, Timestamp};
 use rewrite::Original;
-use std::collections::BTreeMap;
 use std::sync::atomic::{AtomicBool, Ordering};
 use watch::Watch;
 
@@ -54,6 +59,10 @@ pub struct Bench<'a> {
     options: &'a Options,
     annotate: &'a mut dyn Annotate,
     cancel: &'a AtomicBool,
+    /// When the time of the run is over.
+    ends: Timestamp,
+    /// What is changed, and what it was before.
+    journal: Option<Journal>,
     evidence: Evidence,
     /// What the case has found wrong so far.
     breaches: Vec<Breach>,
@@ -66,6 +75,7 @@ pub struct Bench<'a> {
     unrestored: Vec<Original>,
     notes: Vec<String>,
     measurements: Vec<Measurement>,
+    uses: Vec<Use>,
     /// Waits end at once when the user cancels, except while things are being put back.
     restoring: bool,
     /// The case did not come to its own end, nor to the putting right that belongs to it.
@@ -80,15 +90,9 @@ pub struct Bench<'a> {
     knowledge: Knowledge,
 }
 
-/// What was found out about the device, and need not be found out again.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Knowledge {
-    features: BTreeMap<&'static str, Found>,
-    starts_by_itself: Option<bool>,
-    heartbeats: Option<state::Heartbeats>,
-    /// Other nodes were looked for.
-    others_known: bool,
-}
+/// A failure that comes while a frame takes longer than this to or from the tester may be the tester's own: it is as long
+/// as the shortest wait that a case judges by.
+pub(crate) const HOST_LATE: Duration = Duration::from_millis(50);
 
 /// What a case leaves behind for its report.
 #[derive(Debug)]
@@ -101,6 +105,17 @@ pub struct Remains {
     pub restarted: Option<Timestamp>,
     /// What was measured.
     pub measurements: Vec<Measurement>,
+    /// Which of several objects served.
+    pub uses: Vec<Use>,
+}
+
+/// An object that served a case, where another could have.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Use {
+    /// The object.
+    pub multiplexer: Multiplexer,
+    /// What for.
+    pub purpose: &'static str,
 }
 
 impl<'a> Bench<'a> {
@@ -113,6 +128,8 @@ impl<'a> Bench<'a> {
         cancel: &'a AtomicBool,
     ) -> Self {
         Self {
+            journal: None,
+            ends: options.limit.map_or(Timestamp::MAX, |limit| bus.now() + limit),
             bus,
             target,
             options,
@@ -126,6 +143,7 @@ impl<'a> Bench<'a> {
             unrestored: Vec::new(),
             notes: Vec::new(),
             measurements: Vec::new(),
+            uses: Vec::new(),
             restoring: false,
             ended_early: false,
             foreign: Foreign::default(),
@@ -166,6 +184,12 @@ impl<'a> Bench<'a> {
         self.options.timing
     }
 
+    /// How long nothing must come where nothing may come: longer for a device whose answers take longer.
+    pub fn silence(&self) -> Duration {
+        let slowest = self.knowledge.slowest_answer;
+        self.timing().silence.max(slowest + Duration::from_nanos(slowest.nanos() / 4))
+    }
+
     /// The time on the bus.
     pub fn now(&self) -> Timestamp {
         self.bus.now()
@@ -201,6 +225,20 @@ impl<'a> Bench<'a> {
         Duration::from_nanos(2 * LONGEST * 1_000_000_000 / bit_rate)
     }
 
+    /// How late the tester's machine has been at most so far, from the bus or to it; what is later than the bound excuses the
+    /// device altogether.
+    pub fn host_delay(&self) -> Duration {
+        let health = self.health();
+        let longest = health.receive.longest().max(health.transmit.longest());
+        longest.unwrap_or_default().min(HOST_LATE)
+    }
+
+    /// How long after a frame the device has acted on it, where it acts at once: what `--timeout reaction` says, and what bus
+    /// and host add.
+    pub fn shortly(&self) -> Duration {
+        self.timing().reaction + self.bus_delay() + self.host_delay()
+    }
+
     /// By how much a single period may differ: what the user tolerates, and what the bus itself takes.
     pub fn tolerance(&self, period: Duration) -> Duration {
         self.timing().tolerance(period) + self.bus_delay()
@@ -211,9 +249,19 @@ impl<'a> Bench<'a> {
         &self.evidence
     }
 
-    /// Whether the user has cancelled the run.
+    /// Whether the run is to end: the user has cancelled it, or its time is over.
     pub fn is_cancelled(&self) -> bool {
-        self.cancel.load(Ordering::Relaxed)
+        self.cancel.load(Ordering::Relaxed) || self.is_out_of_time()
+    }
+
+    /// Whether the time of the run is over.
+    pub(crate) fn is_out_of_time(&self) -> bool {
+        self.ends != Timestamp::MAX && self.bus.now() >= self.ends
+    }
+
+    /// Whether the device is known to have left the bus.
+    pub(crate) fn has_gone(&self) -> bool {
+        self.gone.is_some()
     }
 
     /// Takes what a check found wrong, and lets the case go on.
@@ -273,6 +321,14 @@ impl<'a> Bench<'a> {
         self.measurements.push(Measurement { name: name.into(), value, unit: Unit::Count });
     }
 
+    /// Says in the case's report which object served it.
+    pub(crate) fn uses(&mut self, multiplexer: Multiplexer, purpose: &'static str) {
+        let using = Use { multiplexer, purpose };
+        if !self.uses.contains(&using) {
+            self.uses.push(using);
+        }
+    }
+
     /// How often the device was told to write its non-volatile memory since the start of the run.
     pub fn stores(&self) -> u32 {
         self.watch.stores()
@@ -291,6 +347,7 @@ impl<'a> Bench<'a> {
         self.notes.clear();
         self.foreign = Foreign::default();
         self.measurements.clear();
+        self.uses.clear();
         self.watch.forget();
     }
 
@@ -307,16 +364,18 @@ impl<'a> Bench<'a> {
         if std::mem::take(&mut self.ended_early) {
             self.store_again();
         }
+        self.settle_journal();
         let notes = self.watch.emergencies().map(|(at, emcy)| format!("EMCY at {at} s: {emcy}"));
         let notes: Vec<String> = notes.collect::<Vec<_>>().into_iter().chain(self.notes.drain(..)).collect();
         let measurements = std::mem::take(&mut self.measurements);
-        let evidence = std::mem::take(&mut self.evidence);
-        Remains { evidence, notes, restarted: self.watch.restarted(), measurements }
+        let (evidence, uses) = (std::mem::take(&mut self.evidence), std::mem::take(&mut self.uses));
+        Remains { evidence, notes, restarted: self.watch.restarted(), measurements, uses }
     }
 
     fn check_cancelled(&self) -> Result<(), Stop> {
         if self.is_cancelled() && !self.restoring {
-            let reason = Reason::new("the case runs to its end", "no interruption", "the run was cancelled");
+            let why = if self.is_out_of_time() { "the time of the run was over" } else { "the run was cancelled" };
+            let reason = Reason::new("the case runs to its end", "no interruption", why);
             return Err(Stop::Inconclusive(reason));
         }
         Ok(())

@@ -185,6 +185,11 @@ impl Bench<'_> {
         if let Some(known) = self.knowledge.starts_by_itself {
             return Ok(known);
         }
+        if !self.answers()? && self.answers_in_pre_operational()? {
+            // Only in stopped a server may be silent; whether this one started itself can't be seen by SDO.
+            self.knowledge.starts_by_itself = Some(true);
+            return Ok(true);
+        }
         self.show_state()?;
         let found = self.state()? != Some(State::PRE_OPERATIONAL);
         self.knowledge.starts_by_itself = Some(found);
@@ -192,6 +197,12 @@ impl Bench<'_> {
         self.restore();
         self.reset(Command::RESET_NODE)?;
         Ok(found)
+    }
+
+    fn answers_in_pre_operational(&mut self) -> Result<bool, Stop> {
+        self.command(Command::ENTER_PRE_OPERATIONAL)?;
+        self.listen(self.timing().reaction)?;
+        self.answers()
     }
 }
 

@@ -81,7 +81,26 @@ impl Bench<'_> {
             found.extend(self.received_objects()?);
             found.extend(self.scratch_of(&LAST_CANDIDATE)?);
         }
-        Ok(found)
+        // One that the device refuses to write, though it is described otherwise, makes no case decisive that is about
+        // something else; where it refuses all, that is their matter.
+        let mut willing = Vec::new();
+        for scratch in &found {
+            if self.takes_its_own(scratch)? {
+                willing.push(scratch.clone());
+            }
+        }
+        Ok(if willing.is_empty() { found } else { willing })
+    }
+
+    /// Whether the device lets an object be written with the value that it has. Found out once.
+    fn takes_its_own(&mut self, scratch: &Scratch) -> Result<bool, Stop> {
+        if let Some(known) = self.knowledge.willing.get(&scratch.multiplexer) {
+            return Ok(*known);
+        }
+        let attempt = self.unjudged(|bench| bench.download_as(scratch.multiplexer, &scratch.value, Mode::Shortest))?;
+        let takes = attempt.abort().is_none();
+        self.knowledge.willing.insert(scratch.multiplexer, takes);
+        Ok(takes)
     }
 
     /// Values that RPDOs carry are made to be written: one of each length.
@@ -130,6 +149,9 @@ impl Bench<'_> {
     /// [`Stop::NotApplicable`] if the device has none.
     pub fn scratch(&mut self, lengths: &[usize]) -> Result<Scratch, Stop> {
         let found = self.scratch_objects()?.into_iter().find(|scratch| lengths.contains(&scratch.value.len()));
+        if let Some(scratch) = &found {
+            self.uses(scratch.multiplexer, "written and read back");
+        }
         found.ok_or_else(|| {
             let lengths: Vec<String> = lengths.iter().map(ToString::to_string).collect();
             let duty = format!("an object of {} bytes can be written without consequence", lengths.join(" or "));
@@ -151,6 +173,7 @@ impl Bench<'_> {
     pub fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Stop> {
         for multiplexer in self.long_candidates() {
             if self.is_long(multiplexer, at_least)? {
+                self.uses(multiplexer, "read in segments or blocks");
                 return Ok(Some(multiplexer));
             }
         }
@@ -218,6 +241,7 @@ impl Bench<'_> {
         ];
         for candidate in &KNOWN {
             if let Some(scratch) = self.scratch_of(candidate)? {
+                self.uses(scratch.multiplexer, "written and read back");
                 return Ok(Some(scratch));
             }
         }
@@ -226,6 +250,7 @@ impl Bench<'_> {
             self.rpdo_objects().into_iter().partition(|mapped| mapped.at.index.0 >= 0x6000);
         for mapped in profile.into_iter().chain(own) {
             if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
+                self.uses(mapped.at, "written and read back");
                 return self.flipped(mapped.at);
             }
         }
@@ -237,7 +262,11 @@ impl Bench<'_> {
     /// # Errors
     /// [`Stop::NotApplicable`] if there is none.
     pub fn long_scratch(&mut self) -> Result<Multiplexer, Stop> {
-        self.long_writable().ok_or_else(|| {
+        let found = self.long_writable();
+        if let Some(multiplexer) = found {
+            self.uses(multiplexer, "written and read back");
+        }
+        found.ok_or_else(|| {
             let duty = "a string can be written without consequence";
             Stop::NotApplicable(Reason::new(duty, "one that the description names", "none"))
         })

@@ -2,7 +2,7 @@
 
 use super::Bench;
 use super::sdo::number;
-use crate::verdict::{Judged, Reason, Stop};
+use crate::verdict::{Judged, Precondition, Reason, Stop};
 use canvass_analyzer::dictionary::Value;
 use canvass_analyzer::wire::sync;
 use canvass_analyzer::{CobId, Multiplexer};
@@ -86,12 +86,12 @@ impl Bench<'_> {
         Ok(before)
     }
 
-    /// Switches a PDO on with the CAN-ID of a COB-ID.
+    /// Switches a PDO on with the CAN-ID of a COB-ID, or with the predefined one where that has none.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses it.
     pub fn pdo_on(&mut self, pdo: Pdo, cob_id: CobId) -> Result<(), Stop> {
-        self.write(pdo.parameter(1), &(cob_id.0 & !CobId::INVALID).to_le_bytes())
+        self.write(pdo.parameter(1), &self.valid_cob_id(pdo, cob_id).0.to_le_bytes())
     }
 
     /// Changes communication parameters while the PDO is off. On again, it has its old CAN-ID. A timer that the device
@@ -108,6 +108,19 @@ impl Bench<'_> {
             }
         }
         self.pdo_on(pdo, cob_id)
+    }
+
+    /// Sets the event timer of a PDO; where the device changes nothing of a PDO in use, while it is off.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the device refuses it.
+    pub fn set_event_timer(&mut self, pdo: Pdo, milliseconds: u16) -> Result<(), Stop> {
+        let value = milliseconds.to_le_bytes();
+        let attempt = self.download(pdo.parameter(5), &value)?;
+        if attempt.abort().is_some() {
+            return self.set_pdo(pdo, &[(5, &value)]);
+        }
+        attempt.expect_confirmation().or_inconclusive()
     }
 
     /// What a PDO carries.
@@ -130,6 +143,18 @@ impl Bench<'_> {
         }
         let duty = format!("{} carries an object as delivered", pdo.subject());
         Err(Stop::NotApplicable(Reason::new(duty, "one or more", "none")))
+    }
+
+    /// Demands that there is something to map.
+    ///
+    /// # Errors
+    /// [`Stop::NotApplicable`] if there is nothing.
+    pub(crate) fn require_one(&self, pdo: Pdo, mapping: &[Mapped]) -> Judged {
+        if !mapping.is_empty() {
+            return Ok(());
+        }
+        let duty = format!("{} can carry an object", pdo.subject());
+        Err(Stop::NotApplicable(Reason::new(duty, "one in the description", "none")))
     }
 
     /// Switches a PDO and its mapping off, so that entries can be written; returns the COB-ID before.
@@ -164,7 +189,7 @@ impl Bench<'_> {
         let entries = (1..=u8::MAX).zip(mapping);
         let entries = entries.map(|(sub, mapped)| (pdo.entry(sub), mapped.entry().to_le_bytes().to_vec()));
         let count = u8::try_from(mapping.len()).unwrap_or(u8::MAX);
-        let on = (pdo.parameter(1), (cob_id.0 & !CobId::INVALID).to_le_bytes().to_vec());
+        let on = (pdo.parameter(1), self.valid_cob_id(pdo, cob_id).0.to_le_bytes().to_vec());
         let steps = [off, (pdo.entry(0), vec![0])].into_iter().chain(entries).chain([(pdo.entry(0), vec![count]), on]);
         for (multiplexer, value) in steps {
             self.download(multiplexer, &value)?.expect_confirmation()?;
@@ -238,6 +263,7 @@ impl Bench<'_> {
             if self.is_described_as_writable(mapped.at) && mapped.bits <= 32 {
                 let before = self.read(mapped.at)?;
                 let other = self.other_value(mapped.at, &before);
+                self.uses(mapped.at, "mapped into TPDO 1, and written");
                 return Ok((mapped, other));
             }
         }

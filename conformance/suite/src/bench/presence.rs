@@ -1,8 +1,7 @@
 //! Who is on the bus: whether the device is still there, as one that was switched off fails nothing, and who else is.
 
-use super::Bench;
-use crate::case::Touch;
-use crate::need::Met;
+use super::{Bench, Met};
+use crate::touch::Touch;
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
@@ -142,7 +141,8 @@ impl Bench<'_> {
         let node = self.node();
         let request = Request::upload(Multiplexer::new(0x1000, 0));
         self.send_request(&request)?;
-        let sign = self.wait_for(LOOK, |record| super::traffic::is_from(node, &record.frame).then_some(()))?;
+        let sign = self
+            .wait_for(LOOK.max(self.silence()), |record| super::traffic::is_from(node, &record.frame).then_some(()))?;
         match sign {
             Some(()) => {
                 self.gone = None;

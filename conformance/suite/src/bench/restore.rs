@@ -1,8 +1,8 @@
 //! The device is left as it was found.
 
 use super::Bench;
-use super::rewrite::{Original, companions};
-use crate::case::{Case, Touch};
+use super::rewrite::{Original, companions, writes};
+use crate::comparison::{Change, Nature};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
@@ -14,6 +14,12 @@ use canvass_bus::observation::Subject;
 pub(super) const fn is_trigger(multiplexer: Multiplexer) -> bool {
     matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011 | 0x1013 | 0x6003 | 0x6009)
 }
+
+/// Stores all parameters.
+pub(super) const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+
+/// What puts a device right after a case that could not go on; `true` if the case stored something.
+pub type Rescue = fn(&mut Bench<'_>, bool) -> Result<(), Stop>;
 
 impl Bench<'_> {
     /// Keeps the value of an object that is about to be written. What can't be read can't be put back.
@@ -30,6 +36,7 @@ impl Bench<'_> {
     fn keep(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
         let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);
         if !known && let Outcome::Uploaded(value) = self.upload(multiplexer)?.outcome {
+            self.journal_value(multiplexer, &value)?;
             self.changes.push(Original { multiplexer, value });
         }
         Ok(())
@@ -43,20 +50,17 @@ impl Bench<'_> {
         result
     }
 
-    /// Cleans up after a case that was cancelled, or could not go on: it has not come to what it does at its end. The
-    /// node-ID and bit rate are the device's own again; what is stored follows in [`Bench::finish`].
-    pub(crate) fn rescue(&mut self, case: &Case) {
+    /// Notes that the case was cancelled, or could not go on: it has not come to what it does at its end. What it stored
+    /// is put right in [`Bench::finish`], its node-ID and bit rate by `rescue`.
+    pub(crate) fn end_early(&mut self, rescue: Option<Rescue>) {
         self.ended_early = true;
-        let touches = case.touches.iter().any(|touch| matches!(touch, Touch::NodeId | Touch::BitRate | Touch::Nvm));
         let stored = self.watch.has_stored();
-        let rescue = case.needs.iter().find_map(|need| need.rescue()).filter(|_| touches);
         // What can fail here shows in the answers of the device, which are compared after the run.
         let _ = self.uncancelled(|bench| rescue.map_or(Ok(()), |rescue| rescue(bench, stored)));
     }
 
     /// The values that are in use again are also those that are stored, if the case stored others.
     pub(super) fn store_again(&mut self) {
-        const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
         if !self.watch.has_stored() {
             return;
         }
@@ -78,6 +82,12 @@ impl Bench<'_> {
             if !originals.iter().any(|known| known.multiplexer == change.multiplexer) {
                 originals.push(change);
             }
+        }
+        if self.has_gone() {
+            // There is nobody to write to: it is tried after the first case in which the device is back.
+            self.unrestored = originals;
+            self.restoring = before;
+            return;
         }
         if !originals.is_empty()
             && let Err(stop) = self.wake()
@@ -101,19 +111,49 @@ impl Bench<'_> {
         self.unrestored.iter().any(|original| subject.covers(original.multiplexer.into()))
     }
 
-    /// What the run could not put back, each with the command that would.
-    pub(crate) fn left_behind(&self) -> Vec<String> {
+    /// What cases could not put back and the dictionary does not show: objects that nobody described.
+    pub(super) fn left_behind(&mut self, known: &[Change]) -> Vec<Change> {
+        let is_told = |original: &Original| known.iter().any(|change| change.multiplexer == original.multiplexer);
+        let stuck: Vec<Original> = self.unrestored.iter().filter(|original| !is_told(original)).cloned().collect();
+        let stuck = self.write_back(&stuck);
+        let change = |Original { multiplexer, value }| {
+            let after = self.value_of(multiplexer);
+            Change { nature: Nature::Setting, ..self.change(multiplexer, Some(value), after) }
+        };
+        stuck.into_iter().map(change).collect()
+    }
+
+    /// The commands that would write these values back, each object's before those that can only follow it.
+    pub(super) fn commands(&self, bus: &str, before: &[(Multiplexer, Vec<u8>)], changes: &[Change]) -> Vec<String> {
+        let settings = changes.iter().filter(|change| change.nature == Nature::Setting);
+        let mut originals: Vec<Original> = settings
+            .filter_map(|change| Some(Original { multiplexer: change.multiplexer, value: change.before.clone()? }))
+            .collect();
+        let companions: Vec<Multiplexer> =
+            originals.iter().flat_map(|original| companions(original.multiplexer)).flatten().collect();
+        for known in before.iter().filter(|(multiplexer, _)| companions.contains(multiplexer)).map(Original::from) {
+            if !originals.iter().any(|original| original.multiplexer == known.multiplexer) {
+                originals.push(known);
+            }
+        }
         let node = self.node();
-        let command = |original: &Original| {
-            let Original { multiplexer, value } = original;
+        let command = |(at, value): (Multiplexer, Vec<u8>)| {
             let digits: String = value.iter().map(|byte| format!("{byte:02X}")).collect();
-            let (index, sub) = (multiplexer.index.0, multiplexer.sub.0);
+            let digits = if digits.is_empty() { "''" } else { &digits };
             format!(
-                "{multiplexer} could not be set back; `canvass sdo write BUS {node} {index:04X}:{sub:02X} {digits} --type bytes` \
-                 would do it"
+                "canvass sdo write {} {node} {:04X}:{:02X} {digits} --type bytes",
+                quoted(bus),
+                at.index.0,
+                at.sub.0
             )
         };
-        self.unrestored.iter().map(command).collect()
+        let mut commands: Vec<String> = writes(&originals).into_iter().map(command).collect();
+        let has_store = before.iter().any(|(multiplexer, _)| *multiplexer == STORE);
+        if !commands.is_empty() && self.stores() > 0 && has_store {
+            // What is wrong may be what is stored.
+            commands.push(command((STORE, b"save".to_vec())));
+        }
+        commands
     }
 
     /// Only in stopped the SDO server must not answer.
@@ -123,5 +163,38 @@ impl Bench<'_> {
             self.listen(self.timing().reaction)?;
         }
         Ok(())
+    }
+}
+
+/// A bus as it can be typed into a shell.
+fn quoted(bus: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_.:/@+,".contains(c);
+    if !bus.is_empty() && bus.chars().all(is_plain) {
+        bus.to_owned()
+    } else {
+        format!("'{}'", bus.replace('\'', r"'\''"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Original;
+    use crate::scripted::{table, with_bench};
+    use canvass_analyzer::Multiplexer;
+    use canvass_traces::Duration;
+
+    #[test]
+    fn a_device_that_is_gone_is_not_written_to_after_each_case() {
+        let (took, left) = with_bench(table(&[]), |bench| {
+            bench.gone = Some("301/a/case");
+            bench.changes.push(Original { multiplexer: Multiplexer::new(0x1017, 0), value: vec![0, 0] });
+            let begun = bench.now();
+            bench.restore();
+            bench.restore();
+            (bench.now().since(begun), bench.unrestored.clone())
+        });
+        assert_eq!(took, Duration::ZERO);
+        let left: Vec<_> = left.into_iter().map(|Original { multiplexer, value }| (multiplexer, value)).collect();
+        assert_eq!(left, [(Multiplexer::new(0x1017, 0), vec![0, 0])], "it is tried again once the device is back");
     }
 }

@@ -15,6 +15,12 @@ pub(super) struct Original {
     pub value: Vec<u8>,
 }
 
+impl From<&(Multiplexer, Vec<u8>)> for Original {
+    fn from((multiplexer, value): &(Multiplexer, Vec<u8>)) -> Self {
+        Self { multiplexer: *multiplexer, value: value.clone() }
+    }
+}
+
 /// What is written to, and in which step.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 struct Step {
@@ -69,6 +75,11 @@ impl Bench<'_> {
         let now = self.upload(original.multiplexer).map(|attempt| attempt.outcome);
         matches!(now, Ok(Outcome::Uploaded(value)) if value == original.value)
     }
+}
+
+/// What has to be written, in this order, so that objects have their values again.
+pub(super) fn writes(originals: &[Original]) -> Vec<(Multiplexer, Vec<u8>)> {
+    steps(originals).into_iter().map(|step| (step.multiplexer, step.value)).collect()
 }
 
 /// The writes that give objects their values again, in their order.

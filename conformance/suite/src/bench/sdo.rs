@@ -90,7 +90,7 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::upload`].
     pub fn send_unanswered(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
-        self.exchange_within(request, what.into(), self.timing().silence)
+        self.exchange_within(request, what.into(), self.silence())
     }
 
     fn exchange_within(&mut self, request: &Request, what: String, span: Duration) -> Result<Reply, Stop> {
@@ -128,7 +128,7 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::wait_for`].
     pub fn wait_for_late_response(&mut self) -> Result<Option<Frame>, Stop> {
-        self.wait_for_response(self.timing().silence)
+        self.wait_for_response(self.silence())
     }
 
     /// Reads an object again and demands that it still has the value of before.
@@ -156,11 +156,15 @@ impl Bench<'_> {
         let mut request = first;
         let mut responses = Vec::new();
         loop {
+            let asked = self.now();
             self.send_request(&request)?;
             let Some(frame) = self.wait_for_response(patience)? else {
                 self.send_request(&transfer.abort(AbortCode::TIMEOUT))?;
                 return Ok(Attempt { multiplexer, what, outcome: Outcome::Silent, responses });
             };
+            if !stores {
+                self.knowledge.slowest_answer = self.knowledge.slowest_answer.max(self.now().since(asked));
+            }
             self.judge_answer(Some(multiplexer), &frame);
             // Of a long upload the first frames tell enough of their form.
             if responses.len() < 256 {
@@ -175,6 +179,8 @@ impl Bench<'_> {
                 Step::Done(outcome) => {
                     if matches!(outcome, Outcome::Violated(_)) {
                         self.send_request(&transfer.abort(AbortCode::GENERAL))?;
+                    } else {
+                        self.knowledge.served += 1;
                     }
                     return Ok(Attempt { multiplexer, what, outcome, responses });
                 }

@@ -6,7 +6,6 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::Command;
-use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{CanId, Duration, Frame};
@@ -47,19 +46,27 @@ impl Bench<'_> {
         if let Some(known) = self.knowledge.heartbeats {
             return Ok(known);
         }
-        // Some descriptions name a 1017h that the device does not have: that is the matter of one case, not of all.
-        let found = if !self.has(HEARTBEAT_TIME)? || is_absent(&self.upload(HEARTBEAT_TIME)?.outcome) {
-            Heartbeats::None
-        } else if self.can_write(HEARTBEAT_TIME)? {
-            Heartbeats::Settable
-        } else {
-            match self.read_number(HEARTBEAT_TIME)? {
-                0 => Heartbeats::None,
-                milliseconds => Heartbeats::Fixed(Duration::from_millis(u64::from(milliseconds))),
-            }
-        };
+        let found = if self.has(HEARTBEAT_TIME)? { self.heartbeats_of_object()? } else { Heartbeats::None };
         self.knowledge.heartbeats = Some(found);
         Ok(found)
+    }
+
+    /// Some descriptions name a 1017h that the device does not have, or that can't be written: that is the matter of one case,
+    /// not of all that look at the NMT state.
+    fn heartbeats_of_object(&mut self) -> Result<Heartbeats, Stop> {
+        let value = match self.upload(HEARTBEAT_TIME)?.outcome {
+            Outcome::Uploaded(value) => value,
+            Outcome::Aborted(_) => return Ok(Heartbeats::None),
+            // A server that answers nothing, or nonsense, says nothing of 1017h.
+            _ => return Ok(Heartbeats::Settable),
+        };
+        if self.can_write(HEARTBEAT_TIME)? && self.download(HEARTBEAT_TIME, &value)?.abort().is_none() {
+            return Ok(Heartbeats::Settable);
+        }
+        Ok(match super::sdo::number(&value) {
+            0 => Heartbeats::None,
+            milliseconds => Heartbeats::Fixed(Duration::from_millis(u64::from(milliseconds))),
+        })
     }
 
     /// Makes the device show its state: lets it send heartbeats, where it can. Works only where SDOs work, so
@@ -214,10 +221,6 @@ impl Bench<'_> {
         }
         self.restoring = false;
     }
-}
-
-fn is_absent(outcome: &Outcome) -> bool {
-    matches!(outcome, Outcome::Aborted(abort) if matches!(abort.code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX))
 }
 
 /// The command that leads to a state from every other.

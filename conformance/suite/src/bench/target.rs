@@ -1,15 +1,14 @@
 //! What is tested, and under which conditions.
 
-use crate::case::{Case, Touch};
-use crate::catalogue;
-use crate::verdict::{Authority, Breach};
+use crate::touch::Touch;
+use crate::verdict::Deviation;
 use canvass_analyzer::NodeId;
-use canvass_analyzer::dictionary::DeviceDescription;
-use canvass_bus::observation::{Pattern, Subject};
+use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, Manual};
 use canvass_device::models::Model;
 use canvass_device::{Faults, Firmware};
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
+use std::path::PathBuf;
 
 /// The device under test.
 #[derive(Clone, Debug)]
@@ -20,45 +19,10 @@ pub struct Target {
     pub model: String,
     /// What its EDS or model says about it.
     pub description: Option<DeviceDescription>,
+    /// What its manual adds; empty where nobody gave it.
+    pub manual: Manual,
     /// Where its own documentation announces that it differs from the standard.
     pub deviations: Vec<Deviation>,
-}
-
-/// A difference from the standard that the device's own documentation announces, or that its user accepts: of one case,
-/// about one subject, in one behaviour.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Deviation {
-    /// The case that it explains: an id, or a pattern with `*`.
-    pub case: String,
-    /// What it is about.
-    pub subject: Subject,
-    /// What the device does instead of what the standard says.
-    pub does: Pattern,
-    /// What the documentation or the waiver says, and where.
-    pub documented: String,
-    /// Who says so.
-    pub by: Authority,
-}
-
-impl Deviation {
-    /// What the manual of a built-in model says.
-    pub fn of_model(model: &Model) -> Vec<Self> {
-        let of_row = |row: &canvass_device::models::Deviation| Self {
-            case: row.case.clone(),
-            subject: row.subject,
-            does: row.does.clone(),
-            documented: row.documented.clone(),
-            by: Authority::Manual,
-        };
-        model.deviations().iter().map(of_row).collect()
-    }
-
-    /// Whether it explains that breach of that case.
-    pub fn explains(&self, case: &Case, breach: &Breach) -> bool {
-        catalogue::matches(&self.case, case.id)
-            && self.subject.covers(breach.subject)
-            && self.does.accepts(&breach.actual)
-    }
 }
 
 /// How to test.
@@ -70,10 +34,18 @@ pub struct Options {
     pub timing: Timing,
     /// How often each case runs; 0 and 1: once.
     pub repeat: u32,
+    /// How often a case that fails is run again until it passes.
+    pub retries: u32,
+    /// Whether the run ends with the first case that fails.
+    pub fail_fast: bool,
     /// A command of the user, for `sh`, that switches the supply of the device off and on.
     pub power_cycle: Option<String>,
     /// Whether cases that try samples try everything: every index, every restricted CAN-ID.
     pub exhaustive: bool,
+    /// How long the whole run may take on the clock of the bus, with all but putting the device back.
+    pub limit: Option<Duration>,
+    /// Where what is changed is written down beforehand, so that the device can be put back if the tester is killed.
+    pub journal: Option<PathBuf>,
 }
 
 /// How long to wait for what. CiA 301 gives no numbers for any of these: all are the tester's.
@@ -129,7 +101,16 @@ impl Timing {
 impl Target {
     /// A device of which only the node-ID is known.
     pub fn unknown(node: NodeId) -> Self {
-        Self { node, model: String::new(), description: None, deviations: Vec::new() }
+        Self { node, model: String::new(), description: None, manual: Manual::default(), deviations: Vec::new() }
+    }
+
+    /// A device that the user calls so, and what is known of it.
+    pub fn known(node: NodeId, model: String, device: Option<KnownDevice>) -> Self {
+        let (description, manual) = match device {
+            Some(KnownDevice { description, manual }) => (Some(description), manual),
+            None => (None, Manual::default()),
+        };
+        Self { model, description, manual, ..Self::unknown(node) }
     }
 
     /// A device of a built-in model: its description, and what its manual says that it does otherwise.
@@ -148,6 +129,7 @@ impl Target {
             node,
             model: model.id().to_owned(),
             description: Some(model.description_with(firmware)),
+            manual: model.device().manual.clone(),
             deviations: Deviation::of_model(model),
         }
     }

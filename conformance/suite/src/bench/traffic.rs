@@ -30,6 +30,7 @@ impl Bench<'_> {
     /// [`Stop::Error`] if the bus does not take it, [`Stop::Inconclusive`] if the run was cancelled.
     pub fn send(&mut self, frame: &Frame) -> Result<Sent, Stop> {
         self.check_cancelled()?;
+        self.journal_frame(frame)?;
         let at = self.bus.now();
         self.bus.send(frame).map_err(|error| broken(&error))?;
         Ok(Sent { at })
@@ -57,6 +58,7 @@ impl Bench<'_> {
             let slice = deadline.min(self.bus.now() + SLICE);
             if let Some(record) = self.bus.receive(slice).map_err(|error| broken(&error))? {
                 self.check_lost()?;
+                self.knowledge.fd_frames += u64::from(record.frame.is_fd());
                 self.watch.observe(&record);
                 if record.direction != Direction::Tx && !self.is_own(&record.frame) {
                     self.foreign.count(&record);
@@ -160,6 +162,20 @@ fn broken(error: &BusError) -> Stop {
     Stop::Error(Reason::new("the bus works", "frames in and out", error.to_string()))
 }
 
+impl Bench<'_> {
+    /// What CAN FD frames on this bus mean, if any came: no device of classical CAN has sent them.
+    pub(crate) fn fd_notice(&self) -> Option<String> {
+        let frames = self.knowledge.fd_frames;
+        (frames > 0).then(|| {
+            format!(
+                "{frames} CAN FD frame{} came, and none was taken for an answer: CANopen is classical CAN, and a device of \
+                 classical CAN on this bus takes them for errors",
+                if frames == 1 { "" } else { "s" }
+            )
+        })
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -194,6 +210,21 @@ mod tests {
         fn health(&self) -> Health {
             Health { lost: self.0, ..Health::default() }
         }
+    }
+
+    #[test]
+    fn a_can_fd_frame_is_told_and_is_no_answer() {
+        let script = |request: &Frame| match request.to_string().starts_with("63F#40") {
+            true => ["5BF##04300100001000000", "5BF#4300100002000000"]
+                .map(|answer| (Duration::from_millis(1), canvass_traces::parse_frame(answer).unwrap().frame))
+                .to_vec(),
+            false => Vec::new(),
+        };
+        crate::scripted::with_bench(script, |bench| {
+            let value = bench.read(canvass_analyzer::Multiplexer::new(0x1000, 0));
+            assert_eq!(value.unwrap(), [2, 0, 0, 0]);
+            assert!(bench.fd_notice().unwrap().starts_with("1 CAN FD frame came"));
+        });
     }
 
     #[test]

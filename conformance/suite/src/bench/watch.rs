@@ -155,7 +155,7 @@ impl Watch {
 
 /// Whether an own frame makes the device write its non-volatile memory: "save" to 1010h, "load" to 1011h (the defaults
 /// are marked there), or LSS store configuration.
-fn is_store(cob_id: u16, data: &[u8], node: NodeId) -> bool {
+pub(super) fn is_store(cob_id: u16, data: &[u8], node: NodeId) -> bool {
     if cob_id == lss::MASTER_CAN_ID {
         return lss::Request::read(data) == Ok(lss::Request::StoreConfiguration);
     }

@@ -1,13 +1,9 @@
 //! Whose fault a failure is: the device's, or that of the bus, of others on it, or of the tester's own machine.
 
-use crate::bench::Bench;
+use crate::bench::{Bench, HOST_LATE};
 use crate::verdict::{Breach, End, Reason};
 use canvass_bus::Health;
 use canvass_traces::Duration;
-
-/// A failure that comes while a frame takes longer than this to or from the tester may be the tester's own: it is as long
-/// as the shortest wait that a case judges by.
-const HOST_LATE: Duration = Duration::from_millis(50);
 
 /// From that share of the bus on, in percent, others may be why a device does not get through.
 const OVERLOAD: u64 = 50;

@@ -1,14 +1,16 @@
 //! What happens in a run: every report is made from it.
 
 use super::summary::Summary;
-use crate::bench::{Evidence, Measurement};
+use crate::bench::{Evidence, Measurement, Use};
 use crate::case::Case;
+use crate::comparison::Comparison;
 use crate::verdict::{Kind, Verdict};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 
 /// What happens in a run, in this order: one [`RunEvent::RunStarted`], for each case a [`RunEvent::CaseStarted`] and a
-/// [`RunEvent::CaseFinished`], any number of [`RunEvent::Noticed`], one [`RunEvent::RunFinished`].
+/// [`RunEvent::CaseFinished`], a [`RunEvent::DictionaryCompared`], any number of [`RunEvent::Noticed`], one
+/// [`RunEvent::RunFinished`].
 #[derive(Debug)]
 pub enum RunEvent<'a> {
     /// The device was reached; cases follow.
@@ -24,6 +26,8 @@ pub enum RunEvent<'a> {
     },
     /// A case has ended.
     CaseFinished(&'a CaseReport),
+    /// The object dictionary was read again; only where a case has run.
+    DictionaryCompared(&'a Comparison),
     /// Something about the run as a whole that a person should know.
     Noticed(&'a str),
     /// All cases have ended, or the user has cancelled.
@@ -75,6 +79,8 @@ pub struct CaseReport {
     pub notes: Vec<String>,
     /// What was measured, whatever the verdict.
     pub measurements: Vec<Measurement>,
+    /// Which objects served it, where others could have.
+    pub uses: Vec<Use>,
     /// How each repetition ended; one where the case ran once.
     pub outcomes: Vec<Kind>,
     /// How long it took on the clock of the bus, with the way to the precondition and back.

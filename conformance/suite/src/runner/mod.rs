@@ -2,7 +2,11 @@
 
 mod blame;
 mod event;
+#[cfg(test)]
+mod left_behind;
+mod nonsense;
 mod one_case;
+mod repetition;
 mod summary;
 
 pub use event::{CaseReport, DeviceIdentity, RunEvent, RunInfo};
@@ -11,10 +15,15 @@ pub use summary::{HostTiming, Summary};
 
 use crate::bench::{Bench, objects};
 use crate::case::Case;
-use crate::verdict::{End, Lack, Stop};
+use crate::catalogue;
+use crate::comparison::Comparison;
+use crate::journal::Interrupted;
+use crate::verdict::{End, Kind, Lack, Stop};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
+use nonsense::Nonsense;
+use repetition::run_repeatedly;
 
 /// Why a run says nothing about the device.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
@@ -33,6 +42,9 @@ pub enum RunError {
         /// How long.
         waited: Duration,
     },
+    /// What is changed could not be written down beforehand.
+    #[error("the journal of the run can't be written: {0}")]
+    Journal(String),
     /// The bus failed before the first case.
     #[error("{0}")]
     Bus(String),
@@ -61,39 +73,67 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         return Err(RunError::NothingToRun { reason: "none was selected".to_owned() });
     }
     let started = bench.now();
-    let was_operational = reach_device(bench)?;
+    let asks = plan.cases.iter().any(|case| case.asks_the_device());
+    let was_operational = asks && reach_device(bench)?;
     let info = RunInfo {
         bus: plan.bus.to_owned(),
         bit_rate: plan.bit_rate,
         node: bench.node(),
         model: bench.target().model.clone(),
-        device: identify(bench),
+        device: if asks { identify(bench) } else { DeviceIdentity::default() },
         seed: plan.seed,
         cases: plan.cases.len(),
-        dictionary: bench.dump(),
+        dictionary: if asks { bench.dump() } else { Vec::new() },
     };
+    bench
+        .begin_journal(plan.bus, was_operational, &info.dictionary)
+        .map_err(|error| RunError::Journal(error.to_string()))?;
     report(&RunEvent::RunStarted(&info));
     let mut summary = Summary::default();
-    let mut undescribed = 0;
+    let (mut undescribed, mut nonsense, mut ended_by) = (0, Nonsense::default(), None);
     for (at, &case) in plan.cases.iter().enumerate() {
         if bench.is_cancelled() {
             break;
         }
         report(&RunEvent::CaseStarted { case, number: at + 1, of: plan.cases.len() });
-        let finished = repeat_case(bench, case);
+        let began = bench.now();
+        let mut finished = run_repeatedly(bench, case);
+        let makes_no_sense = nonsense.judge(bench, began, &mut finished);
         summary.add(finished.verdict.kind());
         summary.flaky += usize::from(finished.is_flaky());
         undescribed += usize::from(lacks_description(bench, &finished));
         report(&RunEvent::CaseFinished(&finished));
+        if makes_no_sense {
+            ended_by = Some("the device does not follow the protocol");
+            break;
+        }
+        if bench.options().fail_fast && finished.verdict.kind().badness() >= Kind::Error.badness() {
+            ended_by = Some("a case failed (--fail-fast)");
+            break;
+        }
     }
-    summary.cancelled = bench.is_cancelled();
+    if bench.is_out_of_time() {
+        ended_by = Some("its time was over (--for says how long it may take)");
+    }
+    summary.cancelled = bench.is_cancelled() || ended_by.is_some();
+    if let Some(why) = ended_by {
+        let (run, of) = (summary.total(), plan.cases.len());
+        report(&RunEvent::Noticed(&format!("the run ended after {run} of {of} cases: {why}")));
+    }
     // Where no case has run, nothing was changed, and the dictionary may not have been read to its end: a reset would lose
     // values that nobody knows.
-    if summary.total() > 0 {
+    summary.is_as_found = !asks;
+    if asks && summary.total() > 0 {
         bench.leave(was_operational);
-        let mut notices = bench.put_back_dictionary(&info.dictionary);
-        notices.extend(bench.left_behind());
-        notices.iter().for_each(|notice| report(&RunEvent::Noticed(notice)));
+        let comparison = bench.put_back_dictionary(plan.bus, &info.dictionary);
+        summary.is_as_found = comparison.is_as_found();
+        report(&RunEvent::DictionaryCompared(&comparison));
+        let notice = bench.end_journal(comparison.is_as_found());
+        notice.iter().for_each(|notice| report(&RunEvent::Noticed(notice)));
+    }
+    bench.end_journal(true);
+    if let Some(notice) = bench.fd_notice() {
+        report(&RunEvent::Noticed(&notice));
     }
     if undescribed > 0 {
         report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));
@@ -107,6 +147,20 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         return Err(RunError::NothingToRun { reason });
     }
     Ok(summary)
+}
+
+/// Puts back what an interrupted run has left behind, and says what is not as it was.
+///
+/// # Errors
+/// [`RunError::Unreachable`] if the device does not answer.
+pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, RunError> {
+    if !run.begun {
+        return Ok(Comparison { is_complete: true, objects: run.values.len(), ..Comparison::default() });
+    }
+    let unreachable = RunError::Unreachable { node: bench.node(), waited: bench.timing().boot_up };
+    let case = run.case.as_deref().and_then(catalogue::find);
+    let rescue = case.and_then(|case| case.needs.iter().find_map(|need| need.rescue()));
+    bench.put_back(run, rescue).ok_or(unreachable)
 }
 
 /// Whether a case could not be judged because nobody has described the device.
@@ -151,44 +205,36 @@ fn identify(bench: &mut Bench<'_>) -> DeviceIdentity {
     DeviceIdentity { device_type, identity, names }
 }
 
-/// Runs a case as often as the options say. The report is that of the worst outcome, the first of them.
-fn repeat_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
-    let started = bench.now();
-    let mut worst = run_case(bench, case);
-    for _ in 1..bench.options().repeat.max(1) {
-        if bench.is_cancelled() {
-            break;
-        }
-        let next = run_case(bench, case);
-        let kind = next.verdict.kind();
-        let outcomes = std::mem::take(&mut worst.outcomes);
-        if kind.badness() > worst.verdict.kind().badness() {
-            worst = next;
-        }
-        worst.outcomes = outcomes;
-        worst.outcomes.push(kind);
-    }
-    worst.duration = bench.now().since(started);
-    worst
-}
-
 #[cfg(test)]
 mod tests {
     use super::one_case::rule;
     use super::*;
-    use crate::bench::Deviation;
-    use crate::case::{Clause, Confidence, Level, Touch};
+    use crate::clause::{Clause, Confidence, Level};
     use crate::scripted::{table, with_bench};
-    use crate::verdict::{Authority, Breach, Judged, Kind};
+    use crate::touch::Touch;
+    use crate::verdict::Deviation;
+    use crate::verdict::{Authority, Breach, Judged};
     use canvass_bus::observation::{Observation, Subject};
 
     /// A device that answers only when its device type is read or it is reset.
     const ROWS: &[(&str, &str)] = &[("63F#4000100000000000", "5BF#4300100096010200"), ("000#813F", "73F#00")];
 
-    const fn test_case(id: &'static str, run: fn(&mut Bench<'_>) -> Judged) -> Case {
+    pub(super) const fn test_case(id: &'static str, run: fn(&mut Bench<'_>) -> Judged) -> Case {
         let clause = Clause { standard: "CiA 301", section: None, confidence: Confidence::Unknown };
         let (needs, touches, catches) = (&[], &[], &[]);
-        Case { id, requirement: "A test.", clause, level: Level::Must, needs, touches, catches, cct: None, run }
+        let answers = &[];
+        Case {
+            id,
+            requirement: "A test.",
+            clause,
+            level: Level::Must,
+            needs,
+            touches,
+            catches,
+            answers,
+            cct: None,
+            run,
+        }
     }
 
     static PASSES: Case = test_case("test/passes", |_| Ok(()));

@@ -2,10 +2,12 @@
 
 use super::blame::{blameless, overload};
 use super::event::CaseReport;
-use crate::bench::{Bench, Deviation, Evidence, Remains};
-use crate::case::{Case, Level, Touch};
+use crate::bench::{Bench, Evidence, Remains};
+use crate::case::Case;
+use crate::clause::Level;
 use crate::needs;
-use crate::verdict::{Breach, End, Excuse, Grade, Judged, Reason, Ruled, Stop, Verdict};
+use crate::touch::Touch;
+use crate::verdict::{Breach, Deviation, End, Excuse, Grade, Judged, Reason, Ruled, Stop, Verdict};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Timestamp;
 use std::any::Any;
@@ -24,29 +26,23 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let took = bench.now().since(started);
     let overload = (!breaches.is_empty()).then(|| overload(bench, took)).flatten();
     // A device that has gone is looked for while its frames are still evidence; a case that passed may have stopped it, too.
-    let ran = !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
-    let may_regain = bench.options().allow.contains(&Touch::NodeId);
-    let regain = |bench: &mut Bench<'_>| {
-        if let Some(rescue) = needs::LSS.rescue().filter(|_| may_regain) {
-            // What fails here shows in whether the device answers then.
-            let _ = rescue(bench, true);
-        }
-    };
+    let ran = case.asks_the_device() && !matches!(end, Some(End::NotApplicable(_) | End::Error(_)));
     let has_left = ran && bench.has_left(case.id, regain);
     // Also what puts the device back could panic; the run goes on.
     let ended_early = matches!(end, Some(End::Inconclusive(_) | End::Error(_)));
     let clean_up = || {
         if ended_early {
-            bench.rescue(case);
+            case.rescue(bench);
         }
         bench.finish()
     };
     let remains = catch_unwind(AssertUnwindSafe(clean_up)).ok();
-    let Remains { evidence, notes, restarted, measurements } = remains.unwrap_or_else(|| Remains {
+    let Remains { evidence, notes, restarted, measurements, uses } = remains.unwrap_or_else(|| Remains {
         evidence: Evidence::default(),
         notes: vec!["the tester failed while it restored the device".to_owned()],
         restarted: None,
         measurements: Vec::new(),
+        uses: Vec::new(),
     });
     let (mut breaches, end) = blameless(breaches, end, &bench.health().since(&health), overload);
     breaches.extend(has_left.then(stopped_answering));
@@ -57,7 +53,27 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let ruled = graded.map(|breach| rule(breach, case, &bench.target().deviations)).collect();
     let verdict = Verdict::new(ruled, end);
     let outcomes = vec![verdict.kind()];
-    CaseReport { case, verdict, evidence, notes, measurements, outcomes, duration: bench.now().since(started) }
+    CaseReport { case, verdict, evidence, notes, measurements, uses, outcomes, duration: bench.now().since(started) }
+}
+
+/// Gives a device its node-ID again that has lost it, where the user allows that.
+fn regain(bench: &mut Bench<'_>) {
+    let may_regain = bench.options().allow.contains(&Touch::NodeId);
+    if let Some(rescue) = needs::LSS.rescue().filter(|_| may_regain) {
+        // What fails here shows in whether the device answers then.
+        let _ = rescue(bench, true);
+    }
+}
+
+/// Resets the device. What a case has ordered may act only now: that the device has no node-ID any more, for example.
+fn prepare(bench: &mut Bench<'_>) -> Judged {
+    match bench.prepare() {
+        Err(Stop::Inconclusive(_)) if bench.options().allow.contains(&Touch::NodeId) && !bench.is_cancelled() => {
+            regain(bench);
+            bench.prepare()
+        }
+        prepared => prepared,
+    }
 }
 
 /// A case that judges an object that an earlier case has left behind says nothing of the device's own value.
@@ -100,9 +116,12 @@ fn judge(bench: &mut Bench<'_>, case: &'static Case) -> Judged {
     if let Some(touch) = case.touches.iter().find(|touch| !bench.options().allow.contains(touch)) {
         return Err(Stop::NotApplicable(not_allowed(*touch)));
     }
-    bench.end_when_frames_are_lost();
-    bench.look_for_it()?;
-    bench.prepare()?;
+    if case.asks_the_device() {
+        bench.end_when_frames_are_lost();
+        bench.look_for_it()?;
+        prepare(bench)?;
+    }
+    bench.journal_case(case.id, case.touches)?;
     case.require(bench)?;
     (case.run)(bench)
 }
@@ -127,7 +146,7 @@ fn graded(breach: Breach, case: &Case) -> Breach {
 /// nothing else.
 pub(super) fn rule(breach: Breach, case: &Case, deviations: &[Deviation]) -> Ruled {
     let announced = deviations.iter().filter(|_| breach.grade == Grade::Wrong);
-    let announced = announced.into_iter().find(|deviation| deviation.explains(case, &breach));
+    let announced = announced.into_iter().find(|deviation| deviation.explains(case.id, &breach));
     let excuse = announced.map(|Deviation { documented, by, .. }| Excuse { documented: documented.clone(), by: *by });
     Ruled { breach, excuse }
 }

@@ -18,6 +18,8 @@ pub struct Summary {
     pub stores: u32,
     /// How many cases ended differently when they were repeated.
     pub flaky: usize,
+    /// The device is known to be as it was before the run. `false` too where that could not be seen.
+    pub is_as_found: bool,
 }
 
 /// How well the tester's own machine kept up. Each bound is at most twice the longest span that it holds for.

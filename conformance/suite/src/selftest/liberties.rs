@@ -1,12 +1,14 @@
 //! What the standard leaves free must be spared: every case on every liberty, alone and in random combinations; and a fault
 //! must be found whatever liberties the firmware takes beside it.
 
-use super::{in_parallel, judge, judge_knowing, node_of};
+use super::{in_parallel, judge, judge_hearing, judge_knowing, node_of};
 use crate::bench::{Knowledge, Target};
 use crate::case::Case;
-use crate::verdict::{Kind, Reason};
+use crate::verdict::{Kind, Reason, Verdict};
 use canvass_device::models::Model;
 use canvass_device::{Fault, Faults, Firmware, Liberties, Liberty};
+use canvass_traces::Record;
+use std::hash::{DefaultHasher, Hash, Hasher};
 
 /// How much is tried at random.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -26,9 +28,11 @@ pub struct Sparing {
     pub alone: Vec<LibertyRow>,
     /// One row for each random combination.
     pub combined: Vec<LibertyRow>,
-    /// How often a fault was looked for beside liberties that leave a case that names it applicable.
+    /// How often a fault was put beside liberties.
+    pub tried: usize,
+    /// How often it showed there: to a case that names it, by another frame, time or description than without the fault.
     pub looked_for: usize,
-    /// Faults that were not found beside liberties.
+    /// Faults that showed beside liberties, and were not found.
     pub missed: Vec<(Fault, Liberties)>,
 }
 
@@ -75,7 +79,7 @@ impl Sparing {
 
 /// Runs the cases on the liberties, and the faults beside them.
 pub(super) fn run(cases: &[&'static Case], faults: &[Fault], chance: Chance) -> Sparing {
-    let mut dice = Dice(chance.seed);
+    let mut dice = Dice::new(chance.seed);
     let combinations: Vec<Liberties> = (0..chance.combinations).map(|_| dice.liberties()).collect();
     let alone: Vec<Liberties> = Liberty::ALL.iter().copied().map(Liberties::from).collect();
     let rows = |sets: &[Liberties]| {
@@ -87,6 +91,7 @@ pub(super) fn run(cases: &[&'static Case], faults: &[Fault], chance: Chance) -> 
     Sparing {
         alone: rows(&alone),
         combined: rows(&combinations),
+        tried: beside.iter().map(|(_, sets)| sets.len()).sum(),
         looked_for: found.iter().map(|(looked_for, _)| looked_for).sum(),
         missed: found.into_iter().flat_map(|(_, missed)| missed).collect(),
     }
@@ -110,35 +115,125 @@ fn row(liberties: Liberties, cases: &[&'static Case]) -> Option<LibertyRow> {
     Some(row)
 }
 
-/// How often a fault was looked for, and beside which liberties it was not found.
+/// How often a fault showed, and beside which liberties it showed and was not found.
 fn beside_liberties(fault: Fault, sets: &[Liberties], cases: &[&'static Case]) -> (usize, Vec<(Fault, Liberties)>) {
     let Some(model) = Model::by_id(fault.model()) else { return (0, Vec::new()) };
-    let (mut looked_for, mut missed) = (0, Vec::new());
+    let (mut shown, mut missed) = (0, Vec::new());
     for &liberties in sets {
-        let healthy = Firmware { faults: Faults::NONE, liberties };
         let faulty = Firmware { faults: fault.into(), liberties };
-        let naming = cases.iter().filter(|case| case.catches.contains(&fault));
-        // A liberty may take away what the fault is about.
-        let mut visible = naming.filter(|case| judge(case, model, healthy).verdict.kind().is_executed()).peekable();
-        if visible.peek().is_none() {
-            continue;
-        }
-        looked_for += 1;
-        let finds = |case: &&&'static Case| {
-            let verdict = judge(case, model, faulty).verdict;
-            matches!(verdict.kind(), Kind::Fail | Kind::Error) || super::records(case, &verdict)
+        let mut naming = cases.iter().filter(|case| case.catches.contains(&fault));
+        let outcome = if naming.any(|case| finds(case, &judge(case, model, faulty).verdict)) {
+            Outcome::Found
+        } else if is_harmless(fault, liberties) {
+            Outcome::Hidden
+        } else {
+            Beside::new(model, fault, liberties).outcome(cases)
         };
-        if !visible.any(|case| finds(&case)) {
+        shown += usize::from(outcome != Outcome::Hidden);
+        if outcome == Outcome::Missed {
             missed.push((fault, liberties));
         }
     }
-    (looked_for, missed)
+    (shown, missed)
+}
+
+/// What becomes of a fault beside liberties.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Outcome {
+    /// A case fails for it.
+    Found,
+    /// A case that is about the fault applies, the device does something else there than it would without the fault, and no
+    /// case fails.
+    Missed,
+    /// In all that the cases that are about it ask, the device does as it would without the fault: a liberty takes away
+    /// what the fault is about.
+    Hidden,
+}
+
+/// Faults that differ from right firmware beside a liberty, but not in what would be wrong there.
+const HARMLESS: &[(Fault, &[Liberty], &str)] = &[
+    (Fault::EdsCobIdTwice, &[Liberty::NoApplicationObjects, Liberty::PdosInvalid], "a PDO that is off has no CAN-ID"),
+    (Fault::PdoIdNotPredefined, &[Liberty::NoApplicationObjects], "a PDO that is off has no CAN-ID"),
+    (Fault::EdsDefaultBeyondLimit, &[Liberty::EdsWithoutLimits], "there is no limit"),
+    (Fault::DummyRefused, &[Liberty::NoDummies], "the device may refuse dummies; the codes differ"),
+    (Fault::SdoRangeUnchecked, &[Liberty::NoApplicationObjects], "there is no range"),
+    (
+        Fault::SdoAnsweredBeforeBootUp,
+        &[Liberty::AnswersIn900Ms, Liberty::AnswersVary],
+        "the answer comes after the boot-up message, as that of a request that waited for it would",
+    ),
+    (Fault::LmtActivationNotSilent, &[Liberty::AnswersIn900Ms], "the answer comes when the silence is over"),
+    (Fault::TpdoPositionLate, &[Liberty::AnswersIn900Ms], "the position is late by less than an answer takes"),
+];
+
+/// Whether a fault does no harm beside these liberties.
+fn is_harmless(fault: Fault, liberties: Liberties) -> bool {
+    let rows = HARMLESS.iter().filter(|row| row.0 == fault);
+    rows.flat_map(|row| row.1).any(|harmless| liberties.has(*harmless))
+}
+
+/// A firmware with liberties, with a fault and without it.
+struct Beside {
+    model: &'static Model,
+    fault: Fault,
+    firmwares: [Firmware; 2],
+    targets: [Target; 2],
+}
+
+impl Beside {
+    fn new(model: &'static Model, fault: Fault, liberties: Liberties) -> Self {
+        let firmwares = [fault.into(), Faults::NONE].map(|faults| Firmware { faults, liberties });
+        let targets = firmwares.map(|firmware| Target::with_firmware(model, node_of(model), firmware));
+        Self { model, fault, firmwares, targets }
+    }
+
+    /// What becomes of a fault that the cases that name it did not find.
+    fn outcome(&self, cases: &[&'static Case]) -> Outcome {
+        let mut naming = cases.iter().filter(|case| case.catches.contains(&self.fault));
+        if !naming.any(|case| self.shows(case)) {
+            return Outcome::Hidden;
+        }
+        let [faulty, _] = self.firmwares;
+        let mut knowledge = Knowledge::default();
+        let found = cases.iter().any(|case| {
+            let verdict = judge_knowing(case, self.model, faulty, &self.targets[0], &mut knowledge).verdict;
+            finds(case, &verdict)
+        });
+        if found { Outcome::Found } else { Outcome::Missed }
+    }
+
+    /// Whether a case applies without the fault, and sees something else with it: a frame, a time, a description.
+    fn shows(&self, case: &'static Case) -> bool {
+        let [(_, faulty), (applies, healthy)] = [0, 1].map(|at| {
+            let mut traffic = DefaultHasher::new();
+            let mut hear = |record: &Record| (record.timestamp, record.frame).hash(&mut traffic);
+            let (firmware, target) = (self.firmwares[at], &self.targets[at]);
+            let report = judge_hearing(case, self.model, firmware, target, &mut Knowledge::default(), &mut hear);
+            (report.verdict.kind().is_executed(), traffic.finish())
+        });
+        let described = || self.fault.is_in_description() && self.is_described_otherwise();
+        applies && (faulty != healthy || described())
+    }
+
+    fn is_described_otherwise(&self) -> bool {
+        let [faulty, healthy] = self.targets.each_ref().map(|target| format!("{:?}", target.description));
+        faulty != healthy
+    }
+}
+
+fn finds(case: &Case, verdict: &Verdict) -> bool {
+    matches!(verdict.kind(), Kind::Fail | Kind::Error) || super::records(case, verdict)
 }
 
 /// Numbers that only look random (SplitMix64).
-struct Dice(u64);
+pub struct Dice(u64);
 
 impl Dice {
+    /// The same seed gives the same numbers.
+    pub const fn new(seed: u64) -> Self {
+        Self(seed)
+    }
+
     fn next(&mut self) -> u64 {
         self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
         let mut mixed = self.0;
@@ -147,7 +242,8 @@ impl Dice {
         mixed ^ mixed >> 31
     }
 
-    fn liberties(&mut self) -> Liberties {
+    /// A random combination of [`Chance::TOGETHER`] liberties.
+    pub fn liberties(&mut self) -> Liberties {
         let count = Liberty::ALL.len() as u64;
         let drawn = (0..Chance::TOGETHER).filter_map(|_| Liberty::ALL.get((self.next() % count) as usize).copied());
         drawn.collect()

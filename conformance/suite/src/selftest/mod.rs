@@ -7,13 +7,15 @@
 mod liberties;
 mod masking;
 
-pub use liberties::{Chance, LibertyRow, Sparing};
+pub use liberties::{Chance, Dice, LibertyRow, Sparing};
 pub use masking::{Masked, Masking};
 
 use crate::bench::{Bench, Knowledge, Options, Target};
-use crate::case::{Case, Level, Touch};
+use crate::case::Case;
 use crate::catalogue;
+use crate::clause::Level;
 use crate::runner::{CaseReport, run_case};
+use crate::touch::Touch;
 use crate::verdict::{Grade, Kind, Reason, Ruled, Verdict};
 use canvass_analyzer::NodeId;
 use canvass_bus::SimulatedBus;
@@ -163,7 +165,7 @@ fn shows_anywhere(verdict: &Verdict) -> bool {
 }
 
 /// A case about what the standard leaves open fails nobody: it detects a fault by what it records.
-fn records(case: &Case, verdict: &Verdict) -> bool {
+pub fn records(case: &Case, verdict: &Verdict) -> bool {
     case.level == Level::Open && verdict.breaches().iter().any(|ruled| ruled.breach.grade == Grade::Open)
 }
 
@@ -215,8 +217,8 @@ pub fn judge(case: &'static Case, model: &'static Model, firmware: impl Into<Fir
     judge_target(case, model, firmware, &target)
 }
 
-/// That of delivery. A device without one as delivered has been given one.
-fn node_of(model: &Model) -> NodeId {
+/// The node-ID of delivery. A device without one as delivered has been given one.
+pub fn node_of(model: &Model) -> NodeId {
     model.default_node().unwrap_or(GIVEN_NODE)
 }
 
@@ -246,17 +248,54 @@ fn judge_knowing(
     target: &Target,
     knowledge: &mut Knowledge,
 ) -> CaseReport {
+    judge_hearing(case, model, firmware, target, knowledge, &mut |_| ())
+}
+
+/// As [`judge_knowing`]; `hear` is told each frame of the case.
+fn judge_hearing(
+    case: &'static Case,
+    model: &'static Model,
+    firmware: Firmware,
+    target: &Target,
+    knowledge: &mut Knowledge,
+    hear: &mut dyn FnMut(&Record),
+) -> CaseReport {
     let mut bus = SimulatedBus::new(model.default_bit_rate());
     let motion = Motion::constant(REST, if case.requires(&crate::needs::TURNING_SHAFT) { TURNING } else { 0 });
     bus.attach(Box::new(Device::with_motion(model, Some(target.node), firmware, 0, motion)));
     let options = Options { allow: Touch::ALL.into_iter().collect(), ..Options::default() };
     let cancel = AtomicBool::new(false);
-    let mut annotate = |_: &Record| String::new();
+    let mut annotate = |record: &Record| {
+        hear(record);
+        String::new()
+    };
     let mut bench = Bench::new(&mut bus, target, &options, &mut annotate, &cancel);
     bench.learn(std::mem::take(knowledge));
     let report = run_case(&mut bench, case);
     *knowledge = bench.into_knowledge();
     report
+}
+
+/// A firmware of a model, judged by one case after the other: what one found out of the device, the next need not ask.
+pub struct Tried {
+    model: &'static Model,
+    firmware: Firmware,
+    target: Target,
+    knowledge: Knowledge,
+}
+
+impl Tried {
+    /// Before the first case.
+    pub fn new(model: &'static Model, firmware: impl Into<Firmware>) -> Self {
+        let firmware = firmware.into();
+        let target = Target::with_firmware(model, node_of(model), firmware);
+        Self { model, firmware, target, knowledge: Knowledge::default() }
+    }
+
+    /// Runs a case, with everything allowed, on a new device; `hear` is told each frame.
+    pub fn judge(&mut self, case: &'static Case, hear: &mut dyn FnMut(&Record)) -> CaseReport {
+        judge_hearing(case, self.model, self.firmware, &self.target, &mut self.knowledge, hear)
+    }
 }
 
 /// What a case is about, by the services that can't be told apart from outside: a device shows its NMT state by its
@@ -279,8 +318,9 @@ fn chapter(case: &'static Case) -> &'static str {
     }
 }
 
-/// The results in the order of the items, whatever thread works on which.
-fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+/// Works on all items, on as many threads as the computer has cores. The results are in the order of the items, whatever
+/// thread works on which.
+pub fn in_parallel<T: Sync, R: Send>(items: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(items.len().max(1));
     let (next, results) = (AtomicUsize::new(0), Mutex::new(Vec::with_capacity(items.len())));
     std::thread::scope(|scope| {

@@ -4,9 +4,11 @@
 //! device's manual and its user announce, and makes the [`Verdict`] of both.
 
 mod breach;
+mod deviation;
 mod stop;
 
 pub use breach::{Allowed, Breach, Check, Grade, When, observed, observed_response};
+pub use deviation::Deviation;
 pub use stop::{Judged, Precondition, Stop};
 
 use std::fmt;

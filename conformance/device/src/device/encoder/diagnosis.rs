@@ -3,9 +3,11 @@
 
 use super::Encoder;
 use crate::device::parameters::Parameters;
-use crate::device::shaft::TEMPERATURE;
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Timestamp;
+
+/// The temperature of the sensor as 2120h counts it: degrees Celsius plus 64.
+pub(in crate::device) const TEMPERATURE: u8 = 0x56;
 
 /// 6503h bit 0.
 const POSITION_ERROR: u64 = 1 << 0;

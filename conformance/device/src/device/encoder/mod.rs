@@ -16,6 +16,8 @@ mod raw;
 mod speed;
 mod work_area;
 
+pub(super) use diagnosis::TEMPERATURE;
+
 use super::motion::Motion;
 use super::parameters::Parameters;
 use crate::Firmware;

@@ -34,7 +34,7 @@ impl Encoder {
         let fits = match at.index.0 {
             0x6000 => {
                 let reserved = value & !u64::from(self.sheet.operating_bits);
-                reserved == 0 || !self.firmware.checks_operating_bits()
+                (reserved == 0 || !self.firmware.checks_operating_bits()) && self.firmware.takes_operating_parameters()
             }
             0x6001 => value <= units_of(parameters.number_or_zero(0x6002, 0)) || !refuses,
             _ => {

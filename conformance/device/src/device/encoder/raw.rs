@@ -25,6 +25,7 @@ impl Encoder {
 
     /// The steps over all revolutions, whatever the code sequence; 32-bit objects show the lower bits.
     fn raw(&self, now: Timestamp) -> u64 {
+        let now = if self.firmware.moves_raw_position() { now } else { Timestamp::ZERO };
         self.motion.position(now, steps(&self.sheet)).rem_euclid(physical_range(&self.sheet)) as u64
     }
 

@@ -4,10 +4,14 @@ use canvass_traces::Duration;
 
 hooks! {
     follows_time unless TimeIgnored,
+    produces_time unless TimeNotProduced,
+    keeps_time unless ClockStands,
     sets_reserved_time_bits with TimeReservedBitsSet,
     resets_sync_counter unless SyncCounterNotReset,
+    reports_right_sync with RightSyncReported,
     checks_sync_length unless SyncLengthUnchecked,
     heeds_sync_window unless SyncWindowIgnored,
+    counts_moved_sync with SyncMovedCounts,
 }
 
 impl Firmware {

@@ -13,5 +13,9 @@ hooks! {
     checks_overflow unless SyncOverflowUnchecked,
     checks_emcy_ids_while_valid unless EmcyIdChangeWhileValid,
     checks_sdo_ids_while_valid unless SdoChannelIdChangeWhileValid,
+    takes_operating_parameters unless OperatingParametersRefused,
+    takes_sync_id unless SyncIdRefused,
+    switches_pdos_off unless PdoOffRefused,
+    takes_consumer_times unless ConsumerTimeRefused,
     checks_rpdo_values unless RpdoRangeUnchecked,
 }

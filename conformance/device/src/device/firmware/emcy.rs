@@ -3,6 +3,7 @@ use crate::{Fault, Firmware};
 
 hooks! {
     keeps_emcy_when_inhibited unless EmcyLostWhenInhibited,
+    mutes_inhibited_emcy with EmcyMutedByInhibitTime,
     keeps_emcy_when_stopped unless EmcyLostWhenStopped,
     shows_register_in_emcy unless EmcyRegisterZero,
     repeats_emcy with EmcyRepeated,
@@ -13,6 +14,7 @@ hooks! {
     clears_history unless ErrorHistoryNotCleared,
     overflows_history with ErrorHistoryOverflows,
     reverses_history with ErrorHistoryReversed,
+    clears_register_when_read with ErrorRegisterReadClears,
     keeps_register_bits with ErrorRegisterStuck,
     sets_generic_bit unless ErrorRegisterGenericMissing,
     reports_temperature unless WarningWithoutEmcy,

@@ -2,6 +2,7 @@ use super::hooks;
 use crate::{Fault, Firmware};
 
 hooks! {
+    moves_raw_position unless RawPositionStands,
     includes_limits_in_switches with LimitSwitchInclusive,
     swaps_limit_switches with LimitSwitchesSwapped,
     links_cyclic_timer unless CyclicTimerNotLinked,

@@ -4,6 +4,7 @@ use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_traces::Duration;
 
 hooks! {
+    heeds_stored_times unless StoredConfigurationIdle,
     stops_heartbeat_at_zero unless HeartbeatNotStopped,
     makes_up_for_heartbeats with HeartbeatBurst,
     shows_stale_state with HeartbeatStateLate,

@@ -5,6 +5,7 @@ hooks! {
     obeys_broadcasts unless NmtBroadcastIgnored,
     obeys_commands_to_others with NmtNodeIdIgnored,
     stops_on_unknown_command with NmtUnknownCommandStops,
+    hangs_at_reset_when_stopped with ResetWhenStoppedHangs,
     resets_when_stopped unless NmtResetWhenStoppedIgnored,
     starts_when_stopped unless NmtStartWhenStoppedIgnored,
     stops_when_operational unless NmtStopWhenOperationalIgnored,

@@ -3,6 +3,8 @@ use crate::{Fault, Firmware};
 use canvass_traces::Duration;
 
 hooks! {
+    protects_first_pdo_only with PdoRulesFirstOnly,
+    reports_right_rpdo with RightRpdoReported,
     checks_pdo_id_while_valid unless CobIdChangeWhileValid,
     validates_empty_pdo with EmptyPdoValidated,
     checks_mapping_while_valid unless MappingChangeWhileValid,
@@ -23,12 +25,14 @@ hooks! {
     takes_long_rpdo unless LongRpdoIgnored,
     heeds_rpdo_deadline unless RpdoDeadlineIgnored,
     checks_rpdo_length unless RpdoLengthUnchecked,
+    reports_short_rpdo unless ShortRpdoUnreported,
     holds_synchronous_rpdo unless SynchronousRpdoActsAtOnce,
     receives_invalid_rpdo with RpdoReceivedWhenInvalid,
     heeds_inhibit_time unless InhibitTimeIgnored,
     samples_rtr_type_at_sync unless RtrTypeSampledAtOnce,
     resets_sync_count unless SyncCountNotReset,
     heeds_sync_cycle unless SyncCycleIgnored,
+    maps_beyond_count with TpdoBeyondCount,
     heeds_sync_start_value unless SyncStartValueIgnored,
     sends_acyclic_without_event with AcyclicTpdoWithoutEvent,
     misses_first_timed_pdo with FirstPositionMissing,

@@ -48,6 +48,7 @@ hooks! {
     miscounts_block with SdoBlockCountOffByOne,
     keeps_padding with SdoBlockPaddingKept,
     checks_crc unless SdoBlockCrcIgnored,
+    keeps_block_crc with SdoBlockCrcKept,
     writes_before_crc_check with SdoBlockWrittenBeforeCheck,
     checks_block_length unless SdoBlockSizeMismatchAccepted,
     confirms_end_of_block unless SdoBlockEndSilent,

@@ -43,14 +43,15 @@ pub(super) fn initiate(
         Ok(reading) => reading,
         Err(code) => return Next::abort(object, code),
     };
-    let unchecked = !objects.firmware.checks_block_size();
+    let bytes = reading.bytes();
+    // Up to the threshold a normal upload is shorter; without one the client wants blocks, also of nothing.
+    let switches = threshold > 0 && bytes.len() <= usize::from(threshold) && objects.firmware.switches_protocol();
+    let unchecked = !objects.firmware.checks_block_size() || switches && objects.firmware.switches_before_block_size();
     if !is_block_size(block_size) && !unchecked {
         return Next::abort(object, AbortCode::BLOCK_SIZE);
     }
     let block_size = block_size.clamp(1, BlockSegment::MAX);
-    let bytes = reading.bytes();
-    // Up to the threshold a normal upload is shorter; without one the client wants blocks, also of nothing.
-    if threshold > 0 && bytes.len() <= usize::from(threshold) && objects.firmware.switches_protocol() {
+    if switches {
         if objects.firmware.cuts_switched_upload() {
             return upload::begin(object, bytes.get(1..).unwrap_or_default(), objects);
         }

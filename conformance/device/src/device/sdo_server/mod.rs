@@ -8,6 +8,7 @@ mod block_upload;
 mod download;
 mod upload;
 
+use super::chance::Chance;
 use super::objects::Objects;
 use crate::models::Timing;
 use block_download::{BlockDownload, BlockDownloadEnd};
@@ -32,6 +33,8 @@ pub(super) struct SdoServer {
     expires: Timestamp,
     /// The object of the last transfer, for a firmware that does not forget it.
     stale: Multiplexer,
+    /// Whether a block download with CRC was begun since boot-up.
+    had_crc: bool,
     /// Whether there was a request since boot-up.
     began: bool,
     /// How many requests there were since boot-up.
@@ -107,6 +110,7 @@ impl SdoServer {
             answers: VecDeque::with_capacity(usize::from(BlockSegment::MAX) + 1),
             expires: Timestamp::MAX,
             stale: Multiplexer::new(0, 0),
+            had_crc: false,
             began: false,
             requests: 0,
             wedged: false,
@@ -124,6 +128,7 @@ impl SdoServer {
     /// As [`SdoServer::reset`], at the start of the device.
     pub fn boot(&mut self) {
         self.reset();
+        self.had_crc = false;
         self.began = false;
         self.requests = 0;
         self.wedged = false;
@@ -155,6 +160,9 @@ impl SdoServer {
                 Err(_) => Next::silence(Transfer::BlockDownload(download)),
             },
             transfer => match Request::read(frame.data()) {
+                Ok(request) if has_reserved_bits(frame, &request) && objects.firmware.refuses_reserved_bits() => {
+                    Next::abort(Multiplexer::new(0, 0), AbortCode::COMMAND_SPECIFIER)
+                }
                 Ok(request) => self.on_request(now, transfer, request, objects),
                 Err(_) => Next::silence(transfer),
             },
@@ -184,7 +192,9 @@ impl SdoServer {
                 block_upload::initiate(now, multiplexer, crc, block_size, threshold, objects)
             }
             Request::InitiateBlockDownload { multiplexer, crc, size } if self.blocks => {
-                block_download::initiate(multiplexer, crc, size, objects)
+                self.had_crc |= crc;
+                let kept = self.had_crc && objects.firmware.keeps_block_crc();
+                block_download::initiate(multiplexer, crc || kept, size, objects)
             }
             Request::Abort(abort) if objects.firmware.answers_client_abort() => {
                 Next::abort(abort.multiplexer, AbortCode::GENERAL)
@@ -368,24 +378,9 @@ fn used_bytes(response: &Response) -> usize {
     }
 }
 
-/// Repeatable chance (xorshift64*).
-#[derive(Clone, Debug)]
-struct Chance(u64);
-
-impl Chance {
-    const fn new(seed: u64) -> Self {
-        // 0 would stay 0 for ever.
-        Self(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
-    }
-
-    /// A number from 0 to `limit - 1`; 0 where `limit` is 0.
-    const fn below(&mut self, limit: u64) -> u64 {
-        if limit == 0 {
-            return 0;
-        }
-        self.0 ^= self.0 >> 12;
-        self.0 ^= self.0 << 25;
-        self.0 ^= self.0 >> 27;
-        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 32) % limit
-    }
+/// Whether bits of the command are set that have no meaning in that request.
+fn has_reserved_bits(frame: &Frame, request: &Request) -> bool {
+    let mut plain = [0; 8];
+    request.emit(&mut plain);
+    !matches!(request, Request::Abort(_)) && frame.bytes()[0] != plain[0]
 }

@@ -111,9 +111,9 @@ impl Awaited {
         match self {
             Self::Nothing => "no SDO response: none was asked for".to_owned(),
             Self::Anything => "a legal response, or none".to_owned(),
-            Self::Abort { codes, at: Some(at), why } => format!("abort {} of {at}: {why}", codes.text()),
-            Self::Abort { codes, at: None, why } => format!("abort {}: {why}", codes.text()),
-            Self::AbortOrIgnored => format!("no answer, or abort {}: {}", codes::TOGGLE.text(), self.rule()),
+            Self::Abort { codes, at: Some(at), why } => format!("{why}: abort of {at} with {}", codes.text()),
+            Self::Abort { codes, at: None, why } => format!("{why}: abort with {}", codes.text()),
+            Self::AbortOrIgnored => format!("{}: no answer, or abort with {}", self.rule(), codes::TOGGLE.text()),
             Self::Read(reading) => reading.text("the value of"),
             Self::BlockRead { reading, .. } => reading.text("block upload of"),
             Self::Write { at, writing } => writing.text(&format!("confirmation of the download to {at}")),
@@ -145,13 +145,13 @@ impl Reading {
         if self.must.is_empty() {
             format!("{what} {}", self.at)
         } else {
-            format!("abort {} of {}", self.must.text(), self.at)
+            format!("{} can't be read: abort with {}", self.at, self.must.text())
         }
     }
 }
 
 impl Writing {
     fn text(&self, what: &str) -> String {
-        if self.must.is_empty() { what.to_owned() } else { format!("abort {}: {}", self.must.text(), self.why) }
+        if self.must.is_empty() { what.to_owned() } else { format!("{}: abort with {}", self.why, self.must.text()) }
     }
 }

@@ -36,7 +36,7 @@ impl Upload {
 impl Server {
     /// A segment of a block download.
     pub(super) fn block_segment(&mut self, segment: BlockSegment, knowledge: &Knowledge) -> Awaited {
-        let State::BlockDownload { at, entry, announced, size, sequence, crc } = self.state else {
+        let State::BlockDownload { at, entry, announced, size, sequence, crc, gap } = self.state else {
             return Awaited::Anything;
         };
         if segment.sequence == 0 || segment.sequence > size {
@@ -61,12 +61,13 @@ impl Server {
             return Awaited::ConfirmBlock { sequence, required: true, last: true };
         }
         let is_end = segment.last || segment.sequence == size;
-        self.state = State::BlockDownload { at, entry, announced, size, sequence, crc };
-        match (good, is_end) {
-            (true, false) => Awaited::Nothing,
+        let gap = gap || !good;
+        self.state = State::BlockDownload { at, entry, announced, size, sequence, crc, gap };
+        match (gap, is_end) {
+            (false, false) => Awaited::Nothing,
             (_, true) => Awaited::ConfirmBlock { sequence, required: true, last: false },
-            // A gap can be told at once, or at the end of the block.
-            (false, false) => Awaited::ConfirmBlock { sequence, required: false, last: false },
+            // A gap can be told at once, after as many segments as the block has, or at its end.
+            (true, false) => Awaited::ConfirmBlock { sequence, required: false, last: false },
         }
     }
 

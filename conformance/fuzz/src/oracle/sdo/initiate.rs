@@ -34,6 +34,11 @@ impl Server {
                 reading.must = with_command(reading.must);
             }
         }
+        if !(1..=127).contains(&block_size) && threshold > 0 {
+            // A server that takes the other protocol for a short value has no use for the block size.
+            self.state = State::Unsure;
+            return Awaited::Anything;
+        }
         if !(1..=127).contains(&block_size) {
             // Which of two reasons a server finds first is its own affair.
             let codes = codes::BLOCK_SIZE.or(reading.must).or(reading.may).or(not_supported(knowledge));
@@ -163,6 +168,8 @@ fn announced(at: Multiplexer, size: Option<u32>, knowledge: &Knowledge) -> Writi
         // A wrong length may be refused at once or when it has come.
         (Some(fixed), Some(size)) if size as usize > fixed => writing.may = writing.may.or(codes::TOO_LONG),
         (Some(fixed), Some(size)) if (size as usize) < fixed => writing.may = writing.may.or(codes::TOO_SHORT),
+        // How long a string or a domain has to be is the application's matter, and no description says it.
+        (None, _) => writing.may = writing.may.or(codes::TOO_SHORT),
         _ => {}
     }
     if !writing.must.is_empty() {

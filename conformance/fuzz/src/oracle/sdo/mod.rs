@@ -21,6 +21,10 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{BlockSegment, Request};
 use canvass_traces::{Duration, Frame, Timestamp};
 
+/// A transfer whose client says nothing for that time may be over (CiA 301, 7.2.4.3.17, abort 0504 0000h); the server need
+/// not say so.
+const LASTING: Duration = Duration::from_millis(400);
+
 /// The longest value whose bytes are followed; of longer ones only the length is judged.
 const LONGEST: usize = 1 << 16;
 
@@ -33,7 +37,11 @@ pub(crate) struct Server {
     due: Timestamp,
     /// A second request was sent before the first was answered: what comes now can belong to either.
     overlapped: bool,
+    /// Nobody has waited since the last request for an answer that need not come.
+    unsettled: bool,
     grace: Timestamp,
+    /// When the client or the server said something last.
+    last: Timestamp,
     /// When the last request came that was not due to be served.
     unserved: Option<Timestamp>,
     /// The bytes of the running transfer.
@@ -43,6 +51,8 @@ pub(crate) struct Server {
     command: Command,
     /// The object that the last request named.
     named: Option<Multiplexer>,
+    /// Reserved bits of the last request's command were set: it may be taken for one that does not exist.
+    odd: bool,
 }
 
 /// The state of the transfer.
@@ -71,6 +81,8 @@ enum State {
         size: u8,
         sequence: u8,
         crc: bool,
+        /// A segment of this block was missing or came twice: the server may confirm what it has before the block's end.
+        gap: bool,
     },
     /// The last segment has come; the end of the transfer follows.
     BlockDownloadEnd {
@@ -127,12 +139,15 @@ impl Server {
             awaited: Awaited::Nothing,
             due: Timestamp::MAX,
             overlapped: false,
+            unsettled: false,
             grace: Timestamp::ZERO,
+            last: Timestamp::ZERO,
             unserved: None,
             data: Vec::with_capacity(256),
             asked_in: None,
             command: Command::Abort,
             named: None,
+            odd: false,
         }
     }
 
@@ -201,6 +216,10 @@ impl Server {
         belief: &mut Belief,
         coverage: &mut Coverage,
     ) -> bool {
+        if self.state != State::Idle && now.since(self.last) >= LASTING {
+            self.state = State::Unsure;
+        }
+        self.last = now;
         self.asked_in = self.class();
         self.command = Command::of(frame, matches!(self.state, State::BlockDownload { .. }));
         match served {
@@ -215,7 +234,11 @@ impl Server {
                 return stores(frame, knowledge);
             }
         }
-        self.overlapped |= self.due < Timestamp::MAX || self.awaited.is_open();
+        // The answer to a store may take seconds, however long silence lasts.
+        let was_storing = self.written_object().is_some_and(|at| is_store(at, knowledge));
+        let may_come = matches!(self.awaited, Awaited::ConfirmBlock { required: false, .. });
+        let unsettled = std::mem::replace(&mut self.unsettled, true);
+        self.overlapped |= self.due < Timestamp::MAX || self.awaited.is_open() || may_come && unsettled;
         let mut awaited = self.judge_request(frame, knowledge, belief);
         if self.overlapped {
             // Whether the first request is answered, or given up for the second, is left to the server.
@@ -226,7 +249,17 @@ impl Server {
             self.count(coverage, Answer::None);
         }
         self.await_answer(now, awaited, knowledge);
-        awaited == Awaited::Anything && stores(frame, knowledge)
+        awaited == Awaited::Anything && (stores(frame, knowledge) || was_storing)
+    }
+
+    /// The object whose writing awaits its confirmation.
+    const fn written_object(&self) -> Option<Multiplexer> {
+        match self.awaited {
+            Awaited::Write { at, .. }
+            | Awaited::ConfirmSegment { last: Some((at, _)), .. }
+            | Awaited::ConfirmEnd { at, .. } => Some(at),
+            _ => None,
+        }
     }
 
     fn await_answer(&mut self, now: Timestamp, awaited: Awaited, knowledge: &Knowledge) {
@@ -237,6 +270,11 @@ impl Server {
     /// Whether the next frame is, or may be, taken for a segment of a block download.
     pub fn is_in_blocks(&self) -> bool {
         matches!(self.state, State::Unsure | State::BlockDownload { .. })
+    }
+
+    /// What has to be answered now.
+    pub fn awaits(&self) -> Option<&'static str> {
+        self.awaited.is_required().then(|| self.awaited.rule())
     }
 
     /// Whether a value is on its way that may be read already.
@@ -266,10 +304,7 @@ impl Server {
         match self.awaited {
             _ if self.overlapped => !objects.is_empty(),
             Awaited::Anything => !objects.is_empty(),
-            Awaited::Write { at, .. }
-            | Awaited::ConfirmSegment { last: Some((at, _)), .. }
-            | Awaited::ConfirmEnd { at, .. } => objects.contains(&at),
-            _ => false,
+            _ => self.written_object().is_some_and(|at| objects.contains(&at)),
         }
     }
 
@@ -281,6 +316,7 @@ impl Server {
     /// Nothing has come for a while: no answer to an earlier request is under way.
     pub const fn quiet(&mut self) {
         self.overlapped = false;
+        self.unsettled = false;
         if matches!(self.awaited, Awaited::Anything | Awaited::AbortOrIgnored) {
             self.awaited = Awaited::Nothing;
         }
@@ -299,8 +335,15 @@ impl Server {
             let Ok(segment) = BlockSegment::read(frame.data()) else { return Awaited::Anything };
             return self.block_segment(segment, knowledge);
         }
+        if let [0x81..=0x9F, ..] = frame.data() {
+            // An abort whose reserved bits are set: whether it is one, the standard leaves open.
+            self.give_up(belief);
+            self.state = State::Unsure;
+            return Awaited::Anything;
+        }
         let Ok(request) = Request::read(frame.data()) else { return Awaited::Anything };
         self.named = request.multiplexer();
+        self.odd = has_reserved_bits(frame, &request);
         if self.named.is_some() && self.awaited == Awaited::Nothing {
             belief.resume();
         }
@@ -372,6 +415,14 @@ impl Server {
     }
 }
 
+/// Whether bits of the command are set that the standard has 0 in that request.
+fn has_reserved_bits(frame: &Frame, request: &Request) -> bool {
+    let mut plain = [0; 8];
+    request.emit(&mut plain);
+    let [command, ..] = frame.bytes();
+    !matches!(request, Request::Abort(_)) && command != plain[0]
+}
+
 /// Whether a request begins a transfer.
 const fn initiates(request: &Request) -> bool {
     matches!(
@@ -387,6 +438,10 @@ const fn initiates(request: &Request) -> bool {
 fn stores(frame: &Frame, knowledge: &Knowledge) -> bool {
     let [command, low, high, sub, ..] = frame.bytes();
     let at = Multiplexer::from_bytes([low, high, sub]);
-    let is_store = matches!(at.index.0, 0x1010 | 0x1011) || knowledge.services.bus_save_object == Some(at);
-    is_store && matches!(command >> 5, 1 | 6)
+    is_store(at, knowledge) && matches!(command >> 5, 1 | 6)
+}
+
+/// Whether writing that object stores.
+fn is_store(at: Multiplexer, knowledge: &Knowledge) -> bool {
+    matches!(at.index.0, 0x1010 | 0x1011) || knowledge.services.bus_save_object == Some(at)
 }

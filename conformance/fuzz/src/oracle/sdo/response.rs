@@ -12,7 +12,7 @@ use crate::coverage::{Answer, Coverage};
 use crate::property::Property;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::sdo::{Abort, BlockSegment, Payload, Response, Segment, crc16};
+use canvass_analyzer::wire::sdo::{Abort, AbortCode, BlockSegment, Payload, Response, Segment, crc16};
 use canvass_traces::{Frame, Timestamp};
 
 /// What an answer shows to be wrong: the property, what was expected instead of the awaited text, what came.
@@ -30,6 +30,19 @@ fn wrong(property: Property, actual: impl Into<String>) -> Wrong {
 
 fn instead(property: Property, expected: impl Into<String>, actual: impl Into<String>) -> Wrong {
     Wrong { property, expected: Some(expected.into()), actual: actual.into() }
+}
+
+/// An answer that does not belong to what was asked.
+fn illegal(frame: &Frame) -> Wrong {
+    wrong(Property::LegalSdo, shown(frame))
+}
+
+/// Where the right answer has not come, only an abort may have.
+fn only_abort(response: Response, frame: &Frame) -> Result<Abort, Wrong> {
+    match response {
+        Response::Abort(abort) => Ok(abort),
+        _ => Err(illegal(frame)),
+    }
 }
 
 impl Server {
@@ -54,6 +67,7 @@ impl Server {
             let expected = "no SDO response: the NMT state is not one in which SDO works";
             return Err(violation(Property::Silent, "SDO in a state without SDO", expected, shown(frame), now));
         }
+        self.last = now;
         let judged = self.judge(frame, knowledge, belief, coverage);
         judged.map(|()| belief.has_stored()).map_err(|wrong| {
             let expected = wrong.expected.unwrap_or_else(|| awaited.text());
@@ -102,94 +116,60 @@ impl Server {
         knowledge: &Knowledge,
         belief: &mut Belief,
     ) -> Judged {
-        let refused = || wrong(Property::LegalSdo, shown(frame));
+        if self.is_given_up(awaited, response) {
+            self.give_up(belief);
+            return Ok(());
+        }
         if let Response::Abort(abort) = response
-            && self.state != State::Idle
-            && abort.code == canvass_analyzer::wire::sdo::AbortCode::TIMEOUT
-            && matches!(awaited, Awaited::Nothing | Awaited::ConfirmBlock { required: false, .. })
+            && self.odd
+            && awaited.is_required()
+            && codes::COMMAND.has(abort.code)
         {
+            // Such a request exists as little as one of an unknown command, which names no object.
             self.give_up(belief);
             return Ok(());
         }
         match awaited {
             Awaited::Nothing => Err(unsolicited(frame)),
             Awaited::Anything => self.anything_came(response, frame, belief),
-            Awaited::Abort { codes, at, .. } => match response {
-                Response::Abort(abort) => check_abort(abort, codes, at),
-                _ => Err(refused()),
-            },
-            Awaited::AbortOrIgnored => match response {
-                Response::Abort(abort) => {
-                    self.give_up(belief);
-                    check_abort(abort, codes::TOGGLE, None)
-                }
-                _ => Err(refused()),
-            },
+            Awaited::Abort { codes, at, .. } => check_abort(only_abort(response, frame)?, codes, at),
+            Awaited::AbortOrIgnored => {
+                let abort = only_abort(response, frame)?;
+                self.give_up(belief);
+                check_abort(abort, codes::TOGGLE, None)
+            }
             Awaited::Read(reading) => match response {
-                Response::Abort(abort) => refused_read(abort, reading),
                 Response::InitiateUpload { multiplexer, payload } => {
                     self.upload_begins(multiplexer, payload, reading, knowledge, belief)
                 }
-                _ => Err(refused()),
+                other => refused_read(only_abort(other, frame)?, reading),
             },
             Awaited::BlockRead { reading, block_size, threshold, crc } => match response {
-                Response::Abort(abort) => refused_read(abort, reading),
                 Response::InitiateUpload { multiplexer, payload } => {
                     check_threshold(&payload, threshold, frame)?;
                     self.upload_begins(multiplexer, payload, reading, knowledge, belief)
                 }
-                Response::InitiateBlockUpload { multiplexer, crc: server, size } => {
-                    check_multiplexer(multiplexer, reading.at)?;
-                    check_readable(reading, frame)?;
-                    check_size(size, reading, knowledge)?;
-                    let crc = crc && server;
-                    self.state = State::BlockUploadReady {
-                        at: reading.at,
-                        entry: reading.entry,
-                        announced: size,
-                        size: block_size,
-                        crc,
-                    };
-                    Ok(())
-                }
-                _ => Err(refused()),
+                other => self.block_upload_begins(reading, (block_size, crc), other, frame, knowledge),
             },
             Awaited::Write { at, writing } => match response {
-                Response::Abort(abort) => refused_write(abort, at, writing, belief),
                 Response::InitiateDownload { multiplexer } => {
                     check_multiplexer(multiplexer, at)?;
                     confirm(writing, frame, knowledge, belief)
                 }
-                _ => Err(refused()),
+                other => refused_write(only_abort(other, frame)?, at, writing, belief),
             },
             Awaited::BeginDownload { at, writing, announced } => match response {
-                Response::Abort(abort) => refused_write(abort, at, writing, belief),
                 Response::InitiateDownload { multiplexer } => {
                     check_multiplexer(multiplexer, at)?;
                     // What can't be written may be refused at once or at the end; it must be refused.
                     self.state = State::Download { at, entry: writing.entry, toggle: false, announced };
                     Ok(())
                 }
-                _ => Err(refused()),
+                other => refused_write(only_abort(other, frame)?, at, writing, belief),
             },
-            Awaited::BeginBlockDownload { at, writing, announced, crc } => match response {
-                Response::Abort(abort) => refused_write(abort, at, writing, belief),
-                Response::InitiateBlockDownload { multiplexer, crc: server, block_size } => {
-                    check_multiplexer(multiplexer, at)?;
-                    check_block_size(block_size, frame)?;
-                    let crc = crc && server;
-                    self.state = State::BlockDownload {
-                        at,
-                        entry: writing.entry,
-                        announced,
-                        size: block_size,
-                        sequence: 0,
-                        crc,
-                    };
-                    Ok(())
-                }
-                _ => Err(refused()),
-            },
+            Awaited::BeginBlockDownload { at, writing, announced, crc } => {
+                self.block_download_begins(at, writing, (announced, crc), response, frame, belief)
+            }
             Awaited::ConfirmSegment { toggle, last } => {
                 self.segment_answered(toggle, last, response, frame, knowledge, belief)
             }
@@ -197,54 +177,90 @@ impl Server {
                 Response::UploadSegment(segment) if segment.toggle == toggle => {
                     self.segment_came(segment, frame, knowledge, belief)
                 }
-                Response::Abort(abort) => {
-                    self.state = State::Idle;
-                    check_abort(abort, codes::NO_DATA, None)
-                }
-                _ => Err(refused()),
+                other => self.ended(other, codes::NO_DATA, frame),
             },
             Awaited::ConfirmBlock { sequence, last, .. } => match response {
                 Response::ConfirmBlockDownload { sequence: confirmed, block_size } => {
                     self.block_confirmed(sequence, confirmed, block_size, last, frame)
                 }
-                Response::Abort(abort) => {
+                other => {
+                    let abort = only_abort(other, frame)?;
                     self.give_up(belief);
-                    let codes = codes::SEQUENCE
-                        .or(codes::REFUSED)
-                        .or(codes::TOO_LONG)
-                        .or(codes::TOO_SHORT)
-                        .or(codes::READ_ONLY)
-                        .or(codes::NO_OBJECT)
-                        .or(codes::NO_SUB_INDEX);
-                    check_abort(abort, codes, None)
+                    check_abort(abort, codes::IN_BLOCK_DOWNLOAD, None)
                 }
-                _ => Err(refused()),
             },
-            Awaited::ConfirmEnd { at, writing } => match response {
+            Awaited::ConfirmEnd { at, mut writing } => match response {
                 Response::EndBlockDownload => confirm(writing, frame, knowledge, belief),
-                Response::Abort(abort) => {
-                    let mut writing = writing;
+                other => {
                     writing.may = writing.may.or(codes::TOO_LONG).or(codes::TOO_SHORT);
-                    refused_late(abort, at, writing, belief)
+                    refused_late(only_abort(other, frame)?, at, writing, belief)
                 }
-                _ => Err(refused()),
             },
-            Awaited::Block => match response {
-                Response::Abort(abort) => {
-                    self.state = State::Idle;
-                    check_abort(abort, codes::NO_DATA.or(codes::COMMAND), None)
-                }
-                _ => Err(refused()),
-            },
+            Awaited::Block => self.ended(response, codes::NO_DATA.or(codes::COMMAND), frame),
             Awaited::EndOfBlocks { upload, odd_size } => match response {
                 Response::EndBlockUpload { unused, crc } => self.blocks_end(upload, unused, crc, knowledge, belief),
-                Response::Abort(abort) if odd_size => {
-                    self.state = State::Idle;
-                    check_abort(abort, codes::BLOCK_SIZE.or(codes::COMMAND), None)
-                }
-                _ => Err(refused()),
+                other if odd_size => self.ended(other, codes::BLOCK_SIZE.or(codes::COMMAND), frame),
+                _ => Err(illegal(frame)),
             },
         }
+    }
+
+    /// Whether the server says that it has waited too long, where it may: a transfer runs, and nothing else is due.
+    fn is_given_up(&self, awaited: Awaited, response: Response) -> bool {
+        let may_be_silent = matches!(
+            awaited,
+            Awaited::Nothing | Awaited::AbortOrIgnored | Awaited::ConfirmBlock { required: false, .. }
+        );
+        let is_time_out = matches!(response, Response::Abort(abort) if abort.code == AbortCode::TIMEOUT);
+        is_time_out && may_be_silent && self.state != State::Idle
+    }
+
+    /// Nothing but an abort, with one of these codes, may come now: it ends the transfer.
+    fn ended(&mut self, response: Response, codes: CodeSet, frame: &Frame) -> Judged {
+        let abort = only_abort(response, frame)?;
+        self.state = State::Idle;
+        check_abort(abort, codes, None)
+    }
+
+    /// `asked`: the segments of a block, and whether the client knows the CRC.
+    fn block_upload_begins(
+        &mut self,
+        reading: Reading,
+        asked: (u8, bool),
+        response: Response,
+        frame: &Frame,
+        knowledge: &Knowledge,
+    ) -> Judged {
+        let Response::InitiateBlockUpload { multiplexer, crc: server, size: announced } = response else {
+            return refused_read(only_abort(response, frame)?, reading);
+        };
+        check_multiplexer(multiplexer, reading.at)?;
+        check_readable(reading, frame)?;
+        check_size(announced, reading, knowledge)?;
+        let (size, crc) = (asked.0, asked.1 && server);
+        self.state = State::BlockUploadReady { at: reading.at, entry: reading.entry, announced, size, crc };
+        Ok(())
+    }
+
+    /// `asked`: the size that was announced, and whether the client knows the CRC.
+    fn block_download_begins(
+        &mut self,
+        at: Multiplexer,
+        writing: Writing,
+        asked: (Option<u32>, bool),
+        response: Response,
+        frame: &Frame,
+        belief: &mut Belief,
+    ) -> Judged {
+        let Response::InitiateBlockDownload { multiplexer, crc: server, block_size: size } = response else {
+            return refused_write(only_abort(response, frame)?, at, writing, belief);
+        };
+        check_multiplexer(multiplexer, at)?;
+        check_block_size(size, frame)?;
+        let ((announced, client), entry) = (asked, writing.entry);
+        let crc = client && server;
+        self.state = State::BlockDownload { at, entry, announced, size, sequence: 0, crc, gap: false };
+        Ok(())
     }
 
     /// An answer that nobody can foretell says at least where the server is now, if it can't be the segment of a block.
@@ -367,7 +383,7 @@ impl Server {
             check_block_size(block_size, frame)?;
         }
         if let State::BlockDownload { at, entry, announced, crc, .. } = self.state {
-            self.state = State::BlockDownload { at, entry, announced, size: block_size, sequence: 0, crc };
+            self.state = State::BlockDownload { at, entry, announced, size: block_size, sequence: 0, crc, gap: false };
         }
         Ok(())
     }

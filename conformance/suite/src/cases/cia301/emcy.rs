@@ -6,7 +6,7 @@ use crate::bench::Bench;
 use crate::bench::state::GUARD_TIME;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Breach, Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
@@ -54,6 +54,8 @@ pub(super) fn sign_of_life(bench: &mut Bench<'_>, monitored: Monitored) -> Resul
 pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Stop> {
     bench.expect_emergencies();
     let monitored = if bench.can_be_guarded()? {
+        // A device that sends heartbeats is not guarded.
+        bench.prefer_guarding()?;
         bench.write(GUARD_TIME, &GUARD_MS.to_le_bytes())?;
         bench.write(LIFE_TIME_FACTOR, &[FACTOR])?;
         Monitored::Master
@@ -96,6 +98,16 @@ pub(super) fn code_of(record: &Record) -> Option<EmcyCode> {
 /// Whether an EMCY says more than that an error is gone.
 pub(super) fn is_error(record: &Record) -> bool {
     !code_of(record).is_some_and(EmcyCode::is_reset)
+}
+
+/// Demands that no EMCY reports an error of the protocol, 82xxh, which right messages are not.
+pub(super) fn no_protocol_error(duty: &'static str, heard: &[Record]) -> Check {
+    let is_of_protocol = |record: &&Record| code_of(record).is_some_and(|code| code.0 >> 8 == 0x82);
+    let reported = heard.iter().find(is_of_protocol);
+    demand(reported.is_none(), || {
+        let found = reported.and_then(code_of).map_or(Observation::Silence, Observation::Emcy);
+        Breach::new(Service::Emcy, duty).expected("no EMCY 82xxh").found(found).told(shown(heard))
+    })
 }
 
 /// The first EMCY; silence if there is none.
@@ -156,7 +168,7 @@ fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// While an error is reported, the generic bit of the error register is set.
+/// While an error is reported, the generic bit of the error register is set, however often it is read.
 #[case(id = "301/emcy/generic-bit", clause = "CiA 301 7.5.2.2", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [ErrorRegisterGenericMissing])]
 fn generic_bit(bench: &mut Bench<'_>) -> Judged {
@@ -166,6 +178,25 @@ fn generic_bit(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(bits & ErrorRegister::GENERIC.0 != 0, || {
         let breach = Breach::new(ERROR_REGISTER, "the generic bit of 1001h is set in every error situation");
         breach.expected("bit 0").found(Observation::Value(register))
+    }))
+}
+
+/// Reading the error register does not clear it: of an error that is still there it tells at the second and third time, too.
+#[case(id = "301/emcy/register-read", clause = "CiA 301 7.5.2.2", confidence = Cited, level = Must,
+       needs = [Monitoring], catches = [ErrorRegisterReadClears])]
+fn register_read(bench: &mut Bench<'_>) -> Judged {
+    reported_loss(bench)?;
+    tells_of_error(bench, "1001h tells of the error").or_inconclusive()?;
+    bench.each(["second", "third"], |bench, time| {
+        tells_of_error(bench, &format!("1001h tells of an error that is still there, also at the {time} reading"))
+    })
+}
+
+fn tells_of_error(bench: &mut Bench<'_>, duty: &str) -> Judged {
+    let register = bench.upload(ERROR_REGISTER)?.value()?;
+    bench.check(demand(register.iter().any(|&bits| bits != 0), || {
+        let breach = Breach::new(ERROR_REGISTER, duty.to_owned());
+        breach.expected("a bit that is set").found(Observation::Value(register))
     }))
 }
 

@@ -9,7 +9,7 @@ use crate::bench::Bench;
 use crate::bench::state::Heartbeats;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Allowed, Breach, Check, Judged, Reason, Stop, demand};
+use crate::verdict::{Allowed, Breach, Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{EmcyCode, ErrorRegister};
@@ -18,6 +18,8 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record, Timestamp};
 
+/// Store all parameters.
+const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
 const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
 const CONSUMER_MS: u16 = 200;
@@ -187,7 +189,7 @@ fn kept_alive(bench: &mut Bench<'_>) -> Judged {
 /// A watched node that falls silent is missed after the consumer heartbeat time: the device leaves operational, unless
 /// 1029h:01 says otherwise. Where an EMCY reports it, there is one, and the error register shows an error.
 #[case(id = "301/heartbeat-consumer/lost", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
-       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, EmcyRepeated, ErrorRegisterMissing, ErrorRegisterGenericMissing, ErrorBehaviourIgnored],
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, EmcyRepeated, ErrorRegisterMissing, ErrorRegisterGenericMissing, ErrorBehaviourIgnored, ConsumerTimeRefused],
        cct = "7.106")]
 fn lost(bench: &mut Bench<'_>) -> Judged {
     // That a valid entry is taken is demanded here, for all cases that only need it.
@@ -209,6 +211,40 @@ fn lost(bench: &mut Bench<'_>) -> Judged {
         let breach = Breach::new(ERROR_REGISTER, "the generic bit of 1001h is set while an error is reported");
         breach.expected("bit 0").found(Observation::Value(register))
     }))
+}
+
+/// An entry of 1016h that was stored watches its node after the next start, as one does that was just written.
+#[case(id = "301/heartbeat-consumer/stored", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
+       needs = [HeartbeatConsumer, Store], touches = [Nvm], catches = [HeartbeatConsumerForgetsStored])]
+fn stored(bench: &mut Bench<'_>) -> Judged {
+    bench.expect_emergencies();
+    let node = neighbour(bench)?;
+    let before = bench.read(WATCHED)?;
+    bench.write(WATCHED, &entry(node, CONSUMER_MS))?;
+    bench.write(STORE, b"save")?;
+    bench.note("1010h was written twice: the device's non-volatile memory has done two more cycles");
+    let judged = stored_is_watched(bench, node);
+    // Whatever came of it, the device gets its old values back.
+    bench.download(WATCHED, &before)?;
+    bench.write(STORE, b"save")?;
+    judged
+}
+
+fn stored_is_watched(bench: &mut Bench<'_>, node: u8) -> Judged {
+    bench.reset(Command::RESET_NODE)?;
+    if bench.read(WATCHED)? != entry(node, CONSUMER_MS) {
+        return Err(Stop::NotApplicable(Reason::new(
+            "1010h stores 1016h",
+            "the entry that was written",
+            "another one",
+        )));
+    }
+    let enters = consequence(bench)?;
+    operational(bench)?;
+    let watch = Watch { node, enters };
+    beat(bench, node)?;
+    let signs = signs(bench, CONSUMER_TIME.times(4))?;
+    noticed(WATCHED, &watch, &signs)
 }
 
 fn in_time(signs: &Signs, sent: Timestamp) -> Check {
@@ -269,6 +305,41 @@ fn back(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
+/// The return of a node that was missed is no error: a device that its master has made operational again stays so.
+#[case(id = "301/heartbeat-consumer/return", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
+       needs = [HeartbeatConsumer], catches = [ConsumerReturnLeaves])]
+fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
+    let watch = watch(bench)?;
+    let Some(lost_in) = watch.enters else {
+        let reason =
+            Reason::new("the device shows its state", "heartbeats, and a state that follows a loss", "neither");
+        return Err(Stop::NotApplicable(reason));
+    };
+    beat(bench, watch.node)?;
+    let lost = signs(bench, CONSUMER_TIME.times(3))?;
+    if lost.left.is_none_or(|(_, state)| state != lost_in) {
+        let reason = Reason::new("the loss of a node shows in the state", lost_in.to_string(), lost.text());
+        return Err(Stop::NotApplicable(reason));
+    }
+    operational(bench)?;
+    let before = signs(bench, SHOWN_EVERY.times(2))?;
+    demand(before.left.is_none(), || {
+        let breach = Breach::new(WATCHED, "a device that misses a node can be made operational");
+        breach.expected(Observation::State(State::OPERATIONAL)).found(Observation::State(lost_in))
+    })
+    .or_inconclusive()?;
+    let mut left = None;
+    for _ in 0..4 {
+        beat(bench, watch.node)?;
+        left = left.or(signs(bench, SHOWN_EVERY.times(2))?.left);
+    }
+    bench.check(demand(left.is_none(), || {
+        let found = left.map_or(State::OPERATIONAL, |(_, state)| state);
+        let breach = Breach::new(WATCHED, "an operational device stays so when a node that it missed is back");
+        breach.expected(Observation::State(State::OPERATIONAL)).found(Observation::State(found))
+    }))
+}
+
 /// Every entry of 1016h watches its node.
 #[case(id = "301/heartbeat-consumer/all-entries", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerFirstOnly])]
@@ -325,7 +396,7 @@ fn count(bench: &mut Bench<'_>) -> Judged {
 /// An entry for a node-ID that does not exist, 0 or 128 to 255, is not used: it watches nobody. Where it is refused, that is
 /// with abort 0609 0030h.
 #[case(id = "301/heartbeat-consumer/no-node", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
-       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerWatchesEveryone])]
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerWatchesEveryone, HeartbeatConsumerHangs])]
 fn no_node(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     let node = neighbour(bench)?;

@@ -14,7 +14,7 @@ const fn identity(sub: u8) -> Multiplexer {
 
 /// The vendor-ID 1018h:01 is the one that CiA gave the manufacturer, so never 0, and that of the description.
 #[case(id = "301/identity/vendor-id", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
-       catches = [VendorIdZero])]
+       catches = [VendorIdZero, EdsVendorNumberDiffers])]
 fn vendor_id(bench: &mut Bench<'_>) -> Judged {
     let value = bench.upload(identity(1))?.value()?;
     bench.check(demand(number(&value) != 0, || {
@@ -100,13 +100,18 @@ fn names(bench: &mut Bench<'_>) -> Judged {
 /// Demands the value that the description gives, where it gives one.
 fn as_described(bench: &mut Bench<'_>, multiplexer: Multiplexer, value: &[u8]) -> Judged {
     let node = bench.node();
-    let described = bench.target().description.as_ref().and_then(|description| {
-        let entry = description.dictionary.entry(multiplexer).ok()?;
-        entry.start_value(node)?.as_number()
-    });
-    bench.check(demand(described.is_none_or(|described| described == i128::from(number(value))), || {
-        Breach::new(multiplexer, "the identity of the device is that of its description")
-            .expected(format!("{:08X}h", described.unwrap_or_default()))
-            .found(Observation::Value(value.to_vec()))
-    }))
+    let Some(description) = &bench.target().description else { return Ok(()) };
+    let entry = description.dictionary.entry(multiplexer).ok();
+    let default = entry.and_then(|entry| entry.start_value(node)?.as_number());
+    // Of what a file says of the device in general only the vendor is the same everywhere: a product number is often the
+    // one to order by, and the revision that of the file. Many files leave all of them at 0.
+    let vendor = description.device.vendor_number.filter(|number| *number != 0 && multiplexer == identity(1));
+    let general = vendor.map(i128::from);
+    bench.each([default, general].into_iter().flatten(), |bench, described| {
+        bench.check(demand(described == i128::from(number(value)), || {
+            Breach::new(multiplexer, "the identity of the device is that of its description")
+                .expected(format!("{described:08X}h"))
+                .found(Observation::Value(value.to_vec()))
+        }))
+    })
 }

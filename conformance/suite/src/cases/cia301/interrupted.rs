@@ -4,11 +4,13 @@ use super::sdo::by_hand::{begin_upload, long_object};
 use crate::bench::Bench;
 use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
-use crate::verdict::{Breach, Judged, Precondition, Stop, demand};
+use crate::verdict::{Breach, Check, Judged, Precondition, Stop, demand};
+use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
-use canvass_analyzer::wire::sdo::{self, Request, Response};
+use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
 use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::observation::{Observation, Subject};
+use canvass_traces::{Record, Timestamp};
 
 /// The request for the next segment of the upload that the cases interrupt.
 const NEXT: Request = Request::UploadSegment { toggle: false };
@@ -26,7 +28,7 @@ fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop>
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
     // A request that was kept must not be answered now, either.
     let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
-    let heard = bench.listen(bench.timing().silence)?;
+    let heard = bench.listen(bench.silence())?;
     let late = heard.into_iter().map(|record| record.frame).find(|frame| frame.cob_id() == Some(response_id));
     bench.check(late.map_or(Ok(()), |frame| {
         let breach = Breach::new(Service::Sdo, "a request in stopped is not answered after it, either");
@@ -70,6 +72,7 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     reply
         .expect("the start of a block download", |response| matches!(response, Response::InitiateBlockDownload { .. }))
         .or_inconclusive()?;
+    let arrived = bench.now() + bench.timing().reaction;
     bench.command(Command::RESET_COMMUNICATION)?;
     let boot_up = bench.wait_for_boot_up()?;
     demand(boot_up.is_some() || bench.answers()?, || {
@@ -78,6 +81,60 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
             .found(Observation::Silence)
     })?;
     bench.listen(bench.timing().reaction)?;
+    bench.check(nothing_since(bench, arrived, boot_up))?;
     bench.upload(DEVICE_TYPE)?.under("after a reset in the middle of a transfer").value()?;
     bench.expect_unchanged(multiplexer, &scratch.value)
+}
+
+/// Of a transfer that a reset has ended the server says nothing more once it has booted, and at no time that it took too
+/// long: then it goes on with it. That it aborts the transfer before it goes down is its own matter.
+fn nothing_since(bench: &Bench<'_>, arrived: Timestamp, booted: Option<Timestamp>) -> Check {
+    let [requests, responses] =
+        [sdo::REQUEST_BASE, sdo::RESPONSE_BASE].map(|base| base + u16::from(bench.node().raw()));
+    let since = bench.evidence().frames().map(|exhibit| &exhibit.record).filter(|record| record.timestamp > arrived);
+    // Where the boot-up message is missing, the device was asked again.
+    let unasked = since.take_while(|record| record.frame.cob_id() != Some(requests));
+    let mut said = unasked.filter(|record| record.frame.cob_id() == Some(responses));
+    let response = said.find(|record| survives(record, booted)).map(|record| record.frame);
+    demand(response.is_none(), || {
+        let found = response.map_or(Observation::Silence, Observation::Frame);
+        let breach = Breach::new(Service::Sdo, "a reset ends a transfer, of which nothing more is heard");
+        breach.expected(Observation::Silence).found(found)
+    })
+}
+
+/// Whether a frame of the server, behind the reset, shows that the transfer has outlived it.
+fn survives(record: &Record, booted: Option<Timestamp>) -> bool {
+    let response = Response::read(record.frame.data());
+    let is_late = matches!(response, Ok(Response::Abort(abort)) if abort.code == AbortCode::TIMEOUT);
+    is_late || booted.is_some_and(|booted| record.timestamp > booted)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_traces::{ChannelId, Duration};
+
+    fn after(millis: u64) -> Timestamp {
+        Timestamp::ZERO + Duration::from_millis(millis)
+    }
+
+    fn abort(code: AbortCode, millis: u64) -> Record {
+        let frame = Response::abort(Multiplexer::new(0x2010, 0), code).to_frame(0x58B);
+        Record::new(after(millis), ChannelId::default(), frame)
+    }
+
+    #[test]
+    fn an_abort_before_the_boot_up_is_the_devices_own_matter() {
+        let booted = Some(after(500));
+        assert!(!survives(&abort(AbortCode::GENERAL, 200), booted));
+        assert!(!survives(&abort(AbortCode::GENERAL, 200), None));
+        assert!(survives(&abort(AbortCode::GENERAL, 600), booted));
+    }
+
+    #[test]
+    fn a_time_out_shows_that_the_transfer_went_on() {
+        assert!(survives(&abort(AbortCode::TIMEOUT, 200), Some(after(500))));
+        assert!(survives(&abort(AbortCode::TIMEOUT, 200), None));
+    }
 }

@@ -22,7 +22,8 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
 
 /// A mapping of more than 64 bits is refused with abort 0602 0000h or 0604 0042h: that of each of the first four TPDOs.
 #[case(id = "301/pdo/mapping/too-long", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
-       needs = [Tpdo, DynamicMapping], catches = [MappingTooLongAccepted], cct = "3.26")]
+       needs = [Tpdo, DynamicMapping], catches = [MappingTooLongAccepted], cct = "3.26",
+       answers = [MappingEntryTooLong, MappingRefused])]
 fn too_long(bench: &mut Bench<'_>) -> Judged {
     let entry = bench.read(TPDO_FIRST_ENTRY)?;
     let bits = u32::from(entry.first().copied().unwrap_or_default());
@@ -68,7 +69,8 @@ fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Ju
 /// An object that is not for PDOs can't be mapped: abort 0602 0000h or 0604 0041h for its entry, or 0602 0000h or 0604 0042h
 /// when the mapping is switched on.
 #[case(id = "301/pdo/mapping/unmappable", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
-       needs = [Tpdo, DynamicMapping], catches = [UnmappableObjectMapped], cct = "3.29")]
+       needs = [Tpdo, DynamicMapping], catches = [UnmappableObjectMapped], cct = "3.29",
+       answers = [MappingRefused])]
 fn unmappable(bench: &mut Bench<'_>) -> Judged {
     // The device type, 32 bits.
     refused(bench, TPDO, 0x1000_0020, Situation::Unmappable)

@@ -51,12 +51,16 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
     })
 }
 
-/// The mapping that a PDO has can be written again, in the five steps of CiA 301.
+/// The mapping that a PDO has can be written again, in the five steps of CiA 301; one that maps nothing as delivered takes
+/// an object that the description lets it carry.
 #[case(id = "301/pdo/mapping/procedure", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
-       needs = [Tpdo, DynamicMapping], catches = [MappingProcedureRefused, SameCobIdRefused], cct = "3.22")]
+       needs = [DynamicMapping], catches = [MappingProcedureRefused, SameCobIdRefused, PdoOffRefused], cct = "3.22")]
 fn procedure(bench: &mut Bench<'_>) -> Judged {
-    bench.require_mapped(TPDO)?;
-    let before = bench.mapping(TPDO)?;
+    let mut before = bench.mapping(TPDO)?;
+    if before.is_empty() {
+        before.extend(bench.tpdo_candidate());
+        bench.require_one(TPDO, &before)?;
+    }
     let own = bench.pdo_cob_id(TPDO)?;
     bench.remap(TPDO, &before, own)?;
     let after = bench.mapping(TPDO)?;
@@ -144,14 +148,16 @@ fn count(bench: &mut Bench<'_>) -> Judged {
 
 /// An object that does not exist can't be mapped: abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
-       needs = [Tpdo, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
+       needs = [Tpdo, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent],
+       answers = [MappingRefused])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
     refused(bench, TPDO, 0xFFFF_0020, Situation::Unmappable)
 }
 
 /// A sub-index that an object does not have can't be mapped: abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing-sub-index", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
-       needs = [Tpdo, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent])]
+       needs = [Tpdo, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent],
+       answers = [MappingRefused])]
 fn missing_sub_index(bench: &mut Bench<'_>) -> Judged {
     let before = bench.mapping(TPDO)?;
     let Some(first) = before.first() else {
@@ -166,14 +172,16 @@ fn missing_sub_index(bench: &mut Bench<'_>) -> Judged {
 ///
 /// CiA 301 speaks of them for RPDOs only.
 #[case(id = "301/pdo/mapping/dummy-in-tpdo", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Should,
-       needs = [Tpdo, DynamicMapping], catches = [DummyMappedIntoTpdo])]
+       needs = [Tpdo, DynamicMapping], catches = [DummyMappedIntoTpdo],
+       answers = [MappingRefused])]
 fn dummy_in_tpdo(bench: &mut Bench<'_>) -> Judged {
     refused(bench, TPDO, 0x0005_0008, Situation::Unmappable)
 }
 
 /// Dummy entries that the description allows can be mapped into an RPDO, others can't.
 #[case(id = "301/pdo/mapping/dummy-in-rpdo", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Should,
-       needs = [RpdoMapping, Description], catches = [DummyRefused], cct = "3.33")]
+       needs = [RpdoMapping, Description], catches = [DummyRefused], cct = "3.33",
+       answers = [MappingRefused])]
 fn dummy_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     let usage = bench.target().description.as_ref().map(|description| description.dummy_usage.clone());
     let lengths = [(0x0002_u16, 8_u32), (0x0003, 16), (0x0004, 32), (0x0005, 8), (0x0006, 16), (0x0007, 32)];
@@ -192,7 +200,8 @@ fn dummy_in_rpdo(bench: &mut Bench<'_>) -> Judged {
 
 /// An object that can only be read can't be mapped into an RPDO: abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/read-only-in-rpdo", clause = "CiA 301 7.5.1", confidence = Cited, level = Must,
-       needs = [RpdoMapping], catches = [MappingDirectionUnchecked], cct = "3.28")]
+       needs = [RpdoMapping], catches = [MappingDirectionUnchecked], cct = "3.28",
+       answers = [MappingRefused])]
 fn read_only_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     let candidates: Vec<Mapped> = bench.tpdo_objects();
     let writable = bench.rpdo_objects();
@@ -205,7 +214,8 @@ fn read_only_in_rpdo(bench: &mut Bench<'_>) -> Judged {
 
 /// An object that is for RPDOs only can't be mapped into a TPDO: abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/rpdo-object-in-tpdo", clause = "CiA 301 7.5.1", confidence = Cited, level = Must,
-       needs = [RpdoMapping, DynamicMapping], catches = [MappingDirectionUnchecked], cct = "3.31")]
+       needs = [RpdoMapping, DynamicMapping], catches = [MappingDirectionUnchecked], cct = "3.31",
+       answers = [MappingRefused])]
 fn rpdo_object_in_tpdo(bench: &mut Bench<'_>) -> Judged {
     let readable = bench.tpdo_objects();
     let Some(object) = bench.rpdo_objects().into_iter().find(|mapped| !readable.contains(mapped)) else {

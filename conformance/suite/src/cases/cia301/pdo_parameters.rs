@@ -221,14 +221,16 @@ fn remote_type(bench: &mut Bench<'_>) -> Judged {
 ///
 /// The rule came with V4.0 of CiA 301, and so did the event timer.
 #[case(id = "301/pdo/inhibit-time/valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [EventTimer], catches = [InhibitTimeChangeWhileValid])]
+       needs = [EventTimer], catches = [InhibitTimeChangeWhileValid],
+       answers = [ValidPdoChanged])]
 fn inhibit_time_valid(bench: &mut Bench<'_>) -> Judged {
     while_valid(bench, 3, 500, 600)
 }
 
 /// The SYNC start value of a PDO that is valid does not change: the write is refused.
 #[case(id = "301/pdo/sync-start/valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [EventTimer], catches = [SyncStartValueChangeWhileValid])]
+       needs = [EventTimer], catches = [SyncStartValueChangeWhileValid],
+       answers = [ValidPdoChanged])]
 fn sync_start_valid(bench: &mut Bench<'_>) -> Judged {
     while_valid(bench, 6, 3, 4)
 }

@@ -2,7 +2,7 @@
 //!
 //! RPDO 1 is given an object that SDOs can read, so that its effect can be seen.
 
-use super::emcy::{emergencies, observed, patience, shown};
+use super::emcy::{emergencies, no_protocol_error, observed, patience, shown};
 use super::pdo_parameters::{move_to, reads_back};
 use crate::bench::Bench;
 use crate::bench::pdo::{Mapped, RPDO};
@@ -15,9 +15,6 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Observation;
 use canvass_traces::{CanId, Duration, Frame, Record};
-
-/// After a PDO: the application takes it over in its own cycle.
-const AFTER_PDO: Duration = Duration::from_millis(50);
 
 /// RPDO 1 with one object mapped, and what it takes to send it.
 struct Subject {
@@ -35,6 +32,7 @@ fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop
         let reason = Reason::new("an RPDO can carry an object that SDOs read", "one in the description", "none");
         return Err(Stop::NotApplicable(reason));
     };
+    bench.uses(mapped.at, "mapped into RPDO 1");
     let before = bench.read(mapped.at)?;
     bench.write(mapped.at, &before)?;
     bench.set_mapping(RPDO, &[mapped])?;
@@ -54,7 +52,7 @@ fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
 
 fn send(bench: &mut Bench<'_>, subject: &Subject, data: &[u8]) -> Result<(), Stop> {
     bench.send_bytes(subject.can_id, data)?;
-    bench.listen(AFTER_PDO).map(|_| ())
+    bench.listen(bench.shortly()).map(|_| ())
 }
 
 fn expect_value(bench: &mut Bench<'_>, at: Multiplexer, right: &[u8], duty: &str) -> Judged {
@@ -88,6 +86,25 @@ fn event_driven(bench: &mut Bench<'_>) -> Judged {
     expect_value(bench, subject.mapped.at, &subject.other, &duty)
 }
 
+/// An RPDO that has the length of its mapping is no error: no EMCY of the protocol, 82xxh, comes.
+#[case(id = "301/rpdo/no-error", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
+       needs = [RpdoMapping], catches = [RightRpdoReported])]
+fn no_error(bench: &mut Bench<'_>) -> Judged {
+    bench.expect_emergencies();
+    let patience = patience(bench)?;
+    let subject = subject(bench, 255)?;
+    operational(bench)?;
+    for _ in 0..3 {
+        let before = subject.before.clone();
+        bench.send_bytes(subject.can_id, &before)?;
+        let shortly = bench.shortly();
+        let heard = emergencies(bench, shortly)?;
+        bench.check(no_protocol_error("an RPDO of the right length is no error", &heard))?;
+    }
+    let heard = emergencies(bench, patience)?;
+    bench.check(no_protocol_error("an RPDO of the right length is no error", &heard))
+}
+
 /// A synchronous RPDO acts with the SYNC after it, not before.
 #[case(id = "301/rpdo/synchronous", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
        needs = [RpdoMapping, Sync], catches = [SynchronousRpdoActsAtOnce])]
@@ -101,7 +118,7 @@ fn synchronous(bench: &mut Bench<'_>) -> Judged {
     let at = subject.mapped.at;
     expect_value(bench, at, &subject.before, &format!("{at} keeps its value until SYNC"))?;
     bench.send_bytes(sync_id, &[])?;
-    bench.listen(AFTER_PDO)?;
+    bench.listen(bench.shortly())?;
     expect_value(bench, at, &subject.other, &format!("{at} has the value of the RPDO after SYNC"))
 }
 
@@ -151,7 +168,7 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
 
 /// An RPDO that is shorter than what it carries does nothing; EMCY 8210h tells of it, where the device has EMCY.
 #[case(id = "301/rpdo/too-short", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Must,
-       needs = [RpdoMapping], catches = [RpdoLengthUnchecked], cct = "5.4")]
+       needs = [RpdoMapping], catches = [RpdoLengthUnchecked, ShortRpdoUnreported], cct = "5.4")]
 fn too_short(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 255)?;
     let has_emcy = has_emcy(bench)?;
@@ -162,7 +179,7 @@ fn too_short(bench: &mut Bench<'_>) -> Judged {
     let shorter = subject.other.get(..subject.other.len() - 1).unwrap_or_default().to_vec();
     bench.drain()?;
     bench.send_bytes(subject.can_id, &shorter)?;
-    let heard: Vec<Record> = emergencies(bench, AFTER_PDO.max(if has_emcy { patience } else { AFTER_PDO }))?;
+    let heard: Vec<Record> = emergencies(bench, bench.shortly().max(if has_emcy { patience } else { Duration::ZERO }))?;
     // Only 0000h and 1000h are mandatory: a device may know no other code.
     let right = [EmcyCode::PDO_LENGTH, EmcyCode::GENERIC].map(Observation::Emcy);
     let is_told = heard.iter().any(|record| right.contains(&observed(std::slice::from_ref(record))));
@@ -213,7 +230,7 @@ fn other_frames(bench: &mut Bench<'_>) -> Judged {
         if let Some(frame) = frame {
             bench.send(&frame)?;
         }
-        bench.listen(AFTER_PDO)?;
+        bench.listen(bench.shortly())?;
         let duty = format!("{what} with the CAN-ID of an RPDO has no effect");
         expect_value(bench, subject.mapped.at, value, &duty)
     })
@@ -265,7 +282,7 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
     let length = usize::from(mapped.bits / 8);
     let data: Vec<u8> = beyond.to_le_bytes().into_iter().take(length).collect();
     bench.send_bytes(can_id, &data)?;
-    bench.listen(AFTER_PDO)?;
+    bench.listen(bench.shortly())?;
     let now = bench.read(mapped.at)?;
     bench.check(demand(now != data, || {
         let breach = Breach::new(mapped.at, "an object does not take by RPDO what it does not take by SDO");
@@ -374,7 +391,7 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     let changed = bench.other_value(first.at, &before[0]);
     let data: Vec<u8> = changed.iter().chain(&before[1]).copied().collect();
     bench.send_bytes(can_id, &data)?;
-    bench.listen(AFTER_PDO)?;
+    bench.listen(bench.shortly())?;
     expect_value(bench, first.at, &changed, "the first object of an RPDO has its first bytes")?;
     expect_value(bench, second.at, &before[1], "the second object of an RPDO has the bytes after them")
 }

@@ -5,6 +5,7 @@ use crate::bench::objects::Scratch;
 use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
+use crate::touch::Touch;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop, demand, observed};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::nmt::Command;
@@ -293,7 +294,7 @@ fn defaults(bench: &mut Bench<'_>) -> Judged {
     bench.download(RESTORE, b"load")?.expect_confirmation()?;
     // The memory takes its time; a reset while it is written would undo the order.
     bench.listen(canvass_traces::Duration::from_millis(200))?;
-    bench.reset(Command::RESET_NODE)?;
+    restarted(bench)?;
     let now = bench.read(scratch.multiplexer)?;
     bench.write(scratch.multiplexer, &scratch.value)?;
     bench.write(STORE, b"save")?;
@@ -302,6 +303,21 @@ fn defaults(bench: &mut Bench<'_>) -> Judged {
             .expected("another value than was stored")
             .found(Observation::Value(now))
     }))
+}
+
+/// Resets the device. One of whose defaults it is to have no node-ID gets its own again, where the user allows that.
+fn restarted(bench: &mut Bench<'_>) -> Judged {
+    let reset = bench.reset(Command::RESET_NODE);
+    match (reset, crate::cases::cia305::needs::LSS.rescue()) {
+        (Err(Stop::Inconclusive(_) | Stop::Breach(_)), Some(regain))
+            if bench.options().allow.contains(&Touch::NodeId) && !bench.answers()? =>
+        {
+            regain(bench, true)?;
+            bench.note("after \"load\" and reset node it had no node-ID, and got its own again by LSS");
+            Ok(())
+        }
+        (reset, _) => reset,
+    }
 }
 
 /// Not applicable where defaults can't be restored.

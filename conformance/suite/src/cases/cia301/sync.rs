@@ -1,5 +1,6 @@
 //! SYNC: 1005h, 1006h and 1019h (CiA 301, 7.2.5).
 
+use super::emcy::{emergencies, no_protocol_error, patience};
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::bench::sdo::number;
@@ -150,18 +151,35 @@ fn counter_restarts(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Without a counter (1019h = 0) SYNC carries no data.
+/// Without a counter (1019h = 0) SYNC carries no data, whatever its CAN-ID.
 #[case(id = "301/sync/no-counter", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Must,
-       needs = [SyncProducer], catches = [SyncAlwaysCounts], cct = "6.6")]
+       needs = [SyncProducer], catches = [SyncAlwaysCounts, SyncMovedCounts], cct = "6.6")]
 fn no_counter(bench: &mut Bench<'_>) -> Judged {
     let id = produce(bench, 0)?;
     let heard = syncs(bench, id, 6)?;
     bench.check(demand(!heard.is_empty(), || counted("SYNC is produced every 50 ms, in 300 ms", 1, None, &heard)))?;
+    has_no_data(bench, &heard)?;
+    let own = bench.read_number(COB_ID)?;
+    bench.write(COB_ID, &(own & !PRODUCES).to_le_bytes())?;
+    // Whether it can be moved at all is not the matter of this case.
+    let moved = own & !0x7FF & !PRODUCES | u32::from(MOVED);
+    if bench.download(COB_ID, &moved.to_le_bytes())?.abort().is_some() {
+        return Ok(());
+    }
+    bench.write(COB_ID, &(moved | PRODUCES).to_le_bytes())?;
+    let heard = syncs(bench, MOVED, 6)?;
+    has_no_data(bench, &heard)
+}
+
+/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+const MOVED: u16 = 0x6A1;
+
+fn has_no_data(bench: &mut Bench<'_>, heard: &[Record]) -> Judged {
     let wrong = heard.iter().find(|record| !record.data().is_empty());
     bench.check(demand(wrong.is_none(), || {
         let found = wrong.map_or(0, |record| record.data().len() as u64);
         let breach = Breach::new(Service::Sync, "without counter SYNC has no data, bytes");
-        breach.expected(Observation::Number(0)).found(Observation::Number(found)).told(data(&heard))
+        breach.expected(Observation::Number(0)).found(Observation::Number(found)).told(data(heard))
     }))
 }
 
@@ -233,13 +251,13 @@ fn wrong_length(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction)?;
     bench.send_bytes(sync_id, &[1])?;
-    let right = bench.frames_of(can_id, Duration::from_millis(50))?;
+    let right = bench.frames_of(can_id, bench.shortly())?;
     demand(!right.is_empty(), || counted("SYNC with a counter is followed by a TPDO", 1, Some(1), &right))
         .or_inconclusive()?;
     bench.each([&[][..], &[2, 0]], |bench, wrong| {
         bench.drain()?;
         bench.send_bytes(sync_id, wrong)?;
-        let heard = bench.frames_of(can_id, Duration::from_millis(50))?;
+        let heard = bench.frames_of(can_id, bench.shortly())?;
         let emcy_id = emcy::CAN_ID_BASE + u16::from(bench.node().raw());
         let told = bench.evidence().frames().any(|exhibit| exhibit.record.frame.cob_id() == Some(emcy_id));
         bench.note(match told {
@@ -250,6 +268,27 @@ fn wrong_length(bench: &mut Bench<'_>) -> Judged {
             let duty = format!("SYNC of {} bytes is not obeyed where a counter is expected", wrong.len());
             counted(duty, 0, Some(0), &heard)
         }))
+    })
+}
+
+/// SYNC of the length that the device expects is no error: no EMCY of the protocol, 82xxh, comes.
+#[case(id = "301/sync/no-error", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
+       needs = [Sync], catches = [RightSyncReported])]
+fn no_error(bench: &mut Bench<'_>) -> Judged {
+    bench.expect_emergencies();
+    bench.expect_plain_sync()?;
+    let patience = patience(bench)?;
+    let sync_id = bench.sync_id()?;
+    bench.each([Command::ENTER_PRE_OPERATIONAL, Command::START], |bench, command| {
+        bench.command(command)?;
+        bench.listen(bench.timing().reaction)?;
+        let mut heard = Vec::new();
+        for _ in 0..3 {
+            bench.send_bytes(sync_id, &[])?;
+            heard.extend(emergencies(bench, Duration::from_millis(50))?);
+        }
+        heard.extend(emergencies(bench, patience)?);
+        bench.check(no_protocol_error("SYNC of the right length is no error", &heard))
     })
 }
 
@@ -264,6 +303,10 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
     let attempt = bench.download(COB_ID, &(own | PRODUCES).to_le_bytes())?;
     if attempt.abort().is_none() {
+        demand(bench.has(PERIOD)?, || {
+            let breach = Breach::new(COB_ID, "a device that takes bit 30 of 1005h has a period in 1006h");
+            breach.expected("abort 0609 0030h").found(Observation::Confirmation)
+        })?;
         // A producer, then: it must produce.
         bench.write(COB_ID, &own.to_le_bytes())?;
         let id = produce(bench, 0)?;

@@ -17,11 +17,10 @@ const IN_THE_WAY: u16 = 0x07F;
 const FRAMES: usize = 70;
 
 fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Stop> {
-    let none = 0_u16.to_le_bytes();
     bench.expect_plain_sync()?;
     bench.set_pdo(TPDO, &[(2, &[1])])?;
     if bench.can_write(TPDO.parameter(5))? {
-        bench.write(TPDO.parameter(5), &none)?;
+        bench.set_event_timer(TPDO, 0)?;
     }
     Ok((bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16)
 }

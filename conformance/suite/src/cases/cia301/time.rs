@@ -6,6 +6,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::dictionary::{DataType, Entry};
+use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::time;
 use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::sdo::Bytes;
@@ -17,6 +18,8 @@ const COB_ID: Multiplexer = Multiplexer::new(0x1012, 0);
 const CONSUMES: u32 = 1 << 31;
 /// Bit 30 of 1012h: the device produces TIME.
 const PRODUCES: u32 = 1 << 30;
+/// What a clock may differ by: answers take their time.
+const CLOCK_ERROR_MS: u64 = 200;
 
 /// Switches a direction of TIME on; not applicable where the device refuses as one that does not have it.
 fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Stop> {
@@ -69,7 +72,7 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
 /// Whether a consumer of TIME takes the time over, so that an object of type TIME_OF_DAY that the description names shows it:
 /// recorded only. How a device uses TIME is its own matter.
 #[case(id = "301/time/consumer", clause = "CiA 301 7.2.6.1", confidence = Cited, level = Open,
-       needs = [Time, Description], catches = [TimeIgnored])]
+       needs = [Time, Description], catches = [TimeIgnored, ClockStands])]
 fn consumer(bench: &mut Bench<'_>) -> Judged {
     switch_on(bench, CONSUMES, "consumes")?;
     let clock = bench.target().description.as_ref().and_then(|description| {
@@ -84,14 +87,66 @@ fn consumer(bench: &mut Bench<'_>) -> Judged {
     let (milliseconds, days) = (6 * 3_600_000_u32, 13_149_u16);
     let [a, b, c, d] = milliseconds.to_le_bytes();
     let [low, high] = days.to_le_bytes();
-    bench.send_bytes(time::CAN_ID, &[a, b, c, d, low, high])?;
+    let own = bench.read_number(COB_ID)?;
+    bench.send_bytes((own & 0x7FF) as u16, &[a, b, c, d, low, high])?;
+    let sent = bench.now();
+    // Once soon, and once when it has gone on.
+    bench.each([bench.timing().reaction, Duration::from_secs(3)], |bench, span| {
+        bench.listen(span)?;
+        let value = bench.upload(clock)?.value()?;
+        let passed = bench.now().since(sent).nanos() / 1_000_000;
+        let shown = number(&value) & 0x0FFF_FFFF;
+        let is_near = u64::from(shown).abs_diff(u64::from(milliseconds) + passed) <= CLOCK_ERROR_MS;
+        bench.check(demand(is_near && value.get(4..6) == Some(&[low, high]), || {
+            let expected = format!("{} ms, and six bytes that end in {}", milliseconds, Bytes(&[low, high]));
+            Breach::new(clock, format!("{clock} follows a TIME message, {passed} ms later"))
+                .expected(expected)
+                .found(Observation::Value(value))
+        }))
+    })
+}
+
+/// Whether a device that takes bit 30 of 1012h sends TIME within 5 s on the CAN-ID that 1012h names: recorded only, as CiA 301
+/// does not say when a producer sends it.
+#[case(id = "301/time/produced", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Open,
+       needs = [Time], catches = [TimeNotProduced])]
+fn produced(bench: &mut Bench<'_>) -> Judged {
+    switch_on(bench, PRODUCES, "produces")?;
+    let can_id = (bench.read_number(COB_ID)? & 0x7FF) as u16;
+    let heard = bench.frames_of(can_id, Duration::from_secs(5))?;
+    bench.check(demand(!heard.is_empty(), || {
+        let breach = Breach::new(COB_ID, format!("TIME comes on CAN-ID {can_id:03X}h within 5 s of bit 30"));
+        breach.expected("TIME").found(Observation::Silence)
+    }))?;
+    bench.command(Command::STOP)?;
     bench.listen(bench.timing().reaction)?;
-    let value = bench.upload(clock)?.value()?;
-    bench.check(demand(value.get(4..6) == Some(&[low, high]), || {
-        let expected = format!("six bytes that end in {}", Bytes(&[low, high]));
-        Breach::new(clock, format!("{clock} follows a TIME message"))
-            .expected(expected)
-            .found(Observation::Value(value))
+    let heard = bench.frames_of(can_id, Duration::from_secs(5))?;
+    bench.check(demand(heard.is_empty(), || {
+        let breach = Breach::new(COB_ID, "no TIME comes in stopped").expected(Observation::Silence);
+        breach.found(Observation::Count(heard.len() as u64))
+    }))
+}
+
+/// Whether the high resolution time stamp, 1013h, goes on by one for each microsecond after it was written: recorded only, as
+/// its use is left to the device.
+#[case(id = "301/time/high-resolution", clause = "CiA 301 7.5.2.16", confidence = Cited, level = Open,
+       needs = [], catches = [ClockStands])]
+fn high_resolution(bench: &mut Bench<'_>) -> Judged {
+    const STAMP: Multiplexer = Multiplexer::new(0x1013, 0);
+    if !bench.can_write(STAMP)? {
+        return Err(Stop::NotApplicable(Reason::new("the device has a time stamp", "1013h, writable", "none")));
+    }
+    let written = 5_000_000_u32;
+    bench.write(STAMP, &written.to_le_bytes())?;
+    let from = bench.now();
+    bench.listen(Duration::from_millis(500))?;
+    let shown = bench.read_number(STAMP)?;
+    let passed = bench.now().since(from).nanos() / 1_000;
+    let is_near = u64::from(shown.wrapping_sub(written)).abs_diff(passed) <= 1_000 * CLOCK_ERROR_MS;
+    bench.check(demand(is_near, || {
+        Breach::new(STAMP, format!("1013h goes on from {written}, {passed} µs later"))
+            .expected(Observation::Number(u64::from(written) + passed))
+            .found(Observation::Number(shown.into()))
     }))
 }
 

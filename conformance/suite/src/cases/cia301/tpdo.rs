@@ -19,11 +19,11 @@ fn cyclic_tpdo(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     let cob_id = CobId(bench.read_number(TPDO_COB_ID)?);
     let transmission_type = bench.read_number(TRANSMISSION_TYPE)?;
     if transmission_type < 254 {
-        let actual = format!("transmission type {transmission_type}");
-        let reason = Reason::new("TPDO 1 is event-driven", "transmission type 254 or 255", actual);
-        return Err(Stop::NotApplicable(reason));
+        bench.pdo_off(TPDO)?;
+        set_type(bench, 255)?;
+        bench.pdo_on(TPDO, cob_id)?;
     }
-    bench.write(EVENT_TIMER, &PERIOD_MS.to_le_bytes())?;
+    bench.set_event_timer(TPDO, PERIOD_MS)?;
     Ok((cob_id.can_id() & 0x7FF) as u16)
 }
 
@@ -192,12 +192,12 @@ fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
         bench.command(Command::START)?;
         bench.listen(bench.timing().reaction)?;
         let mut sent = 0;
-        let pause = Duration::from_millis(if cycle == 240 { 5 } else { 20 });
+        let pause = Duration::from_millis(20);
         for _ in 0..cycles * usize::from(cycle) {
             bench.send_bytes(sync_id, &[])?;
             sent += tpdos(bench, cob_id, pause)?.len();
         }
-        sent += tpdos(bench, cob_id, Duration::from_millis(20))?.len();
+        sent += tpdos(bench, cob_id, bench.shortly())?.len();
         bench.check(demand(sent == cycles, || {
             let syncs = cycles * usize::from(cycle);
             let duty = format!("with transmission type {cycle} TPDO 1 follows every {cycle}. of {syncs} SYNCs");

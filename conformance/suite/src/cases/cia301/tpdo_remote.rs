@@ -33,7 +33,10 @@ fn candidates(bench: &mut Bench<'_>) -> Result<Vec<(u16, u16)>, Stop> {
 #[case(id = "301/tpdo/remote", clause = "CiA 301 7.2.2.5.2", confidence = Cited, level = Should,
        catches = [TpdoRemoteUnanswered, SecondTpdoMissing], cct = "3.8")]
 fn remote(bench: &mut Bench<'_>) -> Judged {
-    let candidates = candidates(bench)?;
+    let mut candidates = candidates(bench)?;
+    if candidates.is_empty() && bench.unjudged(Bench::provide_tpdo)?.is_ok() {
+        candidates = self::candidates(bench)?;
+    }
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction)?;
     let mut spontaneous = Vec::new();

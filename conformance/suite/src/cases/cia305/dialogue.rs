@@ -2,7 +2,7 @@
 
 use super::needs::LSS_INQUIRY;
 use crate::bench::Bench;
-use crate::need::Found;
+use crate::bench::Found;
 use crate::verdict::{Allowed, Breach, Check, Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
@@ -114,14 +114,14 @@ pub fn configure(bench: &mut Bench<'_>) -> Result<(), Stop> {
 
 /// Whether the slave is in configuration: it answers an inquiry, or where it has none, it takes the node-ID that it has.
 fn is_configuring(bench: &mut Bench<'_>, patience: Duration) -> Result<bool, Stop> {
-    let inquires = match bench.known(&LSS_INQUIRY) {
+    let inquires = match bench.known(LSS_INQUIRY.id) {
         Some(Found::Known(met)) => Some(met.is_ok()),
         _ => None,
     };
     if inquires != Some(false) {
         let answer = exchange_within(bench, Request::InquireNodeId, patience)?;
         if matches!(answer, Some(Response::NodeId(_))) {
-            bench.learned(&LSS_INQUIRY, Found::Known(Ok(())));
+            bench.learned(LSS_INQUIRY.id, Found::Known(Ok(())));
             return Ok(true);
         }
         if inquires == Some(true) {
@@ -133,7 +133,7 @@ fn is_configuring(bench: &mut Bench<'_>, patience: Duration) -> Result<bool, Sto
     let takes = matches!(answer, Some(Response::Configured { command: ConfigureCommand::NodeId, .. }));
     if takes && inquires.is_none() {
         let why = "in configuration the slave confirms its node-ID (11h) and does not answer an inquiry of it (5Eh)";
-        bench.learned(&LSS_INQUIRY, Found::Known(Err(why.to_owned())));
+        bench.learned(LSS_INQUIRY.id, Found::Known(Err(why.to_owned())));
     }
     Ok(takes)
 }

@@ -3,7 +3,8 @@
 use super::dialogue::{configure, tell, wait};
 use super::fastscan::{RESET, scan_begin};
 use super::unconfigured::unconfigured;
-use crate::need::{Found, Need};
+use crate::bench::Found;
+use crate::need::Need;
 use canvass_analyzer::wire::lss::{Request, Response};
 
 /// Layer setting services: the description says that they are supported.
@@ -21,7 +22,7 @@ pub static LSS_INQUIRY: Need = Need::new("lss-inquiry", "the inquiry of the node
     // Bringing the slave into configuration finds it out.
     configure(bench)?;
     wait(bench)?;
-    Ok(match bench.known(&LSS_INQUIRY) {
+    Ok(match bench.known(LSS_INQUIRY.id) {
         Some(Found::Known(met)) => met.clone(),
         _ => Ok(()),
     })

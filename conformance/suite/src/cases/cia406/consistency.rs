@@ -94,9 +94,10 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
     let position = position_at_rest(bench)?;
     bench.drain()?;
     bench.send_bytes(sync, &[])?;
-    let heard = bench.frames_of(can_id, Duration::from_millis(50))?;
+    let span = bench.shortly();
+    let heard = bench.frames_of(can_id, span)?;
     let Some(first) = heard.first() else {
-        let breach = Breach::new(TPDO_2, "TPDO 2 follows SYNC within 50 ms");
+        let breach = Breach::new(TPDO_2, format!("TPDO 2 follows SYNC within {span}"));
         return bench.check(Err(Box::new(breach.expected("a TPDO").found(Observation::Silence))));
     };
     let found = crate::bench::sdo::number(first.data());

@@ -1,10 +1,11 @@
 //! What the cases of CiA 406 need: what an encoder has, and what Kübler's encoders have beside it.
 
 use crate::bench::Bench;
+use crate::bench::Met;
 use crate::bench::objects::TPDO_FIRST_ENTRY;
 use crate::bench::sdo::number;
-use crate::case::Touch;
-use crate::need::{Met, Need};
+use crate::need::Need;
+use crate::touch::Touch;
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;

@@ -4,7 +4,10 @@ use super::number;
 use super::position::OPERATING_PARAMETERS;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Breach, Judged, demand};
+use crate::situation::Situation;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
 
 /// Bits 4 to 11 have no meaning in any version of the profile.
@@ -24,4 +27,40 @@ fn reserved_bits(bench: &mut Bench<'_>) -> Judged {
         let breach = Breach::new(OPERATING_PARAMETERS, "6000h does not take reserved bits over");
         breach.expected("bits 4 to 11 are 0").found(number(after & RESERVED)).told(format!("{after:04X}h"))
     }))
+}
+
+/// Parameters that configure and do nothing else. Presets act when they are written, whatever the value.
+const PARAMETERS: [u16; 7] = [0x6000, 0x6001, 0x6002, 0x6005, 0x6200, 0x6401, 0x6402];
+/// Bit 2 of 6000h: the measuring range and the units per revolution are used.
+const SCALING: u32 = 1 << 2;
+
+/// The parameters of the profile that the description calls writable take the values that they have. While scaling is off,
+/// what belongs to it may be locked.
+#[case(id = "406/operating-parameters/own-value", clause = "CiA 301 7.4.5", confidence = Cited, level = Must,
+       needs = [Encoder, Description], catches = [OperatingParametersRefused])]
+fn own_value(bench: &mut Bench<'_>) -> Judged {
+    let scaled = bench.read_number(OPERATING_PARAMETERS)? & SCALING != 0;
+    let mut objects = Vec::new();
+    for at in PARAMETERS.map(|index| Multiplexer::new(index, 0)) {
+        if bench.can_write(at)? {
+            objects.push(at);
+        }
+    }
+    if objects.is_empty() {
+        let reason = Reason::new("the description names parameters to try", "6000h, writable", "none");
+        return Err(Stop::NotApplicable(reason));
+    }
+    bench.each(objects, |bench, at| {
+        let Outcome::Uploaded(value) = bench.upload(at)?.outcome else { return Ok(()) };
+        let attempt = bench.download(at, &value)?;
+        let locked = matches!(at.index.0, 0x6001 | 0x6002) && !scaled && attempt.abort().is_some();
+        let of_the_moment = matches!(
+            attempt.abort(),
+            Some(AbortCode::GENERAL | AbortCode::LOCAL_CONTROL | AbortCode::DEVICE_STATE | AbortCode(0x0800_0020))
+        );
+        if locked || of_the_moment {
+            return Ok(());
+        }
+        bench.check(attempt.under("with the value that it has").refused(Situation::Confirmed))
+    })
 }

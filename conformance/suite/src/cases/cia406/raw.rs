@@ -5,10 +5,10 @@ use super::position::position_at_rest;
 use super::preset::{range_now, with_preset};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::demand;
-use crate::verdict::{Breach, Judged};
+use crate::verdict::{Breach, Judged, Precondition, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::crc16;
+use canvass_traces::Duration;
 
 const RAW_POSITION: Multiplexer = Multiplexer::new(0x600C, 0);
 const RAW_DATA: Multiplexer = Multiplexer::new(0x2160, 0);
@@ -64,4 +64,23 @@ fn checksum(bench: &mut Bench<'_>) -> Judged {
     let (expected, found) = last;
     let breach = Breach::new(CHECKSUM, "2162h is the CRC of 2160h").expected(number(expected));
     bench.check(Err(Box::new(breach.found(number(found)).told(format!("{found:04X}h")))))
+}
+
+/// While the shaft turns, the raw position 600Ch changes, as the position 6004h does.
+#[case(id = "406/raw-position/moves", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, RawPosition, TurningShaft], catches = [RawPositionStands])]
+fn moves(bench: &mut Bench<'_>) -> Judged {
+    const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
+    let before = (bench.read_number(POSITION)?, bench.read_number(RAW_POSITION)?);
+    bench.listen(Duration::from_millis(500))?;
+    let after = (bench.read_number(POSITION)?, bench.read_number(RAW_POSITION)?);
+    demand(before.0 != after.0, || {
+        let breach = Breach::new(POSITION, "6004h changes while the shaft turns").expected("another value");
+        breach.found(number(after.0))
+    })
+    .or_inconclusive()?;
+    bench.check(demand(before.1 != after.1, || {
+        let breach = Breach::new(RAW_POSITION, "600Ch changes while the shaft turns").expected("another value");
+        breach.found(number(after.1))
+    }))
 }

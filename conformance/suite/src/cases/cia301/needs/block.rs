@@ -1,8 +1,9 @@
 //! Block transfers, which are optional (CiA 301, 7.2.4.3.9 and 7.2.4.3.13).
 
 use crate::bench::Bench;
+use crate::bench::Met;
 use crate::bench::sdo::{DEVICE_TYPE, Reply};
-use crate::need::{Met, Need};
+use crate::need::Need;
 use crate::verdict::{Breach, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};

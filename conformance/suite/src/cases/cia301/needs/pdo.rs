@@ -1,13 +1,14 @@
 //! PDOs, and SYNC, which moves them.
 
 use crate::bench::Bench;
+use crate::bench::Met;
 use crate::bench::objects::{EVENT_TIMER as TIMER, TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
 use crate::bench::pdo::RPDO as FIRST_RPDO;
 use crate::bench::sdo::number;
-use crate::need::{Met, Need};
+use crate::need::Need;
 use crate::situation::Situation;
 use crate::verdict::{Grade, Stop};
-use canvass_analyzer::{CobId, Multiplexer};
+use canvass_analyzer::Multiplexer;
 use canvass_bus::client::Outcome;
 
 const SYNC_ID: Multiplexer = Multiplexer::new(0x1005, 0);
@@ -15,28 +16,22 @@ const SYNC_ID: Multiplexer = Multiplexer::new(0x1005, 0);
 /// Bit 30 of 1005h: the device produces SYNC.
 const PRODUCES: u32 = 1 << 30;
 
-/// TPDO 1, switched on: 1800h and 1A00h.
-pub static TPDO: Need = Need::new("tpdo", "a TPDO that is switched on (1800h, 1A00h)", tpdo);
+/// TPDO 1, switched on: 1800h and 1A00h. One that is delivered off or empty is mapped and switched on for the case.
+pub static TPDO: Need =
+    Need::new("tpdo", "a TPDO that is switched on, or can be (1800h, 1A00h)", tpdo).provided_by(tpdo);
 
 fn tpdo(bench: &mut Bench<'_>) -> Result<Met, Stop> {
-    if let Err(why) = bench.has_all(&[TPDO_COB_ID, TPDO_MAPPED])? {
-        return Ok(Err(why));
-    }
-    let cob_id = CobId(number(&bench.upload(TPDO_COB_ID)?.value()?));
-    if !cob_id.is_valid() {
-        return Ok(Err(format!("TPDO 1 is switched off ({TPDO_COB_ID} is {cob_id})")));
-    }
-    let mapped = number(&bench.upload(TPDO_MAPPED)?.value()?);
-    Ok(if mapped > 0 { Ok(()) } else { Err(format!("TPDO 1 carries nothing ({TPDO_MAPPED} is 0)")) })
+    bench.provide_tpdo()
 }
 
 /// A TPDO with an event timer, 1800h:05.
 pub static EVENT_TIMER: Need = Need::new("event-timer", "a TPDO with an event timer (1800h:05)", |bench| {
-    Ok(match tpdo(bench)? {
-        Ok(()) if !bench.has(TIMER)? => Err(format!("the device has no {TIMER}")),
-        met => met,
-    })
-});
+    if bench.has(TPDO_COB_ID)? && !bench.has(TIMER)? {
+        return Ok(Err(format!("the device has no {TIMER}")));
+    }
+    tpdo(bench)
+})
+.provided_by(tpdo);
 
 /// TPDO 1 with a mapping that can be changed: 1800h:01 and 1A00h.
 pub static DYNAMIC_MAPPING: Need =

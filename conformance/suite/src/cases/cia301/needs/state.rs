@@ -1,8 +1,9 @@
 //! NMT states, error control, and who is on the bus.
 
 use crate::bench::Bench;
-use crate::bench::state::{GUARD_TIME, Heartbeats};
-use crate::need::{Met, Need};
+use crate::bench::Met;
+use crate::bench::state::{GUARD_TIME, HEARTBEAT_TIME, Heartbeats};
+use crate::need::Need;
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
 
@@ -17,7 +18,16 @@ pub static VISIBLE_STATE: Need =
 
 /// A heartbeat producer whose period can be set, 1017h.
 pub static HEARTBEAT: Need = Need::new("heartbeat", "the heartbeat producer (1017h)", |bench| {
-    Ok(match bench.heartbeats()? {
+    let heartbeats = bench.heartbeats()?;
+    if heartbeats != Heartbeats::Settable
+        && bench.described(HEARTBEAT_TIME) == Some(true)
+        && bench.can_write(HEARTBEAT_TIME)?
+    {
+        // Described as one that can be written: that it can't is a breach.
+        let value = bench.upload(HEARTBEAT_TIME)?.value()?;
+        bench.download(HEARTBEAT_TIME, &value)?.expect_confirmation()?;
+    }
+    Ok(match heartbeats {
         Heartbeats::Settable => Ok(()),
         Heartbeats::Fixed(period) => Err(format!("the period is fixed: 1017h is {period} and can't be written")),
         Heartbeats::None => Err("the device has no 1017h that can be written".to_owned()),

@@ -10,7 +10,7 @@ use canvass_traces::{CanId, Duration, Frame};
 
 /// Demands that the device is still operational and sent no boot-up.
 fn undisturbed(bench: &mut Bench<'_>, by: &str) -> Judged {
-    let heard = bench.listen(bench.timing().silence)?;
+    let heard = bench.listen(bench.silence())?;
     let restarts = heard.iter().any(|record| bench.is_boot_up(&record.frame));
     demand(!restarts, || {
         let breach = Breach::new(Subject::Device, format!("the device ignores {by}"));

@@ -133,14 +133,15 @@ fn stopped_enter_pre_operational(bench: &mut Bench<'_>) -> Judged {
 
 /// Reset node in stopped: the device sends its boot-up message and is pre-operational.
 #[case(id = "301/nmt/stopped/reset-node", clause = "CiA 301 7.2.8.2.1.5", confidence = Cited, level = Must,
-       needs = [VisibleState], catches = [BootUpMissing, NmtResetWhenStoppedIgnored], cct = "10.4")]
+       needs = [VisibleState], catches = [BootUpMissing, NmtResetWhenStoppedIgnored, ResetWhenStoppedHangs], cct = "10.4")]
 fn stopped_reset_node(bench: &mut Bench<'_>) -> Judged {
     reset(bench, State::STOPPED, Command::RESET_NODE)
 }
 
 /// Reset communication in stopped: the device sends its boot-up message and is pre-operational.
 #[case(id = "301/nmt/stopped/reset-communication", clause = "CiA 301 7.2.8.2.1.6", confidence = Cited, level = Must,
-       needs = [VisibleState], catches = [BootUpMissing, NmtResetWhenStoppedIgnored], cct = "10.4")]
+       needs = [VisibleState], catches = [BootUpMissing, NmtResetWhenStoppedIgnored, ResetWhenStoppedHangs],
+       cct = "10.4")]
 fn stopped_reset_communication(bench: &mut Bench<'_>) -> Judged {
     reset(bench, State::STOPPED, Command::RESET_COMMUNICATION)
 }

@@ -263,7 +263,8 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
 
 /// A block upload of an object that does not exist is refused with abort 0602 0000h, of a sub-index with 0609 0011h.
 #[case(id = "301/sdo/block-upload/missing", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
-       needs = [BlockUpload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex])]
+       needs = [BlockUpload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex],
+       answers = [MissingObject, MissingEntry])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
     for (multiplexer, situation) in MISSING {
         let reply = bench.exchange(&initiate(multiplexer, 127), format!("block upload of {multiplexer}"))?;

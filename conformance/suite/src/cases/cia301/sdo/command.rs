@@ -2,26 +2,44 @@
 
 use super::by_hand::{begin_upload, long_object};
 use crate::bench::Bench;
-use crate::bench::sdo::DEVICE_TYPE;
+use crate::bench::sdo::{DEVICE_TYPE, Reply};
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Breach, Judged, Precondition, demand};
-use canvass_analyzer::Multiplexer;
+use crate::verdict::{Breach, Check, Judged, Precondition, demand};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response, Segment};
+use canvass_analyzer::{Multiplexer, Service};
+use canvass_bus::client::Violation;
+use canvass_bus::observation::Observation;
 
 /// Command specifier 7, which CiA 301 does not define, with an object behind it as an initiate message has.
 const UNKNOWN: Request = Request::Unknown { command: 0xE0, tail: [0x18, 0x10, 1, 0, 0, 0, 0] };
 
-/// An unknown command specifier is answered with abort 0504 0001h.
+/// An unknown command specifier is answered with abort 0504 0001h, which does not name the object of an earlier request.
 #[case(id = "301/sdo/command/unknown", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
-       catches = [SdoUnknownCommandSilent, SdoCommandWrongCode], cct = "2.7")]
+       catches = [SdoUnknownCommandSilent, SdoCommandWrongCode, SdoStaleMultiplexer], cct = "2.7")]
 fn unknown(bench: &mut Bench<'_>) -> Judged {
     bench.read(DEVICE_TYPE)?;
     let reply = bench.exchange(&UNKNOWN, "request with the unknown command specifier 7")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
+    bench.check(names_no_earlier(&reply, DEVICE_TYPE))?;
     bench.expect_served("after an unknown command specifier")?;
     bench.expect_tidy()
+}
+
+/// Of what a server can't read it may name the object that stands there, or none; that of a transfer that is over it refuses
+/// nothing of.
+fn names_no_earlier(reply: &Reply, earlier: Multiplexer) -> Check {
+    let named = match reply.response {
+        Some(Response::Abort(abort)) => Some(abort.multiplexer),
+        _ => None,
+    };
+    demand(named != Some(earlier), || {
+        Breach::new(Service::Sdo, "an abort does not name the object of an earlier request")
+            .expected("the object of the request, or 0000h:00")
+            .found(Observation::Violation(Violation::Multiplexer(earlier)))
+            .told(reply.actual())
+    })
 }
 
 /// An unknown command specifier as the first request after boot-up is answered with abort 0504 0001h, and the server

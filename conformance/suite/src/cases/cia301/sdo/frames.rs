@@ -21,7 +21,7 @@ fn answer_to(bench: &mut Bench<'_>, frame: Option<Frame>) -> Result<Option<Frame
         bench.send(&frame)?;
     }
     let response = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
-    let heard = bench.listen(bench.timing().silence)?;
+    let heard = bench.listen(bench.silence())?;
     Ok(heard.into_iter().map(|record| record.frame).find(|frame| frame.cob_id() == Some(response)))
 }
 
@@ -32,7 +32,7 @@ fn unanswered(answer: Option<Frame>, duty: &'static str) -> Check {
 }
 
 /// A remote frame with the CAN-ID of SDO requests is no request: it is not answered.
-#[case(id = "301/sdo/frame/remote", clause = "CiA 301 7.2.4.3", confidence = Known, level = Must,
+#[case(id = "301/sdo/frame/remote", clause = "CiA 301 7.2.4.3", confidence = Known, level = Should,
        catches = [SdoRemoteAnswered])]
 fn remote(bench: &mut Bench<'_>) -> Judged {
     let frame = Frame::remote(CanId::standard_masked(request_id(bench)), 8);
@@ -42,7 +42,7 @@ fn remote(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// A 29-bit frame whose identifier ends like the CAN-ID of SDO requests is no request: it is not answered.
-#[case(id = "301/sdo/frame/extended", clause = "CiA 301 7.2.4.3", confidence = Known, level = Must,
+#[case(id = "301/sdo/frame/extended", clause = "CiA 301 7.3.3", confidence = Cited, level = Must,
        catches = [SdoExtendedAnswered, ExtendedFrameObeyed])]
 fn extended(bench: &mut Bench<'_>) -> Judged {
     let request = Request::upload(DEVICE_TYPE).to_frame(0);
@@ -56,7 +56,7 @@ fn extended(bench: &mut Bench<'_>) -> Judged {
 ///
 /// What is to happen to the short ones themselves is not said: CANopenNode ignores them, lely-core refuses them,
 /// others serve those that are long enough. What this device does is noted.
-#[case(id = "301/sdo/frame/short", clause = "CiA 301 7.2.4.3", confidence = Known, level = Must,
+#[case(id = "301/sdo/frame/short", clause = "CiA 301 7.2.4.3", confidence = Known, level = Should,
        catches = [SdoShortRequestWedges])]
 fn short(bench: &mut Bench<'_>) -> Judged {
     let whole = Request::upload(DEVICE_TYPE).to_frame(0);
@@ -77,7 +77,7 @@ fn short(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// A request to another node's SDO server is not answered.
-#[case(id = "301/sdo/frame/other-node", clause = "CiA 301 7.2.4.3", confidence = Known, level = Must,
+#[case(id = "301/sdo/frame/other-node", clause = "CiA 301 7.3.3", confidence = Cited, level = Must,
        catches = [SdoOtherNodeAnswered])]
 fn other_node(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
@@ -88,7 +88,7 @@ fn other_node(bench: &mut Bench<'_>) -> Judged {
     let both = [sdo::RESPONSE_BASE + u16::from(other), sdo::RESPONSE_BASE + u16::from(bench.node().raw())];
     bench.drain()?;
     bench.send(&request)?;
-    let answer = bench.wait_for(bench.timing().silence, |record| {
+    let answer = bench.wait_for(bench.silence(), |record| {
         record.frame.cob_id().is_some_and(|id| both.contains(&id)).then_some(record.frame)
     })?;
     bench.check(unanswered(answer, "a request to another node is not answered"))

@@ -8,6 +8,7 @@ mod command;
 mod described;
 mod expedited;
 mod frames;
+mod own_values;
 mod refusals;
 mod segmented_download;
 mod segmented_upload;

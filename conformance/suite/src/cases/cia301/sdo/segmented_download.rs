@@ -140,7 +140,8 @@ fn segmented_read_only(bench: &mut Bench<'_>) -> Judged {
 /// A segmented download to an object or sub-index that does not exist is refused at once, with abort 0602 0000h or
 /// 0609 0011h.
 #[case(id = "301/sdo/download/segmented-missing", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
-       level = Must, catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex, SdoNoObjectSilent])]
+       level = Must, catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex, SdoNoObjectSilent],
+       answers = [MissingObject, MissingEntry])]
 fn segmented_missing(bench: &mut Bench<'_>) -> Judged {
     for (multiplexer, situation) in MISSING {
         let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(8) };
@@ -168,6 +169,6 @@ fn segment_ends(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// The description does not say how long a string may be.
-const fn is_refused_length(abort: Option<AbortCode>) -> bool {
+pub(super) const fn is_refused_length(abort: Option<AbortCode>) -> bool {
     matches!(abort, Some(AbortCode::LENGTH | AbortCode::LENGTH_TOO_HIGH | AbortCode::LENGTH_TOO_LOW))
 }

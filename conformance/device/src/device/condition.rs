@@ -5,7 +5,7 @@ use canvass_analyzer::wire::emcy::{EmcyCode, ErrorRegister};
 
 /// Something that can be wrong with the device. Each is present or not; only changes are reported.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(in crate::device) enum Condition {
+pub(super) enum Condition {
     /// The temperature is outside the limits of 2120h.
     Temperature { now: u8, low: u8, high: u8 },
     /// The shaft is too fast (6505h bit 0).
@@ -32,7 +32,7 @@ pub(in crate::device) enum Condition {
 
 impl Condition {
     /// Conditions with equal keys are the same one, with other details.
-    pub(super) const fn key(self) -> (u8, u16) {
+    pub const fn key(self) -> (u8, u16) {
         match self {
             Self::Temperature { .. } => (0, 0),
             Self::Overspeed => (1, 0),
@@ -48,7 +48,7 @@ impl Condition {
         }
     }
 
-    pub(super) fn code(self, quirks: &Quirks) -> EmcyCode {
+    pub fn code(self, quirks: &Quirks) -> EmcyCode {
         match self {
             Self::Temperature { .. } | Self::Overspeed => EmcyCode(0x4200),
             Self::Guarding => quirks.life_guarding_code(),
@@ -63,7 +63,7 @@ impl Condition {
     }
 
     /// The bit of 6503h.
-    pub(super) const fn alarm(self) -> u64 {
+    pub const fn alarm(self) -> u64 {
         match self {
             Self::Parameter => 1 << 13,
             _ => 0,
@@ -71,7 +71,7 @@ impl Condition {
     }
 
     /// The bits of the error register. Bit 0 is always among them, as far as the device has it.
-    pub(super) fn register(self, quirks: &Quirks) -> u8 {
+    pub fn register(self, quirks: &Quirks) -> u8 {
         if let Self::Hardware { register: documented @ 1.., .. } = self {
             return documented;
         }
@@ -103,7 +103,7 @@ impl Condition {
     }
 
     /// Bytes 3 to 7.
-    pub(super) const fn manufacturer(self) -> [u8; 5] {
+    pub const fn manufacturer(self) -> [u8; 5] {
         match self {
             Self::Hardware { bytes, .. } => bytes,
             // Sensor error register, temperature, low and high threshold, sensor version.

@@ -1,7 +1,7 @@
 //! Descriptions that differ from the right one: what a maker of devices can get wrong in an EDS, and what makers are free to
 //! do in it. The device itself is as it should be.
 
-use super::Model;
+use crate::models::Model;
 use crate::{Fault, Firmware, liberty};
 use canvass_analyzer::dictionary::{DeviceDescription, eds};
 
@@ -43,6 +43,13 @@ const DAMAGES: [(Fault, &str, &str); 18] = [
     ),
 ];
 
+impl Fault {
+    /// Whether the fault is in the description; the device itself is as it should be.
+    pub fn is_in_description(self) -> bool {
+        DAMAGES.iter().any(|(fault, ..)| *fault == self)
+    }
+}
+
 impl Model {
     /// The description that a maker of that firmware delivers with the device: with the faults and the liberties that are
     /// in descriptions.
@@ -63,9 +70,7 @@ impl Model {
         }
         let damaged =
             damages.iter().fold(self.eds_text()?.to_owned(), |text, (_, from, to)| text.replacen(from, to, 1));
-        let mut description = eds::read(&liberty::rewrite(&damaged, firmware.liberties)).ok()?;
-        description.manual = self.description().manual.clone();
-        Some(description)
+        eds::read(&liberty::rewrite(&damaged, firmware.liberties)).ok()
     }
 }
 

@@ -1,0 +1,138 @@
+//! A transcript as text, a line for each thing:
+//!
+//! ```text
+//! canvass-transcript 1
+//! live no
+//! bit-rate 250000
+//! begin 0
+//! frames 0 0 1 0               how often there was none before each frame
+//! time 12 1700000000000000000  after so many questions as expected, the clock said
+//! health 3 0 0 0 0 / 3:1 7:2 / 4:9 / the controller is bus-off
+//! rate set                     or fixed
+//! trouble the bus failed
+//! ```
+
+use super::Transcript;
+use crate::{Health, Latencies};
+use canvass_traces::Timestamp;
+use std::fmt;
+use std::str::FromStr;
+
+const HEAD: &str = "canvass-transcript 1";
+/// So many frames stand in a line.
+const IN_LINE: usize = 64;
+
+/// What can't be read as a transcript.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("line {line}: {why}")]
+pub struct NotATranscript {
+    /// From 1.
+    pub line: usize,
+    /// What is wrong there.
+    pub why: String,
+}
+
+impl fmt::Display for Transcript {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        writeln!(f, "{HEAD}\nlive {}", if self.is_live { "yes" } else { "no" })?;
+        if let Some(bit_rate) = self.bit_rate {
+            writeln!(f, "bit-rate {bit_rate}")?;
+        }
+        writeln!(f, "begin {}", self.begin.nanos())?;
+        for waits in self.waits.chunks(IN_LINE) {
+            f.write_str("frames")?;
+            waits.iter().try_for_each(|wait| write!(f, " {wait}"))?;
+            writeln!(f)?;
+        }
+        for (after, time) in &self.clock {
+            writeln!(f, "time {after} {}", time.nanos())?;
+        }
+        for (after, health) in &self.health {
+            let Health { lost, interruptions, trouble, error_frames, waits, receive, transmit } = health;
+            let trouble = trouble.as_deref().unwrap_or_default().replace(['\n', '\r'], " ");
+            let (receive, transmit) = (counts(receive), counts(transmit));
+            writeln!(
+                f,
+                "health {after} {lost} {interruptions} {error_frames} {waits} / {receive} / {transmit} / {trouble}"
+            )?;
+        }
+        for set in &self.bit_rates {
+            writeln!(f, "rate {}", if *set { "set" } else { "fixed" })?;
+        }
+        match &self.trouble {
+            Some(trouble) => writeln!(f, "trouble {}", trouble.replace(['\n', '\r'], " ")),
+            None => Ok(()),
+        }
+    }
+}
+
+fn counts(latencies: &Latencies) -> String {
+    let counts = latencies.buckets().iter().enumerate().filter(|(_, count)| **count > 0);
+    counts.map(|(bucket, count)| format!("{bucket}:{count}")).collect::<Vec<_>>().join(" ")
+}
+
+impl FromStr for Transcript {
+    type Err = NotATranscript;
+
+    fn from_str(text: &str) -> Result<Self, NotATranscript> {
+        let mut lines = text.lines().enumerate();
+        let failed = |line: usize, why: String| NotATranscript { line: line + 1, why };
+        match lines.next() {
+            Some((_, HEAD)) => {}
+            found => {
+                let found = found.map_or("nothing", |(_, line)| line);
+                return Err(failed(0, format!("expected \"{HEAD}\", found \"{found}\"")));
+            }
+        }
+        let mut transcript = Self::default();
+        for (at, line) in lines {
+            let (key, rest) = line.split_once(' ').unwrap_or((line, ""));
+            let read = transcript.read(key, rest);
+            read.ok_or_else(|| failed(at, format!("expected a line of a transcript, found \"{line}\"")))?;
+        }
+        Ok(transcript)
+    }
+}
+
+impl Transcript {
+    fn read(&mut self, key: &str, rest: &str) -> Option<()> {
+        match key {
+            "live" => self.is_live = rest == "yes",
+            "bit-rate" => self.bit_rate = Some(rest.parse().ok()?),
+            "begin" => self.begin = Timestamp(rest.parse().ok()?),
+            "frames" => {
+                let waits: Result<Vec<u64>, _> = rest.split(' ').map(str::parse).collect();
+                self.waits.extend(waits.ok()?);
+            }
+            "time" => {
+                let (after, time) = rest.split_once(' ')?;
+                self.clock.push((after.parse().ok()?, Timestamp(time.parse().ok()?)));
+            }
+            "health" => self.health.push(health(rest)?),
+            "rate" => self.bit_rates.push(rest == "set"),
+            "trouble" => self.trouble = Some(rest.to_owned()),
+            _ => return None,
+        }
+        Some(())
+    }
+}
+
+fn health(text: &str) -> Option<(u64, Health)> {
+    let mut parts = text.splitn(4, '/');
+    let mut numbers = parts.next()?.split_whitespace().map(|number| number.parse().ok());
+    let mut number = || numbers.next().flatten();
+    let after = number()?;
+    let (lost, interruptions, error_frames, waits) = (number()?, number()?, number()?, number()?);
+    let (receive, transmit) = (latencies(parts.next()?)?, latencies(parts.next()?)?);
+    let trouble = Some(parts.next()?.trim().to_owned()).filter(|trouble| !trouble.is_empty());
+    Some((after, Health { lost, interruptions, trouble, error_frames, waits, receive, transmit }))
+}
+
+fn latencies(text: &str) -> Option<Latencies> {
+    let mut latencies = Latencies::default();
+    for count in text.split_whitespace() {
+        let (bucket, count) = count.split_once(':')?;
+        latencies.set(bucket.parse().ok()?, count.parse().ok()?)?;
+    }
+    Some(latencies)
+}

@@ -1,0 +1,93 @@
+//! What a device is made of: its services, and the order in which they are called.
+
+use super::Device;
+use super::context::Context;
+use super::emcy::EmcyService;
+use super::guarding::NodeGuarding;
+use super::heartbeat::HeartbeatProducer;
+use super::heartbeat_consumer::HeartbeatConsumer;
+use super::lmt_slave::LmtSlave;
+use super::lss_slave::LssSlave;
+use super::nmt::NmtSlave;
+use super::own_traffic::OwnTraffic;
+use super::routes::Routes;
+use super::rpdo::Rpdos;
+use super::sdo_channels::SdoChannels;
+use super::service::{Event, Service};
+use super::shaft::Shaft;
+use super::storing::Storing;
+use super::sync::SyncObject;
+use super::time::TimeService;
+use super::tpdo::Tpdos;
+use canvass_traces::Timestamp;
+
+/// Defines the services of a device, and the loops over them. All calls go to them in the order of the rows.
+macro_rules! services {
+    ($($name:ident: $type:ty,)*) => {
+        /// The services of a device.
+        #[derive(Clone, Debug)]
+        pub(super) struct Services {
+            $(pub $name: $type,)*
+        }
+
+        impl Services {
+            /// When the next service wants to be polled, but for SDO, of which [`SdoChannels::next`] tells.
+            pub fn timeout(&self, context: &Context) -> Timestamp {
+                let mut next = Timestamp::MAX;
+                $(next = next.min(self.$name.timeout(context));)*
+                next
+            }
+
+            /// Everything that may be sent goes into the outbox.
+            pub fn transmit(&mut self, now: Timestamp, context: &mut Context) {
+                $(self.$name.transmit(now, context);)*
+            }
+
+            /// The routes of all services: of two that want the same CAN-ID the later one gets it.
+            pub fn find_routes(&self, context: &Context, routes: &mut Routes) {
+                $(self.$name.find_routes(context, routes);)*
+            }
+        }
+
+        impl Device {
+            /// Tells all services what happened. What follows from it in one happens before the next is told.
+            pub(super) fn deliver(&mut self, now: Timestamp, event: Event) {
+                $(
+                    self.services.$name.on_event(now, event, &mut self.context);
+                    self.follow_up(now);
+                )*
+            }
+
+            /// Polls all services.
+            pub(super) fn poll_services(&mut self, now: Timestamp) {
+                $(
+                    self.services.$name.poll(now, &mut self.context);
+                    self.follow_up(now);
+                )*
+            }
+        }
+    };
+}
+
+// The order matters:
+// - what is stored or forgotten with a write comes before anybody acts on it;
+// - RPDOs act before TPDOs of the same SYNC take their values, errors are found before changed values are sent;
+// - EMCY goes out before SDO answers, so that a client that waits for its answer knows of the error;
+// - NMT and the default SDO channel win their CAN-IDs from everything that is configured onto them.
+services! {
+    storing: Storing,
+    heartbeat: HeartbeatProducer,
+    time: TimeService,
+    sync: SyncObject,
+    rpdos: Rpdos,
+    shaft: Shaft,
+    tpdos: Tpdos,
+    consumer: HeartbeatConsumer,
+    guarding: NodeGuarding,
+    emcy: EmcyService,
+    sdo: SdoChannels,
+    lmt: LmtSlave,
+    lss: LssSlave,
+    nmt: NmtSlave,
+    own_traffic: OwnTraffic,
+}

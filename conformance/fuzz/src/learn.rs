@@ -1,0 +1,173 @@
+//! What the device itself says before the first sequence: its values, its optional services, how fast it is, and what is
+//! on the bus beside it.
+
+use super::ground::{Ground, Readiness};
+use super::time_limit::TimeLimit;
+use super::{Knowledge, Start};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::lss::{self, Part};
+use canvass_analyzer::wire::sdo::{Payload, REQUEST_BASE, RESPONSE_BASE, Request, Response};
+use canvass_analyzer::{Multiplexer, NodeId};
+use canvass_bus::{Bus, BusError};
+use canvass_traces::{Direction, Duration, Frame};
+
+/// Whether the device answered an SDO request at all.
+pub(super) type Answers = bool;
+
+/// So long is listened to what comes by itself.
+const LISTEN: Duration = Duration::from_millis(600);
+
+/// The first answer may take that long: nobody knows yet how slow the device is.
+const FIRST_ANSWER: Duration = Duration::from_secs(5);
+
+/// Reads what the device holds after power-on: its identity, and every number of its dictionary. `lss`: and what it knows
+/// of LSS, for which all slaves of the bus are switched to configuration and back.
+///
+/// # Errors
+/// [`BusError`] if the bus fails.
+pub(super) fn learn(
+    ground: &mut dyn Ground,
+    knowledge: &mut Knowledge,
+    lss: bool,
+    time: &TimeLimit,
+) -> Result<Answers, BusError> {
+    if ground.begin(Start::Configured)? == Readiness::Dead {
+        return Ok(false);
+    }
+    let node = knowledge.node;
+    let first = knowledge.patience.answer.max(FIRST_ANSWER);
+    let Some((_, slowest)) = ask(ground.bus(), node, first, Multiplexer::new(0x1000, 0))? else {
+        return Ok(false);
+    };
+    let answer = knowledge.patience.answer.max(slowest.times(3));
+    let mut times = vec![slowest];
+    listen(ground.bus(), knowledge)?;
+    let addresses: Vec<Multiplexer> = knowledge
+        .entries()
+        .iter()
+        .filter(|known| known.readable && known.size.is_some_and(|size| size <= 4))
+        .map(|known| known.at)
+        .collect();
+    for at in addresses {
+        if time.is_over() {
+            return Ok(true);
+        }
+        let Some((response, took)) = ask(ground.bus(), node, answer, at)? else { continue };
+        times.push(took);
+        if let Some(raw) = value(response, at) {
+            knowledge.learn(at, raw);
+        }
+    }
+    if !ground.is_repeatable() {
+        knowledge.patience = knowledge.patience.measured(times, ground.restart_time());
+        ground.attune(knowledge.patience);
+    }
+    knowledge.address = address(ground.bus(), node, answer)?;
+    if lss && knowledge.services.lss == Some(true) && !knowledge.services.lmt {
+        learn_lss(ground, knowledge)?;
+    }
+    Ok(true)
+}
+
+/// 1018h:01 to 04, where all of them are there.
+fn address(bus: &mut dyn Bus, node: NodeId, answer: Duration) -> Result<Option<[u32; 4]>, BusError> {
+    let mut address = [0; 4];
+    for (sub, part) in (1..).zip(&mut address) {
+        match read(bus, node, answer, Multiplexer::new(0x1018, sub))? {
+            Some(raw) => *part = raw as u32,
+            None => return Ok(None),
+        }
+    }
+    Ok(Some(address))
+}
+
+/// What comes without being asked for, and is not of the device's predefined connections.
+fn listen(bus: &mut dyn Bus, knowledge: &mut Knowledge) -> Result<(), BusError> {
+    let own = u16::from(knowledge.node.raw());
+    let deadline = bus.now() + LISTEN;
+    while let Some(record) = bus.receive(deadline)? {
+        let id =
+            record.frame.id().as_standard().filter(|_| record.direction != Direction::Tx && !record.frame.is_error());
+        if let Some(id) = id.filter(|id| id & 0x7F != own || *id >= REQUEST_BASE && *id < 0x700) {
+            knowledge.bystanders.insert(id);
+        }
+    }
+    Ok(())
+}
+
+/// Inquiry services and Fastscan are optional: whether the slave has them, its first answers tell.
+fn learn_lss(ground: &mut dyn Ground, knowledge: &mut Knowledge) -> Result<(), BusError> {
+    let answer = knowledge.patience.answer;
+    let bus = ground.bus();
+    dialogue(bus, answer, lss::Request::SwitchGlobal { mode: 1 }, false)?;
+    knowledge.services.lss_inquiry = Some(dialogue(bus, answer, lss::Request::Inquire { part: Part::VendorId }, true)?);
+    dialogue(bus, answer, lss::Request::SwitchGlobal { mode: 0 }, false)?;
+    if ground.has_unconfigured() {
+        ground.begin(Start::Unconfigured)?;
+        let begin = lss::Request::Fastscan { id: 0, bit_check: 128, sub: 0, next: 0 };
+        knowledge.services.fastscan = Some(dialogue(ground.bus(), answer, begin, true)?);
+    }
+    Ok(())
+}
+
+/// Sends a request of LSS; whether it was answered.
+fn dialogue(bus: &mut dyn Bus, answer: Duration, request: lss::Request, is_answered: bool) -> Result<bool, BusError> {
+    bus.send(&request.to_frame(lss::MASTER_CAN_ID))?;
+    let deadline = bus.now() + if is_answered { answer } else { Duration::from_millis(5) };
+    while let Some(record) = bus.receive(deadline)? {
+        if is_answered && record.frame.cob_id() == Some(lss::SLAVE_CAN_ID) {
+            return Ok(true);
+        }
+    }
+    Ok(false)
+}
+
+/// Reads a number of up to four bytes; `None`: it can't be read.
+pub(super) fn read(
+    bus: &mut dyn Bus,
+    node: NodeId,
+    answer: Duration,
+    at: Multiplexer,
+) -> Result<Option<u64>, BusError> {
+    Ok(ask(bus, node, answer, at)?.and_then(|(response, _)| value(response, at)))
+}
+
+fn value(response: Response, at: Multiplexer) -> Option<u64> {
+    match response {
+        Response::InitiateUpload { multiplexer, payload: Payload::Expedited(value) } if multiplexer == at => {
+            Some(value.data().iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte)))
+        }
+        _ => None,
+    }
+}
+
+/// Asks for an object: the response, and how long it took.
+pub(super) fn ask(
+    bus: &mut dyn Bus,
+    node: NodeId,
+    answer: Duration,
+    at: Multiplexer,
+) -> Result<Option<(Response, Duration)>, BusError> {
+    request(bus, node, answer, Request::upload(at))
+}
+
+/// Sends a request: the response, and how long it took.
+pub(super) fn request(
+    bus: &mut dyn Bus,
+    node: NodeId,
+    answer: Duration,
+    request: Request,
+) -> Result<Option<(Response, Duration)>, BusError> {
+    let node = u16::from(node.raw());
+    let request: Frame = request.to_frame(REQUEST_BASE + node);
+    let begun = bus.now();
+    bus.send(&request)?;
+    let deadline = begun + answer;
+    while let Some(record) = bus.receive(deadline)? {
+        if record.frame.cob_id() == Some(RESPONSE_BASE + node) {
+            let took = bus.now().since(begun);
+            return Ok(Response::read(record.frame.data()).ok().map(|response| (response, took)));
+        }
+    }
+    Ok(None)
+}

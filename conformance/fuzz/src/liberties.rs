@@ -1,0 +1,109 @@
+//! What the standard leaves free must be spared by the fuzzer, too: every property on every liberty, alone and in random
+//! combinations.
+
+use super::campaign::{Found, FuzzError};
+use super::detection::fuzz;
+use super::generate::Target;
+use canvass_device::models::Model;
+use canvass_device::{Liberties, Liberty};
+use canvass_suite::selftest::{Dice, in_parallel};
+use canvass_suite::touch::Touch;
+use std::collections::BTreeSet;
+
+/// How much is tried.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Chance {
+    /// The seed of the combinations and of everything that the fuzzer leaves to chance.
+    pub seed: u64,
+    /// How many combinations of liberties are fuzzed, beside each liberty alone.
+    pub combinations: usize,
+    /// How many exchanges each firmware gets.
+    pub exchanges: u64,
+}
+
+impl Chance {
+    /// What `canvass selftest` tries.
+    pub const WHOLE: Self = Self { seed: 1, combinations: 200, exchanges: 60_000 };
+    /// Nothing.
+    pub const NONE: Self = Self { seed: 1, combinations: 0, exchanges: 0 };
+}
+
+/// What the fuzzer made of liberties.
+#[derive(Clone, Debug, Default)]
+pub struct Sparing {
+    /// One row for each liberty, in the order of their definition.
+    pub alone: Vec<Row>,
+    /// One row for each random combination.
+    pub combined: Vec<Row>,
+}
+
+/// What the fuzzer made of a firmware that takes liberties and has no fault.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// What it takes.
+    pub liberties: Liberties,
+    /// The model.
+    pub model: &'static str,
+    /// Frames after which the answer, or the silence, was judged.
+    pub exchanges: u64,
+    /// What was taken for a violation, though the standard leaves it free.
+    pub violations: Vec<Found>,
+}
+
+impl Sparing {
+    /// All rows.
+    pub fn rows(&self) -> impl Iterator<Item = &Row> {
+        self.alone.iter().chain(&self.combined)
+    }
+
+    /// Whether no liberty was taken for a violation.
+    pub fn is_good(&self) -> bool {
+        self.rows().all(|row| row.violations.is_empty())
+    }
+
+    /// How many rows have no violation.
+    pub fn spared(&self) -> usize {
+        self.rows().filter(|row| row.violations.is_empty()).count()
+    }
+
+    /// Exchanges with all firmwares.
+    pub fn exchanges(&self) -> u64 {
+        self.rows().map(|row| row.exchanges).sum()
+    }
+}
+
+/// Fuzzes a device for each liberty and for each combination, on as many threads as the computer has cores.
+///
+/// # Errors
+/// [`FuzzError`] if a device can't be reached.
+pub fn run(chance: Chance) -> Result<Sparing, FuzzError> {
+    let mut dice = Dice::new(chance.seed);
+    let alone: Vec<Liberties> = match chance.exchanges {
+        0 => Vec::new(),
+        _ => Liberty::ALL.iter().copied().map(Liberties::from).collect(),
+    };
+    let combined: Vec<Liberties> = (0..chance.combinations).map(|_| dice.liberties()).collect();
+    let rows = |sets: &[Liberties]| -> Result<Vec<Row>, FuzzError> {
+        let numbered: Vec<(u64, Liberties)> = (chance.seed..).zip(sets.iter().copied()).collect();
+        in_parallel(&numbered, |(seed, liberties)| row(*liberties, *seed, chance.exchanges))
+            .into_iter()
+            .filter_map(Result::transpose)
+            .collect()
+    };
+    Ok(Sparing { alone: rows(&alone)?, combined: rows(&combined)? })
+}
+
+/// `None` if the liberty's model does not exist.
+fn row(liberties: Liberties, seed: u64, exchanges: u64) -> Result<Option<Row>, FuzzError> {
+    let Some(model) = liberties.iter().next().and_then(|liberty| Model::by_id(liberty.model())) else {
+        return Ok(None);
+    };
+    let mut row = Row { liberties, model: model.id(), exchanges: 0, violations: Vec::new() };
+    // With nothing allowed, as on anybody's device, and with everything.
+    for allow in [BTreeSet::new(), Touch::ALL.into_iter().collect()] {
+        let outcome = fuzz(model, liberties, Target::All, &allow, seed, &mut |done| done < exchanges / 2)?;
+        row.exchanges += outcome.executions;
+        row.violations.extend(outcome.violations);
+    }
+    Ok(Some(row))
+}

@@ -1,0 +1,187 @@
+//! Devices that go on from sequence to sequence and have traits of their own: slow ones, such as keep their memory over a
+//! reset, and such as a reset kills. Their time is that of a simulated bus.
+
+use canvass_analyzer::NodeId;
+use canvass_bus::{Machine, SimulatedBus};
+use canvass_device::models::Model;
+use canvass_device::{Device, Fault, Faults, Firmware, Liberties, Liberty};
+use canvass_fuzzer::campaign::{Found, Outcome, Plan, campaign, replay};
+use canvass_fuzzer::{Knowledge, Live, Property, Target, reproducer};
+use canvass_traces::{Frame, Timestamp};
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
+
+const NODE: NodeId = NodeId::MIN;
+
+fn model() -> &'static Model {
+    Model::by_id("reference-301").unwrap()
+}
+
+fn fuzz(device: Box<dyn Machine>, described: &Model, target: Target, sequences: u64) -> Outcome {
+    let mut bus = SimulatedBus::new(250_000);
+    bus.attach(device);
+    let knowledge = Knowledge::new(NODE, Some(described.description()), Some(described.sheet()));
+    let plan = Plan {
+        target,
+        seed: 4,
+        allow: BTreeSet::new(),
+        shrink_budget: 60,
+        time: canvass_fuzzer::time_limit::TimeLimit::default(),
+        stop_at_first: false,
+        regressions: Vec::new(),
+        only_regressions: false,
+    };
+    campaign(&mut bus, knowledge, &plan, &mut |progress| progress.sequences < sequences).unwrap()
+}
+
+fn with(firmware: impl Into<Firmware>, target: Target, sequences: u64) -> Outcome {
+    let firmware = firmware.into();
+    let described = model().taking(firmware.liberties);
+    fuzz(Box::new(Device::new(model(), Some(NODE), firmware, 0)), &described, target, sequences)
+}
+
+fn told(outcome: &Outcome) -> Vec<String> {
+    outcome.violations.iter().map(|found| format!("{:?}", found.violation)).collect()
+}
+
+#[test]
+fn slow_devices_and_such_with_habits_of_their_own_violate_nothing() {
+    for liberty in [
+        Liberty::AnswersIn900Ms,
+        Liberty::AnswersVary,
+        Liberty::RestartIn5S,
+        Liberty::VariablesKept,
+        Liberty::PdosInvalid,
+        Liberty::PdoParametersLocked,
+        Liberty::CobIdRewriteRefused,
+        Liberty::ToggleIgnored,
+        Liberty::LostHeartbeatUnreported,
+        Liberty::OwnTraffic,
+        Liberty::OwnSdoClient,
+        Liberty::NoLssInquiry,
+    ] {
+        let outcome = with(Liberties::from(liberty), Target::All, 150);
+        assert!(outcome.violations.is_empty(), "{liberty}: {:#?}", told(&outcome));
+        assert!(outcome.executions > 500 && outcome.unjudged == 0 && !outcome.dead, "{liberty}");
+    }
+}
+
+/// Most sequences begin where the one before has ended, and what is reached is as much as with a new device each time.
+#[test]
+fn few_resets_are_needed() {
+    struct Counted(Device, Arc<AtomicU64>);
+    impl Machine for Counted {
+        fn handle(&mut self, now: Timestamp, frame: &Frame) {
+            if frame.cob_id() == Some(0) && frame.data() == [0x81, NODE.raw()] {
+                self.1.fetch_add(1, Ordering::Relaxed);
+            }
+            self.0.handle(now, frame);
+        }
+        fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+            self.0.poll_transmit(now)
+        }
+        fn poll_timeout(&self) -> Option<Timestamp> {
+            self.0.poll_timeout()
+        }
+        fn handle_timeout(&mut self, now: Timestamp) {
+            self.0.handle_timeout(now);
+        }
+    }
+    let resets = Arc::new(AtomicU64::new(0));
+    let device = Counted(Device::new(model(), Some(NODE), Faults::NONE, 0), Arc::clone(&resets));
+    let outcome = fuzz(Box::new(device), model(), Target::Sdo, 1_500);
+    assert!(outcome.violations.is_empty(), "{:#?}", told(&outcome));
+    // Sequences of this target have resets of their own too, about one in ten.
+    let resets = resets.load(Ordering::Relaxed);
+    assert!(resets * 3 < outcome.sequences, "{resets} resets for {} sequences", outcome.sequences);
+    let (reached, all) = outcome.coverage.sdo_share(true);
+    assert!(reached * 100 >= all * 95, "{reached} of {all}");
+}
+
+/// Resets that bring nothing back are told; what comes after them is judged by the values that are there.
+#[test]
+fn memory_that_is_kept_over_resets_is_written_back() {
+    let faults = Faults::from(Fault::NmtResetNodeKeepsParameters).with(Fault::NmtResetCommunicationKeepsParameters);
+    let outcome = with(faults, Target::Sdo, 600);
+    let restored = |found: &&Found| found.violation.property == Property::Restored;
+    assert!(outcome.violations.iter().any(|found| restored(&found)), "{:#?}", told(&outcome));
+    assert!(outcome.violations.iter().all(|found| found.state.is_empty()), "all of it could be written back");
+    for found in outcome.violations.iter().filter(|found| found.confirmed) {
+        // It says that it comes back from power-on.
+        let mut bus = SimulatedBus::new(250_000);
+        bus.attach(Box::new(Device::new(model(), Some(NODE), faults, 0)));
+        let knowledge = Knowledge::new(NODE, Some(model().description()), Some(model().sheet()));
+        let again = replay(&mut Live::new(&mut bus, &knowledge), knowledge.clone(), &found.sequence).unwrap().0;
+        let again = again.unwrap_or_else(|| {
+            panic!("not from power-on: {:?}\n{}", found.violation, reproducer::candump(&found.sequence))
+        });
+        assert_eq!((again.property, again.rule), (found.violation.property, found.violation.rule), "{found:?}");
+    }
+}
+
+/// What a reset does to the device: it needs another one, or nothing brings it back.
+struct Mortal {
+    device: Device,
+    /// Frames of SDO until it is dead.
+    left: u32,
+    dead: bool,
+    /// So many resets bring it back.
+    needs: u32,
+}
+
+impl Machine for Mortal {
+    fn handle(&mut self, now: Timestamp, frame: &Frame) {
+        let is_reset = frame.cob_id() == Some(0) && frame.data() == [0x81, NODE.raw()];
+        match (self.dead, is_reset) {
+            (true, true) => {
+                self.needs = self.needs.saturating_sub(1);
+                self.dead = self.needs > 0;
+            }
+            (false, true) if self.left == 0 => self.dead = true,
+            (false, false) if frame.cob_id() == Some(0x601) => self.left = self.left.saturating_sub(1),
+            _ => {}
+        }
+        if !self.dead {
+            self.device.handle(now, frame);
+        }
+    }
+
+    fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+        if self.dead { None } else { self.device.poll_transmit(now) }
+    }
+
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        if self.dead { None } else { self.device.poll_timeout() }
+    }
+
+    fn handle_timeout(&mut self, now: Timestamp) {
+        if !self.dead {
+            self.device.handle_timeout(now);
+        }
+    }
+}
+
+fn mortal(needs: u32) -> Outcome {
+    let device = Device::new(model(), Some(NODE), Faults::NONE, 0);
+    // It is read at length before the first sequence.
+    fuzz(Box::new(Mortal { device, left: 600, dead: false, needs }), model(), Target::Sdo, 300)
+}
+
+#[test]
+fn a_device_that_a_reset_kills_is_a_violation_with_its_last_frames() {
+    let outcome = mortal(u32::MAX);
+    assert!(outcome.dead && outcome.sequences < 300, "the run ends");
+    let last = outcome.violations.last().unwrap();
+    assert_eq!(last.violation.property, Property::Alive, "{:#?}", told(&outcome));
+    assert!(!last.evidence.is_empty() && !last.sequence.stimuli.is_empty());
+}
+
+#[test]
+fn a_device_that_needs_another_reset_is_a_violation_too_and_the_run_goes_on() {
+    let outcome = mortal(1);
+    assert!(!outcome.dead);
+    assert_eq!(outcome.sequences, 300);
+    let found = outcome.violations.iter().find(|found| found.violation.property == Property::Alive).unwrap();
+    assert!(!found.evidence.is_empty(), "{:#?}", told(&outcome));
+}

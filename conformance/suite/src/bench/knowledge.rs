@@ -1,0 +1,55 @@
+//! What was found out about the device, and need not be found out again.
+
+use super::Bench;
+use super::state::Heartbeats;
+use crate::verdict::Reason;
+use canvass_analyzer::Multiplexer;
+use canvass_traces::Duration;
+use std::collections::BTreeMap;
+
+/// Whether the device has what a case needs; if not, why not.
+pub type Met = Result<(), String>;
+
+/// What asking for a need led to. Kept for the run.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(crate) enum Found {
+    /// The device has it, or says why not.
+    Known(Met),
+    /// The device answered neither as one that has it nor as one that does not: that case reports the breach.
+    Broken { why: Reason, reported_in: &'static str },
+}
+
+/// What was found out about the device.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Knowledge {
+    needs: BTreeMap<&'static str, Found>,
+    pub(super) starts_by_itself: Option<bool>,
+    pub(super) heartbeats: Option<Heartbeats>,
+    /// Which objects let themselves be written with the value that they have.
+    pub(super) willing: BTreeMap<Multiplexer, bool>,
+    /// CAN FD frames that came.
+    pub(super) fd_frames: u64,
+    /// The longest that the device took to answer a request that it served at once.
+    pub(super) slowest_answer: Duration,
+    /// How many transfers came to their right end, or to an abort in the right form.
+    pub(super) served: u64,
+    /// Other nodes were looked for.
+    pub(super) others_known: bool,
+}
+
+impl Bench<'_> {
+    /// What is known of the need of that id.
+    pub(crate) fn known(&self, need: &'static str) -> Option<&Found> {
+        self.knowledge.needs.get(need)
+    }
+
+    /// How many SDO transfers came to their right end, or to an abort in the right form, since the start of the run.
+    pub(crate) fn served(&self) -> u64 {
+        self.knowledge.served
+    }
+
+    /// Keeps what was found out about the need of that id.
+    pub(crate) fn learned(&mut self, need: &'static str, found: Found) {
+        self.knowledge.needs.insert(need, found);
+    }
+}

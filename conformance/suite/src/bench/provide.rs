@@ -1,0 +1,118 @@
+//! A TPDO for cases that need one where the device is delivered with its PDOs off, or with nothing in them: TPDO 1 is mapped
+//! and switched on as CiA 301 7.5.2.38 says, and put back after the case.
+
+use super::objects::{TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
+use super::pdo::{Mapped, Pdo, RPDO, TPDO};
+use super::sdo::number;
+use super::{Bench, Met};
+use crate::verdict::Stop;
+use canvass_analyzer::wire::pdo;
+use canvass_analyzer::{CobId, Multiplexer};
+use canvass_bus::client::Outcome;
+
+/// The error register, which every device has; many can map it.
+const ERROR_REGISTER: Mapped = Mapped { at: Multiplexer::new(0x1001, 0), bits: 8 };
+
+/// As many objects are tried until the device takes one.
+const TRIED: usize = 4;
+
+impl Bench<'_> {
+    /// Sees that TPDO 1 is on and carries something; as delivered where it is so, else by setting it up for this case.
+    ///
+    /// # Errors
+    /// As [`Bench::has_all`].
+    pub(crate) fn provide_tpdo(&mut self) -> Result<Met, Stop> {
+        if let Err(why) = self.has_all(&[TPDO_COB_ID, TPDO_MAPPED])? {
+            return Ok(Err(why));
+        }
+        let cob_id = CobId(number(&self.upload(TPDO_COB_ID)?.value()?));
+        let mapped = number(&self.upload(TPDO_MAPPED)?.value()?);
+        match (cob_id.is_valid(), mapped > 0) {
+            (true, true) => Ok(Ok(())),
+            (false, true) => self.switch_on(cob_id, &format!("TPDO 1 is switched off ({TPDO_COB_ID} is {cob_id})")),
+            (_, false) => self.map_and_switch_on(cob_id),
+        }
+    }
+
+    fn map_and_switch_on(&mut self, cob_id: CobId) -> Result<Met, Stop> {
+        let state = format!("TPDO 1 carries nothing ({TPDO_MAPPED} is 0)");
+        if let Err(why) = self.can_write_all(&[TPDO_MAPPED, TPDO_FIRST_ENTRY])? {
+            return Ok(Err(format!("{state}, and {why}")));
+        }
+        let candidates = self.tpdo_candidates();
+        if candidates.is_empty() {
+            return Ok(Err(format!("{state}, and the description names no object for it")));
+        }
+        if cob_id.is_valid()
+            && let Err(why) = self.tried(TPDO_COB_ID, &(cob_id.0 | CobId::INVALID).to_le_bytes(), &state)?
+        {
+            return Ok(Err(why));
+        }
+        let mut refused = Ok(());
+        for mapped in candidates {
+            refused = self.tried(TPDO_FIRST_ENTRY, &mapped.entry().to_le_bytes(), &state)?;
+            if refused.is_ok() {
+                refused = self.tried(TPDO_MAPPED, &[1], &state)?;
+            }
+            if refused.is_ok() {
+                self.uses(mapped.at, "mapped into TPDO 1");
+                return self.switch_on(cob_id, &state);
+            }
+        }
+        Ok(refused)
+    }
+
+    fn switch_on(&mut self, cob_id: CobId, state: &str) -> Result<Met, Stop> {
+        if !self.can_write(TPDO_COB_ID)? {
+            return Ok(Err(format!("{state}, and {TPDO_COB_ID} can't be written")));
+        }
+        let CobId(on) = self.valid_cob_id(TPDO, cob_id);
+        let met = self.tried(TPDO_COB_ID, &on.to_le_bytes(), state)?;
+        if met.is_ok() {
+            self.uses(TPDO_COB_ID, "TPDO 1 is switched on for the case");
+        }
+        Ok(met)
+    }
+
+    /// Writes a value; whether the device takes it is the matter of `301/pdo/mapping/procedure`.
+    fn tried(&mut self, at: Multiplexer, value: &[u8], state: &str) -> Result<Met, Stop> {
+        let outcome = self.download(at, value)?.outcome;
+        Ok(match outcome {
+            Outcome::Downloaded => Ok(()),
+            other => Err(format!("{state}, and {at} can't be set: {other}")),
+        })
+    }
+
+    /// Objects that TPDO 1 may carry, best first: what SDOs can write, so that the PDO can be made to change.
+    fn tpdo_candidates(&self) -> Vec<Mapped> {
+        let (mut found, others): (Vec<_>, Vec<_>) =
+            self.tpdo_objects().into_iter().partition(|mapped| self.is_described_as_writable(mapped.at));
+        found.extend(others);
+        found.truncate(TRIED);
+        let described = self.target.description.as_ref();
+        let entry = described.and_then(|description| description.dictionary.entry(ERROR_REGISTER.at).ok());
+        if described.is_none() || entry.is_some_and(|entry| entry.pdo_mappable) {
+            found.push(ERROR_REGISTER);
+        }
+        found
+    }
+
+    /// What `301/pdo/mapping/procedure` writes where TPDO 1 maps nothing as delivered.
+    pub(crate) fn tpdo_candidate(&self) -> Option<Mapped> {
+        self.target.description.as_ref().and_then(|_| self.tpdo_candidates().first().copied())
+    }
+
+    /// The COB-ID with which a PDO is on: its own CAN-ID, or the predefined one where it has none.
+    pub(crate) fn valid_cob_id(&self, pdo: Pdo, CobId(own): CobId) -> CobId {
+        let bits = own & !CobId::INVALID;
+        if bits & 0x1FFF_FFFF != 0 {
+            return CobId(bits);
+        }
+        let predefined = match pdo {
+            TPDO => pdo::TPDO_BASES[0],
+            RPDO => pdo::RPDO_BASES[0],
+            _ => return CobId(bits),
+        };
+        CobId(bits | u32::from(predefined + u16::from(self.node().raw())))
+    }
+}

@@ -1,0 +1,66 @@
+//! What holds for one PDO holds for each that the description names.
+
+use crate::bench::Bench;
+use crate::bench::pdo::{Pdo, RPDO, TPDO};
+use crate::bench::sdo::number;
+use crate::case;
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, Stop};
+use canvass_analyzer::CobId;
+
+/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+const FREE: u32 = 0x6A0;
+/// How many PDOs of each direction there can be.
+const MOST: u16 = 512;
+
+/// The PDOs whose COB-ID the description calls writable, and that are valid.
+fn valid_pdos(bench: &mut Bench<'_>) -> Result<Vec<Pdo>, Stop> {
+    let mut found = Vec::new();
+    for pdo in (1..=MOST).flat_map(|number| [RPDO.numbered(number), TPDO.numbered(number)]) {
+        let is_there = bench.described(pdo.parameter(1)) == Some(true);
+        if is_there && bench.can_write(pdo.parameter(1))? && bench.pdo_cob_id(pdo)?.0 & CobId::INVALID == 0 {
+            found.push(pdo);
+        }
+    }
+    match found.is_empty() {
+        true => {
+            let reason = Reason::new("a PDO is valid and can be changed", "one in the description", "none");
+            Err(Stop::NotApplicable(reason))
+        }
+        false => Ok(found),
+    }
+}
+
+/// The CAN-ID of no valid PDO changes: each write is refused, and the COB-ID stays.
+#[case(id = "301/pdo/cob-id/every-valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
+       needs = [Description], catches = [CobIdChangeWhileValid, PdoRulesFirstOnly])]
+fn every_cob_id(bench: &mut Bench<'_>) -> Judged {
+    let pdos = valid_pdos(bench)?;
+    bench.each(pdos, |bench, pdo| {
+        let at = pdo.parameter(1);
+        let before = bench.read(at)?;
+        let attempt = bench.download(at, &(number(&before) & !0x7FF | FREE).to_le_bytes())?;
+        bench.check(attempt.refused(Situation::ValidCobIdChanged))?;
+        bench.expect_unchanged(at, &before)
+    })
+}
+
+/// The mapping of no valid PDO changes.
+///
+/// CiA 301 prescribes the order in which a PDO is mapped anew, and leaves it to the device what it refuses out of order.
+#[case(id = "301/pdo/mapping/every-valid", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Should,
+       needs = [Description], catches = [MappingChangeWhileValid, PdoRulesFirstOnly])]
+fn every_mapping(bench: &mut Bench<'_>) -> Judged {
+    let pdos = valid_pdos(bench)?;
+    bench.each(pdos, |bench, pdo| {
+        let at = pdo.entry(0);
+        if !bench.can_write(at)? {
+            return Ok(());
+        }
+        let before = bench.read(at)?;
+        let other = if number(&before) == 0 { 1 } else { 0 };
+        let attempt = bench.download(at, &[other])?;
+        bench.check(attempt.refused(Situation::MappingInUseChanged))?;
+        bench.expect_unchanged(at, &before)
+    })
+}

@@ -1,0 +1,106 @@
+//! Each communication parameter takes the value that it has (CiA 301, 7.4.5): a device that refuses it has a parameter that
+//! is written in its description only, and most cases about the service find nothing to try.
+
+use crate::bench::Bench;
+use crate::bench::sdo::{Attempt, number};
+use crate::case;
+use crate::situation::Situation;
+use crate::verdict::{Judged, Reason, Stop};
+use canvass_analyzer::dictionary::Entry;
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{CobId, Multiplexer};
+use std::collections::BTreeSet;
+
+/// Bit 30 of 1005h and 1012h: the device produces; bit 31 of 1012h: it consumes.
+const PRODUCES: u32 = 1 << 30;
+const CONSUMES: u32 = 1 << 31;
+
+/// What holds a configuration, and does nothing else when it is written.
+fn is_parameter(at: Multiplexer, entry: &Entry) -> bool {
+    let is_known = matches!(at.index.0, 0x1005..=0x1007 | 0x100C | 0x100D | 0x1012 | 0x1014..=0x1017 | 0x1019 | 0x1029)
+        || matches!((at.index.0, at.sub.0), (0x1400..=0x15FF | 0x1800..=0x19FF, 1..) | (0x1600..=0x17FF | 0x1A00..=0x1BFF, _));
+    is_known
+        && entry.access.is_writable()
+        && entry.access.is_readable()
+        && !entry.flags.refuses_write_on_download()
+        && entry.data_type.bytes().is_some_and(|bytes| bytes <= 4)
+}
+
+/// The COB-ID of the PDO that an object belongs to.
+fn cob_id_of_pdo(at: Multiplexer) -> Option<Multiplexer> {
+    match at.index.0 {
+        0x1400..=0x15FF | 0x1800..=0x19FF => Some(Multiplexer::new(at.index.0, 1)),
+        0x1600..=0x17FF | 0x1A00..=0x1BFF => Some(Multiplexer::new(at.index.0 - 0x200, 1)),
+        _ => None,
+    }
+}
+
+/// Whether the object may refuse each write for the time being, by its value or that of what it belongs to.
+fn is_in_use(bench: &mut Bench<'_>, at: Multiplexer, value: u32) -> Result<bool, Stop> {
+    if let Some(cob_id) = cob_id_of_pdo(at) {
+        let is_entry = matches!(at.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF) && at.sub.0 > 0;
+        return Ok(is_entry || bench.read_number(cob_id)? & CobId::INVALID == 0);
+    }
+    Ok(match at.index.0 {
+        0x1005 => value & PRODUCES != 0,
+        0x1012 => value & (PRODUCES | CONSUMES) != 0,
+        0x1014 => value & CobId::INVALID == 0,
+        // Not while SYNC is produced with a period.
+        0x1019 => bench.read_number(Multiplexer::new(0x1006, 0))? != 0,
+        _ => false,
+    })
+}
+
+/// Whether a device that knows why refuses for a reason that is not the value: it can't store it now.
+fn is_of_the_moment(attempt: &Attempt) -> bool {
+    const MOMENT: [AbortCode; 4] =
+        [AbortCode::GENERAL, AbortCode(0x0800_0020), AbortCode::LOCAL_CONTROL, AbortCode::DEVICE_STATE];
+    attempt.abort().is_some_and(|code| MOMENT.contains(&code))
+}
+
+/// Writes the value that an object has; a refusal is wrong unless the object is in use.
+fn rewrite(bench: &mut Bench<'_>, at: Multiplexer) -> Judged {
+    let value = bench.read(at)?;
+    let attempt = bench.download(at, &value)?;
+    if is_of_the_moment(&attempt) || attempt.abort().is_some() && is_in_use(bench, at, number(&value))? {
+        return Ok(());
+    }
+    bench.check(attempt.under("with the value that it has").refused(Situation::Confirmed))
+}
+
+/// Every communication parameter that the description calls writable takes the value that it has, and a PDO can be switched
+/// off and on again. While a COB-ID is in use it may refuse that, and what belongs to it too.
+#[case(id = "301/sdo/download/own-value", clause = "CiA 301 7.4.5", confidence = Cited, level = Must,
+       needs = [Description], catches = [SyncIdRefused, PdoOffRefused, ConsumerTimeRefused, SynchronousRpdoRefused])]
+fn own_value(bench: &mut Bench<'_>) -> Judged {
+    let Some(description) = &bench.target().description else {
+        return Err(nothing("a description of the device", "none"));
+    };
+    let entries = description.dictionary.entries().filter(|(at, entry)| is_parameter(*at, entry));
+    let objects: Vec<Multiplexer> = entries.map(|(at, _)| at).collect();
+    if objects.is_empty() {
+        return Err(nothing("a writable communication parameter", "none is described"));
+    }
+    bench.each(objects.clone(), rewrite)?;
+    let switches: BTreeSet<Multiplexer> =
+        objects.iter().copied().filter(|at| at.index.0 == 0x1014 || cob_id_of_pdo(*at) == Some(*at)).collect();
+    bench.each(switches, |bench, cob_id| {
+        let own = bench.read_number(cob_id)?;
+        if own & CobId::INVALID != 0 {
+            return Ok(());
+        }
+        let attempt = bench.download(cob_id, &(own | CobId::INVALID).to_le_bytes())?;
+        if is_of_the_moment(&attempt) {
+            return Ok(());
+        }
+        attempt.under("to switch it off").refused(Situation::Confirmed)?;
+        let of_this = |at: &&Multiplexer| **at != cob_id && cob_id_of_pdo(**at) == Some(cob_id);
+        bench.each(objects.iter().filter(of_this), |bench, at| rewrite(bench, *at))?;
+        let attempt = bench.download(cob_id, &own.to_le_bytes())?;
+        bench.check(attempt.under("to switch it on again").refused(Situation::Confirmed))
+    })
+}
+
+fn nothing(expected: &str, actual: &str) -> Stop {
+    Stop::NotApplicable(Reason::new("the description names parameters to try", expected, actual))
+}

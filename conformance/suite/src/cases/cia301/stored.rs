@@ -1,0 +1,97 @@
+//! What is stored acts after a reset, and does not only read back.
+
+use super::heartbeat_consumer::entry;
+use crate::bench::Bench;
+use crate::bench::state::HEARTBEAT_TIME;
+use crate::case;
+use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
+use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::{Multiplexer, Service};
+use canvass_bus::client::Outcome;
+use canvass_bus::observation::Observation;
+use canvass_traces::{Duration, Record};
+
+const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
+const PERIOD_MS: u16 = 100;
+const PERIOD: Duration = Duration::from_millis(100);
+const CONSUMER_MS: u16 = 300;
+
+/// What the device did after the reset.
+struct Seen {
+    /// Heartbeats within ten periods; `None`: the stored time was not there.
+    heartbeats: Option<usize>,
+    /// The state after a watched node fell silent; `None`: the stored entry was not there, or the state did not show.
+    after_loss: Option<Option<State>>,
+}
+
+/// A stored heartbeat time and a stored entry of the heartbeat consumer that are there after a reset act, without being
+/// written again. The old values are stored again afterwards.
+#[case(id = "301/store/acts", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
+       needs = [Store, Heartbeat], touches = [Nvm], catches = [StoredConfigurationIdle, HeartbeatConsumerForgetsStored])]
+fn acts(bench: &mut Bench<'_>) -> Judged {
+    bench.expect_emergencies();
+    let watched = match bench.vacant_neighbour() {
+        Some(node) if bench.can_write(WATCHED)? => Some((node, bench.read(WATCHED)?)),
+        _ => None,
+    };
+    let own = bench.read(HEARTBEAT_TIME)?;
+    bench.write(HEARTBEAT_TIME, &PERIOD_MS.to_le_bytes())?;
+    if let Some((node, _)) = watched {
+        bench.write(WATCHED, &entry(node, CONSUMER_MS))?;
+    }
+    bench.write(STORE, b"save")?;
+    bench.note("1010h was written twice: the device's non-volatile memory has done two more cycles");
+    let seen = after_reset(bench, watched.as_ref().map(|(node, _)| *node));
+    // Whatever came of it, the device gets its old values back.
+    bench.download(HEARTBEAT_TIME, &own)?;
+    if let Some((_, before)) = &watched {
+        bench.download(WATCHED, before)?;
+    }
+    bench.write(STORE, b"save")?;
+    judge(bench, &seen?)
+}
+
+fn after_reset(bench: &mut Bench<'_>, node: Option<u8>) -> Result<Seen, Stop> {
+    bench.reset(Command::RESET_NODE)?;
+    let is_stored = bench.upload(HEARTBEAT_TIME)?.outcome == Outcome::Uploaded(PERIOD_MS.to_le_bytes().to_vec());
+    let heard = bench.listen(PERIOD.times(10))?;
+    let heartbeats = is_stored.then(|| states(bench, &heard).len());
+    let mut seen = Seen { heartbeats, after_loss: None };
+    let Some(node) = node.filter(|_| heartbeats.is_some_and(|count| count > 0)) else { return Ok(seen) };
+    if bench.upload(WATCHED)?.outcome != Outcome::Uploaded(entry(node, CONSUMER_MS).to_vec()) {
+        return Ok(seen);
+    }
+    let leaves = super::error_behaviour::after_a_loss(bench)?;
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction)?;
+    let beat = ErrorControl::heartbeat(State::OPERATIONAL).to_frame(error_control::CAN_ID_BASE + u16::from(node));
+    bench.send(&beat)?;
+    let heard = bench.listen(Duration::from_millis(u64::from(CONSUMER_MS) * 3))?;
+    let left = states(bench, &heard).into_iter().find(|state| *state != State::OPERATIONAL);
+    seen.after_loss = leaves.map(|_| left);
+    Ok(seen)
+}
+
+fn states(bench: &Bench<'_>, heard: &[Record]) -> Vec<State> {
+    let own = heard.iter().filter(|record| bench.is_error_control(&record.frame));
+    own.filter_map(|record| Some(ErrorControl::read(record.data()).ok()?.state)).collect()
+}
+
+fn judge(bench: &mut Bench<'_>, seen: &Seen) -> Judged {
+    let Some(count) = seen.heartbeats else {
+        let reason = Reason::new("1017h is stored by 1010h:01", "its value after reset node", "another one");
+        return Err(Stop::NotApplicable(reason));
+    };
+    bench.check(demand(count > 4, || {
+        Breach::new(Service::Heartbeat, "a stored heartbeat time acts after a reset, in ten periods")
+            .expected(Allowed::Count { least: 5, most: None })
+            .found(Observation::Count(count as u64))
+    }))?;
+    bench.check(demand(seen.after_loss != Some(None), || {
+        let breach = Breach::new(WATCHED, "a stored entry of 1016h watches its node after a reset");
+        breach.expected("the device leaves operational").found(Observation::State(State::OPERATIONAL))
+    }))
+}

@@ -1,0 +1,257 @@
+//! What a run is about to change, and what it was before: written down and on the disk before the change, so that a device
+//! can be put back even after the tester was killed or its machine lost power.
+//!
+//! ```text
+//! canvass journal 1
+//! bus can0
+//! node 10
+//! device motor.eds
+//! operational yes
+//! value 1017:00 E803      the dictionary before the first case
+//! begun
+//! value 2041:00 41010000  an object that the dictionary does not hold, before a case wrote it
+//! case 301/store/all      a case began that may store values or change the node-ID or bit rate
+//! stores                  before the device was told to write its non-volatile memory
+//! settled                 the case has put all of that back
+//! ```
+//!
+//! A last line without its end is one whose change was not made yet.
+
+use canvass_analyzer::{Multiplexer, NodeId};
+use std::collections::BTreeSet;
+use std::fmt::Write as _;
+use std::fs::{self, File};
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+const FIRST_LINE: &str = "canvass journal 1";
+
+/// The journal of a run that goes on.
+#[derive(Debug)]
+pub(crate) struct Journal {
+    path: PathBuf,
+    file: File,
+    /// Whose value before stands in it.
+    known: BTreeSet<Multiplexer>,
+    /// A case that may leave more behind than values has begun, and whether it was told to store.
+    open: bool,
+    stores: bool,
+}
+
+/// What the run is about.
+pub(crate) struct Head<'a> {
+    pub bus: &'a str,
+    pub node: NodeId,
+    pub device: &'a str,
+    pub operational: bool,
+    pub dictionary: &'a [(Multiplexer, Vec<u8>)],
+}
+
+impl Journal {
+    /// Begins a journal, before anything is changed.
+    pub fn create(path: &Path, head: &Head<'_>) -> io::Result<Self> {
+        let one_line = |text: &str| text.replace(['\n', '\r'], " ");
+        let (bus, device) = (one_line(head.bus), one_line(head.device));
+        let mut text = format!("{FIRST_LINE}\nbus {bus}\nnode {}\ndevice {device}\n", head.node);
+        // Writing to a string can't fail.
+        let _ = writeln!(text, "operational {}", if head.operational { "yes" } else { "no" });
+        head.dictionary.iter().for_each(|(multiplexer, value)| value_line(&mut text, *multiplexer, value));
+        text.push_str("begun\n");
+        let mut file = File::options().write(true).create_new(true).open(path)?;
+        file.write_all(text.as_bytes())?;
+        file.sync_all()?;
+        let known = head.dictionary.iter().map(|(multiplexer, _)| *multiplexer).collect();
+        Ok(Self { path: path.to_owned(), file, known, open: false, stores: false })
+    }
+
+    /// An object that is about to be written, with its value before.
+    pub fn value(&mut self, multiplexer: Multiplexer, value: &[u8]) -> io::Result<()> {
+        if !self.known.insert(multiplexer) {
+            return Ok(());
+        }
+        let mut line = String::new();
+        value_line(&mut line, multiplexer, value);
+        self.append(&line)
+    }
+
+    /// A case that may store values or change the node-ID or bit rate begins.
+    pub fn begin(&mut self, case: &str) -> io::Result<()> {
+        self.open = true;
+        self.append(&format!("case {case}\n"))
+    }
+
+    /// The device is about to be told to write its non-volatile memory.
+    pub fn store(&mut self) -> io::Result<()> {
+        if std::mem::replace(&mut self.stores, true) { Ok(()) } else { self.append("stores\n") }
+    }
+
+    /// The case has ended and put back what it changed.
+    pub fn settle(&mut self) -> io::Result<()> {
+        self.stores = false;
+        if std::mem::take(&mut self.open) { self.append("settled\n") } else { Ok(()) }
+    }
+
+    /// The device is as it was before.
+    pub fn remove(self) -> io::Result<()> {
+        fs::remove_file(&self.path)
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    fn append(&mut self, lines: &str) -> io::Result<()> {
+        self.file.write_all(lines.as_bytes())?;
+        self.file.sync_data()
+    }
+}
+
+fn value_line(text: &mut String, multiplexer: Multiplexer, value: &[u8]) {
+    let digits: String = value.iter().map(|byte| format!("{byte:02X}")).collect();
+    let _ = writeln!(text, "value {:04X}:{:02X} {digits}", multiplexer.index.0, multiplexer.sub.0);
+}
+
+/// A run that was interrupted, as its journal tells it.
+#[derive(Clone, Debug)]
+pub struct Interrupted {
+    /// The bus, as the user addressed it.
+    pub bus: String,
+    /// The node-ID of the device.
+    pub node: NodeId,
+    /// What the device was said to be: a model or a file; empty if nothing was.
+    pub device: String,
+    /// Whether it was operational.
+    pub operational: bool,
+    /// The values before the run.
+    pub values: Vec<(Multiplexer, Vec<u8>)>,
+    /// The values of objects that the dictionary does not hold.
+    pub(crate) more: Vec<(Multiplexer, Vec<u8>)>,
+    /// The id of the case that was under way, if it may have left more behind than values.
+    pub(crate) case: Option<String>,
+    /// Whether the device was told to write its non-volatile memory, and other values stand there.
+    pub(crate) stored: bool,
+    /// Whether a case has begun: before that nothing is changed.
+    pub begun: bool,
+}
+
+/// Why a file is no journal.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("line {line} of the journal: expected {expected}, found \"{found}\"")]
+pub struct BadJournal {
+    /// From 1.
+    pub line: usize,
+    /// What would be right.
+    pub expected: &'static str,
+    /// What is there.
+    pub found: String,
+}
+
+impl Interrupted {
+    /// Reads a journal.
+    ///
+    /// # Errors
+    /// [`BadJournal`] if it is none.
+    pub fn read(text: &str) -> Result<Self, BadJournal> {
+        let mut read = Self {
+            bus: String::new(),
+            node: NodeId::MAX,
+            device: String::new(),
+            operational: false,
+            values: Vec::new(),
+            more: Vec::new(),
+            case: None,
+            stored: false,
+            begun: false,
+        };
+        // What follows the last line end was not written to its end.
+        let whole = text.rsplit_once('\n').map_or("", |(whole, _)| whole);
+        let mut lines = whole.lines().enumerate();
+        let bad = |line: usize, expected, found: &str| BadJournal { line, expected, found: found.to_owned() };
+        match lines.next() {
+            Some((_, FIRST_LINE)) => {}
+            first => return Err(bad(1, "the first line of a journal", first.map_or("", |(_, line)| line))),
+        }
+        for (at, line) in lines {
+            read.take(line).map_err(|expected| bad(at + 1, expected, line))?;
+        }
+        Ok(read)
+    }
+
+    fn take(&mut self, line: &str) -> Result<(), &'static str> {
+        let (word, rest) = line.split_once(' ').unwrap_or((line, ""));
+        match word {
+            "bus" => rest.clone_into(&mut self.bus),
+            "node" => self.node = rest.parse().ok().and_then(NodeId::new).ok_or("a node-ID of 1 to 127")?,
+            "device" => rest.clone_into(&mut self.device),
+            "operational" => self.operational = rest == "yes",
+            "value" if self.begun => self.more.push(value(rest)?),
+            "value" => self.values.push(value(rest)?),
+            "begun" => self.begun = true,
+            "case" => self.case = Some(rest.to_owned()),
+            "stores" => self.stored = true,
+            "settled" => (self.case, self.stored) = (None, false),
+            _ => return Err("bus, node, device, operational, value, begun, case, stores or settled"),
+        }
+        Ok(())
+    }
+}
+
+/// `1017:00 E803`
+fn value(text: &str) -> Result<(Multiplexer, Vec<u8>), &'static str> {
+    let expected = "an object and its bytes, such as 1017:00 E803";
+    let (object, digits) = text.split_once(' ').ok_or(expected)?;
+    let (index, sub) = object.split_once(':').ok_or(expected)?;
+    let index = u16::from_str_radix(index, 16).map_err(|_| expected)?;
+    let sub = u8::from_str_radix(sub, 16).map_err(|_| expected)?;
+    let pairs = digits.as_bytes().chunks(2).map(|pair| {
+        let pair = std::str::from_utf8(pair).ok().filter(|pair| pair.len() == 2)?;
+        u8::from_str_radix(pair, 16).ok()
+    });
+    Ok((Multiplexer::new(index, sub), pairs.collect::<Option<_>>().ok_or(expected)?))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn head(dictionary: &[(Multiplexer, Vec<u8>)]) -> Head<'_> {
+        Head { bus: "can0", node: NodeId::new(10).unwrap(), device: "my device.eds", operational: true, dictionary }
+    }
+
+    #[test]
+    fn what_was_written_is_read_up_to_any_cut() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal");
+        let (heartbeat, other) = (Multiplexer::new(0x1017, 0), Multiplexer::new(0x2041, 3));
+        let dictionary = [(heartbeat, vec![0xE8, 3])];
+        let mut journal = Journal::create(&path, &head(&dictionary)).unwrap();
+        journal.value(heartbeat, &[9, 9]).unwrap();
+        journal.value(other, &[]).unwrap();
+        let case = "301/store/all";
+        journal.begin(case).unwrap();
+        journal.store().unwrap();
+        journal.store().unwrap();
+        let text = fs::read_to_string(&path).unwrap();
+        let read = Interrupted::read(&text).unwrap();
+        assert_eq!((&*read.bus, read.node.raw(), &*read.device, read.operational), ("can0", 10, "my device.eds", true));
+        assert_eq!((read.values, read.more), (dictionary.to_vec(), vec![(other, vec![])]));
+        assert_eq!((read.case.as_deref(), read.stored, read.begun), (Some(case), true, true));
+        journal.settle().unwrap();
+        let settled = Interrupted::read(&fs::read_to_string(&path).unwrap()).unwrap();
+        assert_eq!((settled.case.is_none(), settled.stored), (true, false));
+        for cut in FIRST_LINE.len() + 1..text.len() {
+            assert!(Interrupted::read(&text[..cut]).is_ok(), "cut at {cut}");
+        }
+        assert!(Journal::create(&path, &head(&[])).is_err(), "an earlier run's is kept");
+        journal.remove().unwrap();
+        assert!(!path.exists());
+    }
+
+    #[test]
+    fn other_files_are_none() {
+        for text in ["", "something\n", "canvass journal 1\nvalue 1017:00 E8031\n", "canvass journal 1\nnode 300\n"] {
+            assert!(Interrupted::read(text).is_err(), "{text}");
+        }
+    }
+}

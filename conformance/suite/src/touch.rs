@@ -1,0 +1,83 @@
+//! What a case does that the user has to allow first.
+
+use std::fmt;
+use std::str::FromStr;
+
+/// What a case does to a device or a bus that is not done without the user's leave.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
+pub enum Touch {
+    /// Writes non-volatile memory, which wears out.
+    Nvm,
+    /// Changes the node-ID.
+    NodeId,
+    /// Changes the bit rate.
+    BitRate,
+    /// Commands other nodes than the device under test.
+    OtherNodes,
+    /// Restores the factory defaults: what the user had configured is lost.
+    FactoryDefaults,
+}
+
+impl Touch {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Nvm, Self::NodeId, Self::BitRate, Self::OtherNodes, Self::FactoryDefaults];
+
+    /// The name for `--allow`.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Nvm => "nvm",
+            Self::NodeId => "node-id",
+            Self::BitRate => "bit-rate",
+            Self::OtherNodes => "other-nodes",
+            Self::FactoryDefaults => "factory-defaults",
+        }
+    }
+
+    /// Whether the device may be out of reach if the case goes wrong, or without what its user had configured.
+    pub const fn can_lose_the_device(self) -> bool {
+        matches!(self, Self::NodeId | Self::BitRate | Self::FactoryDefaults)
+    }
+
+    /// What the case would do.
+    pub const fn text(self) -> &'static str {
+        match self {
+            Self::Nvm => "writes non-volatile memory",
+            Self::NodeId => "changes the node-ID",
+            Self::BitRate => "changes the bit rate",
+            Self::OtherNodes => "commands other nodes",
+            Self::FactoryDefaults => "restores the factory defaults",
+        }
+    }
+}
+
+impl fmt::Display for Touch {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// There is nothing of that name to allow.
+#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
+#[error("nothing to allow is called \"{0}\": there are nvm, node-id, bit-rate, other-nodes and factory-defaults")]
+pub struct UnknownTouch(pub String);
+
+impl FromStr for Touch {
+    type Err = UnknownTouch;
+
+    fn from_str(name: &str) -> Result<Self, UnknownTouch> {
+        Self::ALL.into_iter().find(|touch| touch.name() == name).ok_or_else(|| UnknownTouch(name.to_owned()))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn names_to_allow_are_found() {
+        for touch in Touch::ALL {
+            assert_eq!(touch.name().parse(), Ok(touch));
+        }
+        assert!("everything".parse::<Touch>().is_err());
+    }
+}
