@@ -17,8 +17,10 @@
     shown.textContent = count === cases.length ? '' : count + ' of ' + cases.length;
   };
   tiles.forEach((t) => t.addEventListener('click', () => {
-    t.setAttribute('aria-pressed', t.getAttribute('aria-pressed') === 'true' ? 'false' : 'true');
+    const on = t.getAttribute('aria-pressed') !== 'true';
+    t.setAttribute('aria-pressed', on ? 'true' : 'false');
     update();
+    if (on) { document.getElementById('cases').scrollIntoView(); }
   }));
   filter.addEventListener('input', update);
   const reveal = () => {

@@ -3,7 +3,13 @@
 //! Only the members of the contract `canvass/test/1` that are compared are read. A document of another version is refused:
 //! its verdicts may mean something else.
 
+pub mod html;
+pub mod junit;
+pub mod markdown;
+
 use crate::escape::printable;
+use crate::provenance::{self, Provenance};
+use canvass_suite::runner::DeviceIdentity;
 use canvass_suite::verdict::Kind;
 use serde::Deserialize;
 use serde_json::{Value, json};
@@ -29,6 +35,8 @@ pub struct TestResult {
     device: BTreeMap<String, Value>,
     #[serde(default)]
     dictionary: Vec<Object>,
+    #[serde(default)]
+    provenance: Value,
     cases: Vec<Case>,
 }
 
@@ -47,6 +55,21 @@ struct Case {
     reason: Option<Reason>,
     #[serde(default)]
     measurements: Vec<Measurement>,
+    #[serde(default)]
+    flaky: bool,
+    #[serde(default)]
+    duration_ns: Option<u64>,
+}
+
+/// A case of a result, as far as a history needs it.
+#[derive(Clone, Debug)]
+pub(crate) struct Sample {
+    pub verdict: Kind,
+    pub is_flaky: bool,
+    /// In nanoseconds.
+    pub duration: Option<u64>,
+    /// What was measured, in nanoseconds.
+    pub times: Vec<(String, u64)>,
 }
 
 fn verdict<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Kind, D::Error> {
@@ -92,6 +115,17 @@ pub enum Direction {
 }
 
 impl Direction {
+    /// All, the worst first.
+    pub const ALL: [Self; 3] = [Self::Worse, Self::Better, Self::Other];
+
+    const fn title(self) -> &'static str {
+        match self {
+            Self::Worse => "Worse",
+            Self::Better => "Better",
+            Self::Other => "Other changes",
+        }
+    }
+
     const fn name(self) -> &'static str {
         match self {
             Self::Worse => "worse",
@@ -123,6 +157,15 @@ pub struct Change {
 pub struct Comparison {
     /// Regressions first, then improvements, then the rest.
     pub changes: Vec<Change>,
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+impl Change {
+    /// What it was and what it is, for people.
+    fn values(&self) -> (&str, &str) {
+        (self.old.as_deref().unwrap_or("-"), self.new.as_deref().unwrap_or("-"))
+    }
 }
 
 impl TestResult {
@@ -137,6 +180,50 @@ impl TestResult {
             false => Err(NotAResult::Schema(printable(&result.schema).into_owned())),
         }
     }
+
+    /// The cases that failed, or about which nothing is known.
+    pub fn failed(&self) -> impl Iterator<Item = &str> {
+        let failed = self.cases.iter().filter(|case| case.verdict.badness() >= Kind::Inconclusive.badness());
+        failed.map(|case| case.id.as_str())
+    }
+
+    /// The cases with their verdicts.
+    pub fn verdicts(&self) -> impl Iterator<Item = (&str, Kind)> {
+        self.cases.iter().map(|case| (case.id.as_str(), case.verdict))
+    }
+
+    /// A case, if it ran.
+    pub(crate) fn sample(&self, id: &str) -> Option<Sample> {
+        let case = self.cases.iter().find(|case| case.id == id)?;
+        let times = case.measurements.iter().filter(|measurement| measurement.unit == "ns");
+        Some(Sample {
+            verdict: case.verdict,
+            is_flaky: case.flaky,
+            duration: case.duration_ns,
+            times: times.map(|measurement| (measurement.name.clone(), measurement.value)).collect(),
+        })
+    }
+
+    /// What the user noted of the run by that name.
+    pub fn note(&self, name: &str) -> Option<&str> {
+        self.provenance.get("notes")?.get(name)?.as_str()
+    }
+
+    /// Whether the user ended the run before all cases had run.
+    pub const fn is_cancelled(&self) -> bool {
+        self.cancelled
+    }
+
+    /// What the device said of itself.
+    pub fn identity(&self) -> DeviceIdentity {
+        let number = |name: &str| self.device.get(name).and_then(Value::as_u64).and_then(|n| u32::try_from(n).ok());
+        let text = |name: &str| self.device.get(name).and_then(Value::as_str).map(str::to_owned);
+        DeviceIdentity {
+            device_type: number("device_type"),
+            identity: ["vendor_id", "product_code", "revision_number", "serial_number"].map(number),
+            names: ["name", "hardware_version", "software_version"].map(text),
+        }
+    }
 }
 
 /// What to make of cases that only the old result has.
@@ -149,7 +236,7 @@ pub enum Missing {
     Allowed,
 }
 
-/// Compares two results.
+/// Compares two results. Where they come from is for who has read them to say.
 pub fn compare(old: &TestResult, new: &TestResult, missing: Missing) -> Comparison {
     let mut changes = verdicts(old, new, missing);
     changes.extend(new.cancelled.then(cancelled));
@@ -157,7 +244,7 @@ pub fn compare(old: &TestResult, new: &TestResult, missing: Missing) -> Comparis
     changes.extend(identity(old, new));
     changes.extend(dictionary(old, new));
     changes.sort_by_key(|change| change.direction);
-    Comparison { changes }
+    Comparison { changes, provenance: Provenance::default() }
 }
 
 /// A run that did not come to its end says nothing of what it left out.
@@ -280,6 +367,19 @@ impl Comparison {
         self.changes.iter().any(|change| change.direction == Direction::Worse)
     }
 
+    fn of(&self, direction: Direction) -> impl Iterator<Item = &Change> {
+        self.changes.iter().filter(move |change| change.direction == direction)
+    }
+
+    /// One line about the outcome.
+    fn outcome(&self) -> String {
+        match (self.changes.len(), self.of(Direction::Worse).count()) {
+            (0, _) => "no difference".to_owned(),
+            (all, 0) => format!("{all} differences, nothing got worse"),
+            (all, worse) => format!("{all} differences, {worse} for the worse"),
+        }
+    }
+
     /// The differences as JSON, `"schema": "canvass/compare/1"`.
     pub fn json(&self) -> String {
         let row = |change: &Change| {
@@ -292,9 +392,10 @@ impl Comparison {
                 "reason": change.reason,
             })
         };
-        let count = |direction| self.changes.iter().filter(|change| change.direction == direction).count();
+        let count = |direction| self.of(direction).count();
         let document = json!({
             "schema": SCHEMA,
+            "provenance": provenance::json(&self.provenance),
             "summary": {
                 "worse": count(Direction::Worse),
                 "better": count(Direction::Better),
@@ -309,7 +410,7 @@ impl Comparison {
     pub fn text(&self) -> String {
         let mut text = String::new();
         for change in &self.changes {
-            let (old, new) = (change.old.as_deref().unwrap_or("-"), change.new.as_deref().unwrap_or("-"));
+            let (old, new) = change.values();
             let (subject, old, new) = (printable(&change.subject), printable(old), printable(new));
             // Writing to a string can't fail.
             let _ = writeln!(text, "{:6} {:10} {subject}: {old} -> {new}", change.direction.name(), change.kind);
@@ -317,12 +418,11 @@ impl Comparison {
                 let _ = writeln!(text, "                  {}", printable(reason));
             }
         }
-        let worse = self.changes.iter().filter(|change| change.direction == Direction::Worse).count();
-        let _ = match (self.changes.len(), worse) {
-            (0, _) => writeln!(text, "no difference"),
-            (all, 0) => writeln!(text, "{all} differences, nothing got worse"),
-            (all, worse) => writeln!(text, "{all} differences, {worse} for the worse"),
-        };
+        let _ = writeln!(text, "{}", self.outcome());
+        let _ = writeln!(text);
+        for line in provenance::short_text(&self.provenance) {
+            let _ = writeln!(text, "{line}");
+        }
         text
     }
 }
@@ -356,7 +456,7 @@ mod tests {
         assert!(worse.text().contains("pass -> fail") && worse.text().contains("1017h:00: 0000 -> E803"));
         let better = compare(&result("fail", "1.0", 100_000_000, "0000"), &old, Missing::Worse);
         assert!(!better.has_regressions() && better.changes[0].direction == Direction::Better);
-        assert_eq!(compare(&old, &old, Missing::Worse).text(), "no difference\n");
+        assert!(compare(&old, &old, Missing::Worse).text().starts_with("no difference\n"));
         assert!(
             compare(&old, &result("pass", "1.0", 100_500_000, "0000"), Missing::Worse).changes.is_empty(),
             "jitter"

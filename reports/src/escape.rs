@@ -3,28 +3,114 @@
 //!
 //! Markup is escaped by what writes it (maud, quick-junit, serde_json); what they leave alone are characters that act
 //! on terminals and spreadsheets, that reorder text, or that XML forbids.
+//!
+//! What a renderer forgets is caught where its text leaves the program: pages go through [`document`], JUnit, Markdown and
+//! tables through [`Visible`], and whatever the program says on standard error through [`printable`].
 
 use std::borrow::Cow;
 use std::fmt::Write as _;
+use std::io;
 
 /// The text on one line, with every character made visible that would act instead of being shown: control characters
 /// (C0, DEL, C1), line separators, bidirectional controls, invisible tags and what is no character at all.
 ///
 /// They become `\x1B` or `\u{202E}`.
 pub fn printable(text: &str) -> Cow<'_, str> {
-    if !text.contains(acts) {
+    visible(text, acts)
+}
+
+/// The same for a document: its lines stay.
+pub fn document(text: &str) -> Cow<'_, str> {
+    visible(text, |c| c != '\n' && acts(c))
+}
+
+fn visible(text: &str, is_shown: impl Fn(char) -> bool) -> Cow<'_, str> {
+    if !text.contains(&is_shown) {
         return Cow::Borrowed(text);
     }
     let mut shown = String::with_capacity(text.len() + 16);
     for c in text.chars() {
         match u32::from(c) {
-            _ if !acts(c) => shown.push(c),
+            _ if !is_shown(c) => shown.push(c),
             // Writing to a string can't fail.
             code @ 0..=0xFF => _ = write!(shown, "\\x{code:02X}"),
             code => _ = write!(shown, "\\u{{{code:X}}}"),
         }
     }
     Cow::Owned(shown)
+}
+
+/// A document on its way out, whoever writes it: characters that act are made visible. Lines stay, and where colours are
+/// wanted, so do the sequences that set them.
+#[derive(Debug)]
+pub struct Visible<W> {
+    out: W,
+    colors: bool,
+    /// The beginning of a character or of a sequence whose end is still to come.
+    pending: Vec<u8>,
+}
+
+/// The longest sequence that sets colours: `ESC [ 38;2;255;255;255;48;2;255;255;255 m`.
+const LONGEST_SEQUENCE: usize = 48;
+
+impl<W: io::Write> Visible<W> {
+    /// Writes to `out`; `colors`: with those that the renderer sets.
+    pub const fn new(out: W, colors: bool) -> Self {
+        Self { out, colors, pending: Vec::new() }
+    }
+
+    fn write_text(&mut self, text: &str) -> io::Result<()> {
+        let mut rest = text;
+        while let Some(at) = rest.find('\x1b').filter(|_| self.colors) {
+            let (before, sequence) = rest.split_at(at);
+            self.out.write_all(document(before).as_bytes())?;
+            let length = color_sequence(sequence).unwrap_or(0);
+            let (kept, behind) = sequence.split_at(length);
+            self.out.write_all(kept.as_bytes())?;
+            rest = behind;
+            if length == 0 {
+                self.out.write_all(b"\\x1B")?;
+                rest = behind.get(1..).unwrap_or_default();
+            }
+        }
+        self.out.write_all(document(rest).as_bytes())
+    }
+}
+
+/// The length of the sequence that a text begins with, if that sets colours and nothing else.
+fn color_sequence(text: &str) -> Option<usize> {
+    let parameters = text.strip_prefix("\x1b[")?;
+    let length = parameters.find(|c: char| !c.is_ascii_digit() && c != ';')?;
+    parameters.get(length..)?.starts_with('m').then_some(length + 3)
+}
+
+impl<W: io::Write> io::Write for Visible<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.pending.extend_from_slice(bytes);
+        let pending = std::mem::take(&mut self.pending);
+        // What is cut in the middle waits for the rest.
+        let mut end = match std::str::from_utf8(&pending) {
+            Ok(_) => pending.len(),
+            Err(error) if error.error_len().is_none() => error.valid_up_to(),
+            Err(_) => pending.len(),
+        };
+        let is_begun = |rest: &[u8]| rest.len() < LONGEST_SEQUENCE && !rest.iter().skip(2).any(u8::is_ascii_alphabetic);
+        if let Some(at) = pending.iter().rposition(|&byte| byte == 0x1B).filter(|_| self.colors)
+            && pending.get(at..end).is_some_and(is_begun)
+        {
+            end = at;
+        }
+        let (whole, cut) = pending.split_at(end);
+        self.pending = cut.to_vec();
+        self.write_text(&String::from_utf8_lossy(whole))?;
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        let pending = std::mem::take(&mut self.pending);
+        self.out.write_all(printable(&String::from_utf8_lossy(&pending)).as_bytes())?;
+        self.out.flush()
+    }
 }
 
 /// Whether a character does something other than appear.
@@ -135,7 +221,34 @@ mod tests {
         assert_eq!(markdown("a|b <script> [x](http://y) `c`"), "a\\|b &lt;script&gt; \\[x\\](http&#58;//y) \\`c\\`");
     }
 
+    /// What comes out if a text is written in two pieces.
+    fn through(text: &str, at: usize, colors: bool) -> String {
+        use std::io::Write;
+        let mut visible = Visible::new(Vec::new(), colors);
+        let (first, second) = text.as_bytes().split_at(at.min(text.len()));
+        visible.write_all(first).unwrap();
+        visible.write_all(second).unwrap();
+        visible.flush().unwrap();
+        String::from_utf8(visible.out).unwrap()
+    }
+
+    #[test]
+    fn only_colours_get_through() {
+        let text = "\x1b[1;31mbad\x1b[0m\n\x1b[2Jgone\x1b]0;title\x07\u{2028}\u{feff}\u{e0041}µ";
+        let shown = "\x1b[1;31mbad\x1b[0m\n\\x1B[2Jgone\\x1B]0;title\\x07\\u{2028}\\u{FEFF}\\u{E0041}µ";
+        for at in 0..=text.len() {
+            assert_eq!(through(text, at, true), shown, "cut at {at}");
+            assert_eq!(through(text, at, false), shown.replace('\x1b', "\\x1B"), "cut at {at}");
+        }
+    }
+
     proptest! {
+        #[test]
+        fn a_document_keeps_its_lines_only(text in any::<String>(), at in 0..100_usize) {
+            prop_assert_eq!(through(&text, at, false), document(&text));
+            prop_assert!(!document(&text).contains(|c| c != '\n' && acts(c)));
+        }
+
         #[test]
         fn nothing_that_acts_is_left(text in any::<String>()) {
             prop_assert!(!printable(&text).contains(acts));

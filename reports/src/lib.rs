@@ -1,5 +1,6 @@
 //! Every rendering of decoded traffic and test results.
 //!
+//! - [`answers`]: the table of allowed answers;
 //! - [`catalogue_page`]: all cases, as a page;
 //! - [`comparison`]: what changed between two results of a conformance run;
 //! - [`conformance`]: the reports of a conformance run;
@@ -8,10 +9,13 @@
 //! - [`events`]: what the frames brought about, one line or one JSON object each;
 //! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
 //! - [`fuzz`]: the reports of a run of the fuzzer;
+//! - [`history`]: which case was how in which release;
+//! - [`provenance`]: where a result comes from;
 //! - [`quality`]: what captures hold and lack;
 //! - [`selftest`]: which faults the cases detect;
 //! - [`signals`]: the values of PDOs as columns over time.
 
+pub mod answers;
 pub mod catalogue_page;
 pub mod comparison;
 pub mod conformance;
@@ -20,7 +24,9 @@ pub mod diagnosis;
 pub mod escape;
 pub mod events;
 pub mod fuzz;
+pub mod history;
 mod page;
+pub mod provenance;
 mod push;
 pub mod quality;
 pub mod selftest;

@@ -40,7 +40,7 @@ pub struct Page<'a> {
 pub fn render(page: &Page<'_>) -> Markup {
     let styles: Vec<&str> = std::iter::once(STYLE).chain(page.styles.iter().copied()).collect();
     let scripts: Vec<&str> = std::iter::once(SCRIPT).chain(page.scripts.iter().copied()).collect();
-    html! {
+    let document = html! {
         (DOCTYPE)
         html lang="en" {
             head {
@@ -66,7 +66,9 @@ pub fn render(page: &Page<'_>) -> Markup {
                 @for script in &scripts { script { (PreEscaped(script)) } }
             }
         }
-    }
+    };
+    // Nothing of ours holds such characters: what does came from outside, and somebody has forgotten it.
+    PreEscaped(escape::document(&document.into_string()).into_owned())
 }
 
 /// The switch between the system's colours, light and dark ones.
@@ -126,6 +128,7 @@ mod tests {
         assert!(policy(&["a"], &["b"]).contains("style-src 'sha256-ypeBEsobvcr6wjGzmiPcTaeG7/gUfE5yuYB3ha/uSLs='"));
         for asset in [STYLE, SCRIPT] {
             assert!(!asset.contains("</") && !asset.contains('\r'), "the browser would see something else");
+            assert_eq!(escape::document(asset), asset, "a hash would be of something else");
         }
     }
 }

@@ -4,6 +4,8 @@
 //! model without fault; `vacuous_cases` names the cases that failed on no fault.
 
 use canvass_device::{Fault, Liberties, Liberty};
+use canvass_fuzzer::liberties::{Row, Sparing};
+use canvass_fuzzer::reproducer;
 use canvass_suite::case::Case;
 use canvass_suite::selftest::Chance;
 use canvass_suite::selftest::{FaultRow, LibertyRow, Masked, Matrix, ModelRow};
@@ -18,7 +20,7 @@ pub const SCHEMA: &str = "canvass/selftest/1";
 ///
 /// # Errors
 /// What `out` gives.
-pub fn json(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
+pub fn json(matrix: &Matrix, fuzzed: &Sparing, out: &mut dyn Write) -> io::Result<()> {
     let document = json!({
         "schema": SCHEMA,
         "summary": {
@@ -34,9 +36,14 @@ pub fn json(matrix: &Matrix, out: &mut dyn Write) -> io::Result<()> {
             "spared": matrix.sparing.spared(),
             "combinations": matrix.sparing.combined.len(),
             "combinations_spared": matrix.sparing.combined.iter().filter(|row| row.is_spared()).count(),
+            "put_beside_liberties": matrix.sparing.tried,
             "beside_liberties": matrix.sparing.looked_for,
             "missed_beside_liberties": matrix.sparing.missed.len(),
+            "fuzzed": fuzzed.rows().count(),
+            "fuzzed_spared": fuzzed.spared(),
+            "fuzzed_exchanges": fuzzed.exchanges(),
         },
+        "fuzzed_not_spared": fuzzed.rows().filter(|row| !row.violations.is_empty()).map(violations).collect::<Vec<_>>(),
         "liberties": matrix.sparing.alone.iter().map(liberty).collect::<Vec<_>>(),
         "combinations": matrix.sparing.combined.iter().map(liberty).collect::<Vec<_>>(),
         "missed_beside_liberties": matrix.sparing.missed.iter().map(missed).collect::<Vec<_>>(),
@@ -89,6 +96,20 @@ fn liberty(row: &LibertyRow) -> Value {
     })
 }
 
+fn violations(row: &Row) -> Value {
+    let found = row.violations.iter().map(|found| {
+        let violation = &found.violation;
+        json!({
+            "property": violation.property.id(),
+            "rule": violation.rule,
+            "expected": violation.expected,
+            "actual": violation.actual,
+            "log": reproducer::candump(&found.sequence),
+        })
+    });
+    json!({ "liberties": names(row.liberties), "model": row.model, "violations": found.collect::<Vec<_>>() })
+}
+
 fn model(row: &ModelRow) -> Value {
     let alarms = row
         .alarms
@@ -99,7 +120,7 @@ fn model(row: &ModelRow) -> Value {
 
 /// The matrix for people: a line for each fault with the cases that failed on it, then what is wrong with the catalogue,
 /// then the counts.
-pub fn text(matrix: &Matrix) -> String {
+pub fn text(matrix: &Matrix, fuzzed: &Sparing) -> String {
     let mut text = String::new();
     for row in &matrix.faults {
         let sign = if row.is_detected() { '✓' } else { '✗' };
@@ -156,8 +177,16 @@ pub fn text(matrix: &Matrix) -> String {
             Chance::TOGETHER
         ),
     );
+    fuzzed_lines(&mut text, fuzzed);
     let found = sparing.looked_for - sparing.missed.len();
-    line(&mut text, &format!("sensitivity beside random liberties: {found} of {} faults found", sparing.looked_for));
+    line(
+        &mut text,
+        &format!(
+            "sensitivity beside random liberties: {found} of {} faults found; {} did not show there",
+            sparing.looked_for,
+            sparing.tried - sparing.looked_for
+        ),
+    );
     let beside = masking.beside_deviations;
     line(
         &mut text,
@@ -170,6 +199,28 @@ pub fn text(matrix: &Matrix) -> String {
     );
     line(&mut text, &format!("{alarms} false alarms on {models} models and {faults} faults, {vacuous} vacuous cases"));
     text
+}
+
+/// What the fuzzer made of liberties.
+fn fuzzed_lines(text: &mut String, fuzzed: &Sparing) {
+    for row in fuzzed.rows() {
+        let taken = names(row.liberties).join(", ");
+        for found in &row.violations {
+            let violation = &found.violation;
+            let (property, rule) = (violation.property, violation.rule);
+            let what = format!("expected {}, found {}", violation.expected, violation.actual);
+            line(text, &format!("not spared by the fuzzer: {taken} on {}: {property} {rule}: {what}", row.model));
+        }
+    }
+    let rows = fuzzed.rows().count();
+    line(
+        text,
+        &format!(
+            "specificity of the fuzzer: {} of {rows} liberties and combinations spared in {} exchanges",
+            fuzzed.spared(),
+            fuzzed.exchanges()
+        ),
+    );
 }
 
 fn line(text: &mut String, line: &str) {

@@ -46,7 +46,7 @@ mod steady_state {
     fn allocations(mut lines: impl Lines) -> u64 {
         let model = Model::by_id("kuebler-sendix-58x8").unwrap();
         let mut network = Network::new();
-        network.describe(NodeId::new(63).unwrap(), model.description().clone());
+        network.describe(NodeId::new(63).unwrap(), canvass_analyzer::dictionary::KnownDevice::clone(model.device()));
         let source = Source::new(Cursor::new(capture()));
         let mut capture = Capture::from_source("test", source, &ReadOptions::default()).unwrap();
         let mut out = Vec::new();

@@ -9,10 +9,10 @@ use canvass_device::Fault;
 use canvass_device::Faults;
 use canvass_device::models::Model;
 use canvass_reports::conformance::{Document, Reporter, html, json, junit, markdown, terminal};
-use canvass_suite::bench::{Bench, Decoder, Deviation, Options, Target};
+use canvass_suite::bench::{Bench, Decoder, Options, Target};
 use canvass_suite::catalogue;
 use canvass_suite::runner::{Plan, Summary, run};
-use canvass_suite::verdict::{Authority, Kind};
+use canvass_suite::verdict::{Authority, Deviation, Kind};
 use std::sync::atomic::AtomicBool;
 
 const MODEL: &str = "kuebler-sendix-58x8";
@@ -26,6 +26,7 @@ fn run_with(faults: Faults, reporters: &mut [&mut dyn Reporter]) -> Summary {
         node: model.default_node().unwrap(),
         model: MODEL.to_owned(),
         description: Some(model.description().clone()),
+        manual: model.device().manual.clone(),
         deviations: vec![Deviation {
             case: "301/identity/names".to_owned(),
             subject: "1008".parse().unwrap(),

@@ -2,10 +2,12 @@
 
 use super::{Document, Render, Reporter, html, json, junit, markdown, terminal};
 use crate::escape;
+use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::observation::{Observation, Subject};
-use canvass_suite::bench::{Evidence, Exhibit, Measurement, Unit};
+use canvass_suite::bench::{Evidence, Exhibit, Measurement, Unit, Use};
 use canvass_suite::catalogue;
+use canvass_suite::comparison::{Change, Comparison, Nature};
 use canvass_suite::runner::{CaseReport, DeviceIdentity, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::{Authority, Breach, Excuse, Kind, Reason, Ruled, Verdict};
 use canvass_traces::{CanId, ChannelId, Direction, Duration, Frame, Record, Timestamp};
@@ -46,11 +48,27 @@ pub fn play(reporter: &mut dyn Reporter) {
             evidence,
             notes,
             measurements: vec![Measurement { name: HOSTILE.to_owned(), value: 7, unit: Unit::Count }],
+            uses: vec![Use { multiplexer: Multiplexer::new(0x1017, 0), purpose: "written" }],
             outcomes: vec![kind, Kind::Pass],
             duration: Duration::from_millis(100),
         };
         reporter.event(&RunEvent::CaseFinished(&report)).unwrap();
     }
+    let change = |nature| Change {
+        multiplexer: Multiplexer::new(0x1008, 0),
+        name: Some(HOSTILE.to_owned()),
+        data_type: Some(DataType::VISIBLE_STRING),
+        nature,
+        before: Some(HOSTILE.into()),
+        after: None,
+    };
+    let comparison = Comparison {
+        is_complete: true,
+        objects: 1,
+        changes: vec![change(Nature::Setting), change(Nature::Own)],
+        commands: vec![HOSTILE.to_owned()],
+    };
+    reporter.event(&RunEvent::DictionaryCompared(&comparison)).unwrap();
     reporter.event(&RunEvent::Noticed(HOSTILE)).unwrap();
     reporter.event(&RunEvent::RunFinished(&summary)).unwrap();
 }
@@ -123,6 +141,12 @@ fn json_keeps_the_contract() {
     for kind in Kind::ALL {
         assert_eq!(value["summary"][kind.name()], 1, "{kind}");
     }
+    let change = &value["comparison"]["changes"][0];
+    assert_eq!(
+        (&change["index"], &change["nature"], &change["after"]),
+        (&0x1008.into(), &"setting".into(), &().into())
+    );
+    assert_eq!(value["comparison"]["as_found"], false);
     let case = &value["cases"][3];
     assert_eq!((&case["verdict"], &case["reason"]["expected"]), (&"fail".into(), &"the value".into()));
     assert!(case["id"].is_string() && case["clause"].is_string() && case["clause_confidence"].is_string());
@@ -135,7 +159,9 @@ fn json_keeps_the_contract() {
 #[test]
 fn markdown_is_text() {
     let text = rendered(markdown::render);
-    assert!(!acts(&text) && !text.contains("<script>"));
+    // What is indented by four is code, in which markup is text.
+    let is_markup = |line: &str| line.contains("<script>") && !line.starts_with("    ");
+    assert!(!acts(&text) && !text.lines().any(is_markup), "{text}");
 }
 
 #[test]

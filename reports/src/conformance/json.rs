@@ -1,14 +1,16 @@
 //! The result as JSON: `"schema": "canvass/test/1"`.
 //!
-//! Contract: numbers are numbers, times are integer nanoseconds on the clock of the bus; nothing depends on the wall
-//! clock, so on the simulated bus two runs give the same bytes. New keys may be added; none changes its meaning within
+//! Contract: numbers are numbers, times are integer nanoseconds on the clock of the bus; nothing but the date in
+//! `provenance` is of the wall clock, so on the simulated bus two runs give the same bytes. New keys may be added; none changes its meaning within
 //! a version.
 
 use super::Run;
 use super::told::{Named, Told};
-use crate::escape;
+use crate::{escape, provenance};
 use canvass_analyzer::Multiplexer;
-use canvass_suite::bench::{Exhibit, Measurement};
+use canvass_analyzer::dictionary::DataType;
+use canvass_suite::bench::{Exhibit, Measurement, Use};
+use canvass_suite::comparison::{Change, Comparison};
 use canvass_suite::runner::{CaseReport, DeviceIdentity, HostTiming};
 use canvass_suite::verdict::{Authority, Kind, Reason};
 use canvass_traces::Direction;
@@ -32,7 +34,9 @@ struct Document<'a> {
     duration_ns: u64,
     stores: u32,
     notices: &'a [String],
+    provenance: serde_json::Value,
     dictionary: Vec<Object>,
+    comparison: Option<Compared<'a>>,
     summary: BTreeMap<&'static str, usize>,
     /// Only of a live bus, so that runs on the simulated one stay the same to the byte.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -69,6 +73,27 @@ struct Object {
     index: u16,
     sub: u8,
     data: String,
+}
+
+/// The object dictionary before and after.
+#[derive(Serialize)]
+struct Compared<'a> {
+    as_found: bool,
+    complete: bool,
+    objects: usize,
+    changes: Vec<Changed<'a>>,
+    commands: &'a [String],
+}
+
+#[derive(Serialize)]
+struct Changed<'a> {
+    index: u16,
+    sub: u8,
+    name: Option<&'a str>,
+    r#type: Option<&'static str>,
+    nature: &'static str,
+    before: Option<String>,
+    after: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -109,10 +134,20 @@ struct Case<'a> {
     repetitions: Vec<&'static str>,
     flaky: bool,
     measurements: Vec<Value<'a>>,
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    uses: Vec<Used>,
     notes: &'a [String],
     evidence: Vec<Frame<'a>>,
     evidence_omitted: u64,
     duration_ns: u64,
+}
+
+/// An object that served a case.
+#[derive(Serialize)]
+struct Used {
+    index: u16,
+    sub: u8,
+    purpose: &'static str,
 }
 
 #[derive(Serialize)]
@@ -171,7 +206,9 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         duration_ns: run.summary.duration.nanos(),
         stores: run.summary.stores,
         notices: &run.notices,
+        provenance: provenance::json(&run.provenance),
         dictionary: run.info.dictionary.iter().map(object).collect(),
+        comparison: run.comparison.as_ref().map(compared),
         summary: Kind::ALL.into_iter().map(|kind| (kind.name(), run.summary.count(kind))).collect(),
         host: run.summary.host.as_ref().map(Host::from),
         cases: run.cases.iter().map(|report| case(report, &run.info.bus)).collect(),
@@ -182,8 +219,37 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
 }
 
 fn object((multiplexer, value): &(Multiplexer, Vec<u8>)) -> Object {
-    let data = value.iter().map(|byte| format!("{byte:02X}")).collect();
-    Object { index: multiplexer.index.0, sub: multiplexer.sub.0, data }
+    Object { index: multiplexer.index.0, sub: multiplexer.sub.0, data: digits(value) }
+}
+
+fn digits(value: &[u8]) -> String {
+    value.iter().map(|byte| format!("{byte:02X}")).collect()
+}
+
+fn compared(comparison: &Comparison) -> Compared<'_> {
+    Compared {
+        as_found: comparison.is_as_found(),
+        complete: comparison.is_complete,
+        objects: comparison.objects,
+        changes: comparison.changes.iter().map(changed).collect(),
+        commands: &comparison.commands,
+    }
+}
+
+fn changed(change: &Change) -> Changed<'_> {
+    Changed {
+        index: change.multiplexer.index.0,
+        sub: change.multiplexer.sub.0,
+        name: change.name.as_deref(),
+        r#type: change.data_type.and_then(DataType::name),
+        nature: change.nature.name(),
+        before: change.before.as_deref().map(digits),
+        after: change.after.as_deref().map(digits),
+    }
+}
+
+fn used(Use { multiplexer, purpose }: &Use) -> Used {
+    Used { index: multiplexer.index.0, sub: multiplexer.sub.0, purpose }
 }
 
 fn value(measurement: &Measurement) -> Value<'_> {
@@ -230,6 +296,7 @@ fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
         },
         flaky: report.is_flaky(),
         measurements: report.measurements.iter().map(value).collect(),
+        uses: report.uses.iter().map(used).collect(),
         notes: &report.notes,
         evidence: report.evidence.frames().map(|exhibit| frame(exhibit, channel)).collect(),
         evidence_omitted: report.evidence.omitted(),

@@ -9,7 +9,8 @@
 
 use super::told::Told;
 use super::{Run, cct_forecast, name_in_family, repetitions};
-use crate::escape::printable;
+use crate::escape::{Visible, printable};
+use crate::provenance;
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
 use canvass_traces::{Duration, Timestamp};
@@ -24,17 +25,17 @@ type Xml<'a> = Writer<&'a mut dyn Write>;
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    let mut xml: Xml<'_> = Writer::new_with_indent(out, b' ', 2);
+    let mut out = Visible::new(out, false);
+    let mut xml: Xml<'_> = Writer::new_with_indent(&mut out, b' ', 2);
     xml.write_event(Event::Decl(BytesDecl::new("1.0", Some("UTF-8"), None)))?;
     xml.create_element("testsuites").write_inner_content(|xml| {
-        let suites = run.cases.chunk_by(|a, b| a.case.family() == b.case.family());
-        suites.enumerate().try_for_each(|(number, cases)| suite(xml, run, number, cases))
+        let suites = run.families().into_iter().enumerate();
+        suites.into_iter().try_for_each(|(number, (family, cases))| suite(xml, run, number, family, &cases))
     })?;
     writeln!(xml.into_inner())
 }
 
-fn suite(xml: &mut Xml<'_>, run: &Run, number: usize, cases: &[CaseReport]) -> io::Result<()> {
-    let family = cases.first().map_or("", |report| report.case.family());
+fn suite(xml: &mut Xml<'_>, run: &Run, number: usize, family: &str, cases: &[&CaseReport]) -> io::Result<()> {
     let count = |kinds: &[Kind]| {
         let ended = cases.iter().filter(|report| kinds.contains(&report.verdict.kind()));
         ended.count().to_string()
@@ -56,7 +57,7 @@ fn suite(xml: &mut Xml<'_>, run: &Run, number: usize, cases: &[CaseReport]) -> i
         .write_inner_content(|xml| {
             properties(xml, run)?;
             cases.iter().try_for_each(|report| test_case(xml, report))?;
-            let remarks: Vec<String> = cases.iter().flat_map(remarks).collect();
+            let remarks: Vec<String> = cases.iter().copied().flat_map(remarks).collect();
             xml.create_element("system-out").write_text_content(BytesText::new(&remarks.join("\n")))?;
             xml.create_element("system-err").write_empty().map(|_| ())
         })
@@ -76,10 +77,13 @@ fn properties(xml: &mut Xml<'_>, run: &Run) -> io::Result<()> {
         ("seed", run.info.seed.to_string()),
         ("host", host),
     ];
+    let properties = properties.map(|(name, value)| (name.to_owned(), value)).into_iter();
+    let mut properties = properties.chain(provenance::junit_properties(&run.provenance));
     xml.create_element("properties")
         .write_inner_content(|xml| {
-            properties.iter().try_for_each(|(name, value)| {
-                let property = xml.create_element("property").with_attributes([("name", *name), ("value", value)]);
+            properties.try_for_each(|(name, value)| {
+                let property = xml.create_element("property");
+                let property = property.with_attributes([("name", name.as_str()), ("value", value.as_str())]);
                 property.write_empty().map(|_| ())
             })
         })
@@ -148,7 +152,7 @@ fn remarks(report: &CaseReport) -> Vec<String> {
 }
 
 /// When the first of the frames came: of a simulated bus since its power-on, so that the same run gives the same bytes.
-fn began(cases: &[CaseReport]) -> Timestamp {
+fn began(cases: &[&CaseReport]) -> Timestamp {
     let first = cases.iter().find_map(|report| report.evidence.frames().next());
     first.map_or(Timestamp::ZERO, |exhibit| exhibit.record.timestamp)
 }

@@ -1,8 +1,11 @@
 //! The result as Markdown: for a merge request or a wiki.
 
+use super::dictionary::{REPAIR, left, row, sentence};
+use super::skipped::Skipped;
 use super::told::Told;
-use super::{Run, cct_forecast, decisive, hex, milliseconds_since, outcome, repetitions, symbol};
-use crate::escape::markdown;
+use super::{Run, cct_forecast, decisive, hex, milliseconds_since, outcome, repetitions, symbol, uses};
+use crate::escape::{Visible, markdown, printable};
+use crate::provenance;
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
 use std::io::{self, Write};
@@ -15,6 +18,7 @@ const FRAMES: usize = 20;
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    let out: &mut dyn Write = &mut Visible::new(out, false);
     let [name, _, software] = run.info.device.names.each_ref().map(|name| name.as_deref().unwrap_or("unknown"));
     writeln!(out, "# Conformance of node {}\n", run.info.node)?;
     writeln!(out, "Device: {}, software {}. Bus: {}.\n", markdown(name), markdown(software), markdown(&run.info.bus))?;
@@ -34,15 +38,39 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     }
     let told =
         |report: &&CaseReport| report.is_flaky() || !matches!(report.verdict.kind(), Kind::Pass | Kind::NotApplicable);
+    compared(run, out)?;
     for report in run.cases.iter().filter(told) {
         section(report, out)?;
+    }
+    let skipped = Skipped::of(run);
+    if !skipped.is_empty() {
+        writeln!(out, "\n## What other cases would need\n")?;
+    }
+    for (reason, cases) in skipped.groups() {
+        writeln!(out, "- {}: {}", markdown(&reason), cases.join(", "))?;
     }
     writeln!(out, "\n## All cases\n\n| | case | clause | verdict |\n|---|---|---|---|")?;
     for report in &run.cases {
         let kind = report.verdict.kind();
         writeln!(out, "| {} | {} | {} | {kind} |", symbol(kind), report.case.id, report.case.clause)?;
     }
-    Ok(())
+    provenance::markdown(&run.provenance, out)
+}
+
+fn compared(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    let Some(comparison) = &run.comparison else { return Ok(()) };
+    writeln!(out, "\n## Object dictionary before and after\n\n{}", markdown(&sentence(comparison)))?;
+    let Some(comparison) = left(run) else { return Ok(()) };
+    writeln!(out, "\n| object | name | before | after |\n|---|---|---|---|")?;
+    for change in comparison.left() {
+        let [object, name, before, after] = row(change).map(|cell| markdown(&cell));
+        writeln!(out, "| {object} | {name} | {before} | {after} |")?;
+    }
+    if !comparison.commands.is_empty() {
+        writeln!(out, "\n{REPAIR}\n")?;
+    }
+    // Indented: a code block that nothing in it can end.
+    comparison.commands.iter().try_for_each(|command| writeln!(out, "    {}", printable(command)))
 }
 
 fn section(report: &CaseReport, out: &mut dyn Write) -> io::Result<()> {
@@ -61,6 +89,9 @@ fn section(report: &CaseReport, out: &mut dyn Write) -> io::Result<()> {
     }
     if let Some(repetitions) = repetitions(report) {
         writeln!(out, "- Repetitions: {repetitions}")?;
+    }
+    if let Some(uses) = uses(report) {
+        writeln!(out, "- Used: {}", markdown(&uses))?;
     }
     for measurement in &report.measurements {
         writeln!(out, "- Measured: {}", markdown(&measurement.to_string()))?;

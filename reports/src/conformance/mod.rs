@@ -3,11 +3,13 @@
 //! - [`Terminal`](terminal::Terminal) shows the progress and prints the result;
 //! - [`json`], [`junit`], [`html`] and [`markdown`] write a document when the run is over: see [`Document`].
 
+pub mod dictionary;
 mod host;
 pub mod html;
 pub mod json;
 pub mod junit;
 pub mod markdown;
+mod screen;
 mod skipped;
 pub mod terminal;
 mod told;
@@ -17,10 +19,13 @@ mod hostile;
 #[cfg(test)]
 mod junit_schema;
 
+use crate::provenance::Provenance;
 use canvass_suite::bench::Exhibit;
+use canvass_suite::comparison::Comparison;
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::Kind;
 use canvass_traces::{Record, Timestamp};
+use std::collections::BTreeMap;
 use std::io::{self, Write};
 
 /// Takes the events of a run.
@@ -30,6 +35,9 @@ pub trait Reporter {
     /// # Errors
     /// What writing the report gave.
     fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()>;
+
+    /// Where the result comes from, as far as it is known by now; what is said last is told.
+    fn comes_from(&mut self, provenance: &Provenance);
 }
 
 /// A whole run, as the documents need it.
@@ -37,12 +45,27 @@ pub trait Reporter {
 pub struct Run {
     /// What was tested.
     pub info: RunInfo,
+    /// Where the result comes from.
+    pub provenance: Provenance,
     /// The cases, in the order in which they ran.
     pub cases: Vec<CaseReport>,
+    /// The object dictionary before and after; none where no case has run.
+    pub comparison: Option<Comparison>,
     /// What was noticed about the run as a whole.
     pub notices: Vec<String>,
     /// The outcome.
     pub summary: Summary,
+}
+
+impl Run {
+    /// The cases by family, each in the order in which they ran.
+    fn families(&self) -> BTreeMap<&'static str, Vec<&CaseReport>> {
+        let mut families: BTreeMap<&'static str, Vec<&CaseReport>> = BTreeMap::new();
+        for report in &self.cases {
+            families.entry(report.case.family()).or_default().push(report);
+        }
+        families
+    }
 }
 
 /// Writes a document about a whole run.
@@ -54,14 +77,17 @@ pub struct Document<W> {
     out: W,
     render: Render,
     info: Option<RunInfo>,
+    provenance: Provenance,
     cases: Vec<CaseReport>,
+    comparison: Option<Comparison>,
     notices: Vec<String>,
 }
 
 impl<W: Write> Document<W> {
     /// A document that `render` writes to `out`.
-    pub const fn new(out: W, render: Render) -> Self {
-        Self { out, render, info: None, cases: Vec::new(), notices: Vec::new() }
+    pub fn new(out: W, render: Render) -> Self {
+        let provenance = Provenance::default();
+        Self { out, render, info: None, provenance, cases: Vec::new(), comparison: None, notices: Vec::new() }
     }
 }
 
@@ -71,12 +97,15 @@ impl<W: Write> Reporter for Document<W> {
             RunEvent::RunStarted(info) => self.info = Some((*info).clone()),
             RunEvent::CaseStarted { .. } => {}
             RunEvent::CaseFinished(report) => self.cases.push((*report).clone()),
+            RunEvent::DictionaryCompared(comparison) => self.comparison = Some((*comparison).clone()),
             RunEvent::Noticed(text) => self.notices.push((*text).to_owned()),
             RunEvent::RunFinished(summary) => {
                 if let Some(info) = self.info.take() {
                     let run = Run {
                         info,
+                        provenance: std::mem::take(&mut self.provenance),
                         cases: std::mem::take(&mut self.cases),
+                        comparison: self.comparison.take(),
                         notices: std::mem::take(&mut self.notices),
                         summary: **summary,
                     };
@@ -87,10 +116,14 @@ impl<W: Write> Reporter for Document<W> {
         }
         Ok(())
     }
+
+    fn comes_from(&mut self, provenance: &Provenance) {
+        self.provenance = provenance.clone();
+    }
 }
 
 /// A sign for each verdict, so that colour is never all that tells them apart.
-const fn symbol(kind: Kind) -> &'static str {
+pub(crate) const fn symbol(kind: Kind) -> &'static str {
     match kind {
         Kind::Pass => "✓",
         Kind::Tolerated => "≈",
@@ -114,6 +147,13 @@ fn cct_forecast(report: &CaseReport) -> Option<&'static str> {
         (Some(_), Kind::Fail | Kind::Deviation) => Some("fail"),
         _ => None,
     }
+}
+
+/// Which objects served a case: `1017h:00 (written and read back)`.
+fn uses(report: &CaseReport) -> Option<String> {
+    let uses: Vec<String> =
+        report.uses.iter().map(|using| format!("{} ({})", using.multiplexer, using.purpose)).collect();
+    (!uses.is_empty()).then(|| uses.join(", "))
 }
 
 /// How many repetitions ended in which way, where they differed: `3 pass, 1 fail`.

@@ -1,7 +1,8 @@
 //! The cases that did not apply, by reason: many share one.
 
+use super::Run;
 use crate::escape::printable;
-use canvass_suite::verdict::Reason;
+use canvass_suite::verdict::{Kind, Reason};
 use std::io::{self, Write};
 
 /// Cases that did not apply.
@@ -17,6 +18,22 @@ impl Skipped {
             Some((_, cases)) => cases.push(case),
             None => self.reasons.push((reason.clone(), vec![case])),
         }
+    }
+
+    /// Those of a whole run.
+    pub fn of(run: &Run) -> Self {
+        let mut skipped = Self::default();
+        for report in run.cases.iter().filter(|report| report.verdict.kind() == Kind::NotApplicable) {
+            skipped.add(report.case.id, &report.verdict.reason().unwrap_or_default());
+        }
+        skipped
+    }
+
+    /// What was needed and what was there instead, each with the cases that did not apply for it; those of most cases first.
+    pub fn groups(&self) -> Vec<(String, &[&'static str])> {
+        let mut groups: Vec<_> = self.reasons.iter().map(|(reason, cases)| (sentence(reason), &**cases)).collect();
+        groups.sort_by_key(|(_, cases)| std::cmp::Reverse(cases.len()));
+        groups
     }
 
     /// Whether all cases applied.

@@ -1,19 +1,14 @@
 //! The result on a terminal: progress while the run goes on, then what was wrong, then the count.
 
+use super::dictionary;
 use super::skipped::Skipped;
-use super::told::Told;
-use super::{Reporter, cct_forecast, decisive, outcome, repetitions, symbol};
-use crate::escape::printable;
+use super::{Reporter, outcome, screen, symbol};
+use crate::escape::{Visible, printable};
+use crate::provenance::{self, Provenance};
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::Kind;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, Table, presets};
 use std::io::{self, Write};
-
-/// At most so many frames of a case are printed, the last ones: the verdict is made of them.
-const FRAMES: usize = 16;
-
-/// As many breaches of a case are shown; JSON and the page have all.
-const BREACHES: usize = 8;
 
 /// The columns of a file, which has no width of its own.
 const PAGE: u16 = 120;
@@ -32,18 +27,23 @@ pub struct Style {
 /// Prints results to one stream and progress to another.
 #[derive(Debug)]
 pub struct Terminal<O, P> {
-    out: O,
+    out: Visible<O>,
     progress: P,
     style: Style,
     told: Vec<CaseReport>,
     skipped: Skipped,
+    /// The object dictionary before and after.
+    compared: Vec<String>,
     notices: Vec<String>,
+    provenance: Provenance,
 }
 
 impl<O: Write, P: Write> Terminal<O, P> {
     /// Results go to `out`, progress to `progress`.
     pub fn new(out: O, progress: P, style: Style) -> Self {
-        Self { out, progress, style, told: Vec::new(), skipped: Skipped::default(), notices: Vec::new() }
+        let out = Visible::new(out, style.color);
+        let (told, skipped, compared, notices) = (Vec::new(), Skipped::default(), Vec::new(), Vec::new());
+        Self { out, progress, style, told, skipped, compared, notices, provenance: Provenance::default() }
     }
 
     fn show_progress(&mut self, text: &str) -> io::Result<()> {
@@ -84,21 +84,26 @@ impl<O: Write, P: Write> Terminal<O, P> {
 
     fn finish(&mut self, summary: &Summary) -> io::Result<()> {
         self.show_progress("")?;
-        for report in std::mem::take(&mut self.told) {
-            self.case(&report)?;
-        }
+        let told = std::mem::take(&mut self.told);
+        told.iter().try_for_each(|report| self.case(report))?;
         if !self.skipped.is_empty() {
             writeln!(self.out, "\n{}", self.painted(Kind::NotApplicable, "not applicable"))?;
         }
         std::mem::take(&mut self.skipped).write(self.style.width.unwrap_or(PAGE), &mut self.out)?;
+        writeln!(self.out)?;
+        provenance::text(&self.provenance, &mut self.out)?;
         writeln!(self.out, "\n{}", self.table(summary))?;
         writeln!(self.out, "{}, in {} on the bus.", outcome(summary), summary.duration)?;
         if let Some(host) = &summary.host {
             writeln!(self.out, "{}", super::host::sentence(host))?;
         }
+        for line in std::mem::take(&mut self.compared) {
+            writeln!(self.out, "{}", printable(&line))?;
+        }
         for notice in std::mem::take(&mut self.notices) {
             writeln!(self.out, "note  {}", printable(&notice))?;
         }
+        self.list(&told)?;
         self.out.flush()
     }
 
@@ -106,51 +111,18 @@ impl<O: Write, P: Write> Terminal<O, P> {
         let kind = report.verdict.kind();
         let title = self.painted(kind, &format!("{} {kind}", symbol(kind)));
         writeln!(self.out, "\n{title}  {}  [{}]", report.case.id, report.case.clause)?;
-        let told = Told::all(report);
-        let hidden = told.len().saturating_sub(BREACHES);
-        told.iter().take(BREACHES).try_for_each(|told| self.told(told))?;
-        if hidden > 0 {
-            writeln!(self.out, "  … {hidden} more breach{}", if hidden == 1 { "" } else { "es" })?;
-        }
-        if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
-            writeln!(self.out, "    forecast  case {number} of CiA's test tool would {forecast}")?;
-        }
-        if let Some(repetitions) = repetitions(report) {
-            writeln!(self.out, "    {repetitions}")?;
-        }
-        for measurement in &report.measurements {
-            writeln!(self.out, "    measured  {}", printable(&measurement.to_string()))?;
-        }
-        for note in &report.notes {
-            writeln!(self.out, "    note  {}", printable(note))?;
-        }
-        if matches!(kind, Kind::Pass) { Ok(()) } else { self.frames(report) }
+        screen::lines(report).iter().try_for_each(|line| writeln!(self.out, "{line}"))
     }
 
-    fn told(&mut self, told: &Told) -> io::Result<()> {
-        writeln!(self.out, "  {}", printable(&told.duty))?;
-        writeln!(self.out, "    expected  {}", printable(&told.expected))?;
-        writeln!(self.out, "    found     {}", printable(&told.found))?;
-        if let Some(excuse) = &told.excuse {
-            let label = told.authority().to_lowercase();
-            writeln!(self.out, "    {label:10}  {}", printable(&excuse.documented))?;
+    /// What somebody has to look into comes last: it is what is seen when the run is over.
+    fn list(&mut self, told: &[CaseReport]) -> io::Result<()> {
+        let bad: Vec<&CaseReport> = told.iter().filter(|report| screen::is_bad(report.verdict.kind())).collect();
+        if !bad.is_empty() {
+            writeln!(self.out)?;
         }
-        match told.waiver() {
-            Some(waiver) => writeln!(self.out, "    as data   {}", printable(&waiver)),
-            None => Ok(()),
-        }
-    }
-
-    fn frames(&mut self, report: &CaseReport) -> io::Result<()> {
-        let (frames, before) = decisive(report, FRAMES);
-        if before > 0 {
-            let plural = if before == 1 { "" } else { "s" };
-            writeln!(self.out, "    … {before} frame{plural} before")?;
-        }
-        for exhibit in frames {
-            let (record, text) = (&exhibit.record, printable(&exhibit.text));
-            let frame = record.frame.to_string();
-            writeln!(self.out, "    ({}) {frame:<21} {:<2} {text}", record.timestamp, record.direction.to_string())?;
+        for report in bad {
+            let line = self.painted(report.verdict.kind(), &screen::listed(report));
+            writeln!(self.out, "{line}")?;
         }
         Ok(())
     }
@@ -196,11 +168,19 @@ impl<O: Write, P: Write> Reporter for Terminal<O, P> {
                 self.keep(report);
                 Ok(())
             }
+            RunEvent::DictionaryCompared(comparison) => {
+                self.compared = dictionary::lines(comparison);
+                Ok(())
+            }
             RunEvent::Noticed(text) => {
                 self.notices.push((*text).to_owned());
                 Ok(())
             }
             RunEvent::RunFinished(summary) => self.finish(summary),
         }
+    }
+
+    fn comes_from(&mut self, provenance: &Provenance) {
+        self.provenance = provenance.clone();
     }
 }

@@ -4,7 +4,7 @@
 //! changes its meaning within a version.
 
 use super::Diagnosed;
-use crate::{escape, quality};
+use crate::{escape, provenance, quality};
 use canvass_analyzer::findings::{Consequence, Exhibit, Finding, Severity, Story};
 use canvass_analyzer::network::Cause;
 use canvass_analyzer::statistics::{BusStatistics, ErrorEnd, ErrorEpisode, Histogram, NodeStatistics, Peak, TestCase};
@@ -29,6 +29,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
     let omitted = results.omitted.iter().map(|(rule, count)| ((*rule).to_owned(), json!(count)));
     let document = json!({
         "schema": SCHEMA,
+        "provenance": provenance::json(diagnosed.provenance),
         "frames": diagnosed.frames(),
         "counts": counts(diagnosed.by_service()),
         "summary": Value::Object(severities.into_iter().collect()),
@@ -74,6 +75,7 @@ fn finding(diagnosed: &Diagnosed<'_>, finding: &Finding) -> Value {
         "node": finding.node.map(NodeId::raw),
         "object": finding.object.map(|object| object.to_string()),
         "origin": finding.origin.map(NodeId::raw),
+        "case": finding.case.map(|(group, case)| json!({ "group": group, "case": case })),
         "channel": finding.channel.map(|id| diagnosed.channel(id)),
         "source": source,
         "title": finding.rule.title,

@@ -1,7 +1,8 @@
 //! The diagnosis as JUnit XML: each rule is a case, which fails where it has found an error or a warning.
 
 use super::{Diagnosed, frame, times};
-use crate::escape::printable;
+use crate::escape::{Visible, printable};
+use crate::provenance;
 use canvass_analyzer::findings::{Finding, Metadata, Severity, all};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::io::{self, Write};
@@ -15,10 +16,15 @@ pub fn render(diagnosed: &Diagnosed<'_>, fail_on: Option<Severity>, out: &mut dy
     let rules: Vec<&Metadata> = all().map(|definition| definition.metadata).collect();
     for family in rules.chunk_by(|a, b| self::family(a) == self::family(b)) {
         let mut suite = TestSuite::new(family.first().map_or("", |rule| self::family(rule)));
+        for (name, value) in provenance::junit_properties(diagnosed.provenance) {
+            suite.add_property((name.as_str(), value.as_str()));
+        }
         suite.add_test_cases(family.iter().map(|rule| test_case(diagnosed, rule, fail_on)));
         report.add_test_suite(suite);
     }
-    report.serialize(&mut *out).map_err(io::Error::other)
+    // What can't be written keeps its cause: nobody reading any more is none.
+    let text = report.to_string().map_err(io::Error::other)?;
+    Visible::new(out, false).write_all(text.as_bytes())
 }
 
 fn family(rule: &Metadata) -> &str {

@@ -1,7 +1,8 @@
 //! The diagnosis as Markdown: for a ticket or a wiki.
 
 use super::{Diagnosed, frame, story, terminal, times};
-use crate::escape::markdown;
+use crate::escape::{Visible, markdown};
+use crate::provenance;
 use canvass_analyzer::findings::Finding;
 use std::io::{self, Write};
 
@@ -10,6 +11,7 @@ use std::io::{self, Write};
 /// # Errors
 /// What `out` gives.
 pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let out: &mut dyn Write = &mut Visible::new(out, false);
     writeln!(out, "# Diagnosis\n")?;
     for capture in diagnosed.captures {
         writeln!(out, "- {} ({})", markdown(capture.name), capture.format)?;
@@ -33,7 +35,8 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
         }
     }
     nodes(diagnosed, out)?;
-    cases(diagnosed, out)
+    cases(diagnosed, out)?;
+    provenance::markdown(diagnosed.provenance, out)
 }
 
 /// The cases of a certification run.

@@ -14,6 +14,7 @@ pub use markdown::render as markdown;
 pub use rules::{explain, handbook};
 pub use terminal::{Style, render as table};
 
+use crate::provenance::Provenance;
 use crate::quality::CaptureQuality;
 use canvass_analyzer::Service;
 use canvass_analyzer::findings::{Exhibit, Finding, Results, Severity};
@@ -30,6 +31,8 @@ pub struct Diagnosed<'a> {
     pub channels: &'a Channels,
     /// The captures that were read, and their quality.
     pub captures: &'a [CaptureQuality<'a>],
+    /// Where the result comes from.
+    pub provenance: &'a Provenance,
 }
 
 impl Diagnosed<'_> {

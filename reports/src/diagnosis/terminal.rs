@@ -2,7 +2,8 @@
 
 use super::story::{self, Told};
 use super::{Diagnosed, frame, times};
-use crate::escape::printable;
+use crate::escape::{Visible, printable};
+use crate::provenance;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::{Exhibit, Finding, Severity};
 use canvass_analyzer::statistics::{BusStatistics, NodeStatistics, TestCase};
@@ -46,6 +47,7 @@ const NODES: usize = 16;
 /// # Errors
 /// What `out` gives.
 pub fn render(diagnosed: &Diagnosed<'_>, style: Style, out: &mut dyn Write) -> io::Result<()> {
+    let out: &mut dyn Write = &mut Visible::new(out, style.color);
     let head: Vec<String> = summary(diagnosed).iter().map(|line| printable(line).into_owned()).collect();
     let mut tail: Vec<String> = Vec::new();
     for (rule, count) in &diagnosed.results.omitted {
@@ -64,6 +66,14 @@ pub fn render(diagnosed: &Diagnosed<'_>, style: Style, out: &mut dyn Write) -> i
         }
     }
     cases(diagnosed, style, &mut tail);
+    tail.push(String::new());
+    if style.verbose {
+        let mut all = Vec::new();
+        provenance::text(diagnosed.provenance, &mut all)?;
+        tail.extend(String::from_utf8_lossy(&all).lines().map(str::to_owned));
+    } else {
+        tail.extend(provenance::short_text(diagnosed.provenance));
+    }
     let room = LINES.saturating_sub(head.len() + tail.len());
     let stories = if style.verbose { verbose(diagnosed, style) } else { stories(diagnosed, style, room) };
     // What must be known comes first; what was on the bus after it.

@@ -3,6 +3,7 @@
 use super::{Run, Words, annotated, outcome, reliability, rust_test, sdo_rows};
 use crate::escape::printable;
 use crate::page::{self, Page};
+use crate::provenance;
 use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::reproducer;
 use canvass_traces::{Direction, Timestamp};
@@ -16,7 +17,7 @@ const STYLE: &str = include_str!("../../assets/fuzz.css");
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    let sections = [("violations", "Violations"), ("coverage", "Coverage")];
+    let sections = [("violations", "Violations"), ("coverage", "Coverage"), ("about", "About this report")];
     let page = page::render(&Page {
         title: &format!("Fuzzing of node {}", run.node),
         styles: &[STYLE],
@@ -29,6 +30,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
                 @for (found, words) in run.violations() { (violation(run, found, words)) }
             }
             section #coverage { h2 { "Coverage" } (coverage(run)) }
+            (provenance::html(&run.provenance))
         },
         footer: html! { "Times are those of the bus." },
     });

@@ -1,9 +1,9 @@
 //! The result as JSON: `"schema": "canvass/fuzz/1"`.
 
 use super::{Run, Words, rust_test, sdo_rows};
-use crate::escape;
+use crate::{escape, provenance};
 use canvass_fuzzer::campaign::Found;
-use canvass_fuzzer::{Start, Stimulus, Then, reproducer};
+use canvass_fuzzer::{Kept, Start, Stimulus, Then, reproducer};
 use canvass_traces::{Direction, Frame, Record};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
@@ -19,6 +19,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     let document = json!({
         "schema": SCHEMA,
         "version": env!("CARGO_PKG_VERSION"),
+        "provenance": provenance::json(&run.provenance),
         "bus": run.bus,
         "bit_rate": run.bit_rate,
         "node": run.node.raw(),
@@ -55,6 +56,11 @@ fn coverage(run: &Run) -> Value {
     })
 }
 
+/// An object that had not its value of power-on.
+fn state(kept: &Kept) -> Value {
+    json!({ "index": kept.at.index.0, "sub": kept.at.sub.0, "value": kept.value, "power_on": kept.power_on })
+}
+
 fn violation(run: &Run, found: &Found, words: &Words) -> Value {
     let violation = &found.violation;
     let start = match found.sequence.start {
@@ -71,6 +77,7 @@ fn violation(run: &Run, found: &Found, words: &Words) -> Value {
         "actual": violation.actual,
         "t": violation.at.nanos(),
         "confirmed": found.confirmed,
+        "state": found.state.iter().map(state).collect::<Vec<_>>(),
         "start": start,
         "frames": frames.map(|(stimulus, words)| step(stimulus, words)).collect::<Vec<_>>(),
         "evidence": evidence.map(|(record, words)| exhibit(record, words)).collect::<Vec<_>>(),

@@ -1,7 +1,8 @@
 //! The result as JUnit XML: each property is a case, or, where it is violated, each of its rules that is.
 
 use super::{Run, annotated, outcome, reliability};
-use crate::escape::printable;
+use crate::escape::{Visible, printable};
+use crate::provenance;
 use canvass_fuzzer::{Property, reproducer};
 use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::io::{self, Write};
@@ -22,12 +23,17 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     suite.add_property(("frames", run.outcome.frames.to_string().as_str()));
     suite.add_property(("coverage_sdo", run.sdo_share().to_string().as_str()));
     suite.add_property(("coverage_lss", run.lss_share().to_string().as_str()));
+    for (name, value) in provenance::junit_properties(&run.provenance) {
+        suite.add_property((name.as_str(), value.as_str()));
+    }
     for &property in Property::ALL {
         suite.add_test_cases(cases(run, property));
     }
     let mut report = Report::new("canvass fuzz");
     report.add_test_suite(suite);
-    report.serialize(&mut *out).map_err(io::Error::other)
+    // What can't be written keeps its cause: nobody reading any more is none.
+    let text = report.to_string().map_err(io::Error::other)?;
+    Visible::new(out, false).write_all(text.as_bytes())
 }
 
 fn cases(run: &Run, property: Property) -> Vec<TestCase> {

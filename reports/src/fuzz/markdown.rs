@@ -1,7 +1,8 @@
 //! The result as Markdown: for a merge request or a wiki.
 
 use super::{Run, annotated, outcome, reliability, rust_test};
-use crate::escape::{markdown, printable};
+use crate::escape::{Visible, markdown, printable};
+use crate::provenance;
 use canvass_fuzzer::reproducer;
 use std::io::{self, Write};
 
@@ -10,6 +11,7 @@ use std::io::{self, Write};
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    let out: &mut dyn Write = &mut Visible::new(out, false);
     writeln!(out, "# Fuzzing of node {}\n", run.node)?;
     writeln!(out, "Bus: {}. Target: {}. Seed: {}.\n", markdown(&run.bus), run.target, run.seed)?;
     writeln!(out, "{}.\n", sentence(&outcome(run)))?;
@@ -35,7 +37,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "\nAs a test:")?;
         code(out, "rust", &rust_test(run, found))?;
     }
-    Ok(())
+    provenance::markdown(&run.provenance, out)
 }
 
 /// With a capital letter.

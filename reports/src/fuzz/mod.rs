@@ -1,6 +1,6 @@
 //! Reports of a run of the fuzzer: [`text`], [`json`], [`junit`], [`markdown`] and [`html`]. All are made from one
-//! [`Run`], and on the simulated bus two runs of the same seed give the same bytes: nothing in them is of the wall
-//! clock.
+//! [`Run`], and on the simulated bus two runs of the same seed give the same bytes: nothing but the date of the
+//! provenance is of the wall clock.
 
 pub mod detection;
 pub mod faults_page;
@@ -11,12 +11,14 @@ pub mod markdown;
 pub mod properties;
 pub mod text;
 
+use crate::provenance::Provenance;
 use canvass_analyzer::NodeId;
+use canvass_fuzzer::Property;
 use canvass_fuzzer::campaign::{Found, Outcome};
 use canvass_fuzzer::coverage::{Answer, Coverage, LssReach};
 use canvass_fuzzer::{Target, Then, reproducer};
 use canvass_suite::bench::Annotate;
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
@@ -25,6 +27,8 @@ use std::io::{self, Write};
 /// A whole run, as the reports need it.
 #[derive(Clone, Debug)]
 pub struct Run {
+    /// Where the result comes from.
+    pub provenance: Provenance,
     /// The bus's address.
     pub bus: String,
     /// In bit/s, where it is known.
@@ -158,14 +162,21 @@ pub fn outcome(run: &Run) -> String {
 }
 
 /// What is to be known of a violation that did not come back.
-fn reliability(found: &Found, dead: bool) -> &'static str {
-    match (found.confirmed, dead) {
-        (true, _) => "comes back whenever the sequence is repeated",
+fn reliability(found: &Found, dead: bool) -> String {
+    let text = match (found.confirmed, dead && found.violation.property == Property::Alive) {
+        (true, _) => "comes back whenever the sequence is repeated from power-on",
         (false, true) => "the device did not come back after it: these are its last frames",
         (false, false) => {
-            "was seen once and did not come back when the sequence was repeated: its whole trace is shown"
+            "was seen once and did not come back when the sequence was repeated from power-on: its whole trace is shown"
         }
+    };
+    if found.state.is_empty() {
+        return text.to_owned();
     }
+    let kept =
+        found.state.iter().map(|kept| format!("{} held {:X}h instead of {:X}h", kept.at, kept.value, kept.power_on));
+    let kept: Vec<String> = kept.collect();
+    format!("{text}; neither a reset nor a write had restored the state of power-on: {}", kept.join(", "))
 }
 
 /// What follows a frame of a sequence, where that is not the usual.

@@ -21,6 +21,7 @@ fn run() -> Run {
         sequence: Sequence { start: Start::Configured, stimuli: vec![Stimulus::settle(frame)] },
         evidence: vec![Record::new(Timestamp(1), ChannelId(0), frame).with_direction(Direction::Tx)],
         confirmed: false,
+        state: Vec::new(),
     };
     let outcome = Outcome {
         executions: 7,
@@ -32,6 +33,7 @@ fn run() -> Run {
         violations: vec![found],
     };
     Run {
+        provenance: Provenance::default(),
         bus: HOSTILE.to_owned(),
         bit_rate: None,
         node: NodeId::MIN,

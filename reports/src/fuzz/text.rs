@@ -1,7 +1,8 @@
 //! The result for people.
 
 use super::{Run, annotated, outcome, reliability};
-use crate::escape::printable;
+use crate::escape::{Visible, printable};
+use crate::provenance;
 use canvass_fuzzer::reproducer;
 use canvass_traces::{Direction, Timestamp};
 use std::io::{self, Write};
@@ -14,6 +15,7 @@ const FRAMES: usize = 24;
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
+    let out: &mut dyn Write = &mut Visible::new(out, false);
     for (found, words) in run.violations() {
         let violation = &found.violation;
         writeln!(out, "{} {}: {}", violation.property, violation.property.title(), violation.rule)?;
@@ -37,6 +39,8 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         indented(out, &reproducer::candump(&found.sequence))?;
         writeln!(out)?;
     }
+    provenance::text(&run.provenance, out)?;
+    writeln!(out)?;
     let (executions, sequences) = (run.outcome.executions, run.outcome.sequences);
     let frames = run.outcome.frames;
     writeln!(out, "{}: {}", printable(&run.bus), outcome(run))?;

@@ -3,10 +3,15 @@
 //! Everything that a device can influence goes through [`printable`] and through maud, which escapes markup.
 
 mod case;
+mod failures;
 
+use super::dictionary::{REPAIR, left, row, sentence};
+use super::skipped::Skipped;
 use super::{Run, name_in_family, outcome, symbol};
 use crate::escape::printable;
 use crate::page::{self, Page};
+use crate::provenance;
+use canvass_suite::comparison::Comparison;
 use canvass_suite::verdict::Kind;
 use maud::{Markup, html};
 use std::io::{self, Write};
@@ -31,7 +36,7 @@ fn page(run: &Run) -> Markup {
         styles: &[STYLE],
         scripts: &[SCRIPT],
         header: head(run, &name),
-        sections: &[],
+        sections: &sections(run),
         main: body(run),
         footer: html! { "Times are those of the bus. A section that is not attested is marked." },
     })
@@ -40,21 +45,30 @@ fn page(run: &Run) -> Markup {
 fn body(run: &Run) -> Markup {
     html! {
         section.tiles aria-label="Verdicts" { @for kind in Kind::ALL { (tile(run, kind)) } }
-        section { h2 { "Matrix" } (matrix(run)) }
+        (failures::section(run))
+        section { h2 #matrix { "Matrix" } (matrix(run)) }
+        (compared(run))
+        (needed(run))
         section {
-            h2 { "Cases" }
+            h2 #cases { "Cases" }
             div.filter {
                 input #filter type="search" placeholder="Filter by id, clause or text" aria-label="Filter";
                 span #shown aria-live="polite" {}
             }
-            @for report in &run.cases { (case::details(report)) }
+            @for report in failures::first(run) { (case::details(report)) }
         }
+        (provenance::html(&run.provenance))
     }
+}
+
+fn sections(run: &Run) -> Vec<(&'static str, &'static str)> {
+    let failed = failures::any(run).then_some(("failed", "Failed"));
+    failed.into_iter().chain([("matrix", "Matrix"), ("cases", "Cases"), ("about", "About this report")]).collect()
 }
 
 fn head(run: &Run, name: &str) -> Markup {
     let info = &run.info;
-    let good = run.summary.is_good();
+    let good = run.summary.is_good() && run.comparison.as_ref().is_none_or(Comparison::is_as_found);
     let rate = info.bit_rate.map(|rate| format!(", {} kbit/s", rate / 1_000)).unwrap_or_default();
     let [_, hardware, software] = info.device.names.each_ref().map(|name| name.as_deref());
     let hex = |number: Option<u32>| number.map_or_else(|| "none".to_owned(), |number| format!("{number:08X}h"));
@@ -83,6 +97,56 @@ fn head(run: &Run, name: &str) -> Markup {
     }
 }
 
+/// What a device or its description would have to have for the cases that did not apply.
+fn needed(run: &Run) -> Markup {
+    let skipped = Skipped::of(run);
+    if skipped.is_empty() {
+        return html! {};
+    }
+    html! {
+        section {
+            h2 { "What other cases would need" }
+            ul {
+                @for (reason, cases) in skipped.groups() {
+                    li {
+                        (printable(&reason)) ": "
+                        @for (at, id) in cases.iter().enumerate() {
+                            @if at > 0 { ", " }
+                            a href={ "#" (id.replace('/', "-")) } { (id) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn compared(run: &Run) -> Markup {
+    let Some(comparison) = &run.comparison else { return html! {} };
+    html! {
+        section {
+            h2 { "Object dictionary before and after" }
+            p.note[!comparison.is_as_found()] { (printable(&sentence(comparison))) }
+            @if let Some(comparison) = left(run) {
+                div.scroll {
+                    table {
+                        thead { tr { th { "Object" } th { "Name" } th { "Before" } th { "After" } } }
+                        tbody {
+                            @for change in comparison.left() {
+                                tr { @for cell in row(change) { td { (printable(&cell)) } } }
+                            }
+                        }
+                    }
+                }
+                @if !comparison.commands.is_empty() {
+                    p { (REPAIR) }
+                    @for command in &comparison.commands { p { code { (printable(command)) } } }
+                }
+            }
+        }
+    }
+}
+
 fn fact(name: &str, value: &str) -> Markup {
     html! { div { dt { (name) } dd { (printable(value)) } } }
 }
@@ -100,8 +164,7 @@ fn tile(run: &Run, kind: Kind) -> Markup {
 fn matrix(run: &Run) -> Markup {
     html! {
         div.matrix {
-            @for group in run.cases.chunk_by(|a, b| a.case.family() == b.case.family()) {
-                @let name = group.first().map_or("", |report| report.case.family());
+            @for (name, group) in run.families() {
                 div.family { (name) }
                 div.cells {
                     @for report in group {

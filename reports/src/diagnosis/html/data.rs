@@ -3,6 +3,7 @@
 use super::MOST_FINDINGS;
 use super::collector::Collector;
 use super::excerpt::{FrameKey, Shown, key_of};
+use super::lane::{self, Silences};
 use super::series::Series;
 use crate::diagnosis::Diagnosed;
 use crate::diagnosis::terminal::who;
@@ -38,8 +39,11 @@ struct Node {
     name: String,
     first: i64,
     last: i64,
-    /// Time, state, and whether a boot-up showed it.
-    states: Vec<(i64, String, bool)>,
+    /// From, to, and what the node has said of its state then, or that it was silent.
+    states: Vec<(i64, i64, String)>,
+    boot_ups: Vec<i64>,
+    /// How often it was silent beside these times.
+    silent: u64,
     /// Time of the first, code and name, how many.
     emergencies: Vec<(i64, String, u64)>,
 }
@@ -164,17 +168,18 @@ fn nodes(diagnosed: &Diagnosed<'_>, collected: &Collector, names: &mut Names<'_>
     let mut nodes = Vec::new();
     for (channel, bus) in &diagnosed.results.buses {
         for (id, node) in bus.nodes.iter().filter(|(_, node)| node.total() > 0) {
-            let states = node.states.iter();
-            let state = |change: &canvass_analyzer::statistics::StateChange| {
-                (names.micros(change.time), change.state.to_string(), change.cause == Cause::BootUp)
-            };
+            let silences = Silences::of(&diagnosed.results.findings, *channel, *id);
+            let spans = lane::spans(node, &silences).into_iter();
+            let boot_ups = node.states.iter().filter(|change| change.cause == Cause::BootUp);
             let sent = collected.emergencies.get(&(*channel, *id)).into_iter().flat_map(|buckets| buckets.iter());
             nodes.push(Node {
                 id: id.raw(),
                 name: printable(&who(node)).into_owned(),
                 first: names.micros(node.first),
                 last: names.micros(node.last),
-                states: states.map(state).collect(),
+                states: spans.map(|span| (names.micros(span.from), names.micros(span.to), span.state)).collect(),
+                boot_ups: boot_ups.map(|change| names.micros(change.time)).collect(),
+                silent: silences.left_out,
                 emergencies: sent.map(|sent| (names.micros(sent.time), sent.code.to_string(), sent.count)).collect(),
                 channel: names.place(*channel),
             });

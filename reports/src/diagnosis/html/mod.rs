@@ -9,6 +9,7 @@ mod data;
 mod excerpt;
 mod findings;
 mod histogram;
+mod lane;
 mod nodes;
 mod series;
 mod summary;
@@ -18,6 +19,7 @@ pub use collector::Collector;
 use super::Diagnosed;
 use crate::escape::printable;
 use crate::page::{self, Page};
+use crate::provenance;
 use excerpt::Shown;
 use maud::{Markup, html};
 use std::io::{self, Write};
@@ -35,7 +37,7 @@ const SCRIPTS: [&str; 7] = [
 ];
 const UPLOT_LICENSE: &str = include_str!("../../../assets/uplot/LICENSE");
 
-const SECTIONS: [(&str, &str); 8] = [
+const SECTIONS: [(&str, &str); 9] = [
     ("summary", "Summary"),
     ("timeline", "Timeline"),
     ("load", "Bus load"),
@@ -44,6 +46,7 @@ const SECTIONS: [(&str, &str); 8] = [
     ("nodes", "Nodes"),
     ("findings", "Findings"),
     ("frames", "Frames"),
+    ("about", "About this report"),
 ];
 
 /// So many findings are shown; more of them nobody reads.
@@ -75,6 +78,7 @@ fn page(diagnosed: &Diagnosed<'_>, collected: &Collector, frames: &[Shown], seen
         (nodes::section(diagnosed))
         (findings::section(diagnosed, &places))
         (frame_list(frames, seen))
+        (provenance::html(diagnosed.provenance))
         (data)
     };
     Ok(page::render(&Page {

@@ -1,6 +1,6 @@
 //! Each node in figures.
 
-use super::text;
+use super::{lane, text};
 use crate::diagnosis::Diagnosed;
 use crate::diagnosis::terminal::{nodes as overview, rounded, who};
 use canvass_analyzer::statistics::{BusStatistics, Histogram, NodeStatistics, TestRun};
@@ -170,7 +170,7 @@ fn states(diagnosed: &Diagnosed<'_>, node: &NodeStatistics) -> Markup {
                 @for change in node.states.iter().take(STATES) {
                     tr {
                         td.number { (diagnosed.since_start(change.time)) }
-                        td { (change.state) }
+                        td { (lane::name(change)) }
                         td { (crate::diagnosis::json::cause(change.cause)) }
                     }
                 }

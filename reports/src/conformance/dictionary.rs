@@ -1,0 +1,116 @@
+//! The object dictionary before and after a run, in words: the same in all reports that are for people.
+
+use super::Run;
+use canvass_analyzer::dictionary::Value;
+use canvass_bus::client::sdo::Bytes;
+use canvass_suite::comparison::{Change, Comparison};
+
+/// What to do where the device is not as it was.
+pub(super) const REPAIR: &str = "These commands put it back:";
+
+/// All of it, line by line.
+pub fn lines(comparison: &Comparison) -> Vec<String> {
+    let mut lines = vec![sentence(comparison)];
+    lines.extend(comparison.left().map(|change| format!("  {}", row(change).join("  "))));
+    if !comparison.commands.is_empty() {
+        lines.push(REPAIR.to_owned());
+        lines.extend(comparison.commands.iter().map(|command| format!("  {command}")));
+    }
+    lines
+}
+
+/// One or two sentences.
+pub(super) fn sentence(comparison: &Comparison) -> String {
+    let Comparison { is_complete, objects, .. } = comparison;
+    if !is_complete {
+        return "The device does not answer after the run: whether its objects are as they were is not known."
+            .to_owned();
+    }
+    let (left, own) = (comparison.left().count(), comparison.own().count());
+    let own = match own {
+        0 => String::new(),
+        1 => format!(" {}, which the device sets itself, differs.", names(comparison)),
+        _ => format!(" {own} values that the device sets itself differ: {}.", names(comparison)),
+    };
+    match left {
+        0 => format!("The device is as it was before the run ({objects} objects were read).{own}"),
+        1 => format!("1 of {objects} objects is not as it was before the run.{own}"),
+        _ => format!("{left} of {objects} objects are not as they were before the run.{own}"),
+    }
+}
+
+fn names(comparison: &Comparison) -> String {
+    const MOST: usize = 8;
+    let mut names: Vec<String> = comparison.own().take(MOST).map(|change| change.multiplexer.to_string()).collect();
+    let more = comparison.own().count() - names.len();
+    if more > 0 {
+        names.push(format!("and {more} more"));
+    }
+    names.join(", ")
+}
+
+/// The columns of a change: object, name, before, after.
+pub(super) fn row(change: &Change) -> [String; 4] {
+    let name = change.name.clone().unwrap_or_default();
+    let [before, after] = [&change.before, &change.after].map(|value| shown(change, value.as_deref()));
+    [change.multiplexer.to_string(), name, format!("before: {before}"), format!("after: {after}")]
+}
+
+/// A value by its type, and its bytes where they say more.
+fn shown(change: &Change, value: Option<&[u8]>) -> String {
+    let Some(bytes) = value else { return "can't be read".to_owned() };
+    let typed = change.data_type.and_then(|data_type| Value::decode(data_type, bytes).ok());
+    match typed {
+        Some(value @ (Value::Unsigned(_) | Value::Integer(_))) => format!("{value} ({})", Bytes(bytes)),
+        Some(value) => value.to_string(),
+        None => Bytes(bytes).to_string(),
+    }
+}
+
+/// Whether there is anything to say beside the sentence.
+pub(super) fn left(run: &Run) -> Option<&Comparison> {
+    run.comparison.as_ref().filter(|comparison| comparison.left().next().is_some())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_analyzer::Multiplexer;
+    use canvass_analyzer::dictionary::DataType;
+    use canvass_suite::comparison::Nature;
+
+    fn change(index: u16, nature: Nature) -> Change {
+        Change {
+            multiplexer: Multiplexer::new(index, 0),
+            name: Some("Producer heartbeat time".to_owned()),
+            data_type: Some(DataType::UNSIGNED16),
+            nature,
+            before: Some(vec![0xE8, 3]),
+            after: None,
+        }
+    }
+
+    #[test]
+    fn what_is_left_is_told_with_the_command_that_puts_it_back() {
+        let comparison = Comparison {
+            is_complete: true,
+            objects: 9,
+            changes: vec![change(0x1001, Nature::Own), change(0x1017, Nature::Setting)],
+            commands: vec!["canvass sdo write can0 10 1017:00 E803 --type bytes".to_owned()],
+        };
+        let expected = [
+            "1 of 9 objects is not as it was before the run. 1001h:00, which the device sets itself, differs.",
+            "  1017h:00  Producer heartbeat time  before: 1000 (E8 03)  after: can't be read",
+            "These commands put it back:",
+            "  canvass sdo write can0 10 1017:00 E803 --type bytes",
+        ];
+        assert_eq!(lines(&comparison), expected);
+        assert!(!comparison.is_as_found());
+    }
+
+    #[test]
+    fn a_device_that_does_not_answer_is_not_as_it_was() {
+        let comparison = Comparison { objects: 9, ..Comparison::default() };
+        assert!(!comparison.is_as_found() && lines(&comparison)[0].contains("does not answer"));
+    }
+}

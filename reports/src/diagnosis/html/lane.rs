@@ -1,0 +1,167 @@
+//! What the row of a node in the timeline shows: what the node has said of its state, and when it said nothing.
+//!
+//! An NMT command is not what a node says. A reset is shown as such until the node shows a state again; a node that drops
+//! out is silent, whatever it is told in the meantime.
+
+use canvass_analyzer::NodeId;
+use canvass_analyzer::findings::Finding;
+use canvass_analyzer::network::Cause;
+use canvass_analyzer::statistics::{NodeStatistics, StateChange};
+use canvass_analyzer::wire::error_control::State;
+use canvass_traces::{ChannelId, Timestamp};
+
+/// The rule that tells when a node drops out.
+const LOST: &str = "nodes/lost";
+/// A node that sends nothing though it should.
+pub const SILENT: &str = "silent";
+/// A node that was reset, and has not shown a state since.
+pub const RESET: &str = "reset";
+
+/// A state from a time to another.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Span {
+    pub from: Timestamp,
+    pub to: Timestamp,
+    /// The name of an NMT state, [`SILENT`] or [`RESET`].
+    pub state: String,
+}
+
+/// When a node has dropped out.
+#[derive(Debug, Default)]
+pub struct Silences {
+    /// From the last frame to the next one, in the order of time.
+    windows: Vec<(Timestamp, Timestamp)>,
+    /// How many more there were, whose times are not known.
+    pub left_out: u64,
+}
+
+impl Silences {
+    /// Those of one node, as they were found.
+    pub fn of(findings: &[Finding], channel: ChannelId, node: NodeId) -> Self {
+        let own = |finding: &&Finding| {
+            finding.rule.id == LOST && finding.channel == Some(channel) && finding.node == Some(node)
+        };
+        let mut silences = Self::default();
+        for finding in findings.iter().filter(own) {
+            silences.windows.extend(&finding.windows);
+            silences.left_out += finding.count.saturating_sub(finding.windows.len() as u64);
+        }
+        silences.windows.sort_unstable();
+        silences
+    }
+}
+
+/// The name of a state by what is known of it.
+pub fn name(change: &StateChange) -> String {
+    match (change.state, change.cause) {
+        (State::BOOT_UP, Cause::Command) => RESET.to_owned(),
+        (state, _) => state.to_string(),
+    }
+}
+
+/// The states of a node, with its silences instead of what it was told then.
+pub fn spans(node: &NodeStatistics, silences: &Silences) -> Vec<Span> {
+    let mut spans = Vec::new();
+    for (at, change) in node.states.iter().enumerate() {
+        let next = node.states.get(at + 1).map(|next| next.time);
+        let (mut from, to) = (change.time, next.unwrap_or(node.last).max(change.time));
+        for (begin, end) in silences.windows.iter().filter(|(begin, end)| *begin < to && *end > change.time) {
+            push(&mut spans, from, *begin, &name(change));
+            from = from.max(*end);
+        }
+        push(&mut spans, from, to, &name(change));
+    }
+    for (begin, end) in &silences.windows {
+        push(&mut spans, *begin, *end, SILENT);
+    }
+    spans.sort_by_key(|span| span.from);
+    joined(spans)
+}
+
+fn push(spans: &mut Vec<Span>, from: Timestamp, to: Timestamp, state: &str) {
+    if from < to {
+        spans.push(Span { from, to, state: state.to_owned() });
+    }
+}
+
+/// The same state twice, one after the other, is one.
+fn joined(spans: Vec<Span>) -> Vec<Span> {
+    let mut joined: Vec<Span> = Vec::new();
+    for span in spans {
+        match joined.last_mut() {
+            Some(last) if last.state == span.state && last.to >= span.from => last.to = last.to.max(span.to),
+            _ => joined.push(span),
+        }
+    }
+    joined
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SECOND: u64 = 1_000_000_000;
+
+    fn change(second: u64, state: State, cause: Cause) -> StateChange {
+        StateChange { time: Timestamp(second * SECOND), state, cause }
+    }
+
+    fn shown(states: Vec<StateChange>, last: u64, windows: &[(u64, u64)]) -> Vec<(u64, u64, String)> {
+        let mut node = NodeStatistics::default();
+        node.states = states;
+        node.last = Timestamp(last * SECOND);
+        let at = |second: u64| Timestamp(second * SECOND);
+        let windows = windows.iter().map(|(begin, end)| (at(*begin), at(*end))).collect();
+        let spans = spans(&node, &Silences { windows, left_out: 0 });
+        spans.into_iter().map(|span| (span.from.nanos() / SECOND, span.to.nanos() / SECOND, span.state)).collect()
+    }
+
+    fn row(from: u64, to: u64, state: &str) -> (u64, u64, String) {
+        (from, to, state.to_owned())
+    }
+
+    /// What a master tells a node that is not there changes nothing of what is seen.
+    #[test]
+    fn a_silent_node_is_silent_whatever_it_is_told() {
+        let states = vec![
+            change(1, State::OPERATIONAL, Cause::ErrorControl),
+            change(15, State::BOOT_UP, Cause::Command),
+            change(18, State::BOOT_UP, Cause::Command),
+            change(20, State::PRE_OPERATIONAL, Cause::BootUp),
+            change(22, State::OPERATIONAL, Cause::ErrorControl),
+        ];
+        assert_eq!(
+            shown(states, 30, &[(12, 20)]),
+            [
+                row(1, 12, "operational"),
+                row(12, 20, SILENT),
+                row(20, 22, "pre-operational"),
+                row(22, 30, "operational")
+            ]
+        );
+    }
+
+    #[test]
+    fn a_node_that_comes_back_as_it_was_and_one_that_does_not() {
+        let states = || vec![change(1, State::OPERATIONAL, Cause::ErrorControl)];
+        let there = |to| row(1, to, "operational");
+        assert_eq!(
+            shown(states(), 30, &[(5, 7), (12, 14)]),
+            [there(5), row(5, 7, SILENT), row(7, 12, "operational"), row(12, 14, SILENT), row(14, 30, "operational")]
+        );
+        assert_eq!(shown(states(), 12, &[(12, 30)]), [there(12), row(12, 30, SILENT)]);
+    }
+
+    /// Between a reset and what follows, the node has said nothing; a boot-up message is said by nobody but the node.
+    #[test]
+    fn a_reset_is_no_boot_up() {
+        let states = vec![
+            change(1, State::OPERATIONAL, Cause::ErrorControl),
+            change(5, State::BOOT_UP, Cause::Command),
+            change(6, State::BOOT_UP, Cause::Command),
+            change(7, State::PRE_OPERATIONAL, Cause::BootUp),
+        ];
+        let expected = [row(1, 5, "operational"), row(5, 7, RESET), row(7, 9, "pre-operational")];
+        assert_eq!(shown(states, 9, &[]), expected);
+    }
+}

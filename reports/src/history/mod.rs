@@ -1,0 +1,217 @@
+//! Many results of `canvass test`: which case was how in which release, since when it is bad, and which are flaky.
+//!
+//! Results of the same release are its samples: a case of it is as bad as in the worst of them, and flaky if they differ.
+
+mod html;
+mod json;
+mod markdown;
+mod text;
+
+pub use html::render as html;
+pub use json::render as json;
+pub use markdown::render as markdown;
+pub use text::render as text;
+
+use crate::comparison::TestResult;
+use crate::provenance::Provenance;
+use canvass_suite::verdict::Kind;
+use std::collections::BTreeMap;
+
+/// A release with its results, in the order in which they were given.
+#[derive(Clone, Debug)]
+pub struct Release {
+    /// What it is called.
+    pub name: String,
+    /// One for each sample.
+    pub results: Vec<TestResult>,
+}
+
+/// What all results say together. Names come from users and devices: they may hold anything.
+#[derive(Clone, Debug, Default)]
+pub struct History {
+    /// The releases, oldest first.
+    pub releases: Vec<Column>,
+    /// The cases by rising id.
+    pub cases: Vec<Row>,
+    /// Where it comes from.
+    pub provenance: Provenance,
+}
+
+/// A release.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Column {
+    /// What it is called.
+    pub name: String,
+    /// What its devices call their software, each once.
+    pub software: Vec<String>,
+    /// How many results there are of it.
+    pub samples: usize,
+    /// Whether a run of it did not come to its end.
+    pub is_cancelled: bool,
+}
+
+/// A case over the releases.
+#[derive(Clone, Debug)]
+pub struct Row {
+    /// The case.
+    pub id: String,
+    /// How it was in each release.
+    pub cells: Vec<Cell>,
+}
+
+/// A case in a release.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Cell {
+    /// The worst of its samples; none where it did not run.
+    pub verdict: Option<Kind>,
+    /// Whether it did not always end the same way.
+    pub is_flaky: bool,
+    /// The longest of its durations, in nanoseconds.
+    pub duration: Option<u64>,
+    /// The longest of each of its measured times, in nanoseconds.
+    pub times: BTreeMap<String, u64>,
+}
+
+/// What a case did over the releases.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Course {
+    /// The first release in which it was bad.
+    pub first_bad: Option<usize>,
+    /// The releases in which it became bad: bad, and good or not there in the one before.
+    pub became_bad: Vec<usize>,
+    /// Those in which it became good again.
+    pub became_good: Vec<usize>,
+    /// The release in which it first ran, if that is not the first one.
+    pub new_in: Option<usize>,
+    /// The release from which on it did not run any more.
+    pub gone_in: Option<usize>,
+}
+
+const fn is_bad(kind: Kind) -> bool {
+    matches!(kind, Kind::Fail | Kind::Error | Kind::Inconclusive)
+}
+
+impl History {
+    /// Of these releases, oldest first. Where it comes from is for who has read them to say.
+    pub fn of(releases: &[Release]) -> Self {
+        let ids = releases.iter().flat_map(|release| &release.results).flat_map(TestResult::verdicts);
+        let mut ids: Vec<&str> = ids.map(|(id, _)| id).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        let row = |id: &str| Row {
+            id: id.to_owned(),
+            cells: releases.iter().map(|release| Cell::of(id, &release.results)).collect(),
+        };
+        let cases = ids.into_iter().map(row).collect();
+        Self { releases: releases.iter().map(Column::of).collect(), cases, provenance: Provenance::default() }
+    }
+
+    fn name(&self, release: usize) -> &str {
+        self.releases.get(release).map_or("", |column| &column.name)
+    }
+
+    /// The rows that say something: the case was bad, flaky, new or removed.
+    pub fn telling(&self) -> impl Iterator<Item = (&Row, Course)> {
+        let told = |(row, course): &(&Row, Course)| *course != Course::default() || row.is_flaky();
+        self.cases.iter().map(|row| (row, row.course())).filter(told)
+    }
+
+    /// One line about all of it.
+    fn outcome(&self) -> String {
+        let last = self.releases.len().saturating_sub(1);
+        let bad = self.cases.iter().filter(|row| row.verdict(last).is_some_and(is_bad)).count();
+        let newly = self.telling().filter(|(_, course)| course.became_bad.last() == Some(&last)).count();
+        let flaky = self.cases.iter().filter(|row| row.is_flaky()).count();
+        let (cases, releases) = (self.cases.len(), self.releases.len());
+        format!(
+            "{cases} cases over {releases} releases; in the last one {bad} are bad, {newly} of them since it; {flaky} are flaky"
+        )
+    }
+}
+
+impl Column {
+    fn of(release: &Release) -> Self {
+        let identities = release.results.iter().map(TestResult::identity);
+        let mut software: Vec<String> = identities.filter_map(|identity| identity.names[2].clone()).collect();
+        software.sort_unstable();
+        software.dedup();
+        Self {
+            name: release.name.clone(),
+            software,
+            samples: release.results.len(),
+            is_cancelled: release.results.iter().any(TestResult::is_cancelled),
+        }
+    }
+}
+
+impl Cell {
+    fn of(id: &str, samples: &[TestResult]) -> Self {
+        let mut cell = Self::default();
+        for sample in samples.iter().filter_map(|result| result.sample(id)) {
+            let worse = cell.verdict.is_none_or(|known| sample.verdict.badness() > known.badness());
+            let differs = cell.verdict.is_some_and(|known| known != sample.verdict);
+            cell.is_flaky |= sample.is_flaky || differs;
+            cell.verdict = if worse { Some(sample.verdict) } else { cell.verdict };
+            cell.duration = cell.duration.max(sample.duration);
+            for (name, time) in sample.times {
+                let longest = cell.times.entry(name).or_insert(time);
+                *longest = time.max(*longest);
+            }
+        }
+        cell
+    }
+}
+
+impl Row {
+    fn verdict(&self, release: usize) -> Option<Kind> {
+        self.cells.get(release).and_then(|cell| cell.verdict)
+    }
+
+    /// Whether it did not always end the same way in a release.
+    pub fn is_flaky(&self) -> bool {
+        self.cells.iter().any(|cell| cell.is_flaky)
+    }
+
+    /// What it did over the releases.
+    pub fn course(&self) -> Course {
+        let verdicts: Vec<Option<Kind>> = self.cells.iter().map(|cell| cell.verdict).collect();
+        let bad: Vec<bool> = verdicts.iter().map(|verdict| verdict.is_some_and(is_bad)).collect();
+        let ran = |verdict: &Option<Kind>| verdict.is_some();
+        let turned = |to: bool| -> Vec<usize> {
+            let is_turn = |&at: &usize| bad[at] == to && (at > 0 && bad[at - 1] != to || at == 0 && to);
+            (0..bad.len()).filter(is_turn).filter(|&at| verdicts[at].is_some()).collect()
+        };
+        let last = verdicts.iter().rposition(ran);
+        Course {
+            first_bad: bad.iter().position(|bad| *bad),
+            became_bad: turned(true),
+            became_good: turned(false),
+            new_in: verdicts.iter().position(ran).filter(|at| *at > 0),
+            gone_in: last.map(|at| at + 1).filter(|at| *at < verdicts.len()),
+        }
+    }
+}
+
+impl Course {
+    /// In words: `bad since 1.2, good again in 1.4`.
+    fn told(&self, history: &History) -> String {
+        let mut turns: Vec<(usize, &str)> = self.became_bad.iter().map(|at| (*at, "bad since")).collect();
+        turns.extend(self.became_good.iter().map(|at| (*at, "good again in")));
+        turns.extend(self.new_in.map(|at| (at, "new in")));
+        turns.extend(self.gone_in.map(|at| (at, "no longer run in")));
+        turns.sort_by_key(|turn| turn.0);
+        let told = turns.into_iter().map(|(at, what)| format!("{what} {}", history.name(at)));
+        told.collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// A sign for a verdict; a blank where a case did not run.
+const fn sign(verdict: Option<Kind>) -> &'static str {
+    match verdict {
+        Some(kind) => crate::conformance::symbol(kind),
+        None => "·",
+    }
+}
+
+#[cfg(test)]
+mod tests;

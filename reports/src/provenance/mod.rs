@@ -1,0 +1,189 @@
+//! Where a result comes from: what a reader of a report needs to know to believe it, and to repeat it.
+//!
+//! One type for all reports of `test`, `fuzz`, `diagnose` and `compare`; each format shows all of it.
+
+mod json;
+mod render;
+
+pub use json::json;
+pub(crate) use render::{html, junit_properties, markdown, short_text, text};
+
+use canvass_suite::runner::DeviceIdentity;
+use std::fmt::Write as _;
+
+/// The version of canvass.
+pub const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+/// Where a result comes from. Texts come from the user, files and devices: they may hold anything.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+pub struct Provenance {
+    /// When; none of a run on a simulated bus whose date nobody gave.
+    pub date: Option<Date>,
+    /// On which computer; none where only a simulated bus was needed.
+    pub host: Option<Host>,
+    /// On which bus; none where files were read.
+    pub bus: Option<BusUsed>,
+    /// What the devices say of themselves, each with what it is called: `node 63`.
+    pub devices: Vec<(String, DeviceIdentity)>,
+    /// The seed of everything that was left to chance.
+    pub seed: Option<u64>,
+    /// The files that were read, and the recording.
+    pub files: Vec<FileUsed>,
+    /// All options that have to do with the result.
+    pub options: Vec<Choice>,
+    /// What the user adds.
+    pub notes: Vec<(String, String)>,
+}
+
+/// A date and time with its zone.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Date {
+    /// As RFC 3339 writes it: `2026-11-22T14:00:00+01:00`.
+    pub rfc3339: String,
+    /// The name of the zone: `Europe/Berlin`, or `UTC`.
+    pub zone: String,
+}
+
+/// A computer.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Host {
+    /// Its name.
+    pub name: String,
+    /// Its operating system, with the version where it is known.
+    pub system: String,
+}
+
+/// A bus.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct BusUsed {
+    /// As the user addressed it.
+    pub address: String,
+    /// What connects this computer to it.
+    pub adapter: String,
+    /// In bit/s, where it is known.
+    pub bit_rate: Option<u32>,
+}
+
+/// A file that the result depends on, or that belongs to it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct FileUsed {
+    /// What for: `description`, `waivers`, `recording`, `capture`.
+    pub role: &'static str,
+    /// As the user called it.
+    pub path: String,
+    /// Its length in bytes and SHA-256 in hexadecimal; none of what can be read only once, such as a pipe.
+    pub content: Option<(u64, String)>,
+}
+
+/// An option and its value.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Choice {
+    /// As it is typed, without its hyphens.
+    pub name: String,
+    /// What holds; nothing where nothing was given and there is no default.
+    pub value: Vec<String>,
+    /// What would hold if nothing had been given.
+    pub default: Vec<String>,
+    /// Who chose it.
+    pub by: ChosenBy,
+}
+
+/// Who chose the value of an option.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum ChosenBy {
+    /// Nobody.
+    Default,
+    /// The user on the command line.
+    CommandLine,
+    /// An environment variable.
+    Environment,
+    /// A file of settings.
+    Settings,
+}
+
+impl ChosenBy {
+    /// The name in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Default => "default",
+            Self::CommandLine => "command-line",
+            Self::Environment => "environment",
+            Self::Settings => "settings",
+        }
+    }
+}
+
+impl Provenance {
+    /// All of it but the options, as names and values for people.
+    fn facts(&self) -> Vec<(String, String)> {
+        let mut facts = vec![("canvass".to_owned(), VERSION.to_owned())];
+        let mut add = |name: &str, value: String| facts.push((name.to_owned(), value));
+        match &self.date {
+            Some(Date { rfc3339, zone }) => add("date", format!("{rfc3339} ({zone})")),
+            None => add("date", "not given, as the bus is simulated (--date gives one)".to_owned()),
+        }
+        if let Some(Host { name, system }) = &self.host {
+            add("host", format!("{name}, {system}"));
+        }
+        if let Some(BusUsed { address, adapter, bit_rate }) = &self.bus {
+            let rate = bit_rate.map(|rate| format!(", {} kbit/s", f64::from(rate) / 1_000.0)).unwrap_or_default();
+            add("bus", format!("{address} ({adapter}){rate}"));
+        }
+        for (name, identity) in &self.devices {
+            add(name, identity_text(identity));
+        }
+        if let Some(seed) = self.seed {
+            add("seed", seed.to_string());
+        }
+        for FileUsed { role, path, content } in &self.files {
+            match content {
+                Some((bytes, sha256)) => add(role, format!("{path}, {bytes} bytes, SHA-256 {sha256}")),
+                None => add(role, format!("{path}, which can't be read twice: no hash")),
+            }
+        }
+        for (key, value) in &self.notes {
+            add(&format!("note {key}"), value.clone());
+        }
+        facts
+    }
+
+    /// The options with what they stand at; what was chosen comes first.
+    fn settings(&self) -> Vec<(String, String)> {
+        let shown = |choice: &Choice| {
+            let or_none = |values: &[String]| if values.is_empty() { "-".to_owned() } else { values.join(", ") };
+            let value = or_none(&choice.value);
+            let told = match choice.by {
+                ChosenBy::Default => value,
+                _ => format!("{value} (default {})", or_none(&choice.default)),
+            };
+            (choice.name.clone(), told)
+        };
+        let (usual, chosen): (Vec<&Choice>, _) = self.options.iter().partition(|choice| choice.by == ChosenBy::Default);
+        chosen.into_iter().chain(usual).map(shown).collect()
+    }
+}
+
+/// What a device says of itself, in a line.
+fn identity_text(identity: &DeviceIdentity) -> String {
+    let [name, hardware, software] = identity.names.each_ref().map(|text| text.as_deref().unwrap_or("-"));
+    let mut text = format!("{name}, hardware {hardware}, software {software}");
+    let [vendor, product, revision, serial] = identity.identity;
+    let numbers = [
+        ("device type", identity.device_type),
+        ("vendor-ID", vendor),
+        ("product code", product),
+        ("revision", revision),
+        ("serial number", serial),
+    ];
+    for (name, number) in numbers {
+        // Writing to a string can't fail.
+        let _ = match number {
+            Some(number) => write!(text, ", {name} {number:08X}h"),
+            None => write!(text, ", {name} -"),
+        };
+    }
+    text
+}
+
+#[cfg(test)]
+mod tests;

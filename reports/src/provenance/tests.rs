@@ -1,0 +1,99 @@
+//! Every format tells all of it, and nothing in it does harm.
+
+use super::*;
+
+const HOSTILE: &str = "\x1b[2J<script>|`\u{202e}";
+
+fn provenance() -> Provenance {
+    let choice = |name: &str, value: &str, by| Choice {
+        name: name.to_owned(),
+        value: vec![value.to_owned()],
+        default: vec!["5".to_owned()],
+        by,
+    };
+    Provenance {
+        date: Some(Date { rfc3339: "2026-11-22T14:00:00+01:00".to_owned(), zone: "Europe/Berlin".to_owned() }),
+        host: Some(Host { name: "bench-3".to_owned(), system: "Linux 6.1".to_owned() }),
+        bus: Some(BusUsed { address: "can0".to_owned(), adapter: "PCAN-USB".to_owned(), bit_rate: Some(83_333) }),
+        devices: vec![(
+            "node 63".to_owned(),
+            DeviceIdentity {
+                device_type: Some(0x0002_0196),
+                identity: [Some(0x13), None, None, Some(7)],
+                names: [Some(HOSTILE.to_owned()), None, Some("1.4".to_owned())],
+            },
+        )],
+        seed: Some(7),
+        files: vec![
+            FileUsed { role: "waivers", path: "w.toml".to_owned(), content: Some((3, "abcdef".to_owned())) },
+            FileUsed { role: "capture", path: "-".to_owned(), content: None },
+        ],
+        options: vec![choice("tolerance", "5", ChosenBy::Default), choice("repeat", "3", ChosenBy::CommandLine)],
+        notes: vec![("tester".to_owned(), "Ann".to_owned()), ("hostile".to_owned(), HOSTILE.to_owned())],
+    }
+}
+
+/// What each format has to tell, in whatever words.
+const TOLD: [&str; 13] = [
+    VERSION,
+    "2026-11-22T14:00:00+01:00",
+    "Europe/Berlin",
+    "bench-3",
+    "PCAN-USB",
+    "00020196h",
+    "00000013h",
+    "1.4",
+    "abcdef",
+    "w.toml",
+    "tolerance",
+    "repeat",
+    "Ann",
+];
+
+#[test]
+fn every_format_tells_all_of_it() {
+    let provenance = provenance();
+    let (mut plain, mut page) = (Vec::new(), Vec::new());
+    text(&provenance, &mut plain).unwrap();
+    markdown(&provenance, &mut page).unwrap();
+    let properties = junit_properties(&provenance);
+    let properties: Vec<String> = properties.iter().map(|(name, value)| format!("{name}={value}")).collect();
+    let formats = [
+        String::from_utf8(plain).unwrap(),
+        String::from_utf8(page).unwrap(),
+        html(&provenance).into_string(),
+        properties.join("\n"),
+    ];
+    for format in &formats {
+        for told in TOLD {
+            assert!(format.contains(told), "{told} is missing in {format}");
+        }
+        assert!(!format.contains(['\x1b', '\u{202e}']), "{format}");
+    }
+    assert!(!formats[2].contains("<script>") && !formats[1].contains("<script>"));
+    assert!(formats[0].contains("repeat: 3 (default 5); tolerance: 5"), "what was chosen comes first: {}", formats[0]);
+    assert!(formats[0].contains("83.333 kbit/s") && formats[0].contains("can't be read twice"));
+}
+
+#[test]
+fn json_has_values_and_defaults_as_data() {
+    let json = json(&provenance());
+    assert_eq!(json["options"][1]["value"][0], "3");
+    assert_eq!((&json["options"][1]["default"][0], &json["options"][1]["by"]), (&"5".into(), &"command-line".into()));
+    assert_eq!((&json["devices"][0]["vendor_id"], &json["bus"]["bit_rate"]), (&0x13.into(), &83_333.into()));
+    assert_eq!(
+        (&json["files"][0]["sha256"], &json["files"][1]["sha256"]),
+        (&"abcdef".into(), &serde_json::Value::Null)
+    );
+    assert_eq!(json["notes"]["tester"], "Ann");
+}
+
+#[test]
+fn a_simulated_run_has_no_date_of_its_own() {
+    let without = Provenance::default();
+    let mut shown = Vec::new();
+    text(&without, &mut shown).unwrap();
+    let shown = String::from_utf8(shown).unwrap();
+    assert!(shown.contains("date         not given") && !shown.contains("host"), "{shown}");
+    assert_eq!(json(&without)["date"], serde_json::Value::Null);
+}
