@@ -2,12 +2,15 @@
 
 use crate::commands;
 use crate::output::Color;
+use crate::provenance::Typed;
 use crate::status::{Failure, Status};
-use clap::{Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use std::ffi::OsString;
 
 /// CANopen trace analyzer and protocol conformance tester.
 #[derive(Parser)]
 #[command(name = "canvass", version, propagate_version = true, max_term_width = 100)]
+#[command(disable_help_subcommand = true)]
 #[command(after_help = "\
 Exit status: 0 good; 1 findings, failures or a property broken; 2 wrong usage or unreadable input;
 3 bus or device could not be reached, or no case ran.")]
@@ -26,6 +29,8 @@ enum Command {
     Signals(commands::signals::Args),
     Convert(commands::convert::Args),
     Test(commands::test::Args),
+    Verify(commands::verify::Args),
+    Restore(commands::restore::Args),
     Fuzz(commands::fuzz::Args),
     Simulate(commands::simulate::Args),
     Monitor(commands::monitor::Args),
@@ -33,42 +38,120 @@ enum Command {
     Scan(commands::scan::Args),
     Selftest(commands::selftest::Args),
     Compare(commands::compare::Args),
+    History(commands::history::Args),
     Send(commands::send::Args),
     Sdo(commands::sdo::Args),
     Nmt(commands::nmt::Args),
     Lss(commands::lss::Args),
+    Eds(commands::eds::Args),
     Doctor(commands::doctor::Args),
     List(commands::list::Args),
     Explain(commands::explain::Args),
     Completions(commands::completions::Args),
     Man(commands::man::Args),
+    Help(commands::help::Args),
 }
 
 impl Cli {
+    /// The command line, and what was typed of it; help and mistakes end the program.
+    pub fn of_arguments(arguments: impl Iterator<Item = OsString>) -> (Self, Typed) {
+        let mut command = Self::command();
+        let matches = command.try_get_matches_from_mut(arguments).unwrap_or_else(|mistake| mistake.exit());
+        let typed = Typed::of(&command, &matches);
+        let cli = Self::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
+        (cli, typed)
+    }
+
     /// Does what was asked for.
-    pub fn run(self) -> Result<Status, Failure> {
+    pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
         match self.command {
             Command::Decode(args) => args.run(self.color),
-            Command::Diagnose(args) => args.run(self.color),
+            Command::Diagnose(args) => args.run(self.color, typed),
             Command::Signals(args) => args.run(),
-            Command::Test(args) => args.run(self.color),
-            Command::Fuzz(args) => args.run(),
+            Command::Test(args) => args.run(self.color, typed),
+            Command::Verify(args) => args.run(),
+            Command::Restore(args) => args.run(),
+            Command::Fuzz(args) => args.run(typed),
             Command::Simulate(args) => args.run(),
             Command::Monitor(args) => args.run(self.color),
             Command::Record(args) => args.run(),
             Command::Scan(args) => args.run(),
             Command::Selftest(args) => args.run(),
-            Command::Compare(args) => args.run(),
+            Command::Compare(args) => args.run(typed),
+            Command::History(args) => args.run(typed),
             Command::Send(args) => args.run(self.color),
             Command::Sdo(args) => args.run(),
             Command::Nmt(args) => args.run(self.color),
             Command::Lss(args) => args.run(),
+            Command::Eds(args) => args.run(),
             Command::Doctor(args) => args.run(),
             Command::Convert(args) => args.run(),
-            Command::Completions(args) => args.run(),
-            Command::Man(args) => args.run(),
+            Command::Completions(args) => args.run(Self::command()),
+            Command::Man(args) => args.run(Self::command()),
+            Command::Help(args) => args.run(Self::command()),
             Command::List(args) => args.run(),
             Command::Explain(args) => args.run(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeMap;
+
+    /// What an option takes, and whether it takes anything: `NODE=MODEL|FILE` and `[NODE=]MODEL|FILE` are one thing, given to
+    /// commands about one node or several.
+    fn meaning(argument: &clap::Arg) -> String {
+        let names = argument.get_value_names().unwrap_or_default().join(" ");
+        match argument.get_action().takes_values() {
+            true => names.trim_start_matches("[NODE=]").trim_start_matches("NODE=").to_owned(),
+            false => "nothing".to_owned(),
+        }
+    }
+
+    /// Options whose value differs although they mean the same, each with why.
+    const SAME: [(&str, &str); 4] = [
+        ("journal", "restore has to have one; test takes none for nowhere"),
+        ("node", "simulate takes none for a device without node-ID"),
+        ("timeout", "of test and restore each wait has its own, WHAT=SPAN"),
+        ("to", "where a capture is written, a format is told from a time by its name"),
+    ];
+
+    fn walk(command: &clap::Command, path: &str, seen: &mut BTreeMap<String, Vec<(String, String)>>) {
+        for argument in command.get_arguments().filter(|argument| !argument.is_hide_set()) {
+            if let Some(long) = argument.get_long() {
+                seen.entry(long.to_owned()).or_default().push((meaning(argument), path.to_owned()));
+            }
+        }
+        for below in command.get_subcommands() {
+            walk(below, &format!("{path} {}", below.get_name()), seen);
+        }
+    }
+
+    #[test]
+    fn an_option_means_one_thing_in_all_commands() {
+        let (mut cli, mut seen) = (Cli::command(), BTreeMap::new());
+        cli.build();
+        walk(&cli, "canvass", &mut seen);
+        assert!(seen.len() > 60, "{}", seen.len());
+        for (option, uses) in seen {
+            let differs = uses.iter().any(|(meaning, _)| *meaning != uses[0].0);
+            assert!(!differs || SAME.iter().any(|(same, _)| *same == option), "--{option}: {uses:#?}");
+        }
+    }
+
+    /// JSON has one name, and what prints a result has it.
+    #[test]
+    fn json_is_a_format_everywhere() {
+        let (mut cli, mut seen) = (Cli::command(), BTreeMap::new());
+        cli.build();
+        walk(&cli, "canvass", &mut seen);
+        assert!(!seen.contains_key("json"), "{:?}", seen["json"]);
+        for command in
+            ["test", "fuzz", "diagnose", "compare", "history", "verify", "scan", "doctor", "lss inquire", "sdo read"]
+        {
+            assert!(seen["format"].iter().any(|(_, path)| *path == format!("canvass {command}")), "{command}");
         }
     }
 }

@@ -1,6 +1,7 @@
 //! The file that a capture is written to.
 
 use crate::output::Output;
+use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, bail};
 use canvass_traces::{Compression, Format, WriteError};
 use std::fs::{self, File, OpenOptions};
@@ -37,15 +38,25 @@ impl Destination {
         self.path.as_os_str() == "-"
     }
 
-    /// Makes the file, or empties an existing one that may be overwritten. It must be none of the captures read.
-    pub fn open(&self, inputs: &[PathBuf], output: &Output) -> Result<Box<dyn Write>> {
+    /// What is written, and the file that is to be completed when all of it is; `None`: there is none.
+    pub fn open(&self, output: &Output) -> Result<(Box<dyn Write>, Option<WholeFile>)> {
+        if self.is_stdout() {
+            return Ok((Box::new(output.clone()), None));
+        }
+        if !self.force {
+            refuse_existing(&self.path)?;
+        }
+        let whole = WholeFile::create(&self.path)?;
+        Ok((Box::new(whole.writer()?), Some(whole)))
+    }
+
+    /// The same for what comes as it happens on a bus: the file has its name from the start, so that it is found
+    /// there even if this program is killed.
+    pub fn open_growing(&self, output: &Output) -> Result<Box<dyn Write>> {
         if self.is_stdout() {
             return Ok(Box::new(output.clone()));
         }
         let path = self.path.display();
-        if inputs.iter().any(|input| is_same_file(input, &self.path)) {
-            bail!("{path} is read and can't be written at the same time");
-        }
         let file = match OpenOptions::new().write(true).create_new(true).open(&self.path) {
             Err(error) if error.kind() == io::ErrorKind::AlreadyExists => self.open_existing(),
             opened => opened.with_context(|| format!("can't write {path}")),
@@ -54,25 +65,28 @@ impl Destination {
     }
 
     fn open_existing(&self) -> Result<File> {
-        let path = self.path.display();
-        // A pipe or a device has nothing that could get lost.
-        let is_file = fs::metadata(&self.path).map_or(true, |metadata| metadata.is_file());
-        if is_file && !self.force {
-            bail!("{path} exists: give --force to overwrite it");
+        if !self.force {
+            refuse_existing(&self.path)?;
         }
+        let is_file = is_file(&self.path);
         OpenOptions::new()
             .write(true)
             .create(true)
             .truncate(is_file)
             .open(&self.path)
-            .with_context(|| format!("can't write {path}"))
+            .with_context(|| format!("can't write {}", self.path.display()))
     }
 }
 
-/// Whether two paths are one file.
-pub fn is_same_file(a: &Path, b: &Path) -> bool {
-    match (fs::canonicalize(a), fs::canonicalize(b)) {
-        (Ok(a), Ok(b)) => a == b && a.is_file(),
-        _ => false,
+/// Nothing is overwritten unasked. A pipe or a device has nothing that could get lost.
+pub fn refuse_existing(path: &Path) -> Result<()> {
+    if fs::symlink_metadata(path).is_ok() && is_file(path) {
+        bail!("{} exists: give --force to overwrite it", path.display());
     }
+    Ok(())
+}
+
+/// One that can't be asked is treated as a file.
+fn is_file(path: &Path) -> bool {
+    fs::metadata(path).map_or(true, |metadata| metadata.is_file())
 }

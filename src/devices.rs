@@ -3,8 +3,9 @@
 use crate::output::diagnostic;
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
-use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, ProblemKind, Severity};
+use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, KnownDevice, ProblemKind, Severity};
 use canvass_device::models::Model;
+use canvass_traces::small_file::{self, OF_HAND};
 use std::path::Path;
 
 /// A node and the model or file that describes it, as typed.
@@ -36,28 +37,35 @@ pub fn parse_node(text: &str) -> Result<NodeId> {
 }
 
 impl DeviceArg {
-    /// The description of the device.
-    pub fn describe(&self) -> Result<DeviceDescription> {
+    /// What is known of the device.
+    pub fn describe(&self) -> Result<KnownDevice> {
         describe(&self.device)
     }
 }
 
-/// The description of a built-in model or in a file.
-pub fn describe(device: &str) -> Result<DeviceDescription> {
+/// What is known of a built-in model, or of the device that a file describes.
+pub fn describe(device: &str) -> Result<KnownDevice> {
     if let Some(model) = Model::by_id(device) {
-        return Ok(model.description().clone());
+        return Ok(KnownDevice::clone(model.device()));
     }
     let path = Path::new(device);
     if !path.exists() {
         bail!("\"{device}\" is neither a built-in model (`canvass list models`) nor a file");
     }
-    let bytes = std::fs::read(path).with_context(|| format!("can't read {}", path.display()))?;
+    let description = read(path)?;
+    tell_problems(path, &description.problems);
+    Ok(KnownDevice::described(description))
+}
+
+/// The description in a file, with its problems; one of which half can't be read describes nothing.
+pub fn read(path: &Path) -> Result<DeviceDescription> {
+    let bytes = small_file::read(path, OF_HAND).with_context(|| format!("can't read {}", path.display()))?;
     if let Some(line) = conflict(&bytes) {
         bail!("{}: line {line} begins a merge conflict that nobody has resolved: choose one side", path.display());
     }
     let description =
         DeviceDescription::read(&bytes).with_context(|| format!("{} is no device description", path.display()))?;
-    tell_problems(path, &bytes, &description.problems)?;
+    refuse_unread(path, &bytes, &description.problems)?;
     Ok(description)
 }
 
@@ -68,22 +76,33 @@ fn conflict(bytes: &[u8]) -> Option<usize> {
     begins(b">>>>>>> ").filter(|end| *end > begin).map(|_| begin + 1)
 }
 
-/// Says in one line what is wrong in a description; one of which half could not be read describes nothing.
-fn tell_problems(path: &Path, bytes: &[u8], problems: &[EdsProblem]) -> Result<()> {
+fn refuse_unread(path: &Path, bytes: &[u8], problems: &[EdsProblem]) -> Result<()> {
     let lines = bytes.split(|&byte| byte == b'\n').filter(|line| !line.trim_ascii().is_empty()).count();
     let unread = problems.iter().filter(|problem| problem.kind == ProblemKind::Line).count();
     if unread > 0 && unread * 2 >= lines {
         bail!("{}: {unread} of {lines} lines can't be read: this is no device description", path.display());
     }
-    let serious = || problems.iter().filter(|problem| problem.severity == Severity::Error);
-    if let Some(first) = serious().next() {
-        let more = match serious().count() - 1 {
-            0 => String::new(),
-            n => format!(", and {n} more"),
-        };
-        diagnostic(&format!("{}: {first}{more}", path.display()));
-    }
     Ok(())
+}
+
+/// Says in one line what is wrong in a description, and how to see all of it.
+fn tell_problems(path: &Path, problems: &[EdsProblem]) {
+    let of = |severity| problems.iter().filter(move |problem| problem.severity == severity);
+    let first = of(Severity::Error).next().or_else(|| of(Severity::Warning).next());
+    if let Some(first) = first {
+        let count = summary(problems);
+        let path = path.display();
+        diagnostic(&format!("{path}: {count}; the first: {first} (`canvass eds check {path}` shows all)"));
+    }
+}
+
+/// How many problems there are: `1 error, 2 warnings`.
+pub fn summary(problems: &[EdsProblem]) -> String {
+    let count = |severity, name: &str| {
+        let count = problems.iter().filter(|problem| problem.severity == severity).count();
+        format!("{count} {name}{}", if count == 1 { "" } else { "s" })
+    };
+    format!("{}, {}", count(Severity::Error, "error"), count(Severity::Warning, "warning"))
 }
 
 #[cfg(test)]
@@ -100,7 +119,7 @@ mod tests {
     fn what_is_half_unread_is_refused() {
         let read = |text: &str| {
             let description = DeviceDescription::read(text.as_bytes()).unwrap();
-            tell_problems(Path::new("x.eds"), text.as_bytes(), &description.problems)
+            refuse_unread(Path::new("x.eds"), text.as_bytes(), &description.problems)
         };
         let good = "[FileInfo]\nFileName=x.eds\n[DeviceInfo]\nVendorName=x\n";
         assert!(read(good).is_ok());

@@ -2,16 +2,19 @@
 
 use crate::damages::Damages;
 use crate::interrupt::Interrupt;
+use crate::live_source::{live, may_wait};
 use crate::output::{Output, diagnostic};
 use crate::quality::QualityOptions;
 use crate::status::Failure;
-use crate::stdin;
 use anyhow::{Result, anyhow};
+use canvass_analyzer::findings::InOrder;
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::{
     CanId, Capture, ChannelId, Channels, Damage, Format, Frame, Merge, Naming, Quality, ReadOptions, Reader, Record,
     Source, TimeBase, Timestamp,
 };
+use std::fs::File;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// How captures are read.
@@ -56,9 +59,13 @@ pub struct Inputs<'a> {
     quality: Vec<Quality>,
     /// What came out last. It stays here: moving it costs as much as reading it.
     record: Record,
+    /// What sorts records by time, where that is wanted.
+    order: Option<Box<InOrder>>,
     output: Output,
     interrupt: Interrupt,
     is_live: bool,
+    /// An interruption ends the source, which then has something to say: no more is looked for here.
+    ends_itself: bool,
     /// The first source that could not be read to its end.
     stopped: Option<String>,
 }
@@ -76,36 +83,41 @@ impl<'a> Inputs<'a> {
     /// Opens all files; `output` is flushed before anything is reported, and while standard input has nothing.
     pub fn open(files: &[PathBuf], options: &'a InputOptions, output: &Output) -> Result<Self, Failure> {
         let interrupt = Interrupt::watch()?;
-        let is_live = files.iter().any(|file| is_stdin(file));
-        let captures = files.iter().map(|file| options.open(file, output, &interrupt)).collect::<Result<Vec<_>>>()?;
-        Ok(Self::merged(captures, options, output, interrupt, is_live))
+        let is_live = files.iter().any(|file| is_stdin(file) || may_wait(file));
+        let opened = files.iter().map(|file| options.open(file, output, &interrupt)).collect::<Result<Vec<_>>>();
+        let captures = opened.map_err(|error| {
+            // What was waited for looks empty then.
+            if interrupt.came() { anyhow!("interrupted before there was anything to read") } else { error }
+        })?;
+        Ok(Self { is_live, ..Self::merged(captures, options, output, interrupt) })
     }
 
     /// A live bus.
     pub fn live(capture: Capture, options: &'a InputOptions, output: &Output, interrupt: Interrupt) -> Self {
-        Self::merged(vec![capture], options, output, interrupt, true)
+        Self { is_live: true, ends_itself: true, ..Self::merged(vec![capture], options, output, interrupt) }
     }
 
-    fn merged(
-        captures: Vec<Capture>,
-        options: &'a InputOptions,
-        output: &Output,
-        interrupt: Interrupt,
-        is_live: bool,
-    ) -> Self {
+    fn merged(captures: Vec<Capture>, options: &'a InputOptions, output: &Output, interrupt: Interrupt) -> Self {
         let naming = if options.same_bus { Naming::SameBus } else { Naming::BySource };
         Self {
             options,
             quality: vec![Quality::default(); captures.len()],
             record: Record::new(Timestamp(0), ChannelId(0), Frame::full(CanId::standard_masked(0), [0; 8])),
+            order: None,
             merge: Merge::new(captures, naming),
             damages: Damages::default(),
             damage_count: 0,
             output: output.clone(),
             interrupt,
-            is_live,
+            is_live: false,
+            ends_itself: false,
             stopped: None,
         }
+    }
+
+    /// Sorts records that are out of order by up to [`InOrder::WINDOW`].
+    pub fn put_in_order(&mut self) {
+        self.order = Some(Box::default());
     }
 
     /// Goes on to what comes next; `None` at the end or when interrupted.
@@ -113,7 +125,34 @@ impl<'a> Inputs<'a> {
     /// # Errors
     /// With `--strict`, the first damage.
     pub fn advance(&mut self) -> Result<Option<Seen>, Failure> {
-        while !self.interrupt.came()
+        if self.order.is_some() { self.advance_in_order() } else { self.read() }
+    }
+
+    /// Reads on until it is a record's turn.
+    #[cold]
+    fn advance_in_order(&mut self) -> Result<Option<Seen>, Failure> {
+        let mut is_at_end = false;
+        while let Some(order) = &mut self.order {
+            let next = if is_at_end { order.flush() } else { order.pop() };
+            if let Some(next) = next {
+                self.record.clone_from(next);
+                return Ok(Some(Seen::Record));
+            }
+            if is_at_end {
+                break;
+            }
+            is_at_end = self.read()?.is_none();
+            if let (Some(order), false) = (&mut self.order, is_at_end) {
+                order.push(&mut self.record);
+            }
+        }
+        Ok(None)
+    }
+
+    /// Reads what comes next.
+    #[inline]
+    fn read(&mut self) -> Result<Option<Seen>, Failure> {
+        while (self.ends_itself || !self.interrupt.came())
             && let Some((source, item)) = self.merge.next()
         {
             match item {
@@ -125,7 +164,7 @@ impl<'a> Inputs<'a> {
                     return Ok(Some(Seen::Record));
                 }
                 // Its end is not the file's: a last line may be cut there.
-                Err(_) if self.interrupt.came() => {}
+                Err(_) if self.interrupt.came() && !self.ends_itself => {}
                 Err(damage) => {
                     self.report(source, &damage)?;
                     if let Some(record) = damage.salvaged {
@@ -141,6 +180,11 @@ impl<'a> Inputs<'a> {
     /// What came out last.
     pub const fn record(&self) -> &Record {
         &self.record
+    }
+
+    /// Hands over what came out last, to be sorted: [`Inputs::record`] is something else then.
+    pub fn hand_over(&mut self, order: &mut InOrder) {
+        order.push(&mut self.record);
     }
 
     fn report(&mut self, source: usize, damage: &Damage) -> Result<(), Failure> {
@@ -178,6 +222,11 @@ impl<'a> Inputs<'a> {
     /// The channels seen so far.
     pub fn channels(&self) -> &Channels {
         self.merge.channels()
+    }
+
+    /// The bit rate of a channel's bus in bit/s, where its capture says it.
+    pub fn bit_rate(&self, channel: ChannelId) -> Option<u32> {
+        self.merge.bit_rate(channel)
     }
 
     /// A channel's name in its own file.
@@ -234,11 +283,22 @@ fn is_stdin(file: &Path) -> bool {
 }
 
 impl InputOptions {
+    /// The file that the quality of the captures is written to, if it is.
+    pub fn quality_file(&self) -> Option<&Path> {
+        self.quality.file()
+    }
+
     fn open(&self, file: &Path, output: &Output, interrupt: &Interrupt) -> Result<Capture> {
         let options = ReadOptions { format: self.format_in, topics: self.topic.clone() };
+        let (output, interrupt) = (output.clone(), interrupt.clone());
         if is_stdin(file) {
-            let source = Source::new(stdin::live(output.clone(), interrupt.clone()));
+            let source = Source::new(live(|| Ok(io::stdin()), output, interrupt));
             return Ok(Capture::from_source("-", source, &options)?);
+        }
+        if may_wait(file) {
+            let path = file.to_owned();
+            let source = Source::new(live(move || File::open(path), output, interrupt));
+            return Ok(Capture::from_source(&file.display().to_string(), source, &options)?);
         }
         Ok(Capture::open(file, &options)?)
     }

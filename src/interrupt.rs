@@ -25,6 +25,17 @@ impl Interrupt {
         Ok(interrupt)
     }
 
+    /// As if the user had asked for it.
+    #[cfg(test)]
+    pub fn request(&self) {
+        self.0.store(true, Ordering::Relaxed);
+    }
+
+    /// What is set when it comes.
+    pub fn flag(&self) -> Arc<AtomicBool> {
+        Arc::clone(&self.0)
+    }
+
     /// Whether it came.
     pub fn came(&self) -> bool {
         self.0.load(Ordering::Relaxed)

@@ -1,10 +1,13 @@
 //! A simulated device whose non-volatile memory is a file.
 
+use crate::whole_file::WholeFile;
 use anyhow::{Context, Result};
 use canvass_analyzer::NodeId;
 use canvass_bus::Machine;
 use canvass_device::{Device, Memory};
+use canvass_traces::small_file::{self, OF_PROGRAM};
 use canvass_traces::{Frame, Timestamp};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The device; what it stores goes into the file as soon as it is stored.
@@ -21,7 +24,8 @@ impl KeptDevice {
     /// Switches the device on with what the file holds, if there is one.
     pub fn new(mut device: Device, file: Option<&Path>) -> Result<Self> {
         if let Some(file) = file.filter(|file| file.exists()) {
-            let text = std::fs::read_to_string(file).with_context(|| format!("can't read {}", file.display()))?;
+            let text =
+                small_file::read_text(file, OF_PROGRAM).with_context(|| format!("can't read {}", file.display()))?;
             let unfit = || format!("{} is no memory of this device", file.display());
             let memory: Memory = text.parse().with_context(unfit)?;
             device.insert_memory(Timestamp::ZERO, &memory).with_context(unfit)?;
@@ -43,7 +47,11 @@ impl KeptDevice {
         let Some(file) = &self.file else { return Ok(()) };
         let memory = self.device.memory();
         if memory != self.kept || !file.exists() {
-            std::fs::write(file, memory.to_string()).with_context(|| format!("can't write {}", file.display()))?;
+            // A device that is killed while it stores keeps what it had before.
+            let whole = WholeFile::create(file)?;
+            let written = whole.writer()?.write_all(memory.to_string().as_bytes());
+            written.with_context(|| format!("can't write {}", file.display()))?;
+            whole.complete()?;
             self.kept = memory;
         }
         Ok(())

@@ -3,21 +3,90 @@
 use crate::devices::DeviceArg;
 use crate::output::{Color, Output, diagnostic};
 use crate::status::Failure;
+use canvass_analyzer::dictionary::KnownDevice;
 use canvass_analyzer::network::Network;
 use canvass_analyzer::{Meaning, NodeId, Service};
 use canvass_bus::{Bus, BusError};
-use canvass_device::address::Opened;
+use canvass_device::address::{Opened, open_seeded_at};
 use canvass_device::models::Model;
 use canvass_reports::decode::{Line, Lines, TextLines, TimeStyle};
 use canvass_traces::{Channels, Duration, Record, TimeBase};
 use std::io;
+use std::net::IpAddr;
 
 /// Opens a bus; an address that names none is a mistake of the user, anything else is the bus's.
 pub fn open_bus(address: &str, seed: u64) -> Result<Opened, Failure> {
-    canvass_device::address::open_seeded(address, seed).map_err(|error| match error {
+    open_bus_at(address, seed, None)
+}
+
+/// The same; a simulated device that is alone and whose node-ID the address does not tell gets `node`.
+fn open_bus_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<Opened, Failure> {
+    if let Some(place) = open_to_others(address) {
+        diagnostic(&format!("canvass: whoever reaches {place} is on this bus: the protocol has no passwords"));
+    }
+    open_seeded_at(address, seed, node).map_err(|error| match error {
         BusError::Address { .. } => Failure::from(error),
         _ => Failure::unreachable(error),
     })
+}
+
+/// The place where others than programs on this machine can connect, if the address names one.
+fn open_to_others(address: &str) -> Option<&str> {
+    let place = address.strip_prefix("slcan:listen://")?;
+    let place = place.split_once('@').map_or(place, |(place, _)| place);
+    let (host, _) = place.rsplit_once(':')?;
+    let host = host.trim_start_matches('[').trim_end_matches(']');
+    let is_own = host.is_empty() || host == "localhost" || host.parse::<IpAddr>().is_ok_and(|host| host.is_loopback());
+    (!is_own).then_some(place)
+}
+
+/// How long a program that has to connect to this end is waited for.
+pub const CLIENT: Duration = Duration::from_secs(10);
+
+/// How long it is waited for, as typed.
+#[derive(Clone, Copy, clap::Args)]
+pub struct ClientArg {
+    /// How long to wait until somebody connects, where the bus is slcan:listen://
+    #[arg(long, default_value = "10s", value_name = "SPAN", value_parser = parse_span)]
+    client_timeout: Duration,
+}
+
+/// The same for a bus on which a device is asked: where somebody has to connect to this end first, that is waited for.
+pub fn open_device_bus(address: &str, seed: u64, patience: Duration) -> Result<Opened, Failure> {
+    open_device_bus_at(address, seed, patience, None)
+}
+
+/// The same; a simulated device that is alone and whose node-ID the address does not tell gets `node`.
+pub fn open_device_bus_at(
+    address: &str,
+    seed: u64,
+    patience: Duration,
+    node: Option<NodeId>,
+) -> Result<Opened, Failure> {
+    let mut opened = open_bus_at(address, seed, node)?;
+    opened.bus.wait_for_client(patience).map_err(Failure::unreachable)?;
+    Ok(opened)
+}
+
+/// A simulated bus whose device has booted.
+pub fn open_bus_of(address: &str, seed: u64, node: NodeId) -> Result<Box<dyn Bus>, Failure> {
+    let mut bus = open_bus_at(address, seed, Some(node))?.bus;
+    let boots = bus.now() + BOOT;
+    while let Some(record) = bus.receive(boots).map_err(Failure::unreachable)? {
+        if record.frame.cob_id() == Some(0x700 + u16::from(node.raw())) {
+            break;
+        }
+    }
+    Ok(bus)
+}
+
+/// How long a simulated device may take to boot.
+const BOOT: Duration = Duration::from_secs(5);
+
+/// Lets a tester that falls behind lose the oldest frames: waits that are that late say nothing of the device any more. The
+/// limit is a third of a second of a full bus at 1 Mbit/s.
+pub fn limited(bus: &mut dyn Bus) {
+    bus.limit_backlog(8_192);
 }
 
 /// What a bus is called in listings and captures: the interface, port or kind.
@@ -52,15 +121,20 @@ pub struct Live {
 impl Live {
     /// Opens a bus, describes the devices on it, and lets a simulated one, which was only just switched on, finish its
     /// initialisation.
-    pub fn open(address: &str, devices: &[DeviceArg]) -> Result<Self, Failure> {
-        let opened = open_bus(address, 0)?;
+    pub fn open(
+        address: &str,
+        node: Option<NodeId>,
+        devices: &[DeviceArg],
+        client: ClientArg,
+    ) -> Result<Self, Failure> {
+        let opened = open_device_bus_at(address, 0, client.client_timeout, node)?;
         let mut channels = Channels::new();
         channels.intern(channel_name(address));
         let (model, simulated) = (opened.model, opened.node());
         let mut live = Self { bus: opened.bus, model, simulated, network: Network::new(), channels };
         for attached in &opened.devices {
             if let Some(node) = attached.node {
-                live.network.describe(node, attached.model.description().clone());
+                live.network.describe(node, KnownDevice::clone(attached.model.device()));
             }
         }
         if let Some(node) = simulated {
@@ -73,7 +147,7 @@ impl Live {
     }
 
     fn boot(&mut self, node: NodeId) -> Result<(), BusError> {
-        let deadline = self.bus.now() + Duration::from_secs(5);
+        let deadline = self.bus.now() + BOOT;
         while let Some(record) = self.bus.receive(deadline)? {
             let decoded = self.network.handle(&record);
             if decoded.service == Service::BootUp && decoded.node == Some(node) {
@@ -90,13 +164,18 @@ impl Live {
 
     /// Says what went wrong on the way from and to the bus.
     pub fn report_health(&self) {
-        let health = self.bus.health();
-        if health.lost > 0 {
-            diagnostic(&format!("canvass: {} frames were lost: this machine did not keep up", health.lost));
-        }
-        if let Some(trouble) = health.trouble {
-            diagnostic(&format!("canvass: {trouble}"));
-        }
+        report_health(self.bus.as_ref());
+    }
+}
+
+/// Says what went wrong on the way from and to a bus.
+pub fn report_health(bus: &dyn Bus) {
+    let health = bus.health();
+    if health.lost > 0 {
+        diagnostic(&format!("canvass: {} frames were lost: this machine did not keep up", health.lost));
+    }
+    if let Some(trouble) = health.trouble {
+        diagnostic(&format!("canvass: {trouble}"));
     }
 }
 
@@ -140,6 +219,12 @@ pub fn parse_span(text: &str) -> anyhow::Result<Duration> {
     }
 }
 
+/// How long to wait for an answer, as typed: as other spans, but a number alone counts milliseconds.
+pub fn parse_wait(text: &str) -> anyhow::Result<Duration> {
+    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    if is_number { parse_span(&format!("{text}ms")) } else { parse_span(text) }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -154,6 +239,23 @@ mod tests {
         for wrong in ["", "s", "-1", "0", "1x", "nan"] {
             assert!(parse_span(wrong).is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn waits_as_typed() {
+        let parsed = |text: &str| parse_wait(text).unwrap();
+        assert_eq!((parsed("500"), parsed("500ms")), (Duration::from_millis(500), Duration::from_millis(500)));
+        assert_eq!(parsed("2s"), Duration::from_secs(2));
+        assert!(parse_wait("").is_err() && parse_wait("0").is_err());
+    }
+
+    #[test]
+    fn a_listener_that_others_reach_is_told_of() {
+        for own in ["slcan:listen://2000", "slcan:listen://:2000@250k", "slcan:listen://127.0.0.1:2000", "can0"] {
+            assert_eq!(open_to_others(own), None, "{own}");
+        }
+        assert_eq!(open_to_others("slcan:listen://[::1]:2000"), None);
+        assert_eq!(open_to_others("slcan:listen://0.0.0.0:2000@500k"), Some("0.0.0.0:2000"));
     }
 
     #[test]

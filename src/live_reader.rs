@@ -15,12 +15,30 @@ pub struct LiveReader {
     end: Timestamp,
     output: Output,
     interrupt: Interrupt,
+    /// As it was when losses were looked for last.
     health: Health,
-    failed: bool,
+    looked: Timestamp,
+    /// Records since then.
+    read: u32,
+    state: State,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum State {
+    Reading,
+    /// Nothing is read any more; what was lost until then is still to be told.
+    Ending,
+    Ended,
 }
 
 /// How often an interruption is looked for while nothing comes.
 const LOOK: Duration = Duration::from_millis(50);
+
+/// How often losses are looked for while frames come without a pause: each look that finds some is one line.
+const LOSSES: Duration = Duration::from_millis(250);
+
+/// The clock is looked at after so many records: at each it would cost more than the record.
+const CLOCK: u32 = 64;
 
 impl LiveReader {
     pub fn new(
@@ -30,11 +48,20 @@ impl LiveReader {
         output: &Output,
         interrupt: &Interrupt,
     ) -> Self {
-        let end = span.map_or(Timestamp::MAX, |span| bus.now() + span);
+        let (now, health) = (bus.now(), bus.health());
         let mut channels = Channels::new();
         channels.intern(channel_name(address));
-        let health = bus.health();
-        Self { bus, channels, end, output: output.clone(), interrupt: interrupt.clone(), health, failed: false }
+        Self {
+            bus,
+            channels,
+            end: span.map_or(Timestamp::MAX, |span| now + span),
+            output: output.clone(),
+            interrupt: interrupt.clone(),
+            health,
+            looked: now,
+            read: 0,
+            state: State::Reading,
+        }
     }
 
     /// As a capture of that name.
@@ -47,25 +74,51 @@ impl LiveReader {
     fn losses(&mut self) -> Option<Damage> {
         let health = self.bus.health();
         let since = health.since(&self.health);
-        self.health = health;
+        (self.health, self.read, self.looked) = (health, 0, self.bus.now());
         if let Some(trouble) = since.trouble {
             diagnostic(&format!("canvass: {trouble}"));
         }
-        (since.lost > 0).then(|| Damage::new(DamageKind::Dropped(since.lost), Place::default(), "all frames", b""))
+        lost(since.lost)
+    }
+
+    /// The same where frames come without a pause, and the last look was long ago.
+    fn losses_meanwhile(&mut self) -> Option<Damage> {
+        self.read += 1;
+        if !self.read.is_multiple_of(CLOCK) || self.bus.now().since(self.looked) < LOSSES {
+            return None;
+        }
+        self.losses()
+    }
+
+    /// What was lost until the end. After an interruption that is also what was received and waited to be shown: whoever
+    /// interrupts does not want to wait for it.
+    fn last_losses(&mut self) -> Option<Damage> {
+        self.state = State::Ended;
+        let waiting = if self.interrupt.came() { self.count_waiting() } else { 0 };
+        let health = self.bus.health().since(&self.health);
+        lost(health.lost + waiting)
+    }
+
+    fn count_waiting(&mut self) -> u64 {
+        let (now, mut waiting) = (self.bus.now(), 0);
+        while matches!(self.bus.receive(now), Ok(Some(record)) if record.timestamp <= now) {
+            waiting += 1;
+        }
+        waiting
     }
 
     fn fail(&mut self, reason: &str) -> Damage {
-        self.failed = true;
+        self.state = State::Ended;
         Damage::new(DamageKind::Fatal, Place::default(), "a bus that works", reason.as_bytes())
     }
-}
 
-impl Iterator for LiveReader {
-    type Item = Result<Record, Damage>;
-
-    fn next(&mut self) -> Option<Self::Item> {
+    /// What comes next while the bus is read; `None` at the end of that.
+    fn read(&mut self) -> Option<Result<Record, Damage>> {
+        if let Some(damage) = self.losses_meanwhile() {
+            return Some(Err(damage));
+        }
         let mut waiting = false;
-        while !self.failed && !self.interrupt.came() {
+        while !self.interrupt.came() {
             let now = self.bus.now();
             let deadline = if waiting { self.end.min(now + LOOK) } else { now };
             match self.bus.receive(deadline) {
@@ -89,6 +142,25 @@ impl Iterator for LiveReader {
     }
 }
 
+fn lost(frames: u64) -> Option<Damage> {
+    (frames > 0).then(|| Damage::new(DamageKind::Dropped(frames), Place::default(), "all frames", b""))
+}
+
+impl Iterator for LiveReader {
+    type Item = Result<Record, Damage>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        if self.state == State::Reading {
+            let next = self.read();
+            if next.is_some() {
+                return next;
+            }
+            self.state = State::Ending;
+        }
+        if self.state == State::Ending { self.last_losses().map(Err) } else { None }
+    }
+}
+
 impl Reader for LiveReader {
     fn channels(&self) -> &Channels {
         &self.channels
@@ -96,5 +168,79 @@ impl Reader for LiveReader {
 
     fn time_base(&self) -> TimeBase {
         time_base(self.bus.as_ref())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_bus::BusError;
+    use canvass_traces::{CanId, ChannelId, Frame};
+
+    /// A bus that never falls silent: a frame each millisecond, of which every second one is lost.
+    struct Flood {
+        milliseconds: u64,
+        waiting: u64,
+    }
+
+    impl Bus for Flood {
+        fn now(&self) -> Timestamp {
+            Timestamp(self.milliseconds * 1_000_000)
+        }
+
+        fn send(&mut self, _: &Frame) -> Result<(), BusError> {
+            Ok(())
+        }
+
+        fn receive(&mut self, _: Timestamp) -> Result<Option<Record>, BusError> {
+            if self.waiting == 0 {
+                return Ok(None);
+            }
+            self.waiting -= 1;
+            self.milliseconds += 1;
+            let frame = Frame::full(CanId::standard_masked(1), [0; 8]);
+            Ok(Some(Record::new(Timestamp(self.milliseconds), ChannelId(0), frame)))
+        }
+
+        fn bit_rate(&self) -> Option<u32> {
+            None
+        }
+
+        fn health(&self) -> Health {
+            Health { lost: self.milliseconds / 2, ..Health::default() }
+        }
+    }
+
+    /// How many records came, and how many losses were told in how many lines.
+    fn read(interrupt_after: Option<usize>, span: Option<Duration>) -> (usize, u64, usize) {
+        let interrupt = Interrupt::default();
+        let bus = Box::new(Flood { milliseconds: 0, waiting: 10_000 });
+        let mut reader = LiveReader::new("can0", bus, span, &Output::default(), &interrupt);
+        let (mut records, mut lost, mut told) = (0, 0, 0);
+        for item in reader.by_ref() {
+            match item {
+                Ok(_) => records += 1,
+                Err(Damage { kind: DamageKind::Dropped(frames), .. }) => (lost, told) = (lost + frames, told + 1),
+                Err(damage) => panic!("{damage}"),
+            }
+            if interrupt_after.is_some_and(|after| records == after) {
+                interrupt.request();
+            }
+        }
+        assert!(reader.next().is_none());
+        (records, lost, told)
+    }
+
+    #[test]
+    fn losses_are_told_while_frames_come_and_at_the_end() {
+        let (records, lost, told) = read(None, Some(Duration::from_secs(9)));
+        assert_eq!((records, lost), (10_000, 5_000));
+        assert!((20..50).contains(&told), "{told} lines in ten seconds");
+    }
+
+    #[test]
+    fn what_was_not_shown_before_an_interruption_counts_as_lost() {
+        let (records, lost, _) = read(Some(1_001), None);
+        assert_eq!((records, lost), (1_001, 5_000 + 8_999), "half of all, and what waited");
     }
 }

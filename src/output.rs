@@ -1,5 +1,6 @@
 //! Standard output and standard error.
 
+use canvass_reports::escape;
 use std::io::{self, IsTerminal, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -100,7 +101,24 @@ pub fn print(text: &str) -> io::Result<()> {
     stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush())
 }
 
+/// Takes it for written if nobody reads standard output any more: what a command has found out stays true, and its other
+/// outputs are still wanted.
+pub fn unless_closed(written: io::Result<()>) -> io::Result<()> {
+    match written {
+        Err(error) if error.kind() == io::ErrorKind::BrokenPipe => Ok(()),
+        written => written,
+    }
+}
+
 /// Writes a line to standard error. If nobody reads that either, there is nobody left to tell.
+///
+/// Whatever names and texts it is made of: characters that act are made visible, line ends too, so that no file's name and
+/// no device's can look like a message of its own.
 pub fn diagnostic(line: &str) {
-    let _ = writeln!(io::stderr().lock(), "{line}");
+    let _ = writeln!(io::stderr().lock(), "{}", escape::printable(line));
+}
+
+/// The same for a text of several lines.
+pub fn diagnostics(text: &str) {
+    text.lines().for_each(diagnostic);
 }

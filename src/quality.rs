@@ -1,11 +1,13 @@
 //! `--quality`: how far the captures can be trusted.
 
-use crate::output::{diagnostic, print};
+use crate::output::{diagnostics, print};
+use crate::whole_file::WholeFile;
 use anyhow::{Context, Result};
 use canvass_reports::quality::{self, CaptureQuality};
 use canvass_traces::Channels;
 use std::ffi::OsString;
-use std::path::PathBuf;
+use std::io::Write;
+use std::path::{Path, PathBuf};
 
 /// Whether and how the quality of the captures is shown.
 #[derive(clap::Args, Default)]
@@ -39,6 +41,11 @@ enum QualityFormat {
 }
 
 impl QualityOptions {
+    /// The file that is written, if one is.
+    pub fn file(&self) -> Option<&Path> {
+        self.quality_out.as_deref()
+    }
+
     /// Shows it, if it was asked for.
     pub fn report(&self, captures: &[CaptureQuality<'_>], channels: &Channels) -> Result<()> {
         let shown = match self.quality {
@@ -47,10 +54,14 @@ impl QualityOptions {
             Some(QualityFormat::Json) => format!("{:#}\n", quality::json(captures, channels)),
         };
         match &self.quality_out {
-            None => diagnostic(shown.trim_end()),
+            None => diagnostics(shown.trim_end()),
             Some(path) if path.as_os_str() == "-" => print(&shown)?,
             Some(path) => {
-                std::fs::write(path, shown).with_context(|| format!("can't write to {}", path.display()))?;
+                let file = WholeFile::create(path)?;
+                file.writer()?
+                    .write_all(shown.as_bytes())
+                    .with_context(|| format!("can't write {}", path.display()))?;
+                file.complete()?;
             }
         }
         Ok(())

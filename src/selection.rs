@@ -9,6 +9,7 @@ use canvass_analyzer::filter::{Filter, Subject};
 use canvass_analyzer::network::{Decoded, Network};
 use canvass_device::models::Model;
 use canvass_traces::{ChannelId, Record};
+use std::cell::Cell;
 
 /// Which frames are chosen.
 #[derive(clap::Args)]
@@ -25,6 +26,21 @@ pub struct Selection {
     /// Which device a node is: a built-in model or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
+    #[arg(skip)]
+    seen: Seen,
+}
+
+/// How many frames were asked about, and how many passed which test.
+#[derive(Clone, Default)]
+struct Seen {
+    asked: Cell<u64>,
+    of_node: Cell<u64>,
+    tried: Cell<u64>,
+    passed: Cell<u64>,
+}
+
+fn count(counter: &Cell<u64>) {
+    counter.set(counter.get() + 1);
 }
 
 impl Selection {
@@ -36,6 +52,11 @@ impl Selection {
             network.describe(device.node, device.describe()?);
         }
         Ok(network)
+    }
+
+    /// What describes the devices named: models and files.
+    pub fn descriptions(&self) -> impl Iterator<Item = &str> {
+        self.device.iter().map(|device| &*device.device)
     }
 
     /// Whether a filter was given.
@@ -63,7 +84,12 @@ impl Selection {
 
     /// Whether a record is chosen, whatever its channel.
     pub fn has(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>) -> bool {
-        self.has_node(decoded.node) && self.passes(record, decoded, inputs)
+        count(&self.seen.asked);
+        let of_node = self.has_node(decoded.node);
+        if of_node {
+            count(&self.seen.of_node);
+        }
+        of_node && self.passes(record, decoded, inputs)
     }
 
     /// Whether what is about that node is chosen.
@@ -74,16 +100,32 @@ impl Selection {
     /// Whether a record passes the filter, whatever its channel and node.
     pub fn passes(&self, record: &Record, decoded: &Decoded, inputs: &Inputs<'_>) -> bool {
         let subject = Subject { record, decoded, channel: inputs.channels().name(record.channel) };
-        self.filter.as_ref().is_none_or(|filter| filter.matches(&subject))
+        count(&self.seen.tried);
+        let passes = self.filter.as_ref().is_none_or(|filter| filter.matches(&subject));
+        if passes {
+            count(&self.seen.passed);
+        }
+        passes
     }
 
-    /// Says which channels were asked for and never seen: most likely they are called otherwise.
-    pub fn warn_of_unknown_channels(&self, inputs: &Inputs<'_>) {
+    /// Says what was asked for and never seen: most likely it is called otherwise.
+    pub fn warn_of_nothing(&self, inputs: &Inputs<'_>) {
+        self.warn_of_unknown_channels(inputs);
+        let Seen { asked, of_node, tried, passed } = &self.seen;
+        if asked.get() > 0 && of_node.get() == 0 && !self.node.is_empty() {
+            let nodes: Vec<String> = self.node.iter().map(ToString::to_string).collect();
+            diagnostic(&format!("canvass: no frame is of node {} (--node)", nodes.join(", ")));
+        } else if tried.get() > 0 && passed.get() == 0 && self.filter.is_some() {
+            diagnostic("canvass: no frame passes the filter (`canvass help filter` shows what it can say)");
+        }
+    }
+
+    /// The channels.
+    fn warn_of_unknown_channels(&self, inputs: &Inputs<'_>) {
         let seen: Vec<&str> = inputs.channels().names().collect();
         let is_own = |id: usize, wanted: &str| inputs.own_name(canvass_traces::ChannelId(id as u16)) == wanted;
         for wanted in &self.channel {
             if !seen.iter().enumerate().any(|(id, name)| name == wanted || is_own(id, wanted)) {
-                let seen: Vec<String> = seen.iter().map(|name| name.escape_debug().to_string()).collect();
                 diagnostic(&format!("canvass: no channel is named {wanted}; there were: {}", seen.join(", ")));
             }
         }

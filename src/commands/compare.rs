@@ -1,9 +1,13 @@
 //! `canvass compare`: what changed between two results of `canvass test`.
 
-use crate::output::print;
+use super::test::reports::{ReportArg, ReportFormat, written};
+use crate::files::Files;
+use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use anyhow::Context;
-use canvass_reports::comparison::{Missing, TestResult, compare};
+use canvass_reports::comparison::{Comparison, Missing, TestResult, compare, html, junit, markdown};
+use canvass_traces::small_file::{self, OF_PROGRAM};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// Compare two results of `canvass test --format json`
@@ -21,31 +25,43 @@ pub struct Args {
     allow_missing: bool,
     /// How to print the differences
     #[arg(long, value_enum, default_value_t)]
-    format: ComparisonFormat,
-}
-
-#[derive(Clone, Copy, Default, clap::ValueEnum)]
-enum ComparisonFormat {
-    /// Text
-    #[default]
-    Table,
-    /// The contract for programs
-    Json,
+    format: ReportFormat,
+    /// Write a report into a file too; can be given several times
+    #[arg(long, value_name = "FORMAT=FILE")]
+    report: Vec<ReportArg>,
+    #[command(flatten)]
+    remarks: Remarks,
 }
 
 impl Args {
-    pub fn run(self) -> Result<Status, Failure> {
+    pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
         let missing = if self.allow_missing { Missing::Allowed } else { Missing::Worse };
-        let comparison = compare(&read(&self.old)?, &read(&self.new)?, missing);
-        match self.format {
-            ComparisonFormat::Table => print(&comparison.text())?,
-            ComparisonFormat::Json => print(&comparison.json())?,
+        Files::new().reads([&self.old, &self.new]).writes(self.report.iter().map(ReportArg::file))?;
+        let (old, new) = (read(&self.old)?, read(&self.new)?);
+        let mut provenance = Collected::begin(&self.remarks, typed, Subject::Files)?;
+        for (role, path, result) in [("old", &self.old, &old), ("new", &self.new, &new)] {
+            provenance.file(role, path);
+            provenance.device(&format!("{role} device"), result.identity());
         }
+        let mut comparison = compare(&old, &new, missing);
+        comparison.provenance = provenance.0;
+        written(self.format, &self.report, &|format, out| render(&comparison, format, out))?;
         Ok(if comparison.has_regressions() { Status::Findings } else { Status::Good })
     }
 }
 
-fn read(path: &Path) -> anyhow::Result<TestResult> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+fn render(comparison: &Comparison, format: ReportFormat, out: &mut dyn Write) -> io::Result<()> {
+    match format {
+        ReportFormat::Table => out.write_all(comparison.text().as_bytes()),
+        ReportFormat::Json => out.write_all(comparison.json().as_bytes()),
+        ReportFormat::Junit => junit::render(comparison, out),
+        ReportFormat::Html => html::render(comparison, out),
+        ReportFormat::Markdown => markdown::render(comparison, out),
+    }
+}
+
+/// A result of `canvass test`.
+pub fn read(path: &Path) -> anyhow::Result<TestResult> {
+    let text = small_file::read_text(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
     TestResult::read(&text).with_context(|| format!("{}", path.display()))
 }

@@ -1,9 +1,7 @@
 //! `canvass completions`: completion scripts for shells.
 
-use crate::cli::Cli;
 use crate::output::print;
 use crate::status::{Failure, Status};
-use clap::CommandFactory;
 use clap_complete::Shell;
 
 /// Print a completion script for a shell
@@ -17,9 +15,10 @@ pub struct Args {
 }
 
 impl Args {
-    pub fn run(self) -> Result<Status, Failure> {
+    /// `cli` is the whole command line.
+    pub fn run(self, mut cli: clap::Command) -> Result<Status, Failure> {
         let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut Cli::command(), "canvass", &mut script);
+        clap_complete::generate(self.shell, &mut cli, "canvass", &mut script);
         print(&String::from_utf8_lossy(&script))?;
         Ok(Status::Good)
     }

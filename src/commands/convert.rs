@@ -1,11 +1,13 @@
 //! `canvass convert`: captures from one format to another.
 
 use crate::destination::Destination;
+use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs, Seen, format_ids};
 use crate::output::{Output, diagnostic};
 use crate::selection::Selection;
 use crate::status::{Failure, Status};
 use crate::time_range::{TimePoint, TimeRange};
+use crate::whole_file::WholeFile;
 use anyhow::{anyhow, bail};
 use canvass_analyzer::network::Network;
 use canvass_traces::{Format, Loss, Losses, Record, Recording, WriteOptions, Writer};
@@ -73,13 +75,20 @@ impl Args {
             _ => return Err(anyhow!("expected captures to read and a file to write, such as: in.log out.asc").into()),
         };
         let destination = Destination::new(out, to_format, self.force)?;
+        let used = Files::new().reads(files).describes(self.selection.descriptions());
+        used.writes([out])?.writes(self.input.quality_file())?;
         let output = Output::default();
         let mut inputs = Inputs::open(files, &self.input, &output)?;
+        let (sink, whole) = match inputs.is_live() {
+            true => (destination.open_growing(&output)?, None),
+            false => destination.open(&output)?,
+        };
         let mut conversion = Conversion {
             selection: &self.selection,
             network: self.selection.network()?,
             range: TimeRange::new(self.from, to_time),
-            sink: Some(destination.open(files, &output)?),
+            sink: Some(sink),
+            whole,
             flushes: inputs.is_live() && destination.is_stdout(),
             destination,
             recording: None,
@@ -89,7 +98,7 @@ impl Args {
         let finished = conversion.finish(&inputs);
         converted?;
         finished?;
-        self.selection.warn_of_unknown_channels(&inputs);
+        self.selection.warn_of_nothing(&inputs);
         inputs.finish()?;
         Ok(Status::Good)
     }
@@ -116,6 +125,8 @@ struct Conversion<'a> {
     range: TimeRange,
     destination: Destination,
     sink: Option<Box<dyn std::io::Write>>,
+    /// What gets its name when it is written; `None` where it has it already.
+    whole: Option<WholeFile>,
     /// What the times count from is known with the first record.
     recording: Option<Recording>,
     /// Every frame is to be seen at once.
@@ -158,9 +169,10 @@ impl Conversion<'_> {
     }
 
     fn finish(&mut self, inputs: &Inputs<'_>) -> Result<(), Failure> {
-        let format = self.destination.format;
+        let (format, whole) = (self.destination.format, self.whole.take());
         let recording = self.recording(inputs)?;
         recording.finish()?;
+        whole.map_or(Ok(()), WholeFile::complete)?;
         report_losses(format, recording.losses());
         Ok(())
     }

@@ -1,6 +1,7 @@
 //! `canvass decode`: captures in words.
 
 use super::decode_events;
+use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs};
 use crate::output::{Color, Output, diagnostic, terminal_width};
 use crate::selection::Selection;
@@ -8,10 +9,9 @@ use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use anyhow::anyhow;
 use canvass_analyzer::Meaning;
-use canvass_analyzer::findings::InOrder;
 use canvass_analyzer::network::Network;
 use canvass_reports::decode::{CsvLines, JsonLines, Line, Lines, TableLines, TextLines, TimeStyle};
-use canvass_traces::{Record, TimeBase};
+use canvass_traces::TimeBase;
 use std::path::PathBuf;
 
 /// Decode captures: one annotated line per frame, or one per event
@@ -80,9 +80,11 @@ impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let output = Output::default();
         // A mistake in the options is told before anything is read.
-        self.view.network()?;
+        let network = self.view.network()?;
+        let files = Files::new().reads(&self.files).describes(self.view.selection.descriptions());
+        files.writes(self.input.quality_file())?;
         let inputs = Inputs::open(&self.files, &self.input, &output)?;
-        self.view.show(inputs, color, &output)
+        self.view.show(inputs, network, color, &output)
     }
 }
 
@@ -93,27 +95,24 @@ impl View {
     }
 
     /// Shows all that comes.
-    pub fn show(self, mut inputs: Inputs<'_>, color: Color, output: &Output) -> Result<Status, Failure> {
-        let mut network = self.network()?;
+    pub fn show(
+        self,
+        mut inputs: Inputs<'_>,
+        mut network: Network,
+        color: Color,
+        output: &Output,
+    ) -> Result<Status, Failure> {
         if self.events {
             return self.show_events(inputs, network, color, output);
         }
         let mut lines = self.lines(color);
         output.append(|buffer| lines.begin(buffer))?;
         let mut range = self.range;
-        let mut order = self.in_order.then(InOrder::default);
-        while inputs.advance()?.is_some() {
-            let Some(order) = &mut order else {
-                self.show_frame(inputs.record(), &inputs, &mut network, &mut range, lines.as_mut(), output)?;
-                continue;
-            };
-            order.push(inputs.record());
-            while let Some(record) = order.pop() {
-                self.show_frame(record, &inputs, &mut network, &mut range, lines.as_mut(), output)?;
-            }
+        if self.in_order {
+            inputs.put_in_order();
         }
-        while let Some(record) = order.as_mut().and_then(InOrder::flush) {
-            self.show_frame(record, &inputs, &mut network, &mut range, lines.as_mut(), output)?;
+        while inputs.advance()?.is_some() {
+            self.show_frame(&inputs, &mut network, &mut range, lines.as_mut(), output)?;
         }
         self.end(inputs)
     }
@@ -147,7 +146,7 @@ impl View {
     }
 
     fn end(&self, inputs: Inputs<'_>) -> Result<Status, Failure> {
-        self.selection.warn_of_unknown_channels(&inputs);
+        self.selection.warn_of_nothing(&inputs);
         if matches!(self.time, Time::Utc) && inputs.time_base() != TimeBase::Utc {
             let base = inputs.time_base();
             diagnostic(&format!("canvass: the times of the capture count from {base}: they are not UTC"));
@@ -158,13 +157,13 @@ impl View {
 
     fn show_frame(
         &self,
-        record: &Record,
         inputs: &Inputs<'_>,
         network: &mut Network,
         range: &mut TimeRange,
         lines: &mut dyn Lines,
         output: &Output,
     ) -> std::io::Result<()> {
+        let record = inputs.record();
         let decoded = network.handle(record);
         if !range.contains(record.timestamp)
             || !self.selection.has_channel(record, inputs)

@@ -1,18 +1,21 @@
 //! `canvass diagnose`: what was wrong on a bus.
 
-use crate::destination::is_same_file;
+use crate::destination::refuse_existing;
 use crate::devices::DeviceArg;
+use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs, Seen};
-use crate::output::{Color, Output};
+use crate::output::{Color, Output, unless_closed};
+use crate::provenance::{Collected, Hashes, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
+use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::findings::{Diagnosis, InOrder, Severity, SourceQuality, Thresholds};
 use canvass_device::models::Model;
 use canvass_reports::diagnosis::{self, Diagnosed, Style, html};
-use canvass_traces::Record;
-use std::fs::File;
+use canvass_traces::{ChannelId, Record};
 use std::io::{self, IsTerminal, Write};
+use std::ops::Range;
 use std::path::PathBuf;
 
 /// Diagnose captures: what was on the bus, what was wrong, and the frames that prove it
@@ -27,9 +30,12 @@ pub struct Args {
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: DiagnoseFormat,
-    /// Write the result to a file, which is overwritten, instead of standard output
+    /// Write the result to a file instead of standard output
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
+    /// Overwrite the file of --output if it exists
+    #[arg(long)]
+    force: bool,
     /// Print every finding with all its frames, and every node, however many there are
     #[arg(long, short)]
     verbose: bool,
@@ -39,7 +45,7 @@ pub struct Args {
     /// Set a threshold of a rule, such as bus/load.percent=70; can be given several times
     #[arg(long, value_name = "RULE.NAME=VALUE")]
     threshold: Vec<String>,
-    /// The bit rate of the bus in bit/s, such as 250k; without it, it is inferred where possible
+    /// The bit rate of the bus in bit/s, such as 250k; without it, it is that which the capture says, or is inferred where possible
     #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
     bit_rate: Option<u32>,
     /// Which device a node is: a built-in model or an EDS or DCF file
@@ -49,6 +55,8 @@ pub struct Args {
     range: TimeRange,
     #[command(flatten)]
     input: InputOptions,
+    #[command(flatten)]
+    remarks: Remarks,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
@@ -98,14 +106,16 @@ fn parse_bit_rate(text: &str) -> Result<u32, String> {
 }
 
 impl Args {
-    pub fn run(self, color: Color) -> Result<Status, Failure> {
+    pub fn run(self, color: Color, typed: &Typed) -> Result<Status, Failure> {
+        let mut provenance = self.provenance(typed)?;
         let mut diagnosis = self.diagnosis()?;
         let mut range = self.range;
         let out = self.destination()?;
         let mut collector = (self.format == DiagnoseFormat::Html).then(html::Collector::default);
         let output = Output::default();
+        let hashes = Hashes::begin("capture", &self.files);
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
-        let mut damages = 0;
+        let (mut damages, mut channels) = (0, 0);
         let mut order = InOrder::default();
         // A frame that contradicts itself proves nothing.
         while let Some(seen) = inputs.advance()? {
@@ -117,9 +127,12 @@ impl Args {
                 }
                 diagnosis.interrupted();
             }
-            let record = inputs.record();
-            if seen == Seen::Record && range.contains(record.timestamp) {
-                order.push(record);
+            if usize::from(inputs.record().channel.0) >= channels {
+                say_bit_rates(channels..inputs.channels().len(), &mut diagnosis, &inputs);
+                channels = inputs.channels().len();
+            }
+            if seen == Seen::Record && range.contains(inputs.record().timestamp) {
+                inputs.hand_over(&mut order);
                 while let Some(record) = order.pop() {
                     look_at(record, &mut diagnosis, &mut collector, &inputs)?;
                 }
@@ -133,12 +146,22 @@ impl Args {
         let sources: Vec<_> =
             captures.iter().map(|capture| SourceQuality { name: capture.name, quality: capture.quality }).collect();
         let results = diagnosis.finish(&sources);
-        let diagnosed = Diagnosed { results: &results, channels: inputs.channels(), captures: &captures };
+        provenance.files(hashes.finish());
+        provenance.nodes_of(&results, inputs.channels());
+        let provenance = &provenance.0;
+        let diagnosed = Diagnosed { results: &results, channels: inputs.channels(), captures: &captures, provenance };
         self.show(&diagnosed, collector, color, out)?;
         drop(captures);
         inputs.finish()?;
         let fails = |least| results.findings.iter().any(|finding| finding.severity >= least);
         Ok(if self.fail_on.least().is_some_and(fails) { Status::Findings } else { Status::Good })
+    }
+
+    /// What is known before the captures are read.
+    fn provenance(&self, typed: &Typed) -> Result<Collected, Failure> {
+        let mut provenance = Collected::begin(&self.remarks, typed, Subject::Files)?;
+        provenance.descriptions(None, self.device.iter().map(|device| &*device.device));
+        Ok(provenance)
     }
 
     fn diagnosis(&self) -> Result<Diagnosis, Failure> {
@@ -157,20 +180,21 @@ impl Args {
         Ok(diagnosis)
     }
 
-    /// Opens the file before anything is read: one that can't be written is known at once.
-    fn destination(&self) -> Result<Option<File>, Failure> {
+    /// Begins the file before anything is read: one that can't be written is known at once.
+    fn destination(&self) -> Result<Option<WholeFile>, Failure> {
+        let devices = self.device.iter().map(|device| &*device.device);
+        let files = Files::new().reads(&self.files).describes(devices);
+        files.writes(&self.output)?.writes(self.input.quality_file())?;
         let Some(path) = self.output.as_ref().filter(|path| path.as_os_str() != "-") else {
             if self.format == DiagnoseFormat::Html && io::stdout().is_terminal() {
                 return Err(anyhow!("the page is for a browser: give --output FILE, or redirect the output").into());
             }
             return Ok(None);
         };
-        if self.files.iter().any(|input| is_same_file(input, path)) {
-            return Err(anyhow!("{} is read and can't be written at the same time", path.display()).into());
+        if !self.force {
+            refuse_existing(path)?;
         }
-        // It keeps what it holds until there is something new.
-        let file = File::options().write(true).create(true).truncate(false).open(path);
-        Ok(Some(file.with_context(|| format!("can't write {}", path.display()))?))
+        Ok(Some(WholeFile::create(path)?))
     }
 
     fn show(
@@ -178,11 +202,11 @@ impl Args {
         diagnosed: &Diagnosed<'_>,
         collector: Option<html::Collector>,
         color: Color,
-        file: Option<File>,
+        file: Option<WholeFile>,
     ) -> Result<(), Failure> {
         let to_file = file.is_some();
-        let sink: Box<dyn Write> = match file {
-            Some(file) => Box::new(emptied(file)?),
+        let sink: Box<dyn Write> = match &file {
+            Some(file) => Box::new(file.writer()?),
             None => Box::new(io::stdout().lock()),
         };
         let mut out = io::BufWriter::new(sink);
@@ -198,9 +222,23 @@ impl Args {
             DiagnoseFormat::Html => html::render(diagnosed, collector.unwrap_or_default(), &mut out),
         };
         let written = written.and_then(|()| out.flush());
-        match &self.output {
-            Some(path) => Ok(written.with_context(|| format!("can't write {}", path.display()))?),
-            None => Ok(written?),
+        match (file, &self.output) {
+            (Some(file), Some(path)) => {
+                written.with_context(|| format!("can't write {}", path.display()))?;
+                Ok(file.complete()?)
+            }
+            // Whether there are findings does not depend on whether somebody reads them to the end.
+            _ => Ok(unless_closed(written)?),
+        }
+    }
+}
+
+/// Says the bit rates of channels that are new, where their captures know them.
+#[cold]
+fn say_bit_rates(new: Range<usize>, diagnosis: &mut Diagnosis, inputs: &Inputs<'_>) {
+    for channel in new.filter_map(|channel| u16::try_from(channel).ok()).map(ChannelId) {
+        if let Some(bit_rate) = inputs.bit_rate(channel) {
+            diagnosis.say_bit_rate(channel, bit_rate);
         }
     }
 }
@@ -217,12 +255,4 @@ fn look_at(
         (Some(collector), Some(observed)) => collector.frame(record, inputs.channels(), &observed),
         _ => Ok(()),
     }
-}
-
-/// Takes away what a file held before. A pipe or a device holds nothing.
-fn emptied(file: File) -> io::Result<File> {
-    if file.metadata()?.is_file() {
-        file.set_len(0)?;
-    }
-    Ok(file)
 }

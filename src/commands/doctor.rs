@@ -3,7 +3,7 @@
 #[cfg(target_os = "linux")]
 mod kernel;
 
-use crate::output::print;
+use crate::output::{TextOrJson, print};
 use crate::status::{Failure, Status};
 use serde_json::json;
 use std::fmt::Write;
@@ -15,8 +15,11 @@ use std::time::{Duration, Instant};
 /// Looks at the kernel's CAN support, its CAN interfaces, serial ports, and how precisely programs are woken.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Print a JSON object
-    #[arg(long)]
+    /// How to print the findings
+    #[arg(long, value_enum, default_value_t)]
+    format: TextOrJson,
+    /// As --format json, which it was called before
+    #[arg(long, hide = true)]
     json: bool,
 }
 
@@ -34,7 +37,7 @@ impl Args {
         findings.push(serial_ports());
         findings.push(wake_up());
         findings.push(processors());
-        if self.json {
+        if self.json || matches!(self.format, TextOrJson::Json) {
             let rows: Vec<_> = findings
                 .iter()
                 .map(|finding| json!({"what": finding.what, "good": finding.good, "text": finding.text}))

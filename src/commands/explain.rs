@@ -1,4 +1,4 @@
-//! `canvass explain`: one case, fault, liberty, rule, property, model or format in full.
+//! `canvass explain`: one case, situation, fault, liberty, rule, property, model or format in full.
 
 use crate::output::print;
 use crate::status::{Failure, Status};
@@ -6,14 +6,16 @@ use anyhow::anyhow;
 use canvass_analyzer::findings;
 use canvass_device::models::Model;
 use canvass_device::{Fault, Liberty};
+use canvass_reports::answers;
 use canvass_reports::diagnosis;
 use canvass_reports::fuzz::properties;
 use canvass_suite::case::Case;
 use canvass_suite::catalogue;
+use canvass_suite::situation::Situation;
 use canvass_traces::Format;
 use std::fmt::Write;
 
-/// Explain a case, a fault, a liberty, a rule, a property, a model or a capture format in full
+/// Explain a case, a situation, a fault, a liberty, a rule, a property, a model or a capture format in full
 #[derive(clap::Args)]
 pub struct Args {
     /// The id, as `canvass list` shows it
@@ -26,6 +28,7 @@ impl Args {
         let text = catalogue::find(id)
             .map(case)
             .or_else(|| id.parse().ok().map(fault))
+            .or_else(|| Situation::by_id(id).map(situation))
             .or_else(|| id.parse().ok().map(liberty))
             .or_else(|| findings::find(id).map(|rule| diagnosis::explain(rule.metadata)))
             .or_else(|| id.parse().ok().map(properties::explain))
@@ -33,7 +36,7 @@ impl Args {
             .or_else(|| Format::by_id(id).map(format))
             .ok_or_else(|| {
                 anyhow!(
-                    "nothing is called \"{id}\": `canvass list cases|models|faults|liberties|rules|properties|formats` shows what there is"
+                    "nothing is called \"{id}\": `canvass list cases|situations|models|faults|liberties|rules|properties|formats` shows what there is"
                 )
             })?;
         print(&text)?;
@@ -59,12 +62,27 @@ fn case(case: &Case) -> String {
     let table = [
         ("clause", case.clause.to_string()),
         ("level", case.level.name().to_owned()),
+        ("allows", list(case.answers, |row| format!("{} ({})", answers::allowed(*row), row.id()))),
         ("needs", list(case.needs, |need| need.text().to_owned())),
         ("touches", list(case.touches, |touch| format!("{} (--allow {touch})", touch.text()))),
         ("catches", list(case.catches, ToString::to_string)),
         ("CiA tool", case.cct.map(|number| format!("comparable with case {number}")).unwrap_or_default()),
     ];
     rows(case.id, case.requirement, &table)
+}
+
+fn situation(situation: Situation) -> String {
+    let asked = catalogue::cases().into_iter().filter(|case| case.answers.contains(&situation));
+    let asked: Vec<&str> = asked.map(|case| case.id).collect();
+    let answers = situation.answers();
+    let table = [
+        ("clause", answers.clause.to_string()),
+        ("level", answers.level.name().to_owned()),
+        ("allowed", answers::allowed(situation)),
+        ("tolerated", answers::tolerated(situation)),
+        ("asked by", list(&asked, ToString::to_string)),
+    ];
+    rows(situation.id(), situation.requirement(), &table)
 }
 
 fn fault(fault: Fault) -> String {

@@ -6,22 +6,27 @@ mod regressions;
 
 use super::test::reports::{ReportArg, ReportFormat};
 use crate::devices::parse_node;
+use crate::files::Files;
+use crate::identity;
 use crate::interrupt::Interrupt;
 use crate::live::parse_span;
-use crate::output::diagnostic;
+use crate::output::{diagnostic, unless_closed};
+use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
+use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::NodeId;
-use canvass_fuzzer::campaign::{self, FuzzError, Outcome, Plan};
+use canvass_fuzzer::campaign::{self, Outcome, Plan};
 use canvass_fuzzer::coverage::LssReach;
-use canvass_fuzzer::{Knowledge, Start, Target};
+use canvass_fuzzer::time_limit::TimeLimit;
+use canvass_fuzzer::{Knowledge, Target};
 use canvass_reports::fuzz::{Render, Run, Words, html, json, junit, markdown, text};
-use canvass_suite::case::Touch;
+use canvass_reports::provenance::Provenance;
+use canvass_suite::touch::Touch;
 use canvass_traces::Duration;
 use device::Device;
 use progress::Progress;
 use regressions::Regressions;
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::PathBuf;
 use std::time::Instant;
@@ -40,7 +45,7 @@ pub struct Args {
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
     /// What the device is: a built-in model or an EDS or DCF file
-    #[arg(long, value_name = "MODEL|FILE")]
+    #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
     /// The services: sdo, lss, nmt, pdo, sync-emcy or all
     #[arg(long, default_value_t)]
@@ -75,14 +80,16 @@ pub struct Args {
     /// Write a report into a file too; can be given several times
     #[arg(long, value_name = "FORMAT=FILE")]
     report: Vec<ReportArg>,
+    #[command(flatten)]
+    remarks: Remarks,
 }
 
-/// A third of a second of a full bus at 1 Mbit/s.
-const BACKLOG: usize = 8_192;
-
 impl Args {
-    pub fn run(self) -> Result<Status, Failure> {
+    pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
         let seed = self.seed.unwrap_or_else(from_the_clock);
+        let files = Files::new().bus(&self.bus).describes(self.device.as_deref()).reads(&self.replay);
+        files.writes(&self.regressions)?.writes(self.report.iter().map(ReportArg::file))?;
+        let mut provenance = self.provenance(typed, seed)?;
         let reports = self.open_reports()?;
         let mut device = Device::open(&self.bus, self.node, self.device.as_deref(), seed)?;
         let simulated = device.is_simulated();
@@ -93,6 +100,8 @@ impl Args {
             (None, Some(path)) => Regressions::open(path, &knowledge, &allow)?,
             (None, None) => Regressions::default(),
         };
+        let interrupt = Interrupt::watch()?;
+        let span = self.span(simulated);
         let plan = Plan {
             target: self.target,
             seed,
@@ -101,22 +110,72 @@ impl Args {
                 Some(_) => 0,
                 None => self.shrink_budget.unwrap_or(if simulated { 2_000 } else { 100 }),
             },
+            time: TimeLimit { ends: self.ends(span, simulated), cancelled: interrupt.flag() },
             stop_at_first: self.stop_at_first,
             regressions: regressions.sequences.clone(),
             only_regressions: self.replay.is_some(),
         };
-        let interrupt = Interrupt::watch()?;
-        let outcome = self.fuzz(&mut device, &knowledge, &plan, &interrupt)?;
-        if let Some(path) = &self.regressions {
-            regressions.append(path, &outcome.violations, seed)?;
-        }
-        let run = self.result(&device, &knowledge, &plan, outcome, interrupt.came());
-        render_of(self.format)(&run, &mut io::stdout().lock())?;
-        for (render, mut file) in reports {
-            render(&run, &mut file).and_then(|()| file.flush()).context("can't write the report")?;
-        }
+        self.resolve(&mut provenance, &mut device, &plan, span)?;
+        let outcome = self.fuzz(&mut device, &knowledge, &plan, span, &interrupt)?;
+        let kept = match &self.regressions {
+            Some(path) => regressions.append(path, &outcome.violations, seed),
+            None => Ok(()),
+        };
+        let run = self.result(&device, provenance.0, &plan, outcome, interrupt.came());
+        let printed = render_of(self.format)(&run, &mut io::stdout().lock());
+        // None depends on another: if one can't be written, the others are whole all the same.
+        let reported: Vec<_> = reports.into_iter().map(|(render, file)| write_report(render, &run, file)).collect();
+        unless_closed(printed)?;
+        kept?;
+        reported.into_iter().collect::<Result<(), _>>()?;
         let good = run.outcome.violations.is_empty() && !run.cancelled;
         Ok(if good { Status::Good } else { Status::Findings })
+    }
+
+    /// What is known before the device is touched.
+    fn provenance(&self, typed: &Typed, seed: u64) -> Result<Collected, Failure> {
+        let mut provenance = Collected::begin(&self.remarks, typed, Subject::bus(&self.bus))?;
+        provenance.seed(seed);
+        provenance.resolve("seed", vec![seed.to_string()]);
+        provenance.descriptions(Some(&self.bus), self.device.as_deref());
+        self.replay.iter().for_each(|path| provenance.file("replay", path));
+        self.regressions.iter().for_each(|path| provenance.file("regressions", path));
+        Ok(provenance)
+    }
+
+    /// What was not given and has shown.
+    fn resolve(
+        &self,
+        provenance: &mut Collected,
+        device: &mut Device,
+        plan: &Plan,
+        span: Option<Duration>,
+    ) -> Result<(), Failure> {
+        let node = device.knowledge().node;
+        provenance.bit_rate(device.bit_rate());
+        provenance.resolve("node", vec![node.to_string()]);
+        provenance
+            .resolve("device", Some(device.name().to_owned()).filter(|name| !name.is_empty()).into_iter().collect());
+        provenance.resolve("for", span.map(|span| span.to_string()).into_iter().collect());
+        provenance.resolve("shrink-budget", vec![plan.shrink_budget.to_string()]);
+        let identity = device.on_bus(&self.bus, plan.seed, |bus| identity::ask(bus, node))?;
+        provenance.node(node, identity.map_err(Failure::unreachable)?);
+        Ok(())
+    }
+
+    /// How long the run takes, where it is not told by the number of sequences.
+    fn span(&self, simulated: bool) -> Option<Duration> {
+        let usual = if simulated { Duration::from_secs(10) } else { Duration::from_secs(60) };
+        match (self.span, self.runs) {
+            (None, None) => Some(usual).filter(|_| self.replay.is_none()),
+            (span, _) => span,
+        }
+    }
+
+    /// When even making a sequence shorter ends. A simulated device is worth a moment more: each try takes next to nothing.
+    fn ends(&self, span: Option<Duration>, simulated: bool) -> Option<Instant> {
+        let more = if simulated { Duration::from_secs(3) } else { Duration::ZERO };
+        Some(Instant::now() + std::time::Duration::from(span? + more))
     }
 
     /// The run itself, with its progress on a terminal.
@@ -125,37 +184,29 @@ impl Args {
         device: &mut Device,
         knowledge: &Knowledge,
         plan: &Plan,
+        span: Option<Duration>,
         interrupt: &Interrupt,
     ) -> Result<Outcome, Failure> {
-        let usual = if device.is_simulated() { Duration::from_secs(10) } else { Duration::from_secs(60) };
-        let span = match (self.span, self.runs) {
-            (None, None) => Some(usual),
-            (span, _) => span,
-        };
         let begun = Instant::now();
         let mut progress = Progress::new(span);
-        let is_live = !device.is_simulated();
-        let outcome = device.on_ground(|ground| {
-            let outcome = campaign::run(ground, knowledge.clone(), plan, &mut |state| {
+        let outcome = device.on_ground(&plan.time, |ground| {
+            campaign::run(ground, knowledge.clone(), plan, &mut |state| {
                 progress.show(&state);
                 let in_time = span.is_none_or(|span| begun.elapsed().as_nanos() < u128::from(span.nanos()));
                 in_time && self.runs.is_none_or(|runs| state.sequences < runs) && !interrupt.came()
-            });
-            if is_live {
-                // The device is left as it was found: nothing was stored.
-                ground.begin(Start::Configured).map_err(FuzzError::from)?;
-            }
-            outcome
+            })
         });
         let outcome = outcome.map_err(Failure::unreachable)?;
         progress.end(&outcome);
         Ok(outcome)
     }
 
-    fn result(&self, device: &Device, knowledge: &Knowledge, plan: &Plan, outcome: Outcome, cancelled: bool) -> Run {
+    fn result(&self, device: &Device, provenance: Provenance, plan: &Plan, outcome: Outcome, cancelled: bool) -> Run {
+        let knowledge = device.knowledge();
         let words =
             outcome.violations.iter().map(|found| Words::of(found, &mut || Box::new(device.decoder()))).collect();
         Run {
+            provenance,
             bus: self.bus.clone(),
             bit_rate: device.bit_rate(),
             node: knowledge.node,
@@ -195,14 +246,17 @@ impl Args {
         command
     }
 
-    /// Opens all files before the device is touched: a report that can't be written is known at once.
-    fn open_reports(&self) -> Result<Vec<(Render, BufWriter<File>)>, Failure> {
-        let open = |arg: &ReportArg| {
-            let file = File::create(arg.file()).with_context(|| format!("can't write {}", arg.file().display()))?;
-            Ok((render_of(arg.format()), BufWriter::new(file)))
-        };
+    /// Begins all files before the device is touched: a report that can't be written is known at once.
+    fn open_reports(&self) -> Result<Vec<(Render, WholeFile)>, Failure> {
+        let open = |arg: &ReportArg| Ok((render_of(arg.format()), WholeFile::create(arg.file())?));
         self.report.iter().map(open).collect()
     }
+}
+
+fn write_report(render: Render, run: &Run, file: WholeFile) -> anyhow::Result<()> {
+    let mut out = BufWriter::new(file.writer()?);
+    render(run, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
+    file.complete()
 }
 
 fn render_of(format: ReportFormat) -> Render {

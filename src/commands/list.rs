@@ -8,15 +8,17 @@ use canvass_analyzer::findings::{self, Metadata, Threshold};
 use canvass_device::models::Model;
 use canvass_device::{Fault, Liberty};
 use canvass_fuzzer::Property;
+use canvass_reports::answers;
 use canvass_reports::catalogue_page;
 use canvass_reports::fuzz::faults_page;
 use canvass_suite::case::Case;
 use canvass_suite::catalogue;
+use canvass_suite::situation::Situation;
 use canvass_traces::Format;
 use serde_json::{Value, json};
 use std::fmt::Write;
 
-/// List cases, models, faults, liberties, rules, properties or formats
+/// List cases, situations, models, faults, liberties, rules, properties or formats
 #[derive(clap::Args)]
 pub struct Args {
     /// What to list
@@ -31,6 +33,8 @@ pub struct Args {
 enum What {
     /// Conformance cases
     Cases,
+    /// What CiA 301 allows in which situation
+    Situations,
     /// Built-in device models
     Models,
     /// Firmware faults that a simulated device can be given
@@ -69,6 +73,7 @@ impl Args {
         }
         let rows = match self.what {
             What::Cases => cases(),
+            What::Situations => situations(),
             What::Models => models(),
             What::Faults => faults(),
             What::Liberties => liberties(),
@@ -95,6 +100,22 @@ fn cases() -> Vec<Value> {
         })
     };
     catalogue::cases().iter().map(row).collect()
+}
+
+fn situations() -> Vec<Value> {
+    let row = |situation: &Situation| {
+        let answers = situation.answers();
+        json!({
+            "id": situation.id(),
+            "summary": situation.requirement(),
+            "clause": answers.clause.bare(),
+            "clause_confidence": answers.clause.confidence.name(),
+            "level": answers.level.name(),
+            "allowed": answers::allowed(*situation),
+            "tolerated": answers::tolerated(*situation),
+        })
+    };
+    Situation::ALL.iter().map(row).collect()
 }
 
 fn models() -> Vec<Value> {

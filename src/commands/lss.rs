@@ -1,15 +1,16 @@
 //! `canvass lss`: layer setting services.
 
-use crate::live::Live;
-use crate::output::{diagnostic, print};
+use crate::live::{ClientArg, Live, parse_wait};
+use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow};
 use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, MASTER_CAN_ID, Part, Request, Response, SLAVE_CAN_ID};
 use canvass_analyzer::{NodeId, wire::Wire};
 use canvass_bus::client::Exchange;
 use canvass_bus::client::lss::{LssAddress, ScanStep};
-use canvass_traces::{Duration, Record};
+use canvass_traces::{Duration, Record, Timestamp};
 use serde_json::json;
+use std::collections::BTreeMap;
 use std::str::FromStr;
 
 /// Ask for and set node-ID and bit rate by LSS (CiA 305)
@@ -38,7 +39,7 @@ enum Action {
         #[arg(long, value_name = "NODE|none", value_parser = parse_node_id)]
         node_id: Option<u8>,
         /// The bit rate, such as 250k; it counts once it is activated
-        #[arg(long, value_name = "BITRATE", value_parser = parse_bit_rate)]
+        #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
         bit_rate: Option<u8>,
         /// Store both in non-volatile memory
         #[arg(long)]
@@ -51,7 +52,8 @@ enum Action {
     Fastscan {
         #[command(flatten)]
         bus: OnBus,
-        /// Give it that node-ID, and the next ones those that follow, until none is found
+        /// Give it that node-ID, and the next ones those that follow, until none is found; a device that is found again ends it
+        /// with status 1
         #[arg(long, value_name = "NODE", value_parser = crate::devices::parse_node)]
         assign: Option<NodeId>,
         /// Store the node-IDs in non-volatile memory
@@ -64,12 +66,18 @@ enum Action {
 struct OnBus {
     /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// How long to wait for each answer, in milliseconds; a Fastscan waits up to 68 times for every device
-    #[arg(long, value_name = "MS")]
-    timeout: Option<u64>,
-    /// Print a JSON object
-    #[arg(long)]
+    /// How long to wait for each answer, such as 100ms; a Fastscan waits up to 68 times for every device,
+    /// and "store" at least 10 s
+    #[arg(long, value_name = "SPAN", value_parser = parse_wait)]
+    timeout: Option<Duration>,
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    format: TextOrJson,
+    /// As --format json, which it was called before
+    #[arg(long, hide = true)]
     json: bool,
+    #[command(flatten)]
+    client: ClientArg,
 }
 
 #[derive(clap::Args)]
@@ -119,8 +127,10 @@ fn parse_bit_rate(text: &str) -> Result<u8> {
 
 /// The node-ID that says "not configured".
 const NO_NODE_ID: u8 = 255;
-/// How long a slave may take to answer; storing takes longest.
+/// How long a slave may take to answer.
 const PATIENCE: Duration = Duration::from_millis(1_000);
+/// How long it may take to store: its memory is erased and written meanwhile.
+const STORE_PATIENCE: Duration = Duration::from_millis(10_000);
 /// How long a slave may take to answer a Fastscan: silence is an answer there, so it costs time each time.
 const SCAN_PATIENCE: Duration = Duration::from_millis(30);
 const WAITING: Request = Request::SwitchGlobal { mode: 0 };
@@ -154,22 +164,22 @@ impl OnBus {
     fn run(
         &self,
         patience: Duration,
-        act: impl FnOnce(&mut Master<'_>) -> Result<(), Failure>,
+        act: impl FnOnce(&mut Master<'_>) -> Result<Status, Failure>,
     ) -> Result<Status, Failure> {
-        let mut live = Live::open(&self.bus, &[])?;
+        let mut live = Live::open(&self.bus, None, &[], self.client)?;
         let wanted = [(MASTER_CAN_ID, 0x7FF), (SLAVE_CAN_ID, 0x7FF)];
         live.bus.only(&wanted).map_err(Failure::unreachable)?;
-        let patience = self.timeout.map_or(patience, Duration::from_millis);
+        let patience = self.timeout.unwrap_or(patience);
         let mut observe = |_: &Record| {};
-        let exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe };
-        let mut master = Master { exchange, patience, json: self.json };
+        let exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe, ends: Timestamp::MAX };
+        let mut master = Master { exchange, patience, json: self.json || matches!(self.format, TextOrJson::Json) };
         let acted = act(&mut master);
         // Whatever happened: no device stays in configuration.
         let left = master.tell(&WAITING);
-        acted?;
+        let status = acted?;
         left?;
         live.report_health();
-        Ok(Status::Good)
+        Ok(status)
     }
 }
 
@@ -181,7 +191,8 @@ struct Master<'a> {
 
 impl Master<'_> {
     fn ask(&mut self, request: &Request) -> Result<Response, Failure> {
-        let response = self.exchange.ask(request, self.patience.max(PATIENCE)).map_err(Failure::unreachable)?;
+        let usual = if *request == Request::StoreConfiguration { STORE_PATIENCE } else { PATIENCE };
+        let response = self.exchange.ask(request, self.patience.max(usual)).map_err(Failure::unreachable)?;
         response.ok_or_else(|| Failure::unreachable(anyhow!("no device answers to \"{request}\"")))
     }
 
@@ -218,17 +229,18 @@ impl Master<'_> {
         Ok(address)
     }
 
-    fn inquire(&mut self, which: &Which) -> Result<(), Failure> {
+    fn inquire(&mut self, which: &Which) -> Result<Status, Failure> {
         self.select(which)?;
         let address = self.address()?;
         let node_id = match self.ask(&Request::InquireNodeId)? {
             Response::NodeId(node_id) => node_id,
             other => return Err(anyhow!("expected the node-ID, found \"{other}\"").into()),
         };
-        self.print(address, Some(node_id))
+        self.print(address, Some(node_id))?;
+        Ok(Status::Good)
     }
 
-    fn configure(&mut self, which: &Which, wish: Wish) -> Result<(), Failure> {
+    fn configure(&mut self, which: &Which, wish: Wish) -> Result<Status, Failure> {
         self.select(which)?;
         if let Some(node_id) = wish.node_id {
             self.configured(ConfigureCommand::NodeId, &Request::ConfigureNodeId { node_id })?;
@@ -243,7 +255,7 @@ impl Master<'_> {
             self.tell(&Request::ActivateBitTiming { delay })?;
             diagnostic(&format!("canvass: all devices change their bit rate in {delay} ms: this interface must too"));
         }
-        Ok(())
+        Ok(Status::Good)
     }
 
     /// A configuration that has to succeed.
@@ -261,13 +273,17 @@ impl Master<'_> {
         Ok(())
     }
 
-    fn fastscan(&mut self, assign: Option<NodeId>, store: bool) -> Result<(), Failure> {
+    fn fastscan(&mut self, assign: Option<NodeId>, store: bool) -> Result<Status, Failure> {
         let mut next = assign;
-        let mut found = 0;
+        let mut seen = BTreeMap::new();
         loop {
             match self.exchange.fastscan(self.patience).map_err(Failure::unreachable)? {
                 ScanStep::Found(address) => {
-                    found += 1;
+                    if let Some(node) = seen.insert(address, next) {
+                        self.print(address, node.map(NodeId::raw))?;
+                        diagnostic(&format!("canvass: {}", found_again(address, node)));
+                        return Ok(Status::Findings);
+                    }
                     if let Some(node) = next {
                         self.configured(ConfigureCommand::NodeId, &Request::ConfigureNodeId { node_id: node.raw() })?;
                         if store {
@@ -289,10 +305,10 @@ impl Master<'_> {
                 ScanStep::Nobody | ScanStep::Ask(_) => break,
             }
         }
-        if found == 0 {
+        if seen.is_empty() {
             return Err(Failure::unreachable(anyhow!("no device without a node-ID was found")));
         }
-        Ok(())
+        Ok(Status::Good)
     }
 
     fn print(&self, address: LssAddress, node_id: Option<u8>) -> Result<(), Failure> {
@@ -311,6 +327,17 @@ impl Master<'_> {
              {serial:08X}h, node-ID {node_id}\n"
         ))?)
     }
+}
+
+/// Why a Fastscan ends that finds a device which has a node-ID by now: it would be given one after the other, and store each.
+fn found_again(address: LssAddress, node: Option<NodeId>) -> String {
+    let [vendor, product, revision, serial] = address;
+    let given = node.map(|node| format!("was given node-ID {node} and ")).unwrap_or_default();
+    format!(
+        "the device with vendor-ID {vendor:08X}h, product code {product:08X}h, revision number {revision:08X}h and serial \
+         number {serial:08X}h {given}answers Fastscan again: it takes part although it is configured, or two devices have the \
+         same LSS address; the scan ends here"
+    )
 }
 
 #[cfg(test)]

@@ -1,10 +1,8 @@
 //! `canvass man`: manual pages.
 
-use crate::cli::Cli;
 use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
-use clap::CommandFactory;
 use std::path::PathBuf;
 
 /// Print the manual page, or write those of all commands into a folder
@@ -18,8 +16,8 @@ pub struct Args {
 }
 
 impl Args {
-    pub fn run(self) -> Result<Status, Failure> {
-        let mut cli = Cli::command();
+    /// `cli` is the whole command line.
+    pub fn run(self, mut cli: clap::Command) -> Result<Status, Failure> {
         cli.build();
         if let Some(folder) = self.out {
             clap_mangen::generate_to(cli, &folder).with_context(|| format!("can't write to {}", folder.display()))?;

@@ -17,8 +17,8 @@ use canvass_traces::Timestamp;
 
 /// Decode a bus as it comes: one annotated line per frame, or one per event
 ///
-/// With the options of `canvass decode`. Receiving does not wait for the terminal; what is lost is said. Ends by Ctrl-C
-/// or --for.
+/// With the options of `canvass decode`. Receiving does not wait for the terminal; what is lost is said where it was lost,
+/// and in all at the end. Ends by Ctrl-C or --for.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
@@ -45,12 +45,16 @@ impl Args {
         if self.screen {
             let mut bus = bus;
             let end = self.span.map_or(Timestamp::MAX, |span| bus.now() + span);
-            screen::show(bus.as_mut(), &mut self.view.network()?, &self.bus, end, &interrupt)?;
+            let shown = screen::show(bus.as_mut(), &mut self.view.network()?, &self.bus, end, &interrupt);
+            // The screen is gone, and with it what it said.
+            crate::live::report_health(bus.as_ref());
+            shown?;
             return Ok(Status::Good);
         }
         let reader = LiveReader::new(&self.bus, bus, self.span, &output, &interrupt);
         let options = InputOptions::default();
         let inputs = Inputs::live(reader.capture(&self.bus), &options, &output, interrupt);
-        self.view.show(inputs, color, &output)
+        let network = self.view.network()?;
+        self.view.show(inputs, network, color, &output)
     }
 }

@@ -2,7 +2,7 @@
 
 use super::send::send_and_show;
 use crate::devices::{DeviceArg, parse_node};
-use crate::live::Live;
+use crate::live::{ClientArg, Live, parse_wait};
 use crate::output::Color;
 use crate::status::{Failure, Status};
 use canvass_analyzer::NodeId;
@@ -23,12 +23,14 @@ pub struct Args {
     /// The node, or `all`
     #[arg(value_name = "NODE|all", value_parser = parse_addressed)]
     node: Addressed,
-    /// How long to listen, in milliseconds
-    #[arg(long, default_value_t = 1_000, value_name = "MS")]
-    wait: u64,
+    /// How long to listen, such as 1000ms
+    #[arg(long, default_value = "1000ms", value_name = "SPAN", value_parser = parse_wait)]
+    wait: Duration,
     /// Which device a node is: a built-in model or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
+    #[command(flatten)]
+    client: ClientArg,
 }
 
 #[derive(Clone, Copy, clap::ValueEnum)]
@@ -77,8 +79,8 @@ impl Command {
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
-        let live = Live::open(&self.bus, &self.device)?;
+        let live = Live::open(&self.bus, None, &self.device, self.client)?;
         let frame = Nmt { command: self.command.specifier(), node: self.node.0 }.to_frame(nmt::CAN_ID);
-        send_and_show(live, &[frame], Duration::from_millis(self.wait), &|frame| self.node.concerns(frame), color)
+        send_and_show(live, &[frame], self.wait, &|frame| self.node.concerns(frame), color)
     }
 }

@@ -2,6 +2,7 @@
 
 mod outputs;
 
+use crate::files::Files;
 use crate::interrupt::Interrupt;
 use crate::live::{channel_name, open_bus, parse_span, time_base};
 use crate::output::diagnostic;
@@ -65,6 +66,7 @@ const FLUSH: Duration = Duration::from_millis(250);
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
+        Files::new().bus(&self.bus).writes(&self.out)?;
         let mut bus = open_bus(&self.bus, 0)?.bus;
         if !bus.is_live() && self.span.is_none() && self.frames.is_none() {
             return Err(anyhow!("on a simulated bus time is virtual: say --for how long, or how many --frames").into());
@@ -116,7 +118,11 @@ impl Args {
                 outputs.flush()?;
                 flushed = now;
                 let health = bus.health();
-                if let Some(trouble) = health.since(&told).trouble {
+                let since = health.since(&told);
+                if since.lost > 0 {
+                    diagnostic(&format!("canvass: {} frames were lost here, at {now} s", since.lost));
+                }
+                if let Some(trouble) = since.trouble {
                     diagnostic(&format!("canvass: {trouble}: recording goes on when it is back"));
                 }
                 told = health;

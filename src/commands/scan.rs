@@ -1,9 +1,10 @@
 //! `canvass scan`: which nodes are on a bus, and who they are.
 
 use crate::interrupt::Interrupt;
-use crate::live::{Live, parse_span};
+use crate::live::{ClientArg, Live, parse_span, parse_wait};
 use crate::output::{TextOrJson, print};
 use crate::status::{Failure, Status};
+use anyhow::anyhow;
 use canvass_analyzer::network::{Candidates, Shown};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::{Wire, lss, sdo};
@@ -14,9 +15,9 @@ use canvass_bus::client::lss::{LssAddress, ScanStep};
 use canvass_bus::client::sdo::{Outcome, Transfer};
 use canvass_device::models::Model;
 use canvass_reports::escape;
-use canvass_traces::{Duration, Record};
+use canvass_traces::{Duration, Record, Timestamp};
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::fmt::Write;
 use std::sync::Arc;
 
@@ -37,11 +38,16 @@ pub struct Args {
     #[arg(long, default_value = "1.2s", value_name = "SPAN", value_parser = parse_span)]
     listen: Duration,
     /// How long to wait for answers
-    #[arg(long, default_value = "200ms", value_name = "SPAN", value_parser = parse_span)]
+    #[arg(long, default_value = "200ms", value_name = "SPAN", value_parser = parse_wait)]
     timeout: Duration,
+    /// How long all of it may take
+    #[arg(long = "for", default_value = "2min", value_name = "SPAN", value_parser = parse_span)]
+    span: Duration,
     /// How to print the nodes
     #[arg(long, value_enum, default_value_t)]
     format: TextOrJson,
+    #[command(flatten)]
+    client: ClientArg,
 }
 
 /// What is known of a node.
@@ -57,23 +63,38 @@ const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 const NAMES: [(u16, &str); 3] = [(0x1008, "name"), (0x1009, "hardware"), (0x100A, "software")];
 /// 1018h:01 to :04.
 const PARTS: [&str; 4] = ["vendor-ID", "product code", "revision number", "serial number"];
+/// As many frames show what a bus is like on which a scan comes to no end.
+const LAST: usize = 8;
 /// How long a slave may take to answer a Fastscan.
 const SCAN_PATIENCE: Duration = Duration::from_millis(30);
+/// And how long any other question.
+const LSS_PATIENCE: Duration = Duration::from_millis(1_000);
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
-        let mut live = Live::open(&self.bus, &[])?;
+        let mut live = Live::open(&self.bus, None, &[], self.client)?;
         let interrupt = Interrupt::watch()?;
+        let mut last = VecDeque::with_capacity(LAST);
+        let ends = live.bus.now() + self.span;
         let mut nodes = BTreeMap::new();
         // The simulated device's boot-up, which Live has waited for, was a sign too.
         nodes.extend(live.simulated_node().map(|node| (node, Found::default())));
-        let unconfigured = self.find(&mut live, &interrupt, &mut nodes).map_err(Failure::unreachable)?;
+        let scanned = self.find(&mut live, &interrupt, ends, &mut last, &mut nodes).map_err(Failure::unreachable)?;
         match self.format {
-            TextOrJson::Text => print(&text(&nodes, unconfigured))?,
-            TextOrJson::Json => print(&format!("{}\n", escape::json(&json(&nodes, unconfigured).to_string())))?,
+            TextOrJson::Text => print(&text(&nodes, scanned))?,
+            TextOrJson::Json => print(&format!("{}\n", escape::json(&json(&nodes, scanned).to_string())))?,
         }
         live.report_health();
-        let found = !nodes.is_empty() || unconfigured.is_some();
+        if live.bus.now() >= ends {
+            let frames: Vec<String> = last.iter().rev().map(|record| record.frame.to_string()).collect();
+            return Err(Failure::unreachable(anyhow!(
+                "not all was asked within {} (--for): the devices, or the adapter before them, do not follow the protocol; \
+                 the last frames: {}",
+                self.span,
+                frames.join(", ")
+            )));
+        }
+        let found = !nodes.is_empty() || scanned.is_some();
         Ok(if found { Status::Good } else { Status::Unreachable })
     }
 
@@ -81,31 +102,59 @@ impl Args {
         &self,
         live: &mut Live,
         interrupt: &Interrupt,
+        ends: Timestamp,
+        last: &mut VecDeque<Record>,
         nodes: &mut BTreeMap<NodeId, Found>,
-    ) -> Result<Option<LssAddress>, BusError> {
-        let mut observe = |_: &Record| {};
-        let mut exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe };
+    ) -> Result<Option<Scanned>, BusError> {
+        let mut observe = |record: &Record| {
+            last.truncate(LAST - 1);
+            last.push_front(record.clone());
+        };
+        let mut exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe, ends };
         listen(&mut exchange, self.listen, nodes)?;
         if self.passive {
             return Ok(None);
         }
         knock(&mut exchange, self.timeout, nodes)?;
         for (&node, found) in nodes.iter_mut().filter(|(_, found)| found.answers) {
-            if interrupt.came() {
+            if interrupt.came() || exchange.bus.now() >= ends {
                 return Ok(None);
             }
             ask(&mut exchange, node, self.timeout, found)?;
         }
-        if self.no_lss || interrupt.came() {
+        if self.no_lss || interrupt.came() || exchange.bus.now() >= ends {
             return Ok(None);
         }
         let step = exchange.fastscan(SCAN_PATIENCE)?;
-        exchange.bus.send(&lss::Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
-        Ok(match step {
-            ScanStep::Found(address) => Some(address),
+        let scanned = match step {
+            ScanStep::Found(address) => Some(Scanned { address, node: configured(&mut exchange, address, nodes)? }),
             _ => None,
-        })
+        };
+        exchange.bus.send(&lss::Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
+        Ok(scanned)
     }
+}
+
+/// What Fastscan has found.
+#[derive(Clone, Copy)]
+struct Scanned {
+    address: LssAddress,
+    /// The node-ID that it has: then it takes part in Fastscan though it is configured.
+    node: Option<NodeId>,
+}
+
+/// The node-ID of the device that Fastscan has found and left in configuration. One that can't be asked for it is a node
+/// with the same identity, if that names a single device.
+fn configured(
+    exchange: &mut Exchange<'_>,
+    address: LssAddress,
+    nodes: &BTreeMap<NodeId, Found>,
+) -> Result<Option<NodeId>, BusError> {
+    if let Some(lss::Response::NodeId(node_id)) = exchange.ask(&lss::Request::InquireNodeId, LSS_PATIENCE)? {
+        return Ok(NodeId::new(node_id));
+    }
+    let is_it = |found: &Found| [1, 2, 3, 4].map(|sub| found.part(sub)) == address.map(Some) && address[3] != 0;
+    Ok(nodes.iter().find(|(_, found)| is_it(found)).map(|(node, _)| *node))
 }
 
 /// Who sends heartbeats or boots.
@@ -200,7 +249,7 @@ fn vendor_of(model: &Model) -> Option<u32> {
     start.or(model.description().device.vendor_number)
 }
 
-fn text(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> String {
+fn text(nodes: &BTreeMap<NodeId, Found>, scanned: Option<Scanned>) -> String {
     // Writing to a string can't fail.
     let mut text = String::new();
     for (node, found) in nodes {
@@ -228,7 +277,10 @@ fn text(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> St
             Models::None => Ok(()),
         };
     }
-    if let Some([vendor, product, revision, serial]) = unconfigured {
+    if let Some(Scanned { node: Some(node), .. }) = scanned {
+        let _ = writeln!(text, "node {node} takes part in Fastscan, though it has a node-ID");
+    }
+    if let Some(Scanned { address: [vendor, product, revision, serial], node: None }) = scanned {
         let _ = writeln!(
             text,
             "without node-ID: vendor-ID {vendor:08X}h, product code {product:08X}h, revision number {revision:08X}h, \
@@ -241,7 +293,7 @@ fn text(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> St
     text
 }
 
-fn json(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> Value {
+fn json(nodes: &BTreeMap<NodeId, Found>, scanned: Option<Scanned>) -> Value {
     let row = |(node, found): (&NodeId, &Found)| {
         let [vendor, product, revision, serial] = [1, 2, 3, 4].map(|sub| found.part(sub));
         let [name, hardware, software] = NAMES.map(|(index, _)| found.text(index));
@@ -258,6 +310,7 @@ fn json(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> Va
             "software_version": software, "model": models.first(), "models": models, "model_exact": exact,
         })
     };
+    let unconfigured = scanned.filter(|scanned| scanned.node.is_none()).map(|scanned| scanned.address);
     let unconfigured = unconfigured.map(|[vendor, product, revision, serial]| {
         json!({
             "vendor_id": vendor, "product_code": product, "revision_number": revision, "serial_number": serial,
@@ -267,5 +320,6 @@ fn json(nodes: &BTreeMap<NodeId, Found>, unconfigured: Option<LssAddress>) -> Va
         "schema": "canvass/scan/1",
         "nodes": nodes.iter().map(row).collect::<Vec<_>>(),
         "unconfigured": unconfigured,
+        "fastscan_configured": scanned.and_then(|scanned| scanned.node).map(NodeId::raw),
     })
 }

@@ -4,7 +4,7 @@ mod object;
 mod value;
 
 use crate::devices::{DeviceArg, describe, parse_node};
-use crate::live::Live;
+use crate::live::{ClientArg, Live, parse_wait};
 use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
@@ -15,7 +15,7 @@ use canvass_analyzer::{Multiplexer, NodeId, TransferText};
 use canvass_bus::client::Exchange;
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome, Transfer};
 use canvass_reports::escape;
-use canvass_traces::{Duration, Record};
+use canvass_traces::{Duration, Record, Timestamp};
 use serde_json::json;
 
 /// Read or write an object of a device
@@ -56,17 +56,19 @@ struct Target {
     /// The object: INDEX:SUB in hexadecimal, or a name
     object: String,
     /// What the device is: a built-in model or an EDS or DCF file
-    #[arg(long, value_name = "MODEL|FILE")]
+    #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
     /// The data type: u8 to u64, i8 to i64, f32, f64, bool, string, bytes, or a name such as UNSIGNED32
     #[arg(long = "type", value_name = "TYPE", value_parser = value::parse_type)]
     data_type: Option<canvass_analyzer::dictionary::DataType>,
-    /// How long to wait for each response, in milliseconds
-    #[arg(long, default_value_t = 1_000, value_name = "MS")]
-    timeout: u64,
+    /// How long to wait for each response, such as 1000ms
+    #[arg(long, default_value = "1000ms", value_name = "SPAN", value_parser = parse_wait)]
+    timeout: Duration,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     format: TextOrJson,
+    #[command(flatten)]
+    client: ClientArg,
 }
 
 /// What is shown of a transfer.
@@ -91,10 +93,11 @@ impl Target {
         let device = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
         let devices: Vec<DeviceArg> =
             device.iter().map(|device| DeviceArg { node: self.node, device: (*device).to_owned() }).collect();
-        let description = device.map(describe).transpose()?;
-        let mut live = Live::open(&self.bus, &devices)?;
+        let known = device.map(describe).transpose()?;
+        let mut live = Live::open(&self.bus, Some(self.node), &devices, self.client)?;
         let model = live.model.filter(|_| live.simulated_node() == Some(self.node));
-        let description = description.as_ref().or_else(|| model.map(|model| model.description()));
+        let known = known.as_ref().or_else(|| model.map(|model| &**model.device()));
+        let description = known.map(|known| &known.description);
         let address = object::resolve(&self.object, description)?;
         let data_type = self.data_type.or_else(|| value::known_type(address, description));
         let transfer = match written {
@@ -119,8 +122,8 @@ impl Target {
         live.bus.only(&[(0x580 + node, 0x7FF), (0x600 + node, 0x7FF)]).map_err(Failure::unreachable)?;
         let (network, mut shown) = (&mut live.network, Shown::default());
         let mut observe = |record: &Record| see(network, record, &mut shown);
-        let mut exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe };
-        let patience = Duration::from_millis(self.timeout);
+        let mut exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe, ends: Timestamp::MAX };
+        let patience = self.timeout;
         let outcome = exchange.transfer(self.node, transfer, patience).map_err(Failure::unreachable)?;
         Ok((outcome, shown))
     }

@@ -7,8 +7,10 @@ use anyhow::anyhow;
 use canvass_device::Fault;
 use canvass_device::models::Model;
 use canvass_fuzzer::detection::{Limit, Row, Table, detect};
+use canvass_fuzzer::liberties;
 use canvass_reports::fuzz::detection;
 use canvass_reports::selftest::{json, text};
+use canvass_suite::case::Case;
 use canvass_suite::catalogue::{Selector, select};
 use canvass_suite::selftest::{self, Chance, Extent};
 use canvass_traces::Duration;
@@ -17,13 +19,13 @@ use canvass_traces::Duration;
 ///
 /// Every fault is put into the firmware of a simulated device, and every case runs against it. A fault is detected if a
 /// case that names it fails. Every model without fault must pass, and so must every firmware that takes liberties which the
-/// standard leaves free; faults are looked for beside liberties, too.
+/// standard leaves free; faults are looked for beside liberties, too. The fuzzer may find nothing on any of them.
 #[derive(clap::Args)]
 pub struct Args {
     /// Which cases, as for `canvass test`; without it all, and all faults
     #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
     select: Vec<Selector>,
-    /// Which faults; without it those that the cases name
+    /// Which faults, with the cases that name them; without it those that the cases name
     #[arg(long, value_name = "FAULT", value_delimiter = ',')]
     fault: Vec<Fault>,
     /// From which liberties are drawn and combined
@@ -53,25 +55,45 @@ enum MatrixFormat {
 }
 
 impl Args {
+    /// The cases and faults that belong together.
+    fn chosen(&self) -> Result<(Vec<&'static Case>, Vec<Fault>), Failure> {
+        let mut cases = select(&self.select)
+            .map_err(|idle| Failure::unreachable(anyhow!("no case was executed: --select {idle} selects none")))?;
+        if self.fault.is_empty() {
+            let faults = if self.select.is_empty() { Fault::ALL.to_vec() } else { selftest::named_by(&cases) };
+            return Ok((cases, faults));
+        }
+        cases.retain(|case| self.fault.iter().any(|fault| case.catches.contains(fault)));
+        match self.fault.iter().find(|fault| !cases.iter().any(|case| case.catches.contains(fault))) {
+            Some(idle) => {
+                Err(Failure::unreachable(anyhow!("no case was executed: none that is selected names the fault {idle}")))
+            }
+            None => Ok((cases, self.fault.clone())),
+        }
+    }
+
     pub fn run(self) -> Result<Status, Failure> {
         if self.fuzz {
             return self.fuzz();
         }
-        let cases = select(&self.select)
-            .map_err(|idle| Failure::unreachable(anyhow!("no case was executed: --select {idle} selects none")))?;
-        let faults = match (self.fault.is_empty(), self.select.is_empty()) {
-            (false, _) => self.fault,
-            (true, true) => Fault::ALL.to_vec(),
-            (true, false) => selftest::named_by(&cases),
-        };
-        let models: Vec<&'static Model> = Model::all().iter().collect();
-        let matrix =
-            selftest::run(&cases, &faults, &models, Extent::Whole, Chance { seed: self.seed, ..Chance::WHOLE });
-        match self.format {
-            MatrixFormat::Table => print(&text(&matrix))?,
-            MatrixFormat::Json => json(&matrix, &mut std::io::stdout().lock())?,
+        let of_faults = !self.fault.is_empty();
+        let (cases, faults) = self.chosen()?;
+        let mut chance = Chance { seed: self.seed, ..Chance::WHOLE };
+        let mut models: Vec<&'static Model> = Model::all().iter().collect();
+        if of_faults {
+            chance.combinations = 0;
+            models.retain(|model| faults.iter().any(|fault| fault.model() == model.id()));
         }
-        Ok(if matrix.is_good() { Status::Good } else { Status::Findings })
+        let matrix = selftest::run(&cases, &faults, &models, Extent::Whole, chance);
+        // A part is asked for to be quick.
+        let whole = self.select.is_empty() && !of_faults;
+        let chance = if whole { liberties::Chance::WHOLE } else { liberties::Chance::NONE };
+        let fuzzed = liberties::run(liberties::Chance { seed: self.seed, ..chance }).map_err(Failure::unreachable)?;
+        match self.format {
+            MatrixFormat::Table => print(&text(&matrix, &fuzzed))?,
+            MatrixFormat::Json => json(&matrix, &fuzzed, &mut std::io::stdout().lock())?,
+        }
+        Ok(if matrix.is_good() && fuzzed.is_good() { Status::Good } else { Status::Findings })
     }
 
     /// Each claimed fault with each seed, one after the other: the times are those of one core.

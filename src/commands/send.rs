@@ -1,7 +1,7 @@
 //! `canvass send`: single frames, and what comes back.
 
 use crate::devices::DeviceArg;
-use crate::live::{FrameLines, Live};
+use crate::live::{ClientArg, FrameLines, Live, parse_wait};
 use crate::output::Color;
 use crate::status::{Failure, Status};
 use canvass_traces::{Duration, Frame, FrameSyntax, parse_frame};
@@ -16,12 +16,14 @@ pub struct Args {
     /// The frames, sent one after the other
     #[arg(required = true, value_name = "FRAME", value_parser = parse_sent)]
     frames: Vec<Frame>,
-    /// How long to listen after each frame, in milliseconds
-    #[arg(long, default_value_t = 100, value_name = "MS")]
-    wait: u64,
+    /// How long to listen after each frame, such as 100ms
+    #[arg(long, default_value = "100ms", value_name = "SPAN", value_parser = parse_wait)]
+    wait: Duration,
     /// Which device a node is: a built-in model or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
+    #[command(flatten)]
+    client: ClientArg,
 }
 
 fn parse_sent(text: &str) -> Result<Frame, FrameSyntax> {
@@ -35,8 +37,8 @@ fn parse_sent(text: &str) -> Result<Frame, FrameSyntax> {
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
-        let live = Live::open(&self.bus, &self.device)?;
-        send_and_show(live, &self.frames, Duration::from_millis(self.wait), &|_| true, color)
+        let live = Live::open(&self.bus, None, &self.device, self.client)?;
+        send_and_show(live, &self.frames, self.wait, &|_| true, color)
     }
 }
 

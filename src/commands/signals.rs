@@ -1,5 +1,6 @@
 //! `canvass signals`: the values of PDOs as columns over time.
 
+use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs};
 use crate::output::{Output, diagnostic};
 use crate::selection::Selection;
@@ -66,6 +67,8 @@ fn parse_milliseconds(text: &str) -> Result<Duration> {
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
+        let files = Files::new().reads(&self.files).describes(self.selection.descriptions());
+        files.writes(self.input.quality_file())?;
         let output = Output::default();
         let sheet: Box<dyn Sheet> = match self.format {
             SignalFormat::Csv => Box::new(CsvSheet::new(SpooledTempFile::new(IN_MEMORY), self.every.is_none())),
@@ -80,7 +83,7 @@ impl Args {
         let Rows { mut sampler, mut sheet, .. } = rows;
         output.append_with(|buffer| sampler.finish(sheet.as_mut(), buffer))?;
         while output.append_with(|buffer| sheet.finish(sampler.columns(), buffer))? {}
-        self.selection.warn_of_unknown_channels(&inputs);
+        self.selection.warn_of_nothing(&inputs);
         inputs.finish()?;
         warn(&sampler);
         Ok(Status::Good)

@@ -1,6 +1,7 @@
 //! `canvass simulate`: a simulated device on a live bus.
 
 use crate::devices::parse_node;
+use crate::files::Files;
 use crate::interrupt::Interrupt;
 use crate::kept_device::KeptDevice;
 use crate::live::{open_bus, parse_span};
@@ -12,12 +13,15 @@ use canvass_bus::Machine;
 use canvass_bus::{Bus, participate};
 use canvass_device::models::Model;
 use canvass_device::{Device, Fault, Firmware, Liberty, Motion, MotionSpec};
+use canvass_traces::small_file::{self, OF_HAND};
 use canvass_traces::{Direction, Duration, Timestamp};
 use std::path::{Path, PathBuf};
 
 /// Simulate a device on a bus, in real time
 ///
 /// It takes part in the bus as the device would: boots, answers, sends heartbeats and PDOs, until Ctrl-C.
+/// slcan:listen://PORT waits for programs on this machine, slcan:listen://HOST:PORT also for those on others: the protocol
+/// has no passwords, and whoever connects is on the bus.
 #[derive(clap::Args)]
 pub struct Args {
     /// The device: a built-in model, or a device description (EDS, DCF, XDD, XDC)
@@ -66,6 +70,12 @@ fn parse_motion(text: &str) -> Result<MotionSpec> {
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
+        let motion = match &self.motion {
+            Some(MotionSpec::File(path)) => Some(path),
+            _ => None,
+        };
+        let files = Files::new().bus(&self.bus).describes([&*self.device]).reads(motion);
+        files.writes(&self.memory)?;
         let model = model(&self.device)?;
         let node = self.node.map_or(model.default_node(), |node| node.0);
         let firmware = Firmware {
@@ -75,6 +85,9 @@ impl Args {
         let mut bus = open_bus(&self.bus, self.seed)?.bus;
         if !bus.is_live() && self.span.is_none() {
             return Err(anyhow!("on a simulated bus time is virtual: say --for how long").into());
+        }
+        if firmware.liberties.has(Liberty::DirtyPadding) {
+            bus.dirty_padding();
         }
         let device = match self.motion()? {
             Some(motion) => Device::with_motion(&model, node, firmware, self.seed, motion),
@@ -95,7 +108,8 @@ impl Args {
             None => None,
             Some(MotionSpec::Known(motion)) => Some(motion.clone()),
             Some(MotionSpec::File(path)) => {
-                let text = std::fs::read_to_string(path).with_context(|| format!("can't read {path}"))?;
+                let text =
+                    small_file::read_text(Path::new(path), OF_HAND).with_context(|| format!("can't read {path}"))?;
                 Some(MotionSpec::from_csv(&text).with_context(|| format!("{path} is no motion"))?)
             }
         })
@@ -136,6 +150,6 @@ fn model(device: &str) -> Result<Model> {
     if !path.exists() {
         bail!("\"{device}\" is neither a built-in model (`canvass list models`) nor a file");
     }
-    let bytes = std::fs::read(path).with_context(|| format!("can't read {device}"))?;
+    let bytes = small_file::read(Path::new(path), OF_HAND).with_context(|| format!("can't read {device}"))?;
     Model::generic(device, &bytes).with_context(|| format!("{device} is no device description"))
 }

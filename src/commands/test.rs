@@ -1,26 +1,36 @@
 //! `canvass test`: the conformance cases against one device.
 
+mod bundled;
+mod choice;
+mod course;
 mod forecast;
+mod journal;
 mod recorder;
 pub mod reports;
-mod timing;
+pub mod timing;
 
 use crate::devices::{describe, parse_node};
-use crate::live::open_bus;
+use crate::files::Files;
+use crate::live::{CLIENT, limited, open_device_bus_at, parse_span};
 use crate::output::Color;
+use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
+use bundled::Bundle;
 use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::KnownDevice;
 use canvass_device::address::Opened;
 use canvass_device::models::Model;
-use canvass_suite::bench::{Bench, Decoder, Deviation, Evidence, Options, Target, Timing};
-use canvass_suite::case::{Case, Touch};
-use canvass_suite::catalogue::{Selector, nearest, select};
-use canvass_suite::runner::{CaseReport, Plan, RunEvent, run};
+use canvass_suite::bench::{Options, Target, Timing};
+use canvass_suite::touch::Touch;
+use canvass_suite::verdict::Deviation;
 use canvass_suite::waiver::Waivers;
-use recorder::{Recorded, Recorder};
+use canvass_traces::Duration;
+use canvass_traces::small_file::{self, OF_HAND};
+use choice::CaseChoice;
+use course::Course;
+use recorder::Recorder;
 use reports::{ReportArg, ReportFormat, Reports};
-use std::io;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -38,11 +48,10 @@ pub struct Args {
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
     /// What the device is: a built-in model or an EDS or DCF file
-    #[arg(long, value_name = "MODEL|FILE")]
+    #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
-    /// Which cases: the beginning of an id (301/sdo), a pattern (301/*/toggle) or a section (7.2.8)
-    #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
-    select: Vec<Selector>,
+    #[command(flatten)]
+    choice: CaseChoice,
     /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Touch>,
@@ -58,11 +67,31 @@ pub struct Args {
     /// Run each case so often; a case that does not always end the same way is flaky
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
+    /// Run a case that fails again, at most so often; one that passes then passes, and is said to be flaky
+    #[arg(long, default_value_t = 0, value_name = "N", conflicts_with = "repeat", value_parser = clap::value_parser!(u32).range(0..=1000))]
+    retries: u32,
+    /// End with the first case that fails
+    #[arg(long)]
+    fail_fast: bool,
     /// Write the whole traffic into a capture, in which the cases are marked; its extension tells the format
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
-    /// How long to wait, in milliseconds: sdo, boot-up, reaction, silence
-    #[arg(long, value_name = "WHAT=MS", value_delimiter = ',')]
+    /// Write all that there is of the run into one file, for `canvass verify`: report, result, recording, description, waivers
+    #[arg(long, value_name = "FILE.zip")]
+    bundle: Option<PathBuf>,
+    /// Where a run on a live bus writes down what it changes before it does, for `canvass restore`; none: nowhere
+    ///
+    /// Without it, canvass-BUS-nodeN.journal in this folder. It is removed when the device is as it was.
+    #[arg(long, value_name = "FILE|none")]
+    journal: Option<PathBuf>,
+    /// If an earlier run was interrupted and has left its journal, put the device back first
+    #[arg(long)]
+    restore: bool,
+    /// Overwrite the files of --record and --bundle if they exist
+    #[arg(long)]
+    force: bool,
+    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to slcan:listen://)
+    #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
     /// How far the mean of a period may be off, in percent
     #[arg(long, default_value_t = 5, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
@@ -76,68 +105,98 @@ pub struct Args {
     /// Try everything where cases try samples: every index, every restricted CAN-ID (takes minutes on a live bus)
     #[arg(long)]
     exhaustive: bool,
+    /// End after that time, such as 10min; without it, on a live bus, after a minute and five seconds for each case
+    #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
+    span: Option<Duration>,
     /// Only say which cases would run, and how long that would take
     #[arg(long)]
     dry_run: bool,
+    #[command(flatten)]
+    remarks: Remarks,
 }
 
-/// A third of a second of a full bus at 1 Mbit/s. Waits that are that late say nothing of the device any more.
-const BACKLOG: usize = 8_192;
-
 impl Args {
-    pub fn run(self, color: Color) -> Result<Status, Failure> {
-        let cases = self.cases()?;
-        let options = self.options();
+    pub fn run(self, color: Color, typed: &Typed) -> Result<Status, Failure> {
+        let cases = self.choice.cases()?;
+        let mut options = self.options();
+        self.name_files()?;
+        let mut provenance = self.provenance(typed, &options)?;
+        let (waivers, today) = (self.waivers()?, provenance.day());
         if self.dry_run {
-            return forecast::dry_run(&self.bus, self.device.as_deref(), &cases, &options);
+            return forecast::dry_run(&self, &cases, &options, waivers.deviations(&today));
         }
-        let (waivers, today) = (self.waivers()?, today());
-        let mut opened = open_bus(&self.bus, self.seed)?;
-        opened.bus.limit_backlog(BACKLOG);
+        let mut opened = self.open()?;
+        options.limit = self.span.or_else(|| opened.bus.is_live().then(|| self.usual_limit(cases.len())));
         let target = self.target(&opened, waivers.deviations(&today))?;
-        let recorder = self.record.as_deref().map(Recorder::create).transpose()?;
-        let mut annotate = Recorded { decoder: Decoder::new(&target), recorder: recorder.as_ref() };
-        let mut reports = Reports::open(self.format, &self.report, color)?;
-        let cancel = cancelled_by_ctrl_c()?;
-        let plan = Plan { cases: &cases, bus: &self.bus, bit_rate: opened.bus.bit_rate(), seed: self.seed };
-        let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut annotate, &cancel);
-        let mut written: io::Result<()> = Ok(());
-        let mut finished: Vec<CaseReport> = Vec::new();
-        let summary = run(&mut bench, &plan, &mut |event: &RunEvent<'_>| {
-            if let Some(recorder) = &recorder {
-                recorder.event(event);
-            }
-            match event {
-                RunEvent::CaseFinished(report) if self.waivers.is_some() => {
-                    // Whether a waiver was needed is all that is asked.
-                    finished.push(CaseReport { evidence: Evidence::default(), ..(*report).clone() });
-                }
-                RunEvent::RunFinished(_) if written.is_ok() => {
-                    let idle = waivers.idle(&today, &finished.iter().collect::<Vec<_>>());
-                    written = idle.iter().try_for_each(|notice| reports.event(&RunEvent::Noticed(notice)));
-                }
-                _ => {}
-            }
-            // The device is put back in any case; a report that can't be written is told of afterwards.
-            if written.is_ok() {
-                written = reports.event(event);
-            }
-        });
-        written.context("can't write the report")?;
-        if let Some(recorder) = recorder {
-            recorder.finish()?;
+        options.journal = opened.bus.is_live().then(|| self.journal_path(target.node)).flatten();
+        if let Some(path) = &options.journal {
+            journal::settle(path, self.restore, &self.bus, opened.bus.as_mut(), &target, options.timing)?;
         }
-        let summary = summary.map_err(Failure::unreachable)?;
-        Ok(if summary.is_good() && !summary.cancelled { Status::Good } else { Status::Findings })
+        self.resolve(&mut provenance, &target, &options, opened.bus.bit_rate());
+        let recorder = self.record.as_deref().map(|path| Recorder::create(path, self.force)).transpose()?;
+        let mut reports = Reports::open(self.format, &self.report, color)?;
+        let bundle = self.bundle.as_deref().map(|path| Bundle::begin(path, self.force, &mut reports)).transpose()?;
+        let cancel = cancelled_by_ctrl_c()?;
+        let mut course = Course {
+            args: &self,
+            cases: &cases,
+            options: &options,
+            target: &target,
+            waivers,
+            today,
+            provenance,
+            reports,
+        };
+        let bus = opened.bus.as_mut();
+        match bundle {
+            None => course.run(bus, recorder.as_ref(), &cancel)?.finish(course.reports),
+            Some(bundle) => bundle.run(course, bus, recorder.as_ref(), &cancel),
+        }
     }
 
-    fn cases(&self) -> Result<Vec<&'static Case>, Failure> {
-        select(&self.select).map_err(|idle| {
-            let meant = nearest(&idle).map(|family| format!(" (is {family} meant?)")).unwrap_or_default();
-            Failure::unreachable(anyhow!(
-                "no case was executed: --select {idle} selects none{meant}, see `canvass list cases`"
-            ))
-        })
+    /// None that is written is read, and none is written twice.
+    fn name_files(&self) -> Result<(), Failure> {
+        let files = Files::new().bus(&self.bus).describes(self.device.as_deref()).reads(&self.waivers);
+        let files = files.reads(self.choice.result());
+        let files = files.writes(self.report.iter().map(ReportArg::file))?.writes(&self.record)?;
+        files.writes(&self.journal)?.writes(&self.bundle)?;
+        Ok(())
+    }
+
+    /// What is known before the device is touched.
+    fn provenance(&self, typed: &Typed, options: &Options) -> Result<Collected, Failure> {
+        let mut provenance = Collected::begin(&self.remarks, typed, Subject::bus(&self.bus))?;
+        provenance.seed(self.seed);
+        provenance.descriptions(Some(&self.bus), self.device.as_deref());
+        self.waivers.iter().for_each(|path| provenance.file("waivers", path));
+        self.choice.result().into_iter().for_each(|path| provenance.file("failed from", path));
+        let client = self.timeout.iter().rev().find_map(|timeout| timeout.of_client()).unwrap_or(CLIENT);
+        provenance.resolve("timeout", timing::told(&options.timing, client));
+        Ok(provenance)
+    }
+
+    /// What was not given and has shown.
+    fn resolve(&self, provenance: &mut Collected, target: &Target, options: &Options, bit_rate: Option<u32>) {
+        provenance.bit_rate(bit_rate);
+        provenance.resolve("node", vec![target.node.to_string()]);
+        provenance
+            .resolve("device", Some(target.model.clone()).filter(|model| !model.is_empty()).into_iter().collect());
+        provenance.resolve("for", options.limit.map(|limit| limit.to_string()).into_iter().collect());
+        let journal = options.journal.as_ref().map(|path| path.display().to_string());
+        provenance.resolve("journal", vec![journal.unwrap_or_else(|| "none".to_owned())]);
+    }
+
+    fn open(&self) -> Result<Opened, Failure> {
+        let client = self.timeout.iter().rev().find_map(|timeout| timeout.of_client()).unwrap_or(CLIENT);
+        let mut opened = open_device_bus_at(&self.bus, self.seed, client, self.node)?;
+        limited(opened.bus.as_mut());
+        Ok(opened)
+    }
+
+    /// Several times what the cases take on a device that needs 10 s to start, as some do: only what never ends is ended.
+    fn usual_limit(&self, cases: usize) -> Duration {
+        let each = if self.exhaustive { 120 } else { 60 };
+        Duration::from_secs(60 + each * cases as u64 * u64::from(self.repeat))
     }
 
     fn options(&self) -> Options {
@@ -149,41 +208,66 @@ impl Args {
             allow: self.allow.iter().copied().collect(),
             timing,
             repeat: self.repeat,
+            retries: self.retries,
+            fail_fast: self.fail_fast,
             power_cycle: self.power_cycle.clone(),
             exhaustive: self.exhaustive,
+            limit: self.span,
+            journal: None,
+        }
+    }
+
+    fn journal_path(&self, node: NodeId) -> Option<PathBuf> {
+        match &self.journal {
+            Some(none) if none.as_os_str() == "none" => None,
+            Some(path) => Some(path.clone()),
+            None => Some(journal::usual_path(&self.bus, node)),
         }
     }
 
     fn waivers(&self) -> Result<Waivers, Failure> {
         let Some(path) = &self.waivers else { return Ok(Waivers::default()) };
-        let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+        let text = small_file::read_text(path, OF_HAND).with_context(|| format!("can't read {}", path.display()))?;
         Ok(Waivers::read(&text).with_context(|| format!("{}", path.display()))?)
     }
 
     fn target(&self, opened: &Opened, waived: Vec<Deviation>) -> Result<Target, Failure> {
         let model = opened.model;
-        let named = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
-        let named_node = || Model::by_id(named?).and_then(Model::default_node);
-        let node = self.node.or_else(|| opened.node()).or_else(named_node);
-        let node = node.ok_or_else(|| anyhow!("which node? Say --node N (canvass scan {} finds it)", self.bus))?;
-        let (model, description) = match (named, model) {
+        let named = self.device.as_deref().map(named);
+        let (model, device) = match (named, model) {
             (Some(device), _) => (device.to_owned(), Some(describe(device)?)),
             (None, Some(model)) => {
                 let firmware = opened.devices.first().map(|device| device.firmware).unwrap_or_default();
-                (model.id().to_owned(), Some(model.description_with(firmware)))
+                let (description, manual) = (model.description_with(firmware), model.device().manual.clone());
+                (model.id().to_owned(), Some(KnownDevice { description, manual }))
             }
             (None, None) => (String::new(), None),
         };
+        let usual = || Model::by_id(&model).and_then(Model::default_node);
+        let commissioned = || device.as_ref()?.description.commissioning.as_ref()?.node_id;
+        let node = self.node.or_else(|| opened.node()).or_else(usual).or_else(commissioned);
+        let node = node.ok_or_else(|| which_node(&self.bus, opened.model))?;
         let manual = Model::by_id(&model).map(Deviation::of_model).unwrap_or_default();
         // What the user says goes before what the manual says: it is the more specific of the two.
         let deviations = waived.into_iter().chain(manual).collect();
-        Ok(Target { node, model, description, deviations })
+        Ok(Target { deviations, ..Target::known(node, model, device) })
     }
 }
 
-/// The day, as waivers are dated.
-fn today() -> String {
-    jiff::Zoned::now().date().to_string()
+/// `MODEL`, `FILE` or `NODE=FILE`.
+pub fn named(device: &str) -> &str {
+    device.split_once('=').map_or(device, |(_, device)| device)
+}
+
+/// The question after the device's node-ID, and where the answer comes from.
+pub fn which_node(bus: &str, model: Option<&Model>) -> anyhow::Error {
+    match model {
+        Some(model) => anyhow!(
+            "which node? {} has no node-ID as delivered: --node N gives it one, as whoever commissions it does",
+            model.id()
+        ),
+        None => anyhow!("which node? Say --node N (canvass scan {bus} finds it)"),
+    }
 }
 
 /// Is set by the first Ctrl-C, so that the device can be put back; the second one ends the program at once.

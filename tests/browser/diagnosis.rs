@@ -1,6 +1,6 @@
 //! The page of `canvass diagnose`.
 
-use crate::captures::{Page, faulty};
+use crate::captures::{Page, faulty, machine};
 use crate::webdriver::{Browser, Screen};
 
 fn open() -> (Browser, Page) {
@@ -51,6 +51,52 @@ fn it_renders_without_a_word_or_a_request() {
     );
     assert!(browser.text("return document.querySelector('h1').textContent").contains("machine.log"));
     assert!(browser.print().len() > 20_000, "a PDF");
+    browser.is_quiet();
+}
+
+/// What the timeline shows of a node: its states with their seconds.
+fn lane(browser: &Browser, node: u8) -> Vec<(f64, f64, String)> {
+    let spans = browser.run(&format!(
+        "const row = canvass.timeline.rows.find((row) => row.id === {node}); \
+         return canvass.timeline.segments(row).map(({{ from, to, state }}) => [from / 1e6, to / 1e6, state])"
+    ));
+    let span = |span: &serde_json::Value| {
+        (span[0].as_f64().unwrap(), span[1].as_f64().unwrap(), span[2].as_str().unwrap().to_owned())
+    };
+    spans.as_array().unwrap().iter().map(span).collect()
+}
+
+/// A node without supply for eight seconds, reset twice in vain: it says nothing in that time, and boots after it. Who
+/// waits for its heartbeat says so, and arrows lead there.
+#[test]
+fn a_silent_node_is_drawn_as_silent() {
+    let mut log = machine(40);
+    log.sdo(60_000, 3, "2316100196000900", "6016100100000000", 900);
+    log.at(1_500, "709#00").at(100_500, "000#0109");
+    for us in (140_000..40_000_000).step_by(100_000).filter(|us| !(12_000_000..20_500_000).contains(us)) {
+        let state = if (20_500_000..22_000_000).contains(&us) { "7F" } else { "05" };
+        log.at(us + 71, &format!("709#{state}"));
+    }
+    log.at(12_151_000, "083#3081110000000000").at(20_700_123, "083#0000000000000000");
+    log.at(15_000_000, "000#8109").at(18_000_000, "000#8109").at(20_300_000, "709#00").at(22_000_000, "000#0109");
+    let page = Page::of(log.on("can0"), "silent.log");
+    let browser = Browser::open(&page.path, Screen::Desk);
+    browser.wait("canvass.timeline && document.querySelectorAll('.pin').length > 0");
+    let lane = lane(&browser, 9);
+    let states: Vec<&str> = lane.iter().map(|span| span.2.as_str()).filter(|state| *state != "not known").collect();
+    assert_eq!(states, ["pre-operational", "operational", "silent", "pre-operational", "operational"], "{lane:?}");
+    let silent = lane.iter().find(|span| span.2 == "silent").unwrap();
+    assert!((silent.0 - 11.94).abs() < 0.01 && (silent.1 - 20.3).abs() < 0.01, "{silent:?}");
+    let legend = browser.text("return document.getElementById('states').textContent");
+    assert!(legend.contains("silent") && !legend.contains("reset"), "{legend}");
+    // From the loss to the consumer that notices it, and not back in time.
+    let arrows = browser.run(
+        "return canvass.timeline.arrows().map(({ from, to, cause, effect }) => \
+         [canvass.data.findings[cause - 1].title, canvass.data.findings[effect - 1].title, from.x, to.x])",
+    );
+    let arrows = arrows.as_array().unwrap();
+    assert!(arrows.iter().any(|arrow| arrow[0] == "a node drops out"), "{arrows:?}");
+    assert!(arrows.iter().all(|arrow| arrow[2].as_f64() <= arrow[3].as_f64()), "{arrows:?}");
     browser.is_quiet();
 }
 

@@ -9,6 +9,8 @@ mod conformance;
 #[cfg(test)]
 mod diagnosis;
 #[cfg(test)]
+mod history;
+#[cfg(test)]
 mod large;
 #[cfg(test)]
 mod webdriver;

@@ -11,6 +11,8 @@ mod kept_and_lost;
 #[cfg(test)]
 mod merging;
 #[cfg(test)]
+mod nothing_overwritten;
+#[cfg(test)]
 mod outputs;
 #[cfg(test)]
 mod quality;

@@ -92,7 +92,8 @@ fn the_result_goes_to_a_file() {
     std::fs::write(&capture, RESTART).unwrap();
     // What it held before is gone, however long it was.
     std::fs::write(&page, "x".repeat(1_000_000)).unwrap();
-    let made = run(&["diagnose", capture_text, "--format", "html", "-o", page_text]);
+    let date = ["--date", "2026-11-22"];
+    let made = run(&[&["diagnose", capture_text, "--format", "html", "--force", "-o", page_text], &date[..]].concat());
     assert_eq!((made.status, made.stdout.as_str()), (1, ""), "{}", made.stderr);
     let written = std::fs::read_to_string(&page).unwrap();
     assert!(written.starts_with("<!DOCTYPE html>") && written.ends_with("</html>\n"));
@@ -100,12 +101,13 @@ fn the_result_goes_to_a_file() {
     // The capture is not lost to a slip, whatever it is called.
     for path in [capture_text.to_owned(), format!("{}/./restart.log", folder.path().display())] {
         let refused = run(&["diagnose", capture_text, "--format", "json", "--output", &path]);
-        assert!(refused.status == 2 && refused.stderr.contains("is read and can't be written"), "{}", refused.stderr);
+        let told = ["restart.log is read", "can't be written"].iter().all(|words| refused.stderr.contains(words));
+        assert!(refused.status == 2 && told, "{}", refused.stderr);
     }
     assert_eq!(std::fs::read_to_string(&capture).unwrap(), RESTART);
     let refused = run(&["diagnose", capture_text, "--output", "/no/such/folder/page.html"]);
     assert!(refused.status == 2 && refused.stdout.is_empty(), "{}", refused.stderr);
-    let to_stdout = run(&["diagnose", capture_text, "--format", "html", "-o", "-"]);
+    let to_stdout = run(&[&["diagnose", capture_text, "--format", "html", "-o", "-"], &date[..]].concat());
     assert_eq!(to_stdout.stdout, written);
 }
 
@@ -190,7 +192,10 @@ impl Operation {
     fn findings(&self, model: &Model, described: bool) -> Vec<String> {
         let mut diagnosis = Diagnosis::new(Thresholds::default());
         if described {
-            diagnosis.describe(model.default_node().unwrap(), model.description().clone());
+            diagnosis.describe(
+                model.default_node().unwrap(),
+                canvass_analyzer::dictionary::KnownDevice::clone(model.device()),
+            );
         }
         let mut quality = Quality::default();
         for record in &self.seen {
@@ -235,6 +240,17 @@ fn records_out_of_order() {
 }
 
 /// A node drops out and restarts: the loss is the first line, what follows is below it, and nothing is lost.
+/// Where a capture says the bit rate, nothing is inferred; the user knows better.
+#[test]
+fn the_bit_rate_of_a_capture() {
+    let log = "ASCII Trace IXXAT MiniMon V3  Version: 1.1.4.4533\nDate: 28.01.2025\nStart time: 10:47:15\n\
+        Baudrate: 125 kbit/s\n\"10:47:15.23\";\"705\";\"Std\";\"\";\"05 \"\n\"10:47:16.23\";\"705\";\"Std\";\"\";\"05 \"\n";
+    let run = run_with_input(&["diagnose", "-"], log);
+    assert!(run.stdout.contains("125 kbit/s") && !run.stdout.contains("inferred"), "{}", run.stdout);
+    let run = run_with_input(&["diagnose", "-", "--bit-rate", "250k"], log);
+    assert!(run.stdout.contains("250 kbit/s"), "{}", run.stdout);
+}
+
 #[test]
 fn a_story_begins_with_what_must_be_known() {
     let mut log = String::new();
@@ -281,6 +297,30 @@ fn a_noisy_capture_takes_fewer_than_sixty_lines() {
     assert!(table.lines().count() < 60, "{} lines:\n{table}", table.lines().count());
     let verbose = run_with_input(&["diagnose", "-", "--verbose"], &log).stdout;
     assert!(verbose.lines().count() > 300, "{} lines", verbose.lines().count());
+}
+
+/// The line that is printed when a description is loaded, and the command that it names.
+#[test]
+fn problems_of_a_description_are_told_when_it_is_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("motor.eds");
+    let text = "[FileInfo]\nFileName=x.eds\n[DeviceInfo]\nVendorName=x\nVendorNumber=abc\n[1000]\n\
+        ParameterName=Device type\nObjectType=0x7\nDataType=0x0007\nAccessType=sometimes\nDefaultValue=12z\n";
+    std::fs::write(&path, text).unwrap();
+    let device = format!("5={}", path.display());
+    for command in ["decode", "diagnose"] {
+        let run = run_with_input(&[command, "-", "--device", &device], HEALTHY);
+        let told: Vec<_> = run.stderr.lines().filter(|line| line.contains("motor.eds")).collect();
+        assert_eq!((run.status, told.len()), (0, 1), "{}", run.stderr);
+        assert!(told[0].contains("the first: line ") && told[0].contains(" errors, "), "{}", told[0]);
+        assert!(told[0].ends_with(&format!("(`canvass eds check {}` shows all)", path.display())), "{}", told[0]);
+    }
+    let all = run(&["eds", "check", path.to_str().unwrap()]);
+    assert_eq!(all.status, 1, "{}", all.stderr);
+    for field in ["VendorNumber", "AccessType", "DefaultValue"] {
+        assert!(all.stdout.lines().any(|line| line.contains(&format!("] {field}: expected"))), "{}", all.stdout);
+    }
+    assert!(all.stdout.lines().count() > 3);
 }
 
 /// A file of which half can't be read, or with both sides of a merge in it, describes no device.

@@ -103,7 +103,7 @@ fn properties_are_listed_and_explained() {
     let listed = run(&["list", "properties", "--format", "json"]);
     let listed: Value = serde_json::from_str(&listed.stdout).unwrap();
     let ids: Vec<&str> = listed.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap()).collect();
-    assert_eq!((ids.len(), ids[0], ids[14]), (15, "PROP-01", "PROP-15"));
+    assert_eq!((ids.len(), ids[0], ids[15]), (16, "PROP-01", "PROP-16"));
     for id in ids {
         assert!(run(&["explain", id]).stdout.starts_with(id));
     }

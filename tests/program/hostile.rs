@@ -4,8 +4,9 @@ use crate::running::{Run, finished};
 use std::io::{self, Read, Write};
 use std::process::{Command, Stdio};
 
-/// All memory that the program may ask for, in KiB; what is in use of it is less.
-const MEMORY: usize = 100_000;
+/// All memory that the program may ask for, in KiB, of which itself, as it is built for tests, takes 30 000; what is in use
+/// of it is less.
+const MEMORY: usize = 110_000;
 
 /// Runs the program on what `write` makes, with that limit.
 fn run(args: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()> + Send) -> Run {
@@ -157,4 +158,76 @@ fn gzip_bombs() {
     let log = b"(1700000000.000000) can0 701#05\n";
     says("expected a line of at most 65536 bytes", 0, 1, |out| gzip_bomb(out, log, b'('));
     says("expected", 2, 24, |out| gzip_bomb(out, &sample("tcpdump-us.pcap"), 0xFF));
+}
+
+/// Every kind of character that acts: a control sequence, a line that looks like a message, bidirectional controls, a line
+/// separator, an invisible mark, a tag.
+#[cfg(unix)]
+const ACTING: &str = "a\u{1b}[2J\ncanvass: all is well\u{202e}\u{2066}\u{2028}\u{2029}\u{feff}\u{e0041}b";
+
+/// Names of files, channels and waivers are what their author makes them; no output lets them act.
+#[cfg(unix)]
+#[test]
+fn names_do_not_act() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    // As it is in a file name, and in each place of a capture that holds text.
+    let capture = path(&format!("{ACTING}.log"));
+    let channel: String = ACTING.chars().filter(|c| !c.is_whitespace() && *c != '\u{2028}').collect();
+    std::fs::write(&capture, format!("(1700000000.000000) {channel} 701#05\n{ACTING}\n(1.0) x {ACTING}\n")).unwrap();
+    let eds = path(&format!("{ACTING}.eds"));
+    std::fs::write(&eds, format!("[DeviceInfo]\nProductName={channel}\n[{channel}]\n{channel}\n[1000]\nX={channel}"))
+        .unwrap();
+    let waivers = path("waivers.toml");
+    let id = "a\\u001b[2J\\ncanvass: all is well\\u202e\\u2066\\u2028\\ufeff\\U000e0041b";
+    std::fs::write(
+        &waivers,
+        format!("[[waiver]]\ncase = \"{id}\"\nsubject = \"{id}\"\ndoes = \"{id}\"\nreason = \"{id}\"\n"),
+    )
+    .unwrap();
+    let (missing, device) = (path(ACTING), format!("1={eds}"));
+    let (html, junit, markdown) = (path("h"), path("j"), path("m"));
+    let report = |format: &str, file: &str| format!("{format}={file}");
+    let (html_report, junit_report) = (report("html", &html), report("junit", &junit));
+    let markdown_report = report("markdown", &markdown);
+    let test = ["test", "sim:reference-301", "--select", "301/identity", "--device", &eds];
+    let commands: Vec<Vec<&str>> = vec![
+        vec!["decode", &capture],
+        vec!["decode", &capture, "--format", "table", "--quality"],
+        vec!["decode", &capture, "--format", "csv", "--device", &device],
+        vec!["decode", &capture, "--events"],
+        vec!["decode", &capture, "--channel", ACTING],
+        vec!["decode", &missing],
+        vec!["diagnose", &capture, "--device", &device],
+        vec!["diagnose", &capture, "--format", "html"],
+        vec!["diagnose", &capture, "--format", "junit"],
+        vec!["diagnose", &capture, "--format", "markdown"],
+        vec!["diagnose", &capture, "--format", "json"],
+        vec!["signals", &capture],
+        vec!["convert", &capture, &missing],
+        vec!["fuzz", "sim:reference-301", "--replay", &capture],
+        vec!["test", "sim:reference-301", "--select", "301/identity", "--waivers", &waivers],
+        [&test[..], &["--report", &html_report, "--report", &junit_report, "--report", &markdown_report]].concat(),
+        vec!["simulate", &missing, "sim:reference-301", "--for", "1"],
+        vec!["scan", &missing],
+        vec!["compare", &capture, &missing],
+    ];
+    let acts = |text: &str| {
+        // Lines are checked by what they begin with: a name must not make one.
+        let acting = text.chars().find(|&c| c != '\n' && canvass_reports::escape::acts(c));
+        acting.map(|c| format!("{c:?}")).or_else(|| {
+            let forged = text.lines().find(|line| line.starts_with("canvass: all is well"));
+            forged.map(str::to_owned)
+        })
+    };
+    for args in commands {
+        let run = finished(crate::running::command(&args).stdin(Stdio::null()).output().unwrap());
+        for (stream, text) in [("output", &run.stdout), ("error", &run.stderr)] {
+            assert_eq!(acts(text), None, "standard {stream} of {args:?}: {text}");
+        }
+    }
+    for file in [&html, &junit, &markdown] {
+        let text = std::fs::read_to_string(file).unwrap();
+        assert_eq!(acts(&text), None, "{file}: {text}");
+    }
 }

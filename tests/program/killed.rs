@@ -1,5 +1,5 @@
-//! Ctrl-C at any moment: the device is left as it was found. The device is a process of its own, so that what it holds is
-//! seen after the tester has gone.
+//! Ctrl-C at any moment: the device is left as it was found. SIGKILL at any moment: the journal of the run puts it back. The
+//! device is a process of its own, so that what it holds is seen after the tester has gone.
 
 use crate::live::Device;
 use crate::running::{command, finished, run};
@@ -8,7 +8,8 @@ use std::process::Stdio;
 use std::time::Duration;
 
 /// So many runs are killed, on so many devices at a time: most of the time is waiting.
-const KILLS: u64 = 100;
+const INTERRUPTED: u64 = 100;
+const KILLED: u64 = 50;
 const DEVICES: u64 = 10;
 
 /// What keeps a value that nobody has stored, one of each kind: communication, PDO, application, limited, text.
@@ -23,7 +24,18 @@ fn moment(kill: u64) -> Duration {
 
 /// Every object that can be read, as another run of the program finds it before its first case.
 fn dictionary(bus: &str) -> Value {
-    let args = ["test", bus, "--device", "reference-301", "--select", "301/identity/vendor-id", "--format", "json"];
+    let args = [
+        "test",
+        bus,
+        "--device",
+        "reference-301",
+        "--select",
+        "301/identity/vendor-id",
+        "--format",
+        "json",
+        "--journal",
+        "none",
+    ];
     let tested = run(&args);
     let report: Value =
         serde_json::from_str(&tested.stdout).unwrap_or_else(|error| panic!("{error}: {}", tested.stderr));
@@ -37,24 +49,52 @@ fn write(bus: &str, object: &str, value: &str) {
     assert_eq!(written.status, 0, "{object}: {}", written.stderr);
 }
 
-/// Kills one run after the other on one device; says what was different afterwards.
-fn kill(first: u64) -> Vec<String> {
+/// Kills one run after the other on one device; says what was different afterwards, and how often there was a journal.
+fn kill(first: u64, kills: u64, signal: &str) -> (Vec<String>, u64) {
+    let folder = tempfile::tempdir().unwrap();
+    let journal = folder.path().join("journal");
+    let journal_path = journal.to_str().unwrap();
+    let mut restored = 0;
     let device = Device::of("reference-301", &[]);
     for (object, value) in AT_WORK {
         write(&device.bus, object, value);
     }
     let before = dictionary(&device.bus);
     let mut wrong = Vec::new();
-    for number in (first..KILLS).step_by(DEVICES as usize) {
+    for number in (first..kills).step_by(DEVICES as usize) {
         let allow = "nvm,node-id,bit-rate,other-nodes,factory-defaults";
-        let args = ["test", &device.bus, "--device", "reference-301", "--allow", allow, "--format", "json"];
+        let args = [
+            "test",
+            &device.bus,
+            "--device",
+            "reference-301",
+            "--allow",
+            allow,
+            "--format",
+            "json",
+            "--journal",
+            journal_path,
+        ];
         let child = command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
         std::thread::sleep(moment(number));
-        let killed = std::process::Command::new("kill").args(["-INT", &child.id().to_string()]).status();
+        let killed = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
         assert!(killed.unwrap().success());
         let ended = finished(child.wait_with_output().unwrap());
         let cases = serde_json::from_str::<Value>(&ended.stdout).ok();
         let last = cases.and_then(|report| report["cases"].as_array()?.last().map(|case| case["id"].to_string()));
+        assert!(signal == "-KILL" || !journal.exists(), "a run that puts the device back itself leaves no journal");
+        if journal.exists() {
+            restored += 1;
+            let again = run(&["test", &device.bus, "--device", "reference-301", "--journal", journal_path]);
+            assert_eq!((again.status, again.stderr.contains("canvass restore")), (2, true), "{}", again.stderr);
+            let told = std::fs::read_to_string(&journal).unwrap();
+            let put_back = run(&["restore", &device.bus, "--journal", journal_path]);
+            if put_back.status != 0 {
+                let kept: Vec<&str> = told.lines().skip_while(|line| *line != "begun").collect();
+                wrong.push(format!("kill {number}: {}{}", put_back.stderr, kept.join("\n")));
+                let _ = std::fs::remove_file(&journal);
+            }
+        }
         let after = dictionary(&device.bus);
         if after != before {
             let rows = |dictionary: &Value| dictionary.as_array().unwrap().clone();
@@ -63,14 +103,27 @@ fn kill(first: u64) -> Vec<String> {
             wrong.push(format!("kill {number} after {:?} in {last:?}: {changed:?}\n{}", moment(number), ended.stderr));
         }
     }
-    wrong
+    (wrong, restored)
+}
+
+/// Runs are killed on all devices; gives how many left a journal.
+fn kill_all(kills: u64, signal: &'static str) -> u64 {
+    let ends: Vec<(Vec<String>, u64)> = std::thread::scope(|scope| {
+        let threads: Vec<_> = (0..DEVICES).map(|first| scope.spawn(move || kill(first, kills, signal))).collect();
+        threads.into_iter().map(|thread| thread.join().unwrap()).collect()
+    });
+    let wrong: Vec<&str> = ends.iter().flat_map(|(wrong, _)| wrong).map(String::as_str).collect();
+    assert!(wrong.is_empty(), "{} of {kills}:\n{}", wrong.len(), wrong.join("\n"));
+    ends.iter().map(|(_, restored)| restored).sum()
 }
 
 #[test]
-fn a_killed_run_leaves_the_device_as_it_was() {
-    let wrong: Vec<String> = std::thread::scope(|scope| {
-        let kills: Vec<_> = (0..DEVICES).map(|first| scope.spawn(move || kill(first))).collect();
-        kills.into_iter().flat_map(|kills| kills.join().unwrap()).collect()
-    });
-    assert!(wrong.is_empty(), "{} of {KILLS}:\n{}", wrong.len(), wrong.join("\n"));
+fn an_interrupted_run_leaves_the_device_as_it_was() {
+    assert_eq!(kill_all(INTERRUPTED, "-INT"), 0);
+}
+
+#[test]
+fn the_journal_of_a_killed_run_puts_the_device_back() {
+    let restored = kill_all(KILLED, "-KILL");
+    assert!(restored > KILLED / 2, "only {restored} runs had begun a case");
 }

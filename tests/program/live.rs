@@ -68,7 +68,7 @@ fn objects_are_read_and_written_by_address_and_name() {
     let refused = run(&["sdo", "read", ENCODER, "63", "5000"]);
     assert_eq!(refused.status, 1);
     assert!(refused.stderr.contains("abort 0602 0000h"), "{}", refused.stderr);
-    let silent = run(&["sdo", "read", ENCODER, "5", "1000"]);
+    let silent = run(&["sdo", "read", &format!("{ENCODER}:63"), "5", "1000"]);
     assert_eq!((silent.status, silent.stderr.contains("node 5 does not answer")), (3, true));
     for (object, value, says) in
         [("1017", "70000", "does not fit"), ("9999", "1", "--type"), ("nonsense", "1", "named")]
@@ -134,7 +134,7 @@ fn a_device_of_a_description_keeps_its_memory() {
 
 #[test]
 fn lss_asks_and_configures() {
-    let address = json(&run(&["lss", "inquire", ENCODER, "--json"]));
+    let address = json(&run(&["lss", "inquire", ENCODER, "--format", "json"]));
     assert_eq!((&address["vendor_id"], &address["node"]), (&0x13.into(), &63.into()), "{address}");
     let number = |key: &str| address[key].as_u64().unwrap();
     let selected = format!("19:{}:{}:{}", number("product_code"), number("revision_number"), number("serial_number"));
@@ -148,6 +148,19 @@ fn lss_asks_and_configures() {
     let other = run(&["lss", "configure", ENCODER, "--address", "1:2:3:4", "--node-id", "5"]);
     assert_eq!((other.status, other.stderr.contains("no device answers")), (3, true), "{}", other.stderr);
     assert_eq!(run(&["lss", "fastscan", ENCODER]).status, 3, "it has a node-ID");
+}
+
+/// A device that takes part in Fastscan though it has a node-ID would be given one after the other, up to 127.
+#[test]
+fn fastscan_ends_with_a_device_that_it_has_seen() {
+    const FAULTY: &str = "sim:reference-301+fastscan-answered-when-configured";
+    let assigned = run(&["lss", "fastscan", FAULTY, "--assign", "55", "--store"]);
+    assert_eq!((assigned.status, assigned.stdout.matches("configure node-ID: successful").count()), (1, 1));
+    assert!(assigned.stderr.contains("was given node-ID 55 and answers Fastscan again"), "{}", assigned.stderr);
+    let scan = json(&run(&["scan", FAULTY, "--format", "json"]));
+    assert_eq!((&scan["unconfigured"], &scan["fastscan_configured"]), (&().into(), &10.into()), "{scan}");
+    let text = run(&["scan", FAULTY]).stdout;
+    assert!(text.contains("node 10 takes part in Fastscan") && !text.contains("without node-ID"), "{text}");
 }
 
 #[test]
@@ -244,7 +257,7 @@ fn buses_that_are_not_there() {
 
 #[test]
 fn the_doctor_answers() {
-    let doctor = json(&run(&["doctor", "--json"]));
+    let doctor = json(&run(&["doctor", "--format", "json"]));
     let what: Vec<&str> =
         doctor["findings"].as_array().unwrap().iter().map(|finding| finding["what"].as_str().unwrap()).collect();
     assert!(what.contains(&"SocketCAN") && what.contains(&"wake-up"), "{what:?}");

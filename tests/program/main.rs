@@ -1,6 +1,12 @@
 //! The program, end to end.
 
 #[cfg(test)]
+mod archive;
+#[cfg(test)]
+mod bounded;
+#[cfg(test)]
+mod bundle;
+#[cfg(test)]
 mod ci_page;
 #[cfg(test)]
 mod conformance;
@@ -13,7 +19,11 @@ mod diagnose;
 #[cfg(test)]
 mod events;
 #[cfg(test)]
+mod everyday;
+#[cfg(test)]
 mod fuzz;
+#[cfg(test)]
+mod history;
 #[cfg(test)]
 mod hostile;
 #[cfg(test)]
@@ -23,6 +33,14 @@ mod live;
 #[cfg(test)]
 mod memory;
 #[cfg(test)]
+mod one_language;
+#[cfg(test)]
+mod provenance;
+#[cfg(test)]
+mod rogues;
+#[cfg(test)]
 mod rows;
 #[cfg(test)]
 mod running;
+#[cfg(test)]
+mod waiting;

@@ -5,6 +5,8 @@
 //! time there are not waits but work.
 
 #[cfg(test)]
+mod bundle;
+#[cfg(test)]
 mod can_utils;
 #[cfg(test)]
 mod controllers;
@@ -16,6 +18,8 @@ mod faults;
 mod fuzzing;
 #[cfg(test)]
 mod interface;
+#[cfg(test)]
+mod killed;
 #[cfg(test)]
 mod load;
 #[cfg(test)]

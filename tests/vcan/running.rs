@@ -63,6 +63,13 @@ impl Running {
         assert_eq!(lines.take(n).count(), n, "lines with one of {words:?}");
     }
 
+    /// Waits for the n-th line on standard output that holds this word, counted from the first one with the other on.
+    pub fn prints_after(&mut self, first: &str, word: &str, n: usize) {
+        let stdout = BufReader::new(self.child.stdout.take().unwrap());
+        let lines = stdout.lines().map(Result::unwrap).skip_while(|line| !line.contains(first));
+        assert_eq!(lines.filter(|line| line.contains(word)).take(n).count(), n, "lines with {word} after {first}");
+    }
+
     pub fn signal(&self, signal: &str) {
         let status = Command::new("kill").args([signal, &self.child.id().to_string()]).status().unwrap();
         assert!(status.success());

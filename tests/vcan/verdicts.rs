@@ -2,7 +2,7 @@
 //! case.
 
 use crate::interface::Interface;
-use crate::running::{brief, run, simulate, text};
+use crate::running::{Running, brief, canvass, run, simulate, text};
 use serde_json::Value;
 use std::collections::BTreeMap;
 use std::io::Write as _;
@@ -137,4 +137,38 @@ fn a_faulty_device_fails_on_vcan_too() {
     let _device = simulate("kuebler-sendix-58x8", bus.name(), &["--fault", "sdo-toggle-unchecked"]);
     let found = report(&[bus.name(), "--device", "kuebler-sendix-58x8", "--select", "301/sdo/download/segment-toggle"]);
     assert_eq!(verdicts(&found)["301/sdo/download/segment-toggle"], "fail", "{}", brief(&found));
+}
+
+/// Programs that don't clear `struct can_frame` send classical frames all the same: none becomes CAN FD, and no answer is
+/// lost.
+#[test]
+fn dirty_padding_changes_no_verdict() {
+    let bus = Interface::new("vdirt");
+    let select = ["--device", "reference-301", "--select", "301/sdo"];
+    let verdicts_of = |more: &[&str]| {
+        let device = simulate("reference-301", bus.name(), more);
+        let report = report(&[&[bus.name()], &select[..]].concat());
+        assert_eq!(device.interrupt().status, 0);
+        (verdicts(&report), brief(&report))
+    };
+    let (dirty, said) = verdicts_of(&["--liberty", "dirty-padding"]);
+    let (clean, _) = verdicts_of(&[]);
+    assert_eq!(dirty, clean, "{said}");
+    assert!(dirty.values().filter(|verdict| *verdict == "pass").count() > 50, "{said}");
+}
+
+#[test]
+fn a_recording_of_dirty_padding_holds_classical_frames() {
+    let bus = Interface::new("vdirtrec");
+    let device = simulate("reference-301", bus.name(), &["--liberty", "dirty-padding"]);
+    let capture = std::env::temp_dir().join("canvass-vdirt.pcapng");
+    let _ = std::fs::remove_file(&capture);
+    let path = capture.to_str().unwrap();
+    let recorder = Running::start(canvass(&["record", bus.name(), path, "--for", "3s"]));
+    assert!(run(&["sdo", "read", bus.name(), "10", "1008:00", "--device", "reference-301"]).status.success());
+    assert_eq!(recorder.finish().status, 0);
+    assert_eq!(device.interrupt().status, 0);
+    let decoded = text(&run(&["decode", path, "--format", "json"]).stdout);
+    assert!(decoded.lines().filter(|line| line.contains("\"sdo\"")).count() >= 4, "{decoded}");
+    assert!(!decoded.contains("\"fd\":true"), "{decoded}");
 }

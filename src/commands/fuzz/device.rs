@@ -1,17 +1,18 @@
 //! The device that is fuzzed: a simulated one, new for each sequence, or one on a live bus.
 
-use super::BACKLOG;
 use crate::devices::describe;
-use crate::live::open_bus;
+use crate::live::{CLIENT, limited, open_bus_of, open_device_bus};
 use crate::status::Failure;
 use anyhow::anyhow;
 use canvass_analyzer::NodeId;
-use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_analyzer::dictionary::KnownDevice;
 use canvass_bus::Bus;
 use canvass_device::address::BusAddress;
 use canvass_device::models::Model;
 use canvass_fuzzer::Knowledge;
-use canvass_fuzzer::ground::{Ground, Live, Simulated, of_address};
+use canvass_fuzzer::Live;
+use canvass_fuzzer::ground::{Ground, Simulated, of_address};
+use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_suite::bench::{Decoder, Target};
 
 /// The device, and how it is reached.
@@ -37,31 +38,27 @@ impl Device {
             };
             let (ground, mut knowledge) = of_address(only, node, seed)?;
             let model = only.model()?;
-            let (mut name, mut description) = (model.id().to_owned(), model.description().clone());
+            let (mut name, mut known) = (model.id().to_owned(), KnownDevice::clone(model.device()));
             if let Some(named) = named {
-                (name, description) = (named.to_owned(), describe(named)?);
+                (name, known) = (named.to_owned(), describe(named)?);
                 let sheet = Model::by_id(named).map(Model::sheet);
                 let patience = knowledge.patience;
-                knowledge = Knowledge::new(knowledge.node, Some(&description), sheet);
+                knowledge = Knowledge::new(knowledge.node, Some(&known.description), sheet);
                 knowledge.patience = patience;
             }
-            let target = Self::target(knowledge.node, name, Some(description));
+            let target = Target::known(knowledge.node, name, Some(known));
             return Ok(Self { place: Place::Simulated(Box::new(ground)), knowledge, target });
         }
-        let mut opened = open_bus(address, seed)?;
-        opened.bus.limit_backlog(BACKLOG);
+        let mut opened = open_device_bus(address, seed, CLIENT)?;
+        limited(opened.bus.as_mut());
         let usual = || Model::by_id(named?).and_then(Model::default_node);
         let node = node.or_else(usual);
         let node = node.ok_or_else(|| anyhow!("which node? Say --node N (canvass scan {address} finds it)"))?;
-        let description = named.map(describe).transpose()?;
+        let known = named.map(describe).transpose()?;
         let sheet = named.and_then(Model::by_id).map(Model::sheet);
-        let knowledge = Knowledge::new(node, description.as_ref(), sheet);
-        let target = Self::target(node, named.unwrap_or_default().to_owned(), description);
+        let knowledge = Knowledge::new(node, known.as_ref().map(|known| &known.description), sheet);
+        let target = Target::known(node, named.unwrap_or_default().to_owned(), known);
         Ok(Self { place: Place::Live(opened.bus), knowledge, target })
-    }
-
-    fn target(node: NodeId, model: String, description: Option<DeviceDescription>) -> Target {
-        Target { node, model, description, deviations: Vec::new() }
     }
 
     pub fn is_simulated(&self) -> bool {
@@ -94,16 +91,24 @@ impl Device {
         }
     }
 
+    /// Lets `work` use a bus with the device as it was when the run began: a simulated one is made anew.
+    pub fn on_bus<T>(&mut self, address: &str, seed: u64, work: impl FnOnce(&mut dyn Bus) -> T) -> Result<T, Failure> {
+        match &mut self.place {
+            Place::Live(bus) => Ok(work(bus.as_mut())),
+            Place::Simulated(_) => Ok(work(&mut *open_bus_of(address, seed, self.knowledge.node)?)),
+        }
+    }
+
     /// What gives its frames their words.
     pub fn decoder(&self) -> Decoder {
         Decoder::new(&self.target)
     }
 
     /// Lets `work` use the device.
-    pub fn on_ground<T>(&mut self, work: impl FnOnce(&mut dyn Ground) -> T) -> T {
+    pub fn on_ground<T>(&mut self, time: &TimeLimit, work: impl FnOnce(&mut dyn Ground) -> T) -> T {
         match &mut self.place {
             Place::Simulated(ground) => work(ground.as_mut()),
-            Place::Live(bus) => work(&mut Live::new(bus.as_mut(), &self.knowledge)),
+            Place::Live(bus) => work(&mut Live::new(bus.as_mut(), &self.knowledge).until(time.clone())),
         }
     }
 }

@@ -6,7 +6,8 @@ use anyhow::{Context, anyhow};
 use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::limits::{self, Forbidden};
 use canvass_fuzzer::{Knowledge, Sequence, reproducer};
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
+use canvass_traces::small_file::{self, OF_PROGRAM};
 use std::collections::BTreeSet;
 use std::fs::OpenOptions;
 use std::io::Write;
@@ -22,7 +23,7 @@ pub struct Regressions {
 impl Regressions {
     /// A log or reproducer; all of it may be sent, or nothing is.
     pub fn replay(path: &Path, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Result<Self, Failure> {
-        let bytes = std::fs::read(path).with_context(|| format!("can't read {}", path.display()))?;
+        let bytes = small_file::read(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
         let sequences = reproducer::read(&bytes, knowledge.node).map_err(|error| unreadable(path, error))?;
         if let Some((frame, why)) = sequences.iter().find_map(|sequence| forbidden(sequence, knowledge, allow)) {
             return Err(anyhow!("{}: {frame} {why}", path.display()).into());
@@ -35,7 +36,7 @@ impl Regressions {
 
     /// A file of regressions, if there is one already.
     pub fn open(path: &Path, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Result<Self, Failure> {
-        let bytes = match std::fs::read(path) {
+        let bytes = match small_file::read(path, OF_PROGRAM) {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(Self::default()),
             Err(error) => return Err(anyhow!("can't read {}: {error}", path.display()).into()),

@@ -238,7 +238,8 @@ mod tests {
     fn nodes_with_state_rate_and_values() {
         let mut network = Network::new();
         let model = Model::by_id("kuebler-sendix-58x8").unwrap();
-        network.describe(model.default_node().unwrap(), model.description().clone());
+        network
+            .describe(model.default_node().unwrap(), canvass_analyzer::dictionary::KnownDevice::clone(model.device()));
         let mut screen = Screen::new("can0", Some(250_000));
         let at = |ms| Timestamp::ZERO + Duration::from_millis(ms);
         for (ms, text) in [(0, "73F#00"), (100, "000#013F"), (200, "5BF#4300100096010200"), (300, "73F#05")] {

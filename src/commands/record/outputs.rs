@@ -152,7 +152,8 @@ fn create(
     let destination = Destination::new(path, format, force)?;
     written.set(0);
     let live = destination.is_stdout();
-    let file: Box<dyn Write> = if live { Box::new(io::stdout()) } else { destination.open(&[], &Output::default())? };
+    let file: Box<dyn Write> =
+        if live { Box::new(io::stdout()) } else { destination.open_growing(&Output::default())? };
     let sink = Box::new(Counted { file, written: Rc::clone(written) });
     // A live file of MCAP has no chunks; one that is flushed four times a second can afford them.
     let options = WriteOptions { time_base, live, ..WriteOptions::default() };

@@ -1,82 +1,200 @@
 //! `--dry-run`: which cases would run, and how long that would take.
+//!
+//! What the run would refuse is refused here, too. A live bus is not touched: its device is simulated, as the model that it is
+//! or from its own description; a simulated one is what the run itself would use.
 
-use crate::output::print;
+use super::{Args, named};
+use crate::commands::test::reports::ReportFormat;
+use crate::destination::{Destination, refuse_existing};
+use crate::output::{diagnostic, print};
 use crate::status::{Failure, Status};
-use canvass_analyzer::NodeId;
+use crate::whole_file::WholeFile;
+use anyhow::anyhow;
 use canvass_bus::SimulatedBus;
-use canvass_device::Device;
-use canvass_device::Fault;
-use canvass_device::Faults;
-use canvass_device::address::BusAddress;
+use canvass_device::address::{BusAddress, DeviceName, Opened, SimulatedDevice};
 use canvass_device::models::Model;
+use canvass_device::{Device, Fault, Firmware};
 use canvass_suite::bench::{Bench, Options, Target};
 use canvass_suite::case::Case;
-use canvass_suite::runner::{CaseReport, Plan, RunEvent, run};
-use canvass_suite::verdict::Kind;
+use canvass_suite::runner::{Plan, RunError, RunEvent, run};
+use canvass_suite::verdict::{Deviation, End, Reason};
 use canvass_traces::{Duration, Record};
+use serde_json::{Value, json};
 use std::fmt::Write;
 use std::sync::atomic::AtomicBool;
 
-/// Prints the ids, each with why it would not run if the user has not allowed it, and a forecast. The bus is not touched:
-/// the time is that of the same run against a simulated device, of the model where it is a built-in one.
+/// The name and version of the contract.
+const SCHEMA: &str = "canvass/dry-run/1";
+
+/// What would become of a case.
+struct Row {
+    case: &'static Case,
+    /// Why it would not run.
+    skipped: Option<String>,
+    takes: Duration,
+}
+
+/// What would become of all of them.
+struct Forecast {
+    rows: Vec<Row>,
+    /// What the device was taken for.
+    like: String,
+    /// How often its non-volatile memory would be written.
+    stores: u32,
+}
+
+/// Prints the ids, each with why it would not run, and a forecast.
 pub fn dry_run(
-    address: &str,
-    device: Option<&str>,
+    args: &Args,
     cases: &[&'static Case],
     options: &Options,
+    waived: Vec<Deviation>,
 ) -> Result<Status, Failure> {
-    let model = model_of(address, device);
-    let (mut text, mut reports) = (String::new(), Vec::new());
-    let stores = simulate(model, cases, options, &mut |report| {
-        reports.push((report.case.id, report.verdict.kind(), report.duration));
-    });
-    for case in cases {
-        let forbidden = case.touches.iter().find(|touch| !options.allow.contains(touch));
-        let why = forbidden.map(|touch| format!("  (only with --allow {touch})")).unwrap_or_default();
-        // Writing to a string can't fail.
-        let _ = writeln!(text, "{}{why}", case.id);
+    refuse_outputs(args)?;
+    let (mut opened, like) = stand_in(args)?;
+    let target = args.target(&opened, waived)?;
+    let forecast = simulate(&mut opened, &target, cases, options, like)?;
+    match args.format {
+        ReportFormat::Json => print(&format!("{:#}\n", forecast.json()))?,
+        _ => {
+            print(&forecast.text())?;
+            diagnostic(&format!("canvass: {}", forecast.summary()));
+        }
     }
-    print(&text)?;
-    let total: u64 = reports.iter().map(|(_, _, duration)| duration.nanos()).sum();
-    let skipped = reports.iter().filter(|(_, kind, _)| *kind == Kind::NotApplicable).count();
-    let (run, like) = (cases.len() - skipped.min(cases.len()), model.id());
-    let total = Duration::from_nanos(total / 1_000_000 * 1_000_000);
-    crate::output::diagnostic(&format!(
-        "canvass: {} cases; on a device like {like} {run} of them would run, in about {total}, with {stores} writes of its \
-         non-volatile memory",
-        cases.len()
-    ));
     Ok(Status::Good)
 }
 
-/// The built-in model that the device is, or the one that most faults show on.
-fn model_of(address: &str, device: Option<&str>) -> &'static Model {
-    let simulated = match address.parse() {
-        Ok(BusAddress::Simulated(devices)) => devices.first().and_then(|device| device.model().ok()),
-        _ => None,
-    };
-    let named = device.map(|device| device.split_once('=').map_or(device, |(_, device)| device)).and_then(Model::by_id);
-    let usual = Fault::ALL.first().and_then(|fault| Model::by_id(fault.model()));
-    named.or(simulated).or(usual).unwrap_or(&Model::all()[0])
+/// Outputs that could not be written.
+fn refuse_outputs(args: &Args) -> Result<(), Failure> {
+    for report in &args.report {
+        // Nothing is left of it.
+        drop(WholeFile::create(report.file())?);
+    }
+    if let Some(path) = &args.record {
+        let destination = Destination::new(path, None, args.force)?;
+        if !args.force && !destination.is_stdout() {
+            refuse_existing(path)?;
+        }
+    }
+    Ok(())
 }
 
-/// Runs the cases against a simulated device; returns how often its memory was written.
+/// The device that the run would meet, or one like it; and what it is taken for.
+fn stand_in(args: &Args) -> Result<(Opened, String), Failure> {
+    if let BusAddress::Simulated(_) = args.bus.parse()? {
+        let opened = args.open()?;
+        let like = opened.model.map_or("none", Model::id).to_owned();
+        return Ok((opened, like));
+    }
+    let model = match args.device.as_deref().map(named) {
+        None => Fault::ALL.first().and_then(|fault| Model::by_id(fault.model())).unwrap_or(&Model::all()[0]),
+        Some(device) => match Model::by_id(device) {
+            Some(model) => model,
+            None => of_file(device)?,
+        },
+    };
+    let usual = || args.device.as_ref().and(model.default_node());
+    let node = args.node.or_else(usual).ok_or_else(|| super::which_node(&args.bus, None))?;
+    let mut bus = SimulatedBus::new(model.default_bit_rate());
+    bus.attach(Box::new(Device::new(model, Some(node), Firmware::PLAIN, args.seed)));
+    Ok((Opened { bus: Box::new(bus), model: None, devices: Vec::new() }, model.id().to_owned()))
+}
+
+/// A device that does what its description says.
+fn of_file(path: &str) -> Result<&'static Model, Failure> {
+    let described = SimulatedDevice {
+        device: DeviceName::File(path.to_owned()),
+        node: None,
+        bit_rate: None,
+        motion: None,
+        firmware: Firmware::PLAIN,
+    };
+    Ok(described.model()?)
+}
+
+/// Runs the cases against the stand-in.
 fn simulate(
-    model: &'static Model,
+    opened: &mut Opened,
+    target: &Target,
     cases: &[&'static Case],
     options: &Options,
-    finished: &mut dyn FnMut(&CaseReport),
-) -> u32 {
-    let mut bus = SimulatedBus::new(model.default_bit_rate());
-    bus.attach(Box::new(Device::new(model, model.default_node(), Faults::NONE, 0)));
-    let target = Target::of(model, model.default_node().unwrap_or(NodeId::MAX));
+    like: String,
+) -> Result<Forecast, Failure> {
     let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
-    let plan = Plan { cases, bus: "sim", bit_rate: None, seed: 0 };
-    let mut bench = Bench::new(&mut bus, &target, options, &mut annotate, &cancel);
+    let plan = Plan { cases, bus: "", bit_rate: opened.bus.bit_rate(), seed: 0 };
+    let mut bench = Bench::new(opened.bus.as_mut(), target, options, &mut annotate, &cancel);
+    let mut rows = Vec::new();
     let summary = run(&mut bench, &plan, &mut |event| {
         if let RunEvent::CaseFinished(report) = event {
-            finished(report);
+            let skipped = match report.verdict.end() {
+                Some(End::NotApplicable(reason)) => Some(why(report.case, options, reason)),
+                _ => None,
+            };
+            rows.push(Row { case: report.case, skipped, takes: report.duration });
         }
     });
-    summary.map_or(0, |summary| summary.stores)
+    match summary {
+        Ok(summary) => Ok(Forecast { rows, like, stores: summary.stores }),
+        Err(RunError::NothingToRun { .. }) if opened.devices.is_empty() && !rows.is_empty() => {
+            let why = rows.first().and_then(|row| row.skipped.clone()).unwrap_or_default();
+            Err(Failure::unreachable(anyhow!("no case would be executed: none of {} would run ({why})", rows.len())))
+        }
+        Err(error) => Err(Failure::unreachable(error)),
+    }
+}
+
+/// What a device or its description would need for the case, unless nobody has allowed it.
+fn why(case: &Case, options: &Options, reason: &Reason) -> String {
+    let forbidden = case.touches.iter().find(|touch| !options.allow.contains(touch));
+    let needs = || format!("needs {}: {}", reason.expected, reason.actual);
+    forbidden.map_or_else(needs, |touch| format!("only with --allow {touch}"))
+}
+
+impl Forecast {
+    fn run(&self) -> impl Iterator<Item = &Row> {
+        self.rows.iter().filter(|row| row.skipped.is_none())
+    }
+
+    fn takes(&self) -> Duration {
+        let nanos: u64 = self.rows.iter().map(|row| row.takes.nanos()).sum();
+        Duration::from_nanos(nanos / 1_000_000 * 1_000_000)
+    }
+
+    fn text(&self) -> String {
+        let mut text = String::new();
+        for Row { case, skipped, .. } in &self.rows {
+            let why = skipped.as_ref().map(|why| format!("  ({why})")).unwrap_or_default();
+            // Writing to a string can't fail.
+            let _ = writeln!(text, "{}{why}", case.id);
+        }
+        canvass_reports::escape::document(&text).into_owned()
+    }
+
+    fn summary(&self) -> String {
+        let (all, run, takes, like, stores) =
+            (self.rows.len(), self.run().count(), self.takes(), &self.like, self.stores);
+        format!(
+            "on a device like {like} {run} of {all} cases would run, in about {takes}, with {stores} writes of its \
+             non-volatile memory"
+        )
+    }
+
+    fn json(&self) -> Value {
+        let row = |row: &Row| {
+            json!({
+                "id": row.case.id,
+                "runs": row.skipped.is_none(),
+                "reason": row.skipped,
+                "duration_ns": row.takes.nanos(),
+            })
+        };
+        json!({
+            "schema": SCHEMA,
+            "like": self.like,
+            "cases": self.rows.iter().map(row).collect::<Vec<_>>(),
+            "would_run": self.run().count(),
+            "duration_ns": self.takes().nanos(),
+            "stores": self.stores,
+        })
+    }
 }

@@ -17,12 +17,14 @@ use canvass_suite::verdict::Kind;
 use canvass_traces::{Channels, Frame, Record, Recording, WriteOptions, Writer};
 use std::path::Path;
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
+use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
 
 /// The capture. A thread of its own writes it: the tester does not wait for the disk.
 pub struct Recorder {
     lines: Sender<Entry>,
-    thread: JoinHandle<Result<()>>,
+    /// Until it has ended.
+    thread: Mutex<Option<JoinHandle<Result<()>>>>,
 }
 
 /// What comes into the capture.
@@ -30,6 +32,8 @@ enum Entry {
     Frame(Record),
     /// Gets the time of the last frame.
     Marker(Frame),
+    /// Nothing more comes.
+    End,
 }
 
 /// What the analyzer says of each frame, which goes into the capture on its way.
@@ -50,16 +54,17 @@ impl Annotate for Recorded<'_> {
 }
 
 impl Recorder {
-    /// Begins the capture before the device is touched. A file that exists is overwritten, as that of a report is.
-    pub fn create(path: &Path) -> Result<Self> {
+    /// Begins the capture before the device is touched. A file that exists is overwritten only by `force`: it is as much
+    /// work to get again as the device is slow.
+    pub fn create(path: &Path, force: bool) -> Result<Self> {
         let (lines, entries) = channel();
         let (ready, begun) = sync_channel(1);
         let path = path.to_owned();
         let thread = std::thread::Builder::new().name("record".to_owned());
-        let thread = thread.spawn(move || write(&path, &ready, &entries))?;
+        let thread = thread.spawn(move || write(&path, force, &ready, &entries))?;
         // Whatever it ended with before it began is why.
         match begun.recv() {
-            Ok(()) => Ok(Self { lines, thread }),
+            Ok(()) => Ok(Self { lines, thread: Mutex::new(Some(thread)) }),
             Err(_) => Err(ended(thread).err().unwrap_or_else(|| anyhow!("the capture could not be begun"))),
         }
     }
@@ -84,10 +89,12 @@ impl Recorder {
         let _ = self.lines.send(Entry::Marker(marker.to_frame(CAN_ID)));
     }
 
-    /// Ends the capture.
-    pub fn finish(self) -> Result<()> {
-        drop(self.lines);
-        ended(self.thread)
+    /// Ends the capture, which is complete then.
+    pub fn finish(&self) -> Result<()> {
+        // If nobody takes it, the capture has ended already, and says why.
+        let _ = self.lines.send(Entry::End);
+        let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
+        thread.map_or(Ok(()), ended)
     }
 }
 
@@ -96,9 +103,9 @@ fn ended(thread: JoinHandle<Result<()>>) -> Result<()> {
 }
 
 /// Writes the capture until nobody has anything for it any more.
-fn write(path: &Path, ready: &SyncSender<()>, entries: &Receiver<Entry>) -> Result<()> {
-    let destination = Destination::new(path, None, true)?;
-    let sink = destination.open(&[], &Output::default())?;
+fn write(path: &Path, force: bool, ready: &SyncSender<()>, entries: &Receiver<Entry>) -> Result<()> {
+    let destination = Destination::new(path, None, force)?;
+    let sink = destination.open_growing(&Output::default())?;
     let mut recording = Recording::create(sink, destination.format, destination.compression, &WriteOptions::default())?;
     let mut channels = Channels::default();
     channels.intern("can0");
@@ -110,6 +117,7 @@ fn write(path: &Path, ready: &SyncSender<()>, entries: &Receiver<Entry>) -> Resu
             (Entry::Frame(record), _) => record,
             (Entry::Marker(frame), Some(last)) => Record::new(last.timestamp, last.channel, frame),
             (Entry::Marker(_), None) => continue,
+            (Entry::End, _) => break,
         };
         recording.write(&record, &channels)?;
         last = Some(record);

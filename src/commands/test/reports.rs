@@ -1,14 +1,17 @@
 //! `--format` and `--report`: where a run's events go.
 
-use crate::output::Color;
+use crate::output::{Color, unless_closed};
+use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, anyhow};
 use canvass_reports::conformance::terminal::{Style, Terminal};
 use canvass_reports::conformance::{Document, Render, Reporter, html, json, junit, markdown};
+use canvass_reports::provenance::Provenance;
 use canvass_suite::runner::RunEvent;
 use clap::ValueEnum;
-use std::fs::File;
+use std::cell::RefCell;
 use std::io::{self, BufWriter, IsTerminal, Write};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 use std::str::FromStr;
 
 /// A form of the result.
@@ -58,25 +61,111 @@ impl FromStr for ReportArg {
     }
 }
 
-/// All reports of a run.
-pub struct Reports(Vec<Box<dyn Reporter>>);
+/// Writes a result to standard output and into the files: all that could be written is, whatever becomes of another.
+///
+/// # Errors
+/// What kept the first of them from being written. That nobody reads standard output any more is none.
+pub fn written(
+    format: ReportFormat,
+    files: &[ReportArg],
+    render: &dyn Fn(ReportFormat, &mut dyn Write) -> io::Result<()>,
+) -> Result<()> {
+    let into_file = |ReportArg { format, file }: &ReportArg| -> Result<()> {
+        let whole = WholeFile::create(file)?;
+        let mut out = BufWriter::new(whole.writer()?);
+        render(*format, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
+        whole.complete()
+    };
+    let files: Vec<Result<()>> = files.iter().map(into_file).collect();
+    unless_closed(render(format, &mut io::stdout().lock()).and_then(|()| io::stdout().flush()))?;
+    files.into_iter().collect()
+}
+
+/// A report that stays in memory.
+#[derive(Clone, Default)]
+pub struct Kept(Rc<RefCell<Vec<u8>>>);
+
+impl Kept {
+    /// What was written, when the run is over.
+    pub fn take(&self) -> Vec<u8> {
+        self.0.take()
+    }
+}
+
+impl Write for Kept {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+/// All reports of a run. None depends on another: if one can't be written, the others are whole all the same.
+pub struct Reports(Vec<Report>);
+
+struct Report {
+    reporter: Box<dyn Reporter>,
+    /// `None`: standard output.
+    file: Option<WholeFile>,
+    written: io::Result<()>,
+}
 
 impl Reports {
-    /// Opens all files before the device is touched: a report that can't be written is known at once.
+    /// Begins all files before the device is touched: a report that can't be written is known at once.
     pub fn open(format: ReportFormat, files: &[ReportArg], color: Color) -> Result<Self> {
         let style = Style { color: color.on_stdout(), progress: io::stderr().is_terminal(), width: width() };
-        let mut reports = vec![reporter(format, Box::new(io::stdout()), style)];
+        let reporter_of_stdout = reporter(format, Box::new(io::stdout()), style);
+        let mut reports = vec![Report { reporter: reporter_of_stdout, file: None, written: Ok(()) }];
         for ReportArg { format, file } in files {
-            let out = File::create(file).with_context(|| format!("can't write {}", file.display()))?;
+            let file = WholeFile::create(file)?;
             let plain = Style { color: false, progress: false, width: None };
-            reports.push(reporter(*format, Box::new(BufWriter::new(out)), plain));
+            let reporter = reporter(*format, Box::new(BufWriter::new(file.writer()?)), plain);
+            reports.push(Report { reporter, file: Some(file), written: Ok(()) });
         }
         Ok(Self(reports))
     }
 
-    /// Passes an event on to all.
-    pub fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()> {
-        self.0.iter_mut().try_for_each(|report| report.event(event))
+    /// One more, for the program itself.
+    pub fn keep(&mut self, format: ReportFormat) -> Kept {
+        let kept = Kept::default();
+        let plain = Style { color: false, progress: false, width: None };
+        self.0.push(Report { reporter: reporter(format, Box::new(kept.clone()), plain), file: None, written: Ok(()) });
+        kept
+    }
+
+    /// Passes an event on to all that could be written so far.
+    pub fn event(&mut self, event: &RunEvent<'_>) {
+        for Report { reporter, written, .. } in self.0.iter_mut().filter(|report| report.written.is_ok()) {
+            *written = reporter.event(event);
+        }
+    }
+
+    /// Says where the result comes from.
+    pub fn comes_from(&mut self, provenance: &Provenance) {
+        self.0.iter_mut().for_each(|report| report.reporter.comes_from(provenance));
+    }
+
+    /// The run is over: the files take their places.
+    ///
+    /// # Errors
+    /// What kept the first of them from being written. That nobody reads standard output any more is none.
+    pub fn finish(self) -> Result<()> {
+        let ends: Vec<Result<()>> = self.0.into_iter().map(Report::finish).collect();
+        ends.into_iter().collect()
+    }
+}
+
+impl Report {
+    fn finish(self) -> Result<()> {
+        // What is buffered goes into the file first.
+        drop(self.reporter);
+        match self.file {
+            Some(file) => self.written.map_err(Into::into).and_then(|()| file.complete()),
+            None => unless_closed(self.written).map_err(Into::into),
+        }
+        .context("can't write the report")
     }
 }
 

@@ -1,5 +1,6 @@
-//! `--timeout WHAT=MS`.
+//! `--timeout WHAT=SPAN`.
 
+use crate::live::parse_wait;
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_suite::bench::Timing;
 use canvass_traces::Duration;
@@ -15,38 +16,80 @@ pub struct Timeout {
 #[derive(Clone, Copy, Debug)]
 enum What {
     Sdo,
+    Store,
+    Lss,
     BootUp,
     Reaction,
     Silence,
+    Client,
 }
 
 impl Timeout {
+    /// How long the program that has to connect to this end is waited for, if that is what it says.
+    pub fn of_client(self) -> Option<Duration> {
+        matches!(self.what, What::Client).then_some(self.span)
+    }
+
     /// Puts it where the bench looks for it.
     pub const fn set(self, timing: &mut Timing) {
         match self.what {
             What::Sdo => timing.sdo_response = self.span,
+            What::Store => timing.store = self.span,
+            What::Lss => timing.lss = self.span,
             What::BootUp => timing.boot_up = self.span,
             What::Reaction => timing.reaction = self.span,
             What::Silence => timing.silence = self.span,
+            What::Client => {}
         }
     }
+}
+
+/// All waiting times, as `--timeout` would set them.
+pub fn told(timing: &Timing, client: Duration) -> Vec<String> {
+    let spans = [
+        ("sdo", timing.sdo_response),
+        ("boot-up", timing.boot_up),
+        ("reaction", timing.reaction),
+        ("silence", timing.silence),
+        ("client", client),
+    ];
+    spans.map(|(what, span)| format!("{what}={}", span.nanos() / 1_000_000)).into()
 }
 
 impl FromStr for Timeout {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        const LONGEST_MS: u64 = 600_000;
-        let (what, milliseconds) = text.split_once('=').context("expected WHAT=MS, such as sdo=500")?;
+        const LONGEST: Duration = Duration::from_secs(600);
+        let (what, span) = text.split_once('=').context("expected WHAT=SPAN, such as sdo=500ms")?;
         let what = match what {
             "sdo" => What::Sdo,
+            "store" => What::Store,
+            "lss" => What::Lss,
             "boot-up" => What::BootUp,
             "reaction" => What::Reaction,
             "silence" => What::Silence,
-            other => bail!("expected sdo, boot-up, reaction or silence, found \"{other}\""),
+            "client" => What::Client,
+            other => bail!("expected sdo, store, lss, boot-up, reaction, silence or client, found \"{other}\""),
         };
-        let span = milliseconds.parse().ok().filter(|ms| (1..=LONGEST_MS).contains(ms));
-        let span = span.ok_or_else(|| anyhow!("expected 1 to {LONGEST_MS} milliseconds, found \"{milliseconds}\""))?;
-        Ok(Self { what, span: Duration::from_millis(span) })
+        let known = parse_wait(span).ok().filter(|known| (Duration::from_millis(1)..=LONGEST).contains(known));
+        let span = known.ok_or_else(|| anyhow!("expected 1ms to {LONGEST}, such as 500ms, found \"{span}\""))?;
+        Ok(Self { what, span })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_wait_has_its_own_name() {
+        let mut timing = Timing::default();
+        for text in ["sdo=1", "store=2", "lss=3", "boot-up=4", "reaction=5", "silence=6", "client=7"] {
+            text.parse::<Timeout>().unwrap().set(&mut timing);
+        }
+        let set = [timing.sdo_response, timing.store, timing.lss, timing.boot_up, timing.reaction, timing.silence];
+        assert_eq!(set, [1, 2, 3, 4, 5, 6].map(Duration::from_millis));
+        assert!("lss".parse::<Timeout>().is_err() && "lss=0".parse::<Timeout>().is_err());
     }
 }

@@ -11,7 +11,7 @@ use canvass_fuzzer::campaign::{self, Found, Outcome, Plan};
 use canvass_fuzzer::ground::{MakeDevice, Simulated};
 use canvass_fuzzer::{Knowledge, Patience, Property, Start, Target};
 use canvass_stacks::{Memorial, StackDevice, canopen_rs, zencan};
-use canvass_suite::case::Touch;
+use canvass_suite::touch::Touch;
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
 use std::fmt::Write;
@@ -70,6 +70,7 @@ fn fuzz(peer: Peer, target: Target, sequences: u64) -> Outcome {
         seed: 1,
         allow: [Touch::NodeId, Touch::Nvm].into(),
         shrink_budget: 500,
+        time: canvass_fuzzer::time_limit::TimeLimit::default(),
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,

@@ -15,9 +15,9 @@ use canvass_bus::Machine;
 use canvass_bus::SimulatedBus;
 use canvass_stacks::{Memorial, Stack, StackDevice};
 use canvass_suite::bench::{Bench, Decoder, Options, Target};
-use canvass_suite::case::Touch;
 use canvass_suite::catalogue;
 use canvass_suite::runner::{CaseReport, Plan, RunEvent, Summary, run};
+use canvass_suite::touch::Touch;
 use canvass_suite::verdict::Kind;
 use canvass_traces::Duration;
 use std::fmt::Write;
@@ -45,7 +45,7 @@ impl Peer {
 
     fn target(&self) -> Target {
         let description = Some(DeviceDescription::read(self.eds.as_bytes()).unwrap());
-        Target { node: self.node, model: String::new(), description, deviations: Vec::new() }
+        Target { description, ..Target::unknown(self.node) }
     }
 }
 

@@ -1,8 +1,11 @@
-//! Standard input as a live source: while it has nothing, what was made of it so far goes out, and Ctrl-C ends it.
+//! Standard input, pipes and devices as live sources: while they have nothing, what was made of them so far goes out, and
+//! Ctrl-C ends them.
 
 use crate::interrupt::Interrupt;
 use crate::output::Output;
+use std::fs;
 use std::io::{self, Read};
+use std::path::Path;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, TryRecvError, sync_channel};
 use std::thread;
 use std::time::Duration;
@@ -11,20 +14,34 @@ use std::time::Duration;
 const LOOK: Duration = Duration::from_millis(50);
 const CHUNK: usize = 64 * 1024;
 
-/// Standard input, which flushes `output` whenever it is about to wait, and ends when interrupted.
+/// What `open` opens, which flushes `output` whenever it is about to wait, and ends when interrupted.
 ///
-/// It is read in a thread of its own, because a read can't be interrupted.
-pub fn live(output: Output, interrupt: Interrupt) -> impl Read + Send + 'static {
+/// It is opened and read in a thread of its own: neither can be interrupted, and a named pipe is not even opened before
+/// somebody writes into it.
+pub fn live<R: Read>(
+    open: impl FnOnce() -> io::Result<R> + Send + 'static,
+    output: Output,
+    interrupt: Interrupt,
+) -> impl Read + Send + 'static {
     let (sender, chunks) = sync_channel(4);
-    thread::spawn(move || read_all(&sender));
-    LiveStdin { chunks, chunk: io::Cursor::default(), output, interrupt }
+    thread::spawn(move || match open() {
+        Ok(source) => read_all(source, &sender),
+        // Whoever reads gets the error, or has gone.
+        Err(error) => _ = sender.send(Err(error)),
+    });
+    LiveSource { chunks, chunk: io::Cursor::default(), output, interrupt }
 }
 
-fn read_all(chunks: &SyncSender<io::Result<Vec<u8>>>) {
-    let mut stdin = io::stdin();
+/// Whether reading a file may have to wait: it is a pipe, a terminal, a device, or one that the kernel makes while it is
+/// read (those of /proc say that they are regular and empty).
+pub fn may_wait(file: &Path) -> bool {
+    fs::metadata(file).is_ok_and(|metadata| !metadata.is_dir() && (!metadata.is_file() || metadata.len() == 0))
+}
+
+fn read_all(mut source: impl Read, chunks: &SyncSender<io::Result<Vec<u8>>>) {
     let mut buffer = vec![0; CHUNK];
     loop {
-        let chunk = match stdin.read(&mut buffer) {
+        let chunk = match source.read(&mut buffer) {
             Ok(0) => return,
             Ok(n) => Ok(buffer.get(..n).unwrap_or_default().to_vec()),
             Err(error) if error.kind() == io::ErrorKind::Interrupted => continue,
@@ -37,14 +54,14 @@ fn read_all(chunks: &SyncSender<io::Result<Vec<u8>>>) {
     }
 }
 
-struct LiveStdin {
+struct LiveSource {
     chunks: Receiver<io::Result<Vec<u8>>>,
     chunk: io::Cursor<Vec<u8>>,
     output: Output,
     interrupt: Interrupt,
 }
 
-impl LiveStdin {
+impl LiveSource {
     /// The next chunk; `None` at the end.
     fn next(&self) -> io::Result<Option<Vec<u8>>> {
         match self.chunks.try_recv() {
@@ -63,7 +80,7 @@ impl LiveStdin {
     }
 }
 
-impl Read for LiveStdin {
+impl Read for LiveSource {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         loop {
             let n = self.chunk.read(buffer)?;

@@ -1,0 +1,163 @@
+//! `run.json`: what the run was made with, so that it can be made again from its recording.
+
+use anyhow::{Context, Result, anyhow, bail};
+use canvass_suite::bench::{Options, Timing};
+use canvass_suite::touch::Touch;
+use canvass_traces::Duration;
+use serde::{Deserialize, Serialize};
+
+/// Its name in the bundle.
+pub const NAME: &str = "run.json";
+const SCHEMA: &str = "canvass/bundle-run/1";
+const MOST_RUNS: u32 = 1_000;
+
+/// What a run was made with.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Setup {
+    schema: String,
+    /// The bus, as the user addressed it.
+    pub bus: String,
+    /// The node-ID.
+    pub node: u8,
+    /// What `--device` named.
+    pub device: Option<String>,
+    /// The file in the bundle that describes the device, where one does.
+    pub description: Option<String>,
+    /// Whether there are waivers.
+    pub waivers: bool,
+    /// The day by which waivers were judged, where there are any.
+    pub day: String,
+    pub seed: u64,
+    /// The cases in the order in which they ran.
+    pub cases: Vec<String>,
+    /// Why the run can't be made again, if it can't.
+    pub not_repeatable: Option<String>,
+    allow: Vec<String>,
+    repeat: u32,
+    retries: u32,
+    fail_fast: bool,
+    exhaustive: bool,
+    limit_ns: Option<u64>,
+    timing: Times,
+}
+
+/// All waiting times in nanoseconds.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+struct Times {
+    sdo_response_ns: u64,
+    store_ns: u64,
+    lss_ns: u64,
+    boot_up_ns: u64,
+    reaction_ns: u64,
+    silence_ns: u64,
+    period_tolerance: u32,
+}
+
+impl Setup {
+    /// With those options; what else there is to say of the run is for the caller.
+    pub fn new(options: &Options) -> Self {
+        let of = &options.timing;
+        Self {
+            schema: SCHEMA.to_owned(),
+            bus: String::new(),
+            node: 0,
+            device: None,
+            description: None,
+            waivers: false,
+            day: String::new(),
+            seed: 0,
+            cases: Vec::new(),
+            not_repeatable: None,
+            allow: options.allow.iter().map(|touch| touch.name().to_owned()).collect(),
+            repeat: options.repeat,
+            retries: options.retries,
+            fail_fast: options.fail_fast,
+            exhaustive: options.exhaustive,
+            limit_ns: options.limit.map(Duration::nanos),
+            timing: Times {
+                sdo_response_ns: of.sdo_response.nanos(),
+                store_ns: of.store.nanos(),
+                lss_ns: of.lss.nanos(),
+                boot_up_ns: of.boot_up.nanos(),
+                reaction_ns: of.reaction.nanos(),
+                silence_ns: of.silence.nanos(),
+                period_tolerance: of.period_tolerance,
+            },
+        }
+    }
+
+    /// As it stands in the bundle.
+    pub fn read(text: &[u8]) -> Result<Self> {
+        let setup: Self = serde_json::from_slice(text).context("run.json is not what a bundle has")?;
+        if setup.schema != SCHEMA {
+            bail!("run.json: expected a document of schema {SCHEMA}, found \"{}\"", setup.schema);
+        }
+        // As the command line has it: who has made up a bundle shall not keep us busy for ever.
+        if setup.repeat > MOST_RUNS || setup.retries > MOST_RUNS {
+            bail!("run.json: expected at most {MOST_RUNS} runs of a case");
+        }
+        Ok(setup)
+    }
+
+    /// As it stands in the bundle.
+    pub fn text(&self) -> Result<String> {
+        Ok(serde_json::to_string_pretty(self)? + "\n")
+    }
+
+    /// The options of the run. No command that stood in them is run again.
+    pub fn options(&self) -> Result<Options> {
+        let allow = self.allow.iter().map(|name| name.parse::<Touch>().map_err(|error| anyhow!("run.json: {error}")));
+        let of = &self.timing;
+        Ok(Options {
+            allow: allow.collect::<Result<_>>()?,
+            timing: Timing {
+                sdo_response: Duration(of.sdo_response_ns),
+                store: Duration(of.store_ns),
+                lss: Duration(of.lss_ns),
+                boot_up: Duration(of.boot_up_ns),
+                reaction: Duration(of.reaction_ns),
+                silence: Duration(of.silence_ns),
+                period_tolerance: of.period_tolerance,
+            },
+            repeat: self.repeat,
+            retries: self.retries,
+            power_cycle: None,
+            fail_fast: self.fail_fast,
+            exhaustive: self.exhaustive,
+            limit: self.limit_ns.map(Duration),
+            journal: None,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn options_go_through_the_bundle_and_commands_do_not() {
+        let options = Options {
+            allow: [Touch::Nvm, Touch::NodeId].into(),
+            timing: Timing { sdo_response: Duration(7), period_tolerance: 9, ..Timing::default() },
+            repeat: 3,
+            retries: 2,
+            power_cycle: Some("rm -r /".to_owned()),
+            fail_fast: true,
+            exhaustive: true,
+            limit: Some(Duration(5)),
+            journal: None,
+        };
+        let text = Setup::new(&options).text().unwrap();
+        let read = Setup::read(text.as_bytes()).unwrap().options().unwrap();
+        assert_eq!(read, Options { power_cycle: None, ..options });
+        assert!(!text.contains("rm -r"));
+    }
+
+    #[test]
+    fn what_would_never_end_is_refused() {
+        let text = Setup::new(&Options::default()).text().unwrap();
+        assert!(Setup::read(text.replace("\"repeat\": 0", "\"repeat\": 4000000000").as_bytes()).is_err());
+        assert!(Setup::read(text.replace("bundle-run/1", "bundle-run/2").as_bytes()).is_err());
+        assert!(Setup::read(b"{}").is_err());
+    }
+}

@@ -1,0 +1,38 @@
+//! `canvass help`: of a command, or of what several commands have in common.
+
+use crate::output::print;
+use crate::status::{Failure, Status};
+use anyhow::anyhow;
+
+/// Print the help of a command, or of a topic: filter
+#[derive(clap::Args)]
+pub struct Args {
+    /// A command, such as sdo read, or a topic; without it, canvass itself
+    what: Vec<String>,
+}
+
+/// What several commands have in common: name and page.
+const TOPICS: [(&str, &str); 1] = [("filter", include_str!("help/filter.txt"))];
+
+impl Args {
+    /// `cli` is the whole command line.
+    pub fn run(self, mut cli: clap::Command) -> Result<Status, Failure> {
+        cli.build();
+        if let [topic] = &self.what[..]
+            && let Some((_, page)) = TOPICS.iter().find(|(name, _)| name == topic)
+        {
+            print(page)?;
+            return Ok(Status::Good);
+        }
+        let mut command = &mut cli;
+        for name in &self.what {
+            let topics = TOPICS.map(|(name, _)| name).join(", ");
+            let what = self.what.join(" ");
+            command = command
+                .find_subcommand_mut(name)
+                .ok_or_else(|| anyhow!("there is no command \"{what}\"; beside commands there is help of: {topics}"))?;
+        }
+        print(&command.render_long_help().to_string())?;
+        Ok(Status::Good)
+    }
+}

@@ -1,0 +1,83 @@
+//! `canvass history`: many results of `canvass test`.
+
+use super::compare::read;
+use super::test::reports::{ReportArg, ReportFormat, written};
+use crate::files::Files;
+use crate::provenance::{Collected, Remarks, Subject, Typed};
+use crate::status::{Failure, Status};
+use anyhow::{Result, anyhow};
+use canvass_reports::comparison::TestResult;
+use canvass_reports::history::{History, Release, html, json, markdown, text};
+use std::io;
+use std::path::{Path, PathBuf};
+
+/// Show many results of `canvass test --format json`, over releases and samples
+///
+/// Says of each case how it was in which release, since when it is bad, and whether it is flaky; of releases what they ran. The
+/// results stand in the order of the releases, oldest first. A result belongs to the release that is written before it
+/// (1.4=a.json), else to that of its --note release=1.4, else to one of its file's name. Results of one release are samples.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The results, oldest first
+    #[arg(required = true, value_name = "[RELEASE=]FILE")]
+    files: Vec<String>,
+    /// How to print the history: table, json, html or markdown
+    #[arg(long, value_enum, default_value_t)]
+    format: ReportFormat,
+    /// Write a report into a file too; can be given several times
+    #[arg(long, value_name = "FORMAT=FILE")]
+    report: Vec<ReportArg>,
+    #[command(flatten)]
+    remarks: Remarks,
+}
+
+impl Args {
+    pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
+        if self.report.iter().map(ReportArg::format).chain([self.format]).any(|format| format == ReportFormat::Junit) {
+            return Err(anyhow!(
+                "a history is no test: say table, json, html or markdown (`canvass compare` has junit)"
+            )
+            .into());
+        }
+        let named: Vec<(Option<&str>, PathBuf)> = self.files.iter().map(|file| named(file)).collect();
+        let paths = named.iter().map(|(_, path)| path);
+        Files::new().reads(paths).writes(self.report.iter().map(ReportArg::file))?;
+        let mut provenance = Collected::begin(&self.remarks, typed, Subject::Files)?;
+        let mut releases: Vec<Release> = Vec::new();
+        for (release, path) in &named {
+            let result = read(path)?;
+            provenance.file("result", path);
+            let name = release.map(str::to_owned).unwrap_or_else(|| release_of(&result, path));
+            match releases.iter_mut().find(|known| known.name == name) {
+                Some(known) => known.results.push(result),
+                None => releases.push(Release { name, results: vec![result] }),
+            }
+        }
+        let mut history = History::of(&releases);
+        history.provenance = provenance.0;
+        written(self.format, &self.report, &|format, out| render(&history, format, out))?;
+        Ok(Status::Good)
+    }
+}
+
+/// `RELEASE=FILE`, or a file.
+fn named(text: &str) -> (Option<&str>, PathBuf) {
+    match text.split_once('=') {
+        Some((release, file)) if !release.is_empty() && !Path::new(text).exists() => (Some(release), file.into()),
+        _ => (None, text.into()),
+    }
+}
+
+fn release_of(result: &TestResult, path: &Path) -> String {
+    let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    result.note("release").map_or_else(stem, str::to_owned)
+}
+
+fn render(history: &History, format: ReportFormat, out: &mut dyn io::Write) -> io::Result<()> {
+    match format {
+        ReportFormat::Json => json(history, out),
+        ReportFormat::Html => html(history, out),
+        ReportFormat::Markdown => markdown(history, out),
+        ReportFormat::Table | ReportFormat::Junit => text(history, out),
+    }
+}

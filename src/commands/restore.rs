@@ -1,0 +1,39 @@
+//! `canvass restore`: what an interrupted run has left behind is put back.
+
+use super::test::{named, timing::Timeout};
+use crate::live::{CLIENT, open_device_bus};
+use crate::put_back::{put_back, read};
+use crate::status::{Failure, Status};
+use canvass_suite::bench::Timing;
+use std::path::PathBuf;
+
+/// Put a device back that an interrupted run of `canvass test` has left changed
+///
+/// A run that was killed, or whose machine lost power, leaves its journal: what it had changed, and what that was before.
+/// The journal is removed when the device is as it was. Status 1 if not all could be put back.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The bus: can0 or slcan:PORT[@BITRATE]
+    bus: String,
+    /// The journal that `canvass test` has left
+    #[arg(long, value_name = "FILE")]
+    journal: PathBuf,
+    /// What the device is: a built-in model or an EDS or DCF file; without it what the journal says
+    #[arg(long, value_name = "[NODE=]MODEL|FILE")]
+    device: Option<String>,
+    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to slcan:listen://)
+    #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
+    timeout: Vec<Timeout>,
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let interrupted = read(&self.journal)?;
+        let client = self.timeout.iter().rev().find_map(|timeout| timeout.of_client()).unwrap_or(CLIENT);
+        let mut timing = Timing::default();
+        self.timeout.iter().for_each(|timeout| timeout.set(&mut timing));
+        let mut opened = open_device_bus(&self.bus, 0, client)?;
+        let device = self.device.as_deref().map_or(&*interrupted.device, named);
+        put_back(opened.bus.as_mut(), device, timing, &interrupted, &self.journal)
+    }
+}

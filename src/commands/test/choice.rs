@@ -1,0 +1,132 @@
+//! Which cases run: `--select`, `--exclude`, `--failed-from`, `--shard`.
+
+use crate::output::diagnostic;
+use crate::status::Failure;
+use anyhow::{Context, anyhow};
+use canvass_reports::comparison::TestResult;
+use canvass_suite::case::Case;
+use canvass_suite::catalogue::{Selector, cases, find, nearest, select};
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Which cases run.
+#[derive(clap::Args)]
+pub struct CaseChoice {
+    /// Which cases: the beginning of an id (301/sdo), a pattern (301/*/toggle) or a section (7.2.8)
+    #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
+    select: Vec<Selector>,
+    /// Which cases not, as for --select
+    #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
+    exclude: Vec<Selector>,
+    /// Only the cases that failed or could not be judged in this result of `canvass test --format json`
+    #[arg(long, value_name = "FILE")]
+    failed_from: Option<PathBuf>,
+    /// Only this part of the cases, such as 2/5: the parts of several runs are all cases, each once
+    #[arg(long, value_name = "N/M")]
+    shard: Option<Shard>,
+}
+
+/// One of so many parts.
+#[derive(Clone, Copy, Debug)]
+struct Shard {
+    /// From 1.
+    number: usize,
+    of: usize,
+}
+
+impl FromStr for Shard {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> anyhow::Result<Self> {
+        let parts = text.split_once('/').and_then(|(number, of)| Some((number.parse().ok()?, of.parse().ok()?)));
+        let shard = parts.filter(|&(number, of)| (1..=of).contains(&number)).map(|(number, of)| Self { number, of });
+        shard.ok_or_else(|| anyhow!("expected N/M with N from 1 to M, such as 2/5, found \"{text}\""))
+    }
+}
+
+impl CaseChoice {
+    /// The cases by rising id, at least one.
+    ///
+    /// # Errors
+    /// If a selector selects nothing, or nothing is left: a test that tests nothing is no success.
+    pub fn cases(&self) -> Result<Vec<&'static Case>, Failure> {
+        let mut chosen = select(&self.select).map_err(|idle| selects_nothing("--select", &idle))?;
+        for selector in &self.exclude {
+            if !cases().into_iter().any(|case| selector.selects(case)) {
+                return Err(selects_nothing("--exclude", selector));
+            }
+        }
+        chosen.retain(|case| !self.exclude.iter().any(|selector| selector.selects(case)));
+        if let Some(path) = &self.failed_from {
+            let failed = failed_in(path)?;
+            chosen.retain(|case| failed.contains(&case.id));
+        }
+        if let Some(Shard { number, of }) = self.shard {
+            // One after the other, so that the slow cases of a family are shared.
+            chosen = chosen.into_iter().skip(number - 1).step_by(of).collect();
+        }
+        if chosen.is_empty() {
+            return Err(Failure::unreachable(anyhow!("no case was executed: {} leaves none", self.what_leaves_none())));
+        }
+        Ok(chosen)
+    }
+
+    fn what_leaves_none(&self) -> &'static str {
+        match (&self.failed_from, self.shard) {
+            (_, Some(_)) => "--shard",
+            (Some(_), None) => "--failed-from",
+            (None, None) => "--exclude",
+        }
+    }
+
+    /// The result that cases are chosen by.
+    pub fn result(&self) -> Option<&Path> {
+        self.failed_from.as_deref()
+    }
+}
+
+fn selects_nothing(option: &str, selector: &Selector) -> Failure {
+    let meant = nearest(selector).map(|family| format!(" (is {family} meant?)")).unwrap_or_default();
+    Failure::unreachable(anyhow!(
+        "no case was executed: {option} {selector} selects none{meant}, see `canvass list cases`"
+    ))
+}
+
+fn failed_in(path: &Path) -> Result<Vec<&'static str>, Failure> {
+    let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+    let result = TestResult::read(&text).with_context(|| format!("{}", path.display()))?;
+    let mut failed = Vec::new();
+    for id in result.failed() {
+        match find(id) {
+            Some(case) => failed.push(case.id),
+            None => diagnostic(&format!("canvass: {}: there is no case {id} any more", path.display())),
+        }
+    }
+    if failed.is_empty() {
+        let path = path.display();
+        return Err(Failure::unreachable(anyhow!(
+            "no case was executed: in {path} nothing failed that could run again"
+        )));
+    }
+    if result.is_cancelled() {
+        diagnostic(&format!(
+            "canvass: {} is of a cancelled run: cases that it had not reached do not run now",
+            path.display()
+        ));
+    }
+    Ok(failed)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn shards() {
+        let shard = |text: &str| text.parse::<Shard>().map(|shard| (shard.number, shard.of)).ok();
+        assert_eq!((shard("2/5"), shard("1/1")), (Some((2, 5)), Some((1, 1))));
+        for wrong in ["0/5", "6/5", "2", "2/0", "a/b", "-1/5"] {
+            assert_eq!(shard(wrong), None, "{wrong}");
+        }
+    }
+}

@@ -1,0 +1,90 @@
+//! The course of a run: its events go to the recorder, the reports and the provenance.
+
+use super::Args;
+use super::recorder::{Recorded, Recorder};
+use super::reports::Reports;
+use crate::provenance::Collected;
+use crate::status::{Failure, Status};
+use anyhow::Result;
+use canvass_bus::Bus;
+use canvass_suite::bench::{Bench, Decoder, Evidence, Options, Target};
+use canvass_suite::case::Case;
+use canvass_suite::runner::{CaseReport, Plan, RunError, RunEvent, Summary, run};
+use canvass_suite::waiver::Waivers;
+use std::sync::atomic::AtomicBool;
+
+/// All that a run is made with.
+pub struct Course<'a> {
+    pub args: &'a Args,
+    pub cases: &'a [&'static Case],
+    pub options: &'a Options,
+    pub target: &'a Target,
+    pub waivers: Waivers,
+    /// The day by which waivers are judged.
+    pub today: String,
+    pub provenance: Collected,
+    pub reports: Reports,
+}
+
+/// How a run ended.
+pub struct Ended {
+    summary: Result<Summary, RunError>,
+    /// Whether there is something to report.
+    pub is_over: bool,
+    recorded: Result<()>,
+}
+
+impl Course<'_> {
+    /// Runs the cases.
+    pub fn run(&mut self, bus: &mut dyn Bus, recorder: Option<&Recorder>, cancel: &AtomicBool) -> Result<Ended> {
+        let mut annotate = Recorded { decoder: Decoder::new(self.target), recorder };
+        let plan = Plan { cases: self.cases, bus: &self.args.bus, bit_rate: bus.bit_rate(), seed: self.args.seed };
+        let mut bench = Bench::new(bus, self.target, self.options, &mut annotate, cancel);
+        let (mut is_over, mut recorded) = (false, Ok(()));
+        let mut finished: Vec<CaseReport> = Vec::new();
+        let summary = run(&mut bench, &plan, &mut |event: &RunEvent<'_>| {
+            recorder.iter().for_each(|recorder| recorder.event(event));
+            match event {
+                RunEvent::RunStarted(info) => self.provenance.node(info.node, info.device.clone()),
+                RunEvent::CaseFinished(report) if self.args.waivers.is_some() => {
+                    // Whether a waiver was needed is all that is asked.
+                    finished.push(CaseReport { evidence: Evidence::default(), ..(*report).clone() });
+                }
+                RunEvent::RunFinished(_) => {
+                    is_over = true;
+                    // The reports tell the hash of a capture that is complete.
+                    recorded = recorder.map_or(Ok(()), Recorder::finish);
+                    self.end(&finished);
+                }
+                _ => {}
+            }
+            // The device is put back in any case; a report that can't be written is told of afterwards.
+            self.reports.event(event);
+        });
+        if let (Some(recorder), false) = (recorder, is_over) {
+            recorded = recorder.finish();
+        }
+        Ok(Ended { summary, is_over, recorded })
+    }
+
+    /// What is told when all cases have run.
+    fn end(&mut self, finished: &[CaseReport]) {
+        let idle = self.waivers.idle(&self.today, &finished.iter().collect::<Vec<_>>());
+        idle.iter().for_each(|notice| self.reports.event(&RunEvent::Noticed(notice)));
+        self.args.record.iter().for_each(|path| self.provenance.file("recording", path));
+        self.reports.comes_from(&self.provenance.0);
+    }
+}
+
+impl Ended {
+    /// Completes the reports; the status of the program.
+    pub fn finish(self, reports: Reports) -> Result<Status, Failure> {
+        // Of a run that told nothing of the device there is no report, and those of the run before stay.
+        let reported = if self.is_over { reports.finish() } else { Ok(()) };
+        self.recorded?;
+        reported?;
+        let summary = self.summary.map_err(Failure::unreachable)?;
+        let is_good = summary.is_good() && summary.is_as_found && !summary.cancelled;
+        Ok(if is_good { Status::Good } else { Status::Findings })
+    }
+}

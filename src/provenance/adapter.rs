@@ -1,0 +1,38 @@
+//! What connects this computer to a bus, as far as the operating system tells.
+
+use canvass_device::address::BusAddress;
+use std::path::{Path, PathBuf};
+
+/// In a few words: `simulated`, `SocketCAN, driver peak_usb, PEAK-System PCAN-USB FD`.
+pub fn of(address: &str) -> String {
+    match address.parse() {
+        Ok(BusAddress::Simulated(_)) => "simulated".to_owned(),
+        Ok(BusAddress::SocketCan { interface }) => {
+            let device = PathBuf::from(format!("/sys/class/net/{interface}/device"));
+            let driver = std::fs::read_link(device.join("driver")).ok();
+            let driver = driver.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+            let driver = driver.map_or_else(|| "virtual".to_owned(), |driver| format!("driver {driver}"));
+            described("SocketCAN", Some(driver), &device)
+        }
+        Ok(BusAddress::SlCan { port, .. }) => match port.rsplit_once('/') {
+            Some((_, name)) if port.starts_with("/dev/") => {
+                described("SLCAN", None, Path::new(&format!("/sys/class/tty/{name}/device")))
+            }
+            _ => "SLCAN".to_owned(),
+        },
+        Err(_) => "unknown".to_owned(),
+    }
+}
+
+/// With what a USB device says of itself: in its own folder, or in one of those above the interface's.
+fn described(kind: &str, driver: Option<String>, device: &Path) -> String {
+    let device = std::fs::canonicalize(device).unwrap_or_default();
+    let of_usb = device.ancestors().take(4).find_map(|folder| {
+        let read = |name: &str| std::fs::read_to_string(folder.join(name)).ok().map(|text| text.trim().to_owned());
+        let product = read("product")?;
+        let serial = read("serial").map(|serial| format!("serial {serial}"));
+        let maker = read("manufacturer").map_or_else(|| product.clone(), |maker| format!("{maker} {product}"));
+        Some([Some(maker), serial].into_iter().flatten().collect::<Vec<_>>().join(", "))
+    });
+    [Some(kind.to_owned()), driver, of_usb].into_iter().flatten().collect::<Vec<_>>().join(", ")
+}

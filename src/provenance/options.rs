@@ -1,0 +1,82 @@
+//! The options of a command and what they stand at: read from the command line as clap knows it, so that none is forgotten.
+
+use canvass_reports::provenance::{Choice, ChosenBy};
+use clap::parser::ValueSource;
+use clap::{Arg, ArgMatches, Command};
+
+/// What was typed.
+#[derive(Clone, Debug, Default)]
+pub struct Typed {
+    /// The options and arguments that have to do with the result.
+    pub options: Vec<Choice>,
+}
+
+/// What only says where a result goes and how it looks, or stands elsewhere in a provenance: two runs that differ in nothing
+/// else have the same result.
+const OF_NO_CONSEQUENCE: [&str; 20] = [
+    "help",
+    "bus",
+    "old",
+    "new",
+    "seed",
+    "version",
+    "color",
+    "format",
+    "report",
+    "output",
+    "force",
+    "quality",
+    "quality_out",
+    "bundle",
+    "record",
+    "note",
+    "date",
+    "dry_run",
+    "verbose",
+    "files",
+];
+
+impl Typed {
+    /// What was typed for the subcommand of a command line.
+    pub fn of(command: &Command, matches: &ArgMatches) -> Self {
+        let Some((name, matches)) = matches.subcommand() else { return Self::default() };
+        let Some(command) = command.find_subcommand(name) else { return Self::default() };
+        let options =
+            command.get_arguments().filter(|argument| !OF_NO_CONSEQUENCE.contains(&argument.get_id().as_str()));
+        Self { options: options.map(|argument| choice(argument, matches)).collect() }
+    }
+}
+
+fn choice(argument: &Arg, matches: &ArgMatches) -> Choice {
+    let id = argument.get_id().as_str();
+    let name = argument.get_long().unwrap_or(id).to_owned();
+    let text = |text: &std::ffi::OsStr| text.to_string_lossy().into_owned();
+    let mut default: Vec<String> = argument.get_default_values().iter().map(|value| text(value)).collect();
+    let takes_values = argument.get_action().takes_values();
+    if !takes_values {
+        default = vec!["no".to_owned()];
+    }
+    let source = matches.try_contains_id(id).ok().and_then(|_| matches.value_source(id));
+    let by = match source {
+        Some(ValueSource::CommandLine) => ChosenBy::CommandLine,
+        Some(ValueSource::EnvVariable) => ChosenBy::Environment,
+        _ => ChosenBy::Default,
+    };
+    let given = || matches.get_raw(id).map(|values| values.map(text).collect()).unwrap_or_default();
+    let value = match by {
+        ChosenBy::Default => default.clone(),
+        _ if !takes_values => vec!["yes".to_owned()],
+        _ => given(),
+    };
+    Choice { name, value, default, by }
+}
+
+/// Replaces the value of an option by what it stands at.
+pub fn resolve(options: &mut [Choice], name: &str, value: Vec<String>) {
+    if let Some(choice) = options.iter_mut().find(|choice| choice.name == name) {
+        if choice.by == ChosenBy::Default {
+            choice.default.clone_from(&value);
+        }
+        choice.value = value;
+    }
+}

@@ -1,0 +1,50 @@
+//! What an interrupted run has left behind, by its journal.
+
+use crate::devices::describe;
+use crate::output::diagnostic;
+use crate::status::{Failure, Status};
+use anyhow::{Context, anyhow};
+use canvass_bus::Bus;
+use canvass_reports::conformance::dictionary::lines;
+use canvass_suite::bench::{Bench, Options, Target, Timing};
+use canvass_suite::journal::Interrupted;
+use canvass_suite::runner;
+use canvass_traces::Record;
+use canvass_traces::small_file::{self, OF_PROGRAM};
+use std::path::Path;
+use std::sync::atomic::AtomicBool;
+
+/// The journal in a file.
+pub fn read(path: &Path) -> Result<Interrupted, Failure> {
+    let text = small_file::read_text(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
+    Ok(Interrupted::read(&text).with_context(|| format!("{} is no journal", path.display()))?)
+}
+
+/// Puts back what a run has left behind, and removes its journal if that is all.
+pub fn put_back(
+    bus: &mut dyn Bus,
+    device: &str,
+    timing: Timing,
+    interrupted: &Interrupted,
+    journal: &Path,
+) -> Result<Status, Failure> {
+    let known = if device.is_empty() { None } else { Some(describe(device)?) };
+    let target = Target::known(interrupted.node, device.to_owned(), known);
+    let options = Options { timing, ..Options::default() };
+    let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
+    let mut bench = Bench::new(bus, &target, &options, &mut annotate, &cancel);
+    let comparison = runner::put_back(&mut bench, interrupted).map_err(Failure::unreachable)?;
+    if !comparison.is_as_found() {
+        lines(&comparison).iter().for_each(|line| diagnostic(&format!("canvass: {line}")));
+        let path = journal.display();
+        diagnostic(&format!("canvass: not all of node {} is as it was; {path} stays", interrupted.node));
+        return Ok(Status::Findings);
+    }
+    std::fs::remove_file(journal).map_err(|error| anyhow!("can't remove {}: {error}", journal.display()))?;
+    let values = interrupted.values.len();
+    diagnostic(&format!(
+        "canvass: node {} is as it was before the interrupted run ({values} values)",
+        interrupted.node
+    ));
+    Ok(Status::Good)
+}

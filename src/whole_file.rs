@@ -1,0 +1,134 @@
+//! Files that are there as a whole or not at all: they are written beside their place and renamed when they are complete.
+//! Until then, and if anything goes wrong before, a file of that name keeps what it held.
+
+use anyhow::{Context, Result, bail};
+use std::fs::{self, File, OpenOptions};
+use std::path::{Path, PathBuf};
+use tempfile::{Builder, NamedTempFile};
+
+/// A file on its way to its place.
+pub struct WholeFile {
+    /// As the user named it.
+    path: PathBuf,
+    part: Part,
+}
+
+enum Part {
+    /// Gets this place when it is complete.
+    Beside(NamedTempFile, PathBuf),
+    /// A pipe or a device: there is nothing that could be kept.
+    InPlace(File),
+}
+
+impl WholeFile {
+    /// Begins a file.
+    ///
+    /// # Errors
+    /// If it could not be put in its place.
+    pub fn create(path: &Path) -> Result<Self> {
+        let failed = || format!("can't write {}", path.display());
+        let part = match fs::metadata(path) {
+            Ok(metadata) if metadata.is_dir() => bail!("can't write {}: it is a folder", path.display()),
+            Ok(metadata) if !metadata.is_file() => {
+                Part::InPlace(OpenOptions::new().write(true).open(path).with_context(failed)?)
+            }
+            Ok(metadata) => {
+                // One that may not be written must not be replaced either.
+                OpenOptions::new().write(true).open(path).with_context(failed)?;
+                let place = fs::canonicalize(path).with_context(failed)?;
+                // A folder that takes no new files: what is complete is copied.
+                let part = beside(&place).or_else(|_| Builder::new().tempfile()).with_context(failed)?;
+                part.as_file().set_permissions(metadata.permissions()).with_context(failed)?;
+                Part::Beside(part, place)
+            }
+            Err(_) => Part::Beside(beside(path).with_context(failed)?, path.to_owned()),
+        };
+        Ok(Self { path: path.to_owned(), part })
+    }
+
+    /// What writes into it. All writers write at one place.
+    ///
+    /// # Errors
+    /// If the system can't open it again.
+    pub fn writer(&self) -> Result<File> {
+        let file = match &self.part {
+            Part::Beside(part, _) => part.as_file(),
+            Part::InPlace(file) => file,
+        };
+        file.try_clone().with_context(|| format!("can't write {}", self.path.display()))
+    }
+
+    /// Everything is written: it takes its place.
+    ///
+    /// # Errors
+    /// If the system can't put it there.
+    pub fn complete(self) -> Result<()> {
+        let failed = || format!("can't write {}", self.path.display());
+        let Part::Beside(part, place) = self.part else { return Ok(()) };
+        part.as_file().sync_data().with_context(failed)?;
+        match part.persist(&place) {
+            Ok(_) => Ok(()),
+            // It is elsewhere, or something is mounted on the place itself.
+            Err(error) if place.exists() => fs::copy(error.file.path(), &place).map(|_| ()).with_context(failed),
+            Err(error) => Err(error.error).with_context(failed),
+        }
+    }
+}
+
+/// In the folder of a file, so that it can be renamed; hidden, and with a name that says whose it is.
+fn beside(place: &Path) -> std::io::Result<NamedTempFile> {
+    let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
+    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    let mut builder = Builder::new();
+    let prefix = format!(".{name}.");
+    builder.prefix(&prefix).suffix(".part");
+    // As any new file: what the user's mask leaves.
+    #[cfg(unix)]
+    builder.permissions(<fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
+    builder.tempfile_in(folder)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::Write;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+        names.sort();
+        names.into_iter().map(|name| name.into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn what_was_there_stays_until_all_is_written() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("report.json");
+        fs::write(&path, "old").unwrap();
+        let whole = WholeFile::create(&path).unwrap();
+        whole.writer().unwrap().write_all(b"new").unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+        whole.complete().unwrap();
+        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+        assert_eq!(names(folder.path()), ["report.json"]);
+        // Given up: nothing is left behind.
+        WholeFile::create(&path).unwrap().writer().unwrap().write_all(b"half").unwrap();
+        assert_eq!((fs::read_to_string(&path).unwrap(), names(folder.path()).len()), ("new".to_owned(), 1));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_and_permissions_stay() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().unwrap();
+        let (path, link) = (folder.path().join("a"), folder.path().join("b"));
+        fs::write(&path, "old").unwrap();
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).unwrap();
+        std::os::unix::fs::symlink(&path, &link).unwrap();
+        let whole = WholeFile::create(&link).unwrap();
+        whole.writer().unwrap().write_all(b"new").unwrap();
+        whole.complete().unwrap();
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+        assert_eq!(fs::read_to_string(&path).unwrap(), "new");
+        assert_eq!(fs::metadata(&path).unwrap().permissions().mode() & 0o777, 0o640);
+    }
+}

@@ -1,0 +1,97 @@
+//! Results over releases: what changed from one to the next, and since when what is bad.
+
+use crate::running::run;
+use serde_json::Value;
+use std::path::Path;
+
+const CASES: &str = "301/boot-up/reset-node,301/heartbeat/period,301/identity/vendor-id";
+/// Six releases, in which faults come and go.
+const RELEASES: [(&str, &str); 6] = [
+    ("1.0", ""),
+    ("1.1", "+heartbeat-period-doubled"),
+    ("1.2", "+heartbeat-period-doubled+boot-up-twice"),
+    ("1.3", "+boot-up-twice"),
+    ("1.4", ""),
+    ("1.5", "+heartbeat-period-doubled"),
+];
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap()
+}
+
+/// The results of all releases.
+fn results(folder: &Path) -> Vec<String> {
+    let result = |(release, faults): &(&str, &str)| {
+        let file = folder.join(format!("{release}.json")).display().to_string();
+        let (bus, report) = (format!("sim:reference-301{faults}"), format!("json={file}"));
+        let tested =
+            run(&["test", &bus, "--select", CASES, "--note", &format!("release={release}"), "--report", &report]);
+        assert!([0, 1].contains(&tested.status), "{}", tested.stderr);
+        file
+    };
+    RELEASES.iter().map(result).collect()
+}
+
+#[test]
+fn the_first_bad_release_of_each_case_is_found() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = results(folder.path());
+    let page = folder.path().join("history.html").display().to_string();
+    let mut args = vec!["history", "--format", "json", "--report"];
+    let report = format!("html={page}");
+    args.push(&report);
+    args.extend(files.iter().map(String::as_str));
+    let shown = run(&args);
+    assert_eq!(shown.status, 0, "{}", shown.stderr);
+    let history = json(&shown.stdout);
+    assert_eq!(history["schema"], "canvass/history/1");
+    let names: Vec<&str> =
+        history["releases"].as_array().unwrap().iter().map(|release| release["name"].as_str().unwrap()).collect();
+    assert_eq!(names, RELEASES.map(|release| release.0));
+    let case = |id: &str| history["cases"].as_array().unwrap().iter().find(|case| case["id"] == id).unwrap().clone();
+    let period = case("301/heartbeat/period");
+    assert_eq!((&period["first_bad"], &period["became_bad"]), (&"1.1".into(), &serde_json::json!(["1.1", "1.5"])));
+    assert_eq!(period["became_good"], serde_json::json!(["1.3"]));
+    assert_eq!(case("301/boot-up/reset-node")["first_bad"], "1.2");
+    assert_eq!(case("301/identity/vendor-id")["first_bad"], Value::Null);
+    let page = std::fs::read_to_string(page).unwrap();
+    assert!(page.contains("data-case=\"301/heartbeat/period\" data-first-bad=\"1.1\""));
+    assert!(page.contains("data-case=\"301/boot-up/reset-node\" data-first-bad=\"1.2\""));
+    let text = run(&[&["history"], &files.iter().map(String::as_str).collect::<Vec<_>>()[..]].concat()).stdout;
+    assert!(text.contains("bad since 1.1, good again in 1.3, bad since 1.5"), "{text}");
+}
+
+#[test]
+fn samples_of_a_release_are_told_apart_from_releases() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = results(folder.path());
+    let (good, bad) = (format!("2.0={}", files[0]), format!("2.0={}", files[1]));
+    let history = json(&run(&["history", &good, &bad, "--format", "json"]).stdout);
+    assert_eq!(history["releases"].as_array().unwrap().len(), 1);
+    let flaky = history["cases"].as_array().unwrap().iter().filter(|case| case["flaky"] == true);
+    assert_eq!(flaky.map(|case| case["id"].as_str().unwrap()).collect::<Vec<_>>(), ["301/heartbeat/period"]);
+    assert_eq!(run(&["history", &good, "--format", "junit"]).status, 2);
+    assert_eq!(run(&["history", "Cargo.toml"]).status, 2);
+}
+
+#[test]
+fn a_comparison_has_every_format() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = results(folder.path());
+    let mut args = vec!["compare".to_owned(), files[0].clone(), files[2].clone()];
+    let formats = ["table", "json", "junit", "html", "markdown"];
+    let out = |format: &str| folder.path().join(format!("compared.{format}")).display().to_string();
+    args.extend(formats.iter().flat_map(|format| ["--report".to_owned(), format!("{format}={}", out(format))]));
+    let compared = run(&args.iter().map(String::as_str).collect::<Vec<_>>());
+    assert_eq!(compared.status, 1, "{}", compared.stderr);
+    for format in formats {
+        let report = std::fs::read_to_string(out(format)).unwrap();
+        for told in ["301/heartbeat/period", "301/boot-up/reset-node", "pass", "fail", "2 for the worse"] {
+            // JSON and JUnit count by other words.
+            let counts = told.starts_with('2') && ["json", "junit"].contains(&format);
+            assert!(counts || report.contains(told), "{format} lacks {told}: {report}");
+        }
+    }
+    let junit = std::fs::read_to_string(out("junit")).unwrap();
+    assert!(junit.contains("failures=\"2\""), "{junit}");
+}

@@ -1,0 +1,61 @@
+//! What never comes to its end, or never begins, is ended by the first signal.
+
+#![cfg(unix)]
+
+use crate::running::{command, finished};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+
+/// Runs a command, and sends it one signal after a moment; gives its status and what it said.
+fn signalled(args: &[&str], signal: &str) -> (i32, String) {
+    let child = command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    let begun = Instant::now();
+    let sent = Command::new("kill").args([signal, &child.id().to_string()]).status();
+    assert!(sent.unwrap().success());
+    let run = finished(child.wait_with_output().unwrap());
+    assert!(begun.elapsed() < Duration::from_secs(5), "{args:?}");
+    (run.status, run.stderr)
+}
+
+/// Named pipes that nobody writes into: opening them alone would wait for ever.
+#[test]
+fn a_pipe_without_a_writer() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let pipe = pipe.to_str().unwrap();
+    let out = folder.path().join("out.log");
+    for signal in ["-INT", "-TERM"] {
+        for args in [vec!["decode", pipe], vec!["diagnose", pipe], vec!["convert", pipe, out.to_str().unwrap()]] {
+            let (status, errors) = signalled(&args, signal);
+            assert_eq!((status, &*errors), (2, "canvass: interrupted before there was anything to read\n"), "{args:?}");
+        }
+    }
+    assert!(!out.exists());
+}
+
+/// A file of the kernel that calls itself regular and empty, and waits when all of it is read.
+#[test]
+fn a_file_of_the_kernel_that_waits() {
+    let file = Path::new("/proc/kmsg");
+    if std::fs::File::open(file).is_err() {
+        // Only root may open it.
+        return;
+    }
+    let (_, errors) = signalled(&["decode", "/proc/kmsg", "--format-in", "candump"], "-INT");
+    assert!(!errors.contains("panic"), "{errors}");
+}
+
+/// What is written into a pipe comes out, as from standard input.
+#[test]
+fn a_pipe_with_a_writer_is_read_to_its_end() {
+    let folder = tempfile::tempdir().unwrap();
+    let pipe = folder.path().join("pipe");
+    assert!(Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    let child = command(&["decode", pipe.to_str().unwrap()]).stdout(Stdio::piped()).spawn().unwrap();
+    std::fs::write(&pipe, "(1700000000.000000) can0 701#05\n").unwrap();
+    let run = finished(child.wait_with_output().unwrap());
+    assert_eq!((run.status, run.stdout.lines().count()), (0, 1), "{}", run.stdout);
+}
