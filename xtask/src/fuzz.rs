@@ -1,5 +1,6 @@
 //! Coverage-guided fuzzing of what reads bytes, for a fixed time.
 
+use crate::consent;
 use crate::run::{is_there, run};
 use anyhow::{Context, Result, bail, ensure};
 use std::path::Path;
@@ -39,6 +40,7 @@ pub fn fuzz() -> Result<()> {
         return Ok(());
     }
     if !is_there("cargo", &["fuzz", "--version"]) {
+        consent::ask("cargo-fuzz", "cargo install cargo-fuzz --locked")?;
         run("cargo", &["install", "cargo-fuzz", "--locked", "--quiet"])?;
     }
     run("cargo", &["+nightly", "fuzz", "build"])?;

@@ -1,49 +1,76 @@
-//! `cargo xtask ci`: everything that must pass, with all its set-up. `cargo xtask peers`: of these, the tests that
+//! `cargo xtask test`: what is worth running after each change. `cargo xtask ci`: everything that must pass; with
+//! `--install` it installs what is missing for that, as do all others. `cargo xtask peers`: of these, the tests that
 //! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo
 //! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
 //! memory`: what it needs for captures of gigabytes. `cargo xtask storm`: ten million random frames for each simulated
-//! device. `cargo xtask rooms`: whether the folders of the crates use each other in one direction only. `cargo xtask
+//! device. `cargo xtask attack`: changed files and rogue adapters, through every command. `cargo xtask rooms`: whether the folders of the crates use each other in one direction only. `cargo xtask
 //! incidents`: what the diagnosis names first in a thousand
-//! networks with one fault each, and in a thousand healthy ones.
+//! networks with one fault each, and in a thousand healthy ones. `cargo xtask worst`: what the traffic that costs most costs,
+//! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
+//! screenshot`: the picture in `docs/diagnose.md`. `cargo xtask mutants`: how many random mutants of the simulated devices
+//! the suite and the fuzzer find.
 
+mod attack;
 mod bench;
 mod browser;
 mod ci;
+mod consent;
 mod diagnosing;
+mod flaky;
 mod fuzz;
 mod incidents;
 mod measure;
 mod memory;
+mod mutants;
 mod packages;
 mod peers;
 mod rooms;
 mod run;
+mod screenshot;
 mod simulation;
 mod storm;
 mod vcan;
+mod worst;
 
 use anyhow::{Result, bail};
+
+const USAGE: &str = "usage: cargo xtask [--install] COMMAND
+    test | ci
+    peers | browser | vcan [WORDS...] | vcan-load
+    fuzz | attack [--for SPAN] [--seed N] | storm
+    mutants [--seed D] [--count N]
+    flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
+    bench [--instructions] | memory | worst | incidents
+    rooms [CRATE...] | screenshot";
 
 fn main() -> Result<()> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(std::path::Path::to_owned);
     std::env::set_current_dir(root.unwrap_or_else(|| ".".into()))?;
-    match std::env::args().nth(1).as_deref() {
+    let mut words: Vec<String> = std::env::args().skip(1).collect();
+    if words.iter().any(|word| word == consent::OPTION) {
+        consent::give();
+        words.retain(|word| word != consent::OPTION);
+    }
+    let more = words.get(1..).unwrap_or_default();
+    match words.first().map(String::as_str) {
         Some("ci") => ci::ci(),
+        Some("test") => ci::everyday(),
         Some("peers") => peers::test(),
         Some("browser") => browser::test(),
-        Some("bench") if std::env::args().nth(2).as_deref() == Some("--instructions") => bench::instructions(),
+        Some("bench") if more.first().is_some_and(|word| word == "--instructions") => bench::instructions(),
         Some("bench") => bench::bench(),
+        Some("attack") => attack::attack(more),
+        Some("flaky") => flaky::flaky(more),
         Some("fuzz") => fuzz::fuzz(),
         Some("memory") => memory::memory(),
         Some("incidents") => incidents::incidents(),
-        Some("rooms") => rooms::rooms(&std::env::args().skip(2).collect::<Vec<_>>()),
+        Some("mutants") => mutants::mutants(more),
+        Some("rooms") => rooms::rooms(more),
+        Some("screenshot") => screenshot::screenshot(),
         Some("storm") => storm::storm(),
-        Some("vcan") => vcan::test(&std::env::args().skip(2).collect::<Vec<_>>()),
+        Some("vcan") => vcan::test(more),
         Some("vcan-load") => vcan::load(),
-        _ => {
-            bail!(
-                "usage: cargo xtask ci | fuzz | storm | peers | browser | vcan | bench [--instructions] | memory | incidents | rooms [CRATE...] | vcan-load"
-            )
-        }
+        Some("worst") => worst::worst(),
+        _ => bail!("{USAGE}"),
     }
 }

@@ -1,5 +1,6 @@
 //! Debian packages that tests and benchmarks need.
 
+use crate::consent;
 use crate::run::{is_there, run};
 use anyhow::{Result, bail};
 
@@ -19,6 +20,8 @@ pub fn install(packages: &[Package]) -> Result<()> {
     if missing.is_empty() {
         return Ok(());
     }
+    let names = missing.join(" ");
+    consent::ask(&names, &format!("apt-get install {names}"))?;
     if !is_there("apt-get", &["--version"]) {
         bail!("{} must be installed: there is no apt-get on this machine to do it", missing.join(", "));
     }

@@ -1,5 +1,6 @@
 //! Other people's programs, with which the tests exchange captures and the benchmarks compare.
 
+use crate::consent;
 use crate::packages::{Package, install};
 use crate::run::{is_there, run};
 use anyhow::Result;
@@ -28,6 +29,8 @@ pub fn install_all() -> Result<()> {
         return Ok(());
     }
     install(&[VENV_MODULE])?;
+    let pip = format!("pip install --requirement {REQUIREMENTS}");
+    consent::ask("a Python environment in target/peers-venv", &pip)?;
     run("python3", &["-m", "venv", "--clear", VENV])?;
     run(PYTHON, &["-m", "pip", "install", "--quiet", "--requirement", REQUIREMENTS])?;
     fs::write(INSTALLED, wanted)?;

@@ -6,8 +6,8 @@ use std::collections::{BTreeMap, BTreeSet};
 /// What is used beside each thing of a folder, and by which module: for each folder, the names in it.
 type Level<'a> = BTreeMap<String, BTreeMap<String, (&'a [String], ModulePath)>>;
 
-/// The circles of a crate in which so many folders take part, in words.
-pub fn of(read: &Crate, folders: usize) -> Vec<String> {
+/// The circles of a crate in which a folder takes part, in words.
+pub fn of(read: &Crate) -> Vec<String> {
     let mut levels: BTreeMap<ModulePath, Level<'_>> = BTreeMap::new();
     for (user, used) in read.uses() {
         let common = user.iter().zip(&used).take_while(|(a, b)| a == b).count();
@@ -17,17 +17,17 @@ pub fn of(read: &Crate, folders: usize) -> Vec<String> {
             level.entry(from.clone()).or_default().entry(to.clone()).or_insert((user, used.clone()));
         }
     }
-    levels.iter().flat_map(|(folder, level)| circles(read, folder, level, folders)).collect()
+    levels.iter().flat_map(|(folder, level)| circles(read, folder, level)).collect()
 }
 
 /// The circles of one level, each once: from its first name on the shortest way back.
-fn circles(read: &Crate, folder: &[String], level: &Level<'_>, folders: usize) -> Vec<String> {
+fn circles(read: &Crate, folder: &[String], level: &Level<'_>) -> Vec<String> {
     let mut known: BTreeSet<BTreeSet<&str>> = BTreeSet::new();
     let mut found = Vec::new();
     for name in level.keys() {
         let Some(way) = way_back(level, name) else { continue };
-        let is_folder = |name: &&&str| read.is_folder(&[folder, &[(**name).to_owned()]].concat());
-        if way.iter().filter(is_folder).count() >= folders && known.insert(way.iter().copied().collect()) {
+        let is_folder = |name: &&str| read.is_folder(&[folder, &[(*name).to_owned()]].concat());
+        if way.iter().any(is_folder) && known.insert(way.iter().copied().collect()) {
             found.push(words(folder, level, &way));
         }
     }
@@ -76,7 +76,7 @@ mod tests {
             let path = path.split('/').filter(|part| !part.is_empty()).map(str::to_owned).collect();
             read.add(path, text).unwrap();
         }
-        of(&read, 1)
+        of(&read)
     }
 
     #[test]
@@ -108,14 +108,6 @@ mod tests {
             ("n", ""),
         ];
         assert_eq!(found(&files), ["circle in n: n/bus uses n/c, n/c uses n/d/x, n/d/x uses n/bus"]);
-    }
-
-    #[test]
-    fn where_only_folders_count_a_file_beside_one_is_none() {
-        let mut read = Crate::default();
-        read.add(vec!["a".to_owned()], "use crate::b::y::Y;").unwrap();
-        read.add(vec!["b".to_owned(), "y".to_owned()], "use crate::a::A;").unwrap();
-        assert_eq!((of(&read, 1).len(), of(&read, 2).len()), (1, 0));
     }
 
     #[test]

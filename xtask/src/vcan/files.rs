@@ -80,13 +80,18 @@ pub fn archive(kernel: &Kernel, built: &Built, names: &[Vec<String>], settings: 
     for (machine, names) in names.iter().enumerate() {
         fs::write(stage.join("tests").join(machine.to_string()), names.join("\n") + "\n")?;
     }
-    let (program, tests) = (built.program.display(), built.tests.display());
-    let mut text = format!("program={program}\ntests={tests}\nproject={}\n", root.display());
+    let [program, tests, project] = [&built.program, &built.tests, &root].map(|path| quoted(&path.to_string_lossy()));
+    let mut text = format!("program={program}\ntests={tests}\nproject={project}\n");
     for (name, value) in settings {
-        text += &format!("export {name}={value}\n");
+        text += &format!("export {name}={}\n", quoted(value));
     }
     fs::write(stage.join("settings"), text)?;
     files.pack(&stage, &root.join(FOLDER).join("files.cpio"))
+}
+
+/// A word for the shell, whatever is in it.
+fn quoted(word: &str) -> String {
+    format!("'{}'", word.replace('\'', r"'\''"))
 }
 
 /// A Python that its user has built has symbols for debuggers, three quarters of it.

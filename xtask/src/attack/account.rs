@@ -1,0 +1,111 @@
+//! Frames in against frames out: what was there and did not come out must have been told.
+//!
+//! What a capture holds is written out again, as a log of which each line is a frame, and counted; what the log can't hold
+//! is told. Where a format has a row for each frame, the rows are counted, too: a row that was one, whatever became of it
+//! by the change, is a frame, a damage that was told, or no such row any more.
+
+use super::FOLDER;
+use super::limited::Program;
+use super::mutation::Mutation;
+use super::rows;
+use super::seeds::{IsFrame, Seed};
+use anyhow::{Context, Result};
+use serde_json::Value;
+use std::collections::BTreeMap;
+
+/// What became of the frames of a capture.
+#[derive(Default)]
+pub struct Accounted {
+    /// Rows that were counted.
+    pub rows: u64,
+    /// Rows that are no frame any more, and nothing that had to be told.
+    pub became_others: u64,
+    /// Frames that are missing, of which nothing was said.
+    pub silent_loss: Option<String>,
+}
+
+/// Counts the frames of a changed capture.
+pub fn account(
+    program: &Program,
+    seed: &Seed,
+    mutation: Mutation,
+    bytes: &[u8],
+    path: &str,
+    thread: u64,
+) -> Result<Accounted> {
+    let (out, quality) = (format!("{FOLDER}/{thread}-out.log"), format!("{FOLDER}/{thread}-quality.json"));
+    let _ = std::fs::remove_file(&quality);
+    let _ = std::fs::remove_file(&out);
+    let args = ["convert", path, &out, "--force", "--to", "candump", "--quality=json", "--quality-out", &quality];
+    let run = program.run(&args.map(str::to_owned));
+    // A capture that can't be opened has told that.
+    let Ok(text) = std::fs::read_to_string(&quality) else {
+        let silent = run.status == Some(0) || run.stderr.is_empty();
+        return Ok(Accounted {
+            silent_loss: silent.then(|| "nothing was read and nothing told".to_owned()),
+            ..Accounted::default()
+        });
+    };
+    let quality: Value = serde_json::from_str(&text).context("--quality")?;
+    let (frames, told) = counts(&quality).context("--quality names no frames")?;
+    let written = std::fs::read(&out)?.split(|&byte| byte == b'\n').filter(|line| !line.is_empty()).count() as u64;
+    let left_out = left_out(&run.stderr);
+    let mut accounted = Accounted::default();
+    if written + left_out < frames {
+        accounted.silent_loss =
+            Some(format!("{frames} frames were read, {written} written and {left_out} said to be left out"));
+    }
+    if let Some(is_frame) = seed.is_frame.filter(|_| mutation.keeps_rows()) {
+        let rows = Rows::of(&seed.bytes, bytes, is_frame);
+        (accounted.rows, accounted.became_others) = (rows.intact + rows.changed, rows.others);
+        if frames + told < rows.intact + rows.changed {
+            accounted.silent_loss = Some(format!(
+                "{} rows of frames and {} changed ones came to {frames} frames and {told} damages",
+                rows.intact, rows.changed
+            ));
+        }
+    }
+    Ok(accounted)
+}
+
+/// The rows of a changed text.
+struct Rows {
+    /// Rows of the original that are frames.
+    intact: u64,
+    /// Other rows that still look like one.
+    changed: u64,
+    /// Other rows.
+    others: u64,
+}
+
+impl Rows {
+    fn of(original: &[u8], changed: &[u8], is_frame: IsFrame) -> Self {
+        let mut known: BTreeMap<&[u8], bool> = BTreeMap::new();
+        known.extend(rows(original).into_iter().map(|row| (row, is_frame(row))));
+        let mut rows_of = Self { intact: 0, changed: 0, others: 0 };
+        for row in rows(changed) {
+            match known.get(row) {
+                Some(true) => rows_of.intact += 1,
+                Some(false) => {}
+                None if is_frame(row) && !row.trim_ascii().is_empty() => rows_of.changed += 1,
+                None => rows_of.others += 1,
+            }
+        }
+        rows_of
+    }
+}
+
+/// Frames, and damages with the frames that are said to be lost.
+fn counts(quality: &Value) -> Option<(u64, u64)> {
+    let captures = quality["sources"].as_array()?;
+    let frames = captures.iter().map(|capture| capture["frames"].as_u64()).sum::<Option<u64>>()?;
+    let damages = captures.iter().flat_map(|capture| capture["damages"].as_object().into_iter().flatten());
+    Some((frames, damages.filter_map(|(_, count)| count.as_u64()).sum()))
+}
+
+/// Of `canvass: candump can't hold errors: 3 frames left out`.
+fn left_out(stderr: &str) -> u64 {
+    let lines = stderr.lines().filter_map(|line| line.strip_suffix(" left out"));
+    let counts = lines.filter_map(|line| line.rsplit_once(": ")?.1.split(' ').next()?.parse::<u64>().ok());
+    counts.sum()
+}

@@ -1,0 +1,86 @@
+//! `cargo xtask flaky`: how many verdicts change when the tester's machine is busy.
+//!
+//! The suite runs again and again against a simulated device in another process, over a real transport, while every
+//! processor of this machine has other work. What the verdicts have to be the simulated bus says, whose time is virtual.
+//! Only "inconclusive, because this machine was late" may take the place of a verdict, and seldom.
+
+mod load;
+mod options;
+mod pair;
+mod tally;
+
+use crate::measure::{machine, release};
+use crate::run::run;
+use anyhow::{Result, ensure};
+use load::Load;
+pub use options::Options;
+use pair::Pair;
+use std::collections::VecDeque;
+use std::sync::Mutex;
+use std::thread;
+use tally::{Run, Tally, Verdicts};
+
+/// No more than so many of a hundred verdicts may be lost to a late machine.
+const MOST_LATE: f64 = 1.0;
+
+/// Repeats the suite and prints a row of the table in `docs/testing.md` for each model.
+///
+/// # Errors
+/// If a verdict changes to anything but "inconclusive" for a late machine, or 1 % of them do.
+pub fn flaky(arguments: &[String]) -> Result<()> {
+    let options = Options::read(arguments)?;
+    run("cargo", &["build", "--release", "--locked", "--bin", "canvass"])?;
+    println!("machine: {}, busy with a thread of other work for each processor", machine());
+    println!("{}", Tally::HEADING);
+    let mut bad = Vec::new();
+    for model in &options.models {
+        let tally = of_model(model, &options)?;
+        println!("{}", tally.row(model));
+        for change in tally.changes() {
+            eprintln!("{model}: {change}");
+        }
+        if tally.changed() > 0 {
+            bad.push(format!("{model}: {} verdicts changed", tally.changed()));
+        }
+        if tally.late_share() >= MOST_LATE {
+            bad.push(format!("{model}: {:.2} % lost to a late machine", tally.late_share()));
+        }
+    }
+    ensure!(bad.is_empty(), "{}", bad.join("; "));
+    Ok(())
+}
+
+/// All repetitions of one model.
+fn of_model(model: &str, options: &Options) -> Result<Tally> {
+    let program = release("canvass");
+    // Over a real transport the same cases run on a machine that is at rest: what the transport itself changes (no
+    // echo, no bit rate to be asked for) is no work of the load.
+    let truth = pair::simulated(&program, model, options)?;
+    let quiet = Pair::start(&program, model, options)?.test()?;
+    let expected = Verdicts::expected(&truth, &quiet)?;
+    let load = Load::start();
+    let left = Mutex::new((0..options.runs).collect::<VecDeque<u32>>());
+    let results: Vec<Result<Vec<Run>>> = thread::scope(|scope| {
+        let workers: Vec<_> = (0..options.at_once)
+            .map(|_| {
+                scope.spawn(|| {
+                    let mut runs = Vec::new();
+                    while left.lock().is_ok_and(|mut left| left.pop_front().is_some()) {
+                        runs.push(Pair::start(&program, model, options)?.test()?);
+                    }
+                    Ok(runs)
+                })
+            })
+            .collect();
+        let ended = workers.into_iter().map(std::thread::ScopedJoinHandle::join);
+        ended.map(|ended| ended.unwrap_or_else(|_| Err(anyhow::anyhow!("a repetition panicked")))).collect()
+    });
+    load.stop();
+    let mut tally = Tally::new(expected);
+    for runs in results {
+        for run in runs? {
+            tally.add(&run);
+        }
+    }
+    Ok(tally)
+}

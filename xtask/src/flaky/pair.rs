@@ -1,0 +1,113 @@
+//! A simulated device in one process, the tester in another, and the transport between them.
+
+use super::options::Options;
+use super::tally::Run;
+use anyhow::{Context, Result, ensure};
+use std::io::{BufRead, BufReader};
+use std::net::TcpListener;
+use std::process::{Child, Command, Stdio};
+
+/// The node-ID of every device here.
+const NODE: &str = "63";
+/// Nothing stands between the program and a verdict on a simulated device that is alone on its bus.
+const ALLOWED: &str = "nvm,node-id,bit-rate,other-nodes,factory-defaults";
+/// SLCAN adapters have one bit rate of their own; the simulated devices are told it.
+const BIT_RATE: &str = "250k";
+
+/// A device in another process and how to reach it.
+pub struct Pair {
+    device: Child,
+    tester: Command,
+}
+
+/// The verdicts of the simulated bus, where time is virtual.
+///
+/// # Errors
+/// If the program does not report.
+pub fn simulated(program: &str, model: &str, options: &Options) -> Result<Run> {
+    let mut command = tester(program, &format!("sim:{model}:{NODE}@{BIT_RATE}"), model, options);
+    report(&mut command)
+}
+
+impl Pair {
+    /// Starts the device.
+    ///
+    /// # Errors
+    /// If it does not start.
+    pub fn start(program: &str, model: &str, options: &Options) -> Result<Self> {
+        let (end, other) = match &options.interface {
+            Some(interface) => (interface.clone(), interface.clone()),
+            None => {
+                let port = free_port()?;
+                (format!("slcan:listen://{port}"), format!("slcan:tcp://127.0.0.1:{port}@{BIT_RATE}"))
+            }
+        };
+        let mut command = prompt(program);
+        command.args(["simulate", model, &end, "--node", NODE]);
+        let mut device = command
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(Stdio::piped())
+            .spawn()
+            .with_context(|| format!("can't run {program}"))?;
+        // It says a line once it is there; what else it says must not fill the pipe.
+        if let Some(stderr) = device.stderr.take() {
+            let mut lines = BufReader::new(stderr).lines();
+            lines.next().transpose()?;
+            std::thread::spawn(move || lines.for_each(drop));
+        }
+        Ok(Self { device, tester: tester(program, &other, model, options) })
+    }
+
+    /// Runs the suite.
+    ///
+    /// # Errors
+    /// If the program does not report.
+    pub fn test(mut self) -> Result<Run> {
+        report(&mut self.tester)
+    }
+}
+
+impl Drop for Pair {
+    fn drop(&mut self) {
+        // It may have ended.
+        let _ = self.device.kill();
+        let _ = self.device.wait();
+    }
+}
+
+/// The device is to be as prompt as one of its own, so that what is late is the tester: it comes before other work, where
+/// this user may say so.
+fn prompt(program: &str) -> Command {
+    let may = Command::new("chrt").args(["--fifo", "10", "true"]).stderr(Stdio::null()).status();
+    if !may.is_ok_and(|status| status.success()) {
+        return Command::new(program);
+    }
+    let mut command = Command::new("chrt");
+    command.args(["--fifo", "10", program]);
+    command
+}
+
+fn tester(program: &str, bus: &str, model: &str, options: &Options) -> Command {
+    let mut command = Command::new(program);
+    command.args(["test", bus, "--node", NODE, "--allow", ALLOWED, "--format", "json"]);
+    if !bus.starts_with("sim:") {
+        command.args(["--device", model]);
+    }
+    if let Some(select) = &options.select {
+        command.args(["--select", select]);
+    }
+    command
+}
+
+fn report(command: &mut Command) -> Result<Run> {
+    let output = command.stdin(Stdio::null()).output().with_context(|| format!("can't run {command:?}"))?;
+    let said = String::from_utf8_lossy(&output.stderr);
+    ensure!(!output.stdout.is_empty(), "{command:?} reported nothing: {said}");
+    Run::read(&output.stdout).with_context(|| format!("{command:?}: {said}"))
+}
+
+/// A port that nobody uses at this moment.
+fn free_port() -> Result<u16> {
+    Ok(TcpListener::bind("127.0.0.1:0")?.local_addr()?.port())
+}

@@ -1,0 +1,86 @@
+//! Which mutants there are, by number, and which are tried.
+
+use super::point::Form;
+use super::scratch::Source;
+use std::collections::BTreeSet;
+
+/// A mutant, with what people and the list of equivalent ones know it by.
+#[derive(Clone, Debug)]
+pub struct Mutant {
+    /// What chooses it.
+    pub number: u32,
+    /// The first mutant of its place: it is that number which says that the place was reached.
+    pub place: u32,
+    pub service: &'static str,
+    /// Below the folder of the simulated devices.
+    pub file: String,
+    pub line: usize,
+    pub function: String,
+    /// The line as it stands, without what is before and after it.
+    pub code: String,
+    /// What was changed in it, and into what.
+    pub change: String,
+}
+
+/// All mutants, by number.
+pub fn all(sources: &[Source]) -> Vec<Mutant> {
+    let mut mutants = Vec::new();
+    for source in sources {
+        let mut number = source.first;
+        for point in &source.found.points {
+            let original = source.text.get(point.range.clone()).unwrap_or_default();
+            let place = number;
+            for variant in &point.variants {
+                mutants.push(Mutant {
+                    number,
+                    place,
+                    service: source.service,
+                    file: source.path.clone(),
+                    line: point.line,
+                    function: point.function.clone(),
+                    code: line(&source.text, point.line, point.form),
+                    change: change(original, &variant.what),
+                });
+                number += 1;
+            }
+        }
+    }
+    mutants
+}
+
+/// That many of those whose places are reached, by the seed; all of them if there are no more.
+pub fn draw(mutants: &[Mutant], reached: &BTreeSet<u32>, seed: u64, count: usize) -> Vec<Mutant> {
+    let mut drawn: Vec<Mutant> = mutants.iter().filter(|mutant| reached.contains(&mutant.place)).cloned().collect();
+    let mut state = seed;
+    for at in (1..drawn.len()).rev() {
+        drawn.swap(at, (random(&mut state) % (at as u64 + 1)) as usize);
+    }
+    drawn.truncate(count);
+    drawn.sort_by_key(|mutant| mutant.number);
+    drawn
+}
+
+/// Numbers that only look random (SplitMix64).
+fn random(state: &mut u64) -> u64 {
+    *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
+    let mut mixed = *state;
+    mixed = (mixed ^ mixed >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
+    mixed ^ mixed >> 31
+}
+
+fn line(text: &str, number: usize, form: Form) -> String {
+    // The body begins at the end of the line with the function's name, or after its parameters.
+    let line = text.lines().nth(number - 1).unwrap_or_default().trim();
+    if form == Form::Body { String::new() } else { line.to_owned() }
+}
+
+/// `a < b: <= between`; what is long is cut.
+fn change(original: &str, what: &str) -> String {
+    let flat: Vec<&str> = original.split_whitespace().collect();
+    let flat = flat.join(" ");
+    match flat.is_empty() {
+        true => what.to_owned(),
+        false => format!("{}: {what}", flat.chars().take(60).collect::<String>()),
+    }
+}

@@ -1,0 +1,173 @@
+//! Runs the suite and the fuzzer on mutants, each in a process of its own that may crash or never end.
+
+use super::drawn::Mutant;
+use anyhow::{Context, Result, ensure};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Seconds of a processor for the suite, or the fuzzer, on a mutant: many times what they need on a right device.
+const CPU: u64 = 6;
+/// KiB: a mutant that fills its memory ends.
+const MEMORY: u64 = 2_000_000;
+
+/// What looks for mutants.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Hunter {
+    Suite,
+    Fuzzer,
+}
+
+/// What became of a mutant with one of the two.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub enum Outcome {
+    /// On that model, by that case or property.
+    Found(String),
+    /// No case failed, but one about what the standard leaves open tells it.
+    Recorded(String),
+    /// It did something else than the right device, and nothing was found.
+    Survived,
+    /// Not a frame differed.
+    Unseen,
+    /// It did not come to an end.
+    Hung,
+}
+
+/// What became of a mutant.
+#[derive(Clone, Debug)]
+pub struct Fate {
+    pub mutant: Mutant,
+    pub suite: Outcome,
+    pub fuzzer: Outcome,
+}
+
+/// The program with all mutants.
+pub struct Hunt {
+    program: PathBuf,
+    seed: u64,
+    exchanges: u64,
+}
+
+/// What a device without a mutant does.
+pub struct Right {
+    suite: String,
+    fuzzer: String,
+    /// The places that were reached.
+    pub reached: BTreeSet<u32>,
+}
+
+impl Outcome {
+    pub const fn is_found(&self) -> bool {
+        matches!(self, Self::Found(_) | Self::Recorded(_))
+    }
+}
+
+impl Fate {
+    pub const fn is_found(&self) -> bool {
+        self.suite.is_found() || self.fuzzer.is_found()
+    }
+
+    /// Whether it did nothing that anybody could have seen.
+    pub fn is_unseen(&self) -> bool {
+        self.suite == Outcome::Unseen && self.fuzzer == Outcome::Unseen
+    }
+
+    /// Whether it did not come to an end, and was not found before.
+    pub fn has_hung(&self) -> bool {
+        !self.is_found() && (self.suite == Outcome::Hung || self.fuzzer == Outcome::Hung)
+    }
+}
+
+impl Hunt {
+    pub fn new(program: PathBuf, seed: u64, exchanges: u64) -> Self {
+        Self { program, seed, exchanges }
+    }
+
+    /// Runs both on the device as it is, which nothing may be found of.
+    pub fn right(&self, folder: &Path) -> Result<Right> {
+        let mut reached = BTreeSet::new();
+        let mut texts = Vec::new();
+        for hunter in [Hunter::Suite, Hunter::Fuzzer] {
+            let list = std::env::current_dir()?.join(folder).join("reached.txt");
+            let (text, ended) = self.run(hunter, &[("CANVASS_MUTANTS_REACHED", &list.to_string_lossy())])?;
+            ensure!(ended, "{hunter:?} does not come to an end on the device without a mutant, after\n{text}");
+            let is_clean = !text.contains(" found ") && !text.contains(" recorded ");
+            ensure!(is_clean, "something is found on the device without a mutant:\n{text}");
+            let list = std::fs::read_to_string(&list)?;
+            reached.extend(list.lines().filter_map(|line| line.parse::<u32>().ok()));
+            texts.push(text);
+        }
+        let fuzzer = texts.pop().unwrap_or_default();
+        Ok(Right { suite: texts.pop().unwrap_or_default(), fuzzer, reached })
+    }
+
+    /// Both on all mutants, on as many threads as there are cores.
+    pub fn all(&self, mutants: &[Mutant], right: &Right) -> Result<Vec<Fate>> {
+        let (next, fates) = (AtomicUsize::new(0), Mutex::new(Vec::new()));
+        let threads = std::thread::available_parallelism().map_or(1, usize::from);
+        std::thread::scope(|scope| {
+            let workers: Vec<_> =
+                (0..threads).map(|_| scope.spawn(|| self.work(mutants, right, &next, &fates))).collect();
+            workers
+                .into_iter()
+                .try_for_each(|worker| worker.join().unwrap_or_else(|_| anyhow::bail!("a thread failed")))
+        })?;
+        let mut fates = fates.into_inner().unwrap_or_default();
+        fates.sort_by_key(|fate: &Fate| fate.mutant.number);
+        Ok(fates)
+    }
+
+    fn work(&self, mutants: &[Mutant], right: &Right, next: &AtomicUsize, fates: &Mutex<Vec<Fate>>) -> Result<()> {
+        loop {
+            let at = next.fetch_add(1, Ordering::Relaxed);
+            let Some(mutant) = mutants.get(at) else { return Ok(()) };
+            let suite = self.one(Hunter::Suite, mutant, &right.suite)?;
+            let fuzzer = match suite {
+                // It would not come to an end here either.
+                Outcome::Hung => Outcome::Hung,
+                _ => self.one(Hunter::Fuzzer, mutant, &right.fuzzer)?,
+            };
+            if (at + 1).is_multiple_of(100) {
+                eprintln!("{} of {}", at + 1, mutants.len());
+            }
+            let fate = Fate { mutant: mutant.clone(), suite, fuzzer };
+            // A long run shows at once what it has not found.
+            if !fate.is_found() && !fate.is_unseen() {
+                eprintln!("{}", super::table::describe(&fate));
+            }
+            if let Ok(mut fates) = fates.lock() {
+                fates.push(fate);
+            }
+        }
+    }
+
+    fn one(&self, hunter: Hunter, mutant: &Mutant, right: &str) -> Result<Outcome> {
+        let (text, ended) = self.run(hunter, &[("CANVASS_MUTANT", &mutant.number.to_string())])?;
+        let told = |word: &str| text.lines().find(|line| line.contains(word)).map(|line| line.replacen(word, ": ", 1));
+        Ok(match told(" found ").map(Outcome::Found).or_else(|| told(" recorded ").map(Outcome::Recorded)) {
+            Some(told) => told,
+            None if !ended => Outcome::Hung,
+            None if text == right => Outcome::Unseen,
+            None => Outcome::Survived,
+        })
+    }
+
+    /// What it says, and whether it came to its end.
+    fn run(&self, hunter: Hunter, environment: &[(&str, &str)]) -> Result<(String, bool)> {
+        let word = if hunter == Hunter::Suite { "suite" } else { "fuzz" };
+        let shell = format!("ulimit -v {MEMORY} && ulimit -t {CPU} && exec \"$0\" \"$@\"");
+        let output = Command::new("sh")
+            .args(["-c", &shell])
+            .arg(&self.program)
+            .args([word, &self.seed.to_string(), &self.exchanges.to_string()])
+            .envs(environment.iter().copied())
+            .env("RUST_BACKTRACE", "0")
+            .stderr(Stdio::null())
+            .stdin(Stdio::null())
+            .output()
+            .context("the program with all mutants")?;
+        Ok((String::from_utf8_lossy(&output.stdout).into_owned(), output.status.success()))
+    }
+}

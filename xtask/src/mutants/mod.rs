@@ -1,0 +1,130 @@
+//! `cargo xtask mutants [--seed D] [--count N] [--exchanges N] [--only N,N]`: random mutants of the simulated devices' own
+//! code, looked for by the suite and by the fuzzer.
+//!
+//! All mutants are compiled into one program ([`rewrite`]) in a copy of the workspace ([`scratch`]), and one is chosen for each
+//! process. Drawn are those whose place is reached at all; the seed is that of the day, so that nobody tunes to it.
+
+mod covered;
+mod drawn;
+mod find;
+mod honest;
+mod hunt;
+mod point;
+mod reviewed;
+mod rewrite;
+mod scratch;
+mod table;
+mod variants;
+
+use anyhow::{Context, Result, bail, ensure};
+use drawn::Mutant;
+use hunt::{Fate, Hunt};
+use reviewed::Reviewed;
+use std::collections::BTreeSet;
+use std::path::Path;
+use std::time::Instant;
+
+/// How many mutants are tried.
+const COUNT: usize = 1_000;
+/// How many frames the fuzzer sends to each model.
+const EXCHANGES: u64 = 20_000;
+
+struct Wishes {
+    seed: u64,
+    count: usize,
+    exchanges: u64,
+    /// These mutants instead of random ones, by their numbers.
+    only: Vec<u32>,
+}
+
+/// Draws, runs and tells.
+///
+/// # Errors
+/// If it can't be built, or something is found on a right device.
+pub fn mutants(args: &[String]) -> Result<()> {
+    let wishes = Wishes::read(args)?;
+    let reviewed = Reviewed::read()?;
+    let mut sources = scratch::read()?;
+    let begun = Instant::now();
+    let program = scratch::build(&mut sources)?;
+    let all = drawn::all(&sources);
+    let stale = reviewed.stale(&all);
+    ensure!(stale.is_empty(), "equivalent mutants of code that is not there any more: {stale:#?}");
+    eprintln!("{} mutants, built in {} s", all.len(), begun.elapsed().as_secs());
+    let begun = Instant::now();
+    let hunt = Hunt::new(program, wishes.seed, wishes.exchanges);
+    let right = hunt.right(Path::new(scratch::FOLDER))?;
+    let tried = wishes.choose(&all, &right.reached);
+    let fates = hunt.all(&tried, &right)?;
+    tell(&fates, &reviewed)?;
+    let unreached = all.iter().filter(|mutant| !right.reached.contains(&mutant.place)).collect::<Vec<_>>();
+    write_unreached(&unreached)?;
+    let (table, line) = table::table(&fates, &reviewed);
+    let (suite, together) = line.shares();
+    println!("{table}\nseed {}, {} mutants in {} s", wishes.seed, fates.len(), begun.elapsed().as_secs());
+    println!(
+        "of those that show on the bus and are not equivalent: {suite:.1} % by the suite, {together:.1} % with the fuzzer"
+    );
+    println!("{} of {} mutants are in places that are never reached: {UNREACHED}", unreached.len(), all.len());
+    Ok(())
+}
+
+/// Where those are listed whose place neither suite nor fuzzer reaches.
+const UNREACHED: &str = "target/mutants/unreached.txt";
+/// Where those are listed that changed no frame, and those that survived, as rows for the list of equivalent ones.
+const UNSEEN: &str = "target/mutants/unseen.txt";
+const SURVIVORS: &str = "target/mutants/survivors.toml";
+const FOUND: &str = "target/mutants/found.txt";
+
+/// Lists what was not found.
+fn tell(fates: &[Fate], reviewed: &Reviewed) -> Result<()> {
+    let lost = |fate: &&Fate| !fate.is_found() && reviewed.reason(&fate.mutant).is_none();
+    let (unseen, survived): (Vec<&Fate>, Vec<&Fate>) = fates.iter().filter(lost).partition(|fate| fate.is_unseen());
+    for fate in &survived {
+        println!("{}", table::describe(fate));
+    }
+    let rows: Vec<String> = survived.iter().map(|fate| reviewed::row(&fate.mutant)).collect();
+    std::fs::write(SURVIVORS, rows.join("\n"))?;
+    let describe = |fates: Vec<&Fate>| fates.into_iter().map(table::describe).collect::<Vec<_>>().join("\n");
+    std::fs::write(UNSEEN, describe(unseen))?;
+    std::fs::write(FOUND, describe(fates.iter().filter(|fate| fate.is_found()).collect()))?;
+    Ok(())
+}
+
+fn write_unreached(unreached: &[&Mutant]) -> Result<()> {
+    let line = |mutant: &&Mutant| format!("{}:{} {}: {}\n", mutant.file, mutant.line, mutant.function, mutant.change);
+    Ok(std::fs::write(UNREACHED, unreached.iter().map(line).collect::<String>())?)
+}
+
+impl Wishes {
+    fn read(args: &[String]) -> Result<Self> {
+        let mut wishes = Self { seed: today()?, count: COUNT, exchanges: EXCHANGES, only: Vec::new() };
+        let mut args = args.iter();
+        while let Some(name) = args.next() {
+            let value = args.next().with_context(|| format!("{name} needs a number"))?;
+            match &**name {
+                "--seed" => wishes.seed = value.parse().context("--seed")?,
+                "--count" => wishes.count = value.parse().context("--count")?,
+                "--exchanges" => wishes.exchanges = value.parse().context("--exchanges")?,
+                "--only" => {
+                    wishes.only = value.split(',').map(str::parse).collect::<Result<_, _>>().context("--only")?
+                }
+                other => bail!("expected --seed, --count, --exchanges or --only, found {other}"),
+            }
+        }
+        Ok(wishes)
+    }
+
+    fn choose(&self, all: &[Mutant], reached: &BTreeSet<u32>) -> Vec<Mutant> {
+        match self.only.is_empty() {
+            true => drawn::draw(all, reached, self.seed, self.count),
+            false => all.iter().filter(|mutant| self.only.contains(&mutant.number)).cloned().collect(),
+        }
+    }
+}
+
+/// Such as 20261122.
+fn today() -> Result<u64> {
+    let day = std::process::Command::new("date").arg("+%Y%m%d").output().context("date")?;
+    String::from_utf8_lossy(&day.stdout).trim().parse().context("date")
+}

@@ -1,0 +1,77 @@
+//! What traffic costs that costs as much as any: beside the usual one, in time for each frame and in memory.
+
+use crate::bench::{best, build};
+use crate::measure::{TIME, machine, release};
+use crate::packages::install;
+use anyhow::{Result, ensure};
+use std::fs::{self, File};
+use std::process::Command;
+
+/// The kinds of `traces/examples/worst.rs`, with how many frames of each, and how many MiB they may take.
+const KINDS: [(&str, u32, Option<f64>); 10] = [
+    ("boot-ups", 200_000, BOUND),
+    ("reboots", 1_000_000, BOUND),
+    ("commands", 300_000, BOUND),
+    ("guarding", 300_000, BOUND),
+    ("requests", 300_000, BOUND),
+    ("errors", 300_000, BOUND),
+    ("cob-ids", 300_000, BOUND),
+    ("consumers", 300_000, BOUND),
+    // Memory is promised for 64 channels.
+    ("channels", 3_000_000, None),
+    ("identifiers", 3_000_000, BOUND),
+];
+const BOUND: Option<f64> = Some(128.0);
+/// No frame may cost more than so many usual ones.
+const TIMES: f64 = 20.0;
+const USUAL: u32 = 300_000;
+const COMMANDS: [&[&str]; 2] = [&["diagnose", "--fail-on", "never"], &["decode"]];
+
+/// Prints what a frame of each kind costs, and how many usual ones that is.
+///
+/// # Errors
+/// If one costs more than twenty usual ones, or takes 128 MiB on up to 64 channels.
+pub fn worst() -> Result<()> {
+    install(&[TIME])?;
+    build()?;
+    fs::create_dir_all("target/bench")?;
+    println!("machine: {}", machine());
+    println!("{:12} {:>9}  {:8} {:>9} {:>7} {:>7}", "traffic", "frames", "command", "ns/frame", "times", "MiB");
+    let usual = made("traffic", "candump", USUAL)?;
+    let mut over = Vec::new();
+    for command in COMMANDS {
+        let (reference, mib) = measured(command, &usual, USUAL)?;
+        print("usual", USUAL, command, (reference, 1.0, mib));
+        for (kind, frames, most) in KINDS {
+            let (nanos, mib) = measured(command, &made("worst", kind, frames)?, frames)?;
+            let times = nanos / reference;
+            print(kind, frames, command, (nanos, times, mib));
+            if times > TIMES || most.is_some_and(|most| mib > most) {
+                over.push(format!("{} of {kind}", command.first().unwrap_or(&"")));
+            }
+        }
+    }
+    ensure!(over.is_empty(), "more than {TIMES} usual frames or 128 MiB: {}", over.join(", "));
+    Ok(())
+}
+
+fn print(kind: &str, frames: u32, command: &[&str], (nanos, times, mib): (f64, f64, f64)) {
+    let command = command.first().unwrap_or(&"");
+    println!("{kind:12} {frames:>9}  {command:8} {nanos:>9.0} {times:>7.1} {mib:>7.1}");
+}
+
+/// Makes a capture by an example of the crate of traces.
+fn made(example: &str, kind: &str, frames: u32) -> Result<String> {
+    let path = format!("target/bench/{example}-{kind}-{frames}.log");
+    let out = File::create(&path)?;
+    let program = release(&format!("examples/{example}"));
+    let status = Command::new(program).args([kind, &frames.to_string()]).stdout(out).status()?;
+    ensure!(status.success(), "{kind} could not be made: {status}");
+    Ok(path)
+}
+
+/// Nanoseconds of the processor for each frame, and MiB.
+fn measured(command: &[&str], path: &str, frames: u32) -> Result<(f64, f64)> {
+    let cost = best(&[&[&*release("canvass")], command, &[path]].concat(), None)?;
+    Ok((cost.cpu / f64::from(frames) * 1e9, cost.memory as f64 / 1024.0))
+}
