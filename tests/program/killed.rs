@@ -4,13 +4,17 @@
 use crate::live::Device;
 use crate::running::{command, finished, run};
 use serde_json::Value;
-use std::process::Stdio;
+use std::path::Path;
+use std::process::{Child, Stdio};
 use std::time::Duration;
 
 /// So many runs are killed, on so many devices at a time: most of the time is waiting.
 const INTERRUPTED: u64 = 100;
 const KILLED: u64 = 50;
 const DEVICES: u64 = 10;
+/// One run of so many is killed at a moment counted from its start, and so perhaps before its first case; the others once
+/// the first case has begun.
+const AT_ANY_MOMENT: u64 = 7;
 
 /// What keeps a value that nobody has stored, one of each kind: communication, PDO, application, limited, text.
 const AT_WORK: [(&str, &str); 5] =
@@ -20,6 +24,13 @@ const AT_WORK: [(&str, &str); 5] =
 fn moment(kill: u64) -> Duration {
     let chance = kill.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     Duration::from_millis(200 + (chance >> 33) % 4_000)
+}
+
+/// Waits until the journal is there: a busy machine needs seconds for what comes before the first case.
+fn wait_for_a_case(run: &mut Child, journal: &Path) {
+    while !journal.exists() && run.try_wait().unwrap().is_none() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
 }
 
 /// Every object that can be read, as another run of the program finds it before its first case.
@@ -75,7 +86,10 @@ fn kill(first: u64, kills: u64, signal: &str) -> (Vec<String>, u64) {
             "--journal",
             journal_path,
         ];
-        let child = command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let mut child = command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        if number % AT_ANY_MOMENT != 0 {
+            wait_for_a_case(&mut child, &journal);
+        }
         std::thread::sleep(moment(number));
         let killed = std::process::Command::new("kill").args([signal, &child.id().to_string()]).status();
         assert!(killed.unwrap().success());

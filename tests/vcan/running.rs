@@ -86,6 +86,10 @@ impl Running {
         Ended { status: status.code().unwrap_or(-1), stdout: text(&stdout), stderr }
     }
 
+    pub fn has_ended(&mut self) -> bool {
+        self.child.try_wait().unwrap().is_some()
+    }
+
     /// Ends it as Ctrl-C does.
     pub fn interrupt(self) -> Ended {
         self.signal("-INT");
