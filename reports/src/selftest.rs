@@ -7,8 +7,7 @@ use canvass_device::{Fault, Liberties, Liberty};
 use canvass_fuzzer::liberties::{Row, Sparing};
 use canvass_fuzzer::reproducer;
 use canvass_suite::case::Case;
-use canvass_suite::selftest::Chance;
-use canvass_suite::selftest::{FaultRow, LibertyRow, Masked, Matrix, ModelRow};
+use canvass_suite::selftest::{self, Chance, FaultRow, LibertyRow, Masked, Masking, Matrix, ModelRow};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -131,74 +130,85 @@ pub fn text(matrix: &Matrix, fuzzed: &Sparing) -> String {
         }
     }
     line(&mut text, "");
+    wrong_lines(&mut text, matrix);
+    let (faults, detected) = (matrix.faults.len(), matrix.detected());
+    let share = (detected * 100).checked_div(faults).unwrap_or(0);
+    line(&mut text, &format!("{detected} of {faults} faults detected ({share} %) by {} cases", matrix.cases.len()));
+    masked_lines(&mut text, &matrix.masking);
+    sparing_lines(&mut text, &matrix.sparing, fuzzed);
+    masking_line(&mut text, &matrix.masking);
+    let (alarms, vacuous, models) = (matrix.false_alarms(), matrix.vacuous_cases().len(), matrix.models.len());
+    line(&mut text, &format!("{alarms} false alarms on {models} models and {faults} faults, {vacuous} vacuous cases"));
+    text
+}
+
+/// What is wrong with the catalogue: faults that are missed, false alarms, cases that fail on nothing.
+fn wrong_lines(text: &mut String, matrix: &Matrix) {
     for row in &matrix.faults {
         for (case, kind) in &row.missed {
-            line(&mut text, &format!("missed: {} does not fail on {} but ends with {kind}", case.id, row.fault));
+            line(text, &format!("missed: {} does not fail on {} but ends with {kind}", case.id, row.fault));
         }
         for case in &row.unrelated {
-            line(&mut text, &format!("false alarm: {} fails on {}, which is not its matter", case.id, row.fault));
+            line(text, &format!("false alarm: {} fails on {}, which is not its matter", case.id, row.fault));
         }
     }
     for row in &matrix.models {
         for (case, kind, reason) in &row.alarms {
-            line(&mut text, &format!("false alarm: {}: {} ends with {kind}: {reason}", row.model, case.id));
+            line(text, &format!("false alarm: {}: {} ends with {kind}: {reason}", row.model, case.id));
         }
     }
     for case in matrix.vacuous_cases() {
-        line(&mut text, &format!("vacuous: {} fails on no fault", case.id));
+        line(text, &format!("vacuous: {} fails on no fault", case.id));
     }
-    let (faults, detected) = (matrix.faults.len(), matrix.detected());
-    let share = (detected * 100).checked_div(faults).unwrap_or(0);
-    line(&mut text, &format!("{detected} of {faults} faults detected ({share} %) by {} cases", matrix.cases.len()));
-    let (alarms, vacuous) = (matrix.false_alarms(), matrix.vacuous_cases().len());
-    let models = matrix.models.len();
-    let masking = &matrix.masking;
+}
+
+fn masked_lines(text: &mut String, masking: &Masking) {
     for Masked { model, fault, case, kind } in &masking.masked {
-        line(&mut text, &format!("masked: {fault} on {model}: {} ends with {kind}", case.id));
+        line(text, &format!("masked: {fault} on {model}: {} ends with {kind}", case.id));
     }
-    let sparing = &matrix.sparing;
+}
+
+fn masking_line(text: &mut String, masking: &Masking) {
+    let Masking { shown, tried, beside_deviations, masked } = masking;
+    let hidden = masked.len();
+    line(
+        text,
+        &format!(
+            "{shown} of {tried} pairs of fault and case on models that deviate show, {beside_deviations} beside a deviation; \
+             {hidden} hidden by one"
+        ),
+    );
+}
+
+/// What suite and fuzzer make of liberties, and of faults beside them.
+fn sparing_lines(text: &mut String, sparing: &selftest::Sparing, fuzzed: &Sparing) {
     for row in sparing.alone.iter().chain(&sparing.combined) {
         let taken = names(row.liberties).join(", ");
         for (case, kind, reason) in &row.alarms {
-            line(&mut text, &format!("not spared: {taken} on {}: {} ends with {kind}: {reason}", row.model, case.id));
+            line(text, &format!("not spared: {taken} on {}: {} ends with {kind}: {reason}", row.model, case.id));
         }
     }
     for (fault, liberties) in &sparing.missed {
-        line(&mut text, &format!("missed: {fault} beside {}", names(*liberties).join(", ")));
+        line(text, &format!("missed: {fault} beside {}", names(*liberties).join(", ")));
     }
     let combined = sparing.combined.iter().filter(|row| row.is_spared()).count();
+    let (spared, alone, random) = (sparing.spared(), sparing.alone.len(), sparing.combined.len());
+    let together = Chance::TOGETHER;
     line(
-        &mut text,
+        text,
         &format!(
-            "specificity: {} of {} liberties spared, {combined} of {} random combinations of {}",
-            sparing.spared(),
-            sparing.alone.len(),
-            sparing.combined.len(),
-            Chance::TOGETHER
+            "specificity: {spared} of {alone} liberties spared, {combined} of {random} random combinations of {together}"
         ),
     );
-    fuzzed_lines(&mut text, fuzzed);
-    let found = sparing.looked_for - sparing.missed.len();
+    fuzzed_lines(text, fuzzed);
+    let (looked_for, hidden) = (sparing.looked_for, sparing.tried - sparing.looked_for);
+    let found = looked_for - sparing.missed.len();
     line(
-        &mut text,
+        text,
         &format!(
-            "sensitivity beside random liberties: {found} of {} faults found; {} did not show there",
-            sparing.looked_for,
-            sparing.tried - sparing.looked_for
+            "sensitivity beside random liberties: {found} of {looked_for} faults found; {hidden} did not show there"
         ),
     );
-    let beside = masking.beside_deviations;
-    line(
-        &mut text,
-        &format!(
-            "{} of {} pairs of fault and case on models that deviate show, {beside} beside a deviation; {} hidden by one",
-            masking.shown,
-            masking.tried,
-            masking.masked.len()
-        ),
-    );
-    line(&mut text, &format!("{alarms} false alarms on {models} models and {faults} faults, {vacuous} vacuous cases"));
-    text
 }
 
 /// What the fuzzer made of liberties.

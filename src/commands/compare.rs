@@ -1,6 +1,6 @@
 //! `canvass compare`: what changed between two results of `canvass test`.
 
-use super::test::reports::{ReportArg, ReportFormat, written};
+use super::test::reports::{ReportFormat, Shown};
 use crate::files::Files;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
@@ -23,12 +23,8 @@ pub struct Args {
     /// Cases that only the old result has were left out on purpose
     #[arg(long)]
     allow_missing: bool,
-    /// How to print the differences
-    #[arg(long, value_enum, default_value_t)]
-    format: ReportFormat,
-    /// Write a report into a file too; can be given several times
-    #[arg(long, value_name = "FORMAT=FILE")]
-    report: Vec<ReportArg>,
+    #[command(flatten)]
+    shown: Shown,
     #[command(flatten)]
     remarks: Remarks,
 }
@@ -36,7 +32,7 @@ pub struct Args {
 impl Args {
     pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
         let missing = if self.allow_missing { Missing::Allowed } else { Missing::Worse };
-        Files::new().reads([&self.old, &self.new]).writes(self.report.iter().map(ReportArg::file))?;
+        Files::new().reads([&self.old, &self.new]).writes(self.shown.files())?;
         let (old, new) = (read(&self.old)?, read(&self.new)?);
         let mut provenance = Collected::begin(&self.remarks, typed, Subject::Files)?;
         for (role, path, result) in [("old", &self.old, &old), ("new", &self.new, &new)] {
@@ -45,7 +41,7 @@ impl Args {
         }
         let mut comparison = compare(&old, &new, missing);
         comparison.provenance = provenance.0;
-        written(self.format, &self.report, &|format, out| render(&comparison, format, out))?;
+        self.shown.write(&|format, out| render(&comparison, format, out))?;
         Ok(if comparison.has_regressions() { Status::Findings } else { Status::Good })
     }
 }

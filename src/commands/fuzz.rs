@@ -4,7 +4,7 @@ mod device;
 mod progress;
 mod regressions;
 
-use super::test::reports::{ReportArg, ReportFormat};
+use super::test::reports::{ReportArg, ReportFormat, Shown};
 use crate::devices::parse_node;
 use crate::files::Files;
 use crate::identity;
@@ -74,12 +74,8 @@ pub struct Args {
     /// A file of sequences that showed violations: they are tried first, and new ones are appended
     #[arg(long, value_name = "FILE")]
     regressions: Option<PathBuf>,
-    /// How to print the result
-    #[arg(long, value_enum, default_value_t)]
-    format: ReportFormat,
-    /// Write a report into a file too; can be given several times
-    #[arg(long, value_name = "FORMAT=FILE")]
-    report: Vec<ReportArg>,
+    #[command(flatten)]
+    shown: Shown,
     #[command(flatten)]
     remarks: Remarks,
 }
@@ -88,7 +84,7 @@ impl Args {
     pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
         let seed = self.seed.unwrap_or_else(from_the_clock);
         let files = Files::new().bus(&self.bus).describes(self.device.as_deref()).reads(&self.replay);
-        files.writes(&self.regressions)?.writes(self.report.iter().map(ReportArg::file))?;
+        files.writes(&self.regressions)?.writes(self.shown.files())?;
         let mut provenance = self.provenance(typed, seed)?;
         let reports = self.open_reports()?;
         let mut device = Device::open(&self.bus, self.node, self.device.as_deref(), seed)?;
@@ -122,7 +118,7 @@ impl Args {
             None => Ok(()),
         };
         let run = self.result(&device, provenance.0, &plan, outcome, interrupt.came());
-        let printed = render_of(self.format)(&run, &mut io::stdout().lock());
+        let printed = render_of(self.shown.format)(&run, &mut io::stdout().lock());
         // None depends on another: if one can't be written, the others are whole all the same.
         let reported: Vec<_> = reports.into_iter().map(|(render, file)| write_report(render, &run, file)).collect();
         unless_closed(printed)?;
@@ -249,7 +245,7 @@ impl Args {
     /// Begins all files before the device is touched: a report that can't be written is known at once.
     fn open_reports(&self) -> Result<Vec<(Render, WholeFile)>, Failure> {
         let open = |arg: &ReportArg| Ok((render_of(arg.format()), WholeFile::create(arg.file())?));
-        self.report.iter().map(open).collect()
+        self.shown.report.iter().map(open).collect()
     }
 }
 

@@ -1,7 +1,7 @@
 //! `canvass history`: many results of `canvass test`.
 
 use super::compare::read;
-use super::test::reports::{ReportArg, ReportFormat, written};
+use super::test::reports::{ReportFormat, Shown};
 use crate::files::Files;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
@@ -21,19 +21,15 @@ pub struct Args {
     /// The results, oldest first
     #[arg(required = true, value_name = "[RELEASE=]FILE")]
     files: Vec<String>,
-    /// How to print the history: table, json, html or markdown
-    #[arg(long, value_enum, default_value_t)]
-    format: ReportFormat,
-    /// Write a report into a file too; can be given several times
-    #[arg(long, value_name = "FORMAT=FILE")]
-    report: Vec<ReportArg>,
+    #[command(flatten)]
+    shown: Shown,
     #[command(flatten)]
     remarks: Remarks,
 }
 
 impl Args {
     pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
-        if self.report.iter().map(ReportArg::format).chain([self.format]).any(|format| format == ReportFormat::Junit) {
+        if self.shown.formats().any(|format| format == ReportFormat::Junit) {
             return Err(anyhow!(
                 "a history is no test: say table, json, html or markdown (`canvass compare` has junit)"
             )
@@ -41,7 +37,7 @@ impl Args {
         }
         let named: Vec<(Option<&str>, PathBuf)> = self.files.iter().map(|file| named(file)).collect();
         let paths = named.iter().map(|(_, path)| path);
-        Files::new().reads(paths).writes(self.report.iter().map(ReportArg::file))?;
+        Files::new().reads(paths).writes(self.shown.files())?;
         let mut provenance = Collected::begin(&self.remarks, typed, Subject::Files)?;
         let mut releases: Vec<Release> = Vec::new();
         for (release, path) in &named {
@@ -55,7 +51,7 @@ impl Args {
         }
         let mut history = History::of(&releases);
         history.provenance = provenance.0;
-        written(self.format, &self.report, &|format, out| render(&history, format, out))?;
+        self.shown.write(&|format, out| render(&history, format, out))?;
         Ok(Status::Good)
     }
 }

@@ -30,7 +30,7 @@ use canvass_traces::small_file::{self, OF_HAND};
 use choice::CaseChoice;
 use course::Course;
 use recorder::Recorder;
-use reports::{ReportArg, ReportFormat, Reports};
+use reports::{Reports, Shown};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -55,12 +55,8 @@ pub struct Args {
     /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Touch>,
-    /// How to print the result
-    #[arg(long, value_enum, default_value_t)]
-    format: ReportFormat,
-    /// Write a report into a file too; can be given several times
-    #[arg(long, value_name = "FORMAT=FILE")]
-    report: Vec<ReportArg>,
+    #[command(flatten)]
+    shown: Shown,
     /// A file of failures that are put up with, each with its reason (TOML, see `docs/cases.md`)
     #[arg(long, value_name = "FILE")]
     waivers: Option<PathBuf>,
@@ -134,7 +130,7 @@ impl Args {
         }
         self.resolve(&mut provenance, &target, &options, opened.bus.bit_rate());
         let recorder = self.record.as_deref().map(|path| Recorder::create(path, self.force)).transpose()?;
-        let mut reports = Reports::open(self.format, &self.report, color)?;
+        let mut reports = Reports::open(&self.shown, color)?;
         let bundle = self.bundle.as_deref().map(|path| Bundle::begin(path, self.force, &mut reports)).transpose()?;
         let cancel = cancelled_by_ctrl_c()?;
         let mut course = Course {
@@ -158,7 +154,7 @@ impl Args {
     fn name_files(&self) -> Result<(), Failure> {
         let files = Files::new().bus(&self.bus).describes(self.device.as_deref()).reads(&self.waivers);
         let files = files.reads(self.choice.result());
-        let files = files.writes(self.report.iter().map(ReportArg::file))?.writes(&self.record)?;
+        let files = files.writes(self.shown.files())?.writes(&self.record)?;
         files.writes(&self.journal)?.writes(&self.bundle)?;
         Ok(())
     }

@@ -56,7 +56,16 @@ fn control(frame: &Frame) -> u32 {
 /// The bits of a frame with that header of `len` bits; `filled` is the data with zeros behind it.
 #[inline]
 fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [u8; 8]) -> u32 {
-    let crc = crc15(header, data.len(), filled);
+    // Nearly all frames have eight bytes: with their number known, each step is a look-up without a test.
+    match data.len() {
+        8 => filled_up(header, len, &filled, crc15(header, 8, filled)),
+        other => filled_up(header, len, data, crc15(header, other, filled)),
+    }
+}
+
+/// The bits of a frame with that header of `len` bits, that data, and that CRC.
+#[inline(always)]
+fn filled_up<const N: usize>(header: [u8; N], len: u32, data: &[u8], crc: u16) -> u32 {
     let [first, rest @ ..] = &header[..] else { return 0 };
     // Stuff bits are looked up by whole bytes: what fills up the first one alternates, gets no stuff bits, and ends with
     // another bit than the dominant one of SOF; so the run that counts begins with SOF, as it does on the bus.
@@ -64,11 +73,7 @@ fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [
     let mut stuffing = Stuffing::default();
     stuffing.byte(first | ALTERNATING << (len % 8));
     rest.iter().for_each(|byte| stuffing.byte(*byte));
-    match data.len() {
-        // The usual one: so many steps are made without counting.
-        8 => filled.iter().for_each(|byte| stuffing.byte(*byte)),
-        _ => data.iter().for_each(|byte| stuffing.byte(*byte)),
-    }
+    data.iter().for_each(|byte| stuffing.byte(*byte));
     // What fills up the last byte is the complement of the last bit: with a stuff bit before it, it has only that one to
     // be equal to.
     let [upper, lower] = (crc << 1 | !crc & 1).to_be_bytes();
@@ -79,7 +84,7 @@ fn with_header<const N: usize>(header: [u8; N], len: u32, data: &[u8], filled: [
 
 /// The CRC sequence over a header and `len` bytes of data. Leading zeros don't change it, so it is that of whole bytes;
 /// and it is linear, so each byte adds what it alone would leave: no byte waits for the one before.
-#[inline]
+#[inline(always)]
 fn crc15<const N: usize>(header: [u8; N], len: usize, data: [u8; 8]) -> u16 {
     let shift = 64 - 8 * len as u32;
     let data = u64::from_be_bytes(data).checked_shr(shift).unwrap_or(0).to_le_bytes();

@@ -187,7 +187,14 @@ fn watch<'a>(
             return None;
         }
         *watched += 1;
-        *slot = Some(Box::new(BusWatch::new(record, thresholds, bit_rates.of(record.channel), room.clone())));
+        *slot = Some(begin(record, thresholds, bit_rates, room));
     }
     slot.as_deref_mut()
+}
+
+/// Watches one bus more. It lies apart: what is made here is large, and every frame would have to make room for it.
+#[cold]
+#[inline(never)]
+fn begin(record: &Record, thresholds: &Thresholds, bit_rates: &BitRates, room: &Room) -> Box<BusWatch> {
+    Box::new(BusWatch::new(record, thresholds, bit_rates.of(record.channel), room.clone()))
 }

@@ -61,24 +61,43 @@ impl FromStr for ReportArg {
     }
 }
 
-/// Writes a result to standard output and into the files: all that could be written is, whatever becomes of another.
-///
-/// # Errors
-/// What kept the first of them from being written. That nobody reads standard output any more is none.
-pub fn written(
-    format: ReportFormat,
-    files: &[ReportArg],
-    render: &dyn Fn(ReportFormat, &mut dyn Write) -> io::Result<()>,
-) -> Result<()> {
-    let into_file = |ReportArg { format, file }: &ReportArg| -> Result<()> {
-        let whole = WholeFile::create(file)?;
-        let mut out = BufWriter::new(whole.writer()?);
-        render(*format, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
-        whole.complete()
-    };
-    let files: Vec<Result<()>> = files.iter().map(into_file).collect();
-    unless_closed(render(format, &mut io::stdout().lock()).and_then(|()| io::stdout().flush()))?;
-    files.into_iter().collect()
+/// Where the result of a command goes.
+#[derive(clap::Args)]
+pub struct Shown {
+    /// How to print the result
+    #[arg(long, value_enum, default_value_t)]
+    pub format: ReportFormat,
+    /// Write a report into a file too; can be given several times
+    #[arg(long, value_name = "FORMAT=FILE")]
+    pub report: Vec<ReportArg>,
+}
+
+impl Shown {
+    /// The files that reports go into.
+    pub fn files(&self) -> impl Iterator<Item = &Path> {
+        self.report.iter().map(ReportArg::file)
+    }
+
+    /// All forms that are wanted.
+    pub fn formats(&self) -> impl Iterator<Item = ReportFormat> {
+        self.report.iter().map(|report| report.format).chain([self.format])
+    }
+
+    /// Writes the result to standard output and into the files: all that could be written is, whatever becomes of another.
+    ///
+    /// # Errors
+    /// What kept the first of them from being written. That nobody reads standard output any more is none.
+    pub fn write(&self, render: &dyn Fn(ReportFormat, &mut dyn Write) -> io::Result<()>) -> Result<()> {
+        let into_file = |ReportArg { format, file }: &ReportArg| -> Result<()> {
+            let whole = WholeFile::create(file)?;
+            let mut out = BufWriter::new(whole.writer()?);
+            render(*format, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
+            whole.complete()
+        };
+        let files: Vec<Result<()>> = self.report.iter().map(into_file).collect();
+        unless_closed(render(self.format, &mut io::stdout().lock()).and_then(|()| io::stdout().flush()))?;
+        files.into_iter().collect()
+    }
 }
 
 /// A report that stays in memory.
@@ -114,11 +133,11 @@ struct Report {
 
 impl Reports {
     /// Begins all files before the device is touched: a report that can't be written is known at once.
-    pub fn open(format: ReportFormat, files: &[ReportArg], color: Color) -> Result<Self> {
+    pub fn open(shown: &Shown, color: Color) -> Result<Self> {
         let style = Style { color: color.on_stdout(), progress: io::stderr().is_terminal(), width: width() };
-        let reporter_of_stdout = reporter(format, Box::new(io::stdout()), style);
+        let reporter_of_stdout = reporter(shown.format, Box::new(io::stdout()), style);
         let mut reports = vec![Report { reporter: reporter_of_stdout, file: None, written: Ok(()) }];
-        for ReportArg { format, file } in files {
+        for ReportArg { format, file } in &shown.report {
             let file = WholeFile::create(file)?;
             let plain = Style { color: false, progress: false, width: None };
             let reporter = reporter(*format, Box::new(BufWriter::new(file.writer()?)), plain);

@@ -217,77 +217,83 @@ impl Oracle {
         let node = u16::from(self.knowledge.node.raw());
         let can_id = frame.id().as_standard().filter(|_| !frame.is_remote());
         match can_id {
-            Some(id) if id == error_control::CAN_ID_BASE + node => {
-                let change = match self.nmt.shown(now, frame, &self.belief, &self.knowledge) {
-                    // It may be the first one with a period that is not confirmed yet.
-                    Err(_) if self.sdo.is_writing() => return Ok(()),
-                    judged => judged?,
-                };
-                if change == nmt::Change::State {
-                    self.doubt(now);
-                    self.sdo.booted(now, self.late());
-                    self.pdo.state_changed(now, &self.nmt);
+            Some(id) if id == error_control::CAN_ID_BASE + node => return self.error_control_came(now, frame),
+            Some(lss_wire::SLAVE_CAN_ID) if self.knowledge.services.lmt => {
+                return self.lmt.answered(now, frame, coverage);
+            }
+            Some(lss_wire::SLAVE_CAN_ID) => return self.lss.answered(now, frame, coverage),
+            _ => {}
+        }
+        self.nmt.passed(now);
+        if can_id.is_some_and(|id| self.knowledge.bystanders.contains(&id)) {
+            self.passed_by(now);
+        } else {
+            self.nmt.may_speak(now, frame, &self.knowledge)?;
+        }
+        match can_id {
+            Some(id) if id == sdo_wire::RESPONSE_BASE + node => self.response_came(now, frame, coverage),
+            Some(id) if self.belief.is_emcy(id, self.knowledge.node) => self.emcy_came(now, id, frame),
+            Some(id) if self.belief.is_produced(id) => {
+                self.pdo.shares(now, id, &self.belief, &self.knowledge);
+                if self.belief.is_sync(id) {
+                    self.pdo.synchronises_itself();
                 }
                 Ok(())
             }
-            Some(lss_wire::SLAVE_CAN_ID) if self.knowledge.services.lmt => self.lmt.answered(now, frame, coverage),
-            Some(lss_wire::SLAVE_CAN_ID) => self.lss.answered(now, frame, coverage),
             _ => {
-                self.nmt.passed(now);
-                if can_id.is_some_and(|id| self.knowledge.bystanders.contains(&id)) {
-                    self.passed_by(now);
-                } else {
-                    self.nmt.may_speak(now, frame, &self.knowledge)?;
-                }
-                match can_id {
-                    Some(id) if id == sdo_wire::RESPONSE_BASE + node => {
-                        let served = self.nmt.serves_sdo();
-                        let lost =
-                            self.sdo.answered(now, frame, served, &self.knowledge, &mut self.belief, coverage)?;
-                        self.blind |= lost;
-                        if self.sdo.is_sending_blocks() {
-                            // Segments that fill the bus hold up everything else.
-                            self.nmt.held_up(now);
-                            self.pdo.held_up(now);
-                        }
-                        // What nobody can follow may have been a configuration too.
-                        self.doubt(now);
-                        if let Some(change) = self.belief.take_change() {
-                            // A device that stops on an error does so without a word.
-                            self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;
-                            self.nmt.configured(now, change);
-                            self.pdo.configured(now, change);
-                        }
-                        Ok(())
-                    }
-                    Some(id) if self.belief.is_emcy(id, self.knowledge.node) => {
-                        // A PDO that was given the identifier of EMCY, or is being given it, can't be told from one.
-                        let shares = self.pdo.shares(now, id, &self.belief, &self.knowledge);
-                        let judged = self.emcy.came(now, frame, &self.nmt);
-                        if !shares && !self.sdo.is_writing() {
-                            judged?;
-                        }
-                        if self.nmt.erred(now, frame, &self.belief, &self.knowledge) == nmt::Change::State {
-                            self.sdo.state_changed(now, self.nmt.serves_sdo(), self.late());
-                            self.pdo.state_changed(now, &self.nmt);
-                        }
-                        Ok(())
-                    }
-                    Some(id) if self.belief.is_produced(id) => {
-                        self.pdo.shares(now, id, &self.belief, &self.knowledge);
-                        if self.belief.is_sync(id) {
-                            self.pdo.synchronises_itself();
-                        }
-                        Ok(())
-                    }
-                    _ => {
-                        let judged = self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge);
-                        // It may be the first frame of a configuration that is not confirmed yet.
-                        if self.sdo.is_writing() { Ok(()) } else { judged }
-                    }
-                }
+                let judged = self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge);
+                // It may be the first frame of a configuration that is not confirmed yet.
+                if self.sdo.is_writing() { Ok(()) } else { judged }
             }
         }
+    }
+
+    /// A boot-up message, a heartbeat or an answer to guarding.
+    fn error_control_came(&mut self, now: Timestamp, frame: &Frame) -> Result<(), Violation> {
+        let change = match self.nmt.shown(now, frame, &self.belief, &self.knowledge) {
+            // It may be the first one with a period that is not confirmed yet.
+            Err(_) if self.sdo.is_writing() => return Ok(()),
+            judged => judged?,
+        };
+        if change == nmt::Change::State {
+            self.doubt(now);
+            self.sdo.booted(now, self.late());
+            self.pdo.state_changed(now, &self.nmt);
+        }
+        Ok(())
+    }
+
+    fn response_came(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
+        let served = self.nmt.serves_sdo();
+        self.blind |= self.sdo.answered(now, frame, served, &self.knowledge, &mut self.belief, coverage)?;
+        if self.sdo.is_sending_blocks() {
+            // Segments that fill the bus hold up everything else.
+            self.nmt.held_up(now);
+            self.pdo.held_up(now);
+        }
+        // What nobody can follow may have been a configuration too.
+        self.doubt(now);
+        if let Some(change) = self.belief.take_change() {
+            // A device that stops on an error does so without a word.
+            self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;
+            self.nmt.configured(now, change);
+            self.pdo.configured(now, change);
+        }
+        Ok(())
+    }
+
+    fn emcy_came(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Result<(), Violation> {
+        // A PDO that was given the identifier of EMCY, or is being given it, can't be told from one.
+        let shares = self.pdo.shares(now, can_id, &self.belief, &self.knowledge);
+        let judged = self.emcy.came(now, frame, &self.nmt);
+        if !shares && !self.sdo.is_writing() {
+            judged?;
+        }
+        if self.nmt.erred(now, frame, &self.belief, &self.knowledge) == nmt::Change::State {
+            self.sdo.state_changed(now, self.nmt.serves_sdo(), self.late());
+            self.pdo.state_changed(now, &self.nmt);
+        }
+        Ok(())
     }
 
     /// A frame of somebody else: several without a pause hold up what the device has to send.

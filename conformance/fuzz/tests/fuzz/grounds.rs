@@ -1,5 +1,6 @@
 //! Devices on a bus that goes on: what is seen once, what dies, what panics.
 
+use crate::perishable::Perishable;
 use canvass_analyzer::NodeId;
 use canvass_bus::Machine;
 use canvass_bus::SimulatedBus;
@@ -27,49 +28,45 @@ enum Failing {
 }
 
 struct Odd {
-    device: Device,
+    machine: Perishable,
     failing: Failing,
     /// Reads of 1000h until it fails.
     left: u32,
-    dead: bool,
 }
 
 impl Odd {
     fn new(failing: Failing, left: u32) -> Self {
         let model = Model::by_id("reference-301").unwrap();
-        Self { device: Device::new(model, Some(NODE), Faults::NONE, 0), failing, left, dead: false }
+        let machine = Perishable::new(Device::new(model, Some(NODE), Faults::NONE, 0));
+        Self { machine, failing, left }
     }
 }
 
 impl Machine for Odd {
     fn handle(&mut self, now: Timestamp, frame: &Frame) {
-        if frame.cob_id() == Some(0x601) && frame.data().starts_with(&[0x40, 0x00, 0x10, 0x00]) && !self.dead {
+        if frame.cob_id() == Some(0x601) && frame.data().starts_with(&[0x40, 0x00, 0x10, 0x00]) && !self.machine.dead {
             self.left = self.left.wrapping_sub(1);
             if self.left == 0 {
                 match self.failing {
                     Failing::Once => return,
-                    Failing::Dies => self.dead = true,
+                    Failing::Dies => self.machine.dead = true,
                     Failing::Panics => std::panic::panic_any("divided by zero"),
                 }
             }
         }
-        if !self.dead {
-            self.device.handle(now, frame);
-        }
+        self.machine.handle(now, frame);
     }
 
     fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
-        if self.dead { None } else { self.device.poll_transmit(now) }
+        self.machine.poll_transmit(now)
     }
 
     fn poll_timeout(&self) -> Option<Timestamp> {
-        if self.dead { None } else { self.device.poll_timeout() }
+        self.machine.poll_timeout()
     }
 
     fn handle_timeout(&mut self, now: Timestamp) {
-        if !self.dead {
-            self.device.handle_timeout(now);
-        }
+        self.machine.handle_timeout(now);
     }
 }
 

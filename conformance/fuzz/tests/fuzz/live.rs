@@ -1,6 +1,7 @@
 //! Devices that go on from sequence to sequence and have traits of their own: slow ones, such as keep their memory over a
 //! reset, and such as a reset kills. Their time is that of a simulated bus.
 
+use crate::perishable::Perishable;
 use canvass_analyzer::NodeId;
 use canvass_bus::{Machine, SimulatedBus};
 use canvass_device::models::Model;
@@ -122,10 +123,9 @@ fn memory_that_is_kept_over_resets_is_written_back() {
 
 /// What a reset does to the device: it needs another one, or nothing brings it back.
 struct Mortal {
-    device: Device,
+    machine: Perishable,
     /// Frames of SDO until it is dead.
     left: u32,
-    dead: bool,
     /// So many resets bring it back.
     needs: u32,
 }
@@ -133,39 +133,35 @@ struct Mortal {
 impl Machine for Mortal {
     fn handle(&mut self, now: Timestamp, frame: &Frame) {
         let is_reset = frame.cob_id() == Some(0) && frame.data() == [0x81, NODE.raw()];
-        match (self.dead, is_reset) {
+        match (self.machine.dead, is_reset) {
             (true, true) => {
                 self.needs = self.needs.saturating_sub(1);
-                self.dead = self.needs > 0;
+                self.machine.dead = self.needs > 0;
             }
-            (false, true) if self.left == 0 => self.dead = true,
+            (false, true) if self.left == 0 => self.machine.dead = true,
             (false, false) if frame.cob_id() == Some(0x601) => self.left = self.left.saturating_sub(1),
             _ => {}
         }
-        if !self.dead {
-            self.device.handle(now, frame);
-        }
+        self.machine.handle(now, frame);
     }
 
     fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
-        if self.dead { None } else { self.device.poll_transmit(now) }
+        self.machine.poll_transmit(now)
     }
 
     fn poll_timeout(&self) -> Option<Timestamp> {
-        if self.dead { None } else { self.device.poll_timeout() }
+        self.machine.poll_timeout()
     }
 
     fn handle_timeout(&mut self, now: Timestamp) {
-        if !self.dead {
-            self.device.handle_timeout(now);
-        }
+        self.machine.handle_timeout(now);
     }
 }
 
 fn mortal(needs: u32) -> Outcome {
-    let device = Device::new(model(), Some(NODE), Faults::NONE, 0);
+    let machine = Perishable::new(Device::new(model(), Some(NODE), Faults::NONE, 0));
     // It is read at length before the first sequence.
-    fuzz(Box::new(Mortal { device, left: 600, dead: false, needs }), model(), Target::Sdo, 300)
+    fuzz(Box::new(Mortal { machine, left: 600, needs }), model(), Target::Sdo, 300)
 }
 
 #[test]

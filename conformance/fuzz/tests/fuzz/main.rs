@@ -7,4 +7,5 @@ mod grounds;
 mod healthy;
 mod limits;
 mod live;
+mod perishable;
 mod reproduced;

@@ -90,31 +90,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         .map_err(|error| RunError::Journal(error.to_string()))?;
     report(&RunEvent::RunStarted(&info));
     let mut summary = Summary::default();
-    let (mut undescribed, mut nonsense, mut ended_by) = (0, Nonsense::default(), None);
-    for (at, &case) in plan.cases.iter().enumerate() {
-        if bench.is_cancelled() {
-            break;
-        }
-        report(&RunEvent::CaseStarted { case, number: at + 1, of: plan.cases.len() });
-        let began = bench.now();
-        let mut finished = run_repeatedly(bench, case);
-        let makes_no_sense = nonsense.judge(bench, began, &mut finished);
-        summary.add(finished.verdict.kind());
-        summary.flaky += usize::from(finished.is_flaky());
-        undescribed += usize::from(lacks_description(bench, &finished));
-        report(&RunEvent::CaseFinished(&finished));
-        if makes_no_sense {
-            ended_by = Some("the device does not follow the protocol");
-            break;
-        }
-        if bench.options().fail_fast && finished.verdict.kind().badness() >= Kind::Error.badness() {
-            ended_by = Some("a case failed (--fail-fast)");
-            break;
-        }
-    }
-    if bench.is_out_of_time() {
-        ended_by = Some("its time was over (--for says how long it may take)");
-    }
+    let (undescribed, ended_by) = run_cases(bench, plan, &mut summary, report);
     summary.cancelled = bench.is_cancelled() || ended_by.is_some();
     if let Some(why) = ended_by {
         let (run, of) = (summary.total(), plan.cases.len());
@@ -147,6 +123,38 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         return Err(RunError::NothingToRun { reason });
     }
     Ok(summary)
+}
+
+/// Runs one case after the other; gives how many could not be judged as nobody has described the device, and why the run
+/// ended before its last case, if it did.
+fn run_cases(
+    bench: &mut Bench<'_>,
+    plan: &Plan<'_>,
+    summary: &mut Summary,
+    report: &mut dyn FnMut(&RunEvent<'_>),
+) -> (usize, Option<&'static str>) {
+    let (mut undescribed, mut nonsense) = (0, Nonsense::default());
+    for (at, &case) in plan.cases.iter().enumerate() {
+        if bench.is_cancelled() {
+            break;
+        }
+        report(&RunEvent::CaseStarted { case, number: at + 1, of: plan.cases.len() });
+        let began = bench.now();
+        let mut finished = run_repeatedly(bench, case);
+        let makes_no_sense = nonsense.judge(bench, began, &mut finished);
+        summary.add(finished.verdict.kind());
+        summary.flaky += usize::from(finished.is_flaky());
+        undescribed += usize::from(lacks_description(bench, &finished));
+        report(&RunEvent::CaseFinished(&finished));
+        if makes_no_sense {
+            return (undescribed, Some("the device does not follow the protocol"));
+        }
+        if bench.options().fail_fast && finished.verdict.kind().badness() >= Kind::Error.badness() {
+            return (undescribed, Some("a case failed (--fail-fast)"));
+        }
+    }
+    let late = bench.is_out_of_time().then_some("its time was over (--for says how long it may take)");
+    (undescribed, late)
 }
 
 /// Puts back what an interrupted run has left behind, and says what is not as it was.

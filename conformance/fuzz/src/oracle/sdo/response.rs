@@ -116,16 +116,7 @@ impl Server {
         knowledge: &Knowledge,
         belief: &mut Belief,
     ) -> Judged {
-        if self.is_given_up(awaited, response) {
-            self.give_up(belief);
-            return Ok(());
-        }
-        if let Response::Abort(abort) = response
-            && self.odd
-            && awaited.is_required()
-            && codes::COMMAND.has(abort.code)
-        {
-            // Such a request exists as little as one of an unknown command, which names no object.
+        if self.is_given_up(awaited, response) || self.is_unknown(awaited, response) {
             self.give_up(belief);
             return Ok(());
         }
@@ -133,11 +124,7 @@ impl Server {
             Awaited::Nothing => Err(unsolicited(frame)),
             Awaited::Anything => self.anything_came(response, frame, belief),
             Awaited::Abort { codes, at, .. } => check_abort(only_abort(response, frame)?, codes, at),
-            Awaited::AbortOrIgnored => {
-                let abort = only_abort(response, frame)?;
-                self.give_up(belief);
-                check_abort(abort, codes::TOGGLE, None)
-            }
+            Awaited::AbortOrIgnored => self.given_up(response, codes::TOGGLE, frame, belief),
             Awaited::Read(reading) => match response {
                 Response::InitiateUpload { multiplexer, payload } => {
                     self.upload_begins(multiplexer, payload, reading, knowledge, belief)
@@ -159,11 +146,10 @@ impl Server {
                 other => refused_write(only_abort(other, frame)?, at, writing, belief),
             },
             Awaited::BeginDownload { at, writing, announced } => match response {
+                // What can't be written may be refused at once or at the end; it must be refused.
                 Response::InitiateDownload { multiplexer } => {
-                    check_multiplexer(multiplexer, at)?;
-                    // What can't be written may be refused at once or at the end; it must be refused.
                     self.state = State::Download { at, entry: writing.entry, toggle: false, announced };
-                    Ok(())
+                    check_multiplexer(multiplexer, at)
                 }
                 other => refused_write(only_abort(other, frame)?, at, writing, belief),
             },
@@ -183,11 +169,7 @@ impl Server {
                 Response::ConfirmBlockDownload { sequence: confirmed, block_size } => {
                     self.block_confirmed(sequence, confirmed, block_size, last, frame)
                 }
-                other => {
-                    let abort = only_abort(other, frame)?;
-                    self.give_up(belief);
-                    check_abort(abort, codes::IN_BLOCK_DOWNLOAD, None)
-                }
+                other => self.given_up(other, codes::IN_BLOCK_DOWNLOAD, frame, belief),
             },
             Awaited::ConfirmEnd { at, mut writing } => match response {
                 Response::EndBlockDownload => confirm(writing, frame, knowledge, belief),
@@ -213,6 +195,20 @@ impl Server {
         );
         let is_time_out = matches!(response, Response::Abort(abort) if abort.code == AbortCode::TIMEOUT);
         is_time_out && may_be_silent && self.state != State::Idle
+    }
+
+    /// Whether the server says that it does not know the command of an odd request: such a request exists as little as one
+    /// of an unknown command, which names no object.
+    fn is_unknown(&self, awaited: Awaited, response: Response) -> bool {
+        let is_refused = matches!(response, Response::Abort(abort) if codes::COMMAND.has(abort.code));
+        is_refused && self.odd && awaited.is_required()
+    }
+
+    /// Nothing but an abort, with one of these codes, may come now: nobody knows what became of what was sent.
+    fn given_up(&mut self, response: Response, codes: CodeSet, frame: &Frame, belief: &mut Belief) -> Judged {
+        let abort = only_abort(response, frame)?;
+        self.give_up(belief);
+        check_abort(abort, codes, None)
     }
 
     /// Nothing but an abort, with one of these codes, may come now: it ends the transfer.
