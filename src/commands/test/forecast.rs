@@ -54,7 +54,7 @@ pub fn dry_run(
     let (mut opened, like) = stand_in(args)?;
     let target = args.target(&opened, waived)?;
     let forecast = simulate(&mut opened, &target, cases, options, like)?;
-    match args.format {
+    match args.shown.format {
         ReportFormat::Json => print(&format!("{:#}\n", forecast.json()))?,
         _ => {
             print(&forecast.text())?;
@@ -66,7 +66,7 @@ pub fn dry_run(
 
 /// Outputs that could not be written.
 fn refuse_outputs(args: &Args) -> Result<(), Failure> {
-    for report in &args.report {
+    for report in &args.shown.report {
         // Nothing is left of it.
         drop(WholeFile::create(report.file())?);
     }
