@@ -198,7 +198,7 @@ fn check_length_so_far(at: Multiplexer, value: u64, objects: &Objects) -> Result
     }
     let before = (1..at.sub.0).map(|sub| objects.parameters.number_or_zero(at.index.0, sub));
     let bits: u32 = before.chain([value]).map(|raw| u32::from(MappingEntry(raw as u32).bits())).sum();
-    if bits <= 64 { Ok(()) } else { Err(AbortCode::PDO_LENGTH) }
+    if bits <= 64 { Ok(()) } else { Err(objects.firmware.count_code(AbortCode::PDO_LENGTH)) }
 }
 
 /// Sub-index 0 was written: the entries have to exist, to be possible, and to fit into a PDO.

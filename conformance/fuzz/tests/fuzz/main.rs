@@ -8,3 +8,4 @@ mod healthy;
 mod limits;
 mod live;
 mod reproduced;
+mod right_answers;

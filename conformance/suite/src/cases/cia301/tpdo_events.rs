@@ -226,7 +226,7 @@ fn change(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Whether event-driven TPDOs are sent once when the device becomes operational: recorded only. By annex A they may be.
-#[case(id = "301/tpdo/at-start", clause = "CiA 301 7.2.2.3", confidence = Cited, level = Open,
+#[case(id = "301/tpdo/at-start", clause = "CiA 301 annex A", confidence = Cited, level = Open,
        needs = [Changeable], catches = [TpdoNotSentAtStart])]
 fn at_start(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 254)?;
