@@ -145,7 +145,7 @@ faults! {
     SdoBlockEndUnmarked = "sdo-block-end-unmarked" on "reference-301" fuzz: "The last segment of a block upload is not marked as the last.",
     SdoBlockNumbersContinue = "sdo-block-numbers-continue" on "reference-301" fuzz: "The sequence numbers of a block upload do not begin with 1 in every block.",
     SdoBlockSizeZeroOffered = "sdo-block-size-zero-offered" on "reference-301" fuzz: "The server asks for blocks of no segments.",
-    SdoBlockReadOnlyLate = "sdo-block-read-only-late" on "reference-301" fuzz: "A block download to a read-only object is refused only at its end.",
+    SdoBlockReadOnlyAccepted = "sdo-block-read-only-accepted" on "reference-301" fuzz: "A block download to a read-only object is confirmed, without effect.",
     SdoBlockSequenceZeroIgnored = "sdo-block-sequence-zero-ignored" on "reference-301" because "is an answer that the standard leaves open, so that every choice is right": "A segment with sequence number 0 is taken for none.",
     SdoBlockRepeatedAppended = "sdo-block-repeated-appended" on "reference-301" fuzz: "A segment that comes twice is taken twice.",
     SdoBlockGapAccepted = "sdo-block-gap-accepted" on "reference-301" fuzz: "A block download goes on over a lost segment.",

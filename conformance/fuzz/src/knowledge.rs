@@ -179,8 +179,9 @@ impl Knowledge {
             bystanders: BTreeSet::new(),
             entries,
         };
+        let stores_by_itself = description.is_some_and(stores_by_itself);
         for known in &mut knowledge.entries {
-            known.persists = knowledge.services.persist_at_once.contains(&known.at);
+            known.persists = stores_by_itself || knowledge.services.persist_at_once.contains(&known.at);
             // Node-ID and bit rate are what LSS, switches or the last start made them.
             known.stable &= !knowledge.services.bus_objects.contains(&known.at);
         }
@@ -279,9 +280,25 @@ fn has_a_life_of_its_own(at: Multiplexer) -> bool {
     matches!(at.index.0, 0x1001 | 0x1002 | 0x1003 | 0x1010 | 0x1011 | 0x1013 | 0x1020 | 0x1023..=0x1026 | 0x1F50..=0x1F57)
 }
 
+/// Bit 1 of 1010h:01: what is written is stored without a command (CiA 301, 7.5.2.13).
+fn stores_by_itself(description: &DeviceDescription) -> bool {
+    let entry = description.dictionary.entry(Multiplexer::new(0x1010, 1));
+    let default = entry.ok().and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());
+    default.is_some_and(|capability| capability & 1 << 1 != 0)
+}
+
+/// Entries that CiA 301 reserves in the communication parameters of PDOs: reading and writing them is refused with abort
+/// 0609 0011h, whatever the description says (7.5.2.35 and 7.5.2.37).
+const fn is_reserved(at: Multiplexer) -> bool {
+    matches!((at.index.0, at.sub.0), (0x1400..=0x15FF, 4 | 6) | (0x1800..=0x19FF, 4))
+}
+
 impl Known {
     fn new(at: Multiplexer, entry: &Entry, node: NodeId) -> Option<Self> {
         entry.data_type.class()?;
+        if is_reserved(at) {
+            return None;
+        }
         let limit = |setting: &Option<canvass_analyzer::dictionary::Setting>| {
             setting.as_ref().map(|setting| setting.resolve(entry.data_type, node)).as_ref().and_then(Value::as_number)
         };

@@ -131,11 +131,18 @@ fn split_clause(clause: &LitStr, confidence: &Ident) -> Result<(String, Option<S
         (Some(body @ "CiA"), Some(number)) if !number.is_empty() => format!("{body} {number}"),
         _ => return Err(Error::new(clause.span(), "a clause begins with its standard, such as \"CiA 301 7.2\"")),
     };
-    let section = words.next().map(str::to_owned);
-    if words.next().is_some() || section.as_deref().is_some_and(|s| !s.bytes().all(|b| b.is_ascii_digit() || b == b'.'))
-    {
-        return Err(Error::new(clause.span(), "after the standard stands one section number, such as \"7.2.8\""));
-    }
+    let is_number = |text: &str| text.bytes().all(|b| b.is_ascii_digit() || b == b'.');
+    let is_letter = |text: &str| text.len() == 1 && text.bytes().all(|b| b.is_ascii_uppercase());
+    let section = match *words.collect::<Vec<_>>() {
+        [] => None,
+        [number] if is_number(number) => Some(number.to_owned()),
+        ["annex", letter] if is_letter(letter) => Some(format!("annex {letter}")),
+        _ => {
+            let text =
+                "after the standard stands one section number, such as \"7.2.8\", or an annex, such as \"annex A\"";
+            return Err(Error::new(clause.span(), text));
+        }
+    };
     match (&section, confidence == "Unknown") {
         (None, false) => Err(Error::new(clause.span(), "only a clause of confidence Unknown has no section")),
         (Some(_), true) => Err(Error::new(clause.span(), "a clause of confidence Unknown has no section")),

@@ -185,9 +185,20 @@ pub(super) fn check_mapping(at: Multiplexer, value: u64, objects: &Objects) -> R
     }
     if at.sub.0 != 0 {
         let checked = check_entry(MappingEntry(value as u32), direction, objects);
-        return if value == 0 { Ok(()) } else { checked.map_err(|code| firmware.entry_code(code)) };
+        let checked = if value == 0 { Ok(()) } else { checked.map_err(|code| firmware.entry_code(code)) };
+        return checked.and_then(|()| check_length_so_far(at, value, objects));
     }
     check_count(at, value, direction, objects).map_err(|code| firmware.count_code(code))
+}
+
+/// An entry was written: those up to it have to fit into a PDO, for a firmware that looks at once.
+fn check_length_so_far(at: Multiplexer, value: u64, objects: &Objects) -> Result<(), AbortCode> {
+    if !objects.firmware.checks_mapped_length_at_entry() || !objects.firmware.checks_mapping_sum() {
+        return Ok(());
+    }
+    let before = (1..at.sub.0).map(|sub| objects.parameters.number_or_zero(at.index.0, sub));
+    let bits: u32 = before.chain([value]).map(|raw| u32::from(MappingEntry(raw as u32).bits())).sum();
+    if bits <= 64 { Ok(()) } else { Err(objects.firmware.count_code(AbortCode::PDO_LENGTH)) }
 }
 
 /// Sub-index 0 was written: the entries have to exist, to be possible, and to fit into a PDO.

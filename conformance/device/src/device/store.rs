@@ -256,6 +256,17 @@ impl Store {
         }
     }
 
+    /// Stores one parameter as soon as it is written.
+    pub fn save_at_once(&mut self, at: Multiplexer, parameters: &Parameters, node: NodeId) {
+        let found = parameters.entries().enumerate().find(|(_, entry)| entry.at == at);
+        let Some((position, entry)) = found.filter(|(_, entry)| entry.writable) else { return };
+        if Groups::PARAMETERS.contains(Groups::of(at, &self.storage))
+            && let Some(slot) = Arc::make_mut(&mut self.image).get_mut(position)
+        {
+            *slot = (*entry.content != entry.default_content(node)).then(|| entry.content.clone());
+        }
+    }
+
     /// The stored number at that address.
     pub fn number(&self, at: Multiplexer, parameters: &Parameters) -> Option<u64> {
         let position = parameters.entries().position(|entry| entry.at == at)?;

@@ -24,6 +24,10 @@ impl Service for Storing {
         if let Some(command) = StoreCommand::of(at, &context.objects.model.sheet().storage) {
             begin(now, command, context);
         }
+        if context.firmware().stores_by_itself() && context.firmware().stores() {
+            let node = context.node_or_placeholder();
+            context.store.save_at_once(at, &context.objects.parameters, node);
+        }
         persist_at_once(at, value, context);
         forget_verification(at, context);
     }

@@ -18,6 +18,9 @@ const SAMPLING: Duration = Duration::from_millis(1);
 /// How late synchronous TPDOs of a faulty firmware are.
 const LATE: Duration = Duration::from_millis(30);
 
+/// How long a slow device takes for its synchronous TPDOs.
+const SLOW: Duration = Duration::from_millis(40);
+
 /// One TPDO.
 #[derive(Clone, Debug)]
 struct Tpdo {
@@ -243,11 +246,13 @@ impl Tpdo {
                     return None;
                 }
                 self.syncs = 0;
-                if objects.firmware.delays_synchronous_pdo() {
-                    (self.waiting, self.inhibited_until) = (true, now + LATE);
-                    return None;
-                }
-                self.transmit(now, objects)
+                let delay = match () {
+                    () if objects.firmware.delays_synchronous_pdo_rightly() => SLOW,
+                    () if objects.firmware.delays_synchronous_pdo() => LATE,
+                    () => return self.transmit(now, objects),
+                };
+                (self.waiting, self.inhibited_until) = (true, now + delay);
+                return None;
             }
         }
     }

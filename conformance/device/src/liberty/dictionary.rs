@@ -126,7 +126,15 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
         unmap_all(edit);
     }
     if liberties.has(Liberty::NoLongObjects) {
-        remove_long(edit);
+        remove_long(edit, |entry| entry.access.is_writable());
+    }
+    if liberties.has(Liberty::NoSegmentedTransfer) {
+        remove_long(edit, |_| true);
+    }
+    for (liberty, capability) in [(Liberty::StoresByItself, 0b10), (Liberty::StoresBothWays, 0b11)] {
+        if liberties.has(liberty) {
+            stores(edit, capability, liberty == Liberty::StoresBothWays);
+        }
     }
     if liberties.has(Liberty::SelfStart) {
         edit.remove([object::NMT_STARTUP..=object::NMT_STARTUP]);
@@ -145,9 +153,19 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
     }
 }
 
-/// Takes out what can be written and has more than four bytes.
-fn remove_long(edit: &mut Edit<'_>) {
-    let is_long = |entry: &Entry| entry.access.is_writable() && entry.data_type.bytes().is_none_or(|bytes| bytes > 4);
+/// What 1010h says of how the device stores, and whether it can be written.
+fn stores(edit: &mut Edit<'_>, capability: u64, on_command: bool) {
+    for sub in 1..=4 {
+        edit.set(object::STORE_PARAMETERS, sub, capability);
+        if !on_command {
+            edit.entry(object::STORE_PARAMETERS, sub, |entry| entry.access = Access::Ro);
+        }
+    }
+}
+
+/// Takes out what has more than four bytes, of the entries that `is_meant` names.
+fn remove_long(edit: &mut Edit<'_>, is_meant: impl Fn(&Entry) -> bool) {
+    let is_long = |entry: &Entry| is_meant(entry) && entry.data_type.bytes().is_none_or(|bytes| bytes > 4);
     let entries = edit.description.dictionary.entries();
     let long: Vec<u16> = entries.filter(|(_, entry)| is_long(entry)).map(|(at, _)| at.index.0).collect();
     edit.unmap_where(|at| long.contains(&at.index.0));

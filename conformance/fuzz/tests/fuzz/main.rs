@@ -9,3 +9,4 @@ mod limits;
 mod live;
 mod perishable;
 mod reproduced;
+mod right_answers;

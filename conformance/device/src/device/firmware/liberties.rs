@@ -26,6 +26,10 @@ hooks! {
     reports_lost_heartbeat but LostHeartbeatUnreported,
     takes_writes_for_events but OwnEvents,
     takes_one_length by StringsOfOneLength,
+    knows_segments but NoSegmentedTransfer,
+    refuses_at_end by RefusedAtEnd,
+    delays_synchronous_pdo_rightly by SyncTpdoIn40Ms,
+    checks_mapped_length_at_entry by MappingLengthAtEntry,
     counts_from_middle by SyncCountFromMiddle,
     maps_whole_bytes_only by MappingInBytes,
     knows_fastscan but NoFastscan,
@@ -92,6 +96,11 @@ impl Firmware {
             () if self.takes(Liberty::CobIdCodeState) => AbortCode::DEVICE_STATE,
             () => code,
         }
+    }
+
+    /// Whether parameters are stored as soon as they are written.
+    pub(in crate::device) const fn stores_by_itself(&self) -> bool {
+        self.takes(Liberty::StoresByItself) || self.takes(Liberty::StoresBothWays)
     }
 
     /// The size of the blocks that the server asks for; `usual` is the largest one.

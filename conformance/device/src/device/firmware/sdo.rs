@@ -40,7 +40,7 @@ hooks! {
     confirms_read_only with SdoReadOnlyWritable,
     checks_length unless SdoLengthUnchecked,
     checks_short_length unless SdoShortLengthUnchecked,
-    begins_block_to_read_only with SdoBlockReadOnlyLate,
+    begins_block_to_read_only with SdoBlockReadOnlyAccepted,
     offers_empty_blocks with SdoBlockSizeZeroOffered,
     refuses_sequence_zero unless SdoBlockSequenceZeroIgnored,
     appends_repeated_segment with SdoBlockRepeatedAppended,

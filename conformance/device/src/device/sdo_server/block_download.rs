@@ -22,6 +22,8 @@ pub(super) struct BlockDownload {
     sequence: u8,
     /// Segments of this block that came, in order or not.
     received: u8,
+    /// What is answered at the end, by a firmware that finds out only then.
+    refusal: Option<AbortCode>,
 }
 
 /// A download in blocks whose data is all there.
@@ -32,17 +34,19 @@ pub(super) struct BlockDownloadEnd(BlockDownload);
 pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, objects: &Objects) -> Next {
     let size = size.map(|size| size as usize);
     let begun = match objects.begin_download(object, size) {
-        Err(AbortCode::READ_ONLY) if objects.firmware.begins_block_to_read_only() => Ok(size.unwrap_or(8)),
-        begun => begun,
+        Err(AbortCode::READ_ONLY) if objects.firmware.begins_block_to_read_only() => Ok((size.unwrap_or(8), None)),
+        Err(code) if objects.firmware.refuses_at_end() => Ok((usize::MAX, Some(code))),
+        begun => begun.map(|longest| (longest, None)),
     };
     match begun {
-        Ok(longest) => {
+        Ok((longest, refusal)) => {
             let firmware = &objects.firmware;
             let block_size = if firmware.offers_empty_blocks() { 0 } else { firmware.block_size(BLOCK_SIZE) };
             let crc = crc && firmware.knows_block_crc();
             let response =
                 Response::InitiateBlockDownload { multiplexer: object, crc: firmware.knows_block_crc(), block_size };
-            let download = BlockDownload { object, crc, size, longest, data: Vec::new(), sequence: 0, received: 0 };
+            let data = Vec::new();
+            let download = BlockDownload { object, crc, size, longest, data, sequence: 0, received: 0, refusal };
             Next::answer(Transfer::BlockDownload(download), response)
         }
         Err(code) => Next::abort(object, code),
@@ -69,7 +73,9 @@ impl BlockDownload {
         let taken = segment.sequence == self.sequence + 1 || repeated || skipped;
         if taken {
             self.sequence = segment.sequence;
-            self.data.extend_from_slice(&segment.data);
+            if self.refusal.is_none() {
+                self.data.extend_from_slice(&segment.data);
+            }
             if self.data.len() >= self.size.unwrap_or(self.longest).min(self.longest).saturating_add(7) {
                 return Next::abort(self.object, AbortCode::LENGTH_TOO_HIGH);
             }
@@ -102,7 +108,10 @@ impl BlockDownloadEnd {
     pub fn on_end(self, now: Timestamp, unused: u8, crc: u16, objects: &mut Objects) -> Next {
         let firmware = objects.firmware;
         let unused = if firmware.keeps_padding() { 0 } else { unused };
-        let BlockDownload { object, crc: has_crc, size, mut data, .. } = self.0;
+        let BlockDownload { object, crc: has_crc, size, mut data, refusal, .. } = self.0;
+        if let Some(code) = refusal {
+            return Next::abort(object, code);
+        }
         data.truncate(data.len().saturating_sub(usize::from(unused)));
         let too_short = size.is_some_and(|size| data.len() < size) && firmware.checks_block_length();
         if too_short && firmware.checks_length_before_crc() {
@@ -127,6 +136,7 @@ impl BlockDownloadEnd {
         match objects.download(now, object, &data) {
             Ok(()) if !firmware.confirms_end_of_block() => Next::silence(Transfer::Idle),
             Ok(()) => Next::end(Response::EndBlockDownload),
+            Err(AbortCode::READ_ONLY) if firmware.begins_block_to_read_only() => Next::end(Response::EndBlockDownload),
             Err(code) => Next::abort(object, code),
         }
     }

@@ -18,6 +18,8 @@ pub(super) struct SegmentedDownload {
     toggle: bool,
     /// The object can't be written, which this firmware finds out only now, or never.
     discards: bool,
+    /// What is answered at the end, by a firmware that finds out only then.
+    refusal: Option<AbortCode>,
 }
 
 /// The request to write an object.
@@ -32,19 +34,20 @@ pub(super) fn initiate(now: Timestamp, object: Multiplexer, payload: Payload, ob
         Payload::SegmentedUnsized => None,
     };
     let firmware = &objects.firmware;
-    if size.is_none() && firmware.requires_size() {
+    if !firmware.knows_segments() || size.is_none() && firmware.requires_size() {
         return Next::abort(object, AbortCode::COMMAND_SPECIFIER);
     }
-    let begin = |longest, discards| {
-        let download = SegmentedDownload { object, size, longest, data: Vec::new(), toggle: false, discards };
+    let begin = |longest, discards, refusal| {
+        let download = SegmentedDownload { object, size, longest, data: Vec::new(), toggle: false, discards, refusal };
         Next::answer(Transfer::Download(download), Response::InitiateDownload { multiplexer: object })
     };
     match objects.begin_download(object, size) {
         Ok(longest) if longest <= 4 && !firmware.takes_short_value_in_segments() => {
             Next::abort(object, AbortCode::UNSUPPORTED_ACCESS)
         }
-        Ok(longest) => begin(longest, false),
-        Err(AbortCode::READ_ONLY) if firmware.begins_download_to_read_only() => begin(size.unwrap_or(8), true),
+        Ok(longest) => begin(longest, false, None),
+        Err(AbortCode::READ_ONLY) if firmware.begins_download_to_read_only() => begin(size.unwrap_or(8), true, None),
+        Err(code) if firmware.refuses_at_end() => begin(0, false, Some(code)),
         Err(code) => Next::abort(object, code),
     }
 }
@@ -77,6 +80,9 @@ impl SegmentedDownload {
         if segment.data().is_empty() && !segment.last && !objects.firmware.answers_empty_segment() {
             return Next::silence(Transfer::Download(self));
         }
+        if let Some(code) = self.refusal {
+            return self.refused(segment, code);
+        }
         self.data.extend_from_slice(segment.data());
         let unchecked = !objects.firmware.checks_length();
         if self.data.len() > self.size.unwrap_or(self.longest).min(self.longest) && !unchecked {
@@ -105,5 +111,14 @@ impl SegmentedDownload {
             Ok(()) => Next::end(confirm),
             Err(code) => Next::abort(self.object, code),
         }
+    }
+
+    /// A segment of what is refused at its end.
+    fn refused(mut self, segment: Segment, code: AbortCode) -> Next {
+        if segment.last {
+            return Next::abort(self.object, code);
+        }
+        self.toggle = !segment.toggle;
+        Next::answer(Transfer::Download(self), Response::DownloadSegment { toggle: segment.toggle })
     }
 }

@@ -66,12 +66,12 @@ impl Server {
                 Awaited::Write { at, writing }
             }
             Payload::Segmented(size) => {
-                let writing = announced(at, Some(size), knowledge);
+                let writing = in_segments(announced(at, Some(size), knowledge), knowledge);
                 Awaited::BeginDownload { at, writing, announced: Some(size) }
             }
             Payload::SegmentedUnsized => {
                 // Four reserved bytes: whoever fills them may be refused.
-                let mut writing = announced(at, None, knowledge);
+                let mut writing = in_segments(announced(at, None, knowledge), knowledge);
                 if frame.bytes()[4..] != [0; 4] {
                     writing.may = writing.may.or(codes::COMMAND);
                 }
@@ -103,6 +103,15 @@ impl Server {
 
 fn refused(at: Multiplexer, codes: CodeSet, why: &'static str) -> Awaited {
     Awaited::Abort { codes, at: Some(at), why }
+}
+
+/// A server whose objects all have four bytes or fewer need not know segments.
+fn in_segments(mut writing: Writing, knowledge: &Knowledge) -> Writing {
+    if knowledge.entries().iter().all(|known| known.size.is_some_and(|size| size <= 4)) {
+        writing.may = writing.may.or(codes::COMMAND);
+        writing.must = with_command(writing.must);
+    }
+    writing
 }
 
 /// What a server without block transfers says, where it is not known whether it is one.

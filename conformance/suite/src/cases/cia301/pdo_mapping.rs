@@ -25,7 +25,12 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
        needs = [Tpdo, DynamicMapping], catches = [MappingTooLongAccepted], cct = "3.26",
        answers = [MappingEntryTooLong, MappingRefused])]
 fn too_long(bench: &mut Bench<'_>) -> Judged {
-    let entry = bench.read(TPDO_FIRST_ENTRY)?;
+    let mut entry = bench.read(TPDO_FIRST_ENTRY)?;
+    // A mapping may have few entries: an object with more bits fills it sooner.
+    let widest = bench.tpdo_objects().into_iter().max_by_key(|mapped| mapped.bits);
+    if let Some(widest) = widest.filter(|_| entry.first().is_some_and(|&bits| bits < 16)) {
+        entry = widest.entry().to_le_bytes().to_vec();
+    }
     let bits = u32::from(entry.first().copied().unwrap_or_default());
     let needed = (64_u32).checked_div(bits).and_then(|fits| u8::try_from(fits + 1).ok());
     let Some(needed) = needed.filter(|&needed| needed <= 64) else {

@@ -116,7 +116,7 @@ fn restore_wrong_signature(bench: &mut Bench<'_>) -> Judged {
 
 /// 1010h:01 says whether the device stores on command (bit 0) and by itself (bit 1); the other bits are 0.
 #[case(id = "301/store/capability", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
-       needs = [Store], catches = [StoreCapabilityWrong], cct = "8.1")]
+       needs = [StoreObject], catches = [StoreCapabilityWrong], cct = "8.1")]
 fn capability(bench: &mut Bench<'_>) -> Judged {
     let value = bench.upload(STORE)?.value()?;
     bench.check(demand(value.len() == 4 && number(&value) & !(COMMAND | AUTO) == 0, || {
@@ -132,14 +132,19 @@ fn capability(bench: &mut Bench<'_>) -> Judged {
 fn not_stored(bench: &mut Bench<'_>) -> Judged {
     not_by_itself(bench)?;
     let Some(scratch) = bench.application_scratch()? else { return Ok(()) };
-    if scratch.multiplexer.index.0 < 0x6000 {
-        let actual = format!("{} belongs to the manufacturer", scratch.multiplexer);
-        let reason = Reason::new("an object of the device profile can be written", "6000h and above", actual);
-        return Err(Stop::NotApplicable(reason));
-    }
+    of_the_profile(&scratch)?;
     bench.write(scratch.multiplexer, &scratch.other)?;
     bench.reset(Command::RESET_NODE)?;
     bench.expect_value(scratch.multiplexer, &scratch.value, "a value that was not stored is lost with reset node")
+}
+
+/// Not applicable where the object is the manufacturer's: such a variable need not be a parameter, and a reset may leave it.
+fn of_the_profile(scratch: &Scratch) -> Judged {
+    if scratch.multiplexer.index.0 >= 0x6000 {
+        return Ok(());
+    }
+    let actual = format!("{} belongs to the manufacturer", scratch.multiplexer);
+    Err(Stop::NotApplicable(Reason::new("an object of the device profile can be written", "6000h and above", actual)))
 }
 
 /// Not applicable where the device stores autonomously: nothing is unstored then.
@@ -235,11 +240,7 @@ fn group_only(bench: &mut Bench<'_>, sub: u8) -> Judged {
     }
     not_by_itself(bench)?;
     let two = two(bench)?;
-    if sub == 3 && two.application.multiplexer.index.0 < 0x6000 {
-        let actual = format!("{} belongs to the manufacturer", two.application.multiplexer);
-        let reason = Reason::new("an object of the device profile can be written", "6000h and above", actual);
-        return Err(Stop::NotApplicable(reason));
-    }
+    of_the_profile(&two.application)?;
     let [communication, application] = after_store(bench, &two, sub)?;
     if sub == 2 {
         bench.check(stored(&two.communication, &communication))?;
@@ -254,7 +255,9 @@ fn group_only(bench: &mut Bench<'_>, sub: u8) -> Judged {
 #[case(id = "301/store/reset-at-once", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Should,
        needs = [Store, ScratchObject, ApplicationParameter], touches = [Nvm], catches = [StoreTornByReset])]
 fn reset_at_once(bench: &mut Bench<'_>) -> Judged {
+    not_by_itself(bench)?;
     let two = two(bench)?;
+    of_the_profile(&two.application)?;
     let objects = [&two.communication, &two.application];
     for scratch in objects {
         bench.write(scratch.multiplexer, &scratch.other)?;
@@ -330,7 +333,7 @@ fn restores(bench: &mut Bench<'_>) -> Result<(), Stop> {
 
 /// A device whose 1010h:01 says that it does not store on command (bit 0 is 0) refuses "save".
 #[case(id = "301/store/not-supported", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
-       needs = [Store], touches = [Nvm], catches = [StoreCapabilityDenied])]
+       needs = [StoreObject], touches = [Nvm], catches = [StoreCapabilityDenied])]
 fn not_supported(bench: &mut Bench<'_>) -> Judged {
     let value = bench.read_number(STORE)?;
     if value & COMMAND != 0 {

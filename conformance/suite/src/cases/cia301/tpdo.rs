@@ -173,6 +173,9 @@ impl Trigger {
     }
 }
 
+/// The shortest pause after a SYNC.
+const LEAST_PAUSE: Duration = Duration::from_millis(20);
+
 /// A TPDO of transmission type n is sent once for every n SYNCs.
 #[case(id = "301/tpdo/sync-cycle", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Must,
        needs = [Tpdo], catches = [SyncCycleIgnored], cct = "6.3")]
@@ -181,6 +184,7 @@ fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
     bench.expect_plain_sync()?;
     let cob_id = (CobId(bench.read_number(TPDO_COB_ID)?).can_id() & 0x7FF) as u16;
     let sync_id = bench.sync_id()?;
+    let (mut pause, mut slowest) = (bench.shortly().max(LEAST_PAUSE), Duration::ZERO);
     // 240 is the longest cycle.
     bench.each([(1_u8, 4), (3, 4), (240, 1)], |bench, (cycle, cycles)| {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
@@ -192,11 +196,15 @@ fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
         bench.command(Command::START)?;
         bench.listen(bench.timing().reaction)?;
         let mut sent = 0;
-        let pause = Duration::from_millis(20);
         for _ in 0..cycles * usize::from(cycle) {
+            let at = bench.now();
             bench.send_bytes(sync_id, &[])?;
-            sent += tpdos(bench, cob_id, pause)?.len();
+            let heard = tpdos(bench, cob_id, pause)?;
+            sent += heard.len();
+            slowest = heard.first().map_or(slowest, |record| slowest.max(record.timestamp.since(at)));
         }
+        // Each SYNC leaves the device as long as it takes for its TPDO.
+        pause = LEAST_PAUSE.max(slowest + slowest);
         sent += tpdos(bench, cob_id, bench.shortly())?.len();
         bench.check(demand(sent == cycles, || {
             let syncs = cycles * usize::from(cycle);

@@ -45,7 +45,12 @@ fn block_download(bench: &mut Bench<'_>) -> Result<Result<bool, String>, Stop> {
 }
 
 /// Begins a block transfer and aborts it before any data.
-fn begun(bench: &mut Bench<'_>, multiplexer: Multiplexer, request: &Request, what: &str) -> Result<Reply, Stop> {
+pub(super) fn begun(
+    bench: &mut Bench<'_>,
+    multiplexer: Multiplexer,
+    request: &Request,
+    what: &str,
+) -> Result<Reply, Stop> {
     let reply = bench.exchange(request, format!("{what} {multiplexer}"))?;
     bench.send_request(&Request::abort(multiplexer, AbortCode::GENERAL))?;
     // A firmware that answers aborts does it now, not in the middle of the case.

@@ -1,7 +1,13 @@
 //! Objects of the dictionary, and objects that serve a case.
 
+use super::block::begun;
+use crate::bench::Bench;
+use crate::bench::sdo::{DEVICE_TYPE, number};
 use crate::need::Need;
+use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request};
+use canvass_bus::client::Outcome;
 
 /// An object that can be written without consequence, and read back.
 pub static SCRATCH_OBJECT: Need =
@@ -18,6 +24,24 @@ pub static SEGMENTED_UPLOAD: Need =
         let found = bench.long_object(8)?.map(|_| ());
         Ok(found.ok_or_else(|| "no object that was found gives more than 7 bytes".to_owned()))
     });
+
+/// The SDO server takes downloads in segments. It has to if an object has more than four bytes (CiA 301, 7.2.4.2.1).
+pub static SEGMENTED_DOWNLOAD: Need = Need::new("segmented-download", "SDO downloads in segments", |bench| {
+    if bench.long_writable().is_some() || bench.long_object(5)?.is_some() {
+        return Ok(Ok(()));
+    }
+    let scratch = bench.scratch_objects()?.into_iter().next();
+    let multiplexer = scratch.map_or(DEVICE_TYPE, |scratch| scratch.multiplexer);
+    let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(4) };
+    let reply = begun(bench, multiplexer, &request, "segmented download to")?;
+    let is_unknown = reply.abort() == Some(AbortCode::COMMAND_SPECIFIER);
+    Ok(match is_unknown {
+        true => {
+            Err(format!("no object has more than four bytes, and the {} is answered by {}", reply.what, reply.actual()))
+        }
+        false => Ok(()),
+    })
+});
 
 /// A device name, hardware or software version: 1008h, 1009h, 100Ah.
 pub static NAME: Need = Need::new("name", "a device name or version (1008h, 1009h or 100Ah)", |bench| {
@@ -69,8 +93,29 @@ pub static SECOND_SERVER: Need = Need::new("second-server", "a second SDO server
 });
 
 /// Store parameters, 1010h:01.
-pub static STORE: Need =
-    Need::new("store", "store parameters (1010h:01)", |bench| bench.has_all(&[Multiplexer::new(0x1010, 1)]));
+pub static STORE_OBJECT: Need =
+    Need::new("store-object", "store parameters (1010h:01)", |bench| bench.has_all(&[STORE_ALL]));
+
+/// Parameters are stored on command, by 1010h:01.
+pub static STORE: Need = Need::new("store", "parameters that are stored on command (1010h:01)", |bench| {
+    let found = bench.has_all(&[STORE_ALL])?;
+    Ok(match found {
+        Ok(()) if stores_only_by_itself(bench)? => {
+            Err("1010h:01 says that the device stores by itself and not on command".to_owned())
+        }
+        found => found,
+    })
+});
+
+const STORE_ALL: Multiplexer = Multiplexer::new(0x1010, 1);
+
+/// Bit 1 of 1010h:01 is set, and bit 0 is not: 1010h then can't be written (CiA 301, 7.5.2.13).
+fn stores_only_by_itself(bench: &mut Bench<'_>) -> Result<bool, Stop> {
+    Ok(match bench.upload(STORE_ALL)?.outcome {
+        Outcome::Uploaded(value) => number(&value) & 0b11 == 0b10,
+        _ => false,
+    })
+}
 
 /// Verify configuration, 1020h.
 pub static VERIFY_CONFIGURATION: Need = Need::new("verify-configuration", "verify configuration (1020h)", |bench| {

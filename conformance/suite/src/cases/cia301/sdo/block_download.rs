@@ -293,26 +293,28 @@ fn interrupted(bench: &mut Bench<'_>, scratch: &Scratch, circumstance: &str) -> 
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// A block download to an object that can only be read is refused with abort 0601 0002h at once, before any data.
+/// A block download to an object that can only be read is refused with abort 0601 0002h, at once or with its end, and the
+/// object keeps its value.
 #[case(id = "301/sdo/block-download/read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
-       needs = [BlockDownload], catches = [SdoBlockReadOnlyLate, SdoReadOnlyWrongCode])]
+       needs = [BlockDownload], catches = [SdoBlockReadOnlyAccepted, SdoReadOnlyWrongCode])]
 fn read_only(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = Multiplexer::new(0x1018, 1);
-    let request = Request::InitiateBlockDownload { multiplexer, crc: true, size: Some(4) };
-    let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
-    bench.check(reply.refused(Situation::ReadOnly))?;
+    let before = bench.read(multiplexer)?;
+    let (attempt, _) = bench.block_download(multiplexer, &[0; 4], DownloadManner::right(&[0; 4]))?;
+    bench.check(attempt.refused(Situation::ReadOnly))?;
+    bench.expect_unchanged(multiplexer, &before)?;
     bench.expect_tidy()
 }
 
-/// A block download to an object that does not exist is refused with abort 0602 0000h, to a sub-index with 0609 0011h.
+/// A block download to an object that does not exist is refused with abort 0602 0000h, to a sub-index with 0609 0011h: at
+/// once or with its end.
 #[case(id = "301/sdo/block-download/missing", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex],
        answers = [MissingObject, MissingEntry])]
 fn missing(bench: &mut Bench<'_>) -> Judged {
     for (multiplexer, situation) in MISSING {
-        let request = Request::InitiateBlockDownload { multiplexer, crc: true, size: Some(4) };
-        let reply = bench.exchange(&request, format!("block download to {multiplexer}"))?;
-        bench.check(reply.refused(situation))?;
+        let (attempt, _) = bench.block_download(multiplexer, &[0; 4], DownloadManner::right(&[0; 4]))?;
+        bench.check(attempt.refused(situation))?;
     }
     bench.expect_tidy()
 }

@@ -2,6 +2,7 @@
 
 use crate::bench::Bench;
 use crate::bench::objects::Scratch;
+use crate::bench::sdo::Reply;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
@@ -52,6 +53,27 @@ pub(super) fn confirmed_segment(bench: &mut Bench<'_>, toggle: bool, data: &[u8]
     let reply = bench.exchange(&segment(toggle, data, last)?, "download segment")?;
     let is_right = |response: &Response| *response == Response::DownloadSegment { toggle };
     reply.expect("its confirmation", is_right).or_inconclusive()
+}
+
+/// Writes zeros in segments, and gives the answer that ends it: a refusal may come at once or with the last segment.
+pub(super) fn in_segments(bench: &mut Bench<'_>, multiplexer: Multiplexer, bytes: u8) -> Result<Reply, Stop> {
+    let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(bytes.into()) };
+    let what = format!("segmented download to {multiplexer}");
+    let mut reply = bench.exchange(&request, what.clone())?;
+    let is_begun = matches!(reply.response, Some(Response::InitiateDownload { .. }));
+    let (mut rest, mut toggle) = (if is_begun { bytes } else { 0 }, false);
+    while rest > 0 {
+        let length = rest.min(7);
+        rest -= length;
+        let data = [0; 7];
+        let next = segment(toggle, data.get(..usize::from(length)).unwrap_or(&data), rest == 0)?;
+        reply = bench.exchange(&next, what.clone())?;
+        if !matches!(reply.response, Some(Response::DownloadSegment { .. })) {
+            break;
+        }
+        toggle = !toggle;
+    }
+    Ok(Reply { subject: multiplexer.into(), ..reply })
 }
 
 /// Asks for the other segments of an upload, of which `data` has come, and demands the whole value.

@@ -1,7 +1,7 @@
 //! Segmented download (CiA 301, 7.2.4.3.3 and 7.2.4.3.4). The client chooses how it writes, so short objects must take
 //! segments too.
 
-use super::by_hand::{MISSING, begin_download, confirmed_segment, segment};
+use super::by_hand::{MISSING, begin_download, confirmed_segment, in_segments, segment};
 use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
@@ -12,7 +12,7 @@ use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response};
 /// A segmented download is confirmed message by message, also of an object of four bytes or fewer, and the value can be
 /// read back.
 #[case(id = "301/sdo/download/segmented", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [SdoUnusedBytesNotZero, SdoShortResponse, SdoSegmentedShortRefused], cct = "2.14")]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoUnusedBytesNotZero, SdoShortResponse, SdoSegmentedShortRefused], cct = "2.14")]
 fn segmented(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[2, 4, 1])?;
     let attempt = bench.download_segmented(scratch.multiplexer, &scratch.other)?;
@@ -24,7 +24,7 @@ fn segmented(bench: &mut Bench<'_>) -> Judged {
 
 /// More bytes in the segments than were announced are refused with abort 0607 0012h, and the object keeps its value.
 #[case(id = "301/sdo/download/segments-too-long", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [SdoLengthUnchecked])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoLengthUnchecked])]
 fn segments_too_long(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[2, 4, 1])?;
     begin_download(bench, &scratch)?;
@@ -38,7 +38,7 @@ fn segments_too_long(bench: &mut Bench<'_>) -> Judged {
 
 /// Fewer bytes in the segments than were announced are refused with abort 0607 0013h, and the object keeps its value.
 #[case(id = "301/sdo/download/segments-too-short", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [SdoShortLengthUnchecked])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoShortLengthUnchecked])]
 fn segments_too_short(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[2, 4])?;
     begin_download(bench, &scratch)?;
@@ -51,7 +51,7 @@ fn segments_too_short(bench: &mut Bench<'_>) -> Judged {
 
 /// An abort of the client in the middle of a download is not answered, and the object keeps its value.
 #[case(id = "301/sdo/download/client-abort", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [SdoAbortAnswered, SdoSegmentsWrittenAtOnce])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoAbortAnswered, SdoSegmentsWrittenAtOnce])]
 fn client_abort(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     begin_download(bench, &scratch)?;
@@ -64,7 +64,7 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
 
 /// The toggle bit of confirmed segments is that of the segment, which alternates from 0.
 #[case(id = "301/sdo/download/confirmation-toggle", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [SdoConfirmationToggleStuck])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoConfirmationToggleStuck])]
 fn confirmation_toggle(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     begin_download(bench, &scratch)?;
@@ -82,7 +82,7 @@ fn confirmation_toggle(bench: &mut Bench<'_>) -> Judged {
 
 /// A segmented download that does not announce its size is taken; its length is checked at its end.
 #[case(id = "301/sdo/download/size-not-announced", clause = "CiA 301 7.2.4.3.3", confidence = Cited, level = Should,
-       needs = [ScratchObject], catches = [SdoSegmentedSizeRequired])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoSegmentedSizeRequired])]
 fn size_not_announced(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     let multiplexer = scratch.multiplexer;
@@ -98,7 +98,7 @@ fn size_not_announced(bench: &mut Bench<'_>) -> Judged {
 /// A size that the object can't have is refused with abort 0607 0012h or 0607 0013h, with the announcement or at the end,
 /// and the object keeps its value.
 #[case(id = "301/sdo/download/announced-size-wrong", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
-       level = Must, needs = [ScratchObject], catches = [SdoLengthUnchecked, SdoLengthWrongCode])]
+       level = Must, needs = [ScratchObject, SegmentedDownload], catches = [SdoLengthUnchecked, SdoLengthWrongCode])]
 fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2, 1])?;
     let multiplexer = scratch.multiplexer;
@@ -112,7 +112,7 @@ fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
 
 /// A segment without data in the middle of a download is confirmed or refused, but answered.
 #[case(id = "301/sdo/download/empty-segment", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Should,
-       needs = [ScratchObject], catches = [SdoEmptySegmentSilent])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoEmptySegmentSilent])]
 fn empty_segment(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     begin_download(bench, &scratch)?;
@@ -124,28 +124,27 @@ fn empty_segment(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// A segmented download to an object that can only be read is refused with abort 0601 0002h at once, and the object
-/// keeps its value.
+/// A segmented download to an object that can only be read is refused with abort 0601 0002h, at once or with its last
+/// segment, and the object keeps its value.
 #[case(id = "301/sdo/download/segmented-read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
-       level = Must, catches = [SdoReadOnlySegmentedAccepted, SdoReadOnlyWrongCode])]
+       level = Must, needs = [SegmentedDownload], catches = [SdoReadOnlySegmentedAccepted, SdoReadOnlyWrongCode])]
 fn segmented_read_only(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = Multiplexer::new(0x1000, 0);
     let before = bench.read(multiplexer)?;
-    let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(4) };
-    let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;
+    let reply = in_segments(bench, multiplexer, 4)?;
     bench.check(reply.refused(Situation::ReadOnly))?;
     bench.expect_unchanged(multiplexer, &before)
 }
 
-/// A segmented download to an object or sub-index that does not exist is refused at once, with abort 0602 0000h or
-/// 0609 0011h.
+/// A segmented download to an object or sub-index that does not exist is refused, at once or with its last segment, with
+/// abort 0602 0000h or 0609 0011h.
 #[case(id = "301/sdo/download/segmented-missing", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
-       level = Must, catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex, SdoNoObjectSilent],
+       level = Must, needs = [SegmentedDownload],
+       catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex, SdoNoObjectSilent],
        answers = [MissingObject, MissingEntry])]
 fn segmented_missing(bench: &mut Bench<'_>) -> Judged {
     for (multiplexer, situation) in MISSING {
-        let request = Request::InitiateDownload { multiplexer, payload: Payload::Segmented(8) };
-        let reply = bench.exchange(&request, format!("segmented download to {multiplexer}"))?;
+        let reply = in_segments(bench, multiplexer, 8)?;
         bench.check(reply.refused(situation))?;
     }
     bench.expect_tidy()

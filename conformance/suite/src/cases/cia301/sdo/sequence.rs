@@ -16,7 +16,7 @@ const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
 
 /// A download that is given up for another request ends; the request is served, and the object keeps its value.
 #[case(id = "301/sdo/transfer/abandoned-download", clause = "CiA 301 7.2.4.3.2", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [SdoBusyAfterAbandonedDownload, SdoSegmentsWrittenAtOnce])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoBusyAfterAbandonedDownload, SdoSegmentsWrittenAtOnce])]
 fn abandoned_download(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     for circumstance in ["in the middle of a segmented download", "in the middle of a second segmented download"] {
@@ -100,7 +100,7 @@ fn wrong_in_upload(bench: &mut Bench<'_>) -> Judged {
 
 /// A command that has no place in a download under way is refused with abort 0504 0001h, and the object keeps its value.
 #[case(id = "301/sdo/command/wrong-in-download", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
-       needs = [ScratchObject], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode])]
 fn wrong_in_download(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     begin_download(bench, &scratch)?;

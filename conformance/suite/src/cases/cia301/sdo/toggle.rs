@@ -27,7 +27,7 @@ fn goes_on(bench: &mut Bench<'_>, scratch: &Scratch, toggle: bool, rest: &[u8]) 
 /// The first download segment has toggle bit 0; one with 1 is ignored, or refused with abort 0503 0000h. The object keeps
 /// its value, and if the server did not abort, the transfer can go on.
 #[case(id = "301/sdo/download/segment-toggle", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [SdoToggleUnchecked, SdoToggleWrongCode])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoToggleUnchecked, SdoToggleWrongCode])]
 fn segment_toggle(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[2, 4, 1])?;
     begin_download(bench, &scratch)?;
@@ -43,7 +43,7 @@ fn segment_toggle(bench: &mut Bench<'_>) -> Judged {
 /// The content of a download segment that repeats the toggle bit of the one before is ignored; the server may refuse it
 /// with abort 0503 0000h, and the object then keeps its value. Else the transfer can go on.
 #[case(id = "301/sdo/download/second-toggle", clause = "CiA 301 7.2.4.3.2", confidence = Cited, level = Must,
-       needs = [ScratchObject], catches = [SdoToggleUnchecked, SdoToggleWrongCode])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoToggleUnchecked, SdoToggleWrongCode])]
 fn second_toggle(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     begin_download(bench, &scratch)?;
