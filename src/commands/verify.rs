@@ -5,7 +5,7 @@ use crate::bundle::zip::{self, Entry};
 use crate::bundle::{RECORDING, RESULT, TRANSCRIPT, WAIVERS, manifest};
 use crate::commands::test::named;
 use crate::devices;
-use crate::output::{TextOrJson, diagnostic, print, unless_closed};
+use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
@@ -15,7 +15,7 @@ use canvass_bus::transcript::{Replay, Transcript};
 use canvass_device::address::{BusAddress, DeviceName};
 use canvass_device::models::Model;
 use canvass_reports::comparison::TestResult;
-use canvass_reports::escape::printable;
+use canvass_reports::escape::{Printable, printable};
 use canvass_suite::bench::{Bench, Target};
 use canvass_suite::case::Case;
 use canvass_suite::catalogue;
@@ -77,10 +77,10 @@ impl Args {
         }
         let verified = judge(&entries, &setup)?;
         let shown = match self.format {
-            TextOrJson::Text => verified.text(&self.bundle),
-            TextOrJson::Json => format!("{:#}\n", verified.json()),
+            TextOrJson::Text => Printable::document(&verified.text(&self.bundle)),
+            TextOrJson::Json => Printable::pretty_json(&verified.json()),
         };
-        unless_closed(print(&shown))?;
+        print(&shown)?;
         Ok(if verified.is_good() { Status::Good } else { Status::Findings })
     }
 }
