@@ -16,6 +16,7 @@ pub mod zip;
 
 use anyhow::{Context, Result};
 use canvass_bus::transcript::Transcript;
+use canvass_traces::small_file::{self, OF_HAND};
 use canvass_traces::{Channels, Compression, Format, Record, Recording, WriteOptions, Writer};
 use setup::Setup;
 use std::fs::File;
@@ -82,7 +83,8 @@ pub struct Contents<'a> {
 impl Contents<'_> {
     /// The bundle.
     pub fn pack(self) -> Result<Vec<u8>> {
-        let read = |path: &Path| std::fs::read(path).with_context(|| format!("can't read {}", path.display()));
+        let read =
+            |path: &Path| small_file::read(path, OF_HAND).with_context(|| format!("can't read {}", path.display()));
         let entry = |name: &str, content: Vec<u8>| Entry { name: name.to_owned(), content };
         let mut setup = self.setup;
         let mut entries = vec![

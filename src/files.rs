@@ -42,7 +42,7 @@ impl Files {
     pub fn new() -> Self {
         let standard = [
             (standard_file(&io::stdin()), "standard input", Use::Read),
-            (standard_file(&io::stdout()), "standard output", Use::Written),
+            (standard_file(&crate::output::raw()), "standard output", Use::Written),
         ];
         let known = |(identity, name, use_): (Option<Identity>, &str, Use)| {
             Some(Known { name: name.to_owned(), identity: identity?, use_ })

@@ -187,7 +187,8 @@ pub struct FrameLines {
 
 impl FrameLines {
     pub fn new(color: Color) -> Self {
-        Self { lines: TextLines::new(TimeStyle::Absolute, color.on_stdout()), output: Output::default() }
+        let colors = color.on_stdout();
+        Self { lines: TextLines::new(TimeStyle::Absolute, colors), output: Output::text(colors) }
     }
 
     pub fn show(&mut self, record: &Record, network: &mut Network, channels: &Channels) -> io::Result<()> {

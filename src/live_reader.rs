@@ -215,7 +215,7 @@ mod tests {
     fn read(interrupt_after: Option<usize>, span: Option<Duration>) -> (usize, u64, usize) {
         let interrupt = Interrupt::default();
         let bus = Box::new(Flood { milliseconds: 0, waiting: 10_000 });
-        let mut reader = LiveReader::new("can0", bus, span, &Output::default(), &interrupt);
+        let mut reader = LiveReader::new("can0", bus, span, &Output::text(false), &interrupt);
         let (mut records, mut lost, mut told) = (0, 0, 0);
         for item in reader.by_ref() {
             match item {

@@ -1,7 +1,7 @@
 //! Standard output and standard error.
 
-use canvass_reports::escape;
-use std::io::{self, IsTerminal, Write};
+use canvass_reports::escape::{Printable, Visible};
+use std::io::{self, IsTerminal, Stderr, Stdout, Write};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Whether to use colours.
@@ -25,7 +25,7 @@ impl Color {
             // https://no-color.org: any value but the empty one switches colours off.
             Self::Auto => {
                 let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-                !no_color && io::stdout().is_terminal()
+                !no_color && is_terminal()
             }
         }
     }
@@ -43,40 +43,71 @@ pub enum TextOrJson {
 
 /// Buffered standard output that can be shared with the reader of standard input: before that waits for more, what
 /// was decoded so far goes out.
-#[derive(Clone, Default)]
-pub struct Output(Arc<Mutex<Vec<u8>>>);
+#[derive(Clone)]
+pub struct Output(Arc<Mutex<Buffer>>);
+
+struct Buffer {
+    bytes: Vec<u8>,
+    stream: Stream,
+}
+
+enum Stream {
+    /// What people read, or may.
+    Text(Visible<Stdout>),
+    /// A capture.
+    Raw(Stdout),
+}
 
 impl Output {
     const FULL: usize = 64 * 1024;
 
+    /// Of text, with or without the colours that its renderer sets.
+    pub fn text(colors: bool) -> Self {
+        Self::new(Stream::Text(document(colors)))
+    }
+
+    /// Of a capture, whose bytes stay as they are.
+    pub fn capture() -> Self {
+        Self::new(Stream::Raw(raw()))
+    }
+
+    fn new(stream: Stream) -> Self {
+        Self(Arc::new(Mutex::new(Buffer { bytes: Vec::new(), stream })))
+    }
+
     /// Lets `append` add to the buffer, and writes it out when it is full.
     pub fn append(&self, append: impl FnOnce(&mut Vec<u8>)) -> io::Result<()> {
         let mut buffer = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        append(&mut buffer);
-        if buffer.len() >= Self::FULL { write_out(&mut buffer) } else { Ok(()) }
+        append(&mut buffer.bytes);
+        if buffer.bytes.len() >= Self::FULL { buffer.write_out() } else { Ok(()) }
     }
 
     /// The same where adding can fail; what was added before that stays.
     pub fn append_with<T>(&self, append: impl FnOnce(&mut Vec<u8>) -> io::Result<T>) -> io::Result<T> {
         let mut buffer = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let appended = append(&mut buffer)?;
-        if buffer.len() >= Self::FULL {
-            write_out(&mut buffer)?;
+        let appended = append(&mut buffer.bytes)?;
+        if buffer.bytes.len() >= Self::FULL {
+            buffer.write_out()?;
         }
         Ok(appended)
     }
 
     /// Writes out what is in the buffer.
     pub fn flush(&self) -> io::Result<()> {
-        write_out(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).write_out()
     }
 }
 
-fn write_out(buffer: &mut Vec<u8>) -> io::Result<()> {
-    let mut stdout = io::stdout().lock();
-    let written = stdout.write_all(buffer).and_then(|()| stdout.flush());
-    buffer.clear();
-    written
+impl Buffer {
+    fn write_out(&mut self) -> io::Result<()> {
+        let stream: &mut dyn Write = match &mut self.stream {
+            Stream::Text(stream) => stream,
+            Stream::Raw(stream) => stream,
+        };
+        let written = stream.write_all(&self.bytes).and_then(|()| stream.flush());
+        self.bytes.clear();
+        written
+    }
 }
 
 /// As a sink: nothing reaches standard output before it is flushed or full, whatever flushes the sink.
@@ -90,15 +121,49 @@ impl Write for Output {
     }
 }
 
-/// The columns of standard output, if it is a terminal.
-pub fn terminal_width() -> Option<usize> {
-    terminal_size::terminal_size_of(io::stdout()).map(|(width, _)| usize::from(width.0))
+/// Standard output for a document of which nothing may act, with or without the colours that its renderer sets.
+pub fn document(colors: bool) -> Visible<Stdout> {
+    Visible::new(raw(), colors)
 }
 
-/// Writes a text to standard output.
-pub fn print(text: &str) -> io::Result<()> {
-    let mut stdout = io::stdout().lock();
-    stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush())
+/// Standard output as it is, for what programs read: captures, scripts for shells. Text goes through [`document`].
+#[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
+pub fn raw() -> Stdout {
+    io::stdout()
+}
+
+/// Whether standard output is a terminal.
+pub fn is_terminal() -> bool {
+    raw().is_terminal()
+}
+
+#[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
+fn stderr() -> Stderr {
+    io::stderr()
+}
+
+/// Whether somebody sees standard error as it is written.
+pub fn is_seen() -> bool {
+    stderr().is_terminal()
+}
+
+/// Writes a line of standard error, which must be a terminal, in place of the one before it; an empty one clears it. Who
+/// does not see it misses nothing.
+pub fn show_progress(line: &Printable) {
+    let mut stderr = stderr().lock();
+    let _ = write!(stderr, "\r\x1b[K{line}").and_then(|()| stderr.flush());
+}
+
+/// The columns of standard output, if it is a terminal.
+pub fn terminal_width() -> Option<u16> {
+    terminal_size::terminal_size_of(raw()).map(|(width, _)| width.0)
+}
+
+/// Writes a text to standard output. That nobody reads it any more is no error: what a command has found out, and the status
+/// that it ends with, do not depend on that.
+pub fn print(text: &Printable) -> io::Result<()> {
+    let mut stdout = raw().lock();
+    unless_closed(stdout.write_all(text.as_str().as_bytes()).and_then(|()| stdout.flush()))
 }
 
 /// Takes it for written if nobody reads standard output any more: what a command has found out stays true, and its other
@@ -115,7 +180,7 @@ pub fn unless_closed(written: io::Result<()>) -> io::Result<()> {
 /// Whatever names and texts it is made of: characters that act are made visible, line ends too, so that no file's name and
 /// no device's can look like a message of its own.
 pub fn diagnostic(line: &str) {
-    let _ = writeln!(io::stderr().lock(), "{}", escape::printable(line));
+    let _ = writeln!(stderr().lock(), "{}", Printable::line(line));
 }
 
 /// The same for a text of several lines.

@@ -3,6 +3,7 @@
 use crate::output::{diagnostics, print};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, Result};
+use canvass_reports::escape::Printable;
 use canvass_reports::quality::{self, CaptureQuality};
 use canvass_traces::Channels;
 use std::ffi::OsString;
@@ -50,16 +51,16 @@ impl QualityOptions {
     pub fn report(&self, captures: &[CaptureQuality<'_>], channels: &Channels) -> Result<()> {
         let shown = match self.quality {
             None => return Ok(()),
-            Some(QualityFormat::Text) => quality::text(captures, channels),
-            Some(QualityFormat::Json) => format!("{:#}\n", quality::json(captures, channels)),
+            Some(QualityFormat::Text) => Printable::document(&quality::text(captures, channels)),
+            Some(QualityFormat::Json) => Printable::pretty_json(&quality::json(captures, channels)),
         };
         match &self.quality_out {
-            None => diagnostics(shown.trim_end()),
+            None => diagnostics(shown.as_str().trim_end()),
             Some(path) if path.as_os_str() == "-" => print(&shown)?,
             Some(path) => {
                 let file = WholeFile::create(path)?;
                 file.writer()?
-                    .write_all(shown.as_bytes())
+                    .write_all(shown.as_str().as_bytes())
                     .with_context(|| format!("can't write {}", path.display()))?;
                 file.complete()?;
             }

@@ -2,7 +2,9 @@
 //! Until then, and if anything goes wrong before, a file of that name keeps what it held.
 
 use anyhow::{Context, Result, bail};
+use canvass_reports::escape::Visible;
 use std::fs::{self, File, OpenOptions};
+use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
@@ -56,6 +58,14 @@ impl WholeFile {
             Part::InPlace(file) => file,
         };
         file.try_clone().with_context(|| format!("can't write {}", self.path.display()))
+    }
+
+    /// The same for a document of which nothing may act.
+    ///
+    /// # Errors
+    /// If the system can't open it again.
+    pub fn document(&self) -> Result<BufWriter<Visible<File>>> {
+        Ok(BufWriter::new(Visible::new(self.writer()?, false)))
     }
 
     /// Everything is written: it takes its place.

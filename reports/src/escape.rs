@@ -4,11 +4,12 @@
 //! Markup is escaped by what writes it (maud, quick-junit, serde_json); what they leave alone are characters that act
 //! on terminals and spreadsheets, that reorder text, or that XML forbids.
 //!
-//! What a renderer forgets is caught where its text leaves the program: pages go through [`document`], JUnit, Markdown and
-//! tables through [`Visible`], and whatever the program says on standard error through [`printable`].
+//! Nothing else leaves the program: its standard output and its reports are a [`Visible`], what it prints at once is a
+//! [`Printable`], and whatever it says on standard error goes through [`printable`]. Both have no way round: the streams
+//! themselves can be had in one place only (`clippy.toml`), and a [`Printable`] is made here only.
 
 use std::borrow::Cow;
-use std::fmt::Write as _;
+use std::fmt::{self, Write as _};
 use std::io;
 
 /// The text on one line, with every character made visible that would act instead of being shown: control characters
@@ -38,6 +39,54 @@ fn visible(text: &str, is_shown: impl Fn(char) -> bool) -> Cow<'_, str> {
         }
     }
     Cow::Owned(shown)
+}
+
+/// Text in which nothing acts, whoever wrote what it holds: the only thing that the program prints.
+///
+/// There is no other way to make one than those below, so that what was not looked at can't be printed:
+///
+/// ```compile_fail
+/// let name = canvass_reports::escape::Printable("\x1b[2J".to_owned());
+/// ```
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Printable(String);
+
+impl Printable {
+    /// Text of one line: line ends become visible, too.
+    pub fn line(text: &str) -> Self {
+        Self(printable(text).into_owned())
+    }
+
+    /// Text that keeps its lines.
+    pub fn document(text: &str) -> Self {
+        Self(document(text).into_owned())
+    }
+
+    /// JSON, with a line end after it.
+    pub fn json(value: &serde_json::Value) -> Self {
+        Self(json(&format!("{value}\n")).into_owned())
+    }
+
+    /// JSON over several lines.
+    pub fn pretty_json(value: &serde_json::Value) -> Self {
+        Self(json(&format!("{value:#}\n")).into_owned())
+    }
+
+    /// The text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+
+    /// The text.
+    pub fn into_string(self) -> String {
+        self.0
+    }
+}
+
+impl fmt::Display for Printable {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(&self.0)
+    }
 }
 
 /// A document on its way out, whoever writes it: characters that act are made visible. Lines stay, and where colours are
@@ -86,6 +135,10 @@ fn color_sequence(text: &str) -> Option<usize> {
 
 impl<W: io::Write> io::Write for Visible<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        // Nearly always: lines of a decoder come by millions.
+        if self.pending.is_empty() && is_plain(bytes) {
+            return self.out.write_all(bytes).map(|()| bytes.len());
+        }
         self.pending.extend_from_slice(bytes);
         let pending = std::mem::take(&mut self.pending);
         // What is cut in the middle waits for the rest.
@@ -111,6 +164,29 @@ impl<W: io::Write> io::Write for Visible<W> {
         self.out.write_all(printable(&String::from_utf8_lossy(&pending)).as_bytes())?;
         self.out.flush()
     }
+}
+
+/// Whether these are whole characters of which none acts, as far as a quick look tells.
+fn is_plain(bytes: &[u8]) -> bool {
+    // Without a way out in the middle, so that many bytes are looked at together.
+    let controls = bytes.iter().fold(false, |found, &byte| found | (byte < b' ' && byte != b'\n') | (byte == 0x7F));
+    if controls || bytes.is_ascii() {
+        return !controls;
+    }
+    let may_act = |found: bool, three: &[u8; 3]| {
+        let [first, second, third] = *three;
+        found
+            | (first == 0xC2 && second < 0xA0)
+            | (first == 0xD8 && second == 0x9C)
+            | (first == 0xE2 && second == 0x80 && matches!(third, 0x8B..=0x8F | 0xA8..=0xAE))
+            | (first == 0xE2 && second == 0x81 && third >= 0xA0)
+            | (first == 0xEF && second >= 0xBB)
+            | (first == 0xF3)
+    };
+    let ends_plainly = bytes.last().is_some_and(u8::is_ascii);
+    ends_plainly
+        && std::str::from_utf8(bytes).is_ok()
+        && !bytes.windows(3).filter_map(|three| three.first_chunk()).fold(false, may_act)
 }
 
 /// Whether a character does something other than appear.
@@ -240,6 +316,27 @@ mod tests {
             assert_eq!(through(text, at, true), shown, "cut at {at}");
             assert_eq!(through(text, at, false), shown.replace('\x1b', "\\x1B"), "cut at {at}");
         }
+    }
+
+    /// Every character, alone and within others: the quick look overlooks none.
+    #[test]
+    fn a_quick_look_overlooks_nothing() {
+        for c in '\0'..=char::MAX {
+            let text = format!("a{c}b\n");
+            assert!(!(is_plain(text.as_bytes()) && document(&text) != text), "{c:?}");
+        }
+        assert!(is_plain("25 °C, 3 µs – Kübler…\n".as_bytes()));
+        assert!(!is_plain(b"\x9b2J\n") && !is_plain("cut µ".as_bytes().split_last().unwrap().1));
+    }
+
+    #[test]
+    fn what_is_printed_was_looked_at() {
+        let hostile = "\u{1b}[2J\u{202e}\n\u{e0041}";
+        assert_eq!(Printable::line(hostile).as_str(), "\\x1B[2J\\u{202E}\\x0A\\u{E0041}");
+        assert_eq!(Printable::document(hostile).to_string(), "\\x1B[2J\\u{202E}\n\\u{E0041}");
+        let json = Printable::json(&serde_json::Value::from(hostile)).into_string();
+        assert!(!json.trim_end().contains(acts) && json.ends_with('\n'), "{json}");
+        assert_eq!(serde_json::from_str::<String>(&json).unwrap(), hostile);
     }
 
     proptest! {

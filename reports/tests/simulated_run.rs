@@ -61,14 +61,13 @@ fn every_report_of_a_faulty_device() {
         [Fault::SdoStaleMultiplexer, Fault::HeartbeatPeriodDoubled, Fault::DeviceNameWithGarbage].into_iter().collect();
     let [mut page, mut xml, mut text, mut lines] = [const { Vec::new() }; 4];
     let style = terminal::Style { color: false, progress: false, width: None };
-    let mut progress = Vec::new();
     let summary = run_with(
         faults,
         &mut [
             &mut Document::new(&mut page, html::render),
             &mut Document::new(&mut xml, junit::render),
             &mut Document::new(&mut text, markdown::render),
-            &mut terminal::Terminal::new(&mut lines, &mut progress, style),
+            &mut terminal::Terminal::new(&mut lines, |_| {}, style),
         ],
     );
     // A stale multiplexer shows in every case that provokes an abort.

@@ -1,8 +1,9 @@
 //! `canvass completions`: completion scripts for shells.
 
-use crate::output::print;
+use crate::output::{raw, unless_closed};
 use crate::status::{Failure, Status};
 use clap_complete::Shell;
+use std::io::Write;
 
 /// Print a completion script for a shell
 ///
@@ -19,7 +20,7 @@ impl Args {
     pub fn run(self, mut cli: clap::Command) -> Result<Status, Failure> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut cli, "canvass", &mut script);
-        print(&String::from_utf8_lossy(&script))?;
+        unless_closed(raw().write_all(&script))?;
         Ok(Status::Good)
     }
 }

@@ -77,7 +77,7 @@ impl Args {
         let destination = Destination::new(out, to_format, self.force)?;
         let used = Files::new().reads(files).describes(self.selection.descriptions());
         used.writes([out])?.writes(self.input.quality_file())?;
-        let output = Output::default();
+        let output = Output::capture();
         let mut inputs = Inputs::open(files, &self.input, &output)?;
         let (sink, whole) = match inputs.is_live() {
             true => (destination.open_growing(&output)?, None),

@@ -78,7 +78,7 @@ enum Time {
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
-        let output = Output::default();
+        let output = Output::text(color.on_stdout());
         // A mistake in the options is told before anything is read.
         let network = self.view.network()?;
         let files = Files::new().reads(&self.files).describes(self.view.selection.descriptions());
@@ -121,7 +121,7 @@ impl View {
         let (time, color) = (self.time.style(), color.on_stdout());
         match self.format {
             DecodeFormat::Text => Box::new(TextLines::new(time, color)),
-            DecodeFormat::Table => Box::new(TableLines::new(time, color, terminal_width())),
+            DecodeFormat::Table => Box::new(TableLines::new(time, color, terminal_width().map(usize::from))),
             DecodeFormat::Json => Box::new(JsonLines::new()),
             DecodeFormat::Csv => Box::new(CsvLines::new(time)),
         }

@@ -4,7 +4,7 @@ use crate::destination::refuse_existing;
 use crate::devices::DeviceArg;
 use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs, Seen};
-use crate::output::{Color, Output, unless_closed};
+use crate::output::{Color, Output, document, is_terminal, unless_closed};
 use crate::provenance::{Collected, Hashes, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
@@ -14,7 +14,7 @@ use canvass_analyzer::findings::{Diagnosis, InOrder, Severity, SourceQuality, Th
 use canvass_device::models::Model;
 use canvass_reports::diagnosis::{self, Diagnosed, Style, html};
 use canvass_traces::{ChannelId, Record};
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 use std::ops::Range;
 use std::path::PathBuf;
 
@@ -112,7 +112,7 @@ impl Args {
         let mut range = self.range;
         let out = self.destination()?;
         let mut collector = (self.format == DiagnoseFormat::Html).then(html::Collector::default);
-        let output = Output::default();
+        let output = Output::text(false);
         let hashes = Hashes::begin("capture", &self.files);
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
         let (mut damages, mut channels) = (0, 0);
@@ -186,7 +186,7 @@ impl Args {
         let files = Files::new().reads(&self.files).describes(devices);
         files.writes(&self.output)?.writes(self.input.quality_file())?;
         let Some(path) = self.output.as_ref().filter(|path| path.as_os_str() != "-") else {
-            if self.format == DiagnoseFormat::Html && io::stdout().is_terminal() {
+            if self.format == DiagnoseFormat::Html && is_terminal() {
                 return Err(anyhow!("the page is for a browser: give --output FILE, or redirect the output").into());
             }
             return Ok(None);
@@ -206,8 +206,8 @@ impl Args {
     ) -> Result<(), Failure> {
         let to_file = file.is_some();
         let sink: Box<dyn Write> = match &file {
-            Some(file) => Box::new(file.writer()?),
-            None => Box::new(io::stdout().lock()),
+            Some(file) => Box::new(file.document()?),
+            None => Box::new(document(color.on_stdout())),
         };
         let mut out = io::BufWriter::new(sink);
         let written = match self.format {

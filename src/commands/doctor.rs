@@ -5,6 +5,7 @@ mod kernel;
 
 use crate::output::{TextOrJson, print};
 use crate::status::{Failure, Status};
+use canvass_reports::escape::Printable;
 use serde_json::json;
 use std::fmt::Write;
 use std::fs;
@@ -42,7 +43,7 @@ impl Args {
                 .iter()
                 .map(|finding| json!({"what": finding.what, "good": finding.good, "text": finding.text}))
                 .collect();
-            print(&format!("{:#}\n", json!({"schema": "canvass/doctor/1", "findings": rows})))?;
+            print(&Printable::pretty_json(&json!({"schema": "canvass/doctor/1", "findings": rows})))?;
             return Ok(Status::Good);
         }
         let mut text = String::new();
@@ -50,7 +51,7 @@ impl Args {
             // Writing to a string can't fail.
             let _ = writeln!(text, "{} {:12} {}", if finding.good { "✔" } else { "✘" }, finding.what, finding.text);
         }
-        print(&text)?;
+        print(&Printable::document(&text))?;
         Ok(Status::Good)
     }
 }

@@ -4,7 +4,7 @@ use crate::devices::{read, summary};
 use crate::output::print;
 use crate::status::{Failure, Status};
 use canvass_analyzer::dictionary::Severity;
-use canvass_reports::escape::printable;
+use canvass_reports::escape::{Printable, printable};
 use std::fmt::Write;
 use std::path::PathBuf;
 
@@ -42,7 +42,7 @@ impl Args {
                 let _ = writeln!(text, "{name}: {}: {problem}", problem.severity);
             }
             let _ = writeln!(text, "{name}: {}", summary(&problems));
-            print(&text)?;
+            print(&Printable::document(&text))?;
             if problems.iter().any(|problem| problem.severity == Severity::Error) {
                 status = Status::Findings;
             }

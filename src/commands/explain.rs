@@ -8,6 +8,7 @@ use canvass_device::models::Model;
 use canvass_device::{Fault, Liberty};
 use canvass_reports::answers;
 use canvass_reports::diagnosis;
+use canvass_reports::escape::Printable;
 use canvass_reports::fuzz::properties;
 use canvass_suite::case::Case;
 use canvass_suite::catalogue;
@@ -39,7 +40,7 @@ impl Args {
                     "nothing is called \"{id}\": `canvass list cases|situations|models|faults|liberties|rules|properties|formats` shows what there is"
                 )
             })?;
-        print(&text)?;
+        print(&Printable::document(&text))?;
         Ok(Status::Good)
     }
 }

@@ -10,7 +10,7 @@ use crate::files::Files;
 use crate::identity;
 use crate::interrupt::Interrupt;
 use crate::live::parse_span;
-use crate::output::{diagnostic, unless_closed};
+use crate::output::{diagnostic, document, unless_closed};
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use crate::whole_file::WholeFile;
@@ -27,7 +27,7 @@ use canvass_traces::Duration;
 use device::Device;
 use progress::Progress;
 use regressions::Regressions;
-use std::io::{self, BufWriter, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -118,7 +118,7 @@ impl Args {
             None => Ok(()),
         };
         let run = self.result(&device, provenance.0, &plan, outcome, interrupt.came());
-        let printed = render_of(self.shown.format)(&run, &mut io::stdout().lock());
+        let printed = render_of(self.shown.format)(&run, &mut document(false));
         // None depends on another: if one can't be written, the others are whole all the same.
         let reported: Vec<_> = reports.into_iter().map(|(render, file)| write_report(render, &run, file)).collect();
         unless_closed(printed)?;
@@ -250,7 +250,7 @@ impl Args {
 }
 
 fn write_report(render: Render, run: &Run, file: WholeFile) -> anyhow::Result<()> {
-    let mut out = BufWriter::new(file.writer()?);
+    let mut out = file.document()?;
     render(run, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
     file.complete()
 }

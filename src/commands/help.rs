@@ -3,6 +3,7 @@
 use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
+use canvass_reports::escape::Printable;
 
 /// Print the help of a command, or of a topic: filter
 #[derive(clap::Args)]
@@ -21,7 +22,7 @@ impl Args {
         if let [topic] = &self.what[..]
             && let Some((_, page)) = TOPICS.iter().find(|(name, _)| name == topic)
         {
-            print(page)?;
+            print(&Printable::document(page))?;
             return Ok(Status::Good);
         }
         let mut command = &mut cli;
@@ -32,7 +33,7 @@ impl Args {
                 .find_subcommand_mut(name)
                 .ok_or_else(|| anyhow!("there is no command \"{what}\"; beside commands there is help of: {topics}"))?;
         }
-        print(&command.render_long_help().to_string())?;
+        print(&Printable::document(&command.render_long_help().to_string()))?;
         Ok(Status::Good)
     }
 }

@@ -10,6 +10,7 @@ use canvass_device::{Fault, Liberty};
 use canvass_fuzzer::Property;
 use canvass_reports::answers;
 use canvass_reports::catalogue_page;
+use canvass_reports::escape::Printable;
 use canvass_reports::fuzz::faults_page;
 use canvass_suite::case::Case;
 use canvass_suite::catalogue;
@@ -68,7 +69,7 @@ impl Args {
                 What::Faults => faults_page::page(),
                 _ => return Err(anyhow!("--format markdown is for cases and faults: say text or json").into()),
             };
-            print(&page)?;
+            print(&Printable::document(&page))?;
             return Ok(Status::Good);
         }
         let rows = match self.what {
@@ -82,8 +83,8 @@ impl Args {
             What::Formats => formats(),
         };
         match self.format {
-            ListFormat::Text | ListFormat::Markdown => print(&text(&rows))?,
-            ListFormat::Json => print(&format!("{:#}\n", Value::Array(rows)))?,
+            ListFormat::Text | ListFormat::Markdown => print(&Printable::document(&text(&rows)))?,
+            ListFormat::Json => print(&Printable::pretty_json(&Value::Array(rows)))?,
         }
         Ok(Status::Good)
     }

@@ -8,6 +8,7 @@ use canvass_analyzer::wire::lss::{BIT_RATES, ConfigureCommand, MASTER_CAN_ID, Pa
 use canvass_analyzer::{NodeId, wire::Wire};
 use canvass_bus::client::Exchange;
 use canvass_bus::client::lss::{LssAddress, ScanStep};
+use canvass_reports::escape::Printable;
 use canvass_traces::{Duration, Record, Timestamp};
 use serde_json::json;
 use std::collections::BTreeMap;
@@ -268,7 +269,7 @@ impl Master<'_> {
             return Err(anyhow!("{request}: the device answers \"{response}\"").into());
         }
         if !self.json {
-            print(&format!("{response}\n"))?;
+            print(&Printable::document(&format!("{response}\n")))?;
         }
         Ok(())
     }
@@ -319,13 +320,13 @@ impl Master<'_> {
                 "schema": "canvass/lss/1", "vendor_id": vendor, "product_code": product, "revision_number": revision,
                 "serial_number": serial, "node": node_id,
             });
-            return Ok(print(&format!("{document}\n"))?);
+            return Ok(print(&Printable::json(&document))?);
         }
         let node_id = node_id.map_or_else(|| "none".to_owned(), |node_id| node_id.to_string());
-        Ok(print(&format!(
+        Ok(print(&Printable::document(&format!(
             "vendor-ID {vendor:08X}h, product code {product:08X}h, revision number {revision:08X}h, serial number \
              {serial:08X}h, node-ID {node_id}\n"
-        ))?)
+        )))?)
     }
 }
 

@@ -1,8 +1,9 @@
 //! `canvass man`: manual pages.
 
-use crate::output::print;
+use crate::output::{raw, unless_closed};
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
+use std::io::Write;
 use std::path::PathBuf;
 
 /// Print the manual page, or write those of all commands into a folder
@@ -31,7 +32,7 @@ impl Args {
         };
         let mut page = Vec::new();
         clap_mangen::Man::new(command).render(&mut page)?;
-        print(&String::from_utf8_lossy(&page))?;
+        unless_closed(raw().write_all(&page))?;
         Ok(Status::Good)
     }
 }

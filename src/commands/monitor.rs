@@ -40,7 +40,7 @@ impl Args {
         if !bus.is_live() && self.span.is_none() {
             return Err(anyhow!("on a simulated bus time is virtual: say --for how long").into());
         }
-        let (output, interrupt) = (Output::default(), Interrupt::watch()?);
+        let (output, interrupt) = (Output::text(color.on_stdout()), Interrupt::watch()?);
         #[cfg(feature = "screen")]
         if self.screen {
             let mut bus = bus;

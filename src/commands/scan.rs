@@ -14,7 +14,7 @@ use canvass_bus::client::Exchange;
 use canvass_bus::client::lss::{LssAddress, ScanStep};
 use canvass_bus::client::sdo::{Outcome, Transfer};
 use canvass_device::models::Model;
-use canvass_reports::escape;
+use canvass_reports::escape::{Printable, printable};
 use canvass_traces::{Duration, Record, Timestamp};
 use serde_json::{Value, json};
 use std::collections::{BTreeMap, VecDeque};
@@ -81,8 +81,8 @@ impl Args {
         nodes.extend(live.simulated_node().map(|node| (node, Found::default())));
         let scanned = self.find(&mut live, &interrupt, ends, &mut last, &mut nodes).map_err(Failure::unreachable)?;
         match self.format {
-            TextOrJson::Text => print(&text(&nodes, scanned))?,
-            TextOrJson::Json => print(&format!("{}\n", escape::json(&json(&nodes, scanned).to_string())))?,
+            TextOrJson::Text => print(&Printable::document(&text(&nodes, scanned)))?,
+            TextOrJson::Json => print(&Printable::json(&json(&nodes, scanned)))?,
         }
         live.report_health();
         if live.bus.now() >= ends {
@@ -268,7 +268,7 @@ fn text(nodes: &BTreeMap<NodeId, Found>, scanned: Option<Scanned>) -> String {
         }
         for (index, name) in NAMES {
             if let Some(value) = found.text(index) {
-                let _ = writeln!(text, "  {name} {}", escape::printable(&value));
+                let _ = writeln!(text, "  {name} {}", printable(&value));
             }
         }
         let _ = match found.models() {

@@ -14,7 +14,7 @@ use canvass_analyzer::network::{Event, Network};
 use canvass_analyzer::{Multiplexer, NodeId, TransferText};
 use canvass_bus::client::Exchange;
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome, Transfer};
-use canvass_reports::escape;
+use canvass_reports::escape::Printable;
 use canvass_traces::{Duration, Record, Timestamp};
 use serde_json::json;
 
@@ -162,12 +162,12 @@ impl Target {
         shown: &Shown,
     ) -> std::io::Result<()> {
         if matches!(self.format, TextOrJson::Text) {
-            return print(&match read {
+            return print(&Printable::document(&match read {
                 None => format!("{object} = {} written\n", shown.value),
                 // Where frames were lost on the way here, the bytes speak for themselves.
                 Some((bytes, _)) if shown.value.is_empty() => format!("{object} = {}\n", Bytes(bytes)),
                 Some(_) => format!("{object} = {}\n", shown.value),
-            });
+            }));
         }
         let bytes = read.map(|(bytes, _)| bytes.iter().map(|byte| format!("{byte:02X}")).collect::<String>());
         let document = json!({
@@ -181,7 +181,7 @@ impl Target {
             "text": shown.value,
             "duration_ns": shown.duration.nanos(),
         });
-        print(&format!("{}\n", escape::json(&document.to_string())))
+        print(&Printable::json(&document))
     }
 }
 

@@ -1,13 +1,14 @@
 //! `canvass selftest`: whether the cases detect what they are for.
 
 use crate::live::parse_span;
-use crate::output::print;
+use crate::output::{document, print, unless_closed};
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_device::Fault;
 use canvass_device::models::Model;
 use canvass_fuzzer::detection::{Limit, Row, Table, detect};
 use canvass_fuzzer::liberties;
+use canvass_reports::escape::Printable;
 use canvass_reports::fuzz::detection;
 use canvass_reports::selftest::{json, text};
 use canvass_suite::case::Case;
@@ -90,8 +91,8 @@ impl Args {
         let chance = if whole { liberties::Chance::WHOLE } else { liberties::Chance::NONE };
         let fuzzed = liberties::run(liberties::Chance { seed: self.seed, ..chance }).map_err(Failure::unreachable)?;
         match self.format {
-            MatrixFormat::Table => print(&text(&matrix, &fuzzed))?,
-            MatrixFormat::Json => json(&matrix, &fuzzed, &mut std::io::stdout().lock())?,
+            MatrixFormat::Table => print(&Printable::document(&text(&matrix, &fuzzed)))?,
+            MatrixFormat::Json => unless_closed(json(&matrix, &fuzzed, &mut document(false)))?,
         }
         Ok(if matrix.is_good() && fuzzed.is_good() { Status::Good } else { Status::Findings })
     }
@@ -108,8 +109,8 @@ impl Args {
         }
         let table = Table { rows, limit };
         match self.format {
-            MatrixFormat::Table => print(&detection::text(&table))?,
-            MatrixFormat::Json => print(&format!("{:#}\n", detection::json(&table)))?,
+            MatrixFormat::Table => print(&Printable::document(&detection::text(&table)))?,
+            MatrixFormat::Json => print(&Printable::pretty_json(&detection::json(&table)))?,
         }
         let good = table.rows.iter().all(|row| row.is_good(table.limit));
         Ok(if good { Status::Good } else { Status::Findings })

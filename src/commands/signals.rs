@@ -69,7 +69,7 @@ impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         let files = Files::new().reads(&self.files).describes(self.selection.descriptions());
         files.writes(self.input.quality_file())?;
-        let output = Output::default();
+        let output = Output::text(false);
         let sheet: Box<dyn Sheet> = match self.format {
             SignalFormat::Csv => Box::new(CsvSheet::new(SpooledTempFile::new(IN_MEMORY), self.every.is_none())),
             SignalFormat::Json => Box::new(JsonSheet::new()),

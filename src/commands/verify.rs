@@ -5,7 +5,7 @@ use crate::bundle::zip::{self, Entry};
 use crate::bundle::{RECORDING, RESULT, TRANSCRIPT, WAIVERS, manifest};
 use crate::commands::test::named;
 use crate::devices;
-use crate::output::{TextOrJson, diagnostic, print, unless_closed};
+use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
@@ -15,15 +15,18 @@ use canvass_bus::transcript::{Replay, Transcript};
 use canvass_device::address::{BusAddress, DeviceName};
 use canvass_device::models::Model;
 use canvass_reports::comparison::TestResult;
-use canvass_reports::escape::printable;
+use canvass_reports::escape::{Printable, printable};
 use canvass_suite::bench::{Bench, Target};
 use canvass_suite::case::Case;
 use canvass_suite::catalogue;
 use canvass_suite::runner::{Plan, RunEvent, run};
 use canvass_suite::verdict::{Deviation, Kind};
 use canvass_suite::waiver::Waivers;
+use canvass_traces::small_file::{self, OF_BUNDLE};
 use canvass_traces::{Capture, ReadOptions, Record};
 use serde_json::json;
+use std::fs::File;
+use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 
@@ -58,10 +61,8 @@ struct Verified {
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         let path = self.bundle.display();
-        let archive = std::fs::read(&self.bundle).with_context(|| format!("can't read {path}"))?;
-        if !archive.starts_with(b"PK\x03\x04") {
-            return Err(anyhow!("{path} is no bundle of canvass").into());
-        }
+        let archive = archive(&self.bundle).with_context(|| format!("can't read {path}"))?;
+        let Some(archive) = archive else { return Err(anyhow!("{path} is no bundle of canvass").into()) };
         let entries = match unpacked(&archive) {
             Ok(entries) => entries,
             Err(why) => {
@@ -77,12 +78,20 @@ impl Args {
         }
         let verified = judge(&entries, &setup)?;
         let shown = match self.format {
-            TextOrJson::Text => verified.text(&self.bundle),
-            TextOrJson::Json => format!("{:#}\n", verified.json()),
+            TextOrJson::Text => Printable::document(&verified.text(&self.bundle)),
+            TextOrJson::Json => Printable::pretty_json(&verified.json()),
         };
-        unless_closed(print(&shown))?;
+        print(&shown)?;
         Ok(if verified.is_good() { Status::Good } else { Status::Findings })
     }
+}
+
+/// All of a file that begins as archives do; of any other no more is read than its beginning.
+fn archive(path: &Path) -> std::io::Result<Option<Vec<u8>>> {
+    const BEGINNING: &[u8] = b"PK\x03\x04";
+    let mut begun = Vec::new();
+    File::open(path)?.take(BEGINNING.len() as u64).read_to_end(&mut begun)?;
+    if begun == BEGINNING { small_file::read(path, OF_BUNDLE).map(Some) } else { Ok(None) }
 }
 
 /// The files of a bundle of which no byte was changed.

@@ -10,7 +10,11 @@ const MEMORY: usize = 110_000;
 
 /// Runs the program on what `write` makes, with that limit.
 fn run(args: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()> + Send) -> Run {
-    let shell = format!("ulimit -v {MEMORY} && exec \"$0\" {args}");
+    run_within(MEMORY, args, write)
+}
+
+fn run_within(memory: usize, args: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()> + Send) -> Run {
+    let shell = format!("ulimit -v {memory} && exec \"$0\" {args}");
     let mut child = Command::new("sh")
         .args(["-c", &shell, env!("CARGO_BIN_EXE_canvass")])
         // Each thread would reserve 64 MiB of addresses beforehand.
@@ -158,6 +162,39 @@ fn gzip_bombs() {
     let log = b"(1700000000.000000) can0 701#05\n";
     says("expected a line of at most 65536 bytes", 0, 1, |out| gzip_bomb(out, log, b'('));
     says("expected", 2, 24, |out| gzip_bomb(out, &sample("tcpdump-us.pcap"), 0xFF));
+}
+
+/// Whatever a command reads as a whole it stops reading when there is more of it than such a file can have.
+#[cfg(target_os = "linux")]
+#[test]
+fn a_file_without_end_for_whatever_is_read() {
+    let sample = format!("{}/traces/samples/python-can.log", env!("CARGO_MANIFEST_DIR"));
+    let zero = "/dev/zero";
+    let sim = "sim:reference-301";
+    for args in [
+        format!("decode {sample} --device 5={zero}"),
+        format!("diagnose {sample} --device 5={zero}"),
+        format!("signals {sample} --device 5={zero}"),
+        format!("decode {zero}"),
+        format!("eds check {zero}"),
+        format!("scan sim:{zero}"),
+        format!("scan {sim}~csv={zero}"),
+        format!("simulate {zero} {sim} --for 1"),
+        format!("simulate reference-301 {sim} --for 1 --memory {zero}"),
+        format!("test {sim} --device {zero}"),
+        format!("test {sim} --waivers {zero}"),
+        format!("test {sim} --failed-from {zero}"),
+        format!("fuzz {sim} --replay {zero}"),
+        format!("fuzz {sim} --runs 1 --regressions {zero}"),
+        format!("restore {sim} --journal {zero}"),
+        format!("compare {zero} {zero}"),
+        format!("history {zero} {zero}"),
+        format!("verify {zero}"),
+    ] {
+        let ended = run_within(400_000, &args, |_| Ok(()));
+        assert!((1..=3).contains(&ended.status), "{args}: {}, {}", ended.status, ended.stderr);
+        assert!(!ended.stderr.contains("panicked") && ended.stderr.lines().count() < 10, "{args}: {}", ended.stderr);
+    }
 }
 
 /// Every kind of character that acts: a control sequence, a line that looks like a message, bidirectional controls, a line

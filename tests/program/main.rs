@@ -9,6 +9,8 @@ mod bundle;
 #[cfg(test)]
 mod ci_page;
 #[cfg(test)]
+mod closed_output;
+#[cfg(test)]
 mod conformance;
 #[cfg(test)]
 mod contract;
@@ -20,6 +22,8 @@ mod diagnose;
 mod events;
 #[cfg(test)]
 mod everyday;
+#[cfg(test)]
+mod flooded;
 #[cfg(test)]
 mod fuzz;
 #[cfg(test)]

@@ -9,6 +9,8 @@ use std::path::Path;
 pub const OF_HAND: u64 = 16 << 20;
 /// Bytes of a file that a program has written, such as a result with its frames: 128 MiB.
 pub const OF_PROGRAM: u64 = 128 << 20;
+/// Bytes of a bundle, which holds all frames of a run: 1 GiB.
+pub const OF_BUNDLE: u64 = 1 << 30;
 
 /// All of a file.
 ///

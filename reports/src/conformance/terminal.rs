@@ -3,7 +3,7 @@
 use super::dictionary;
 use super::skipped::Skipped;
 use super::{Reporter, outcome, screen, symbol};
-use crate::escape::{Visible, printable};
+use crate::escape::{Printable, Visible, printable};
 use crate::provenance::{self, Provenance};
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::Kind;
@@ -26,9 +26,10 @@ pub struct Style {
 
 /// Prints results to one stream and progress to another.
 #[derive(Debug)]
-pub struct Terminal<O, P> {
+pub struct Terminal<O> {
     out: Visible<O>,
-    progress: P,
+    /// Shows a line in place of the one before it.
+    progress: fn(&Printable),
     style: Style,
     told: Vec<CaseReport>,
     skipped: Skipped,
@@ -38,21 +39,18 @@ pub struct Terminal<O, P> {
     provenance: Provenance,
 }
 
-impl<O: Write, P: Write> Terminal<O, P> {
-    /// Results go to `out`, progress to `progress`.
-    pub fn new(out: O, progress: P, style: Style) -> Self {
+impl<O: Write> Terminal<O> {
+    /// Results go to `out`; `progress` shows a line in place of the one before it.
+    pub fn new(out: O, progress: fn(&Printable), style: Style) -> Self {
         let out = Visible::new(out, style.color);
         let (told, skipped, compared, notices) = (Vec::new(), Skipped::default(), Vec::new(), Vec::new());
         Self { out, progress, style, told, skipped, compared, notices, provenance: Provenance::default() }
     }
 
-    fn show_progress(&mut self, text: &str) -> io::Result<()> {
+    fn show_progress(&self, text: &str) {
         if self.style.progress {
-            // Back to the start of the line, and clear what was there.
-            write!(self.progress, "\r\x1b[K{text}")?;
-            self.progress.flush()?;
+            (self.progress)(&Printable::line(text));
         }
-        Ok(())
     }
 
     fn painted(&self, kind: Kind, text: &str) -> String {
@@ -83,7 +81,7 @@ impl<O: Write, P: Write> Terminal<O, P> {
     }
 
     fn finish(&mut self, summary: &Summary) -> io::Result<()> {
-        self.show_progress("")?;
+        self.show_progress("");
         let told = std::mem::take(&mut self.told);
         told.iter().try_for_each(|report| self.case(report))?;
         if !self.skipped.is_empty() {
@@ -159,11 +157,14 @@ const fn color(kind: Kind) -> Color {
     }
 }
 
-impl<O: Write, P: Write> Reporter for Terminal<O, P> {
+impl<O: Write> Reporter for Terminal<O> {
     fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()> {
         match event {
             RunEvent::RunStarted(info) => self.start(info),
-            RunEvent::CaseStarted { case, number, of } => self.show_progress(&format!("[{number}/{of}] {}", case.id)),
+            RunEvent::CaseStarted { case, number, of } => {
+                self.show_progress(&format!("[{number}/{of}] {}", case.id));
+                Ok(())
+            }
             RunEvent::CaseFinished(report) => {
                 self.keep(report);
                 Ok(())

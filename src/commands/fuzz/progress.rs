@@ -1,8 +1,9 @@
 //! How far a run is, on a terminal.
 
+use crate::output::{diagnostic, is_seen, show_progress};
 use canvass_fuzzer::campaign::{self, Outcome};
+use canvass_reports::escape::Printable;
 use canvass_traces::Duration;
-use std::io::{self, IsTerminal, Write};
 use std::time::Instant;
 
 /// A line that is written again and again.
@@ -19,7 +20,7 @@ const RATE: u128 = 5;
 impl Progress {
     /// Of a run that may take so long.
     pub fn new(span: Option<Duration>) -> Self {
-        Self { begun: Instant::now(), shown: None, span, terminal: io::stderr().is_terminal() }
+        Self { begun: Instant::now(), shown: None, span, terminal: is_seen() }
     }
 
     /// Shows the state, if somebody sees it and it was not shown a moment ago.
@@ -33,25 +34,20 @@ impl Progress {
         let (executions, rate) = (state.executions, per_second(state.executions, elapsed));
         let pairs = state.coverage.exercised();
         let violations = state.violations;
-        // Who does not see it misses nothing.
-        let _ = write!(
-            io::stderr().lock(),
-            "\r\x1b[K{elapsed:.0} s{of}: {executions} exchanges, {rate}/s, {pairs} pairs of state and command, \
+        show_progress(&Printable::line(&format!(
+            "{elapsed:.0} s{of}: {executions} exchanges, {rate}/s, {pairs} pairs of state and command, \
              {violations} violations"
-        );
+        )));
     }
 
     /// The run is over.
     pub fn end(&self, outcome: &Outcome) {
-        let mut stderr = io::stderr().lock();
-        let clear = if self.terminal { "\r\x1b[K" } else { "" };
+        if self.terminal {
+            show_progress(&Printable::line(""));
+        }
         let elapsed = self.begun.elapsed().as_secs_f64();
-        let _ = writeln!(
-            stderr,
-            "{clear}canvass: {} exchanges in {elapsed:.1} s, {}/s",
-            outcome.executions,
-            per_second(outcome.executions, elapsed)
-        );
+        let (executions, rate) = (outcome.executions, per_second(outcome.executions, elapsed));
+        diagnostic(&format!("canvass: {executions} exchanges in {elapsed:.1} s, {rate}/s"));
     }
 }
 

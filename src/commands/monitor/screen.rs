@@ -6,7 +6,7 @@ use canvass_analyzer::network::{Decoded, Event, Network};
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::{Meaning, NodeId, Service};
 use canvass_bus::{Bus, Health};
-use canvass_reports::escape;
+use canvass_reports::escape::Printable;
 use canvass_traces::{Duration, Record, Timestamp, bit_length};
 use ratatui::Frame;
 use ratatui::crossterm::event::{self, Event as Key, KeyCode};
@@ -123,7 +123,7 @@ impl Screen {
         frame.render_widget(Table::new(rows, widths).header(header).block(Block::bordered().title("nodes")), nodes);
         let room = usize::from(recent.height.saturating_sub(2));
         let lines = self.recent.iter().skip(self.recent.len().saturating_sub(room));
-        let lines: Vec<Line<'_>> = lines.map(|line| Line::raw(escape::printable(line))).collect();
+        let lines: Vec<Line<'_>> = lines.map(|line| shown(line)).collect();
         frame.render_widget(Paragraph::new(lines).block(Block::bordered().title("frames")), recent);
         frame.render_widget(Paragraph::new("q ends, space holds the screen").style(Style::new().dim()), foot);
     }
@@ -143,8 +143,13 @@ impl Screen {
             text += "  [held]";
         }
         let style = if self.health.lost > 0 || self.health.trouble.is_some() { Color::Red } else { Color::Reset };
-        Line::styled(text, Style::new().fg(style).add_modifier(Modifier::BOLD))
+        shown(&text).style(Style::new().fg(style).add_modifier(Modifier::BOLD))
     }
+}
+
+/// A line of the screen: nothing that the bus, or its address, holds acts on the terminal.
+fn shown(text: &str) -> Line<'static> {
+    Line::raw(Printable::line(text).into_string())
 }
 
 impl NodeRow {
@@ -159,7 +164,7 @@ impl NodeRow {
             Some(_) => Color::Yellow,
             None => Color::Reset,
         };
-        let values = escape::printable(&values.join("; ")).into_owned();
+        let values = Printable::line(&values.join("; ")).into_string();
         let numbers = [self.frames.total.to_string(), self.frames.per_second.to_string()];
         let [total, rate] = numbers;
         Row::new([name, state, total, rate, age, values]).style(Style::new().fg(color))

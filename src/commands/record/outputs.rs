@@ -1,7 +1,7 @@
 //! The files of a recorder: begun anew when they are long enough, the oldest removed.
 
 use crate::destination::Destination;
-use crate::output::{Output, diagnostic};
+use crate::output::{Output, diagnostic, raw};
 use anyhow::{Context, Result, bail};
 use canvass_traces::{
     Channels, Duration, Format, Record, Recording, TimeBase, Timestamp, WriteError, WriteOptions, Writer,
@@ -152,8 +152,7 @@ fn create(
     let destination = Destination::new(path, format, force)?;
     written.set(0);
     let live = destination.is_stdout();
-    let file: Box<dyn Write> =
-        if live { Box::new(io::stdout()) } else { destination.open_growing(&Output::default())? };
+    let file: Box<dyn Write> = if live { Box::new(raw()) } else { destination.open_growing(&Output::capture())? };
     let sink = Box::new(Counted { file, written: Rc::clone(written) });
     // A live file of MCAP has no chunks; one that is flushed four times a second can afford them.
     let options = WriteOptions { time_base, live, ..WriteOptions::default() };

@@ -6,6 +6,7 @@ use anyhow::{Context, anyhow};
 use canvass_reports::comparison::TestResult;
 use canvass_suite::case::Case;
 use canvass_suite::catalogue::{Selector, cases, find, nearest, select};
+use canvass_traces::small_file::{self, OF_PROGRAM};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
@@ -93,7 +94,7 @@ fn selects_nothing(option: &str, selector: &Selector) -> Failure {
 }
 
 fn failed_in(path: &Path) -> Result<Vec<&'static str>, Failure> {
-    let text = std::fs::read_to_string(path).with_context(|| format!("can't read {}", path.display()))?;
+    let text = small_file::read_text(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
     let result = TestResult::read(&text).with_context(|| format!("{}", path.display()))?;
     let mut failed = Vec::new();
     for id in result.failed() {

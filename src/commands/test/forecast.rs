@@ -14,6 +14,7 @@ use canvass_bus::SimulatedBus;
 use canvass_device::address::{BusAddress, DeviceName, Opened, SimulatedDevice};
 use canvass_device::models::Model;
 use canvass_device::{Device, Fault, Firmware};
+use canvass_reports::escape::Printable;
 use canvass_suite::bench::{Bench, Options, Target};
 use canvass_suite::case::Case;
 use canvass_suite::runner::{Plan, RunError, RunEvent, run};
@@ -55,7 +56,7 @@ pub fn dry_run(
     let target = args.target(&opened, waived)?;
     let forecast = simulate(&mut opened, &target, cases, options, like)?;
     match args.shown.format {
-        ReportFormat::Json => print(&format!("{:#}\n", forecast.json()))?,
+        ReportFormat::Json => print(&Printable::pretty_json(&forecast.json()))?,
         _ => {
             print(&forecast.text())?;
             diagnostic(&format!("canvass: {}", forecast.summary()));
@@ -160,14 +161,14 @@ impl Forecast {
         Duration::from_nanos(nanos / 1_000_000 * 1_000_000)
     }
 
-    fn text(&self) -> String {
+    fn text(&self) -> Printable {
         let mut text = String::new();
         for Row { case, skipped, .. } in &self.rows {
             let why = skipped.as_ref().map(|why| format!("  ({why})")).unwrap_or_default();
             // Writing to a string can't fail.
             let _ = writeln!(text, "{}{why}", case.id);
         }
-        canvass_reports::escape::document(&text).into_owned()
+        Printable::document(&text)
     }
 
     fn summary(&self) -> String {

@@ -1,14 +1,14 @@
 //! `--journal`: where a run on a live bus writes down what it changes, and what becomes of the journal of an earlier run that
 //! did not come to its end.
 
-use crate::output::diagnostic;
+use crate::output::{diagnostic, is_seen};
 use crate::put_back::{put_back, read};
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_analyzer::NodeId;
 use canvass_bus::Bus;
 use canvass_suite::bench::{Target, Timing};
-use std::io::{self, BufRead, IsTerminal, Write};
+use std::io::{self, BufRead, IsTerminal};
 use std::path::{Path, PathBuf};
 
 /// The journal of runs on that device of that bus: in the folder in which the run is started, or, where nothing can be
@@ -53,11 +53,10 @@ pub fn settle(
 
 /// Nobody is asked where nobody answers.
 fn is_answered_yes(question: &str) -> bool {
-    if !io::stdin().is_terminal() || !io::stderr().is_terminal() {
+    if !io::stdin().is_terminal() || !is_seen() {
         return false;
     }
     diagnostic(question);
-    let _ = io::stderr().flush();
     let mut answer = String::new();
     let read = io::stdin().lock().read_line(&mut answer);
     read.is_ok_and(|bytes| bytes > 0) && matches!(answer.trim(), "" | "y" | "Y" | "yes")

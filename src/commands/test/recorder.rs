@@ -105,7 +105,7 @@ fn ended(thread: JoinHandle<Result<()>>) -> Result<()> {
 /// Writes the capture until nobody has anything for it any more.
 fn write(path: &Path, force: bool, ready: &SyncSender<()>, entries: &Receiver<Entry>) -> Result<()> {
     let destination = Destination::new(path, None, force)?;
-    let sink = destination.open_growing(&Output::default())?;
+    let sink = destination.open_growing(&Output::capture())?;
     let mut recording = Recording::create(sink, destination.format, destination.compression, &WriteOptions::default())?;
     let mut channels = Channels::default();
     channels.intern("can0");

@@ -1,6 +1,6 @@
 //! `--format` and `--report`: where a run's events go.
 
-use crate::output::{Color, unless_closed};
+use crate::output::{Color, document, is_seen, show_progress, terminal_width, unless_closed};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, anyhow};
 use canvass_reports::conformance::terminal::{Style, Terminal};
@@ -9,7 +9,7 @@ use canvass_reports::provenance::Provenance;
 use canvass_suite::runner::RunEvent;
 use clap::ValueEnum;
 use std::cell::RefCell;
-use std::io::{self, BufWriter, IsTerminal, Write};
+use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::str::FromStr;
@@ -90,12 +90,13 @@ impl Shown {
     pub fn write(&self, render: &dyn Fn(ReportFormat, &mut dyn Write) -> io::Result<()>) -> Result<()> {
         let into_file = |ReportArg { format, file }: &ReportArg| -> Result<()> {
             let whole = WholeFile::create(file)?;
-            let mut out = BufWriter::new(whole.writer()?);
+            let mut out = whole.document()?;
             render(*format, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
             whole.complete()
         };
         let files: Vec<Result<()>> = self.report.iter().map(into_file).collect();
-        unless_closed(render(self.format, &mut io::stdout().lock()).and_then(|()| io::stdout().flush()))?;
+        let mut out = document(false);
+        unless_closed(render(self.format, &mut out).and_then(|()| out.flush()))?;
         files.into_iter().collect()
     }
 }
@@ -134,13 +135,13 @@ struct Report {
 impl Reports {
     /// Begins all files before the device is touched: a report that can't be written is known at once.
     pub fn open(shown: &Shown, color: Color) -> Result<Self> {
-        let style = Style { color: color.on_stdout(), progress: io::stderr().is_terminal(), width: width() };
-        let reporter_of_stdout = reporter(shown.format, Box::new(io::stdout()), style);
+        let style = Style { color: color.on_stdout(), progress: is_seen(), width: terminal_width() };
+        let reporter_of_stdout = reporter(shown.format, Box::new(document(style.color)), style);
         let mut reports = vec![Report { reporter: reporter_of_stdout, file: None, written: Ok(()) }];
         for ReportArg { format, file } in &shown.report {
             let file = WholeFile::create(file)?;
             let plain = Style { color: false, progress: false, width: None };
-            let reporter = reporter(*format, Box::new(BufWriter::new(file.writer()?)), plain);
+            let reporter = reporter(*format, Box::new(file.document()?), plain);
             reports.push(Report { reporter, file: Some(file), written: Ok(()) });
         }
         Ok(Self(reports))
@@ -190,16 +191,11 @@ impl Report {
 
 fn reporter(format: ReportFormat, out: Box<dyn Write>, style: Style) -> Box<dyn Reporter> {
     let render: Render = match format {
-        ReportFormat::Table => return Box::new(Terminal::new(out, io::stderr(), style)),
+        ReportFormat::Table => return Box::new(Terminal::new(out, show_progress, style)),
         ReportFormat::Json => json::render,
         ReportFormat::Junit => junit::render,
         ReportFormat::Html => html::render,
         ReportFormat::Markdown => markdown::render,
     };
     Box::new(Document::new(out, render))
-}
-
-/// The width of the terminal, where standard output is one.
-fn width() -> Option<u16> {
-    terminal_size::terminal_size_of(io::stdout()).map(|(width, _)| width.0)
 }

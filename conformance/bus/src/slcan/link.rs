@@ -98,3 +98,18 @@ fn serial(_: &str) -> io::Result<Link> {
 pub(super) fn is_silence(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_listener_without_a_host_is_reached_from_this_machine_only() {
+        let bound = |text: &str| match Place::parse(text).unwrap() {
+            Place::Listener(listener) => listener.local_addr().unwrap().ip(),
+            _ => panic!("{text} is a listener"),
+        };
+        assert!(bound("listen://0").is_loopback() && bound("listen://:0").is_loopback());
+        assert!(bound("listen://0.0.0.0:0").is_unspecified(), "where a host is named, that one");
+    }
+}

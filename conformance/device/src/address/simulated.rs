@@ -17,7 +17,9 @@ use crate::models::{self, Model};
 use crate::{Fault, Firmware, Liberties, Liberty, Motion, MotionSpec, UnknownLiberty};
 use canvass_analyzer::NodeId;
 use canvass_bus::BusError;
+use canvass_traces::small_file::{self, OF_HAND};
 use std::collections::BTreeMap;
+use std::path::Path;
 use std::str::FromStr;
 use std::sync::{LazyLock, Mutex, PoisonError};
 
@@ -204,7 +206,8 @@ impl SimulatedDevice {
             None => None,
             Some(MotionSpec::Known(motion)) => Some(motion.clone()),
             Some(MotionSpec::File(path)) => {
-                let text = std::fs::read_to_string(path).map_err(|error| unreadable(path, &error.to_string()))?;
+                let text = small_file::read_text(Path::new(path), OF_HAND);
+                let text = text.map_err(|error| unreadable(path, &error.to_string()))?;
                 Some(MotionSpec::from_csv(&text).map_err(|error| unreadable(path, &error.to_string()))?)
             }
         })
@@ -239,7 +242,7 @@ static DESCRIBED: LazyLock<Mutex<Described>> = LazyLock::new(Mutex::default);
 type Described = BTreeMap<(String, Vec<u8>), &'static Model>;
 
 fn described(path: &str) -> Result<&'static Model, String> {
-    let bytes = std::fs::read(path).map_err(|error| error.to_string())?;
+    let bytes = small_file::read(Path::new(path), OF_HAND).map_err(|error| error.to_string())?;
     let mut known = DESCRIBED.lock().unwrap_or_else(PoisonError::into_inner);
     let key = (path.to_owned(), bytes);
     if let Some(model) = known.get(&key) {
