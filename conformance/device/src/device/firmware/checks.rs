@@ -18,6 +18,8 @@ hooks! {
     checks_sdo_ids_while_valid unless SdoChannelIdChangeWhileValid,
     takes_operating_parameters unless OperatingParametersRefused,
     takes_sync_id unless SyncIdRefused,
+    takes_time_id unless TimeIdRefused,
+    excludes_consumer_entries with ConsumerEntriesExclude,
     switches_pdos_off unless PdoOffRefused,
     takes_consumer_times unless ConsumerTimeRefused,
     checks_rpdo_values unless RpdoRangeUnchecked,

@@ -32,6 +32,8 @@ hooks! {
     samples_rtr_type_at_sync unless RtrTypeSampledAtOnce,
     resets_sync_count unless SyncCountNotReset,
     heeds_sync_cycle unless SyncCycleIgnored,
+    overlooks_late_sync_counter with LateSyncCounterOverlooked,
+    serves_first_object_only with RpdoFirstObjectOnly,
     maps_beyond_count with TpdoBeyondCount,
     heeds_sync_start_value unless SyncStartValueIgnored,
     sends_acyclic_without_event with AcyclicTpdoWithoutEvent,

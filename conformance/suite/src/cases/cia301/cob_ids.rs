@@ -46,37 +46,44 @@ fn unused(at: Multiplexer, cob_id: u32) -> u32 {
     }
 }
 
-/// Whether bit 31 says that the COB-ID is not valid.
-const fn has_valid_bit(at: Multiplexer) -> bool {
-    !matches!(at.index.0, 0x1005 | 0x1012)
-}
-
-/// A COB-ID that is out of use and takes another CAN-ID takes each that is not restricted, and reads as it was written.
+/// A COB-ID that is out of use takes each CAN-ID that is not restricted, and reads as it was written; a PDO is switched on with
+/// another CAN-ID than it was switched off with.
 ///
-/// A device that can do no more than switch a COB-ID on and off takes none.
+/// Of PDOs and further SDO channels a device may do no more than switch them on and off.
 #[case(id = "301/cob-id/patterns", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Description], catches = [CanIdsTakenForRestricted])]
+       needs = [Description], catches = [CanIdsTakenForRestricted, TimeIdRefused])]
 fn patterns(bench: &mut Bench<'_>) -> Judged {
     let objects = writable(bench)?;
     bench.each(objects, |bench, at| {
         let own = bench.read_number(at)?;
         let off = unused(at, own);
-        // That it can be switched off is the matter of another case.
-        if off != own && bench.download(at, &off.to_le_bytes())?.abort().is_some() {
-            return Ok(());
+        // That a PDO can be switched off is the matter of another case.
+        if off != own {
+            let attempt = bench.download(at, &off.to_le_bytes())?.under("which puts it out of use");
+            match is_single(at) {
+                true => attempt.refused(Situation::Confirmed)?,
+                false if attempt.abort().is_some() => return Ok(()),
+                false => {}
+            }
         }
-        let with = |can_id: u32| (off & !0x7FF | can_id).to_le_bytes();
-        if bench.download(at, &with(FREE))?.abort().is_none() {
+        let with = |can_id: u32| off & !0x7FF | can_id;
+        let moved = bench.download(at, &with(FREE).to_le_bytes())?.under("with a CAN-ID that is not restricted");
+        if is_single(at) {
+            bench.check(moved.refused(Situation::Confirmed))?;
+        }
+        if moved.abort().is_none() {
             let node = u32::from(bench.node().raw());
             // A device may keep others from the CAN-IDs that it has itself.
             let patterns = PATTERNS.into_iter().filter(|pattern| pattern & 0x7F != node);
             bench.each(patterns, |bench, pattern| {
-                takes(bench, at, &with(pattern))?;
-                if !has_valid_bit(at) || own & CobId::INVALID != 0 {
-                    return Ok(());
+                takes(bench, at, with(pattern))?;
+                if own != off {
+                    for can_id in [pattern, FREE] {
+                        takes(bench, at, own & !0x7FF | can_id)?;
+                        takes(bench, at, with(can_id))?;
+                    }
                 }
-                takes(bench, at, &(own & !0x7FF | pattern).to_le_bytes())?;
-                takes(bench, at, &with(pattern))
+                Ok(())
             })?;
         }
         bench.download(at, &off.to_le_bytes())?;
@@ -85,8 +92,14 @@ fn patterns(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
+/// Whether the object is nothing but a COB-ID: one that can't be changed is described as const.
+const fn is_single(at: Multiplexer) -> bool {
+    matches!(at.index.0, 0x1012 | 0x1014)
+}
+
 /// Demands that a COB-ID takes a value, and reads as it was written.
-fn takes(bench: &mut Bench<'_>, at: Multiplexer, value: &[u8]) -> Judged {
+fn takes(bench: &mut Bench<'_>, at: Multiplexer, cob_id: u32) -> Judged {
+    let value = &cob_id.to_le_bytes();
     bench.download(at, value)?.under("with a CAN-ID that is not restricted").refused(Situation::Confirmed)?;
     let found = bench.read(at)?;
     bench.check(demand(found == value, || {
@@ -96,16 +109,16 @@ fn takes(bench: &mut Bench<'_>, at: Multiplexer, value: &[u8]) -> Judged {
     }))
 }
 
-/// While a COB-ID is valid none of its bits 0 to 28 changes: each write that turns one of them is refused, and the COB-ID
+/// While a COB-ID is valid, or TIME and SYNC are consumed or produced by it, none of its bits 0 to 28 changes: each write that turns one of them is refused, and the COB-ID
 /// stays.
 #[case(id = "301/cob-id/each-bit-valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [Description], catches = [CanIdLowBitsMovable])]
 fn each_bit_valid(bench: &mut Bench<'_>) -> Judged {
     let objects = writable(bench)?;
-    bench.each(objects.into_iter().filter(|at| has_valid_bit(*at)), |bench, at| {
+    bench.each(objects, |bench, at| {
         let own = bench.read(at)?;
         let number = crate::bench::sdo::number(&own);
-        if number & CobId::INVALID != 0 {
+        if unused(at, number) == number {
             return Ok(());
         }
         bench.each(0..=28, |bench, bit| {
