@@ -88,6 +88,12 @@ pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects
     if at.sub.0 != 1 && cob_id.is_valid() && firmware.locks_pdo_parameters() {
         return Err(AbortCode::INVALID_VALUE);
     }
+    if firmware.refuses_pdo_times()
+        && matches!(at.sub.0, 3 | 6)
+        && value != parameters.number_or_zero(at.index.0, at.sub.0)
+    {
+        return Err(AbortCode::INVALID_VALUE);
+    }
     let fits = match (at.sub.0, direction) {
         (1, _) => return check_cob_id(at, cob_id, CobId(value as u32), direction, number, objects),
         (2, _) => is_transmission_type(direction, value, cob_id, objects),

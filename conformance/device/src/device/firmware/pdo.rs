@@ -34,6 +34,7 @@ hooks! {
     heeds_sync_cycle unless SyncCycleIgnored,
     overlooks_late_sync_counter with LateSyncCounterOverlooked,
     serves_first_object_only with RpdoFirstObjectOnly,
+    refuses_pdo_times with PdoTimesRefused,
     maps_beyond_count with TpdoBeyondCount,
     heeds_sync_start_value unless SyncStartValueIgnored,
     sends_acyclic_without_event with AcyclicTpdoWithoutEvent,
