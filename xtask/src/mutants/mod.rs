@@ -1,4 +1,4 @@
-//! `cargo xtask mutants [--seed D] [--count N] [--exchanges N] [--only N,N]`: random mutants of the simulated devices' own
+//! `cargo xtask mutants [--seed D,D] [--count N] [--exchanges N] [--only N,N]`: random mutants of the simulated devices' own
 //! code, looked for by the suite and by the fuzzer.
 //!
 //! All mutants are compiled into one program ([`rewrite`]) in a copy of the workspace ([`scratch`]), and one is chosen for each
@@ -30,7 +30,8 @@ const COUNT: usize = 1_000;
 const EXCHANGES: u64 = 20_000;
 
 struct Wishes {
-    seed: u64,
+    /// One or several: the program is built once for all.
+    seeds: Vec<u64>,
     count: usize,
     exchanges: u64,
     /// These mutants instead of random ones, by their numbers.
@@ -51,22 +52,24 @@ pub fn mutants(args: &[String]) -> Result<()> {
     let stale = reviewed.stale(&all);
     ensure!(stale.is_empty(), "equivalent mutants of code that is not there any more: {stale:#?}");
     eprintln!("{} mutants, built in {} s", all.len(), begun.elapsed().as_secs());
-    let begun = Instant::now();
-    let hunt = Hunt::new(program, wishes.seed, wishes.exchanges);
-    let right = hunt.right(Path::new(scratch::FOLDER))?;
-    let tried = wishes.choose(&all, &right.reached);
-    let fates = hunt.all(&tried, &right)?;
-    tell(&fates, &reviewed)?;
-    let unreached = all.iter().filter(|mutant| !right.reached.contains(&mutant.place)).collect::<Vec<_>>();
-    write_unreached(&unreached)?;
-    let (table, line) = table::table(&fates, &reviewed);
-    let (suite, together) = line.shares();
-    println!("{table}\nseed {}, {} mutants in {} s", wishes.seed, fates.len(), begun.elapsed().as_secs());
-    println!(
-        "of those that show on the bus and are not equivalent: {suite:.1} % by the suite, {together:.1} % with the fuzzer"
-    );
-    println!("{} of {} mutants are in places that are never reached: {UNREACHED}", unreached.len(), all.len());
-    Ok(())
+    let mut tried = Vec::new();
+    for &seed in &wishes.seeds {
+        let begun = Instant::now();
+        let hunt = Hunt::new(program.clone(), seed, wishes.exchanges);
+        let right = hunt.right(Path::new(scratch::FOLDER))?;
+        let fates = hunt.all(&wishes.choose(&all, &right.reached, seed), &right)?;
+        let unreached = all.iter().filter(|mutant| !right.reached.contains(&mutant.place)).collect::<Vec<_>>();
+        write_unreached(&unreached)?;
+        let (table, line) = table::table(&fates, &reviewed);
+        let (suite, together) = line.shares();
+        tried.extend(fates);
+        println!("{table}\nseed {seed}, {} mutants in {} s", line.run(), begun.elapsed().as_secs());
+        println!(
+            "of those that show on the bus and are not equivalent: {suite:.1} % by the suite, {together:.1} % with the fuzzer"
+        );
+        println!("{} of {} mutants are in places that are never reached: {UNREACHED}", unreached.len(), all.len());
+    }
+    tell(&tried, &reviewed)
 }
 
 /// Where those are listed whose place neither suite nor fuzzer reaches.
@@ -98,12 +101,14 @@ fn write_unreached(unreached: &[&Mutant]) -> Result<()> {
 
 impl Wishes {
     fn read(args: &[String]) -> Result<Self> {
-        let mut wishes = Self { seed: today()?, count: COUNT, exchanges: EXCHANGES, only: Vec::new() };
+        let mut wishes = Self { seeds: vec![today()?], count: COUNT, exchanges: EXCHANGES, only: Vec::new() };
         let mut args = args.iter();
         while let Some(name) = args.next() {
             let value = args.next().with_context(|| format!("{name} needs a number"))?;
             match &**name {
-                "--seed" => wishes.seed = value.parse().context("--seed")?,
+                "--seed" => {
+                    wishes.seeds = value.split(',').map(str::parse).collect::<Result<_, _>>().context("--seed")?
+                }
                 "--count" => wishes.count = value.parse().context("--count")?,
                 "--exchanges" => wishes.exchanges = value.parse().context("--exchanges")?,
                 "--only" => {
@@ -115,9 +120,9 @@ impl Wishes {
         Ok(wishes)
     }
 
-    fn choose(&self, all: &[Mutant], reached: &BTreeSet<u32>) -> Vec<Mutant> {
+    fn choose(&self, all: &[Mutant], reached: &BTreeSet<u32>, seed: u64) -> Vec<Mutant> {
         match self.only.is_empty() {
-            true => drawn::draw(all, reached, self.seed, self.count),
+            true => drawn::draw(all, reached, seed, self.count),
             false => all.iter().filter(|mutant| self.only.contains(&mutant.number)).cloned().collect(),
         }
     }

@@ -46,6 +46,11 @@ impl Line {
         line
     }
 
+    /// How many were tried.
+    pub const fn run(&self) -> usize {
+        self.run
+    }
+
     const fn found(&self) -> usize {
         self.suite + self.fuzzer - self.both
     }

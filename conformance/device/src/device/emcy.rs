@@ -123,6 +123,7 @@ pub(super) fn check_peer_cob_id(
 ) -> Result<(), AbortCode> {
     let new = CobId(value as u32);
     let reserved = new.0 & (0x1FFF_F800 | CobId::NO_RTR) != 0 || new.is_extended();
+    let reserved = reserved && (firmware.checks_cob_id_bits() || new.0 & CobId::NO_RTR != 0 || new.is_extended());
     let restricted = new.is_valid() && new.is_restricted() && firmware.checks_restricted_can_ids();
     if reserved || restricted {
         return Err(AbortCode::INVALID_VALUE);

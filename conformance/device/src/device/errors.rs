@@ -131,6 +131,9 @@ impl Errors {
             if self.firmware.repeats_emcy() {
                 self.push(emcy);
             }
+        } else if self.firmware.resets_with_old_register() {
+            let old = ErrorRegister(register.0 | condition.register(&self.quirks));
+            self.push(Emcy::new(EmcyCode::NO_ERROR, old, [0; 5]));
         } else if self.firmware.sends_error_reset() {
             self.push(Emcy::new(EmcyCode::NO_ERROR, register, [0; 5]));
         }

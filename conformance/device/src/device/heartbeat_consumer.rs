@@ -129,6 +129,13 @@ const fn split(entry: u64) -> (u8, u64) {
     ((entry >> 16) as u8, entry & 0xFFFF)
 }
 
+/// Whether another entry watches another node.
+fn watches_another(at: Multiplexer, node: u8, parameters: &Parameters) -> bool {
+    let others = (1..=127).filter(|&sub| sub != at.sub.0);
+    let mut others = others.map_while(|sub| parameters.number(object::CONSUMER_HEARTBEAT_TIME, sub)).map(split);
+    others.any(|(other, time)| other != node && time > 0)
+}
+
 /// The conditions of a write to 1016h: one entry for each node; another node only after the entry was erased.
 ///
 /// # Errors
@@ -150,6 +157,9 @@ pub(super) fn check(
         .filter(|&sub| sub != at.sub.0)
         .map_while(|sub| parameters.number(object::CONSUMER_HEARTBEAT_TIME, sub));
     let is_double = others.map(split).any(|(other, time)| other == node && time > 0);
+    if firmware.excludes_consumer_entries() && watches_another(at, node, parameters) {
+        return Err(AbortCode::PARAMETER_INCOMPATIBLE);
+    }
     let (old, old_time) = split(parameters.number_or_zero(object::CONSUMER_HEARTBEAT_TIME, at.sub.0));
     let replaces = old_time > 0 && old != 0 && old != node;
     if (is_double || replaces) && firmware.checks_consumer_entries() {

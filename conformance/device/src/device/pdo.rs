@@ -88,6 +88,12 @@ pub(super) fn check_communication(at: Multiplexer, value: u64, objects: &Objects
     if at.sub.0 != 1 && cob_id.is_valid() && firmware.locks_pdo_parameters() {
         return Err(AbortCode::INVALID_VALUE);
     }
+    if firmware.refuses_pdo_times()
+        && matches!(at.sub.0, 3 | 6)
+        && value != parameters.number_or_zero(at.index.0, at.sub.0)
+    {
+        return Err(AbortCode::INVALID_VALUE);
+    }
     let fits = match (at.sub.0, direction) {
         (1, _) => return check_cob_id(at, cob_id, CobId(value as u32), direction, number, objects),
         (2, _) => is_transmission_type(direction, value, cob_id, objects),
@@ -138,7 +144,8 @@ fn check_cob_id(
     let firmware = &objects.firmware;
     let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
     let moved = old.is_valid() && new.is_valid() && new.can_id() != old.can_id();
-    if moved && !reserved && firmware.checks_pdo_id_while_valid() {
+    let is_lax = firmware.keeps_high_bits_only() && new.can_id() >> 7 == old.can_id() >> 7;
+    if moved && !reserved && !is_lax && firmware.checks_pdo_id_while_valid() {
         return Err(firmware.cob_id_code(objects.model.sheet().abort(Rule::CanIdWhileInvalid, at)));
     }
     if !firmware.switches_pdos_off() && old.is_valid() && !new.is_valid() {
@@ -155,6 +162,9 @@ fn check_cob_id(
         && !is_delivered_empty(direction, number, objects);
     let impossible = new.is_valid()
         && (restricted || (asks_for_rtr && firmware.checks_rtr_bit()) || (is_empty && !firmware.validates_empty_pdo()));
+    if firmware.restricts_free_can_ids() && (0x550..0x580).contains(&new.can_id()) {
+        return Err(AbortCode::INVALID_VALUE);
+    }
     if reserved || impossible { Err(AbortCode::INVALID_VALUE) } else { Ok(()) }
 }
 

@@ -145,7 +145,8 @@ impl Rpdo {
 
     /// The values of a payload act.
     fn apply(&self, now: Timestamp, payload: Payload, context: &mut Context) {
-        for (at, value) in self.values(payload) {
+        let most = if context.firmware().serves_first_object_only() { 1 } else { usize::MAX };
+        for (at, value) in self.values(payload).into_iter().take(most) {
             context.objects.receive(now, at, value);
         }
         context.events.push_back(Event::Act);

@@ -219,7 +219,7 @@ pub(super) fn check_cob_id(
     firmware: &Firmware,
 ) -> Result<(), AbortCode> {
     let (old, new) = (CobId(parameters.number_or_zero(object::COB_ID_SYNC, 0) as u32), CobId(value as u32));
-    let reserved = new.0 & 0x1FFF_F800 != 0 || new.is_extended();
+    let reserved = new.0 & 0x1FFF_F800 != 0 && firmware.checks_cob_id_bits() || new.is_extended();
     let impossible = is_producing(value) && !network.sync_producer;
     let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let moved = is_producing(old.0.into()) && new.can_id() != old.can_id() && is_producing(value);

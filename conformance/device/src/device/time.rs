@@ -91,7 +91,7 @@ pub(super) fn check(
     let restricted = new.is_restricted() && firmware.checks_restricted_can_ids();
     let in_use = |cob_id: CobId| cob_id.0 & (CONSUMES | PRODUCES) != 0;
     let moved = in_use(old) && in_use(new) && new.can_id() != old.can_id() && firmware.checks_time_id_while_valid();
-    if reserved || impossible || restricted {
+    if reserved || impossible || restricted || !firmware.takes_time_id() {
         return Err(AbortCode::INVALID_VALUE);
     }
     if moved { Err(firmware.cob_id_code(AbortCode::INVALID_VALUE)) } else { Ok(()) }

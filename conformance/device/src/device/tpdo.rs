@@ -397,6 +397,7 @@ impl Tpdos {
         let concerns = match at.index.0 {
             object::TPDO_COMMUNICATION_PARAMETER..object::AFTER_PDO_PARAMETERS => true,
             // The SYNC start value counts only while SYNC has a counter.
+            object::SYNCHRONOUS_COUNTER_OVERFLOW if context.firmware().overlooks_late_sync_counter() => false,
             object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH | object::SYNCHRONOUS_COUNTER_OVERFLOW => true,
             // The cyclic timer of CiA 406; in other profiles these are outputs.
             0x6200 => context.objects.encoder.is_some(),

@@ -218,6 +218,18 @@ impl Bench<'_> {
         std::iter::once(flipped()).chain(limits).find(fits).unwrap_or_else(flipped)
     }
 
+    /// Whether the description names no limit that a number is beyond.
+    pub fn is_within_limits(&self, at: Multiplexer, number: i128) -> bool {
+        let node = self.node();
+        let entry = self.target.description.as_ref().and_then(|description| description.dictionary.entry(at).ok());
+        let Some(entry) = entry else { return true };
+        let limit = |limit: Option<&canvass_analyzer::dictionary::Setting>| {
+            limit.and_then(|limit| limit.resolve(entry.data_type, node).as_number())
+        };
+        limit(entry.low_limit.as_ref()).is_none_or(|low| number >= low)
+            && limit(entry.high_limit.as_ref()).is_none_or(|high| number <= high)
+    }
+
     /// The inhibit time of a PDO; zero where it has none.
     ///
     /// # Errors

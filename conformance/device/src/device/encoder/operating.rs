@@ -43,6 +43,9 @@ impl Encoder {
                     && (range >= parameters.number_or_zero(0x6001, 0) || !refuses)
             }
         };
+        if at.index.0 != 0x6000 && !self.firmware.takes_scaling() {
+            return Err(AbortCode::INVALID_VALUE);
+        }
         if fits { Ok(()) } else { Err(AbortCode::INVALID_VALUE) }
     }
 

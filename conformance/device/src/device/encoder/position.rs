@@ -98,6 +98,9 @@ impl Encoder {
         if self.firmware.overflows_at_scaling() {
             product = i128::from(product as u32);
         }
+        if self.firmware.stands_when_scaled() {
+            return 0;
+        }
         // The steps of a revolution are a power of two: this divides by them, rounding down.
         wrapped(product >> steps(&self.sheet).trailing_zeros(), range)
     }

@@ -73,7 +73,11 @@ impl Encoder {
 
     fn units_per_revolution(&self, parameters: &Parameters) -> u64 {
         let raw = parameters.number(0x6031, 1) == Some(RAW_POSITION) || !self.is_scaled(parameters);
-        if raw { steps(&self.sheet) } else { parameters.number_or_zero(0x6001, 0) }
+        if raw || self.firmware.counts_speed_in_steps() {
+            steps(&self.sheet)
+        } else {
+            parameters.number_or_zero(0x6001, 0)
+        }
     }
 
     /// The change of speed, in parts of its unit per second.

@@ -8,6 +8,7 @@ hooks! {
     shows_register_in_emcy unless EmcyRegisterZero,
     repeats_emcy with EmcyRepeated,
     sends_error_reset unless EmcyResetMissing,
+    resets_with_old_register with EmcyResetRegisterWrong,
     heeds_emcy_inhibit_time unless EmcyInhibitTimeIgnored,
     sends_emcy_when_invalid with EmcySentWhenInvalid,
     reads_empty_history_as_zero with ErrorHistoryEmptyReadsZero,

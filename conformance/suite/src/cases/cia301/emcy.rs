@@ -200,11 +200,12 @@ fn tells_of_error(bench: &mut Bench<'_>, duty: &str) -> Judged {
     }))
 }
 
-/// When the one who fell silent is back, EMCY 0000h says so.
+/// When the one who fell silent is back, EMCY 0000h says so, and what is left in the error register.
 #[case(id = "301/emcy/error-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
-       needs = [Monitoring], catches = [EmcyResetMissing])]
+       needs = [Monitoring], catches = [EmcyResetMissing, EmcyResetRegisterWrong])]
 fn error_reset(bench: &mut Bench<'_>) -> Judged {
     let patience = patience(bench)?;
+    let before = bench.read_number(ERROR_REGISTER)?;
     let (monitored, _) = reported_loss(bench)?;
     match monitored {
         // EMCY and answer come in any order.
@@ -216,6 +217,14 @@ fn error_reset(bench: &mut Bench<'_>) -> Judged {
         Breach::new(Service::Emcy, "the end of a reported error is reported")
             .expected(Observation::Emcy(EmcyCode::NO_ERROR))
             .found(observed(&back))
+            .told(shown(&back))
+    }))?;
+    let Some(last) = back.iter().rev().find(|record| !is_error(record)) else { return Ok(()) };
+    let said = last.data().get(2).copied().unwrap_or_default();
+    bench.check(demand(u32::from(said) == before, || {
+        Breach::new(Service::Emcy, "byte 2 of EMCY 0000h is 1001h, here as it was before the error")
+            .expected(Observation::Number(u64::from(before)))
+            .found(Observation::Number(u64::from(said)))
             .told(shown(&back))
     }))
 }

@@ -364,6 +364,28 @@ fn all_entries(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
+/// Several nodes are watched at once, and an entry that watches a node takes another time for it: each write is confirmed,
+/// and reads as it was written.
+#[case(id = "301/heartbeat-consumer/several", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
+       needs = [HeartbeatConsumer], catches = [ConsumerEntriesExclude])]
+fn several(bench: &mut Bench<'_>) -> Judged {
+    let entries = u8::try_from(bench.read_number(Multiplexer::new(0x1016, 0))?).unwrap_or(1).min(127);
+    let own = bench.node().raw();
+    let vacant: Vec<u8> = (1..=127).rev().filter(|&node| node != own && bench.is_vacant(node)).collect();
+    // What is delivered with entries for these nodes would have two for the same.
+    for sub in 1..=entries {
+        bench.write(Multiplexer::new(0x1016, sub), &entry(0, 0))?;
+    }
+    bench.each((1..=entries).zip(vacant), |bench, (sub, node)| {
+        let at = Multiplexer::new(0x1016, sub);
+        bench.each([5_000_u16, 60_000], |bench, time| {
+            let value = entry(node, time);
+            bench.download(at, &value)?.under("while other entries watch other nodes").refused(Situation::Confirmed)?;
+            bench.expect_unchanged(at, &value)
+        })
+    })
+}
+
 /// An entry whose time is 0 watches nobody.
 #[case(id = "301/heartbeat-consumer/off", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotStopped])]

@@ -1,6 +1,7 @@
 //! CiA 301: application layer and communication profile.
 
 mod boot_up;
+mod cob_ids;
 mod dictionary;
 mod emcy;
 mod emcy_object;

@@ -64,3 +64,29 @@ fn every_mapping(bench: &mut Bench<'_>) -> Judged {
         bench.expect_unchanged(at, &before)
     })
 }
+
+/// While a PDO is off, its inhibit time, event timer and SYNC start value take other values, and read as they were written:
+/// those of each TPDO that the description calls writable, within the limits that it names.
+#[case(id = "301/pdo/parameters-while-off", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
+       needs = [Description], catches = [PdoTimesRefused])]
+fn parameters_while_off(bench: &mut Bench<'_>) -> Judged {
+    let pdos = valid_pdos(bench)?;
+    bench.each(pdos.into_iter().filter(|pdo| pdo.communication >= TPDO.communication), |bench, pdo| {
+        let own = bench.pdo_cob_id(pdo)?;
+        if bench.download(pdo.parameter(1), &(own.0 | CobId::INVALID).to_le_bytes())?.abort().is_some() {
+            return Ok(());
+        }
+        bench.each([(3, 1_000_u16), (5, 500), (6, 1), (6, 240)], |bench, (sub, value)| {
+            let at = pdo.parameter(sub);
+            if bench.described(at) != Some(true) || !bench.can_write(at)? || !bench.is_within_limits(at, value.into()) {
+                return Ok(());
+            }
+            let value: Vec<u8> = value.to_le_bytes().into_iter().take(if sub == 6 { 1 } else { 2 }).collect();
+            let before = bench.read(at)?;
+            bench.download(at, &value)?.under("while the PDO is off").refused(Situation::Confirmed)?;
+            bench.expect_unchanged(at, &value)?;
+            bench.download(at, &before).map(|_| ())
+        })?;
+        bench.download(pdo.parameter(1), &own.0.to_le_bytes()).map(|_| ())
+    })
+}

@@ -11,6 +11,8 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Observation;
 use canvass_traces::{CanId, Duration, Frame, Record};
 
+/// The highest SYNC counter.
+const OVERFLOW: Multiplexer = Multiplexer::new(0x1019, 0);
 const SHORTLY: Duration = Duration::from_millis(100);
 
 /// TPDO 1 carries one object that SDOs can write.
@@ -348,9 +350,10 @@ fn remote_forbidden(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// With a SYNC start value and a SYNC counter the first TPDO follows the SYNC of that number, and one each SYNC after it.
+/// With a SYNC start value and a SYNC counter, whichever was written first, the first TPDO follows the SYNC of that number, and
+/// one each SYNC after it.
 #[case(id = "301/tpdo/sync-start", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Changeable, SyncCounter], catches = [SyncStartValueIgnored], cct = "3.8")]
+       needs = [Changeable, SyncCounter], catches = [SyncStartValueIgnored, LateSyncCounterOverlooked], cct = "3.8")]
 fn sync_start(bench: &mut Bench<'_>) -> Judged {
     const START: u8 = 3;
     let subject = subject(bench, 1)?;
@@ -359,22 +362,39 @@ fn sync_start(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(reason));
     }
     bench.stop_sync_period()?;
-    bench.write(Multiplexer::new(0x1019, 0), &[10])?;
-    bench.set_pdo(TPDO, &[(6, &[START])])?;
+    bench.each([true, false], |bench, counter_first| {
+        // 1019h is written before the start value, then after it.
+        let overflow = if counter_first { 10 } else { 20 };
+        if counter_first {
+            bench.write(OVERFLOW, &[overflow])?;
+            bench.set_pdo(TPDO, &[(6, &[START])])?;
+        } else {
+            bench.write(OVERFLOW, &[0])?;
+            bench.set_pdo(TPDO, &[(6, &[START])])?;
+            bench.write(OVERFLOW, &[overflow])?;
+        }
+        begins_with(bench, subject.can_id, START)?;
+        bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+        bench.listen(bench.timing().reaction).map(|_| ())
+    })
+}
+
+/// Demands that the first TPDO follows the SYNC of that number, and one each after it.
+fn begins_with(bench: &mut Bench<'_>, can_id: u16, start: u8) -> Judged {
     let id = bench.sync_id()?;
     operational(bench)?;
     let (mut first, mut missing) = (None, 0);
     for counter in 1..=10_u8 {
         bench.drain()?;
         bench.send_bytes(id, &[counter])?;
-        let sent = !bench.frames_of(subject.can_id, bench.shortly())?.is_empty();
+        let sent = !bench.frames_of(can_id, bench.shortly())?.is_empty();
         first = first.or_else(|| sent.then_some(counter));
         missing += usize::from(first.is_some() && !sent);
     }
-    bench.check(demand(first == Some(START), || {
+    bench.check(demand(first == Some(start), || {
         let breach = Breach::new(TPDO.parameter(6), "the first TPDO follows the SYNC of the start value");
         let found = first.map_or(Observation::Silence, |counter| Observation::Number(u64::from(counter)));
-        breach.expected(Observation::Number(u64::from(START))).found(found)
+        breach.expected(Observation::Number(u64::from(start))).found(found)
     }))?;
     bench.check(demand(missing == 0, || {
         counted("after its first SYNC TPDO 1 of type 1 follows each: so many are missing", 0, Some(0), missing)

@@ -8,11 +8,13 @@ use super::position::{
 use super::preset::with_preset;
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Breach, Judged, demand, observed};
+use crate::situation::Situation;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
+const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
 
 /// 6001h = 0 is refused, or put right; whatever becomes of it, the device goes on answering.
@@ -45,6 +47,50 @@ fn units_above_range(bench: &mut Bench<'_>) -> Judged {
             breach.expected("an abort").found(observed(&attempt.outcome)).told(attempt.outcome.to_string())
         })?;
         bench.expect_unchanged(at, &before)
+    })
+}
+
+/// With scaling on the position is that of the sensor times 6001h, by the steps of a revolution 6501h, within 6002h.
+#[case(id = "406/scaling/proportional", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [ScaledPositionStands])]
+fn proportional(bench: &mut Bench<'_>) -> Judged {
+    small_range(bench)?;
+    operate(bench, 0, SCALING)?;
+    let steps = u64::from(bench.read_number(SINGLE_TURN)?);
+    let offsets = [bench.read_number(OFFSET)?, u32::from(steps == 0)];
+    let physical = u64::from(position_at_rest(bench)?);
+    operate(bench, SCALING, 0)?;
+    // Where scaling changes the offset, or the steps of a revolution, the two positions can't be compared.
+    if offsets != [0, 0] || bench.read_number(OFFSET)? != 0 {
+        let reason = Reason::new("the position has no offset", "6509h = 0", "another one");
+        return Err(Stop::NotApplicable(reason));
+    }
+    bench.each([(256_u32, 4_096_u32), (1_000, 16_000)], |bench, (units, range)| {
+        bench.write(UNITS_PER_REVOLUTION, &256_u32.to_le_bytes())?;
+        bench.write(RANGE, &range.to_le_bytes())?;
+        bench.write(UNITS_PER_REVOLUTION, &units.to_le_bytes())?;
+        let position = position_at_rest(bench)?;
+        let expected = u32::try_from(physical * u64::from(units) / steps % u64::from(range)).unwrap_or(0);
+        bench.check(demand(is_near(position, expected, range), || {
+            let duty =
+                format!("{physical} steps are {expected} of {units} units per revolution, of which are {steps} steps");
+            Breach::new(POSITION, duty).expected(number(expected)).found(number(position))
+        }))
+    })
+}
+
+/// While scaling is on, 6001h and 6002h take the values that they have.
+#[case(id = "406/scaling/own-values", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder], catches = [ScalingRefused])]
+fn own_values(bench: &mut Bench<'_>) -> Judged {
+    operate(bench, SCALING, 0)?;
+    bench.each([UNITS_PER_REVOLUTION, RANGE], |bench, at| {
+        if !bench.can_write(at)? {
+            return Ok(());
+        }
+        let own = bench.read(at)?;
+        let attempt = bench.download(at, &own)?.under("with the value that it has");
+        bench.check(attempt.refused(Situation::Confirmed))
     })
 }
 

@@ -13,6 +13,9 @@ use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
 const SPEED: Multiplexer = Multiplexer::new(0x6030, 1);
+/// Of which position the speed is.
+const SOURCE: Multiplexer = Multiplexer::new(0x6031, 1);
+const RAW_POSITION: u32 = 2;
 const DIVISOR: Multiplexer = Multiplexer::new(0x6031, 4);
 const ACCELERATION: Multiplexer = Multiplexer::new(0x6040, 1);
 const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
@@ -135,6 +138,40 @@ fn format(bench: &mut Bench<'_>) -> Judged {
         let breach = Breach::new(SPEED, duty).expected(format!("{}", slow * 256 / 60));
         breach.found(shown(fast)).told(fast.to_string())
     }))
+}
+
+/// In units per second the speed is what the position changes by, whatever the units per revolution are: the position 6004h, or
+/// by 6031h:01 the raw one in physical steps.
+#[case(id = "406/speed/units-per-second", clause = "CiA 406", confidence = Unknown, level = Must,
+       needs = [Encoder, Speed, TurningShaft], catches = [SpeedInPhysicalSteps])]
+fn units(bench: &mut Bench<'_>) -> Judged {
+    let bit = in_units_bit(bench)?;
+    operate(bench, SCALING | bit, 0)?;
+    let raw = bench.has(SOURCE)? && bench.read_number(SOURCE)? == RAW_POSITION;
+    bench.each([(256_u32, 4_096_u32), (1_000, 16_000)], |bench, (units, range)| {
+        bench.write(UNITS_PER_REVOLUTION, &256_u32.to_le_bytes())?;
+        bench.write(RANGE, &range.to_le_bytes())?;
+        bench.write(UNITS_PER_REVOLUTION, &units.to_le_bytes())?;
+        bench.listen(Duration::from_millis(500))?;
+        let turned = units_per_second(bench)?.abs();
+        let steps = match raw {
+            true => turned * f64::from(bench.read_number(SINGLE_TURN)?) / f64::from(units),
+            false => turned,
+        };
+        let turned = steps.min(most(bench)?);
+        let speed = signed(bench, SPEED)?;
+        bench.check(demand(is_like((speed as f64).abs(), turned), || {
+            let of = if raw { "the raw position" } else { "6004h" };
+            let duty = format!("with {units} units per revolution 6030h is the change of {of} per second");
+            let breach = Breach::new(SPEED, duty).expected(format!("{turned:.0}"));
+            breach.found(shown(speed)).told(speed.to_string())
+        }))
+    })
+}
+
+/// The highest speed that 6030h can show.
+fn most(bench: &mut Bench<'_>) -> Result<f64, Stop> {
+    Ok(if bench.read(SPEED)?.len() == 2 { i16::MAX.into() } else { i32::MAX.into() })
 }
 
 /// 6031h:04 divides the speed.

@@ -1,0 +1,153 @@
+//! The COB-IDs of all services, bit by bit: what one rule says of an identifier it says of each of its bits (CiA 301, 7.5.2).
+
+use crate::bench::Bench;
+use crate::case;
+use crate::situation::Situation;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{CobId, Multiplexer};
+use canvass_bus::observation::Observation;
+
+/// Bit 30 of 1005h and 1012h: the device produces; bit 31 of 1012h: it consumes.
+const PRODUCES: u32 = 1 << 30;
+const CONSUMES: u32 = 1 << 31;
+/// A CAN-ID that no predefined object has and CiA 301 does not restrict.
+const FREE: u32 = 0x6A0;
+/// CAN-IDs that are not restricted either; each of the eleven bits is 0 in some of them and 1 in others.
+const PATTERNS: [u32; 6] = [0x2AA, 0x555, 0x333, 0x4CC, 0x38F, 0x470];
+
+/// The COB-IDs that the description calls writable.
+fn writable(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
+    let is_cob_id = |at: Multiplexer| match at.index.0 {
+        0x1005 | 0x1012 | 0x1014 => at.sub.0 == 0,
+        0x1028 => at.sub.0 > 0,
+        0x1200..=0x127F => matches!(at.sub.0, 1 | 2),
+        0x1400..=0x15FF | 0x1800..=0x19FF => at.sub.0 == 1,
+        _ => false,
+    };
+    let entries = bench.target().description.iter().flat_map(|description| description.dictionary.entries());
+    let found: Vec<Multiplexer> = entries
+        .filter(|(at, entry)| is_cob_id(*at) && entry.access.is_writable() && entry.access.is_readable())
+        .map(|(at, _)| at)
+        .collect();
+    if found.is_empty() {
+        let reason = Reason::new("a COB-ID can be changed", "one in the description", "none");
+        return Err(Stop::NotApplicable(reason));
+    }
+    Ok(found)
+}
+
+/// The same COB-ID out of use: not valid, or neither produced nor consumed.
+fn unused(at: Multiplexer, cob_id: u32) -> u32 {
+    match at.index.0 {
+        0x1005 => cob_id & !PRODUCES,
+        0x1012 => cob_id & !(PRODUCES | CONSUMES),
+        _ => cob_id | CobId::INVALID,
+    }
+}
+
+/// A COB-ID that is out of use takes each CAN-ID that is not restricted, and reads as it was written; a PDO is switched on with
+/// another CAN-ID than it was switched off with.
+///
+/// Of PDOs and further SDO channels a device may do no more than switch them on and off.
+#[case(id = "301/cob-id/patterns", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
+       needs = [Description], catches = [CanIdsTakenForRestricted, TimeIdRefused])]
+fn patterns(bench: &mut Bench<'_>) -> Judged {
+    let objects = writable(bench)?;
+    bench.each(objects, |bench, at| {
+        let own = bench.read_number(at)?;
+        let off = unused(at, own);
+        // That a PDO can be switched off is the matter of another case.
+        if off != own {
+            let attempt = bench.download(at, &off.to_le_bytes())?.under("which puts it out of use");
+            match is_single(at) {
+                true => attempt.refused(Situation::Confirmed)?,
+                false if attempt.abort().is_some() => return Ok(()),
+                false => {}
+            }
+        }
+        let with = |can_id: u32| off & !0x7FF | can_id;
+        let moved = bench.download(at, &with(FREE).to_le_bytes())?.under("with a CAN-ID that is not restricted");
+        if is_single(at) {
+            bench.check(moved.refused(Situation::Confirmed))?;
+        }
+        if moved.abort().is_none() {
+            let node = u32::from(bench.node().raw());
+            // A device may keep others from the CAN-IDs that it has itself.
+            let patterns = PATTERNS.into_iter().filter(|pattern| pattern & 0x7F != node);
+            bench.each(patterns, |bench, pattern| {
+                takes(bench, at, with(pattern))?;
+                if own != off {
+                    for can_id in [pattern, FREE] {
+                        takes(bench, at, own & !0x7FF | can_id)?;
+                        takes(bench, at, with(can_id))?;
+                    }
+                }
+                Ok(())
+            })?;
+        }
+        bench.download(at, &off.to_le_bytes())?;
+        bench.download(at, &own.to_le_bytes())?;
+        Ok(())
+    })
+}
+
+/// Whether the object is nothing but a COB-ID: one that can't be changed is described as const.
+const fn is_single(at: Multiplexer) -> bool {
+    matches!(at.index.0, 0x1012 | 0x1014)
+}
+
+/// Demands that a COB-ID takes a value, and reads as it was written.
+fn takes(bench: &mut Bench<'_>, at: Multiplexer, cob_id: u32) -> Judged {
+    let value = &cob_id.to_le_bytes();
+    bench.download(at, value)?.under("with a CAN-ID that is not restricted").refused(Situation::Confirmed)?;
+    let found = bench.read(at)?;
+    bench.check(demand(found == value, || {
+        Breach::new(at, "a COB-ID reads as it was written")
+            .expected(Observation::Value(value.to_vec()))
+            .found(Observation::Value(found))
+    }))
+}
+
+/// While a COB-ID is valid, or TIME and SYNC are consumed or produced by it, none of its bits 0 to 28 changes: each write that turns one of them is refused, and the COB-ID
+/// stays.
+#[case(id = "301/cob-id/each-bit-valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
+       needs = [Description], catches = [CanIdLowBitsMovable])]
+fn each_bit_valid(bench: &mut Bench<'_>) -> Judged {
+    let objects = writable(bench)?;
+    bench.each(objects, |bench, at| {
+        let own = bench.read(at)?;
+        let number = crate::bench::sdo::number(&own);
+        if unused(at, number) == number {
+            return Ok(());
+        }
+        bench.each(0..=28, |bench, bit| {
+            let attempt = bench.download(at, &(number ^ 1 << bit).to_le_bytes())?;
+            attempt.under("while it is valid").refused(Situation::ValidCobIdChanged)?;
+            bench.expect_unchanged(at, &own)
+        })
+    })
+}
+
+/// The bits 11 to 28 of a COB-ID belong to no 11-bit CAN-ID: a value that has one of them set, and bit 29 not, is refused
+/// with abort 0609 0030h.
+#[case(id = "301/cob-id/bits-beyond", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
+       needs = [Description], catches = [CobIdBitsUnchecked, CanIdTooHighAccepted])]
+fn bits_beyond(bench: &mut Bench<'_>) -> Judged {
+    let objects = writable(bench)?;
+    bench.each(objects, |bench, at| {
+        let own = bench.read_number(at)?;
+        let off = unused(at, own);
+        if off != own && bench.download(at, &off.to_le_bytes())?.abort().is_some() {
+            return Ok(());
+        }
+        bench.each(11..=28, |bench, bit| {
+            let attempt = bench.download(at, &(off | 1 << bit).to_le_bytes())?;
+            // One that can only be switched on and off refuses for that.
+            let only_switched = attempt.abort() == Some(AbortCode::GENERAL);
+            if only_switched { Ok(()) } else { bench.check(attempt.refused(Situation::InvalidValue)) }
+        })?;
+        bench.download(at, &own.to_le_bytes())?;
+        Ok(())
+    })
+}
