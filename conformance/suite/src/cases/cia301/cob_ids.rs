@@ -16,12 +16,13 @@ const FREE: u32 = 0x6A0;
 /// CAN-IDs that are not restricted either; each of the eleven bits is 0 in some of them and 1 in others.
 const PATTERNS: [u32; 6] = [0x2AA, 0x555, 0x333, 0x4CC, 0x38F, 0x470];
 
-/// The COB-IDs that the description calls writable.
+/// The COB-IDs that the description calls writable; not those of the default SDO server 1200h, which CiA 301 fixes, and
+/// without which the device would not be reached any more.
 fn writable(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
     let is_cob_id = |at: Multiplexer| match at.index.0 {
         0x1005 | 0x1012 | 0x1014 => at.sub.0 == 0,
         0x1028 => at.sub.0 > 0,
-        0x1200..=0x127F => matches!(at.sub.0, 1 | 2),
+        0x1201..=0x127F => matches!(at.sub.0, 1 | 2),
         0x1400..=0x15FF | 0x1800..=0x19FF => at.sub.0 == 1,
         _ => false,
     };

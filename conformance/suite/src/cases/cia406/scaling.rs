@@ -51,7 +51,7 @@ fn units_above_range(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// With scaling on the position is that of the sensor times 6001h, by the steps of a revolution 6501h, within 6002h.
-#[case(id = "406/scaling/proportional", clause = "CiA 406", confidence = Unknown, level = Must,
+#[case(id = "406/scaling/proportional", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Encoder], catches = [ScaledPositionStands])]
 fn proportional(bench: &mut Bench<'_>) -> Judged {
     small_range(bench)?;
@@ -80,7 +80,7 @@ fn proportional(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// While scaling is on, 6001h and 6002h take the values that they have.
-#[case(id = "406/scaling/own-values", clause = "CiA 406", confidence = Unknown, level = Must,
+#[case(id = "406/scaling/own-values", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Encoder], catches = [ScalingRefused])]
 fn own_values(bench: &mut Bench<'_>) -> Judged {
     operate(bench, SCALING, 0)?;

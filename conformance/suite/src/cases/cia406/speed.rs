@@ -142,7 +142,7 @@ fn format(bench: &mut Bench<'_>) -> Judged {
 
 /// In units per second the speed is what the position changes by, whatever the units per revolution are: the position 6004h, or
 /// by 6031h:01 the raw one in physical steps.
-#[case(id = "406/speed/units-per-second", clause = "CiA 406", confidence = Unknown, level = Must,
+#[case(id = "406/speed/units-per-second", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Encoder, Speed, TurningShaft], catches = [SpeedInPhysicalSteps])]
 fn units(bench: &mut Bench<'_>) -> Judged {
     let bit = in_units_bit(bench)?;
