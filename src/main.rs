@@ -1,5 +1,7 @@
 //! canvass: CANopen trace analyzer and protocol conformance tester.
 
+#![warn(clippy::disallowed_methods)]
+
 mod bundle;
 mod cli;
 mod commands;

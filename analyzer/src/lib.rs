@@ -7,6 +7,8 @@
 //! - [`findings`]: what was wrong: one rule per file.
 //! - [`statistics`]: figures of a bus and its nodes.
 
+#![warn(clippy::disallowed_methods)]
+
 pub mod dictionary;
 pub mod filter;
 pub mod findings;

@@ -272,6 +272,22 @@ pub fn json(document: &str) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
+/// JSON on its way out, as [`json`]: large documents are not held in memory first. A character may not be cut, as
+/// `serde_json` cuts none.
+#[derive(Debug)]
+pub struct JsonText<W>(pub W);
+
+impl<W: io::Write> io::Write for JsonText<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        let text = std::str::from_utf8(bytes).map_err(|error| io::Error::new(io::ErrorKind::InvalidData, error))?;
+        self.0.write_all(json(text).as_bytes()).map(|()| bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -358,7 +374,10 @@ mod tests {
             let document = serde_json::to_string(&text).unwrap();
             let shown = json(&document);
             prop_assert!(!shown.contains(acts));
-            prop_assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), text);
+            prop_assert_eq!(serde_json::from_str::<String>(&shown).unwrap(), &*text);
+            let mut streamed = Vec::new();
+            serde_json::to_writer(JsonText(&mut streamed), &text).unwrap();
+            prop_assert_eq!(String::from_utf8(streamed).unwrap(), shown);
         }
     }
 }

@@ -15,6 +15,8 @@
 //! - [`selftest`]: which faults the cases detect;
 //! - [`signals`]: the values of PDOs as columns over time.
 
+#![warn(clippy::disallowed_methods)]
+
 pub mod answers;
 pub mod catalogue_page;
 pub mod comparison;

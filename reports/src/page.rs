@@ -9,6 +9,7 @@ use base64::engine::general_purpose::STANDARD as BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
+use std::borrow::Cow;
 use std::io;
 
 const STYLE: &str = include_str!("../assets/page.css");
@@ -68,7 +69,13 @@ pub fn render(page: &Page<'_>) -> Markup {
         }
     };
     // Nothing of ours holds such characters: what does came from outside, and somebody has forgotten it.
-    PreEscaped(escape::document(&document.into_string()).into_owned())
+    let document = document.into_string();
+    let shown = match escape::document(&document) {
+        // A page of megabytes is not copied.
+        Cow::Borrowed(_) => None,
+        Cow::Owned(shown) => Some(shown),
+    };
+    PreEscaped(shown.unwrap_or(document))
 }
 
 /// The switch between the system's colours, light and dark ones.
@@ -102,10 +109,31 @@ fn policy(styles: &[&str], scripts: &[&str]) -> String {
 /// # Errors
 /// If `value` can't be JSON.
 pub fn data(id: &str, value: &impl Serialize) -> io::Result<Markup> {
-    let json = serde_json::to_string(value).map_err(io::Error::other)?;
-    // In JSON these stand in strings only.
-    let json = escape::json(&json).replace('<', "\\u003c").replace('>', "\\u003e").replace('&', "\\u0026");
+    let mut json = Vec::new();
+    serde_json::to_writer(escape::JsonText(NoMarkup(&mut json)), value).map_err(io::Error::other)?;
+    let json = String::from_utf8(json).map_err(io::Error::other)?;
     Ok(html! { script type="application/json" id=(id) { (PreEscaped(json)) } })
+}
+
+/// JSON within a page. What could be markup stands in its strings only.
+struct NoMarkup<'a>(&'a mut Vec<u8>);
+
+impl io::Write for NoMarkup<'_> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        for &byte in bytes {
+            match byte {
+                b'<' => self.0.extend_from_slice(b"\\u003c"),
+                b'>' => self.0.extend_from_slice(b"\\u003e"),
+                b'&' => self.0.extend_from_slice(b"\\u0026"),
+                _ => self.0.push(byte),
+            }
+        }
+        Ok(bytes.len())
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use std::io;
 /// A kind: its name, how many channels, the distance of two frames in microseconds, and the n-th frame.
 type Kind = (&'static str, u16, u64, fn(u64) -> Frame);
 
-const KINDS: [Kind; 10] = [
+const KINDS: [Kind; 11] = [
     ("boot-ups", 1, 1_000, |_| frame(0x705, &[0])),
     ("reboots", 1, 250, |n| frame(0x701 + n % 127, &[0])),
     ("commands", 1, 250, |n| frame(0, &[if n % 2 == 0 { 0x81 } else { 0x01 }, 0])),
@@ -16,6 +16,7 @@ const KINDS: [Kind; 10] = [
     ("requests", 1, 250, |n| frame(0x601 + n % 127, &[0x40, low(n), 0x10, high(n), 0, 0, 0, 0])),
     ("errors", 1, 250, |n| frame(0x081 + n % 127, &[low(n), high(n) | 1, 1, 0, 0, 0, 0, 0])),
     ("cob-ids", 1, 250, cob_ids),
+    ("cobs-64", 64, 100, |n| cob_ids(n / 64)),
     ("consumers", 1, 100, consumers),
     ("channels", 5_000, 10, |n| frame(0x181 + n % 8, &[1, 2, 3, 4, 5, 6, 7, 8])),
     ("identifiers", 64, 10, identifiers),

@@ -38,6 +38,8 @@
 //!
 //! One file per format; each describes its grammar and what is easily got wrong in its module's docs.
 
+#![warn(clippy::disallowed_methods)]
+
 mod bit_length;
 mod capture;
 mod channel;

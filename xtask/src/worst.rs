@@ -8,7 +8,7 @@ use std::fs::{self, File};
 use std::process::Command;
 
 /// The kinds of `traces/examples/worst.rs`, with how many frames of each, and how many MiB they may take.
-const KINDS: [(&str, u32, Option<f64>); 10] = [
+const KINDS: [(&str, u32, Option<f64>); 11] = [
     ("boot-ups", 200_000, BOUND),
     ("reboots", 1_000_000, BOUND),
     ("commands", 300_000, BOUND),
@@ -16,6 +16,7 @@ const KINDS: [(&str, u32, Option<f64>); 10] = [
     ("requests", 300_000, BOUND),
     ("errors", 300_000, BOUND),
     ("cob-ids", 300_000, BOUND),
+    ("cobs-64", 300_000, BOUND),
     ("consumers", 300_000, BOUND),
     // Memory is promised for 64 channels.
     ("channels", 3_000_000, None),

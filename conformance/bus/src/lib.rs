@@ -6,6 +6,8 @@
 //! - [`observation`]: what a device did, as data;
 //! - [`transcript`]: a run that can be done again on its recording.
 
+#![warn(clippy::disallowed_methods)]
+
 pub mod client;
 mod clock;
 mod hardware_clock;

@@ -7,6 +7,8 @@
 //! - [`Firmware`]: both together;
 //! - [`address`]: the addresses of buses as they are typed, simulated devices among them.
 
+#![warn(clippy::disallowed_methods)]
+
 pub mod address;
 mod damage;
 mod device;

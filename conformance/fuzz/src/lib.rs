@@ -7,6 +7,8 @@
 //!                     every frame --oracle--> violation --shrink--> reproducer
 //! ```
 
+#![warn(clippy::disallowed_methods)]
+
 mod baseline;
 pub mod campaign;
 pub mod coverage;

@@ -6,6 +6,8 @@
 //! - [`runner`]: runs cases and reports events; [`waiver`]: which failures the user accepts;
 //! - [`selftest`]: the cases tested on firmware with known faults.
 
+#![warn(clippy::disallowed_methods)]
+
 pub mod bench;
 pub mod case;
 mod cases;

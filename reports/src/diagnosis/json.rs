@@ -4,12 +4,15 @@
 //! changes its meaning within a version.
 
 use super::Diagnosed;
-use crate::{escape, provenance, quality};
+use crate::escape::JsonText;
+use crate::{provenance, quality};
 use canvass_analyzer::findings::{Consequence, Exhibit, Finding, Severity, Story};
 use canvass_analyzer::network::Cause;
 use canvass_analyzer::statistics::{BusStatistics, ErrorEnd, ErrorEpisode, Histogram, NodeStatistics, Peak, TestCase};
 use canvass_analyzer::{NodeId, Service};
+use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Map, Value, json};
+use std::cell::Cell;
 use std::io::{self, Write};
 
 /// The name and version of the contract.
@@ -27,23 +30,37 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
         bus.nodes.iter().map(move |(id, figures)| node(*id, &channel, figures, bus))
     });
     let omitted = results.omitted.iter().map(|(rule, count)| ((*rule).to_owned(), json!(count)));
-    let document = json!({
-        "schema": SCHEMA,
-        "provenance": provenance::json(diagnosed.provenance),
-        "frames": diagnosed.frames(),
-        "counts": counts(diagnosed.by_service()),
-        "summary": Value::Object(severities.into_iter().collect()),
-        "findings": results.findings.iter().map(|found| finding(diagnosed, found)).collect::<Vec<_>>(),
-        "stories": results.stories.iter().map(story).collect::<Vec<_>>(),
-        "findings_omitted": Value::Object(omitted.collect()),
-        "nodes": nodes.collect::<Vec<_>>(),
-        "buses": results.buses.iter().map(|(id, figures)| bus(&diagnosed.channel(*id), figures)).collect::<Vec<_>>(),
-        "frames_of_unwatched_channels": results.unwatched,
-        "quality": quality::json(diagnosed.captures, diagnosed.channels),
-    });
-    let text = serde_json::to_string_pretty(&document).map_err(io::Error::other)?;
-    out.write_all(escape::json(&text).as_bytes())?;
+    let buses = results.buses.iter().map(|(id, figures)| bus(&diagnosed.channel(*id), figures));
+    // One finding and node after the other: all of them as values would take several times the memory of what they are of.
+    let mut json = serde_json::Serializer::pretty(JsonText(&mut *out));
+    let mut document = json.serialize_map(None)?;
+    document.serialize_entry("buses", &rows(buses))?;
+    document.serialize_entry("counts", &counts(diagnosed.by_service()))?;
+    document.serialize_entry("findings", &rows(results.findings.iter().map(|found| finding(diagnosed, found))))?;
+    document.serialize_entry("findings_omitted", &Value::Object(omitted.collect()))?;
+    document.serialize_entry("frames", &diagnosed.frames())?;
+    document.serialize_entry("frames_of_unwatched_channels", &results.unwatched)?;
+    document.serialize_entry("nodes", &rows(nodes))?;
+    document.serialize_entry("provenance", &provenance::json(diagnosed.provenance))?;
+    document.serialize_entry("quality", &quality::json(diagnosed.captures, diagnosed.channels))?;
+    document.serialize_entry("schema", SCHEMA)?;
+    document.serialize_entry("stories", &rows(results.stories.iter().map(story)))?;
+    document.serialize_entry("summary", &Value::Object(severities.into_iter().collect()))?;
+    document.end()?;
     out.write_all(b"\n")
+}
+
+/// An array whose values are made while it is written, once.
+struct Rows<I>(Cell<Option<I>>);
+
+fn rows<I: Iterator<Item = Value>>(values: I) -> Rows<I> {
+    Rows(Cell::new(Some(values)))
+}
+
+impl<I: Iterator<Item = Value>> Serialize for Rows<I> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.take().into_iter().flatten())
+    }
 }
 
 fn counts(by_service: impl Iterator<Item = (Service, u64)>) -> Value {

@@ -5,7 +5,7 @@ use crate::message::Service;
 use crate::network::sdo::Outcome;
 use crate::{CobId, Multiplexer, NodeId};
 use canvass_analyzer_macros::rule;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// one CAN-ID was given to two producers
 ///
@@ -21,11 +21,30 @@ use std::collections::BTreeMap;
 struct OverlappingCobId {
     /// The producers by CAN-ID; an entry for each object that the trace has shown.
     producers: BTreeMap<(NodeId, Multiplexer), u32>,
+    /// The same by CAN-ID: looking through all of them would cost more with each that was shown before.
+    users: BTreeSet<(u32, NodeId, Multiplexer)>,
 }
 
 impl OverlappingCobId {
     /// 127 nodes with more TPDOs than any encoder has.
     const MOST: usize = 4096;
+
+    fn forget(&mut self, producer: (NodeId, Multiplexer)) {
+        if let Some(can_id) = self.producers.remove(&producer) {
+            self.users.remove(&(can_id, producer.0, producer.1));
+        }
+    }
+
+    fn forget_all(&mut self, node: NodeId) {
+        let of_node = self.producers.range((node, Multiplexer::new(0, 0))..).map(|(producer, _)| *producer);
+        let of_node: Vec<_> = of_node.take_while(|producer| producer.0 == node).collect();
+        of_node.into_iter().for_each(|producer| self.forget(producer));
+    }
+
+    fn user(&self, can_id: u32) -> Option<(NodeId, Multiplexer)> {
+        let &(found, node, object) = self.users.range((can_id, NodeId::MIN, Multiplexer::new(0, 0))..).next()?;
+        (found == can_id).then_some((node, object))
+    }
 }
 
 impl Rule for OverlappingCobId {
@@ -33,7 +52,7 @@ impl Rule for OverlappingCobId {
         let Some(node) = context.node() else { return };
         if context.decoded.service == Service::BootUp {
             // What was not stored is gone.
-            self.producers.retain(|producer, _| producer.0 != node);
+            self.forget_all(node);
             return;
         }
         let Some(transfer) = context.decoded.channel.and_then(|channel| context.scene.bus.transfer(channel)) else {
@@ -46,18 +65,18 @@ impl Rule for OverlappingCobId {
             return;
         }
         let cob_id = CobId(u32::from_le_bytes(value));
-        self.producers.remove(&(node, object));
+        self.forget((node, object));
         if !cob_id.is_valid() || self.producers.len() >= Self::MOST {
             return;
         }
         let can_id = cob_id.can_id();
-        let other = self.producers.iter().find(|producer| *producer.1 == can_id).map(|producer| *producer.0);
-        if let Some((other_node, other_object)) = other {
+        if let Some((other_node, other_object)) = self.user(can_id) {
             let report = Report::at(context.now()).node(node).detail(u64::from(can_id));
             sink.report(report.evidence(context.evidence()), || {
                 format!("CAN-ID {can_id:03X}h of {object} is also that of {other_object} of node {other_node}")
             });
         }
         self.producers.insert((node, object), can_id);
+        self.users.insert((can_id, node, object));
     }
 }
