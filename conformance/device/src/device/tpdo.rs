@@ -252,7 +252,7 @@ impl Tpdo {
                     () => return self.transmit(now, objects),
                 };
                 (self.waiting, self.inhibited_until) = (true, now + delay);
-                return None;
+                None
             }
         }
     }

@@ -131,10 +131,11 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
     if liberties.has(Liberty::NoSegmentedTransfer) {
         remove_long(edit, |_| true);
     }
-    for (liberty, capability) in [(Liberty::StoresByItself, 0b10), (Liberty::StoresBothWays, 0b11)] {
-        if liberties.has(liberty) {
-            stores(edit, capability, liberty == Liberty::StoresBothWays);
-        }
+    // Who stores in both ways also stores by itself.
+    match () {
+        () if liberties.has(Liberty::StoresBothWays) => stores(edit, 0b11, true),
+        () if liberties.has(Liberty::StoresByItself) => stores(edit, 0b10, false),
+        () => {}
     }
     if liberties.has(Liberty::SelfStart) {
         edit.remove([object::NMT_STARTUP..=object::NMT_STARTUP]);

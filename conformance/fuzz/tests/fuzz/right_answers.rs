@@ -13,18 +13,18 @@ fn violation(bus: &str, log: &str) -> Option<Violation> {
     replay(bus, NodeId::new(10), None, log.as_bytes()).unwrap()
 }
 
-/// A block download to 1006h:00 that announces four bytes, has two, and ends with a wrong CRC.
+/// A block download to 1017h:00 that announces two bytes, has one, and ends with a wrong CRC.
 const SHORT: &str = "\
-(0000000000.000000) can0 60A#C606100004000000
-(0000000000.100000) can0 60A#8101020000000000
-(0000000000.200000) can0 60A#D5FFFF0000000000
+(0000000000.000000) can0 60A#C617100002000000
+(0000000000.100000) can0 60A#8101000000000000
+(0000000000.200000) can0 60A#D9FFFF0000000000
 ";
 
-/// The same with six bytes.
+/// The same with three bytes.
 const LONG: &str = "\
-(0000000000.000000) can0 60A#C606100004000000
-(0000000000.100000) can0 60A#8101020304050600
-(0000000000.200000) can0 60A#C5FFFF0000000000
+(0000000000.000000) can0 60A#C617100002000000
+(0000000000.100000) can0 60A#8101020300000000
+(0000000000.200000) can0 60A#D1FFFF0000000000
 ";
 
 #[test]
@@ -35,7 +35,7 @@ fn a_wrong_crc_and_a_wrong_length_at_once_are_refused_for_either_reason() {
         {
             assert!(violation(bus, log).is_none(), "{bus}: {:#?}", violation(bus, log));
         }
-        let wrong = violation("sim:reference-301+sdo-block-crc-wrong-code", log).unwrap();
+        let wrong = violation("sim:reference-301+sdo-block-size-mismatch-accepted+sdo-block-crc-ignored", log).unwrap();
         assert_eq!(wrong.property, Property::LegalSdo);
     }
 }
