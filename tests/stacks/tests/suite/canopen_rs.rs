@@ -17,6 +17,8 @@ const EXPECTED: &Expected = &[
     ("301/sdo/download/too-short", Fail, LENGTH),
     ("301/sdo/download/segments-too-long", Fail, "more bytes than announced are called too few"),
     ("301/sdo/download/size-not-announced", Fail, "a segmented download must announce its size"),
+    ("301/cob-id/bits-beyond", Fail, PDO_PARAMETERS),
+    ("301/cob-id/each-bit-valid", Fail, PDO_PARAMETERS),
     ("301/pdo/cob-id/every-valid", Fail, PDO_PARAMETERS),
     ("301/pdo/cob-id/restricted", Fail, PDO_PARAMETERS),
     ("301/pdo/cob-id/too-high", Fail, PDO_PARAMETERS),
