@@ -22,6 +22,16 @@ pub(super) const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
 pub type Rescue = fn(&mut Bench<'_>, bool) -> Result<(), Stop>;
 
 impl Bench<'_> {
+    /// Whether the device stores what is written without a command: bit 1 of 1010h:01 (CiA 301, 7.5.2.13). A reset then brings
+    /// no earlier value back.
+    ///
+    /// # Errors
+    /// A breach if 1010h:01 can't be read though it is there.
+    pub fn stores_by_itself(&mut self) -> Result<bool, Stop> {
+        const BY_ITSELF: u32 = 1 << 1;
+        Ok(self.has(STORE)? && self.read_number(STORE)? & BY_ITSELF != 0)
+    }
+
     /// Keeps the value of an object that is about to be written. What can't be read can't be put back.
     pub(super) fn remember(&mut self, multiplexer: Multiplexer) -> Result<(), Stop> {
         let known = self.changes.iter().any(|change| change.multiplexer == multiplexer);

@@ -113,7 +113,7 @@ fn takes(bench: &mut Bench<'_>, at: Multiplexer, cob_id: u32) -> Judged {
 /// While a COB-ID is valid, or TIME and SYNC are consumed or produced by it, none of its bits 0 to 28 changes: each write that turns one of them is refused, and the COB-ID
 /// stays.
 #[case(id = "301/cob-id/each-bit-valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Description], catches = [CanIdLowBitsMovable])]
+       needs = [Description], catches = [CanIdLowBitsMovable, TimeIdChangeWhileValid])]
 fn each_bit_valid(bench: &mut Bench<'_>) -> Judged {
     let objects = writable(bench)?;
     bench.each(objects, |bench, at| {

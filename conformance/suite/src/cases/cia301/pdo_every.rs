@@ -13,15 +13,22 @@ const FREE: u32 = 0x6A0;
 /// How many PDOs of each direction there can be.
 const MOST: u16 = 512;
 
-/// The PDOs whose COB-ID the description calls writable, and that are valid.
-fn valid_pdos(bench: &mut Bench<'_>) -> Result<Vec<Pdo>, Stop> {
+/// The PDOs whose COB-ID the description calls writable, each with the COB-ID that it has.
+fn writable_pdos(bench: &mut Bench<'_>) -> Result<Vec<(Pdo, CobId)>, Stop> {
     let mut found = Vec::new();
     for pdo in (1..=MOST).flat_map(|number| [RPDO.numbered(number), TPDO.numbered(number)]) {
         let is_there = bench.described(pdo.parameter(1)) == Some(true);
-        if is_there && bench.can_write(pdo.parameter(1))? && bench.pdo_cob_id(pdo)?.0 & CobId::INVALID == 0 {
-            found.push(pdo);
+        if is_there && bench.can_write(pdo.parameter(1))? {
+            found.push((pdo, bench.pdo_cob_id(pdo)?));
         }
     }
+    Ok(found)
+}
+
+/// Those of them that are valid.
+fn valid_pdos(bench: &mut Bench<'_>) -> Result<Vec<Pdo>, Stop> {
+    let is_valid = |(pdo, cob_id): (Pdo, CobId)| cob_id.is_valid().then_some(pdo);
+    let found: Vec<Pdo> = writable_pdos(bench)?.into_iter().filter_map(is_valid).collect();
     match found.is_empty() {
         true => {
             let reason = Reason::new("a PDO is valid and can be changed", "one in the description", "none");
@@ -70,9 +77,13 @@ fn every_mapping(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/pdo/parameters-while-off", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [Description], catches = [PdoTimesRefused])]
 fn parameters_while_off(bench: &mut Bench<'_>) -> Judged {
-    let pdos = valid_pdos(bench)?;
-    bench.each(pdos.into_iter().filter(|pdo| pdo.communication >= TPDO.communication), |bench, pdo| {
-        let own = bench.pdo_cob_id(pdo)?;
+    let is_tpdo = |(pdo, _): &(Pdo, CobId)| pdo.communication >= TPDO.communication;
+    let pdos: Vec<_> = writable_pdos(bench)?.into_iter().filter(is_tpdo).collect();
+    if pdos.is_empty() {
+        let reason = Reason::new("a TPDO can be switched off", "one in the description", "none");
+        return Err(Stop::NotApplicable(reason));
+    }
+    bench.each(pdos, |bench, (pdo, own)| {
         if bench.download(pdo.parameter(1), &(own.0 | CobId::INVALID).to_le_bytes())?.abort().is_some() {
             return Ok(());
         }

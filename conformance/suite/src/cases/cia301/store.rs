@@ -149,7 +149,7 @@ fn of_the_profile(scratch: &Scratch) -> Judged {
 
 /// Not applicable where the device stores autonomously: nothing is unstored then.
 fn not_by_itself(bench: &mut Bench<'_>) -> Judged {
-    if bench.read_number(STORE)? & AUTO == 0 {
+    if !bench.stores_by_itself()? {
         return Ok(());
     }
     let reason = Reason::new("the device stores on command only", "bit 1 of 1010h:01 clear", "set");

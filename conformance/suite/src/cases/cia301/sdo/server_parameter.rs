@@ -134,6 +134,10 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/second-server/reset", clause = "CiA 301 7.5.2.33", confidence = Cited, level = Must,
        needs = [SecondServer], catches = [NmtResetCommunicationKeepsParameters], cct = "2.29")]
 fn reset(bench: &mut Bench<'_>) -> Judged {
+    if bench.stores_by_itself()? {
+        let reason = Reason::new("the device stores on command only", "bit 1 of 1010h:01 clear", "set");
+        return Err(Stop::NotApplicable(reason));
+    }
     let before = bench.read(second(1))?;
     open(bench)?;
     bench.reset(Command::RESET_COMMUNICATION)?;
