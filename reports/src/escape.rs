@@ -168,10 +168,13 @@ impl<W: io::Write> io::Write for Visible<W> {
 
 /// Whether these are whole characters of which none acts, as far as a quick look tells.
 fn is_plain(bytes: &[u8]) -> bool {
-    // Without a way out in the middle, so that many bytes are looked at together.
-    let controls = bytes.iter().fold(false, |found, &byte| found | (byte < b' ' && byte != b'\n') | (byte == 0x7F));
-    if controls || bytes.is_ascii() {
-        return !controls;
+    // Without a way out in the middle, so that many bytes are looked at together: nearly always all are printable ASCII.
+    let is_usual = |byte: u8| (byte.wrapping_sub(b' ') < 0x7F - b' ') | (byte == b'\n');
+    if bytes.iter().fold(true, |usual, &byte| usual & is_usual(byte)) {
+        return true;
+    }
+    if bytes.iter().any(|&byte| (byte < b' ' && byte != b'\n') || byte == 0x7F) {
+        return false;
     }
     let may_act = |found: bool, three: &[u8; 3]| {
         let [first, second, third] = *three;

@@ -100,7 +100,8 @@ impl Firmware {
 
     /// Whether parameters are stored as soon as they are written.
     pub(in crate::device) const fn stores_by_itself(&self) -> bool {
-        self.takes(Liberty::StoresByItself) || self.takes(Liberty::StoresBothWays)
+        let has_1010h = !self.takes(Liberty::NoStore);
+        has_1010h && (self.takes(Liberty::StoresByItself) || self.takes(Liberty::StoresBothWays))
     }
 
     /// The size of the blocks that the server asks for; `usual` is the largest one.

@@ -52,7 +52,8 @@ fn unused(at: Multiplexer, cob_id: u32) -> u32 {
 ///
 /// Of PDOs and further SDO channels a device may do no more than switch them on and off.
 #[case(id = "301/cob-id/patterns", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Description], catches = [CanIdsTakenForRestricted, TimeIdRefused])]
+       needs = [Description], catches = [CanIdsTakenForRestricted, TimeIdRefused, EmcyIdWrong, PdoIdNotPredefined, SyncIdWrong, TimeIdWrong,
+                                           SdoMemoryLeak, SdoResponseLost])]
 fn patterns(bench: &mut Bench<'_>) -> Judged {
     let objects = writable(bench)?;
     bench.each(objects, |bench, at| {
@@ -113,7 +114,8 @@ fn takes(bench: &mut Bench<'_>, at: Multiplexer, cob_id: u32) -> Judged {
 /// While a COB-ID is valid, or TIME and SYNC are consumed or produced by it, none of its bits 0 to 28 changes: each write that turns one of them is refused, and the COB-ID
 /// stays.
 #[case(id = "301/cob-id/each-bit-valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Description], catches = [CanIdLowBitsMovable, TimeIdChangeWhileValid])]
+       needs = [Description], catches = [CanIdLowBitsMovable, TimeIdChangeWhileValid, CobIdChangeWhileValid, EmcyIdChangeWhileValid, EmcyIdWrong,
+                                           PdoIdNotPredefined, PdoRulesFirstOnly, TimeIdWrong, SdoResponseLost, SdoResponseSlow])]
 fn each_bit_valid(bench: &mut Bench<'_>) -> Judged {
     let objects = writable(bench)?;
     bench.each(objects, |bench, at| {
@@ -133,7 +135,7 @@ fn each_bit_valid(bench: &mut Bench<'_>) -> Judged {
 /// The bits 11 to 28 of a COB-ID belong to no 11-bit CAN-ID: a value that has one of them set, and bit 29 not, is refused
 /// with abort 0609 0030h.
 #[case(id = "301/cob-id/bits-beyond", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
-       needs = [Description], catches = [CobIdBitsUnchecked, CanIdTooHighAccepted])]
+       needs = [Description], catches = [CobIdBitsUnchecked, CanIdTooHighAccepted, PdoRulesFirstOnly, SdoResponseLost])]
 fn bits_beyond(bench: &mut Bench<'_>) -> Judged {
     let objects = writable(bench)?;
     bench.each(objects, |bench, at| {

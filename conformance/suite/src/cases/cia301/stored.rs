@@ -30,7 +30,8 @@ struct Seen {
 /// A stored heartbeat time and a stored entry of the heartbeat consumer that are there after a reset act, without being
 /// written again. The old values are stored again afterwards.
 #[case(id = "301/store/acts", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
-       needs = [Store, Heartbeat], touches = [Nvm], catches = [StoredConfigurationIdle, HeartbeatConsumerForgetsStored])]
+       needs = [Store, Heartbeat], touches = [Nvm], catches = [StoredConfigurationIdle, HeartbeatConsumerForgetsStored, HeartbeatLostOnStateChange,
+                                                            ErrorBehaviourIgnored])]
 fn acts(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     let watched = match bench.vacant_neighbour() {

@@ -72,7 +72,7 @@ fn rewrite(bench: &mut Bench<'_>, at: Multiplexer) -> Judged {
 /// off and on again. While a COB-ID is in use it may refuse that, and what belongs to it too.
 #[case(id = "301/sdo/download/own-value", clause = "CiA 301 7.4.5", confidence = Cited, level = Must,
        needs = [Description], catches = [SyncIdRefused, PdoOffRefused, ConsumerTimeRefused, SynchronousRpdoRefused,
-                                           MappingProcedureRefused])]
+                                           MappingProcedureRefused, SameCobIdRefused])]
 fn own_value(bench: &mut Bench<'_>) -> Judged {
     let Some(description) = &bench.target().description else {
         return Err(nothing("a description of the device", "none"));
