@@ -16,6 +16,7 @@ mod pdo;
 mod pdo_rules;
 mod rpdo;
 mod sdo;
+mod sync_count;
 
 use super::Knowledge;
 use super::coverage::Coverage;

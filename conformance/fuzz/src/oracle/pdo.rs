@@ -2,6 +2,7 @@
 
 use super::belief::Belief;
 use super::nmt::{Phase, Slave};
+use super::sync_count::SyncCount;
 use super::{Served, Violation, violation};
 use crate::Knowledge;
 use crate::property::Property;
@@ -17,9 +18,7 @@ struct Seen {
     /// Its configuration, or the NMT state, changed last then.
     since: Timestamp,
     /// SYNC messages since then.
-    syncs: u64,
-    /// Whether the device has counted the same: a SYNC that it may or may not have understood leaves that open.
-    in_step: bool,
+    count: SyncCount,
     /// A SYNC came while the device may have been operational.
     heard: bool,
     /// How many SYNC messages and remote frames may still be answered.
@@ -91,7 +90,9 @@ impl Pdos {
         for seen in &mut self.seen {
             seen.begin(now);
             seen.heard &= !from_rest;
-            seen.in_step = !seen.heard;
+            if seen.heard {
+                seen.count.doubt();
+            }
         }
     }
 
@@ -101,15 +102,17 @@ impl Pdos {
         for seen in &mut self.seen {
             // A device may begin anew with all PDOs when one is configured, or go on.
             if !communication {
-                let in_step = seen.in_step && !seen.heard;
+                let in_step = seen.count.is_in_step() && !seen.heard;
                 seen.begin(now);
-                seen.in_step = in_step;
+                if !in_step {
+                    seen.count.doubt();
+                }
             }
             if communication {
                 (seen.last, seen.since) = (None, now);
             }
             if matches!(at.index.0, 0x1005 | 0x1019) {
-                seen.in_step = false;
+                seen.count.doubt();
             }
         }
     }
@@ -139,20 +142,15 @@ impl Pdos {
             if nmt.phase() != Phase::Operational || !understood || writing {
                 // Whether it counts is not known.
                 seen.open();
-                seen.in_step = false;
+                seen.count.doubt();
                 continue;
             }
             let parameters = seen.parameters;
-            seen.syncs += 1;
             match parameters.transmission {
-                Some(kind @ 1..=240) if parameters.is_plain() && (seen.in_step || kind == 1) => {
-                    let due = seen.syncs.is_multiple_of(u64::from(kind));
-                    if due {
-                        seen.open();
-                    }
-                    if due && seen.due == Timestamp::MAX {
+                Some(kind @ 1..=240) if parameters.is_plain() => {
+                    if seen.count.sync(kind) && seen.due == Timestamp::MAX {
                         seen.remote = false;
-                        seen.due = now + knowledge.patience.answer;
+                        seen.due = now + knowledge.patience.answer.max(LONGEST_SYNC_DELAY);
                     }
                 }
                 _ => seen.open(),
@@ -166,7 +164,7 @@ impl Pdos {
         for seen in &mut self.seen {
             seen.heard = true;
             seen.open();
-            seen.in_step = false;
+            seen.count.doubt();
         }
     }
 
@@ -195,6 +193,10 @@ impl Pdos {
         let certain = alone && !writing && nmt.phase() == Phase::Operational;
         for seen in &mut self.seen {
             seen.open();
+            if has(seen) {
+                // The answer is no TPDO of the count.
+                seen.count.doubt();
+            }
             if certain && has(seen) && seen.parameters.answers_remote() && seen.due == Timestamp::MAX {
                 seen.due = now + knowledge.patience.answer;
                 seen.remote = true;
@@ -292,8 +294,7 @@ impl Seen {
             parameters: Parameters::UNKNOWN,
             last: None,
             since: Timestamp::ZERO,
-            syncs: 0,
-            in_step: true,
+            count: SyncCount::new(),
             heard: false,
             open: 0,
             due: Timestamp::MAX,
@@ -311,8 +312,7 @@ impl Seen {
     fn begin(&mut self, now: Timestamp) {
         self.last = None;
         self.since = now;
-        self.syncs = 0;
-        self.in_step = true;
+        self.count = SyncCount::new();
         self.due = Timestamp::MAX;
         self.open = 1;
     }
@@ -340,15 +340,21 @@ impl Seen {
         }
         let last = self.last.replace(now);
         let lag = std::mem::take(&mut self.lag);
+        self.due = Timestamp::MAX;
+        if let (Some(kind @ 1..=240), true) = (parameters.transmission, parameters.is_plain())
+            && self.count.came(kind)
+        {
+            return Ok(());
+        }
         let asked = self.open > 0;
         self.open = self.open.saturating_sub(1);
-        self.due = Timestamp::MAX;
-        if let (Some(kind @ 1..=240), true) = (parameters.transmission, parameters.is_plain() && self.in_step)
+        if let (Some(kind @ 1..=240), true) = (parameters.transmission, parameters.is_plain())
             && !asked
             && nmt.phase() == Phase::Operational
         {
             let expected = format!("the TPDO after every {kind} SYNC");
-            return wrong("synchronous TPDO", expected, format!("one after {} SYNC", self.syncs));
+            let actual = format!("one too early, after {} SYNC messages", self.count.syncs());
+            return wrong("synchronous TPDO", expected, actual);
         }
         if std::mem::take(&mut self.held_up) {
             // It waited for the bus, the next one may not have to.
@@ -375,6 +381,9 @@ impl Seen {
         }
     }
 }
+
+/// Where 1007h sets no window, nothing says how long after a SYNC a TPDO comes; the cases wait as long.
+const LONGEST_SYNC_DELAY: Duration = Duration::from_millis(500);
 
 /// The latest that a cyclic PDO may come.
 fn late(period: Duration, jitter: Duration) -> Duration {

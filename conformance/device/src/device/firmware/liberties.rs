@@ -15,7 +15,6 @@ hooks! {
     locks_pdo_parameters by PdoParametersLocked,
     keeps_manufacturer_variables by VariablesKept,
     starts_by_itself by SelfStart,
-    restores_node_id by NodeIdRestored,
     signals_errors but NoEmcy,
     inhibits_from_write by InhibitFromWrite,
     has_generic_codes_only by GenericErrorCodes,
@@ -102,6 +101,11 @@ impl Firmware {
     pub(in crate::device) const fn stores_by_itself(&self) -> bool {
         let has_1010h = !self.takes(Liberty::NoStore);
         has_1010h && (self.takes(Liberty::StoresByItself) || self.takes(Liberty::StoresBothWays))
+    }
+
+    /// Whether restoring the defaults takes the node-ID away. A device without LSS could never get one again.
+    pub(in crate::device) const fn restores_node_id(&self) -> bool {
+        self.takes(Liberty::NodeIdRestored) && !self.takes(Liberty::NoLss)
     }
 
     /// The size of the blocks that the server asks for; `usual` is the largest one.

@@ -91,8 +91,9 @@ impl Server {
             // What else is wrong may be told as well.
             let others = if is_announced { writing.must } else { writing.must.or(lengths) };
             (writing.must, writing.why) = (codes::CRC.or(others), "the checksum is wrong");
-        } else if !is_announced && writing.must.is_empty() {
-            (writing.must, writing.why) = (lengths, "the length is not the announced one");
+        } else if !is_announced {
+            let others = writing.must.or(codes::REFUSED);
+            (writing.must, writing.why) = (lengths.or(others), "the length is not the announced one");
         }
         if !writing.must.is_empty() {
             belief.aborted = entry;

@@ -188,7 +188,7 @@ fn announced(at: Multiplexer, size: Option<u32>, knowledge: &Knowledge) -> Writi
 }
 
 /// Which of several reasons a server finds first is its own affair.
-fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
+pub(super) fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
     match (known.size, size) {
         (Some(fixed), Some(size)) if size > fixed => codes::TOO_LONG,
         (Some(fixed), Some(size)) if size < fixed => codes::TOO_SHORT,

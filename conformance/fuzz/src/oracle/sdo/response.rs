@@ -201,7 +201,7 @@ impl Server {
     /// of an unknown command, which names no object.
     fn is_unknown(&self, awaited: Awaited, response: Response) -> bool {
         let is_refused = matches!(response, Response::Abort(abort) if codes::COMMAND.has(abort.code));
-        is_refused && self.odd && awaited.is_required()
+        is_refused && self.odd && (awaited.is_required() || awaited == Awaited::AbortOrIgnored)
     }
 
     /// Nothing but an abort, with one of these codes, may come now: nobody knows what became of what was sent.

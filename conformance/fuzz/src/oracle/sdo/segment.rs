@@ -3,7 +3,7 @@
 use super::super::belief::Belief;
 use super::super::codes::{self, CodeSet};
 use super::awaited::{Awaited, Writing};
-use super::initiate::writing;
+use super::initiate::{length_codes, writing};
 use super::{LONGEST, Server, State};
 use crate::Knowledge;
 use canvass_analyzer::wire::sdo::Segment;
@@ -19,29 +19,24 @@ impl Server {
         if self.data.len() < LONGEST {
             self.data.extend_from_slice(segment.data());
         }
-        let received = self.data.len() as u32;
-        let fixed = knowledge.entry(at).and_then(|known| known.size).map(|size| size as u32);
-        let too_long = announced.is_some_and(|size| received > size) || fixed.is_some_and(|size| received > size);
-        let too_short = segment.last && announced.is_some_and(|size| received < size);
-        if too_long || too_short {
-            // Where the length is seen to be wrong before the last segment, it may be refused there or at the end.
-            let codes = if too_long { codes::TOO_LONG } else { codes::TOO_SHORT };
-            let why = if too_long { "more data than announced" } else { "less data than announced" };
-            let wrong = Writing { entry, raw: None, must: codes, may: CodeSet::NONE, why, pdo_rule: false };
-            if segment.last {
-                belief.aborted = entry;
-                self.state = State::Idle;
-                return Awaited::ConfirmSegment { toggle, last: Some((at, wrong)) };
-            }
-            self.state = State::Download { at, entry, toggle: !toggle, announced };
-            return Awaited::ConfirmSegment { toggle, last: None };
-        }
         if !segment.last {
             self.state = State::Download { at, entry, toggle: !toggle, announced };
             return Awaited::ConfirmSegment { toggle, last: None };
         }
         self.state = State::Idle;
-        let writing = writing(at, &self.data, knowledge, belief);
+        let mut writing = writing(at, &self.data, knowledge, belief);
+        let (received, announced) = (self.data.len(), announced.map(|size| size as usize));
+        let (codes, why) = against_announced(received, announced);
+        if !codes.is_empty() {
+            // Which of several reasons a server finds first is its own affair.
+            let known = knowledge.entry(at);
+            let of_object = |size| known.map_or(CodeSet::NONE, |known| length_codes(known, size));
+            let is_of_length = known.is_some_and(|known| known.writable) && !of_object(Some(received)).is_empty();
+            let others = if is_of_length { of_object(Some(received)) } else { writing.must };
+            let must = codes.or(of_object(announced)).or(others);
+            writing = Writing { must, why, pdo_rule: false, ..writing };
+            belief.aborted = entry;
+        }
         Awaited::ConfirmSegment { toggle, last: Some((at, writing)) }
     }
 
@@ -54,5 +49,14 @@ impl Server {
                 Awaited::Abort { codes: codes::COMMAND, at: None, why: "a segment is asked for without its transfer" }
             }
         }
+    }
+}
+
+/// What a server may say to that many bytes where others were announced.
+fn against_announced(received: usize, announced: Option<usize>) -> (CodeSet, &'static str) {
+    match announced {
+        Some(size) if received > size => (codes::TOO_LONG, "more data than announced"),
+        Some(size) if received < size => (codes::TOO_SHORT, "less data than announced"),
+        _ => (CodeSet::NONE, ""),
     }
 }

@@ -63,6 +63,10 @@ fn procedure(bench: &mut Bench<'_>) -> Judged {
     }
     let own = bench.pdo_cob_id(TPDO)?;
     bench.remap(TPDO, &before, own)?;
+    if !own.is_valid() {
+        // A PDO that is delivered off is switched off for the first time now.
+        bench.remap(TPDO, &before, own)?;
+    }
     let after = bench.mapping(TPDO)?;
     bench.check(demand(after.len() == before.len(), || {
         let breach = Breach::new(TPDO.entry(0), "the mapping counts what was written");

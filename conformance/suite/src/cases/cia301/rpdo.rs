@@ -28,7 +28,11 @@ struct Subject {
 fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
     let objects = bench.rpdo_objects();
     let of_bytes = |least: u8| objects.iter().copied().find(|mapped| (8 * least..=32).contains(&mapped.bits));
-    let Some(mapped) = of_bytes(2).or_else(|| of_bytes(1)) else {
+    carrying(bench, of_bytes(2).or_else(|| of_bytes(1)), transmission_type)
+}
+
+fn carrying(bench: &mut Bench<'_>, mapped: Option<Mapped>, transmission_type: u8) -> Result<Subject, Stop> {
+    let Some(mapped) = mapped else {
         let reason = Reason::new("an RPDO can carry an object that SDOs read", "one in the description", "none");
         return Err(Stop::NotApplicable(reason));
     };
@@ -214,9 +218,12 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/rpdo/other-frames", clause = "CiA 301 7.2.2.5.1", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RemoteFrameTakenAsRpdo, ExtendedFrameObeyed])]
 fn other_frames(bench: &mut Bench<'_>) -> Judged {
-    let subject = subject(bench, 255)?;
+    // What a remote frame "carries" is often taken for zeros, so the object has to be one that can be 0, but is not.
+    let mut objects = bench.rpdo_objects();
+    objects.retain(|mapped| mapped.bits <= 32);
+    let mapped = objects.iter().copied().find(|mapped| bench.is_within_limits(mapped.at, 0));
+    let subject = carrying(bench, mapped.or(objects.first().copied()), 255)?;
     operational(bench)?;
-    // A value that is not 0: what a remote frame "carries" is often taken for zeros.
     let value = if subject.before.iter().all(|&byte| byte == 0) { &subject.other } else { &subject.before };
     send(bench, &subject, value)?;
     let length = u8::try_from(value.len()).unwrap_or(8);

@@ -111,11 +111,13 @@ fn long_frame(bench: &mut Bench<'_>) -> Judged {
     let mut obeyed = Vec::new();
     bench.each(3..=8_usize, |bench, length| {
         bench.reach(State::PRE_OPERATIONAL)?;
-        // Start, and then the command that resets this node.
-        let bytes = [Command::START.0, node, Command::RESET_NODE.0, node, 0x81, node, 0x81, node];
+        // Start, and then a command whose effect stays.
+        let stop = Command::STOP.0;
+        let bytes = [Command::START.0, node, stop, node, stop, node, stop, node];
         bench.send_bytes(0, bytes.get(..length).unwrap_or(&bytes))?;
         bench.listen(bench.timing().reaction)?;
         let state = bench.state()?;
+        bench.command(Command::ENTER_PRE_OPERATIONAL)?;
         let allowed = [State::PRE_OPERATIONAL, State::OPERATIONAL];
         demand(state.is_some_and(|state| allowed.contains(&state)), || {
             let duty = format!("an NMT frame of {length} bytes does what its first two say, or nothing");

@@ -87,17 +87,19 @@ fn own_value(bench: &mut Bench<'_>) -> Judged {
         objects.iter().copied().filter(|at| at.index.0 == 0x1014 || cob_id_of_pdo(*at) == Some(*at)).collect();
     bench.each(switches, |bench, cob_id| {
         let own = bench.read_number(cob_id)?;
-        if own & CobId::INVALID != 0 {
+        let on = own & !CobId::INVALID;
+        if own != on && (CobId(on).is_restricted() || bench.download(cob_id, &on.to_le_bytes())?.abort().is_some()) {
+            // It is delivered off, and can't be switched on as it is.
             return Ok(());
         }
-        let attempt = bench.download(cob_id, &(own | CobId::INVALID).to_le_bytes())?;
+        let attempt = bench.download(cob_id, &(on | CobId::INVALID).to_le_bytes())?;
         if is_of_the_moment(&attempt) {
             return Ok(());
         }
         attempt.under("to switch it off").refused(Situation::Confirmed)?;
         let of_this = |at: &&Multiplexer| **at != cob_id && cob_id_of_pdo(**at) == Some(cob_id);
         bench.each(objects.iter().filter(of_this), |bench, at| rewrite(bench, *at))?;
-        let attempt = bench.download(cob_id, &own.to_le_bytes())?;
+        let attempt = bench.download(cob_id, &on.to_le_bytes())?;
         bench.check(attempt.under("to switch it on again").refused(Situation::Confirmed))
     })
 }

@@ -1,0 +1,108 @@
+//! How a synchronous TPDO counts SYNC messages: every n-th, from anywhere in its count, some time after the SYNC.
+
+/// The SYNC messages since the PDO was started or configured, and which of them may cause the next TPDO.
+///
+/// CiA 301 (7.2.2.2, 7.5.2.37) says that a TPDO of transmission type n follows every n-th SYNC; not with which of the first
+/// n SYNCs it begins, nor, where 1007h sets no window, how long after a SYNC it comes. So a TPDO tells its SYNC only up to
+/// a range, which narrows with each TPDO.
+#[derive(Clone, Debug)]
+pub(super) struct SyncCount {
+    /// SYNC messages since the begin.
+    syncs: u64,
+    /// The first and the last SYNC that may cause the next TPDO; none before the first.
+    next: Option<(u64, u64)>,
+    /// Whether the device has counted the same: a SYNC that it may or may not have understood leaves that open.
+    in_step: bool,
+}
+
+impl SyncCount {
+    pub const fn new() -> Self {
+        Self { syncs: 0, next: None, in_step: true }
+    }
+
+    /// Whether the device has counted the same.
+    pub const fn is_in_step(&self) -> bool {
+        self.in_step
+    }
+
+    /// A SYNC, or a TPDO of another cause, that the device may or may not count.
+    pub const fn doubt(&mut self) {
+        self.in_step = false;
+    }
+
+    /// A SYNC came. `true`: with it a TPDO of transmission type `kind` is due at last.
+    pub fn sync(&mut self, kind: u8) -> bool {
+        self.syncs += 1;
+        let (_, last) = self.next.unwrap_or((1, kind.into()));
+        kind == 1 || self.in_step && self.syncs == last
+    }
+
+    /// How many SYNC messages came since the begin.
+    pub const fn syncs(&self) -> u64 {
+        self.syncs
+    }
+
+    /// A TPDO of transmission type `kind` came. `false`: no SYNC can be its cause.
+    pub fn came(&mut self, kind: u8) -> bool {
+        let (first, last) = self.next.unwrap_or((1, kind.into()));
+        if first > self.syncs {
+            return !self.in_step;
+        }
+        // A TPDO of type 1 may answer two SYNC messages that came at once.
+        let last = if kind == 1 { self.syncs } else { last.min(self.syncs) };
+        let kind = u64::from(kind);
+        self.next = Some((first + kind, last + kind));
+        true
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::SyncCount;
+
+    /// The numbers of the SYNC messages after which a TPDO comes; the first number that shows something wrong.
+    fn wrong_at(kind: u8, sent: &[u64], syncs: u64) -> Option<u64> {
+        let mut count = SyncCount::new();
+        let mut due = None;
+        for sync in 1..=syncs {
+            // What is due comes before the next SYNC here.
+            if due.is_some() {
+                return due;
+            }
+            due = count.sync(kind).then_some(sync);
+            for _ in sent.iter().filter(|&&at| at == sync) {
+                if !count.came(kind) {
+                    return Some(sync);
+                }
+                due = None;
+            }
+        }
+        due
+    }
+
+    #[test]
+    fn a_count_may_begin_anywhere_and_is_kept_then() {
+        assert_eq!(wrong_at(3, &[3, 6, 9], 9), None);
+        assert_eq!(wrong_at(3, &[1, 4, 7], 9), None);
+        assert_eq!(wrong_at(3, &[2, 5, 8], 9), None);
+        assert_eq!(wrong_at(1, &[1, 2, 3], 3), None);
+    }
+
+    #[test]
+    fn a_wrong_count_shows() {
+        assert_eq!(wrong_at(3, &[], 9), Some(3), "never");
+        assert_eq!(wrong_at(3, &[1, 2, 3], 9), Some(2), "with every SYNC");
+        assert_eq!(wrong_at(3, &[4, 8], 9), Some(3), "every fourth");
+        assert_eq!(wrong_at(3, &[2, 4, 6], 9), Some(6), "every second");
+        assert_eq!(wrong_at(3, &[3], 9), Some(6), "once");
+        assert_eq!(wrong_at(1, &[1, 1], 3), Some(1), "twice after one SYNC");
+    }
+
+    #[test]
+    fn after_a_doubtful_sync_nothing_is_wrong() {
+        let mut count = SyncCount::new();
+        assert!(!count.sync(2));
+        count.doubt();
+        assert!(!count.sync(2) && count.came(2) && count.came(2) && count.came(2));
+    }
+}
