@@ -87,9 +87,10 @@ impl Server {
         let mut writing = writing(at, &self.data, knowledge, belief);
         let lengths = codes::TOO_LONG.or(codes::TOO_SHORT);
         let is_announced = announced.is_none_or(|announced| announced as usize == len);
+        let is_right_length = is_announced && knowledge.entry(at).is_none_or(|known| known.size.is_some());
         if checked && crc16(0, &self.data) != crc {
             // What else is wrong may be told as well.
-            let others = if is_announced { writing.must } else { writing.must.or(lengths) };
+            let others = if is_right_length { writing.must } else { writing.must.or(lengths) };
             (writing.must, writing.why) = (codes::CRC.or(others), "the checksum is wrong");
         } else if !is_announced {
             let others = writing.must.or(codes::REFUSED);

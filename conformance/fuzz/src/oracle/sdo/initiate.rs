@@ -188,11 +188,21 @@ fn announced(at: Multiplexer, size: Option<u32>, knowledge: &Knowledge) -> Writi
 }
 
 /// Which of several reasons a server finds first is its own affair.
-pub(super) fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
+fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
     match (known.size, size) {
         (Some(fixed), Some(size)) if size > fixed => codes::TOO_LONG,
         (Some(fixed), Some(size)) if size < fixed => codes::TOO_SHORT,
         _ => CodeSet::NONE,
+    }
+}
+
+/// What a server may say at the end to a length that is neither that of the object nor the announced one. How long a string
+/// or a domain has to be no description says.
+pub(super) fn all_length_codes(known: Option<&Known>, announced: Option<usize>) -> CodeSet {
+    match known {
+        Some(known) if known.size.is_none() => codes::TOO_LONG.or(codes::TOO_SHORT),
+        Some(known) => length_codes(known, announced),
+        None => CodeSet::NONE,
     }
 }
 

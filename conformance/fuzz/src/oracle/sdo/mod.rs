@@ -53,6 +53,8 @@ pub(crate) struct Server {
     named: Option<Multiplexer>,
     /// Reserved bits of the last request's command were set: it may be taken for one that does not exist.
     odd: bool,
+    /// When the client ended a transfer last: the server may have given it up at that moment, and says so a little later.
+    ended: Option<Timestamp>,
 }
 
 /// The state of the transfer.
@@ -148,6 +150,7 @@ impl Server {
             command: Command::Abort,
             named: None,
             odd: false,
+            ended: None,
         }
     }
 
@@ -159,6 +162,7 @@ impl Server {
         self.overlapped = false;
         self.grace = Timestamp::ZERO;
         self.unserved = None;
+        self.ended = None;
         self.data.clear();
     }
 
@@ -239,7 +243,11 @@ impl Server {
         let may_come = matches!(self.awaited, Awaited::ConfirmBlock { required: false, .. });
         let unsettled = std::mem::replace(&mut self.unsettled, true);
         self.overlapped |= self.due < Timestamp::MAX || self.awaited.is_open() || may_come && unsettled;
+        let was_running = self.state != State::Idle;
         let mut awaited = self.judge_request(frame, knowledge, belief);
+        if was_running && frame.len() == 8 && self.named.is_some() {
+            self.ended = Some(now);
+        }
         if self.overlapped {
             // Whether the first request is answered, or given up for the second, is left to the server.
             self.state = State::Unsure;

@@ -68,7 +68,7 @@ impl Server {
             return Err(violation(Property::Silent, "SDO in a state without SDO", expected, shown(frame), now));
         }
         self.last = now;
-        let judged = self.judge(frame, knowledge, belief, coverage);
+        let judged = self.judge(now, frame, knowledge, belief, coverage);
         judged.map(|()| belief.has_stored()).map_err(|wrong| {
             let expected = wrong.expected.unwrap_or_else(|| awaited.text());
             self.reset();
@@ -76,7 +76,14 @@ impl Server {
         })
     }
 
-    fn judge(&mut self, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief, coverage: &mut Coverage) -> Judged {
+    fn judge(
+        &mut self,
+        now: Timestamp,
+        frame: &Frame,
+        knowledge: &Knowledge,
+        belief: &mut Belief,
+        coverage: &mut Coverage,
+    ) -> Judged {
         if frame.len() != 8 {
             return Err(instead(Property::LegalSdo, "an SDO response of eight bytes", shown(frame)));
         }
@@ -89,6 +96,9 @@ impl Server {
         let Ok(response) = Response::read(frame.data()) else {
             return Err(wrong(Property::LegalSdo, shown(frame)));
         };
+        if self.is_of_ended(now, response, knowledge) {
+            return Ok(());
+        }
         let awaited = self.take_awaited();
         // What may be the segment of a block can have any bytes.
         if awaited != Awaited::Anything {
@@ -195,6 +205,13 @@ impl Server {
         );
         let is_time_out = matches!(response, Response::Abort(abort) if abort.code == AbortCode::TIMEOUT);
         is_time_out && may_be_silent && self.state != State::Idle
+    }
+
+    /// Whether the server has waited too long for what came of a transfer that the client has ended a moment ago: what is
+    /// awaited now is still to come.
+    fn is_of_ended(&self, now: Timestamp, response: Response, knowledge: &Knowledge) -> bool {
+        let is_time_out = matches!(response, Response::Abort(abort) if abort.code == AbortCode::TIMEOUT);
+        is_time_out && self.ended.is_some_and(|ended| now.since(ended) <= knowledge.patience.answer)
     }
 
     /// Whether the server says that it does not know the command of an odd request: such a request exists as little as one

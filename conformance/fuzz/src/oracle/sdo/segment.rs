@@ -3,7 +3,7 @@
 use super::super::belief::Belief;
 use super::super::codes::{self, CodeSet};
 use super::awaited::{Awaited, Writing};
-use super::initiate::{length_codes, writing};
+use super::initiate::{all_length_codes, writing};
 use super::{LONGEST, Server, State};
 use crate::Knowledge;
 use canvass_analyzer::wire::sdo::Segment;
@@ -30,10 +30,10 @@ impl Server {
         if !codes.is_empty() {
             // Which of several reasons a server finds first is its own affair.
             let known = knowledge.entry(at);
-            let of_object = |size| known.map_or(CodeSet::NONE, |known| length_codes(known, size));
-            let is_of_length = known.is_some_and(|known| known.writable) && !of_object(Some(received)).is_empty();
-            let others = if is_of_length { of_object(Some(received)) } else { writing.must };
-            let must = codes.or(of_object(announced)).or(others);
+            let of_received = all_length_codes(known, Some(received));
+            let is_of_length = known.is_some_and(|known| known.writable) && !of_received.is_empty();
+            let others = if is_of_length { of_received } else { writing.must };
+            let must = codes.or(all_length_codes(known, announced)).or(others);
             writing = Writing { must, why, pdo_rule: false, ..writing };
             belief.aborted = entry;
         }

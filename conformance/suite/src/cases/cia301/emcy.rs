@@ -101,13 +101,46 @@ pub(super) fn is_error(record: &Record) -> bool {
 }
 
 /// Demands that no EMCY reports an error of the protocol, 82xxh, which right messages are not.
-pub(super) fn no_protocol_error(duty: &'static str, heard: &[Record]) -> Check {
+fn no_protocol_error(duty: &'static str, heard: &[Record]) -> Check {
     let is_of_protocol = |record: &&Record| code_of(record).is_some_and(|code| code.0 >> 8 == 0x82);
     let reported = heard.iter().find(is_of_protocol);
     demand(reported.is_none(), || {
         let found = reported.and_then(code_of).map_or(Observation::Silence, Observation::Emcy);
         Breach::new(Service::Emcy, duty).expected("no EMCY 82xxh").found(found).told(shown(heard))
     })
+}
+
+/// Sends a right message and demands that no EMCY reports it as an error: none of the protocol, 82xxh, and, as some devices
+/// have generic codes only, none of 10xxh that comes with the message, and with it again after a reset, but not before.
+/// `prepare` gives the CAN-ID of the message and its data.
+pub(super) fn expect_no_error<'b>(
+    bench: &mut Bench<'b>,
+    duty: &'static str,
+    mut prepare: impl FnMut(&mut Bench<'b>) -> Result<(u16, Vec<u8>), Stop>,
+) -> Judged {
+    bench.expect_emergencies();
+    let patience = patience(bench)?;
+    for is_again in [false, true] {
+        let (can_id, data) = prepare(bench)?;
+        let before = emergencies(bench, patience)?;
+        let mut heard = Vec::new();
+        for _ in 0..3 {
+            bench.send_bytes(can_id, &data)?;
+            heard.extend(emergencies(bench, bench.shortly())?);
+        }
+        heard.extend(emergencies(bench, patience)?);
+        bench.check(no_protocol_error(duty, &heard))?;
+        let is_generic = |record: &Record| code_of(record).is_some_and(|code| code.0 >> 8 == 0x10);
+        if before.iter().any(is_error) || !heard.iter().any(is_generic) {
+            return Ok(());
+        }
+        if is_again {
+            let breach = Breach::new(Service::Emcy, duty).expected("no EMCY").found(observed(&heard));
+            return bench.check(Err(Box::new(breach.told(shown(&heard)))));
+        }
+        bench.reset(Command::RESET_COMMUNICATION)?;
+    }
+    Ok(())
 }
 
 /// The first EMCY; silence if there is none.
