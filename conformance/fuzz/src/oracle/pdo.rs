@@ -69,10 +69,10 @@ impl Pdos {
         }
     }
 
-    /// Whether a valid PDO has that identifier of another service, so that nobody can tell whose frame it was.
+    /// Whether a valid PDO has, or may have, that identifier of another service, so that nobody can tell whose frame it was.
     pub fn shares(&mut self, now: Timestamp, can_id: u16, belief: &Belief, knowledge: &Knowledge) -> bool {
         self.learn(belief, knowledge);
-        let mut shares = false;
+        let mut shares = self.seen.iter().any(|seen| seen.parameters.cob_id.is_none());
         for seen in self.seen.iter_mut().filter(|seen| seen.has(can_id.into())) {
             seen.begin(now);
             shares = true;
