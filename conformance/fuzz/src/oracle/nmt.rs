@@ -234,7 +234,7 @@ impl Slave {
 
     /// A value was written that changes error control.
     pub fn configured(&mut self, now: Timestamp, change: (Multiplexer, u64)) {
-        if change.0 == Multiplexer::new(0x1017, 0) {
+        if change.0 == HEARTBEAT_TIME {
             self.period = Some(Duration::from_millis(change.1));
             self.period_since = now;
             self.last_heartbeat = None;
@@ -242,6 +242,14 @@ impl Slave {
             self.guard_due = Timestamp::MAX;
             self.guard_open = 0;
             self.toggle = None;
+        }
+    }
+
+    /// The period is another one than was followed so far: it was read, and what wrote it was not seen to work.
+    fn learn(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) {
+        let Some(time) = belief.number(knowledge, HEARTBEAT_TIME.index.0, 0) else { return };
+        if self.period.is_some_and(|period| period != Duration::from_millis(time)) {
+            self.configured(now, (HEARTBEAT_TIME, time));
         }
     }
 
@@ -291,6 +299,7 @@ impl Slave {
             let property = Property::NoRestart;
             return Err(violation(property, "boot-up without reset", expected, "a boot-up message", now));
         }
+        self.learn(now, belief, knowledge);
         match produces_heartbeat(belief, knowledge) {
             Some(false) if self.guard_open > 0 => {
                 self.guard_open -= 1;
@@ -487,6 +496,7 @@ impl Slave {
         if produces_heartbeat(belief, knowledge).is_none() {
             return Ok(());
         }
+        self.learn(now, belief, knowledge);
         let Some(period) = self.period.filter(|period| *period > Duration(0)) else { return Ok(()) };
         let last = self.last_heartbeat.unwrap_or(self.period_since);
         let running = !matches!(self.phase, Phase::Unconfigured | Phase::Booting);
@@ -504,6 +514,9 @@ impl Slave {
     }
 }
 
+/// Producer heartbeat time, in ms.
+const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(0x1017, 0);
+
 /// Whether a frame commands the device, alone or among all, to reset itself.
 fn resets(frame: &Frame, knowledge: &Knowledge) -> bool {
     let named = |node: u8| node == 0 || node == knowledge.node.raw();
@@ -512,8 +525,8 @@ fn resets(frame: &Frame, knowledge: &Knowledge) -> bool {
 
 /// Whether the device produces heartbeats; `None`: not known.
 fn produces_heartbeat(belief: &Belief, knowledge: &Knowledge) -> Option<bool> {
-    let exists = knowledge.entry(Multiplexer::new(0x1017, 0)).is_some();
-    match belief.number(knowledge, 0x1017, 0) {
+    let exists = knowledge.entry(HEARTBEAT_TIME).is_some();
+    match belief.number(knowledge, HEARTBEAT_TIME.index.0, 0) {
         Some(period) => Some(period != 0),
         None if exists || !knowledge.is_described() => None,
         None => Some(false),

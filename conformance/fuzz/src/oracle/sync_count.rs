@@ -48,9 +48,9 @@ impl SyncCount {
         if first > self.syncs {
             return !self.in_step;
         }
-        // A TPDO of type 1 may answer two SYNC messages that came at once.
-        let last = if kind == 1 { self.syncs } else { last.min(self.syncs) };
         let kind = u64::from(kind);
+        // Where a second one could have been due already, it may stand for both.
+        let last = if first + kind <= self.syncs { self.syncs } else { last.min(self.syncs) };
         self.next = Some((first + kind, last + kind));
         true
     }
@@ -96,6 +96,17 @@ mod tests {
         assert_eq!(wrong_at(3, &[2, 4, 6], 9), Some(6), "every second");
         assert_eq!(wrong_at(3, &[3], 9), Some(6), "once");
         assert_eq!(wrong_at(1, &[1, 1], 3), Some(1), "twice after one SYNC");
+    }
+
+    #[test]
+    fn a_late_tpdo_may_stand_for_two() {
+        let mut count = SyncCount::new();
+        for due in [false, true, false] {
+            assert_eq!(count.sync(2), due);
+        }
+        assert!(count.came(2), "for the first SYNC, the third or both");
+        assert!(!count.sync(2), "the fourth");
+        assert!(count.sync(2), "the fifth");
     }
 
     #[test]
