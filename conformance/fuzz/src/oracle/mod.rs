@@ -104,6 +104,7 @@ impl Oracle {
             return Ok(());
         }
         self.expire(now)?;
+        self.nmt.passed(now);
         self.emcy.provoked();
         let Some(can_id) = frame.id().as_standard() else {
             coverage.sdo_frame(self.sdo.class(), super::coverage::Command::Extended, frame, &self.knowledge);

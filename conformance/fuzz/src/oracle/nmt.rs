@@ -64,6 +64,8 @@ pub(crate) struct Slave {
     waited: bool,
     /// Other frames of the device that follow each other without a pause: when the first of them ended, and the last one.
     train: (Timestamp, Timestamp),
+    /// The bus was full since the last change: what came before it may show until then.
+    old_until: Timestamp,
     /// The period of the heartbeat, once it was written; `None`: not known.
     period: Option<Duration>,
     period_since: Timestamp,
@@ -95,6 +97,7 @@ impl Slave {
             hasty: Timestamp::ZERO,
             waited: false,
             train: (Timestamp::ZERO, Timestamp::ZERO),
+            old_until: Timestamp::ZERO,
             period: None,
             period_since: Timestamp::ZERO,
         }
@@ -365,18 +368,21 @@ impl Slave {
     }
 
     /// The bus was full until now.
-    pub const fn held_up(&mut self, now: Timestamp) {
+    pub fn held_up(&mut self, now: Timestamp) {
+        if self.may_be_old(now) {
+            self.old_until = now + self.grace;
+        }
         self.last_heartbeat = None;
         self.period_since = now;
     }
 
-    /// Another frame of the device has passed.
+    /// Another frame of the device, or one of the fuzzer, has passed.
     pub fn passed(&mut self, now: Timestamp) {
         let begin = if now.since(self.train.1) > self.jitter { now } else { self.train.0 };
         self.train = (begin, now);
     }
 
-    /// Whether the device has sent more important frames without a pause since `due`: heartbeats have the last place.
+    /// Whether more important frames have passed without a pause since `due`: heartbeats have the last place.
     fn is_behind(&self, now: Timestamp, due: Timestamp) -> bool {
         self.train.0 <= due && now.since(self.train.1) <= self.jitter
     }
@@ -447,16 +453,20 @@ impl Slave {
         };
         match self.phase {
             Phase::Unsure => Ok(self.enter(now, shown)),
-            // It may be of the time before the last command.
-            Phase::Running if now < self.changed + self.grace => Ok(Change::None),
+            Phase::Running if self.may_be_old(now) => Ok(Change::None),
             Phase::Running if shown != Phase::Stopped => Ok(self.enter(now, shown)),
             phase if phase == shown => Ok(Change::None),
-            _ if now < self.changed + self.grace => Ok(Change::None),
+            _ if self.may_be_old(now) => Ok(Change::None),
             phase => {
                 let rule = "state in error control";
                 Err(violation(Property::NmtState, rule, format!("{phase:?}"), format!("{shown:?}"), now))
             }
         }
+    }
+
+    /// Whether a heartbeat may be of the time before the last change: it waited for the bus since.
+    fn may_be_old(&self, now: Timestamp) -> bool {
+        now < (self.changed + self.grace).max(self.old_until)
     }
 
     /// When something is overdue.
