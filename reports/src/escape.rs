@@ -168,9 +168,7 @@ impl<W: io::Write> io::Write for Visible<W> {
 
 /// Whether these are whole characters of which none acts, as far as a quick look tells.
 fn is_plain(bytes: &[u8]) -> bool {
-    // Without a way out in the middle, so that many bytes are looked at together: nearly always all are printable ASCII.
-    let is_usual = |byte: u8| (byte.wrapping_sub(b' ') < 0x7F - b' ') | (byte == b'\n');
-    if bytes.iter().fold(true, |usual, &byte| usual & is_usual(byte)) {
+    if is_usual(bytes) {
         return true;
     }
     if bytes.iter().any(|&byte| (byte < b' ' && byte != b'\n') || byte == 0x7F) {
@@ -190,6 +188,17 @@ fn is_plain(bytes: &[u8]) -> bool {
     ends_plainly
         && std::str::from_utf8(bytes).is_ok()
         && !bytes.windows(3).filter_map(|three| three.first_chunk()).fold(false, may_act)
+}
+
+/// Whether all bytes are printable ASCII or line ends, as nearly always.
+fn is_usual(bytes: &[u8]) -> bool {
+    // One run without a way out, of minima and maxima, which processors compute of 16 bytes at once. Counted from the line
+    // end, which is 0, what is too low comes last; counted from the one after it, the line end does.
+    const LINE_END: u8 = b'\n';
+    let (most, least) = bytes.iter().fold((0, u8::MAX), |(most, least), &byte| {
+        (byte.wrapping_sub(LINE_END).max(most), byte.wrapping_sub(LINE_END + 1).min(least))
+    });
+    most <= b'~' - LINE_END && least >= b' ' - LINE_END - 1
 }
 
 /// Whether a character does something other than appear.
@@ -346,6 +355,14 @@ mod tests {
         }
         assert!(is_plain("25 °C, 3 µs – Kübler…\n".as_bytes()));
         assert!(!is_plain(b"\x9b2J\n") && !is_plain("cut µ".as_bytes().split_last().unwrap().1));
+    }
+
+    #[test]
+    fn usual_is_printable_ascii_and_line_ends() {
+        for byte in 0..=u8::MAX {
+            assert_eq!(is_usual(&[b'a', byte]), matches!(byte, b'\n' | b' '..=b'~'), "{byte:02X}h");
+        }
+        assert!(is_usual(b""));
     }
 
     #[test]

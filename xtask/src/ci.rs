@@ -33,7 +33,7 @@ const FORMAT: Step = Step { name: "format", alone: "cargo fmt --all --check", ru
 const BUILD: Step = Step { name: "build", alone: "cargo build --workspace --locked", run: build };
 const TESTS: Step = Step { name: "tests", alone: "cargo nextest run --workspace --locked", run: tests };
 
-const STEPS: [Step; 10] = [
+const STEPS: [Step; 11] = [
     FORMAT,
     BUILD,
     TESTS,
@@ -44,6 +44,7 @@ const STEPS: [Step; 10] = [
     Step { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
     Step { name: "fuzz targets", alone: "cargo xtask fuzz", run: fuzz },
     Step { name: "attack", alone: "cargo xtask attack --for 90s", run: attacked },
+    Step { name: "self-test", alone: "cargo run --release -- selftest; the same with --fuzz", run: self_test },
 ];
 
 /// Everything that must pass: format, lints, documentation, all tests, with all their set-up.
@@ -130,6 +131,13 @@ fn on_vcan() -> Result<()> {
 
 fn attacked() -> Result<()> {
     attack(&["--for".to_owned(), "90s".to_owned()])
+}
+
+/// All cases and properties against all faults and liberties, and the fuzzer against all faults. The tests try a part of it.
+fn self_test() -> Result<()> {
+    let selftest = ["run", "--release", "--locked", "--quiet", "--", "selftest"];
+    run("cargo", &selftest)?;
+    run("cargo", &[&selftest[..], &["--fuzz"]].concat())
 }
 
 /// A component of the toolchain, where a minimal one came without it.

@@ -1,7 +1,7 @@
 //! One aligned line per frame: time, channel, identifier, data, node, service, meaning.
 
 use super::{Line, Lines};
-use crate::push::{hex_pair, pad, push_decimal, push_hex, push_hex_number, push_meaning, push_visible};
+use crate::push::{hex_pair, pad, push_decimal, push_front, push_hex, push_hex_number, push_meaning, push_visible};
 use crate::time::{Clock, TimeStyle};
 use canvass_analyzer::{Message, NodeId, Service, network::sdo::Violation};
 use canvass_traces::Record;
@@ -21,6 +21,20 @@ pub(super) const DATA_WIDTH: usize = 23;
 pub(super) const SERVICE_WIDTH: usize = 11;
 /// Identifier of 3 digits, data, node, and the blanks around them.
 const USUAL_WIDTH: usize = 2 + 3 + 2 + DATA_WIDTH + 1 + 3 + 2;
+
+/// The name of each service with the blanks after it, and how many columns both take.
+static SERVICES: [([u8; 16], usize); Service::ALL.len()] = {
+    let mut columns = [([b' '; 16], 0); Service::ALL.len()];
+    let mut n = 0;
+    while n < Service::ALL.len() {
+        let name = Service::ALL[n].name().as_bytes();
+        let (column, width) = &mut columns[Service::ALL[n] as usize];
+        column.split_at_mut(name.len()).0.copy_from_slice(name);
+        *width = 1 + if name.len() > SERVICE_WIDTH { name.len() } else { SERVICE_WIDTH };
+        n += 1;
+    }
+    columns
+};
 
 impl TextLines {
     /// With that style of time, and with colours or without.
@@ -96,10 +110,8 @@ impl Lines for TextLines {
             Some(columns) => out.extend_from_slice(&columns),
             None => self.push_columns(record, decoded.node, out),
         }
-        let start = out.len();
-        out.extend_from_slice(decoded.service.name().as_bytes());
-        pad(out, start, SERVICE_WIDTH);
-        out.push(b' ');
+        let (name, width) = &SERVICES[decoded.service as usize];
+        push_front(out, name, *width);
         let style = if self.color { style(decoded.service, &decoded.message, decoded.violation) } else { "" };
         out.extend_from_slice(style.as_bytes());
         push_meaning(out, meaning);
