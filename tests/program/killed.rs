@@ -4,6 +4,8 @@
 use crate::live::Device;
 use crate::running::{command, finished, run};
 use serde_json::Value;
+use std::fs::File;
+use std::io::{Read, Write};
 use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::Duration;
@@ -129,6 +131,53 @@ fn kill_all(kills: u64, signal: &'static str) -> u64 {
     let wrong: Vec<&str> = ends.iter().flat_map(|(wrong, _)| wrong).map(String::as_str).collect();
     assert!(wrong.is_empty(), "{} of {kills}:\n{}", wrong.len(), wrong.join("\n"));
     ends.iter().map(|(_, restored)| restored).sum()
+}
+
+/// A run at a terminal whose user gives that answer; what it says there.
+fn answered(args: &[&str], answer: &str) -> (i32, String) {
+    let terminal = nix::pty::openpty(None, None).unwrap();
+    let side = || Stdio::from(terminal.slave.try_clone().unwrap());
+    let mut child = command(args).stdin(side()).stdout(Stdio::null()).stderr(side()).spawn().unwrap();
+    let mut user = File::from(terminal.master);
+    let mut listener = user.try_clone().unwrap();
+    let told = std::thread::spawn(move || {
+        let mut told = Vec::new();
+        // A terminal that nobody holds any more ends with an error.
+        let _ = listener.read_to_end(&mut told);
+        String::from_utf8_lossy(&told).into_owned()
+    });
+    // The terminal keeps it until it is asked for.
+    writeln!(user, "{answer}").unwrap();
+    let status = child.wait().unwrap().code().unwrap();
+    drop(terminal.slave);
+    (status, told.join().unwrap())
+}
+
+#[test]
+fn at_a_terminal_the_next_run_asks_whether_to_put_the_device_back() {
+    const QUESTION: &str = "Put the device back first? [Y/n]";
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("journal");
+    let device = Device::of("reference-301", &[]);
+    AT_WORK.iter().for_each(|(object, value)| write(&device.bus, object, value));
+    let before = dictionary(&device.bus);
+    let journal = ["--device", "reference-301", "--journal", path.to_str().unwrap()];
+    let args = [&["test", &device.bus][..], &journal].concat();
+    let mut run = command(&args).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    wait_for_a_case(&mut run, &path);
+    std::thread::sleep(moment(1));
+    run.kill().unwrap();
+    run.wait().unwrap();
+    assert!(path.exists(), "a killed run leaves its journal");
+
+    let again = [&["test", &device.bus, "--select", "301/identity/vendor-id"][..], &journal].concat();
+    let (status, told) = answered(&again, "n");
+    assert!(status == 2 && told.contains(QUESTION) && told.contains("canvass restore"), "{status}: {told}");
+    assert!(path.exists(), "nothing was put back");
+    let (status, told) = answered(&again, "");
+    assert!(status == 0 && told.contains(QUESTION), "{status}: {told}");
+    assert!(!path.exists(), "the device was put back");
+    assert_eq!(dictionary(&device.bus), before);
 }
 
 #[test]
