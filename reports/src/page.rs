@@ -1,16 +1,15 @@
 //! What all HTML pages have in common: one file that needs nothing else, light and dark, printable, usable on a phone.
 //!
 //! A page loads nothing and runs nothing but what stands in it: its content security policy names our styles and
-//! scripts by their hash. What comes off a bus goes through maud, which escapes markup, or through [`data`].
+//! scripts by their hash. What comes off a bus goes through maud, which escapes markup, or through [`put_data`].
 
-use crate::escape;
+use crate::escape::{self, Visible};
 use base64::Engine as _;
 use base64::engine::general_purpose::STANDARD as BASE64;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 use serde::Serialize;
 use sha2::{Digest, Sha256};
-use std::borrow::Cow;
-use std::io;
+use std::io::{self, Write};
 
 const STYLE: &str = include_str!("../assets/page.css");
 const SCRIPT: &str = include_str!("../assets/page.js");
@@ -31,19 +30,29 @@ pub struct Page<'a> {
     pub header: Markup,
     /// Links to the sections: their ids and names.
     pub sections: &'a [(&'a str, &'a str)],
-    /// The main part.
-    pub main: Markup,
     /// Below the main part.
     pub footer: Markup,
 }
 
-/// The whole document.
-pub fn render(page: &Page<'_>) -> Markup {
+/// Writes the whole document; `main` writes the main part, piece by piece where it is large, so that nobody holds a page of
+/// many megabytes.
+///
+/// # Errors
+/// What `out` gives.
+pub fn write(
+    page: &Page<'_>,
+    out: &mut dyn Write,
+    main: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    // Nothing of ours holds characters that act: what does came from outside, and somebody has forgotten it.
+    let mut out = Visible::new(out, false);
     let styles: Vec<&str> = std::iter::once(STYLE).chain(page.styles.iter().copied()).collect();
     let scripts: Vec<&str> = std::iter::once(SCRIPT).chain(page.scripts.iter().copied()).collect();
-    let document = html! {
-        (DOCTYPE)
-        html lang="en" {
+    put(
+        &mut out,
+        html! {
+            (DOCTYPE)
+            (PreEscaped("<html lang=\"en\">"))
             head {
                 meta charset="utf-8";
                 meta http-equiv="Content-Security-Policy" content=(policy(&styles, &scripts));
@@ -54,28 +63,36 @@ pub fn render(page: &Page<'_>) -> Markup {
                 title { (page.title) }
                 @for style in &styles { style { (PreEscaped(style)) } }
             }
-            body {
-                a.skip href="#main" { "Skip to the result" }
-                header.page { (page.header) (themes()) }
-                @if !page.sections.is_empty() {
-                    nav.sections aria-label="Sections" {
-                        @for (id, name) in page.sections { a href={ "#" (id) } { (name) } }
-                    }
+            (PreEscaped("<body>"))
+            a.skip href="#main" { "Skip to the result" }
+            header.page { (page.header) (themes()) }
+            @if !page.sections.is_empty() {
+                nav.sections aria-label="Sections" {
+                    @for (id, name) in page.sections { a href={ "#" (id) } { (name) } }
                 }
-                main #main tabindex="-1" { (page.main) }
-                footer.page { (page.footer) }
-                @for script in &scripts { script { (PreEscaped(script)) } }
             }
-        }
-    };
-    // Nothing of ours holds such characters: what does came from outside, and somebody has forgotten it.
-    let document = document.into_string();
-    let shown = match escape::document(&document) {
-        // A page of megabytes is not copied.
-        Cow::Borrowed(_) => None,
-        Cow::Owned(shown) => Some(shown),
-    };
-    PreEscaped(shown.unwrap_or(document))
+            (PreEscaped("<main id=\"main\" tabindex=\"-1\">"))
+        },
+    )?;
+    main(&mut out)?;
+    put(
+        &mut out,
+        html! {
+            (PreEscaped("</main>"))
+            footer.page { (page.footer) }
+            @for script in &scripts { script { (PreEscaped(script)) } }
+            (PreEscaped("</body></html>\n"))
+        },
+    )?;
+    out.flush()
+}
+
+/// Writes a part of a page.
+///
+/// # Errors
+/// What `out` gives.
+pub fn put(out: &mut dyn Write, part: Markup) -> io::Result<()> {
+    out.write_all(part.into_string().as_bytes())
 }
 
 /// The switch between the system's colours, light and dark ones.
@@ -104,28 +121,31 @@ fn policy(styles: &[&str], scripts: &[&str]) -> String {
     )
 }
 
-/// Data for the scripts, as an element that nothing runs. Whatever strings it holds, none ends the element.
+/// Writes data for the scripts, as an element that nothing runs. Whatever strings it holds, none ends the element.
 ///
 /// # Errors
-/// If `value` can't be JSON.
-pub fn data(id: &str, value: &impl Serialize) -> io::Result<Markup> {
-    let mut json = Vec::new();
-    serde_json::to_writer(escape::JsonText(NoMarkup(&mut json)), value).map_err(io::Error::other)?;
-    let json = String::from_utf8(json).map_err(io::Error::other)?;
-    Ok(html! { script type="application/json" id=(id) { (PreEscaped(json)) } })
+/// What `out` gives; if `value` can't be JSON.
+pub fn put_data(out: &mut dyn Write, id: &str, value: &impl Serialize) -> io::Result<()> {
+    put(out, html! { (PreEscaped("<script type=\"application/json\" id=\"")) (id) (PreEscaped("\">")) })?;
+    let mut json = io::BufWriter::new(NoMarkup(out));
+    serde_json::to_writer(escape::JsonText(&mut json), value).map_err(io::Error::other)?;
+    json.flush()?;
+    drop(json);
+    out.write_all(b"</script>")
 }
 
 /// JSON within a page. What could be markup stands in its strings only.
-struct NoMarkup<'a>(&'a mut Vec<u8>);
+struct NoMarkup<'a>(&'a mut dyn Write);
 
-impl io::Write for NoMarkup<'_> {
+impl Write for NoMarkup<'_> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        for &byte in bytes {
-            match byte {
-                b'<' => self.0.extend_from_slice(b"\\u003c"),
-                b'>' => self.0.extend_from_slice(b"\\u003e"),
-                b'&' => self.0.extend_from_slice(b"\\u0026"),
-                _ => self.0.push(byte),
+        for part in bytes.split_inclusive(|byte| matches!(byte, b'<' | b'>' | b'&')) {
+            match part.split_last() {
+                Some((&last @ (b'<' | b'>' | b'&'), before)) => {
+                    self.0.write_all(before)?;
+                    write!(self.0, "\\u{last:04x}")?;
+                }
+                _ => self.0.write_all(part)?,
             }
         }
         Ok(bytes.len())
@@ -143,7 +163,9 @@ mod tests {
     #[test]
     fn no_string_leaves_the_data() {
         let hostile = ["</script><script>alert(1)</script>", "<!--<script>", "]]>", "\u{2028}\u{2029}\u{202e}", "&lt;"];
-        let element = data("data", &hostile).unwrap().into_string();
+        let mut element = Vec::new();
+        put_data(&mut element, "data", &hostile).unwrap();
+        let element = String::from_utf8(element).unwrap();
         let inner = element.strip_prefix("<script type=\"application/json\" id=\"data\">").unwrap();
         let inner = inner.strip_suffix("</script>").unwrap();
         assert!(!inner.contains(['<', '>', '&', '\u{2028}', '\u{2029}', '\u{202e}']), "{inner}");

@@ -20,7 +20,7 @@ pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
         .chain([("about", "About this report")])
         .collect();
     let class = if comparison.has_regressions() { "bad" } else { "good" };
-    let page = page::render(&Page {
+    let page = Page {
         title: "What the release changed",
         styles: &[],
         scripts: &[],
@@ -30,14 +30,13 @@ pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
             p.outcome.(class) { (comparison.outcome()) }
         },
         sections: &sections,
-        main: html! {
-            @for direction in &present { (section(comparison, *direction)) }
-            (provenance::html(&comparison.provenance))
-        },
         footer: html! { "What changed for the worse comes first." },
-    });
-    out.write_all(page.into_string().as_bytes())?;
-    out.write_all(b"\n")
+    };
+    let main = html! {
+        @for direction in &present { (section(comparison, *direction)) }
+        (provenance::html(&comparison.provenance))
+    };
+    page::write(&page, out, |out| page::put(out, main))
 }
 
 fn section(comparison: &Comparison, direction: Direction) -> Markup {

@@ -18,24 +18,23 @@ const STYLE: &str = include_str!("../../assets/fuzz.css");
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     let sections = [("violations", "Violations"), ("coverage", "Coverage"), ("about", "About this report")];
-    let page = page::render(&Page {
+    let page = Page {
         title: &format!("Fuzzing of node {}", run.node),
         styles: &[STYLE],
         scripts: &[],
         header: head(run),
         sections: &sections,
-        main: html! {
-            section #violations { h2 { "Violations" }
-                @if run.outcome.violations.is_empty() { p { "None." } }
-                @for (found, words) in run.violations() { (violation(run, found, words)) }
-            }
-            section #coverage { h2 { "Coverage" } (coverage(run)) }
-            (provenance::html(&run.provenance))
-        },
         footer: html! { "Times are those of the bus." },
-    });
-    out.write_all(page.into_string().as_bytes())?;
-    out.write_all(b"\n")
+    };
+    let main = html! {
+        section #violations { h2 { "Violations" }
+            @if run.outcome.violations.is_empty() { p { "None." } }
+            @for (found, words) in run.violations() { (violation(run, found, words)) }
+        }
+        section #coverage { h2 { "Coverage" } (coverage(run)) }
+        (provenance::html(&run.provenance))
+    };
+    page::write(&page, out, |out| page::put(out, main))
 }
 
 fn head(run: &Run) -> Markup {

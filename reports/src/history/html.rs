@@ -28,10 +28,10 @@ pub fn render(history: &History, out: &mut dyn Write) -> io::Result<()> {
                 (matrix(history, history.cases.iter().map(|row| (row, row.course())).collect()))
             }
         }
-        (times(history)?)
+        (times())
         (provenance::html(&history.provenance))
     };
-    let page = page::render(&Page {
+    let page = Page {
         title: "History",
         styles: &STYLES,
         scripts: &SCRIPTS,
@@ -41,14 +41,15 @@ pub fn render(history: &History, out: &mut dyn Write) -> io::Result<()> {
             p.outcome { (history.outcome()) }
         },
         sections: &sections,
-        main,
         footer: html! {
             "Releases stand in the order in which they were given. "
             details { summary { "Plots are drawn by µPlot, under this licence" } pre { (UPLOT_LICENSE) } }
         },
-    });
-    out.write_all(page.into_string().as_bytes())?;
-    out.write_all(b"\n")
+    };
+    page::write(&page, out, |out| {
+        page::put(out, main)?;
+        page::put_data(out, "data", &series(history))
+    })
 }
 
 fn matrix(history: &History, rows: Vec<(&Row, Course)>) -> Markup {
@@ -93,17 +94,15 @@ fn mark(cell: &Cell, turned: bool) -> Markup {
     }
 }
 
-fn times(history: &History) -> io::Result<Markup> {
-    let data = page::data("data", &series(history))?;
-    Ok(html! {
+fn times() -> Markup {
+    html! {
         section {
             h2 #times { "Times" }
             label { "Case " select #case {} }
             div #plots {}
             noscript { p { "The plots need JavaScript, which runs in this page only." } }
-            (data)
         }
-    })
+    }
 }
 
 /// Milliseconds over the releases: of each case its duration, and each time that was measured in it.

@@ -24,22 +24,17 @@ const SCRIPT: &str = include_str!("../../../assets/conformance.js");
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    out.write_all(page(run).into_string().as_bytes())?;
-    out.write_all(b"\n")
-}
-
-fn page(run: &Run) -> Markup {
     let [name, _, _] = &run.info.device.names;
     let name = printable(name.as_deref().unwrap_or("CANopen device"));
-    page::render(&Page {
+    let page = Page {
         title: &format!("{name}: conformance"),
         styles: &[STYLE],
         scripts: &[SCRIPT],
         header: head(run, &name),
         sections: &sections(run),
-        main: body(run),
         footer: html! { "Times are those of the bus. A section that is not attested is marked." },
-    })
+    };
+    page::write(&page, out, |out| page::put(out, body(run)))
 }
 
 fn body(run: &Run) -> Markup {

@@ -60,34 +60,14 @@ pub fn render(diagnosed: &Diagnosed<'_>, mut collected: Collector, out: &mut dyn
     let seen = collected.excerpt.seen();
     let evidence = diagnosed.results.findings.iter().take(MOST_FINDINGS).flat_map(|finding| &finding.evidence);
     let frames = std::mem::take(&mut collected.excerpt).finish(evidence);
-    let markup = page(diagnosed, &collected, &frames, seen)?;
-    out.write_all(markup.into_string().as_bytes())?;
-    out.write_all(b"\n")
-}
-
-fn page(diagnosed: &Diagnosed<'_>, collected: &Collector, frames: &[Shown], seen: u64) -> io::Result<Markup> {
-    let places = excerpt::places(frames);
-    let data = page::data("data", &data::Data::new(diagnosed, collected, frames, &places))?;
+    let places = excerpt::places(&frames);
     let name = summary::names(diagnosed);
-    let main = html! {
-        (summary::section(diagnosed))
-        (timeline())
-        (load(diagnosed))
-        (signals(collected))
-        (histogram::section(diagnosed))
-        (nodes::section(diagnosed))
-        (findings::section(diagnosed, &places))
-        (frame_list(frames, seen))
-        (provenance::html(diagnosed.provenance))
-        (data)
-    };
-    Ok(page::render(&Page {
+    let page = Page {
         title: &format!("{name}: diagnosis"),
         styles: &STYLES,
         scripts: &SCRIPTS,
         header: summary::head(diagnosed, &name),
         sections: &SECTIONS,
-        main,
         footer: html! {
             "Times count from the first frame. "
             details {
@@ -95,7 +75,19 @@ fn page(diagnosed: &Diagnosed<'_>, collected: &Collector, frames: &[Shown], seen
                 pre { (UPLOT_LICENSE) }
             }
         },
-    }))
+    };
+    page::write(&page, out, |out| {
+        page::put(out, summary::section(diagnosed))?;
+        page::put(out, timeline())?;
+        page::put(out, load(diagnosed))?;
+        page::put(out, signals(&collected))?;
+        page::put(out, histogram::section(diagnosed))?;
+        nodes::write(diagnosed, out)?;
+        page::put(out, findings::section(diagnosed, &places))?;
+        page::put(out, frame_list(&frames, seen))?;
+        page::put(out, provenance::html(diagnosed.provenance))?;
+        page::put_data(out, "data", &data::Data::new(diagnosed, &collected, &frames, &places))
+    })
 }
 
 /// What goes above something that is drawn over time: all of them show the same time.

@@ -3,39 +3,47 @@
 use super::{lane, text};
 use crate::diagnosis::Diagnosed;
 use crate::diagnosis::terminal::{nodes as overview, rounded, who};
+use crate::page::put;
 use canvass_analyzer::statistics::{BusStatistics, Histogram, NodeStatistics, TestRun};
 use canvass_analyzer::{NodeId, Service};
 use canvass_traces::{ChannelId, Duration};
-use maud::{Markup, html};
+use maud::{Markup, PreEscaped, html};
+use std::io::{self, Write};
 
 /// So many changes of a node's state are listed.
 const STATES: usize = 40;
 /// So many cases of CiA's test tool.
 const CASES: usize = 500;
 
-/// A table of all nodes, and each in full.
-pub fn section(diagnosed: &Diagnosed<'_>) -> Markup {
-    let rows = overview(diagnosed);
+/// Writes a table of all nodes, and each in full: on many channels they are thousands.
+///
+/// # Errors
+/// What `out` gives.
+pub fn write(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
+    put(out, html! { (PreEscaped("<section aria-labelledby=\"nodes\">")) h2 #nodes { "Nodes" } })?;
+    match overview(diagnosed).split_first() {
+        Some((head, rows)) => put(out, table(head, rows))?,
+        None => put(out, html! { p.hint { "No node sent anything or was addressed." } })?,
+    }
+    for (channel, bus) in &diagnosed.results.buses {
+        for (id, node) in bus.nodes.iter().filter(|(_, node)| node.total() > 0) {
+            put(out, of_node(diagnosed, (*channel, bus), *id, node))?;
+        }
+    }
+    for (_, bus) in &diagnosed.results.buses {
+        put(out, test_run(diagnosed, &bus.test_run))?;
+    }
+    put(out, PreEscaped("</section>".to_owned()))
+}
+
+fn table(head: &[String], rows: &[Vec<String>]) -> Markup {
     html! {
-        section aria-labelledby="nodes" {
-            h2 #nodes { "Nodes" }
-            @if let Some((head, rows)) = rows.split_first() {
-                div.card.scroll {
-                    table.nodes {
-                        caption.unseen { "All nodes" }
-                        thead { tr { @for cell in head { th scope="col" { (cell) } } } }
-                        tbody { @for row in rows { tr { @for cell in row { td { (cell) } } } } }
-                    }
-                }
-                @for (channel, bus) in &diagnosed.results.buses {
-                    @for (id, node) in bus.nodes.iter().filter(|(_, node)| node.total() > 0) {
-                        (of_node(diagnosed, (*channel, bus), *id, node))
-                    }
-                }
-            } @else {
-                p.hint { "No node sent anything or was addressed." }
+        div.card.scroll {
+            table.nodes {
+                caption.unseen { "All nodes" }
+                thead { tr { @for cell in head { th scope="col" { (cell) } } } }
+                tbody { @for row in rows { tr { @for cell in row { td { (cell) } } } } }
             }
-            @for (_, bus) in &diagnosed.results.buses { (test_run(diagnosed, &bus.test_run)) }
         }
     }
 }
