@@ -9,6 +9,7 @@ use crate::diagnosis::Diagnosed;
 use crate::diagnosis::terminal::who;
 use crate::escape::printable;
 use canvass_analyzer::network::Cause;
+use canvass_analyzer::statistics::NodeStatistics;
 use canvass_analyzer::{NodeId, Service};
 use canvass_traces::{ChannelId, Timestamp};
 use serde::Serialize;
@@ -16,12 +17,12 @@ use std::collections::{BTreeMap, HashMap};
 
 /// All of it. Times are microseconds since the first frame, channels are places in the list of names.
 #[derive(Serialize)]
-pub struct Data {
+pub struct Data<'a> {
     /// From the first to the last frame.
     span: i64,
     channels: Vec<String>,
     services: Vec<&'static str>,
-    nodes: Vec<Node>,
+    nodes: Nodes<'a>,
     buses: Vec<Bus>,
     signals: Vec<Signal>,
     findings: Vec<Finding>,
@@ -86,20 +87,22 @@ struct Finding {
 /// Number among all frames (0: not known), nanoseconds, line or packet, channel, node, service, CAN-ID, data, meaning.
 type Frame = (u64, i64, u64, usize, Option<u8>, i8, String, String, usize);
 
-impl Data {
+impl<'a> Data<'a> {
     /// Of a diagnosis, with the frames that are shown.
     pub fn new(
-        diagnosed: &Diagnosed<'_>,
-        collected: &Collector,
+        diagnosed: &'a Diagnosed<'a>,
+        collected: &'a Collector,
         frames: &[Shown],
         places: &HashMap<FrameKey, usize>,
     ) -> Self {
         let mut names = Names { diagnosed, ids: Vec::new(), start: diagnosed.start().unwrap_or_default() };
         let mut texts = Texts::default();
+        for (channel, _) in &diagnosed.results.buses {
+            names.place(*channel);
+        }
         Self {
             span: span(diagnosed, &names),
             services: Service::ALL.map(Service::name).to_vec(),
-            nodes: nodes(diagnosed, collected, &mut names),
             buses: buses(diagnosed, &mut names),
             signals: signals(collected, &mut names),
             findings: findings(diagnosed, &mut names),
@@ -107,6 +110,7 @@ impl Data {
             texts: texts.list,
             proofs: proofs(diagnosed, places),
             channels: names.list(),
+            nodes: Nodes { collected, names },
         }
     }
 }
@@ -164,28 +168,41 @@ fn span(diagnosed: &Diagnosed<'_>, names: &Names<'_>) -> i64 {
     diagnosed.results.buses.iter().map(|(_, bus)| names.micros(bus.last)).max().unwrap_or(0)
 }
 
-fn nodes(diagnosed: &Diagnosed<'_>, collected: &Collector, names: &mut Names<'_>) -> Vec<Node> {
-    let mut nodes = Vec::new();
-    for (channel, bus) in &diagnosed.results.buses {
-        for (id, node) in bus.nodes.iter().filter(|(_, node)| node.total() > 0) {
-            let silences = Silences::of(&diagnosed.results.findings, *channel, *id);
-            let spans = lane::spans(node, &silences).into_iter();
-            let boot_ups = node.states.iter().filter(|change| change.cause == Cause::BootUp);
-            let sent = collected.emergencies.get(&(*channel, *id)).into_iter().flat_map(|buckets| buckets.iter());
-            nodes.push(Node {
-                id: id.raw(),
-                name: printable(&who(node)).into_owned(),
-                first: names.micros(node.first),
-                last: names.micros(node.last),
-                states: spans.map(|span| (names.micros(span.from), names.micros(span.to), span.state)).collect(),
-                boot_ups: boot_ups.map(|change| names.micros(change.time)).collect(),
-                silent: silences.left_out,
-                emergencies: sent.map(|sent| (names.micros(sent.time), sent.code.to_string(), sent.count)).collect(),
-                channel: names.place(*channel),
-            });
+/// The nodes of all channels, each made when it is written: what they have said of their states may be much.
+struct Nodes<'a> {
+    collected: &'a Collector,
+    names: Names<'a>,
+}
+
+impl Serialize for Nodes<'_> {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let buses = self.names.diagnosed.results.buses.iter().enumerate();
+        serializer.collect_seq(buses.flat_map(|(place, (channel, bus))| {
+            let nodes = bus.nodes.iter().filter(|(_, node)| node.total() > 0);
+            nodes.map(move |(id, node)| self.node((place, *channel), *id, node))
+        }))
+    }
+}
+
+impl Nodes<'_> {
+    fn node(&self, (place, channel): (usize, ChannelId), id: NodeId, node: &NodeStatistics) -> Node {
+        let names = &self.names;
+        let silences = Silences::of(&names.diagnosed.results.findings, channel, id);
+        let spans = lane::spans(node, &silences).into_iter();
+        let boot_ups = node.states.iter().filter(|change| change.cause == Cause::BootUp);
+        let sent = self.collected.emergencies.get(&(channel, id)).into_iter().flat_map(|buckets| buckets.iter());
+        Node {
+            channel: place,
+            id: id.raw(),
+            name: printable(&who(node)).into_owned(),
+            first: names.micros(node.first),
+            last: names.micros(node.last),
+            states: spans.map(|span| (names.micros(span.from), names.micros(span.to), span.state)).collect(),
+            boot_ups: boot_ups.map(|change| names.micros(change.time)).collect(),
+            silent: silences.left_out,
+            emergencies: sent.map(|sent| (names.micros(sent.time), sent.code.to_string(), sent.count)).collect(),
         }
     }
-    nodes
 }
 
 fn buses(diagnosed: &Diagnosed<'_>, names: &mut Names<'_>) -> Vec<Bus> {
