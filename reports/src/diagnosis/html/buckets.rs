@@ -13,20 +13,27 @@ pub trait Merge {
 pub struct Buckets<T, const MOST: usize> {
     start: Timestamp,
     width: Duration,
+    /// At most `MOST`.
+    most: usize,
     slots: Vec<Option<T>>,
 }
 
 impl<T: Merge, const MOST: usize> Buckets<T, MOST> {
     /// Empty ones. They begin at `start`, each `width` (more than 0) wide.
     pub const fn new(start: Timestamp, width: Duration) -> Self {
-        Self { start, width, slots: Vec::new() }
+        Self { start, width, most: MOST, slots: Vec::new() }
+    }
+
+    /// No more than so many, at least one.
+    pub fn limited_to(self, most: usize) -> Self {
+        Self { most: most.clamp(1, MOST), ..self }
     }
 
     /// Adds something that was seen at a time. A time before the start counts for the first bucket.
     pub fn add(&mut self, now: Timestamp, value: T) {
         let elapsed = now.since(self.start).nanos();
         let mut at = elapsed / self.width.nanos();
-        while at >= MOST as u64 {
+        while at >= self.most as u64 {
             self.double();
             at = elapsed / self.width.nanos();
         }
@@ -42,7 +49,7 @@ impl<T: Merge, const MOST: usize> Buckets<T, MOST> {
 
     #[cold]
     fn double(&mut self) {
-        let mut merged = Vec::with_capacity(MOST);
+        let mut merged = Vec::with_capacity(self.most);
         let mut slots = std::mem::take(&mut self.slots).into_iter();
         while let Some(first) = slots.next() {
             merged.push(match (first, slots.next().flatten()) {
@@ -116,6 +123,17 @@ mod tests {
         assert!(samples.len() <= 128);
         assert!(samples.contains(&(Timestamp(77_782), 1000.0)) && samples.contains(&(Timestamp(33_338), -1000.0)));
         assert!(samples.is_sorted_by_key(|sample| sample.0));
+    }
+
+    #[test]
+    fn fewer_buckets_take_as_much() {
+        let mut buckets: Buckets<Extremes, 64> = Buckets::new(Timestamp(0), Duration(10)).limited_to(4);
+        for n in 0..100_u64 {
+            buckets.add(Timestamp(n), Extremes::of(Timestamp(n), if n == 41 { 7.0 } else { 0.0 }));
+        }
+        assert!(buckets.iter().count() <= 4);
+        let samples: Vec<_> = buckets.iter().flat_map(Extremes::samples).collect();
+        assert!(samples.contains(&(Timestamp(41), 7.0)) && samples.last().unwrap().0 >= Timestamp(80), "{samples:?}");
     }
 
     #[test]

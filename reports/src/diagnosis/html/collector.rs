@@ -20,6 +20,10 @@ pub struct Collector {
     pub(super) emergencies: BTreeMap<(ChannelId, NodeId), Buckets<Emergencies, 256>>,
 }
 
+/// So many nodes, four full buses, have their EMCY in all buckets, the others in so few.
+const CLOSELY: usize = 508;
+const ROUGHLY: usize = 32;
+
 /// EMCY of one node within a time.
 #[derive(Clone, Copy, Debug)]
 pub struct Emergencies {
@@ -63,7 +67,9 @@ impl Collector {
                 && let Some(code) = emergency.emcy.code()
             {
                 let time = record.timestamp;
-                let new = || Buckets::new(time, Duration::from_millis(10));
+                // Nobody looks at thousands of nodes as closely as at some.
+                let most = if self.emergencies.len() < CLOSELY { usize::MAX } else { ROUGHLY };
+                let new = || Buckets::new(time, Duration::from_millis(10)).limited_to(most);
                 let buckets = self.emergencies.entry((record.channel, *node)).or_insert_with(new);
                 buckets.add(time, Emergencies { time, code, count: 1 });
             }
