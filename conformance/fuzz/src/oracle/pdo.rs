@@ -41,6 +41,8 @@ pub(super) struct Pdos {
     seen: Vec<Seen>,
     /// [`Belief::version`] of the parameters.
     version: Option<u64>,
+    /// Whether a TPDO may be due: asked for with every frame, and nearly always none is.
+    may_be_due: bool,
 }
 
 impl Pdos {
@@ -49,10 +51,12 @@ impl Pdos {
             .entries()
             .iter()
             .filter(|known| (0x1800..0x1A00).contains(&known.at.index.0) && known.at.sub.0 == 1);
-        Self { seen: parameters.map(|known| Seen::new(known.at.index.0)).collect(), version: None }
+        let seen = parameters.map(|known| Seen::new(known.at.index.0)).collect();
+        Self { seen, version: None, may_be_due: false }
     }
 
     pub fn reset(&mut self) {
+        self.may_be_due = false;
         for seen in &mut self.seen {
             *seen = Seen { parameters: seen.parameters, ..Seen::new(seen.index) };
         }
@@ -81,6 +85,9 @@ impl Pdos {
     }
 
     pub fn due(&self) -> Option<Timestamp> {
+        if !self.may_be_due {
+            return None;
+        }
         self.seen.iter().map(|seen| seen.due).min().filter(|due| *due < Timestamp::MAX)
     }
 
@@ -151,6 +158,7 @@ impl Pdos {
                     if seen.count.sync(kind) && seen.due == Timestamp::MAX {
                         seen.remote = false;
                         seen.due = now + knowledge.patience.answer.max(LONGEST_SYNC_DELAY);
+                        self.may_be_due = true;
                     }
                 }
                 _ => seen.open(),
@@ -199,6 +207,7 @@ impl Pdos {
             }
             if certain && has(seen) && seen.parameters.answers_remote() && seen.due == Timestamp::MAX {
                 seen.due = now + knowledge.patience.answer;
+                self.may_be_due = true;
                 seen.remote = true;
             }
         }
