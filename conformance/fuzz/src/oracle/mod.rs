@@ -312,7 +312,10 @@ impl Oracle {
         if self.blind {
             return None;
         }
-        [self.nmt.due(), self.sdo.due(), self.lss.due(), self.lmt.due(), self.pdo.due()].into_iter().flatten().min()
+        let due = [self.nmt.due(), self.sdo.due(), self.lss.due(), self.lmt.due(), self.pdo.due()];
+        let earliest =
+            due.into_iter().fold(Timestamp::MAX, |earliest, due| earliest.min(due.unwrap_or(Timestamp::MAX)));
+        (earliest < Timestamp::MAX).then_some(earliest)
     }
 
     /// Time has passed.
