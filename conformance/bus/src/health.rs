@@ -1,6 +1,6 @@
 //! How well a bus and the tester's own machine work: what a verdict on a device must not be blamed on.
 
-use canvass_traces::Duration;
+use canvass_traces::{Duration, Timestamp};
 use std::fmt;
 
 /// Counts since the bus was opened. The difference of two says what happened between them.
@@ -17,13 +17,31 @@ pub struct Health {
     pub error_frames: u64,
     /// How often a full transmit queue was waited for.
     pub waits: u64,
-    /// From a frame's time on the bus to the tester's seeing it, while it waited for one.
+    /// From a frame's time on the bus to the tester's seeing it, while it waited for one; and from the end of a wait in vain
+    /// to its seeing that.
     pub receive: Latencies,
     /// From the tester's handing over a frame to its time on the bus.
     pub transmit: Latencies,
+    /// By how much the time that a frame was given may be later than its arrival, where frames bring none of their own.
+    pub stamping: Latencies,
 }
 
 impl Health {
+    /// The longest that this machine was late, of everything that is counted here.
+    pub fn latest(&self) -> Option<Duration> {
+        [&self.receive, &self.transmit, &self.stamping].into_iter().filter_map(Latencies::longest).max()
+    }
+
+    /// A wait that had to end at `due` was seen to have ended at `now`. Every wait ends a little late; more than that is
+    /// this machine's being busy.
+    pub(crate) fn note_late_end(&mut self, due: Timestamp, now: Timestamp) {
+        const USUAL: Duration = Duration::from_millis(1);
+        let late = now.since(due);
+        if late > USUAL {
+            self.receive.add(late);
+        }
+    }
+
     /// What happened since `before`.
     pub fn since(&self, before: &Self) -> Self {
         Self {
@@ -34,6 +52,7 @@ impl Health {
             waits: self.waits.saturating_sub(before.waits),
             receive: self.receive.since(&before.receive),
             transmit: self.transmit.since(&before.transmit),
+            stamping: self.stamping.since(&before.stamping),
         }
     }
 }

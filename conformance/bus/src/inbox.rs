@@ -21,6 +21,8 @@ struct State {
     records: VecDeque<Record>,
     capacity: usize,
     health: Health,
+    /// The time of the last frame that was taken: time does not go back.
+    last: Timestamp,
 }
 
 /// Twelve seconds of a full bus at 1 Mbit/s; 16 MiB.
@@ -31,7 +33,7 @@ const STALL: Duration = Duration::from_millis(500);
 
 impl Inbox {
     pub fn new() -> Self {
-        let state = State { records: VecDeque::new(), capacity: CAPACITY, health: Health::default() };
+        let state = State { records: VecDeque::new(), capacity: CAPACITY, health: Health::default(), last: Timestamp::ZERO };
         let state = Mutex::new(state);
         let (delivering, closed) = (AtomicBool::new(false), AtomicBool::new(false));
         Self { state, arrived: Condvar::new(), delivering, closed }
@@ -101,9 +103,11 @@ impl Inbox {
         loop {
             let now = clock.now();
             if state.records.front().is_some_and(|record| is_between(record.timestamp, deadline, now)) {
+                state.health.note_late_end(asked.max(deadline), now);
                 return None;
             }
-            if let Some(record) = state.records.pop_front() {
+            if let Some(mut record) = state.records.pop_front() {
+                record.timestamp = state.in_order(record.timestamp, now);
                 if record.direction != Direction::Tx {
                     state.health.receive.add(now.since(record.timestamp.max(asked)));
                 }
@@ -117,12 +121,26 @@ impl Inbox {
                 let behind = pending() || self.delivering.load(Ordering::SeqCst);
                 let since = *stalled.get_or_insert(now);
                 if !behind || Duration::from(now.since(since)) > STALL {
+                    state.health.note_late_end(asked.max(deadline), now);
                     return None;
                 }
                 Duration::from_micros(200)
             };
             state = self.arrived.wait_timeout(state, wait).unwrap_or_else(PoisonError::into_inner).0;
         }
+    }
+}
+
+impl State {
+    /// The time of a frame that is taken now. One of the tester's own may have been delivered while an older one was still
+    /// being fetched.
+    fn in_order(&mut self, time: Timestamp, now: Timestamp) -> Timestamp {
+        if time > now {
+            // Wrong; it must not spoil those that follow.
+            return time;
+        }
+        self.last = self.last.max(time);
+        self.last
     }
 }
 
@@ -172,6 +190,27 @@ mod tests {
         assert_eq!([take(deadline), take(deadline), take(deadline)], [true, false, false]);
         let later = clock.now();
         assert_eq!([take(later), take(later), take(later)], [true, true, false]);
+    }
+
+    /// The frame that was fetched late came before the tester's own, which was taken already.
+    #[test]
+    fn time_does_not_go_back() {
+        let (inbox, clock) = (Inbox::new(), SteadyClock::start());
+        let (older, own) = (record(&clock), record(&clock));
+        inbox.deliver(&mut vec![own.clone()]);
+        let take = || inbox.take(&clock, clock.now(), || false).unwrap().timestamp;
+        assert_eq!(take(), own.timestamp);
+        inbox.deliver(&mut vec![older]);
+        assert_eq!(take(), own.timestamp);
+    }
+
+    #[test]
+    fn a_wait_that_ends_late_is_counted() {
+        let (inbox, clock) = (Inbox::new(), SteadyClock::start());
+        let begun = clock.now();
+        let stall = || clock.now().since(begun) < canvass_traces::Duration::from_millis(20);
+        assert!(inbox.take(&clock, begun, stall).is_none());
+        assert!(inbox.health().receive.longest() > Some(canvass_traces::Duration::from_millis(15)));
     }
 
     #[test]

@@ -16,6 +16,7 @@ mod inbox;
 mod machine;
 pub mod observation;
 mod participant;
+mod processor_wait;
 mod simulated;
 pub mod slcan;
 #[cfg(target_os = "linux")]

@@ -3,8 +3,10 @@
 use super::codec::{Command, Decoder, Message, MinuteClock};
 use super::link::{LOOK, Link, Place, is_silence};
 use super::{Change, Shared, SlCanError};
+use crate::Health;
 use crate::hardware_clock::HardwareClock;
-use canvass_traces::{ChannelId, Direction, Record, Timestamp};
+use crate::processor_wait::ProcessorWait;
+use canvass_traces::{ChannelId, Direction, Duration as Span, Record, Timestamp};
 use std::io::{self, Read};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
@@ -34,6 +36,31 @@ pub(super) struct Reader {
     records: Vec<Record>,
     /// Whether the adapter answers the question for its status flags.
     has_status: bool,
+}
+
+/// How long the reading thread had to wait for a processor while something may have been there for it.
+#[derive(Clone, Copy)]
+struct Late {
+    /// From the moment at which something came until the thread saw it.
+    waking: Span,
+    /// Between two looks.
+    away: Span,
+}
+
+impl Late {
+    /// When the message at that place among those of one read arrived. The first has woken the thread; when the others
+    /// came meanwhile, nobody knows.
+    fn arrival(self, at: usize, now: Timestamp) -> Timestamp {
+        if at == 0 { Timestamp(now.0.saturating_sub(self.waking.0)) } else { now }
+    }
+
+    /// What remains unknown.
+    fn note(self, messages: usize, health: &mut Health) {
+        let unknown = if messages > 1 { self.waking } else { Span::ZERO };
+        if messages > 0 && self.away.max(unknown) > Span::ZERO {
+            health.stamping.add(self.away.max(unknown));
+        }
+    }
 }
 
 impl Reader {
@@ -135,6 +162,7 @@ impl Reader {
     pub fn run(mut self) {
         let shared = Arc::clone(&self.shared);
         let mut asked = Instant::now();
+        let mut wait = ProcessorWait::of_this_thread();
         while !shared.inbox.is_closed() {
             if self.port.is_none() {
                 // Not there yet: looked for again.
@@ -144,11 +172,16 @@ impl Reader {
                 continue;
             }
             self.give_way();
+            let away = wait.since_last();
             match self.read() {
                 Ok(messages) => {
-                    let arrived = shared.clock.now();
+                    let now = shared.clock.now();
                     shared.inbox.set_delivering(true);
-                    messages.into_iter().for_each(|message| self.take(message, arrived));
+                    let late = Late { waking: wait.since_last(), away };
+                    shared.inbox.note(|health| late.note(messages.len(), health));
+                    for (at, message) in messages.into_iter().enumerate() {
+                        self.take(message, late.arrival(at, now));
+                    }
                     shared.inbox.deliver(&mut self.records);
                     shared.inbox.set_delivering(false);
                 }

@@ -7,7 +7,7 @@
 //! begin 0
 //! frames 0 0 1 0               how often there was none before each frame
 //! time 12 1700000000000000000  after so many questions as expected, the clock said
-//! health 3 0 0 0 0 / 3:1 7:2 / 4:9 / the controller is bus-off
+//! health 3 0 0 0 0 / 3:1 7:2 / 4:9 ; 5:1 / the controller is bus-off
 //! rate set                     or fixed
 //! trouble the bus failed
 //! ```
@@ -48,13 +48,11 @@ impl fmt::Display for Transcript {
             writeln!(f, "time {after} {}", time.nanos())?;
         }
         for (after, health) in &self.health {
-            let Health { lost, interruptions, trouble, error_frames, waits, receive, transmit } = health;
+            let Health { lost, interruptions, trouble, error_frames, waits, receive, transmit, stamping } = health;
             let trouble = trouble.as_deref().unwrap_or_default().replace(['\n', '\r'], " ");
-            let (receive, transmit) = (counts(receive), counts(transmit));
-            writeln!(
-                f,
-                "health {after} {lost} {interruptions} {error_frames} {waits} / {receive} / {transmit} / {trouble}"
-            )?;
+            let (receive, transmit, stamping) = (counts(receive), counts(transmit), counts(stamping));
+            write!(f, "health {after} {lost} {interruptions} {error_frames} {waits}")?;
+            writeln!(f, " / {receive} / {transmit} ; {stamping} / {trouble}")?;
         }
         for set in &self.bit_rates {
             writeln!(f, "rate {}", if *set { "set" } else { "fixed" })?;
@@ -123,9 +121,12 @@ fn health(text: &str) -> Option<(u64, Health)> {
     let mut number = || numbers.next().flatten();
     let after = number()?;
     let (lost, interruptions, error_frames, waits) = (number()?, number()?, number()?, number()?);
-    let (receive, transmit) = (latencies(parts.next()?)?, latencies(parts.next()?)?);
+    let (receive, sent) = (latencies(parts.next()?)?, parts.next()?);
+    // Older transcripts have no third sort.
+    let (transmit, stamping) = sent.split_once(';').unwrap_or((sent, ""));
+    let (transmit, stamping) = (latencies(transmit)?, latencies(stamping)?);
     let trouble = Some(parts.next()?.trim().to_owned()).filter(|trouble| !trouble.is_empty());
-    Some((after, Health { lost, interruptions, trouble, error_frames, waits, receive, transmit }))
+    Some((after, Health { lost, interruptions, trouble, error_frames, waits, receive, transmit, stamping }))
 }
 
 fn latencies(text: &str) -> Option<Latencies> {

@@ -94,6 +94,9 @@ pub struct Bench<'a> {
 /// as the shortest wait that a case judges by.
 pub(crate) const HOST_LATE: Duration = Duration::from_millis(50);
 
+/// What the tester's own machine has to do. Reports name it where it did not.
+pub(crate) const KEEPS_UP: &str = "the tester's machine keeps up";
+
 /// What a case leaves behind for its report.
 #[derive(Debug)]
 pub struct Remains {
@@ -228,9 +231,7 @@ impl<'a> Bench<'a> {
     /// How late the tester's machine has been at most so far, from the bus or to it; what is later than the bound excuses the
     /// device altogether.
     pub fn host_delay(&self) -> Duration {
-        let health = self.health();
-        let longest = health.receive.longest().max(health.transmit.longest());
-        longest.unwrap_or_default().min(HOST_LATE)
+        self.health().latest().unwrap_or_default().min(HOST_LATE)
     }
 
     /// How long after a frame the device has acted on it, where it acts at once: what `--timeout reaction` says, and what bus

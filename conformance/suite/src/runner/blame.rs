@@ -1,6 +1,6 @@
 //! Whose fault a failure is: the device's, or that of the bus, of others on it, or of the tester's own machine.
 
-use crate::bench::{Bench, HOST_LATE};
+use crate::bench::{Bench, HOST_LATE, KEEPS_UP};
 use crate::verdict::{Breach, End, Reason};
 use canvass_bus::Health;
 use canvass_traces::Duration;
@@ -43,26 +43,34 @@ pub(super) fn blameless(
         let reason = Reason::new("all frames reach the tester", "none lost", actual);
         return (Vec::new(), Some(End::Inconclusive(reason)));
     }
-    let late = health.receive.longest().max(health.transmit.longest()).filter(|&longest| longest > HOST_LATE);
-    let (duty, expected, actual) = match (overload, late) {
-        (Some(overload), _) => ("the bus has room for the device", "a load below half", overload),
-        (_, Some(late)) => {
-            let actual = format!("up to {late} between the tester and the bus");
-            ("the tester's machine keeps up", "a few milliseconds", actual)
-        }
-        _ => return (breaches, end),
+    let meanwhile = found(&end);
+    let late = health.latest().unwrap_or_default();
+    let (duty, expected, actual) = match overload {
+        Some(ref overload) => ("the bus has room for the device", "a load below half", overload.clone()),
+        None => (KEEPS_UP, "a few milliseconds", format!("up to {late} between the tester and the bus")),
     };
-    let excused = breaches.iter().any(Breach::depends_on_time);
-    let reason = Reason::new(duty, expected, format!("{actual}{}", found(&end)));
-    let certain: Vec<Breach> = breaches.into_iter().filter(|breach| !breach.depends_on_time()).collect();
-    let end = if excused { Some(End::Inconclusive(reason)) } else { end };
-    (certain, end)
+    let is_excused = |breach: &Breach| match overload {
+        Some(_) => breach.depends_on_time(),
+        None => is_excused(breach, health, late),
+    };
+    let (excused, certain): (Vec<Breach>, Vec<Breach>) = breaches.into_iter().partition(is_excused);
+    if excused.is_empty() {
+        return (certain, end);
+    }
+    (certain, Some(End::Inconclusive(Reason::new(duty, expected, format!("{actual}{meanwhile}")))))
+}
+
+/// Whether the tester's own machine may have made the breach: it was late for longer than a case waits for a frame, or the
+/// frames have no time of their own and what was measured is outside by less than that.
+fn is_excused(breach: &Breach, health: &Health, late: Duration) -> bool {
+    let stamping = health.stamping.longest().unwrap_or_default();
+    if late > HOST_LATE { breach.depends_on_time() } else { breach.is_outside_by(stamping.times(2)) }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::verdict::{Kind, Ruled, Verdict};
+    use crate::verdict::{Allowed, Kind, Ruled, Verdict};
     use canvass_analyzer::wire::sdo::AbortCode;
     use canvass_bus::observation::{Observation, Subject};
 
@@ -92,6 +100,26 @@ mod tests {
         let overload = judged(vec![breach(Observation::Silence)], &Health::default(), Some("123".to_owned()));
         assert_eq!(overload.kind(), Kind::Inconclusive);
         assert_eq!(overload.reason().unwrap().actual, "123; meanwhile: the read is answered (no answer)");
+    }
+
+    /// Frames without a time of their own: a small lateness excuses what is outside by little, and nothing else.
+    #[test]
+    fn a_time_is_excused_by_what_was_late() {
+        let allowed = Allowed::Time { least: Duration::from_millis(90), most: Duration::from_millis(110) };
+        let after = |ms| Breach::new(Subject::Device, "in time").expected(allowed.clone()).found(time(ms));
+        let mut late = Health::default();
+        assert_eq!(judged(vec![after(111)], &late, None).kind(), Kind::Fail);
+        late.receive.add(Duration::from_millis(3));
+        assert_eq!(judged(vec![after(111)], &late, None).kind(), Kind::Fail, "the frames' times are right all the same");
+        late.stamping.add(Duration::from_millis(3));
+        for (found, kind) in [(111, Kind::Inconclusive), (85, Kind::Inconclusive), (130, Kind::Fail), (70, Kind::Fail)] {
+            assert_eq!(judged(vec![after(found)], &late, None).kind(), kind, "{found} ms");
+        }
+        assert_eq!(judged(vec![breach(Observation::Silence)], &late, None).kind(), Kind::Fail);
+    }
+
+    fn time(ms: u64) -> Observation {
+        Observation::Time(Duration::from_millis(ms))
     }
 
     #[test]

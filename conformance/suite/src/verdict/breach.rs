@@ -138,6 +138,13 @@ impl Breach {
         self.actual.depends_on_time() || matches!(self.allowed, Allowed::Time { .. })
     }
 
+    /// Whether it is a time that is outside of what is allowed, by no more than that.
+    pub fn is_outside_by(&self, at_most: Duration) -> bool {
+        let (Allowed::Time { least, most }, Observation::Time(time)) = (&self.allowed, &self.actual) else { return false };
+        let outside = least.0.saturating_sub(time.0).max(time.0.saturating_sub(most.0));
+        (1..=at_most.0).contains(&outside)
+    }
+
     /// What has to happen, in one sentence.
     pub fn duty(&self) -> String {
         match &self.situation {

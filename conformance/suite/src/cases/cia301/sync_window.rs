@@ -1,6 +1,6 @@
 //! The synchronous window (1007h), and which SYNC counts after the start.
 
-use crate::bench::Bench;
+use crate::bench::{Bench, Exhibit, KEEPS_UP};
 use crate::bench::pdo::TPDO;
 use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
@@ -69,12 +69,24 @@ fn window(bench: &mut Bench<'_>) -> Judged {
     let late = count(&heard, can_id);
     if late == 1 && !is_behind_the_crowd(bench, can_id) {
         // The bus was free between two frames of the tester: it came in time.
-        let reason = Reason::new("the bus is busy while the window is open", "no gap", "a TPDO came through at once");
-        return Err(Stop::Inconclusive(reason));
+        return Err(Stop::Inconclusive(free_in_between(bench, sync)));
     }
     bench.check(demand(late == 0, || {
         counted("a TPDO that could not be sent within 1007h = 5000 µs is not sent at all", 0, late)
     }))
+}
+
+/// Why the crowd let a TPDO through: the tester's machine had stopped while it sent, or the device found a gap.
+fn free_in_between(bench: &Bench<'_>, sync: u16) -> Reason {
+    const LONGEST_GAP: Duration = Duration::from_millis(1);
+    let own = |exhibit: &&Exhibit| matches!(exhibit.record.frame.cob_id(), Some(id) if id == sync || id == IN_THE_WAY);
+    let sent: Vec<_> = bench.evidence().frames().filter(own).map(|exhibit| exhibit.record.timestamp).collect();
+    let crowd = sent.get(sent.len().saturating_sub(FRAMES + 1)..).unwrap_or_default();
+    let gap = crowd.iter().zip(crowd.iter().skip(1)).map(|(before, after)| after.since(*before)).max();
+    match gap.filter(|&gap| gap > LONGEST_GAP) {
+        Some(gap) => Reason::new(KEEPS_UP, "one frame after the other", format!("a gap of {gap} between two frames")),
+        None => Reason::new("the bus is busy while the window is open", "no gap", "a TPDO came through at once"),
+    }
 }
 
 /// Whether the last TPDO came after the last frame that was in its way.
