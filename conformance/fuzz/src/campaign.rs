@@ -310,7 +310,7 @@ impl Campaign<'_> {
             && pace == Pace::Swift
             && self.may_be_mixed_up(&found.violation)
         {
-            self.executor.distrust();
+            self.executor.distrust(key.0);
             self.seen.insert(key, Standing::Doubtful(doubts + 1));
             return Ok(());
         }
@@ -337,7 +337,7 @@ impl Campaign<'_> {
         // A device that has died is no matter of order.
         violation.property != Property::Alive
             && !violation.is_silence
-            && (self.executor.is_in_order() || is_mixable(violation))
+            && (self.executor.is_in_order(violation.property) || is_mixable(violation))
     }
 
     /// The device did not come back from a reset: what was sent since the start before, and the frames, are what is known of
@@ -376,7 +376,29 @@ impl Campaign<'_> {
         })
     }
 
+    /// Makes the sequence shorter. It has shown the violation from power-on.
     fn shrink(
+        &mut self,
+        ground: &mut dyn Ground,
+        tree: &mut SequenceTree,
+        violation: Violation,
+    ) -> Result<Found, BusError> {
+        let whole = Found {
+            sequence: tree.best().clone(),
+            evidence: self.executor.evidence.clone(),
+            state: self.executor.kept.clone(),
+            violation: violation.clone(),
+            confirmed: true,
+        };
+        // For what was found missing nobody waits as long again with each try.
+        self.executor.presume(Some((violation.property, violation.rule)));
+        let shortest = self.shorten(ground, tree, violation);
+        let has_hurried = self.executor.presume(None);
+        let found = self.show(ground, shortest?)?;
+        Ok(if has_hurried && !found.confirmed { whole } else { found })
+    }
+
+    fn shorten(
         &mut self,
         ground: &mut dyn Ground,
         tree: &mut SequenceTree,
@@ -404,32 +426,28 @@ impl Campaign<'_> {
                 }
             };
         }
-        let sequence = tree.best().clone();
-        if self.plan.time.is_over() && !shown.is_empty() {
-            return Ok(Found {
-                violation,
-                sequence,
-                evidence: shown,
-                confirmed: true,
-                state: self.executor.kept.clone(),
-            });
+        let (sequence, state) = (tree.best().clone(), self.executor.kept.clone());
+        Ok(Found { violation, sequence, evidence: shown, confirmed: true, state })
+    }
+
+    /// Once more with its frames, and with the words for this sequence, if there is time for it.
+    fn show(&mut self, ground: &mut dyn Ground, shortest: Found) -> Result<Found, BusError> {
+        if self.plan.time.is_over() && !shortest.evidence.is_empty() {
+            return Ok(shortest);
         }
-        // Once more with its frames, and with the words for this sequence.
         let last = match self.dead {
             true => Ended::Well,
-            false => self.executor.run(ground, &sequence, Pace::Careful, true)?,
+            false => self.executor.run(ground, &shortest.sequence, Pace::Careful, true)?,
         };
         let evidence = std::mem::take(&mut self.executor.evidence);
-        let state = self.executor.kept.clone();
+        let shown = Found { evidence, state: self.executor.kept.clone(), ..shortest };
         Ok(match last {
-            Ended::Violation(last) if is_same(&last, &violation) => {
-                Found { violation: last, sequence, evidence, confirmed: true, state }
-            }
+            Ended::Violation(last) if is_same(&last, &shown.violation) => Found { violation: last, ..shown },
             Ended::Lost { violation: lost, dead } => {
                 self.lose(ground, lost, dead)?;
-                Found { violation, sequence, evidence, confirmed: false, state }
+                Found { confirmed: false, ..shown }
             }
-            _ => Found { violation, sequence, evidence, confirmed: false, state },
+            _ => Found { confirmed: false, ..shown },
         })
     }
 

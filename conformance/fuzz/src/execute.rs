@@ -7,6 +7,7 @@ use super::oracle::{Oracle, Violation};
 use super::property::Property;
 use super::stimulus::{Sequence, Start, Stimulus, Then};
 use super::time_limit::TimeLimit;
+use super::trust::Trusts;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss;
@@ -48,12 +49,12 @@ pub(super) struct Executor {
     /// The last sequence has left the device where the next one can begin.
     rests: bool,
     pace: Pace,
-    /// How long silence has to last.
-    quiet: Duration,
-    /// How often something was seen that did not come back.
-    doubts: u32,
-    /// Sequences since the last time.
-    since_doubt: u32,
+    /// How long silence has to last, and what can stand for it.
+    trusts: Trusts,
+    /// A violation that was seen and is being shown again: an answer that is known to be missing is not waited for long.
+    presumed: Option<(Property, &'static str)>,
+    /// That was seen again, without the whole of its time.
+    has_hurried: bool,
     /// Violations that need no further proof: for an answer that is known not to come nobody waits long.
     known: BTreeSet<(Property, &'static str)>,
     /// How often an answer of the SDO server took so long that others have to be left out: by what was awaited.
@@ -102,17 +103,11 @@ const REVIVED: &str = "reset after a sequence";
 /// After so many sequences a device that goes on is reset, so that what shows is not the sum of too much.
 const MOST_IN_A_ROW: u32 = 64;
 
-/// A device that has shown so often what did not come back is not taken to serve what comes first first.
-const MOST_DOUBTS: u32 = 3;
-
 /// An answer that takes so many times as long as silence has to last is slow.
 const SLOW_ANSWER: u64 = 25;
 
 /// So many slow answers of a kind are waited for, and judged; the others end in an abort of the client.
 const MOST_SLOW: u32 = 2;
-
-/// After so many sequences without a doubt silence has to last half as long again, down to what was measured.
-const REGAINED: u32 = 64;
 
 /// Silence is waited for so many times as long as it has to last, where others keep the bus busy.
 const MOST_QUIET: u64 = 10;
@@ -183,9 +178,9 @@ impl Executor {
             in_a_row: 0,
             rests: false,
             pace: Pace::Careful,
-            quiet: knowledge.patience.quiet,
-            doubts: 0,
-            since_doubt: 0,
+            trusts: Trusts::new(knowledge.patience.quiet),
+            presumed: None,
+            has_hurried: false,
             known: BTreeSet::new(),
             slow: BTreeMap::new(),
             followed: false,
@@ -251,7 +246,7 @@ impl Executor {
             is_begun.set(true);
         }
         self.in_a_row += 1;
-        self.regain_trust();
+        self.trusts.regain();
         let before = ground.bus().health();
         let ended = self.steps(ground, sequence);
         if let Err(Stop::Violation(_)) = &ended
@@ -291,6 +286,7 @@ impl Executor {
         if !is_repeatable {
             self.kept = baseline::restore(ground.bus(), &self.before.0.stimuli, &self.knowledge)?;
         }
+        self.trusts.awaits_lss = false;
         self.oracle.start(ground.bus().now(), start);
         for kept in &self.kept {
             self.oracle.holds(kept.at, kept.value);
@@ -309,26 +305,22 @@ impl Executor {
     /// A sequence has shown something that did not come back: an answer may have come later than was waited for, or the
     /// device may serve later frames before earlier ones. Silence has to last longer for a while, and where that goes on, it
     /// is waited for after each frame.
-    pub fn distrust(&mut self) {
+    pub fn distrust(&mut self, property: Property) {
         self.unjudged += 1;
-        self.doubts += 1;
-        self.since_doubt = 0;
-        self.quiet = self.quiet.times(2).min(self.knowledge.patience.answer);
-    }
-
-    /// What was late once may have been the host's doing.
-    fn regain_trust(&mut self) {
-        self.since_doubt += 1;
-        if self.since_doubt >= REGAINED {
-            self.since_doubt = 0;
-            self.quiet = Duration(self.quiet.nanos() / 2).max(self.knowledge.patience.quiet);
-        }
+        self.trusts.doubt(property, self.knowledge.patience.answer);
     }
 
     /// Whether the device serves what comes first first, as far as it has shown: then an answer to a later request says that
     /// earlier frames have done what they do.
-    pub const fn is_in_order(&self) -> bool {
-        self.doubts < MOST_DOUBTS
+    pub const fn is_in_order(&self, property: Property) -> bool {
+        self.trusts.is_in_order(property)
+    }
+
+    /// From now on that violation is only to be shown again; `None`: whole times are waited for. Whether some of it was
+    /// shown without the whole of its time.
+    pub const fn presume(&mut self, violation: Option<(Property, &'static str)>) -> bool {
+        self.presumed = violation;
+        std::mem::replace(&mut self.has_hurried, false)
     }
 
     /// That violation needs no further proof.
@@ -421,6 +413,7 @@ impl Executor {
         }
         self.outstanding += 1;
         self.frames += 1;
+        self.trusts.awaits_lss |= stimulus.frame.cob_id() == Some(lss::MASTER_CAN_ID);
         match stimulus.then {
             Then::AtOnce => Ok(()),
             Then::Settle => self.settle(ground),
@@ -431,6 +424,12 @@ impl Executor {
         }
     }
 
+    /// Nothing is under way any more.
+    fn be_quiet(&mut self) {
+        self.trusts.awaits_lss = false;
+        self.oracle.quiet();
+    }
+
     /// Whether nobody need wait for silence: an answer that must not come shows before the answer to the next frame.
     fn may_hurry(&self) -> bool {
         self.pace == Pace::Swift && self.followed && !self.oracle.may_be_answered()
@@ -439,7 +438,7 @@ impl Executor {
     /// Until what is due has come, or no answer has come for a while where none is due.
     fn settle(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
         let answer = self.knowledge.patience.answer;
-        let mut quiet = self.quiet;
+        let mut quiet = self.trusts.quiet();
         let must_be_sure = self.pace == Pace::Careful || self.oracle.may_be_answered();
         if must_be_sure && !ground.is_repeatable() {
             // What comes later would be taken for the answer to the next frame.
@@ -488,7 +487,7 @@ impl Executor {
                             self.give_up(ground)?;
                         }
                     } else {
-                        self.oracle.quiet();
+                        self.be_quiet();
                         return Ok(());
                     }
                 }
@@ -498,15 +497,16 @@ impl Executor {
 
     /// When an answer that has not come is held against those that are known not to come, or to be slow.
     fn known_by(&self, ground: &mut dyn Ground) -> Timestamp {
-        if self.pace == Pace::Careful || self.known.is_empty() && self.slow.is_empty() {
-            return Timestamp::MAX;
-        }
-        ground.bus().now() + self.quiet.times(MISSING_ANSWER)
+        let is_known = match self.pace {
+            Pace::Careful => self.presumed.is_some() && !ground.is_repeatable(),
+            Pace::Swift => !self.known.is_empty() || !self.slow.is_empty(),
+        };
+        if is_known { ground.bus().now() + self.trusts.quiet().times(MISSING_ANSWER) } else { Timestamp::MAX }
     }
 
     /// Remembers what took long: a server that ends a block by a time-out of its own, where segments were missing.
     fn remember_slow(&mut self, awaited: Option<&'static str>, took: Duration) {
-        if let Some(awaited) = awaited.filter(|_| self.pace == Pace::Swift && took > self.quiet.times(SLOW_ANSWER)) {
+        if let Some(awaited) = awaited.filter(|_| self.pace == Pace::Swift && took > self.trusts.quiet().times(SLOW_ANSWER)) {
             *self.slow.entry(awaited).or_default() += 1;
         }
     }
@@ -514,7 +514,7 @@ impl Executor {
     /// Aborts a transfer whose answer is known to be slow: it was judged when it came before.
     fn give_up(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
         let slow = self.oracle.awaits().and_then(|awaited| self.slow.get(awaited));
-        if slow.is_none_or(|&times| times < MOST_SLOW) {
+        if self.pace == Pace::Careful || slow.is_none_or(|&times| times < MOST_SLOW) {
             return Ok(());
         }
         ground.bus().send(&self.abort)?;
@@ -525,16 +525,27 @@ impl Executor {
 
     /// Ends the sequence where the answer that is due until then is one that is known not to come: the whole of its time
     /// was waited for when it was missing for the first time, and when that was repeated.
-    fn is_missing_as_before(&self, due: Timestamp) -> Result<(), Stop> {
+    fn is_missing_as_before(&mut self, due: Timestamp) -> Result<(), Stop> {
         match self.oracle.clone().expire(due) {
-            Err(violation) if self.known.contains(&(violation.property, violation.rule)) => Err(violation.into()),
+            Err(violation) if self.is_known(&violation) => {
+                self.has_hurried = true;
+                Err(violation.into())
+            }
             _ => Ok(()),
+        }
+    }
+
+    fn is_known(&self, violation: &Violation) -> bool {
+        let key = (violation.property, violation.rule);
+        match self.pace {
+            Pace::Careful => self.presumed == Some(key),
+            Pace::Swift => self.known.contains(&key),
         }
     }
 
     /// Whether a request can take the place of waiting: its answer comes when what was sent before it is done.
     fn may_ask(&self, ground: &dyn Ground) -> bool {
-        self.pace == Pace::Swift && self.is_in_order() && !ground.is_repeatable() && self.oracle.may_be_asked()
+        self.pace == Pace::Swift && self.trusts.are_in_order() && !ground.is_repeatable() && self.oracle.may_be_asked()
     }
 
     /// Reads 1000h; what comes until the answer is judged. It is no exchange of the sequence, and not counted as one.
@@ -545,7 +556,7 @@ impl Executor {
         self.outstanding += 1;
         let begun = ground.bus().now();
         let until = begun + self.knowledge.patience.answer;
-        let longest = begun + self.quiet.times(MOST_QUIET);
+        let longest = begun + self.trusts.quiet().times(MOST_QUIET);
         loop {
             let due = self.oracle.due();
             let deadline = match due {
@@ -553,7 +564,7 @@ impl Executor {
                 Some(due) => due,
                 None if self.oracle.may_be_asked() => break,
                 // What came meanwhile leaves open whether it is answered.
-                None => longest.min(ground.bus().now() + self.quiet.times(LATE_ANSWER)),
+                None => longest.min(ground.bus().now() + self.trusts.quiet().times(LATE_ANSWER)),
             };
             if self.receive(ground, deadline)? == Received::Nothing {
                 self.oracle.expire(ground.bus().now())?;
@@ -564,7 +575,7 @@ impl Executor {
             }
         }
         self.executions = executions;
-        self.oracle.quiet();
+        self.be_quiet();
         Ok(())
     }
 
@@ -581,8 +592,8 @@ impl Executor {
                     self.oracle.expire(now)?;
                     if now >= until {
                         // In a short pause an answer may still be under way.
-                        if now.since(heard) >= self.quiet {
-                            self.oracle.quiet();
+                        if now.since(heard) >= self.trusts.quiet() {
+                            self.be_quiet();
                         }
                         return Ok(());
                     }

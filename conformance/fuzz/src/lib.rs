@@ -28,6 +28,7 @@ mod shrink;
 mod stimulus;
 pub mod storm;
 pub mod time_limit;
+mod trust;
 
 pub use baseline::Kept;
 pub use generate::{Dialogues, Target, UnknownTarget};

@@ -1,0 +1,113 @@
+//! How far a device that goes on is taken to serve what comes first first, and how long its silence has to last.
+//!
+//! SDO and LSS each have their own: in many stacks they are tasks of their own, so that the one says nothing about the other.
+
+use super::property::Property;
+use canvass_traces::Duration;
+
+/// A device that has shown so often what did not come back is not taken to serve what comes first first.
+const MOST_DOUBTS: u32 = 3;
+
+/// After so many sequences without a doubt silence has to last half as long again, down to what was measured.
+const REGAINED: u32 = 64;
+
+/// What is thought of one of the device's services.
+#[derive(Clone, Copy, Debug)]
+struct Trust {
+    /// How often something was seen that did not come back.
+    doubts: u32,
+    /// Sequences since the last time.
+    since_doubt: u32,
+    /// How long silence has to last.
+    quiet: Duration,
+}
+
+impl Trust {
+    fn doubt(&mut self, longest: Duration) {
+        self.doubts += 1;
+        self.since_doubt = 0;
+        self.quiet = self.quiet.times(2).min(longest);
+    }
+
+    /// What was late once may have been the host's doing.
+    fn regain(&mut self, measured: Duration) {
+        self.since_doubt += 1;
+        if self.since_doubt >= REGAINED {
+            self.since_doubt = 0;
+            self.quiet = Duration(self.quiet.nanos() / 2).max(measured);
+        }
+    }
+
+    const fn is_in_order(&self) -> bool {
+        self.doubts < MOST_DOUBTS
+    }
+}
+
+/// What is thought of all of them.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Trusts {
+    lss: Trust,
+    others: Trust,
+    measured: Duration,
+    /// Whether an answer to a frame of LSS may still be under way.
+    pub awaits_lss: bool,
+}
+
+impl Trusts {
+    /// Nothing is doubted yet. `measured`: how long silence has to last.
+    pub const fn new(measured: Duration) -> Self {
+        let trust = Trust { doubts: 0, since_doubt: 0, quiet: measured };
+        Self { lss: trust, others: trust, measured, awaits_lss: false }
+    }
+
+    /// A sequence has shown something that did not come back. Silence has to last longer for a while, at most so long.
+    pub fn doubt(&mut self, property: Property, longest: Duration) {
+        if is_lss(property) { self.lss.doubt(longest) } else { self.others.doubt(longest) }
+    }
+
+    /// Another sequence.
+    pub fn regain(&mut self) {
+        self.lss.regain(self.measured);
+        self.others.regain(self.measured);
+    }
+
+    /// How long silence has to last now.
+    pub fn quiet(&self) -> Duration {
+        if self.awaits_lss { self.lss.quiet.max(self.others.quiet) } else { self.others.quiet }
+    }
+
+    /// Whether an answer to a later request says that what came before it is done.
+    pub const fn are_in_order(&self) -> bool {
+        self.others.is_in_order() && (!self.awaits_lss || self.lss.is_in_order())
+    }
+
+    /// The same of the service that a property is about.
+    pub const fn is_in_order(&self, property: Property) -> bool {
+        if is_lss(property) { self.lss.is_in_order() } else { self.others.is_in_order() }
+    }
+}
+
+const fn is_lss(property: Property) -> bool {
+    matches!(property, Property::LegalLss | Property::Fastscan)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lss_and_the_others_are_doubted_apart() {
+        let (usual, longest) = (Duration::from_millis(2), Duration::from_secs(1));
+        let mut trusts = Trusts::new(usual);
+        (0..MOST_DOUBTS).for_each(|_| trusts.doubt(Property::LegalLss, longest));
+        assert!(trusts.are_in_order() && !trusts.is_in_order(Property::LegalLss));
+        assert_eq!(trusts.quiet(), usual);
+        trusts.awaits_lss = true;
+        assert!(!trusts.are_in_order());
+        assert_eq!(trusts.quiet(), usual.times(8));
+        (0..3 * REGAINED).for_each(|_| trusts.regain());
+        assert_eq!(trusts.quiet(), usual, "what was late once may have been the host's doing");
+        (0..20).for_each(|_| trusts.doubt(Property::LegalSdo, longest));
+        assert!(!trusts.are_in_order() && trusts.quiet() == longest);
+    }
+}
