@@ -25,7 +25,7 @@ pub(super) fn blameless(
     breaches: Vec<Breach>,
     end: Option<End>,
     health: &Health,
-    overload: Option<String>,
+    overload: Option<&str>,
 ) -> (Vec<Breach>, Option<End>) {
     if matches!(end, Some(End::NotApplicable(_) | End::Error(_))) {
         return (breaches, end);
@@ -46,7 +46,7 @@ pub(super) fn blameless(
     let meanwhile = found(&end);
     let late = health.latest().unwrap_or_default();
     let (duty, expected, actual) = match overload {
-        Some(ref overload) => ("the bus has room for the device", "a load below half", overload.clone()),
+        Some(overload) => ("the bus has room for the device", "a load below half", overload.to_owned()),
         None => (KEEPS_UP, "a few milliseconds", format!("up to {late} between the tester and the bus")),
     };
     let is_excused = |breach: &Breach| match overload {
@@ -78,7 +78,7 @@ mod tests {
         Breach::new(Subject::Device, "the read is answered").expected("the value").found(actual)
     }
 
-    fn judged(breaches: Vec<Breach>, health: &Health, overload: Option<String>) -> Verdict {
+    fn judged(breaches: Vec<Breach>, health: &Health, overload: Option<&str>) -> Verdict {
         let (breaches, end) = blameless(breaches, None, health, overload);
         Verdict::new(breaches.into_iter().map(|breach| Ruled { breach, excuse: None }).collect(), end)
     }
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!(judged(Vec::new(), &late, None).kind(), Kind::Pass);
         let lost = Health { lost: 1, ..Health::default() };
         assert_eq!(judged(Vec::new(), &lost, None).kind(), Kind::Inconclusive);
-        let overload = judged(vec![breach(Observation::Silence)], &Health::default(), Some("123".to_owned()));
+        let overload = judged(vec![breach(Observation::Silence)], &Health::default(), Some("123"));
         assert_eq!(overload.kind(), Kind::Inconclusive);
         assert_eq!(overload.reason().unwrap().actual, "123; meanwhile: the read is answered (no answer)");
     }

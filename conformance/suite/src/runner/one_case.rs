@@ -44,7 +44,7 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
         measurements: Vec::new(),
         uses: Vec::new(),
     });
-    let (mut breaches, end) = blameless(breaches, end, &bench.health().since(&health), overload);
+    let (mut breaches, end) = blameless(breaches, end, &bench.health().since(&health), overload.as_deref());
     breaches.extend(has_left.then(stopped_answering));
     if breaches.is_empty() && end.is_none() {
         breaches.extend(restarted.map(restarted_by_itself));
