@@ -8,7 +8,7 @@ fn the_doctor_sees_interfaces() {
     let bus = Interface::new("vdoctor");
     let said = text(&run(&["doctor"]).stdout);
     assert!(said.contains("✔ SocketCAN    the kernel has AF_CAN and CAN_RAW"), "{said}");
-    assert!(said.contains("✔ interface    vdoctor: vcan, up"), "{said}");
+    assert!(said.contains("✔ interface    vdoctor: virtual, up"), "{said}");
     bus.down();
     let said = text(&run(&["doctor"]).stdout);
     assert!(said.contains("✘ interface    vdoctor: vcan, down") && said.contains("ip link set vdoctor up"), "{said}");

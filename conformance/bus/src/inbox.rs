@@ -33,7 +33,8 @@ const STALL: Duration = Duration::from_millis(500);
 
 impl Inbox {
     pub fn new() -> Self {
-        let state = State { records: VecDeque::new(), capacity: CAPACITY, health: Health::default(), last: Timestamp::ZERO };
+        let state =
+            State { records: VecDeque::new(), capacity: CAPACITY, health: Health::default(), last: Timestamp::ZERO };
         let state = Mutex::new(state);
         let (delivering, closed) = (AtomicBool::new(false), AtomicBool::new(false));
         Self { state, arrived: Condvar::new(), delivering, closed }

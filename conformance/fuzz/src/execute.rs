@@ -506,7 +506,9 @@ impl Executor {
 
     /// Remembers what took long: a server that ends a block by a time-out of its own, where segments were missing.
     fn remember_slow(&mut self, awaited: Option<&'static str>, took: Duration) {
-        if let Some(awaited) = awaited.filter(|_| self.pace == Pace::Swift && took > self.trusts.quiet().times(SLOW_ANSWER)) {
+        if let Some(awaited) =
+            awaited.filter(|_| self.pace == Pace::Swift && took > self.trusts.quiet().times(SLOW_ANSWER))
+        {
             *self.slow.entry(awaited).or_default() += 1;
         }
     }

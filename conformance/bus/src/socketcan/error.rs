@@ -69,12 +69,10 @@ pub enum SocketCanError {
         source: io::Error,
     },
     /// It has no controller.
-    #[error("{interface} is an interface of kind {kind}, which has no bit rate: expected a CAN controller")]
+    #[error("{interface} is a virtual interface, which has no bit rate: expected one with a CAN controller")]
     NoBitRate {
         /// The interface.
         interface: String,
-        /// As the kernel names it.
-        kind: String,
     },
     /// Anything else.
     #[error("can't {action} {interface}: {source}")]
@@ -132,6 +130,7 @@ fn known() -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::socketcan::ControllerState;
 
     fn of(code: i32) -> String {
         SocketCanError::of("can0", "open", io::Error::from_raw_os_error(code)).to_string()
@@ -143,7 +142,7 @@ mod tests {
         assert!(of(libc::EPROTONOSUPPORT).contains("modprobe can-raw"));
         assert!(of(libc::EPERM).contains("root"));
         let check = |link| SocketCanError::check("can0", Some(link)).unwrap_err().to_string();
-        let can = Link { is_can: true, kind: "can".to_owned(), ..Link::default() };
+        let can = Link { is_can: true, state: Some(ControllerState::Stopped), ..Link::default() };
         assert_eq!(check(can.clone()), "can0 is down: ip link set can0 up type can bitrate 250000");
         assert_eq!(check(Link { bit_rate: Some(500_000), ..can }), "can0 is down: ip link set can0 up");
         assert!(check(Link::default()).starts_with("can0 is no CAN interface: "));

@@ -6,7 +6,6 @@
 mod bit_rate;
 mod error;
 mod link;
-mod netlink;
 mod receiver;
 mod sys;
 
@@ -100,7 +99,7 @@ impl SocketCan {
             clock: SteadyClock::start(),
             inbox: Inbox::new(),
             sent: Mutex::default(),
-            filters: Mutex::new(vec![Filter { id: 0, mask: 0 }]),
+            filters: Mutex::new(vec![(0, 0)]),
             goes_down: AtomicBool::new(false),
         });
         let losses = Cell::new(Losses { counted: link.lost, lost: 0 });
@@ -219,9 +218,7 @@ impl Bus for SocketCan {
 
     fn health(&self) -> Health {
         let mut health = self.shared.inbox.health();
-        if let Ok(Some(link)) = Link::find(&self.shared.interface) {
-            self.losses.set(self.losses.get().at(link.lost));
-        }
+        self.losses.set(self.losses.get().at(Link::lost(&self.shared.interface)));
         health.lost += self.losses.get().lost;
         health
     }
@@ -233,7 +230,7 @@ impl Bus for SocketCan {
     fn only(&mut self, cob_ids: &[(u16, u16)]) -> Result<(), BusError> {
         /// Identifier and mask of the kernel's filters: extended and remote frames are told by these bits.
         const FORMAT: u32 = 0xC000_0000;
-        let filter = |&(id, mask): &(u16, u16)| Filter { id: u32::from(id), mask: u32::from(mask) | FORMAT };
+        let filter = |&(id, mask): &(u16, u16)| (u32::from(id), u32::from(mask) | FORMAT);
         let filters: Vec<Filter> = cob_ids.iter().map(filter).collect();
         let set = self.shared.socket.set_filters(&filters);
         *self.shared.filters.lock().unwrap_or_else(PoisonError::into_inner) = filters;

@@ -1,43 +1,35 @@
-//! The system calls of a `CAN_RAW` socket.
+//! The system calls of a `CAN_RAW` socket that socketcan does not make: fetching many frames at once, each with its times,
+//! the mark of own frames and the count of lost ones.
 //!
-//! They are made directly because neither nix nor socketcan shows what is needed here: the flag `MSG_CONFIRM`, by which
-//! own frames are told from others', and the count of `SO_RXQ_OVFL`.
+//! `recvmmsg` is called directly. That of nix 0.31 leaves out the flag `MSG_CONFIRM`, by which own frames are told from
+//! others', and does not give its control buffers back their length before the next use.
 #![allow(unsafe_code)]
 
 use canvass_traces::Timestamp;
+use nix::poll::{PollFd, PollFlags, PollTimeout, poll};
+use nix::sys::socket::{AddressFamily, SockFlag, SockProtocol, SockType, TimestampingFlag, setsockopt, sockopt};
+use socketcan::{CanAddr, CanFilter, CanSocket, Socket, SocketOptions};
 use std::io::{self, PipeReader};
-use std::mem::{size_of, zeroed};
-use std::os::fd::{AsRawFd, FromRawFd, OwnedFd, RawFd};
+use std::mem::zeroed;
+use std::os::fd::{AsFd, AsRawFd};
 use std::time::Duration;
 
-/// The options and levels of `linux/can/raw.h`, which libc does not have on all targets.
-const SOL_CAN_RAW: libc::c_int = 101;
-const CAN_RAW: libc::c_int = 1;
-const CAN_RAW_FILTER: libc::c_int = 1;
-const CAN_RAW_ERR_FILTER: libc::c_int = 2;
-const CAN_RAW_RECV_OWN_MSGS: libc::c_int = 4;
-const CAN_RAW_FD_FRAMES: libc::c_int = 5;
+/// Of `asm-generic/socket.h`, which neither libc nor nix have on all targets.
 const SO_RXQ_OVFL: libc::c_int = 40;
-/// All classes of error frames.
-const ALL_ERRORS: u32 = 0x1FFF_FFFF;
+const SO_MEMINFO: libc::c_int = 55;
 
 /// Frames that are fetched by one system call.
 pub(super) const BATCH: usize = 64;
-/// A CAN FD frame, `CANFD_MTU`.
-const FRAME: usize = 72;
+/// A CAN FD frame.
+const FRAME: usize = libc::CANFD_MTU;
 /// Room for `SCM_TIMESTAMPING` (64 bytes) and `SO_RXQ_OVFL` (24), in u64 for their alignment.
 const CONTROL: usize = 32;
 
 /// A `CAN_RAW` socket, which never blocks.
-pub(super) struct RawSocket(OwnedFd);
+pub(super) struct RawSocket(CanSocket);
 
-/// Lets frames pass whose identifier, with its flags, equals `id` where `mask` has ones.
-#[repr(C)]
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) struct Filter {
-    pub id: u32,
-    pub mask: u32,
-}
+/// Lets frames pass whose identifier, with its flags, equals the first where the second has ones.
+pub(super) type Filter = (u32, u32);
 
 /// What came with a frame.
 #[derive(Clone, Copy, Debug, Default)]
@@ -55,114 +47,78 @@ pub(super) struct Received {
 impl RawSocket {
     /// A socket that is not bound yet.
     pub fn new() -> io::Result<Self> {
-        let kind = libc::SOCK_RAW | libc::SOCK_CLOEXEC | libc::SOCK_NONBLOCK;
-        // SAFETY: no pointers are passed; the descriptor is new and owned by nobody else.
-        unsafe {
-            let fd = libc::socket(libc::AF_CAN, kind, CAN_RAW);
-            if fd < 0 { Err(io::Error::last_os_error()) } else { Ok(Self(OwnedFd::from_raw_fd(fd))) }
-        }
-    }
-
-    fn fd(&self) -> RawFd {
-        self.0.as_raw_fd()
+        let flags = SockFlag::SOCK_CLOEXEC | SockFlag::SOCK_NONBLOCK;
+        let fd = nix::sys::socket::socket(AddressFamily::Can, SockType::Raw, flags, SockProtocol::CanRaw)?;
+        Ok(Self(CanSocket::from(fd)))
     }
 
     /// Binds the socket to the interface of that index.
     pub fn bind(&self, index: u32) -> io::Result<()> {
-        // SAFETY: sockaddr_can is plain data, for which zeros are valid; the kernel reads its size at most.
-        unsafe {
-            let mut address: libc::sockaddr_can = zeroed();
-            address.can_family = libc::AF_CAN as libc::sa_family_t;
-            address.can_ifindex = index as libc::c_int;
-            let size = size_of::<libc::sockaddr_can>() as libc::socklen_t;
-            check(libc::bind(self.fd(), (&raw const address).cast(), size))
-        }
+        self.0.as_raw_socket().bind(&CanAddr::new(index).into_sock_addr())
     }
 
     /// Asks for everything that is known of a frame, and for own frames, CAN FD frames and error frames.
     pub fn ask_for_all(&self) -> io::Result<()> {
-        let stamps = libc::SOF_TIMESTAMPING_RX_SOFTWARE
-            | libc::SOF_TIMESTAMPING_SOFTWARE
-            | libc::SOF_TIMESTAMPING_RX_HARDWARE
-            | libc::SOF_TIMESTAMPING_RAW_HARDWARE;
-        self.set(libc::SOL_SOCKET, libc::SO_TIMESTAMPING, &stamps)?;
-        self.set(libc::SOL_SOCKET, SO_RXQ_OVFL, &1_i32)?;
-        self.set(SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, &1_i32)?;
-        self.set(SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &ALL_ERRORS)?;
+        let stamps = TimestampingFlag::SOF_TIMESTAMPING_RX_SOFTWARE
+            | TimestampingFlag::SOF_TIMESTAMPING_SOFTWARE
+            | TimestampingFlag::SOF_TIMESTAMPING_RX_HARDWARE
+            | TimestampingFlag::SOF_TIMESTAMPING_RAW_HARDWARE;
+        setsockopt(&self.0, sockopt::Timestamping, &stamps)?;
+        setsockopt(&self.0, sockopt::RxqOvfl, &1)?;
+        self.0.set_recv_own_msgs(true)?;
+        self.0.set_error_filter_accept_all()?;
         // A kernel without CAN FD does not know it.
-        let _ = self.set(SOL_CAN_RAW, CAN_RAW_FD_FRAMES, &1_i32);
+        let _ = self.0.set_socket_option_int(libc::SOL_CAN_RAW, libc::CAN_RAW_FD_FRAMES, 1);
         Ok(())
     }
 
     /// How many frames the kernel could not put into the receive queue since the socket was made, those after the last
     /// one that it could included, of which `SO_RXQ_OVFL` never tells; `None` on kernels before 4.12.
     pub fn dropped(&self) -> Option<u32> {
-        const SO_MEMINFO: libc::c_int = 55;
-        /// The place of `SK_MEMINFO_DROPS`.
-        const DROPS: usize = 8;
-        let mut figures = [0_u32; DROPS + 1];
-        let mut size = size_of_val(&figures) as libc::socklen_t;
-        // SAFETY: the kernel writes at most `size` bytes, which is that of the array.
-        let got = check(unsafe {
-            libc::getsockopt(self.fd(), libc::SOL_SOCKET, SO_MEMINFO, figures.as_mut_ptr().cast(), &raw mut size)
-        });
-        figures.last().copied().filter(|_| got.is_ok() && size as usize == size_of::<[u32; DROPS + 1]>())
+        /// Up to the ninth number, `SK_MEMINFO_DROPS`.
+        const FIGURES: usize = size_of::<[u32; 9]>();
+        let mut figures = [0; FIGURES];
+        let length = self.0.get_socket_option_bytes(libc::SOL_SOCKET, SO_MEMINFO, &mut figures).ok()?;
+        let drops = figures.last_chunk().filter(|_| length == figures.len())?;
+        Some(u32::from_ne_bytes(*drops))
     }
 
     /// Makes the kernel's receive queue as long as it lets us, up to `bytes`.
     pub fn enlarge_receive_queue(&self, bytes: i32) {
         // Only root may go beyond net.core.rmem_max.
-        if self.set(libc::SOL_SOCKET, libc::SO_RCVBUFFORCE, &bytes).is_err() {
-            let _ = self.set(libc::SOL_SOCKET, libc::SO_RCVBUF, &bytes);
+        if self.0.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RCVBUFFORCE, bytes).is_err() {
+            let _ = self.0.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RCVBUF, bytes);
         }
     }
 
     /// Lets only frames pass that one of the filters fits; none: no data frame at all.
     pub fn set_filters(&self, filters: &[Filter]) -> io::Result<()> {
-        // SAFETY: Filter has the layout of struct can_filter, and the size given is that of the slice.
-        unsafe {
-            let size = size_of_val(filters) as libc::socklen_t;
-            check(libc::setsockopt(self.fd(), SOL_CAN_RAW, CAN_RAW_FILTER, filters.as_ptr().cast(), size))
-        }
-    }
-
-    fn set<T: Copy>(&self, level: libc::c_int, name: libc::c_int, value: &T) -> io::Result<()> {
-        // SAFETY: the kernel reads as many bytes as the value has.
-        unsafe {
-            let size = size_of::<T>() as libc::socklen_t;
-            check(libc::setsockopt(self.fd(), level, name, (&raw const *value).cast(), size))
-        }
+        let filters: Vec<CanFilter> = filters.iter().map(|&filter| CanFilter::from(filter)).collect();
+        self.0.set_filters(&filters)
     }
 
     /// Hands over a frame of 16 or 72 bytes.
     pub fn send(&self, packet: &[u8]) -> io::Result<()> {
-        // SAFETY: the kernel reads as many bytes as the slice has.
-        let sent = unsafe { libc::send(self.fd(), packet.as_ptr().cast(), packet.len(), 0) };
-        if sent < 0 { Err(io::Error::last_os_error()) } else { Ok(()) }
+        self.0.as_raw_socket().send(packet).map(|_| ())
     }
 
     /// Whether there is something to receive, or an error to see, until `timeout` has passed.
     pub fn wait_readable(&self, timeout: Duration) -> io::Result<bool> {
-        self.wait(libc::POLLIN, timeout)
+        is_ready(&mut [PollFd::new(self.0.as_fd(), PollFlags::POLLIN)], Some(timeout))
     }
 
     /// Whether the socket takes a frame, or has an error to show, until `timeout` has passed.
     pub fn wait_writable(&self, timeout: Duration) -> io::Result<bool> {
-        self.wait(libc::POLLOUT, timeout)
-    }
-
-    fn wait(&self, events: libc::c_short, timeout: Duration) -> io::Result<bool> {
-        let mut polls = [libc::pollfd { fd: self.fd(), events, revents: 0 }];
-        poll(&mut polls, timeout.as_millis().min(60_000) as libc::c_int)
+        is_ready(&mut [PollFd::new(self.0.as_fd(), PollFlags::POLLOUT)], Some(timeout))
     }
 
     /// Waits until there is something to receive, or an error to see, or the other end of the pipe is closed, or
     /// `timeout` has passed. Says whether this socket has something.
     pub fn wait_readable_or_closed(&self, pipe: &PipeReader, timeout: Option<Duration>) -> io::Result<bool> {
-        let ours = libc::pollfd { fd: self.fd(), events: libc::POLLIN, revents: 0 };
-        let mut polls = [ours, libc::pollfd { fd: pipe.as_raw_fd(), events: libc::POLLIN, revents: 0 }];
-        poll(&mut polls, timeout.map_or(-1, |timeout| timeout.as_millis().min(60_000) as libc::c_int))?;
-        Ok(polls[0].revents != 0)
+        let mut polls = [PollFd::new(self.0.as_fd(), PollFlags::POLLIN), PollFd::new(pipe.as_fd(), PollFlags::POLLIN)];
+        is_ready(&mut polls, timeout)?;
+        let [ours, _] = polls;
+        Ok(ours.any().unwrap_or(true))
     }
 
     /// Fetches what there is, at most a batch; returns how many frames came.
@@ -171,17 +127,19 @@ impl RawSocket {
         // SAFETY: prepare() has just let every header point to buffers of the batch, which is borrowed until the call
         // returns and does not move.
         let received = unsafe {
-            libc::recvmmsg(self.fd(), batch.headers.as_mut_ptr(), BATCH as libc::c_uint, 0, std::ptr::null_mut())
+            let headers = batch.headers.as_mut_ptr();
+            libc::recvmmsg(self.0.as_raw_fd(), headers, BATCH as libc::c_uint, 0, std::ptr::null_mut())
         };
         if received < 0 { Err(io::Error::last_os_error()) } else { Ok(received as usize) }
     }
 }
 
-/// Whether one of them is ready before so many milliseconds have passed; -1: however long it takes.
-fn poll(polls: &mut [libc::pollfd], milliseconds: libc::c_int) -> io::Result<bool> {
-    // SAFETY: the slice lives until the call returns, and its length is passed.
-    let ready = unsafe { libc::poll(polls.as_mut_ptr(), polls.len() as libc::nfds_t, milliseconds) };
-    if ready < 0 { Err(io::Error::last_os_error()) } else { Ok(ready > 0) }
+/// Whether one of them is ready before that time has passed; `None`: however long it takes.
+fn is_ready(polls: &mut [PollFd<'_>], timeout: Option<Duration>) -> io::Result<bool> {
+    /// Longer waits are asked for again.
+    const LONGEST: u16 = 60_000;
+    let milliseconds = timeout.map(|timeout| u16::try_from(timeout.as_millis()).unwrap_or(LONGEST).min(LONGEST));
+    Ok(poll(polls, milliseconds.map_or(PollTimeout::NONE, PollTimeout::from))? > 0)
 }
 
 /// The buffers of many frames.
@@ -268,33 +226,8 @@ fn timestamp(bytes: &[u8]) -> Option<Timestamp> {
 
 /// Asks the kernel to wake this thread when its time has come, and not up to 50 µs later to save energy.
 pub(crate) fn wake_precisely() {
-    // SAFETY: no pointers are passed.
-    unsafe {
-        libc::prctl(libc::PR_SET_TIMERSLACK, 1, 0, 0, 0);
-    }
-}
-
-/// Sends a message to the kernel's routing socket and returns what it answers, up to 32 KiB.
-pub(super) fn ask_routing(request: &[u8]) -> io::Result<Vec<u8>> {
-    let mut answer = vec![0; 32 * 1024];
-    // SAFETY: the descriptor is new and owned by nobody else; lengths are those of the buffers.
-    unsafe {
-        let fd = libc::socket(libc::AF_NETLINK, libc::SOCK_RAW | libc::SOCK_CLOEXEC, libc::NETLINK_ROUTE);
-        if fd < 0 {
-            return Err(io::Error::last_os_error());
-        }
-        let fd = OwnedFd::from_raw_fd(fd);
-        if libc::send(fd.as_raw_fd(), request.as_ptr().cast(), request.len(), 0) < 0 {
-            return Err(io::Error::last_os_error());
-        }
-        let received = libc::recv(fd.as_raw_fd(), answer.as_mut_ptr().cast(), answer.len(), 0);
-        answer.truncate(usize::try_from(received).map_err(|_| io::Error::last_os_error())?);
-    }
-    Ok(answer)
-}
-
-fn check(result: libc::c_int) -> io::Result<()> {
-    if result < 0 { Err(io::Error::last_os_error()) } else { Ok(()) }
+    // Without it, times are only a little less exact.
+    let _ = nix::sys::prctl::set_timerslack(1);
 }
 
 // SAFETY: the pointers in the headers are set anew before each use, from buffers that the batch owns.

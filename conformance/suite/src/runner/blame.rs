@@ -110,9 +110,14 @@ mod tests {
         let mut late = Health::default();
         assert_eq!(judged(vec![after(111)], &late, None).kind(), Kind::Fail);
         late.receive.add(Duration::from_millis(3));
-        assert_eq!(judged(vec![after(111)], &late, None).kind(), Kind::Fail, "the frames' times are right all the same");
+        assert_eq!(
+            judged(vec![after(111)], &late, None).kind(),
+            Kind::Fail,
+            "the frames' times are right all the same"
+        );
         late.stamping.add(Duration::from_millis(3));
-        for (found, kind) in [(111, Kind::Inconclusive), (85, Kind::Inconclusive), (130, Kind::Fail), (70, Kind::Fail)] {
+        for (found, kind) in [(111, Kind::Inconclusive), (85, Kind::Inconclusive), (130, Kind::Fail), (70, Kind::Fail)]
+        {
             assert_eq!(judged(vec![after(found)], &late, None).kind(), kind, "{found} ms");
         }
         assert_eq!(judged(vec![breach(Observation::Silence)], &late, None).kind(), Kind::Fail);

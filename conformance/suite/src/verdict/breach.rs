@@ -140,7 +140,9 @@ impl Breach {
 
     /// Whether it is a time that is outside of what is allowed, by no more than that.
     pub fn is_outside_by(&self, at_most: Duration) -> bool {
-        let (Allowed::Time { least, most }, Observation::Time(time)) = (&self.allowed, &self.actual) else { return false };
+        let (Allowed::Time { least, most }, Observation::Time(time)) = (&self.allowed, &self.actual) else {
+            return false;
+        };
         let outside = least.0.saturating_sub(time.0).max(time.0.saturating_sub(most.0));
         (1..=at_most.0).contains(&outside)
     }

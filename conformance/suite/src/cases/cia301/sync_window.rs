@@ -1,7 +1,7 @@
 //! The synchronous window (1007h), and which SYNC counts after the start.
 
-use crate::bench::{Bench, Exhibit, KEEPS_UP};
 use crate::bench::pdo::TPDO;
+use crate::bench::{Bench, Exhibit, KEEPS_UP};
 use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
