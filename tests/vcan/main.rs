@@ -31,4 +31,6 @@ mod running;
 #[cfg(test)]
 mod serial;
 #[cfg(test)]
+mod traits;
+#[cfg(test)]
 mod verdicts;

@@ -67,7 +67,7 @@ fn window(bench: &mut Bench<'_>) -> Judged {
     }
     let heard = bench.listen(Duration::from_millis(200))?;
     let late = count(&heard, can_id);
-    if late == 1 && !is_behind_the_crowd(bench, can_id) {
+    if late == 1 && !came_after_the_window(bench, sync, can_id) {
         // The bus was free between two frames of the tester: it came in time.
         return Err(Stop::Inconclusive(free_in_between(bench, sync)));
     }
@@ -89,13 +89,15 @@ fn free_in_between(bench: &Bench<'_>, sync: u16) -> Reason {
     }
 }
 
-/// Whether the last TPDO came after the last frame that was in its way.
-fn is_behind_the_crowd(bench: &Bench<'_>, can_id: u16) -> bool {
+/// Whether the window was closed when the last TPDO came. When the tester's own frames were on the bus, not every adapter
+/// tells.
+fn came_after_the_window(bench: &Bench<'_>, sync: u16, can_id: u16) -> bool {
     let last = |id: u16| {
         let of_id = bench.evidence().frames().filter(|exhibit| exhibit.record.frame.cob_id() == Some(id));
         of_id.last().map(|exhibit| exhibit.record.timestamp)
     };
-    last(can_id) > last(IN_THE_WAY)
+    let after = last(can_id).zip(last(sync)).map(|(tpdo, sync)| tpdo.since(sync));
+    after.is_some_and(|after| after > Duration::from_micros(WINDOW_US.into()))
 }
 
 /// A SYNC in pre-operational does not count: after the start the first synchronous TPDO follows the next SYNC.
