@@ -38,12 +38,15 @@ pub(super) struct Reader {
     has_status: bool,
 }
 
+/// Two questions that follow each other at once take no longer.
+const AT_ONCE: Span = Span::from_micros(100);
+
 /// How long the reading thread had to wait for a processor while something may have been there for it.
 #[derive(Clone, Copy)]
 struct Late {
     /// From the moment at which something came until the thread saw it.
     waking: Span,
-    /// Between two looks.
+    /// Between two looks, or just after one.
     away: Span,
 }
 
@@ -176,8 +179,11 @@ impl Reader {
             match self.read() {
                 Ok(messages) => {
                     let now = shared.clock.now();
+                    let waking = wait.since_last();
+                    // A thread that has to wait between these two questions has not waited before the first.
+                    let between = shared.clock.now().since(now);
+                    let late = Late { waking, away: if between > AT_ONCE { away + between } else { away } };
                     shared.inbox.set_delivering(true);
-                    let late = Late { waking: wait.since_last(), away };
                     shared.inbox.note(|health| late.note(messages.len(), health));
                     for (at, message) in messages.into_iter().enumerate() {
                         self.take(message, late.arrival(at, now));
