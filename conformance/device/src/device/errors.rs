@@ -67,6 +67,7 @@ impl Errors {
         let Some(n) = usize::from(sub).checked_sub(1) else { return Ok(self.history.len() as u64) };
         let position = match self.firmware.reverses_history() {
             true => self.history.len().checked_sub(n + 1),
+            false if self.firmware.moves_two_history_entries() => Some(n.min(1)),
             false => Some(n),
         };
         match position.and_then(|position| self.history.get(position)) {
@@ -117,6 +118,9 @@ impl Errors {
             (None, true) => self.present.push(condition),
             (Some(position), false) => {
                 self.present.remove(position);
+                if self.firmware.clears_errors_together() {
+                    self.present.clear();
+                }
             }
             _ => return false,
         }
@@ -211,7 +215,9 @@ impl Errors {
     /// clears it too.
     pub fn reset(&mut self) {
         self.present.clear();
-        self.queue.clear();
+        if !self.firmware.keeps_emcy_over_reset() {
+            self.queue.clear();
+        }
         self.inhibited_until = Timestamp::ZERO;
         if self.quirks.error_register_read_clears {
             self.clear_history();

@@ -3,6 +3,7 @@ use crate::{Fault, Firmware};
 use canvass_traces::Duration;
 
 hooks! {
+    ignores_sync_consumer_bit with SyncConsumerBitIgnored,
     follows_time unless TimeIgnored,
     produces_time unless TimeNotProduced,
     keeps_time unless ClockStands,

@@ -39,6 +39,15 @@ fn expect_state(bench: &mut Bench<'_>, where_it_is: &str, mask: u32, expected: u
     }))
 }
 
+/// Whether bit 0 is set with either of the other two: recorded only, as manuals differ.
+fn record_outside(bench: &mut Bench<'_>) -> Judged {
+    let state = bench.read_number(STATE)?;
+    bench.check(demand(state & OUT_OF_RANGE != 0, || {
+        let breach = Breach::new(STATE, "bit 0 of 6400h:01 tells that the position is outside the work area");
+        breach.expected(number(OUT_OF_RANGE)).found(number(state & OUT_OF_RANGE)).open()
+    }))
+}
+
 /// A position in the middle of its range, away from both ends.
 fn middle(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let (range, position) = (range_now(bench)?, position_at_rest(bench)?);
@@ -66,7 +75,8 @@ fn inside(bench: &mut Bench<'_>) -> Judged {
 fn overflow(bench: &mut Bench<'_>) -> Judged {
     let position = middle(bench)?;
     limit(bench, 0, position - DISTANCE)?;
-    expect_state(bench, "above the high limit", ALL & !OUT_OF_RANGE, OVERFLOW)
+    expect_state(bench, "above the high limit", ALL & !OUT_OF_RANGE, OVERFLOW)?;
+    record_outside(bench)
 }
 
 /// A position below the low limit 6401h is an underflow, bit 2 of 6400h.
@@ -75,7 +85,8 @@ fn overflow(bench: &mut Bench<'_>) -> Judged {
 fn underflow(bench: &mut Bench<'_>) -> Judged {
     let position = middle(bench)?;
     limit(bench, position + DISTANCE, position + 2 * DISTANCE)?;
-    expect_state(bench, "below the low limit", ALL & !OUT_OF_RANGE, UNDERFLOW)
+    expect_state(bench, "below the low limit", ALL & !OUT_OF_RANGE, UNDERFLOW)?;
+    record_outside(bench)
 }
 
 /// A low limit above the high one is refused.
