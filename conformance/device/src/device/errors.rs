@@ -53,6 +53,7 @@ impl Errors {
     pub fn register(&self) -> u8 {
         let register =
             self.present.iter().fold(self.stuck, |register, condition| register | condition.register(&self.quirks));
+        let register = register | u8::from(self.firmware.never_clears_generic_bit());
         match !self.firmware.sets_generic_bit() {
             true => register & !ErrorRegister::GENERIC.0,
             false => register,
@@ -85,7 +86,8 @@ impl Errors {
         }
         let was_empty = self.history.is_empty();
         self.history.clear();
-        if self.quirks.error_register_read_clears && !was_empty {
+        let acknowledges = self.quirks.error_register_read_clears || self.firmware.ends_errors_with_history();
+        if acknowledges && !was_empty {
             self.acknowledge();
         }
     }
@@ -94,6 +96,9 @@ impl Errors {
     pub fn register_was_read(&mut self) {
         if self.firmware.clears_register_when_read() {
             self.present.clear();
+        }
+        if self.firmware.sends_reset_when_read() {
+            self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(self.register()), [0; 5]));
         }
         if self.quirks.error_register_read_clears && self.history.pop_front().is_some() && self.history.is_empty() {
             self.acknowledge();

@@ -2,6 +2,9 @@ use super::hooks;
 use crate::{Fault, Firmware};
 
 hooks! {
+    ends_errors_with_history with HistoryClearsRegister,
+    sends_reset_when_read with EmcyResetUnasked,
+    never_clears_generic_bit with ErrorRegisterNeverClear,
     keeps_emcy_over_reset with EmcySurvivesReset,
     keeps_emcy_when_inhibited unless EmcyLostWhenInhibited,
     mutes_inhibited_emcy with EmcyMutedByInhibitTime,

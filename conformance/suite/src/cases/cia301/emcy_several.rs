@@ -10,7 +10,7 @@ use crate::bench::sdo::number;
 use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::emcy::{self, ErrorRegister};
+use canvass_analyzer::wire::emcy::{self, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer, Service};
@@ -27,7 +27,7 @@ const BEAT: Duration = Duration::from_millis(50);
 /// So many of them last until one who says nothing is missed, with a tolerance.
 const UNTIL_LOST: usize = 10;
 /// A CAN-ID that no predefined object has and CiA 301 does not restrict.
-const FREE: u32 = 0x6A0;
+const FREE: u32 = 0x6B0;
 
 /// The frames with a CAN-ID that came since then, whatever the tester was waiting for.
 fn since(bench: &Bench<'_>, from: Timestamp, can_id: u16) -> Vec<Record> {
@@ -75,7 +75,8 @@ fn beats(bench: &mut Bench<'_>, nodes: &[u8]) -> Result<Vec<Record>, Stop> {
 /// With one of two errors gone the device still is in error: 1001h keeps its generic bit, and an EMCY 0000h that reports the
 /// end of the one has that bit, too. With both gone EMCY 0000h comes.
 #[case(id = "301/emcy/one-of-two", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
-       needs = [HeartbeatConsumer], catches = [ErrorsClearedTogether, EmcyResetMissing])]
+       needs = [HeartbeatConsumer], catches = [ErrorsClearedTogether, EmcyResetMissing, HeartbeatConsumerFirstOnly,
+       HeartbeatConsumerNotRearmed])]
 fn one_of_two(bench: &mut Bench<'_>) -> Judged {
     let nodes = watch_two(bench)?;
     let patience = patience(bench)?;
@@ -200,7 +201,7 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
         new.iter().any(|record| is_error(record)) && new.iter().all(|record| is_whole(&record)),
         || {
             let breach = Breach::new(COB_ID, "EMCY comes on the CAN-ID that 1014h names")
-                .expected("EMCY of eight bytes on 6A0h");
+                .expected("EMCY of eight bytes on 6B0h");
             breach.found(observed(&new)).told(shown(&new))
         },
     ))?;
@@ -231,6 +232,9 @@ fn lost_on(bench: &mut Bench<'_>, can_ids: [u16; 2]) -> Result<[Vec<Record>; 2],
        needs = [EmcyInhibit, Monitoring], catches = [EmcySurvivesReset])]
 fn after_reset(bench: &mut Bench<'_>) -> Judged {
     const INHIBIT_TIME: Multiplexer = Multiplexer::new(0x1015, 0);
+    bench.expect_emergencies();
+    // A device may find an error at each start.
+    let usual = error_codes_after_reset(bench)?;
     let len = bench.read(INHIBIT_TIME)?.len();
     let mut value = 40_000_u32.to_le_bytes().to_vec();
     value.truncate(len);
@@ -239,19 +243,26 @@ fn after_reset(bench: &mut Bench<'_>) -> Judged {
     // The end of that error and the next one wait.
     sign_of_life(bench, monitored)?;
     let waiting = emergencies(bench, Duration::from_millis(600))?;
-    let from = bench.now();
-    bench.reset(Command::RESET_COMMUNICATION)?;
     if waiting.iter().any(is_error) {
         let reason = Reason::new("an EMCY waits for 4 s of inhibit time", "none", shown(&waiting));
         return Err(Stop::NotApplicable(reason));
     }
-    bench.listen(Duration::from_secs(5))?;
-    let heard = emergencies_since(bench, from);
-    let late = heard.iter().find(|record| is_error(record));
+    let codes = error_codes_after_reset(bench)?;
+    let late = codes.into_iter().find(|code| !usual.contains(code));
     bench.check(demand(late.is_none(), || {
         let breach = Breach::new(Service::Emcy, "an error of before reset communication is not reported after it");
-        breach.expected("no EMCY but 0000h").found(observed(&heard)).told(shown(&heard))
+        breach
+            .expected("no error that is not reported after each reset")
+            .found(late.map_or(Observation::Silence, Observation::Emcy))
     }))
+}
+
+fn error_codes_after_reset(bench: &mut Bench<'_>) -> Result<Vec<EmcyCode>, Stop> {
+    let from = bench.now();
+    bench.reset(Command::RESET_COMMUNICATION)?;
+    bench.listen(Duration::from_secs(5))?;
+    let heard = emergencies_since(bench, from);
+    Ok(heard.iter().filter(|record| is_error(record)).filter_map(code_of).collect())
 }
 
 /// When 1001h shows no error, the EMCY 0000h before it has not said that one is left.
@@ -282,5 +293,67 @@ fn last_word(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(said == 0, || {
         let breach = Breach::new(Service::Emcy, "the last EMCY 0000h says that no error is left, as 1001h does");
         breach.expected(Observation::Number(0)).found(Observation::Number(u64::from(said))).told(shown(&heard))
+    }))
+}
+
+/// EMCY 0000h reports the end of an error: without an error that was reported before none comes, whatever is read.
+#[case(id = "301/emcy/no-error-no-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
+       catches = [EmcyResetUnasked])]
+fn no_error_no_reset(bench: &mut Bench<'_>) -> Judged {
+    bench.expect_emergencies();
+    if bench.read_number(ERROR_REGISTER)? != 0 {
+        let reason = Reason::new("the device is free of errors", "1001h = 0", "bits that are set");
+        return Err(Stop::NotApplicable(reason));
+    }
+    // What the start has to say is said.
+    bench.listen(Duration::from_millis(500))?;
+    let from = bench.now();
+    for _ in 0..3 {
+        bench.upload(ERROR_REGISTER)?;
+        bench.upload(Multiplexer::new(HISTORY, 0))?;
+        bench.listen(bench.timing().reaction)?;
+    }
+    let heard = emergencies_since(bench, from);
+    let first_is_reset = heard.first().is_some_and(|first| !is_error(first));
+    bench.check(demand(!first_is_reset, || {
+        let breach = Breach::new(Service::Emcy, "EMCY 0000h comes only after an error was reported");
+        breach.expected(Observation::Silence).found(observed(&heard)).told(shown(&heard))
+    }))
+}
+
+/// Whether 1001h and 1003h show no error of a device that was only started: recorded, as only the device can know.
+#[case(id = "301/emcy/error-free", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Open,
+       catches = [ErrorRegisterNeverClear])]
+fn error_free(bench: &mut Bench<'_>) -> Judged {
+    let register = bench.upload(ERROR_REGISTER)?.value()?;
+    bench.check(demand(register.iter().all(|&bits| bits == 0), || {
+        let breach = Breach::new(ERROR_REGISTER, "1001h shows no error after the start");
+        breach.expected(Observation::Value(vec![0])).found(Observation::Value(register))
+    }))
+}
+
+/// Emptying the error history does not end an error: 1001h still tells of one that is there, and no EMCY 0000h comes.
+#[case(id = "301/error-history/clear-keeps-error", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Should,
+       needs = [ErrorHistory, Monitoring], catches = [HistoryClearsRegister])]
+fn clear_keeps_error(bench: &mut Bench<'_>) -> Judged {
+    let patience = patience(bench)?;
+    reported_loss(bench)?;
+    if bench.read_number(ERROR_REGISTER)? == 0 {
+        let reason = Reason::new("1001h tells of the error", "a bit that is set", "0");
+        return Err(Stop::NotApplicable(reason));
+    }
+    bench.listen(patience)?;
+    let from = bench.now();
+    bench.write(Multiplexer::new(HISTORY, 0), &[0])?;
+    bench.listen(patience)?;
+    let heard = emergencies_since(bench, from);
+    bench.check(demand(heard.iter().all(is_error), || {
+        let breach = Breach::new(Service::Emcy, "an error does not end with the history of errors");
+        breach.expected("no EMCY 0000h").found(observed(&heard)).told(shown(&heard))
+    }))?;
+    let register = bench.upload(ERROR_REGISTER)?.value()?;
+    bench.check(demand(register.iter().any(|&bits| bits != 0), || {
+        let breach = Breach::new(ERROR_REGISTER, "1001h tells of an error that is there, whatever is in the history");
+        breach.expected("a bit that is set").found(Observation::Value(register))
     }))
 }

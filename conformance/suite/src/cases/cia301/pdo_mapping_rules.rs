@@ -202,6 +202,25 @@ fn dummy_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
+/// An object that the description does not let a PDO carry can't be mapped into an RPDO, though SDOs write it.
+#[case(id = "301/pdo/mapping/unmappable-in-rpdo", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Must,
+       needs = [RpdoMapping, Description], catches = [UnmappableObjectMapped], answers = [MappingRefused])]
+fn unmappable_in_rpdo(bench: &mut Bench<'_>) -> Judged {
+    let entries = bench.target().description.iter().flat_map(|description| description.dictionary.entries());
+    let mut unmappable = entries.filter(|(_, entry)| entry.access.is_writable() && !entry.pdo_mappable);
+    let found = unmappable.find_map(|(at, entry)| {
+        let bits = entry.data_type.bits().filter(|bits| [8, 16, 32].contains(bits))?;
+        Some(u32::from(at.index.0) << 16 | u32::from(at.sub.0) << 8 | bits)
+    });
+    match found {
+        Some(entry) => refused(bench, RPDO, entry, Situation::Unmappable),
+        None => {
+            let reason = Reason::new("an object can be written and not mapped", "one in the description", "none");
+            Err(Stop::NotApplicable(reason))
+        }
+    }
+}
+
 /// An object that can only be read can't be mapped into an RPDO: abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/read-only-in-rpdo", clause = "CiA 301 7.5.1", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [MappingDirectionUnchecked], cct = "3.28",

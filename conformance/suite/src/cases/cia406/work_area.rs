@@ -39,15 +39,6 @@ fn expect_state(bench: &mut Bench<'_>, where_it_is: &str, mask: u32, expected: u
     }))
 }
 
-/// Whether bit 0 is set with either of the other two: recorded only, as manuals differ.
-fn record_outside(bench: &mut Bench<'_>) -> Judged {
-    let state = bench.read_number(STATE)?;
-    bench.check(demand(state & OUT_OF_RANGE != 0, || {
-        let breach = Breach::new(STATE, "bit 0 of 6400h:01 tells that the position is outside the work area");
-        breach.expected(number(OUT_OF_RANGE)).found(number(state & OUT_OF_RANGE)).open()
-    }))
-}
-
 /// A position in the middle of its range, away from both ends.
 fn middle(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     let (range, position) = (range_now(bench)?, position_at_rest(bench)?);
@@ -75,8 +66,7 @@ fn inside(bench: &mut Bench<'_>) -> Judged {
 fn overflow(bench: &mut Bench<'_>) -> Judged {
     let position = middle(bench)?;
     limit(bench, 0, position - DISTANCE)?;
-    expect_state(bench, "above the high limit", ALL & !OUT_OF_RANGE, OVERFLOW)?;
-    record_outside(bench)
+    expect_state(bench, "above the high limit", ALL & !OUT_OF_RANGE, OVERFLOW)
 }
 
 /// A position below the low limit 6401h is an underflow, bit 2 of 6400h.
@@ -85,8 +75,7 @@ fn overflow(bench: &mut Bench<'_>) -> Judged {
 fn underflow(bench: &mut Bench<'_>) -> Judged {
     let position = middle(bench)?;
     limit(bench, position + DISTANCE, position + 2 * DISTANCE)?;
-    expect_state(bench, "below the low limit", ALL & !OUT_OF_RANGE, UNDERFLOW)?;
-    record_outside(bench)
+    expect_state(bench, "below the low limit", ALL & !OUT_OF_RANGE, UNDERFLOW)
 }
 
 /// A low limit above the high one is refused.
@@ -97,4 +86,15 @@ fn swapped(bench: &mut Bench<'_>) -> Judged {
     limit(bench, position - DISTANCE, position + DISTANCE)?;
     let attempt = bench.download(LOW, &(position + 2 * DISTANCE).to_le_bytes())?;
     bench.check(attempt.refused(Situation::MaximumBelowMinimum))
+}
+
+/// Whether bit 0 of 6400h is set where the position lies above or below the limits: recorded only, as manuals differ.
+#[case(id = "406/work-area/outside", clause = "CiA 406", confidence = Unknown, level = Open,
+       needs = [Encoder, WorkArea], catches = [WorkAreaInverted, WorkAreaOutsideOneSided])]
+fn outside(bench: &mut Bench<'_>) -> Judged {
+    let position = middle(bench)?;
+    bench.each([(0, position - DISTANCE), (position + DISTANCE, position + 2 * DISTANCE)], |bench, (low, high)| {
+        limit(bench, low, high)?;
+        expect_state(bench, "outside the work area", OUT_OF_RANGE, OUT_OF_RANGE)
+    })
 }
