@@ -6,8 +6,8 @@ use crate::bench::pdo::{Mapped, Pdo, RPDO, TPDO};
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
-use canvass_analyzer::CobId;
 use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
@@ -207,7 +207,10 @@ fn dummy_in_rpdo(bench: &mut Bench<'_>) -> Judged {
        needs = [RpdoMapping, Description], catches = [UnmappableObjectMapped], answers = [MappingRefused])]
 fn unmappable_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     let entries = bench.target().description.iter().flat_map(|description| description.dictionary.entries());
-    let mut unmappable = entries.filter(|(_, entry)| entry.access.is_writable() && !entry.pdo_mappable);
+    // Not what commands: a device that takes the entry would obey the PDO.
+    let is_command = |at: Multiplexer| matches!(at.index.0, 0x1003 | 0x1010 | 0x1011);
+    let mut unmappable =
+        entries.filter(|(at, entry)| entry.access.is_writable() && !entry.pdo_mappable && !is_command(*at));
     let found = unmappable.find_map(|(at, entry)| {
         let bits = entry.data_type.bits().filter(|bits| [8, 16, 32].contains(bits))?;
         Some(u32::from(at.index.0) << 16 | u32::from(at.sub.0) << 8 | bits)

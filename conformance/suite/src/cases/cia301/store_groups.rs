@@ -36,7 +36,8 @@ fn sub_indexes(bench: &mut Bench<'_>, index: u16) -> Result<Vec<Multiplexer>, St
 
 /// No sub-index of 1010h takes any signature but "save".
 #[case(id = "301/store/every-signature", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
-       needs = [Store], touches = [Nvm], catches = [StoreSignatureFirstOnly, StoreSignatureUnchecked], cct = "8.3")]
+       needs = [Store], touches = [Nvm], catches = [StoreSignatureFirstOnly, StoreSignatureUnchecked], cct = "8.3",
+       answers = [WrongSignature])]
 fn every_store_signature(bench: &mut Bench<'_>) -> Judged {
     every_signature(bench, 0x1010, [*b"evas", *b"SAVE", *b"load", [0; 4], [1, 0, 0, 0]])
 }
@@ -44,7 +45,7 @@ fn every_store_signature(bench: &mut Bench<'_>) -> Judged {
 /// No sub-index of 1011h takes any signature but "load".
 #[case(id = "301/restore/every-signature", clause = "CiA 301 7.5.2.14", confidence = Cited, level = Must,
        needs = [Store], touches = [Nvm, FactoryDefaults], catches = [StoreSignatureFirstOnly, RestoreSignatureUnchecked],
-       cct = "8.3")]
+       cct = "8.3", answers = [WrongSignature])]
 fn every_restore_signature(bench: &mut Bench<'_>) -> Judged {
     restores(bench)?;
     every_signature(bench, 0x1011, [*b"daol", *b"LOAD", *b"save", [0; 4], [1, 0, 0, 0]])

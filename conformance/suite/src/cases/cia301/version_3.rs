@@ -93,7 +93,7 @@ fn with_each_sync(bench: &mut Bench<'_>) -> Result<Option<u16>, Stop> {
 
 /// Whether a device of DS-301 V3.0, delivered with bit 31 of 1005h, listens to SYNC with that bit only: recorded, as the
 /// fourth edition gives the bit no meaning.
-#[case(id = "301/sync/consumer-bit", clause = "CiA 301", confidence = Unknown, level = Open,
+#[case(id = "301/sync/consumer-bit", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Open,
        needs = [Tpdo], catches = [SyncConsumerBitIgnored])]
 fn consumer_bit(bench: &mut Bench<'_>) -> Judged {
     number(bench, PDOS)?;
