@@ -46,11 +46,12 @@ pub fn mutants(args: &[String]) -> Result<()> {
     let wishes = Wishes::read(args)?;
     let reviewed = Reviewed::read()?;
     let mut sources = scratch::read()?;
+    // Said at once, and not only after minutes of building.
+    ensure_current(&reviewed, &drawn::all(&sources))?;
     let begun = Instant::now();
     let program = scratch::build(&mut sources)?;
     let all = drawn::all(&sources);
-    let stale = reviewed.stale(&all);
-    ensure!(stale.is_empty(), "equivalent mutants of code that is not there any more: {stale:#?}");
+    ensure_current(&reviewed, &all)?;
     eprintln!("{} mutants, built in {} s", all.len(), begun.elapsed().as_secs());
     let mut tried = Vec::new();
     for &seed in &wishes.seeds {
@@ -70,6 +71,12 @@ pub fn mutants(args: &[String]) -> Result<()> {
         println!("{} of {} mutants are in places that are never reached: {UNREACHED}", unreached.len(), all.len());
     }
     tell(&tried, &reviewed)
+}
+
+fn ensure_current(reviewed: &Reviewed, all: &[Mutant]) -> Result<()> {
+    let stale = reviewed.stale(all);
+    ensure!(stale.is_empty(), "equivalent mutants of code that is not there any more: {stale:#?}");
+    Ok(())
 }
 
 /// Where those are listed whose place neither suite nor fuzzer reaches.

@@ -21,7 +21,7 @@ impl Objects {
     /// The abort code of this model if it does not.
     pub(super) fn check(&self, at: Multiplexer, value: u64) -> Result<(), AbortCode> {
         if let Some(command) = StoreCommand::of(at, &self.model.sheet().storage) {
-            return self.check_signature(command, value);
+            return self.check_signature(at, command, value);
         }
         // The number of mapped objects has abort codes of its own.
         if object::is_pdo_mapping(at.index.0) {
@@ -39,7 +39,10 @@ impl Objects {
         self.check_application(at, value)
     }
 
-    fn check_signature(&self, command: StoreCommand, value: u64) -> Result<(), AbortCode> {
+    fn check_signature(&self, at: Multiplexer, command: StoreCommand, value: u64) -> Result<(), AbortCode> {
+        if at.sub.0 > 1 && self.firmware.checks_first_signature_only() {
+            return Ok(());
+        }
         let checked = match command {
             StoreCommand::Save(_) => self.firmware.checks_save_signature(),
             StoreCommand::Restore(_) => self.firmware.checks_load_signature(),

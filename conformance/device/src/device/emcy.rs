@@ -46,7 +46,8 @@ impl EmcyService {
 
     fn cob_id(context: &Context) -> Option<CobId> {
         let usual = CobId(u32::from(emcy::CAN_ID_BASE) + u32::from(context.node?.raw()));
-        Some(context.objects.parameters.number(object::COB_ID_EMCY, 0).map_or(usual, |raw| CobId(raw as u32)))
+        let own = context.objects.parameters.number(object::COB_ID_EMCY, 0).map_or(usual, |raw| CobId(raw as u32));
+        Some(if context.firmware().keeps_emcy_can_id() { CobId(own.0 & !0x7FF | usual.0) } else { own })
     }
 }
 

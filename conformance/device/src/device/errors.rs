@@ -53,6 +53,7 @@ impl Errors {
     pub fn register(&self) -> u8 {
         let register =
             self.present.iter().fold(self.stuck, |register, condition| register | condition.register(&self.quirks));
+        let register = register | u8::from(self.firmware.never_clears_generic_bit());
         match !self.firmware.sets_generic_bit() {
             true => register & !ErrorRegister::GENERIC.0,
             false => register,
@@ -67,6 +68,7 @@ impl Errors {
         let Some(n) = usize::from(sub).checked_sub(1) else { return Ok(self.history.len() as u64) };
         let position = match self.firmware.reverses_history() {
             true => self.history.len().checked_sub(n + 1),
+            false if self.firmware.moves_two_history_entries() => Some(n.min(1)),
             false => Some(n),
         };
         match position.and_then(|position| self.history.get(position)) {
@@ -84,7 +86,8 @@ impl Errors {
         }
         let was_empty = self.history.is_empty();
         self.history.clear();
-        if self.quirks.error_register_read_clears && !was_empty {
+        let acknowledges = self.quirks.error_register_read_clears || self.firmware.ends_errors_with_history();
+        if acknowledges && !was_empty {
             self.acknowledge();
         }
     }
@@ -93,6 +96,9 @@ impl Errors {
     pub fn register_was_read(&mut self) {
         if self.firmware.clears_register_when_read() {
             self.present.clear();
+        }
+        if self.firmware.sends_reset_when_read() {
+            self.push(Emcy::new(EmcyCode::NO_ERROR, ErrorRegister(self.register()), [0; 5]));
         }
         if self.quirks.error_register_read_clears && self.history.pop_front().is_some() && self.history.is_empty() {
             self.acknowledge();
@@ -117,6 +123,9 @@ impl Errors {
             (None, true) => self.present.push(condition),
             (Some(position), false) => {
                 self.present.remove(position);
+                if self.firmware.clears_errors_together() {
+                    self.present.clear();
+                }
             }
             _ => return false,
         }
@@ -211,7 +220,9 @@ impl Errors {
     /// clears it too.
     pub fn reset(&mut self) {
         self.present.clear();
-        self.queue.clear();
+        if !self.firmware.keeps_emcy_over_reset() {
+            self.queue.clear();
+        }
         self.inhibited_until = Timestamp::ZERO;
         if self.quirks.error_register_read_clears {
             self.clear_history();

@@ -56,7 +56,8 @@ impl HeartbeatConsumer {
         let everyone = firmware.consumes_from_everyone();
         let concerns = |watched: &&mut Watched| watched.node == node || everyone && !(1..=127).contains(&watched.node);
         for watched in self.watched.iter_mut().filter(concerns) {
-            if watched.time > Duration::ZERO && (!watched.lost || firmware.rearms_consumer()) {
+            let in_use = watched.time > Duration::ZERO || firmware.consumes_with_time_zero();
+            if in_use && (!watched.lost || firmware.rearms_consumer()) {
                 watched.due = now + watched.time;
                 back |= std::mem::take(&mut watched.lost);
             }

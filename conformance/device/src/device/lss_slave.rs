@@ -295,7 +295,9 @@ impl Service for LssSlave {
             || network.lss_states.iter().any(|name| state.name() == Some(name));
         let booting = matches!(context.phase, Phase::Initialising { .. });
         let Ok(request) = lss::Request::read(frame.data()) else { return };
-        if !network.lss || !works || booting || frame.len() != 8 {
+        let is_there = network.lss || context.firmware().answers_undescribed_lss();
+        let fits = frame.len() == 8 || !context.firmware().checks_lss_length();
+        if !is_there || !works || booting || !fits {
             return;
         }
         let address = address(&context.objects.parameters);

@@ -94,6 +94,7 @@ const MINE: &[Fault] = &[
     Fault::MappingProcedureRefused,
     Fault::NmtLongFrameMisread,
     Fault::PdoIdNotPredefined,
+    Fault::RestoreCapabilityWrong,
     Fault::RpdoBytesReversed,
     Fault::RpdoIgnored,
     Fault::RpdoKeepsCanId,

@@ -282,6 +282,7 @@ impl Objects {
     pub fn consumes_sync(&self) -> bool {
         let needed = self.consumer_bit(Multiplexer::new(object::COB_ID_SYNC, 0));
         self.parameters.number_or_zero(object::COB_ID_SYNC, 0) & needed == needed
+            || self.firmware.ignores_sync_consumer_bit()
     }
 
     /// Whether a write to the object does something instead of leaving a value.

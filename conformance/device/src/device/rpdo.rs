@@ -87,9 +87,13 @@ impl Rpdo {
     }
 
     /// The device is not operational any more: what was held is forgotten.
-    fn stop(&mut self) {
-        self.held = None;
-        self.due = Timestamp::MAX;
+    fn stop(&mut self, firmware: &Firmware) {
+        if firmware.forgets_held_rpdo() {
+            self.held = None;
+        }
+        if firmware.stops_rpdo_deadline() {
+            self.due = Timestamp::MAX;
+        }
     }
 
     /// How many bytes are mapped.
@@ -102,7 +106,8 @@ impl Rpdo {
         if data.len() < self.len && firmware.checks_rpdo_length() {
             return Received::TooShort;
         }
-        if self.deadline > Duration::ZERO && firmware.heeds_rpdo_deadline() {
+        let runs = self.due < Timestamp::MAX && !firmware.restarts_rpdo_deadline();
+        if self.deadline > Duration::ZERO && firmware.heeds_rpdo_deadline() && !runs {
             self.due = now + self.deadline;
         }
         let mut payload = [0; 8];
@@ -178,6 +183,10 @@ impl Rpdos {
         Self(Rpdo::all(parameters))
     }
 
+    fn stop(&mut self, firmware: &Firmware) {
+        self.0.iter_mut().for_each(|rpdo| rpdo.stop(firmware));
+    }
+
     fn configure(&mut self, objects: &Objects) {
         self.0.iter_mut().for_each(|rpdo| rpdo.configure(objects));
     }
@@ -219,9 +228,9 @@ impl Service for Rpdos {
 
     fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
         match event {
-            Event::Initialise => self.0.iter_mut().for_each(Rpdo::stop),
+            Event::Initialise => self.stop(context.firmware()),
             Event::Entered { .. } if !context.phase.receives_pdos(context.firmware()) => {
-                self.0.iter_mut().for_each(Rpdo::stop);
+                self.stop(context.firmware());
             }
             Event::Started => self.configure(&context.objects),
             Event::Written(at, _)

@@ -155,6 +155,7 @@ impl Store {
         let command = match command {
             StoreCommand::Save(_) if !firmware.stores() => return,
             StoreCommand::Restore(_) if !firmware.restores() => return,
+            StoreCommand::Restore(_) if !firmware.restores_by_group() => StoreCommand::Restore(Groups::PARAMETERS),
             StoreCommand::Save(Groups::BUS) => command,
             StoreCommand::Save(_) if !firmware.stores_by_group() => StoreCommand::Save(Groups::PARAMETERS),
             StoreCommand::Save(groups) if firmware.loses_application_group() => {

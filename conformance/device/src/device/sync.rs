@@ -185,7 +185,9 @@ impl Service for SyncObject {
         if let Some(sync) = self.next(now) {
             context.send(sync.to_frame(self.own_can_id()));
             self.open(now);
-            context.events.push_back(Event::Sync { counter: sync.counter });
+            if context.firmware().heeds_own_sync() {
+                context.events.push_back(Event::Sync { counter: sync.counter });
+            }
         }
         if self.close(now) {
             context.events.push_back(Event::WindowClosed);

@@ -52,7 +52,9 @@ impl Service for TimeService {
                 Self::configure(now, context);
                 context.routes_changed = true;
             }
-            Event::Written(at, micros) if at.index.0 == object::HIGH_RESOLUTION_TIME_STAMP => {
+            Event::Written(at, micros)
+                if at.index.0 == object::HIGH_RESOLUTION_TIME_STAMP || context.firmware().stamps_at_each_write() =>
+            {
                 context.objects.clock.stamp(now, micros as u32);
             }
             _ => {}

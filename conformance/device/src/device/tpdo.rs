@@ -276,7 +276,7 @@ impl Tpdo {
             return None;
         }
         if now < self.inhibited_until {
-            self.waiting = true;
+            self.waiting = !objects.firmware.drops_inhibited_pdo();
             return None;
         }
         if self.is_event_driven() && objects.firmware.heeds_inhibit_time() {
@@ -400,7 +400,7 @@ impl Tpdos {
             object::SYNCHRONOUS_COUNTER_OVERFLOW if context.firmware().overlooks_late_sync_counter() => false,
             object::COB_ID_SYNC..=object::SYNCHRONOUS_WINDOW_LENGTH | object::SYNCHRONOUS_COUNTER_OVERFLOW => true,
             // The cyclic timer of CiA 406; in other profiles these are outputs.
-            0x6200 => context.objects.encoder.is_some(),
+            0x6200 => context.objects.encoder.is_some() && context.firmware().heeds_cyclic_timer(),
             _ => resets_scaling(at, value, context),
         };
         if concerns {

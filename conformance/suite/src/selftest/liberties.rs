@@ -157,6 +157,8 @@ const HARMLESS: &[(Fault, &[Liberty], &str)] = &[
     (Fault::EdsDefaultBeyondLimit, &[Liberty::EdsWithoutLimits], "there is no limit"),
     (Fault::DummyRefused, &[Liberty::NoDummies], "the device may refuse dummies; the codes differ"),
     (Fault::SdoRangeUnchecked, &[Liberty::NoApplicationObjects], "there is no range"),
+    (Fault::ErrorHistoryReversed, &[Liberty::GenericErrorCodes], "all errors have one code, whatever their order"),
+    (Fault::ErrorHistoryMovesTwo, &[Liberty::GenericErrorCodes], "all errors have one code, whatever their order"),
     (
         Fault::SdoAnsweredBeforeBootUp,
         &[Liberty::AnswersIn900Ms, Liberty::AnswersVary],

@@ -31,6 +31,7 @@ const EXPECTED: &Expected = &[
     ("301/pdo/mapping/missing-sub-index", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/too-long", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/unmappable", Fail, PDO_PARAMETERS),
+    ("301/pdo/mapping/unmappable-in-rpdo", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/every-valid", Fail, PDO_PARAMETERS),
     ("301/pdo/mapping/valid", Fail, PDO_PARAMETERS),
     ("301/pdo/transmission-type/reserved", Fail, PDO_PARAMETERS),

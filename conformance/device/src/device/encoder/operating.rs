@@ -36,6 +36,7 @@ impl Encoder {
                 let reserved = value & !u64::from(self.sheet.operating_bits);
                 (reserved == 0 || !self.firmware.checks_operating_bits()) && self.firmware.takes_operating_parameters()
             }
+            0x6001 if value < parameters.number_or_zero(0x6001, 0) && !self.firmware.takes_fewer_units() => false,
             0x6001 => value <= units_of(parameters.number_or_zero(0x6002, 0)) || !refuses,
             _ => {
                 let range = units_of(value);

@@ -18,7 +18,8 @@ impl Encoder {
         }
         let position = self.position(now, parameters);
         let (over, under) = (position > high, position < low);
-        let outside = over || under || is_outside_module(position, parameters);
+        let outside =
+            over || under && self.firmware.shows_outside_both_ways() || is_outside_module(position, parameters);
         let bit = |set: bool, bit: u64| if set { bit } else { 0 };
         Some(match () {
             () if !self.firmware.shows_work_area() => 0,

@@ -3,6 +3,9 @@ use crate::{Fault, Firmware};
 use canvass_traces::Duration;
 
 hooks! {
+    heeds_own_sync unless SyncOwnUnheeded,
+    stamps_at_each_write with StampSetByOthers,
+    ignores_sync_consumer_bit with SyncConsumerBitIgnored,
     follows_time unless TimeIgnored,
     produces_time unless TimeNotProduced,
     keeps_time unless ClockStands,

@@ -2,6 +2,10 @@ use super::hooks;
 use crate::{Fault, Firmware};
 
 hooks! {
+    ends_errors_with_history with HistoryClearsRegister,
+    sends_reset_when_read with EmcyResetUnasked,
+    never_clears_generic_bit with ErrorRegisterNeverClear,
+    keeps_emcy_over_reset with EmcySurvivesReset,
     keeps_emcy_when_inhibited unless EmcyLostWhenInhibited,
     mutes_inhibited_emcy with EmcyMutedByInhibitTime,
     keeps_emcy_when_stopped unless EmcyLostWhenStopped,
@@ -15,6 +19,9 @@ hooks! {
     clears_history unless ErrorHistoryNotCleared,
     overflows_history with ErrorHistoryOverflows,
     reverses_history with ErrorHistoryReversed,
+    moves_two_history_entries with ErrorHistoryMovesTwo,
+    clears_errors_together with ErrorsClearedTogether,
+    keeps_emcy_can_id with EmcyKeepsCanId,
     clears_register_when_read with ErrorRegisterReadClears,
     keeps_register_bits with ErrorRegisterStuck,
     sets_generic_bit unless ErrorRegisterGenericMissing,

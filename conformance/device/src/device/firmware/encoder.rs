@@ -2,6 +2,8 @@ use super::hooks;
 use crate::{Fault, Firmware};
 
 hooks! {
+    takes_fewer_units unless UnitsFewerRefused,
+    shows_outside_both_ways unless WorkAreaOutsideOneSided,
     moves_raw_position unless RawPositionStands,
     includes_limits_in_switches with LimitSwitchInclusive,
     swaps_limit_switches with LimitSwitchesSwapped,

@@ -2,6 +2,7 @@ use super::hooks;
 use crate::{Fault, Firmware};
 
 hooks! {
+    consumes_with_time_zero with HeartbeatConsumerTimeZero,
     checks_consumer_entries unless HeartbeatConsumerDoubleAccepted,
     consumes_from_first_only with HeartbeatConsumerFirstOnly,
     rearms_consumer unless HeartbeatConsumerNotRearmed,

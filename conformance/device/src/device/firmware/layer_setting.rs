@@ -2,6 +2,8 @@ use super::hooks;
 use crate::{Fault, Firmware};
 
 hooks! {
+    checks_lss_length unless LssShortRequestAnswered,
+    answers_undescribed_lss with LssUndescribed,
     activates_bit_rate_at_once with LssActivatesAtOnce,
     takes_lss_node_id_at_reset_node with LssNodeIdStoredAtOnce,
     takes_lss_node_id_at_once with LssNodeIdAtOnce,

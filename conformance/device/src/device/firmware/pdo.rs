@@ -3,6 +3,11 @@ use crate::{Fault, Firmware};
 use canvass_traces::Duration;
 
 hooks! {
+    stops_rpdo_deadline unless RpdoDeadlineOutlivesStop,
+    restarts_rpdo_deadline unless RpdoDeadlineNotRestarted,
+    forgets_held_rpdo unless RpdoHeldOverStop,
+    heeds_cyclic_timer unless CyclicTimerIdle,
+    drops_inhibited_pdo with TpdoLostWhenInhibited,
     protects_first_pdo_only with PdoRulesFirstOnly,
     reports_right_rpdo with RightRpdoReported,
     checks_pdo_id_while_valid unless CobIdChangeWhileValid,

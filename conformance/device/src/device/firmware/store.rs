@@ -5,6 +5,8 @@ hooks! {
     stores unless StoreWithoutEffect,
     restores unless RestoreWithoutEffect,
     stores_by_group unless StoreGroupIgnored,
+    restores_by_group unless RestoreGroupIgnored,
+    checks_first_signature_only with StoreSignatureFirstOnly,
     loses_application_group with StoreLosesGroup,
     restores_at_once with RestoreAtOnce,
     keeps_configuration_date with ConfigurationDateKept,

@@ -43,6 +43,9 @@ impl Mischief {
             (object::TPDO_COMMUNICATION_PARAMETER, 1) if self.has(Fault::PdoIdNotPredefined) => value ^ 0x40,
             (object::TPDO_MAPPING_PARAMETER, 1) if self.has(Fault::DefaultMappingWrong) => value ^ 0x18,
             (object::STORE_PARAMETERS, 1) if self.has(Fault::StoreCapabilityDenied) => 0,
+            (object::RESTORE_DEFAULT_PARAMETERS, 1) if self.has(Fault::RestoreCapabilityWrong) => {
+                u32::from_le_bytes(*b"load")
+            }
             (object::STORE_PARAMETERS, 1) if self.has(Fault::StoreCapabilityWrong) => u32::from_le_bytes(*b"save"),
             _ => value,
         }

@@ -48,7 +48,7 @@ fn duplicate(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// A node-ID that nobody uses, with which the tester sends heartbeats.
-fn neighbour(bench: &Bench<'_>) -> Result<u8, Stop> {
+pub(super) fn neighbour(bench: &Bench<'_>) -> Result<u8, Stop> {
     bench
         .vacant_neighbour()
         .ok_or_else(|| Stop::NotApplicable(Reason::new("a node-ID beside that of the device is free", "one", "none")))
@@ -62,7 +62,7 @@ struct Watch {
 }
 
 /// What shows that the device misses a node.
-struct Signs {
+pub(super) struct Signs {
     /// EMCYs that report an error.
     errors: Vec<Record>,
     /// The first state other than operational.
@@ -102,13 +102,13 @@ fn watch(bench: &mut Bench<'_>) -> Result<Watch, Stop> {
     Ok(Watch { node, enters })
 }
 
-fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
+pub(super) fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction).map(|_| ())
 }
 
 /// The state that the loss of a node leads to, where the device shows it by heartbeats.
-fn consequence(bench: &mut Bench<'_>) -> Result<Option<State>, Stop> {
+pub(super) fn consequence(bench: &mut Bench<'_>) -> Result<Option<State>, Stop> {
     if bench.heartbeats()? != Heartbeats::Settable {
         return Ok(None);
     }
@@ -116,13 +116,13 @@ fn consequence(bench: &mut Bench<'_>) -> Result<Option<State>, Stop> {
     after_a_loss(bench)
 }
 
-fn beat(bench: &mut Bench<'_>, node: u8) -> Result<(), Stop> {
+pub(super) fn beat(bench: &mut Bench<'_>, node: u8) -> Result<(), Stop> {
     let message = ErrorControl::heartbeat(State::OPERATIONAL);
     bench.send(&message.to_frame(error_control::CAN_ID_BASE + u16::from(node))).map(|_| ())
 }
 
 /// What comes within that time.
-fn signs(bench: &mut Bench<'_>, span: Duration) -> Result<Signs, Stop> {
+pub(super) fn signs(bench: &mut Bench<'_>, span: Duration) -> Result<Signs, Stop> {
     let heard = bench.listen(span)?;
     let states = heard.iter().filter(|record| bench.is_error_control(&record.frame));
     let states = states.filter_map(|record| Some((record.timestamp, ErrorControl::read(record.data()).ok()?.state)));
@@ -147,7 +147,7 @@ fn noticed(at: Multiplexer, watch: &Watch, signs: &Signs) -> Judged {
 }
 
 /// Demands that nothing shows.
-fn unnoticed(at: Multiplexer, duty: impl Into<String>, signs: &Signs) -> Check {
+pub(super) fn unnoticed(at: Multiplexer, duty: impl Into<String>, signs: &Signs) -> Check {
     demand(!signs.any(), || {
         let breach = Breach::new(at, duty.into()).expected("no EMCY, and operational").found(signs.observation());
         breach.told(signs.text())

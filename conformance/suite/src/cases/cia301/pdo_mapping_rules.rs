@@ -6,8 +6,8 @@ use crate::bench::pdo::{Mapped, Pdo, RPDO, TPDO};
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
-use canvass_analyzer::CobId;
 use canvass_analyzer::wire::nmt::Command;
+use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
@@ -200,6 +200,28 @@ fn dummy_in_rpdo(bench: &mut Bench<'_>) -> Judged {
         bench.download(RPDO.entry(0), &[1])?.expect_confirmation()?;
         Ok(())
     })
+}
+
+/// An object that the description does not let a PDO carry can't be mapped into an RPDO, though SDOs write it.
+#[case(id = "301/pdo/mapping/unmappable-in-rpdo", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Must,
+       needs = [RpdoMapping, Description], catches = [UnmappableObjectMapped], answers = [MappingRefused])]
+fn unmappable_in_rpdo(bench: &mut Bench<'_>) -> Judged {
+    let entries = bench.target().description.iter().flat_map(|description| description.dictionary.entries());
+    // Not what commands: a device that takes the entry would obey the PDO.
+    let is_command = |at: Multiplexer| matches!(at.index.0, 0x1003 | 0x1010 | 0x1011);
+    let mut unmappable =
+        entries.filter(|(at, entry)| entry.access.is_writable() && !entry.pdo_mappable && !is_command(*at));
+    let found = unmappable.find_map(|(at, entry)| {
+        let bits = entry.data_type.bits().filter(|bits| [8, 16, 32].contains(bits))?;
+        Some(u32::from(at.index.0) << 16 | u32::from(at.sub.0) << 8 | bits)
+    });
+    match found {
+        Some(entry) => refused(bench, RPDO, entry, Situation::Unmappable),
+        None => {
+            let reason = Reason::new("an object can be written and not mapped", "one in the description", "none");
+            Err(Stop::NotApplicable(reason))
+        }
+    }
 }
 
 /// An object that can only be read can't be mapped into an RPDO: abort 0602 0000h or 0604 0041h.

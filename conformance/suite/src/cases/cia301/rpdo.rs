@@ -17,15 +17,15 @@ use canvass_bus::observation::Observation;
 use canvass_traces::{CanId, Duration, Frame, Record};
 
 /// RPDO 1 with one object mapped, and what it takes to send it.
-struct Subject {
-    mapped: Mapped,
-    can_id: u16,
-    before: Vec<u8>,
-    other: Vec<u8>,
+pub(super) struct Subject {
+    pub mapped: Mapped,
+    pub can_id: u16,
+    pub before: Vec<u8>,
+    pub other: Vec<u8>,
 }
 
 /// Gives RPDO 1 one object and a transmission type.
-fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
+pub(super) fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
     let objects = bench.rpdo_objects();
     let of_bytes = |least: u8| objects.iter().copied().find(|mapped| (8 * least..=32).contains(&mapped.bits));
     carrying(bench, of_bytes(2).or_else(|| of_bytes(1)), transmission_type)
@@ -49,7 +49,7 @@ fn carrying(bench: &mut Bench<'_>, mapped: Option<Mapped>, transmission_type: u8
     Ok(Subject { mapped, can_id, before, other })
 }
 
-fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
+pub(super) fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction).map(|_| ())
 }
@@ -59,7 +59,7 @@ fn send(bench: &mut Bench<'_>, subject: &Subject, data: &[u8]) -> Result<(), Sto
     bench.listen(bench.shortly()).map(|_| ())
 }
 
-fn expect_value(bench: &mut Bench<'_>, at: Multiplexer, right: &[u8], duty: &str) -> Judged {
+pub(super) fn expect_value(bench: &mut Bench<'_>, at: Multiplexer, right: &[u8], duty: &str) -> Judged {
     let now = bench.read(at)?;
     bench.check(has_value(at, right, now, duty))
 }
@@ -72,7 +72,7 @@ fn has_value(at: Multiplexer, right: &[u8], now: Vec<u8>, duty: &str) -> crate::
 }
 
 /// Sends the RPDO once as it should be: that it acts shows that its silence in the case means something.
-fn proven(bench: &mut Bench<'_>, subject: &Subject) -> Result<(), Stop> {
+pub(super) fn proven(bench: &mut Bench<'_>, subject: &Subject) -> Result<(), Stop> {
     send(bench, subject, &subject.other)?;
     let now = bench.read(subject.mapped.at)?;
     has_value(subject.mapped.at, &subject.other, now, "the RPDO acts").or_inconclusive()?;

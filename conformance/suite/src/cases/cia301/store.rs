@@ -139,7 +139,7 @@ fn not_stored(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Not applicable where the object is the manufacturer's: such a variable need not be a parameter, and a reset may leave it.
-fn of_the_profile(scratch: &Scratch) -> Judged {
+pub(super) fn of_the_profile(scratch: &Scratch) -> Judged {
     if scratch.multiplexer.index.0 >= 0x6000 {
         return Ok(());
     }
@@ -148,7 +148,7 @@ fn of_the_profile(scratch: &Scratch) -> Judged {
 }
 
 /// Not applicable where the device stores autonomously: nothing is unstored then.
-fn not_by_itself(bench: &mut Bench<'_>) -> Judged {
+pub(super) fn not_by_itself(bench: &mut Bench<'_>) -> Judged {
     if !bench.stores_by_itself()? {
         return Ok(());
     }
@@ -157,12 +157,12 @@ fn not_by_itself(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// A communication and an application parameter, each with its power-on value.
-struct Two {
-    communication: Scratch,
-    application: Scratch,
+pub(super) struct Two {
+    pub communication: Scratch,
+    pub application: Scratch,
 }
 
-fn two(bench: &mut Bench<'_>) -> Result<Two, Stop> {
+pub(super) fn two(bench: &mut Bench<'_>) -> Result<Two, Stop> {
     let found = bench.scratch_objects()?.into_iter().find(|scratch| scratch.multiplexer.index.0 < 0x2000);
     let Some(communication) = found else {
         let reason = Reason::new("a communication parameter can be written without consequence", "one", "none");
@@ -309,7 +309,7 @@ fn defaults(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Resets the device. One of whose defaults it is to have no node-ID gets its own again, where the user allows that.
-fn restarted(bench: &mut Bench<'_>) -> Judged {
+pub(super) fn restarted(bench: &mut Bench<'_>) -> Judged {
     let reset = bench.reset(Command::RESET_NODE);
     match (reset, crate::cases::cia305::needs::LSS.rescue()) {
         (Err(Stop::Inconclusive(_) | Stop::Breach(_)), Some(regain))
@@ -324,7 +324,7 @@ fn restarted(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Not applicable where defaults can't be restored.
-fn restores(bench: &mut Bench<'_>) -> Result<(), Stop> {
+pub(super) fn restores(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if bench.has(RESTORE)? {
         return Ok(());
     }

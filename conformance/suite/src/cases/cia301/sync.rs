@@ -25,7 +25,7 @@ const PERIOD_TIME: Duration = Duration::from_millis(50);
 
 /// Lets the device produce SYNC every 50 ms, with a counter if `overflow` is not 0; its CAN-ID. What has its value already
 /// is not written.
-fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<u16, Stop> {
+pub(super) fn produce(bench: &mut Bench<'_>, overflow: u8) -> Result<u16, Stop> {
     let own = bench.read_number(COB_ID)?;
     bench.stop_sync_period()?;
     let changes = if bench.has(OVERFLOW)? { bench.read_number(OVERFLOW)? != u32::from(overflow) } else { overflow > 0 };

@@ -130,7 +130,7 @@ fn produced(bench: &mut Bench<'_>) -> Judged {
 /// Whether the high resolution time stamp, 1013h, goes on by one for each microsecond after it was written: recorded only, as
 /// its use is left to the device.
 #[case(id = "301/time/high-resolution", clause = "CiA 301 7.5.2.16", confidence = Cited, level = Open,
-       needs = [], catches = [ClockStands])]
+       needs = [], catches = [ClockStands, StampSetByOthers])]
 fn high_resolution(bench: &mut Bench<'_>) -> Judged {
     const STAMP: Multiplexer = Multiplexer::new(0x1013, 0);
     if !bench.can_write(STAMP)? {
@@ -140,6 +140,12 @@ fn high_resolution(bench: &mut Bench<'_>) -> Judged {
     bench.write(STAMP, &written.to_le_bytes())?;
     let from = bench.now();
     bench.listen(Duration::from_millis(500))?;
+    // Writes of other objects are none of it.
+    let own = bench.read(COB_ID)?;
+    bench.download(COB_ID, &own)?;
+    if let Some(other) = bench.scratch_objects()?.into_iter().next() {
+        bench.write(other.multiplexer, &other.other)?;
+    }
     let shown = bench.read_number(STAMP)?;
     let passed = bench.now().since(from).nanos() / 1_000;
     let is_near = u64::from(shown.wrapping_sub(written)).abs_diff(passed) <= 1_000 * CLOCK_ERROR_MS;

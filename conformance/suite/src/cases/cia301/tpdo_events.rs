@@ -16,14 +16,14 @@ const OVERFLOW: Multiplexer = Multiplexer::new(0x1019, 0);
 const SHORTLY: Duration = Duration::from_millis(100);
 
 /// TPDO 1 carries one object that SDOs can write.
-struct Subject {
-    at: Multiplexer,
-    can_id: u16,
-    values: [Vec<u8>; 2],
+pub(super) struct Subject {
+    pub at: Multiplexer,
+    pub can_id: u16,
+    pub values: [Vec<u8>; 2],
 }
 
 /// Gives TPDO 1 a changeable object and a transmission type, without event timer and inhibit time.
-fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
+pub(super) fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
     let (mapped, other) = bench.changeable()?;
     let before = bench.read(mapped.at)?;
     bench.write(mapped.at, &before)?;
@@ -43,7 +43,7 @@ fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, found: usize)
     Breach::new(TPDO.subject(), duty.into()).expected(expected).found(Observation::Count(found as u64))
 }
 
-fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
+pub(super) fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.command(Command::START)?;
     bench.listen(SHORTLY).map(|_| ())
 }

@@ -1,15 +1,19 @@
-//! Objects that DS-301 V3.0 had and V4.0 dropped: 1004h, 100Bh, 100Eh. Only devices that have them are judged.
+//! What DS-301 V3.0 had and V4.0 dropped: 1004h, 100Bh, 100Eh, and bit 31 of 1005h. Only devices that have them are judged.
 
 use crate::bench::Bench;
+use crate::bench::pdo::TPDO;
 use crate::case;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::CobId;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::error_control;
+use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
 const PDOS: Multiplexer = Multiplexer::new(0x1004, 0);
 const NODE_ID: Multiplexer = Multiplexer::new(0x100B, 0);
+const SYNC_ID: Multiplexer = Multiplexer::new(0x1005, 0);
 const GUARDING_ID: Multiplexer = Multiplexer::new(0x100E, 0);
 
 /// The number in an object that may be absent.
@@ -74,4 +78,48 @@ fn guarding_cob_id(bench: &mut Bench<'_>) -> Judged {
             .found(Observation::Number(u64::from(found)))
             .told(format!("{found:03X}h"))
     }))
+}
+
+/// The CAN-ID of a TPDO that is sent after each SYNC as delivered.
+fn with_each_sync(bench: &mut Bench<'_>) -> Result<Option<u16>, Stop> {
+    for pdo in (1..=4).map(|number| TPDO.numbered(number)) {
+        if bench.has(pdo.parameter(2))? && bench.read_number(pdo.parameter(2))? == 1 {
+            let cob_id = bench.pdo_cob_id(pdo)?;
+            return Ok(cob_id.is_valid().then_some((cob_id.can_id() & 0x7FF) as u16));
+        }
+    }
+    Ok(None)
+}
+
+/// Whether a device of DS-301 V3.0, delivered with bit 31 of 1005h, listens to SYNC with that bit only: recorded, as the
+/// fourth edition gives the bit no meaning.
+#[case(id = "301/sync/consumer-bit", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Open,
+       needs = [Tpdo], catches = [SyncConsumerBitIgnored])]
+fn consumer_bit(bench: &mut Bench<'_>) -> Judged {
+    number(bench, PDOS)?;
+    let own = number(bench, SYNC_ID)?;
+    if own & CobId::INVALID == 0 {
+        let actual = format!("1005h = {own:08X}h");
+        return Err(Stop::NotApplicable(Reason::new("1005h is delivered with bit 31", "bit 31", actual)));
+    }
+    let Some(can_id) = with_each_sync(bench)? else {
+        return Err(Stop::NotApplicable(Reason::new(
+            "a TPDO is delivered with type 1",
+            "one of the first four",
+            "none",
+        )));
+    };
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction)?;
+    bench.each([(own, 1), (own & !CobId::INVALID, 0)], |bench, (value, right)| {
+        bench.write(SYNC_ID, &value.to_le_bytes())?;
+        bench.drain()?;
+        bench.send_bytes((own & 0x7FF) as u16, &[])?;
+        let heard = bench.frames_of(can_id, bench.shortly())?.len() as u64;
+        bench.check(demand(heard == right, || {
+            Breach::new(SYNC_ID, format!("with 1005h = {value:08X}h one SYNC sends {right} TPDOs of type 1"))
+                .expected(Observation::Count(right))
+                .found(Observation::Count(heard))
+        }))
+    })
 }

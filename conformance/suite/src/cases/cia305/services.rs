@@ -122,3 +122,38 @@ fn expect_form(request: Request, frame: &Frame) -> Check {
         breach.told(format!("{frame}: {}", shown(response)))
     })
 }
+
+/// Whether an LSS request with fewer than eight bytes is answered: recorded only. LSS messages have eight bytes; what becomes
+/// of others is not said.
+#[case(id = "305/short-request", clause = "CiA 305", confidence = Unknown, level = Open,
+       needs = [Lss, Alone], catches = [LssShortRequestAnswered])]
+fn short_request(bench: &mut Bench<'_>) -> Judged {
+    configure(bench)?;
+    let whole = Request::Inquire { part: Part::VendorId }.to_frame(lss::MASTER_CAN_ID);
+    bench.each([1, 5, 7], |bench, len| {
+        bench.drain()?;
+        bench.send_bytes(lss::MASTER_CAN_ID, whole.data().get(..len).unwrap_or_default())?;
+        let heard = bench.frames_of(lss::SLAVE_CAN_ID, bench.timing().silence)?;
+        let answer = heard.first().and_then(|record| Response::read(record.frame.data()).ok());
+        bench.check(expect_silence(&format!("an inquiry of {len} bytes"), answer))
+    })?;
+    wait(bench)
+}
+
+/// A device whose description says that it has no LSS answers none of its inquiries.
+#[case(id = "305/not-supported", clause = "CiA 305", confidence = Unknown, level = Should,
+       needs = [Description, Alone], catches = [LssUndescribed])]
+fn not_supported(bench: &mut Bench<'_>) -> Judged {
+    if bench.target().description.as_ref().is_some_and(|description| description.device.lss_supported) {
+        let reason = Reason::new("the description says that the device has no LSS", "LSS_Supported=0", "1");
+        return Err(Stop::NotApplicable(reason));
+    }
+    tell(bench, Request::SwitchGlobal { mode: 1 })?;
+    let inquiries = Part::ALL.map(|part| Request::Inquire { part }).into_iter().chain([Request::InquireNodeId]);
+    bench.each(inquiries, |bench, request| {
+        let answer = tell(bench, request)?;
+        bench.check(expect_silence(&format!("\"{request}\", where the description has no LSS"), answer))
+    })?;
+    tell(bench, Request::SwitchGlobal { mode: 0 })?;
+    Ok(())
+}

@@ -96,6 +96,32 @@ fn own_values(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
+/// While scaling is on, 6001h takes a half, a quarter and an eighth of the steps of a revolution, none of which is more than
+/// the measuring range, and reads as it was written.
+#[case(id = "406/scaling/fewer-units", clause = "CiA 406", confidence = Unknown, level = Should,
+       needs = [Encoder], catches = [UnitsFewerRefused, ScalingRefused])]
+fn fewer_units(bench: &mut Bench<'_>) -> Judged {
+    operate(bench, SCALING, 0)?;
+    if !bench.can_write(UNITS_PER_REVOLUTION)? || bench.read_number(DEVICE_TYPE)? >> 16 > 2 {
+        let reason = Reason::new("the units per revolution of a rotary encoder can be set", "6001h", "not there");
+        return Err(Stop::NotApplicable(reason));
+    }
+    let (steps, range) = (bench.read_number(SINGLE_TURN)?, bench.read_number(RANGE)?);
+    let parts = [2, 4, 8].map(|part| steps / part).into_iter().filter(|&units| units >= 16 && units <= range);
+    let taken: Vec<u32> = parts.filter(|&units| bench.is_within_limits(UNITS_PER_REVOLUTION, units.into())).collect();
+    bench.each(taken, |bench, units| {
+        let value = units.to_le_bytes();
+        let attempt = bench.download(UNITS_PER_REVOLUTION, &value)?.under("with fewer units than there are steps");
+        attempt.refused(Situation::Confirmed)?;
+        // Some take it over only when it is stored.
+        let now = bench.read_number(UNITS_PER_REVOLUTION)?;
+        if now != units {
+            bench.note(format!("6001h reads as {now} after {units} was written"));
+        }
+        Ok(())
+    })
+}
+
 /// 6002h = 0 is refused, or stands for 2^32: the position takes any preset.
 #[case(id = "406/scaling/zero-range", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = [Encoder, VolatilePreset], catches = [RangeZeroStops])]

@@ -87,3 +87,14 @@ fn swapped(bench: &mut Bench<'_>) -> Judged {
     let attempt = bench.download(LOW, &(position + 2 * DISTANCE).to_le_bytes())?;
     bench.check(attempt.refused(Situation::MaximumBelowMinimum))
 }
+
+/// Whether bit 0 of 6400h is set where the position lies above or below the limits: recorded only, as manuals differ.
+#[case(id = "406/work-area/outside", clause = "CiA 406", confidence = Unknown, level = Open,
+       needs = [Encoder, WorkArea], catches = [WorkAreaInverted, WorkAreaOutsideOneSided])]
+fn outside(bench: &mut Bench<'_>) -> Judged {
+    let position = middle(bench)?;
+    bench.each([(0, position - DISTANCE), (position + DISTANCE, position + 2 * DISTANCE)], |bench, (low, high)| {
+        limit(bench, low, high)?;
+        expect_state(bench, "outside the work area", OUT_OF_RANGE, OUT_OF_RANGE)
+    })
+}

@@ -1,0 +1,89 @@
+//! What becomes of an RPDO when operational is left: of its deadline, and of values that wait for SYNC (CiA 301, 7.5.2.35).
+
+use super::emcy::{emergencies, is_error, observed, shown};
+use super::rpdo::{Subject, expect_value, operational, subject};
+use crate::bench::Bench;
+use crate::bench::pdo::RPDO;
+use crate::case;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::wire::emcy::EmcyCode;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::observation::Observation;
+use canvass_traces::{Duration, Record};
+
+const DEADLINE_MS: u16 = 200;
+const DEADLINE: Duration = Duration::from_millis(200);
+
+/// Gives RPDO 1 a deadline, and makes the device operational.
+fn with_deadline(bench: &mut Bench<'_>) -> Result<Subject, Stop> {
+    let subject = subject(bench, 255)?;
+    if !bench.can_write(RPDO.parameter(5))? {
+        let reason = Reason::new("RPDO 1 has a deadline", "1400h:05", "the device has no 1400h:05 that can be written");
+        return Err(Stop::NotApplicable(reason));
+    }
+    bench.set_pdo(RPDO, &[(5, &DEADLINE_MS.to_le_bytes())])?;
+    bench.expect_emergencies();
+    operational(bench)?;
+    Ok(subject)
+}
+
+fn expect_none(bench: &mut Bench<'_>, duty: &'static str, heard: &[Record]) -> Judged {
+    let code = |record: &Record| super::emcy::code_of(record);
+    let late: Vec<Record> = heard
+        .iter()
+        .filter(|record| is_error(record) && code(record).is_some_and(|code| code == EmcyCode::RPDO_TIMEOUT))
+        .cloned()
+        .collect();
+    bench.check(demand(late.is_empty(), || {
+        let breach = Breach::new(RPDO.subject(), duty).expected("no EMCY 8250h");
+        breach.found(observed(&late)).told(shown(&late))
+    }))
+}
+
+/// An RPDO that comes within its deadline (event timer) is not reported as missing; nor is one that stays away once the
+/// device has left operational, where no RPDO is received.
+#[case(id = "301/rpdo/deadline-kept", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Should,
+       needs = [RpdoMapping], catches = [RpdoDeadlineOutlivesStop, RpdoDeadlineNotRestarted, RpdoInPreOperational])]
+fn deadline_kept(bench: &mut Bench<'_>) -> Judged {
+    let subject = with_deadline(bench)?;
+    let mut heard = Vec::new();
+    for _ in 0..8 {
+        bench.send_bytes(subject.can_id, &subject.before)?;
+        heard.extend(emergencies(bench, Duration::from_millis(100))?);
+    }
+    expect_none(bench, "an RPDO that comes every 100 ms does not miss a deadline of 200 ms", &heard)?;
+    bench.send_bytes(subject.can_id, &subject.before)?;
+    bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+    let heard = emergencies(bench, DEADLINE.times(4))?;
+    expect_none(bench, "an RPDO is not missed in pre-operational", &heard)?;
+    operational(bench)?;
+    let heard = emergencies(bench, DEADLINE.times(4))?;
+    expect_none(bench, "after the start an RPDO is missed only once it has come again", &heard)
+}
+
+/// Whether a value that waited for SYNC when operational was left acts at a SYNC after the next start: recorded only, as
+/// CiA 301 does not say what becomes of it.
+#[case(id = "301/rpdo/held-over-stop", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Open,
+       needs = [RpdoMapping, Sync], catches = [RpdoHeldOverStop])]
+fn held(bench: &mut Bench<'_>) -> Judged {
+    bench.expect_plain_sync()?;
+    let subject = subject(bench, 1)?;
+    let sync_id = bench.sync_id()?;
+    operational(bench)?;
+    bench.send_bytes(subject.can_id, &subject.other)?;
+    bench.listen(bench.shortly())?;
+    bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+    operational(bench)?;
+    bench.send_bytes(sync_id, &[])?;
+    bench.listen(bench.shortly())?;
+    let now = bench.read(subject.mapped.at)?;
+    bench.check(demand(now == subject.before, || {
+        let breach =
+            Breach::new(subject.mapped.at, "a value that waited for SYNC is forgotten when operational is left");
+        breach.expected(Observation::Value(subject.before.clone())).found(Observation::Value(now.clone()))
+    }))?;
+    bench.send_bytes(subject.can_id, &subject.other)?;
+    bench.send_bytes(sync_id, &[])?;
+    bench.listen(bench.shortly())?;
+    expect_value(bench, subject.mapped.at, &subject.other, "after the next start the RPDO acts at SYNC again")
+}

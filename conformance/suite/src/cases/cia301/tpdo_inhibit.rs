@@ -1,0 +1,56 @@
+//! What the inhibit time of a TPDO holds back (CiA 301, 7.5.2.37).
+
+use super::tpdo_events::{operational, subject};
+use crate::bench::Bench;
+use crate::bench::pdo::TPDO;
+use crate::case;
+use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::wire::sdo::Request;
+use canvass_bus::observation::Observation;
+use canvass_traces::{Duration, Record};
+
+const INHIBIT: Duration = Duration::from_millis(300);
+/// In units of 100 µs.
+const UNITS: u16 = 3_000;
+
+/// A value that changes within the inhibit time is sent when that is over, by a device that sends a TPDO whenever its value
+/// changes: consumers would keep the old one else. The inhibit time delays a transmission; that it cancels one is not said.
+#[case(id = "301/tpdo/inhibit-pending", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
+       needs = [Changeable], catches = [TpdoLostWhenInhibited])]
+fn pending(bench: &mut Bench<'_>) -> Judged {
+    let subject = subject(bench, 254)?;
+    if !bench.can_write(TPDO.parameter(3))? {
+        let reason = Reason::new("TPDO 1 has an inhibit time", TPDO.parameter(3).to_string(), "absent or read-only");
+        return Err(Stop::NotApplicable(reason));
+    }
+    bench.set_pdo(TPDO, &[(3, &UNITS.to_le_bytes())])?;
+    operational(bench)?;
+    // What the start has sent is not to hold the first change back.
+    bench.listen(INHIBIT.times(2))?;
+    let [before, other] = &subject.values;
+    let first = change(bench, subject.at, other, subject.can_id)?;
+    if !has(&first, other) {
+        let reason = Reason::new("a change of its value sends TPDO 1", "a TPDO with the new value", "none at once");
+        return Err(Stop::NotApplicable(reason));
+    }
+    let mut heard = change(bench, subject.at, before, subject.can_id)?;
+    heard.extend(bench.frames_of(subject.can_id, INHIBIT.times(2))?);
+    bench.check(demand(has(&heard, before), || {
+        let found = heard.last().map_or(Observation::Silence, |record| Observation::Value(record.data().to_vec()));
+        Breach::new(TPDO.subject(), "a value that changed within the inhibit time is sent after it")
+            .expected(Observation::Value(before.clone()))
+            .found(found)
+    }))
+}
+
+/// Writes the value, and gives the TPDOs that come with it. The TPDO may be faster than the confirmation.
+fn change(bench: &mut Bench<'_>, at: Multiplexer, value: &[u8], can_id: u16) -> Result<Vec<Record>, Stop> {
+    bench.drain()?;
+    bench.send_request(&Request::download(at, value))?;
+    bench.frames_of(can_id, Duration::from_millis(100))
+}
+
+fn has(heard: &[Record], value: &[u8]) -> bool {
+    heard.iter().any(|record| record.data() == value)
+}
