@@ -72,6 +72,9 @@ pub struct Args {
     /// Write the whole traffic into a capture, in which the cases are marked; its extension tells the format
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    /// Mark the cases in the capture as CiA's test tool does, too: by frames of CAN-ID 7FFh, which were not on the bus
+    #[arg(long, requires = "record")]
+    cct_markers: bool,
     /// Write all that there is of the run into one file, for `canvass verify`: report, result, recording, description, waivers
     #[arg(long, value_name = "FILE.zip")]
     bundle: Option<PathBuf>,
@@ -129,7 +132,8 @@ impl Args {
             journal::settle(path, self.restore, &self.bus, opened.bus.as_mut(), &target, options.timing)?;
         }
         self.resolve(&mut provenance, &target, &options, opened.bus.bit_rate());
-        let recorder = self.record.as_deref().map(|path| Recorder::create(path, self.force)).transpose()?;
+        let recorder =
+            self.record.as_deref().map(|path| Recorder::create(path, self.force, self.cct_markers)).transpose()?;
         let mut reports = Reports::open(&self.shown, color)?;
         let bundle = self.bundle.as_deref().map(|path| Bundle::begin(path, self.force, &mut reports)).transpose()?;
         let cancel = cancelled_by_ctrl_c()?;

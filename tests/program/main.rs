@@ -35,6 +35,8 @@ mod killed;
 #[cfg(test)]
 mod live;
 #[cfg(test)]
+mod marks;
+#[cfg(test)]
 mod memory;
 #[cfg(test)]
 mod one_language;

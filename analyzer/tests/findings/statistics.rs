@@ -78,13 +78,17 @@ fn findings_in_a_certification_run_name_their_case() {
     let found = traffic.results().findings;
     let case = |text: &str| {
         let finding = found.iter().find(|finding| finding.message.contains(text)).unwrap();
-        (finding.case, finding.message.clone())
+        (finding.case.as_ref().map(ToString::to_string), finding.message.clone())
     };
     let (of_abort, words) = case("0602 0000h");
-    assert!(of_abort == Some((3, 7)) && words.ends_with("; in case 7 of group 3 of the test run"), "{words}");
+    assert!(
+        of_abort.as_deref() == Some("case 7 of group 3") && words.ends_with("; in case 7 of group 3 of the test run"),
+        "{words}"
+    );
     let (of_error, words) = case("8110h");
     assert!(
-        of_error == Some((3, 7)) && words.ends_with("; first in case 7 of group 3 of the test run, then in 1 other"),
+        of_error.as_deref() == Some("case 7 of group 3")
+            && words.ends_with("; first in case 7 of group 3 of the test run, then in 1 other"),
         "{words}"
     );
     let (afterwards, words) = case("8120h");
