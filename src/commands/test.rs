@@ -9,6 +9,7 @@ mod recorder;
 pub mod reports;
 pub mod timing;
 
+use crate::allow::{Allow, touches};
 use crate::devices::{describe, parse_node};
 use crate::files::Files;
 use crate::live::{CLIENT, limited, open_device_bus_at, parse_span};
@@ -22,7 +23,6 @@ use canvass_analyzer::dictionary::KnownDevice;
 use canvass_device::address::Opened;
 use canvass_device::models::Model;
 use canvass_suite::bench::{Options, Target, Timing};
-use canvass_suite::touch::Touch;
 use canvass_suite::verdict::Deviation;
 use canvass_suite::waiver::Waivers;
 use canvass_traces::Duration;
@@ -52,9 +52,9 @@ pub struct Args {
     device: Option<String>,
     #[command(flatten)]
     choice: CaseChoice,
-    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults
+    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
-    allow: Vec<Touch>,
+    allow: Vec<Allow>,
     #[command(flatten)]
     shown: Shown,
     /// A file of failures that are put up with, each with its reason (TOML, see `docs/cases.md`)
@@ -205,7 +205,7 @@ impl Args {
             timeout.set(&mut timing);
         }
         Options {
-            allow: self.allow.iter().copied().collect(),
+            allow: touches(&self.allow),
             timing,
             repeat: self.repeat,
             retries: self.retries,

@@ -11,6 +11,8 @@ mod ci_page;
 #[cfg(test)]
 mod closed_output;
 #[cfg(test)]
+mod completion;
+#[cfg(test)]
 mod conformance;
 #[cfg(test)]
 mod contract;
@@ -48,5 +50,7 @@ mod rogues;
 mod rows;
 #[cfg(test)]
 mod running;
+#[cfg(test)]
+mod settings;
 #[cfg(test)]
 mod waiting;
