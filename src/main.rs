@@ -19,6 +19,7 @@ mod live;
 mod live_reader;
 mod live_source;
 mod output;
+mod progress;
 mod provenance;
 mod put_back;
 mod quality;
