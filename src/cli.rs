@@ -1,19 +1,23 @@
 //! The command line.
 
 use crate::commands;
+use crate::completion;
 use crate::output::Color;
 use crate::provenance::Typed;
+use crate::settings::{self, BUS_VARIABLE, Completed};
 use crate::status::{Failure, Status};
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
+
+const STATUSES: &str = "\
+Exit status: 0 good; 1 findings, failures or a property broken; 2 wrong usage or unreadable input;
+3 bus or device could not be reached, or no case ran.";
 
 /// CANopen trace analyzer and protocol conformance tester.
 #[derive(Parser)]
 #[command(name = "canvass", version, propagate_version = true, max_term_width = 100)]
 #[command(disable_help_subcommand = true)]
-#[command(after_help = "\
-Exit status: 0 good; 1 findings, failures or a property broken; 2 wrong usage or unreadable input;
-3 bus or device could not be reached, or no case ran.")]
+#[command(after_help = STATUSES)]
 pub struct Cli {
     /// Colours: on a terminal, always or never
     #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
@@ -45,6 +49,7 @@ enum Command {
     Lss(commands::lss::Args),
     Eds(commands::eds::Args),
     Doctor(commands::doctor::Args),
+    Config(commands::config::Args),
     List(commands::list::Args),
     Explain(commands::explain::Args),
     Completions(commands::completions::Args),
@@ -53,13 +58,22 @@ enum Command {
 }
 
 impl Cli {
+    /// All commands, with what only this place knows of them.
+    pub fn described() -> clap::Command {
+        completion::with_candidates(with_statuses(with_environment(Self::command())))
+    }
+
     /// The command line, and what was typed of it; help and mistakes end the program.
-    pub fn of_arguments(arguments: impl Iterator<Item = OsString>) -> (Self, Typed) {
-        let mut command = Self::command();
+    ///
+    /// # Errors
+    /// What is wrong with the settings.
+    pub fn of_arguments(arguments: Vec<OsString>) -> Result<(Self, Typed), Failure> {
+        let plain = Self::described();
+        let Completed { mut command, arguments, set, file } = settings::complete(plain.clone(), arguments)?;
         let matches = command.try_get_matches_from_mut(arguments).unwrap_or_else(|mistake| mistake.exit());
-        let typed = Typed::of(&command, &matches);
+        let typed = Typed::of(&plain, &matches, &set, file);
         let cli = Self::from_arg_matches(&matches).unwrap_or_else(|error| error.format(&mut command).exit());
-        (cli, typed)
+        Ok((cli, typed))
     }
 
     /// Does what was asked for.
@@ -85,14 +99,33 @@ impl Cli {
             Command::Lss(args) => args.run(),
             Command::Eds(args) => args.run(),
             Command::Doctor(args) => args.run(),
+            Command::Config(args) => args.run(),
             Command::Convert(args) => args.run(),
-            Command::Completions(args) => args.run(Self::command()),
-            Command::Man(args) => args.run(Self::command()),
-            Command::Help(args) => args.run(Self::command()),
+            Command::Completions(args) => args.run(),
+            Command::Man(args) => args.run(Self::described()),
+            Command::Help(args) => args.run(Self::described()),
             Command::List(args) => args.run(),
             Command::Explain(args) => args.run(),
         }
     }
+}
+
+/// A bus that is the only argument of its command may come from the environment.
+fn with_environment(command: clap::Command) -> clap::Command {
+    let is_bus = |argument: &clap::Arg| argument.get_id() == "bus";
+    let with_variable = |argument: clap::Arg| match is_bus(&argument) {
+        true => argument.env(BUS_VARIABLE).hide_env_values(true),
+        false => argument,
+    };
+    command.mut_subcommands(|below| match settings::ON_BUS.contains(&below.get_name()) {
+        true => below.mut_args(with_variable),
+        false => below,
+    })
+}
+
+/// Help and manual page of every command say what its exit status means.
+fn with_statuses(command: clap::Command) -> clap::Command {
+    command.after_help(STATUSES).mut_subcommands(with_statuses)
 }
 
 #[cfg(test)]

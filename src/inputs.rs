@@ -4,14 +4,15 @@ use crate::damages::Damages;
 use crate::interrupt::Interrupt;
 use crate::live_source::{live, may_wait};
 use crate::output::{Output, diagnostic};
+use crate::progress::Progress;
 use crate::quality::QualityOptions;
 use crate::status::Failure;
 use anyhow::{Result, anyhow};
 use canvass_analyzer::findings::InOrder;
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::{
-    CanId, Capture, ChannelId, Channels, Damage, Format, Frame, Merge, Naming, Quality, ReadOptions, Reader, Record,
-    Source, TimeBase, Timestamp,
+    CanId, Capture, ChannelId, Channels, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions, Reader,
+    Record, Source, TimeBase, Timestamp,
 };
 use std::fs::File;
 use std::io;
@@ -84,7 +85,9 @@ impl<'a> Inputs<'a> {
     pub fn open(files: &[PathBuf], options: &'a InputOptions, output: &Output) -> Result<Self, Failure> {
         let interrupt = Interrupt::watch()?;
         let is_live = files.iter().any(|file| is_stdin(file) || may_wait(file));
-        let opened = files.iter().map(|file| options.open(file, output, &interrupt)).collect::<Result<Vec<_>>>();
+        let progress = Progress::of(files.iter().map(PathBuf::as_path), output);
+        let open = |file: &PathBuf| options.open(file, output, &interrupt, &progress);
+        let opened = files.iter().map(open).collect::<Result<Vec<_>>>();
         let captures = opened.map_err(|error| {
             // What was waited for looks empty then.
             if interrupt.came() { anyhow!("interrupted before there was anything to read") } else { error }
@@ -288,7 +291,7 @@ impl InputOptions {
         self.quality.file()
     }
 
-    fn open(&self, file: &Path, output: &Output, interrupt: &Interrupt) -> Result<Capture> {
+    fn open(&self, file: &Path, output: &Output, interrupt: &Interrupt, progress: &Progress) -> Result<Capture> {
         let options = ReadOptions { format: self.format_in, topics: self.topic.clone() };
         let (output, interrupt) = (output.clone(), interrupt.clone());
         if is_stdin(file) {
@@ -300,6 +303,8 @@ impl InputOptions {
             let source = Source::new(live(move || File::open(path), output, interrupt));
             return Ok(Capture::from_source(&file.display().to_string(), source, &options)?);
         }
-        Ok(Capture::open(file, &options)?)
+        let opened = File::open(file).map_err(|source| OpenError::Io { path: file.to_owned(), source })?;
+        let name = file.display().to_string();
+        Ok(Capture::from_source(&name, Source::new(progress.count(opened)), &options)?)
     }
 }

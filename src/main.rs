@@ -2,9 +2,11 @@
 
 #![warn(clippy::disallowed_methods)]
 
+mod allow;
 mod bundle;
 mod cli;
 mod commands;
+mod completion;
 mod damages;
 mod destination;
 mod devices;
@@ -17,10 +19,12 @@ mod live;
 mod live_reader;
 mod live_source;
 mod output;
+mod progress;
 mod provenance;
 mod put_back;
 mod quality;
 mod selection;
+mod settings;
 mod status;
 mod time_range;
 mod whole_file;
@@ -28,8 +32,10 @@ mod whole_file;
 use status::Status;
 
 fn main() -> std::process::ExitCode {
-    let (cli, typed) = cli::Cli::of_arguments(quality::with_format(std::env::args_os()));
-    let status = cli.run(&typed).unwrap_or_else(|failure| failure.report());
+    clap_complete::CompleteEnv::with_factory(cli::Cli::described).var(completion::VARIABLE).complete();
+    let started = cli::Cli::of_arguments(quality::with_format(std::env::args_os()).collect());
+    let ended = started.and_then(|(cli, typed)| cli.run(&typed));
+    let status = ended.unwrap_or_else(|failure| failure.report());
     // The process ends here: what is buffered was written by the commands themselves.
     Status::into(status)
 }

@@ -2,6 +2,7 @@
 
 use canvass_reports::escape::{Printable, Visible};
 use std::io::{self, IsTerminal, Stderr, Stdout, Write};
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Whether to use colours.
@@ -49,6 +50,7 @@ pub struct Output(Arc<Mutex<Buffer>>);
 struct Buffer {
     bytes: Vec<u8>,
     stream: Stream,
+    has_written: bool,
 }
 
 enum Stream {
@@ -72,7 +74,7 @@ impl Output {
     }
 
     fn new(stream: Stream) -> Self {
-        Self(Arc::new(Mutex::new(Buffer { bytes: Vec::new(), stream })))
+        Self(Arc::new(Mutex::new(Buffer { bytes: Vec::new(), stream, has_written: false })))
     }
 
     /// Lets `append` add to the buffer, and writes it out when it is full.
@@ -92,6 +94,11 @@ impl Output {
         Ok(appended)
     }
 
+    /// Whether anything of it is where others see it.
+    pub fn has_written(&self) -> bool {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).has_written
+    }
+
     /// Writes out what is in the buffer.
     pub fn flush(&self) -> io::Result<()> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).write_out()
@@ -104,6 +111,7 @@ impl Buffer {
             Stream::Text(stream) => stream,
             Stream::Raw(stream) => stream,
         };
+        self.has_written |= !self.bytes.is_empty();
         let written = stream.write_all(&self.bytes).and_then(|()| stream.flush());
         self.bytes.clear();
         written
@@ -147,10 +155,14 @@ pub fn is_seen() -> bool {
     stderr().is_terminal()
 }
 
+/// Whether the last line of standard error is a progress.
+static PROGRESS_IS_SHOWN: AtomicBool = AtomicBool::new(false);
+
 /// Writes a line of standard error, which must be a terminal, in place of the one before it; an empty one clears it. Who
 /// does not see it misses nothing.
 pub fn show_progress(line: &Printable) {
     let mut stderr = stderr().lock();
+    PROGRESS_IS_SHOWN.store(!line.as_str().is_empty(), Ordering::Relaxed);
     let _ = write!(stderr, "\r\x1b[K{line}").and_then(|()| stderr.flush());
 }
 
@@ -180,7 +192,9 @@ pub fn unless_closed(written: io::Result<()>) -> io::Result<()> {
 /// Whatever names and texts it is made of: characters that act are made visible, line ends too, so that no file's name and
 /// no device's can look like a message of its own.
 pub fn diagnostic(line: &str) {
-    let _ = writeln!(stderr().lock(), "{}", Printable::line(line));
+    // It takes the place of a progress that is shown.
+    let clear = if PROGRESS_IS_SHOWN.swap(false, Ordering::Relaxed) { "\r\x1b[K" } else { "" };
+    let _ = writeln!(stderr().lock(), "{clear}{}", Printable::line(line));
 }
 
 /// The same for a text of several lines.

@@ -92,7 +92,9 @@ impl Collected {
         };
         let date = date::of(remarks.date.as_ref(), subject)?;
         let options = typed.options.clone();
-        Ok(Self(Provenance { date, host, bus, options, notes, ..Provenance::default() }))
+        let mut collected = Self(Provenance { date, host, bus, options, notes, ..Provenance::default() });
+        typed.settings.iter().for_each(|path| collected.file("settings", path));
+        Ok(collected)
     }
 
     /// The day by which what expires is judged: that of the report, else today.

@@ -9,6 +9,7 @@
 
 #![warn(clippy::disallowed_methods)]
 
+mod case_mark;
 pub mod dictionary;
 pub mod filter;
 pub mod findings;
@@ -22,6 +23,7 @@ pub mod statistics;
 mod text;
 pub mod wire;
 
+pub use case_mark::CaseMark;
 pub use identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
 pub use message::{Message, PdoNumber, Service};
 pub use per_node::PerNode;

@@ -25,7 +25,10 @@
   filter.addEventListener('input', update);
   const reveal = () => {
     const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
-    if (target && target.tagName === 'DETAILS') { target.hidden = false; target.open = true; }
+    for (let at = target; at; at = at.parentElement) {
+      if (at.tagName === 'DETAILS') { at.hidden = false; at.open = true; }
+    }
+    if (target && target.tagName === 'TR') { target.scrollIntoView({ block: 'center' }); }
   };
   addEventListener('hashchange', reveal);
   reveal();

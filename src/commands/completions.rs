@@ -1,25 +1,34 @@
 //! `canvass completions`: completion scripts for shells.
 
+use crate::completion::VARIABLE;
 use crate::output::{raw, unless_closed};
 use crate::status::{Failure, Status};
-use clap_complete::Shell;
+use anyhow::anyhow;
+use clap_complete::env::Shells;
 use std::io::Write;
 
 /// Print a completion script for a shell
 ///
-/// For bash: canvass completions bash > ~/.local/share/bash-completion/completions/canvass
+/// The shell then asks canvass itself: it offers commands, options and what they take, such as models, faults, cases and
+/// interfaces. For bash: canvass completions bash > ~/.local/share/bash-completion/completions/canvass
 #[derive(clap::Args)]
 pub struct Args {
     /// The shell
-    #[arg(value_enum)]
-    shell: Shell,
+    #[arg(value_parser = ["bash", "elvish", "fish", "powershell", "zsh"])]
+    shell: String,
 }
 
+/// Colons and equal signs are parts of bus addresses and devices; bash would break words there.
+const WHOLE_WORDS: &str = "COMP_WORDBREAKS=${COMP_WORDBREAKS//[:=]/}\n";
+
 impl Args {
-    /// `cli` is the whole command line.
-    pub fn run(self, mut cli: clap::Command) -> Result<Status, Failure> {
-        let mut script = Vec::new();
-        clap_complete::generate(self.shell, &mut cli, "canvass", &mut script);
+    pub fn run(self) -> Result<Status, Failure> {
+        let (shells, mut script) = (Shells::builtins(), Vec::new());
+        let shell = shells.completer(&self.shell).ok_or_else(|| anyhow!("no completions for {}", self.shell))?;
+        if shell.name() == "bash" {
+            script.extend_from_slice(WHOLE_WORDS.as_bytes());
+        }
+        shell.write_registration(VARIABLE, "canvass", "canvass", "canvass", &mut script)?;
         unless_closed(raw().write_all(&script))?;
         Ok(Status::Good)
     }

@@ -107,12 +107,18 @@ impl View {
         }
         let mut lines = self.lines(color);
         output.append(|buffer| lines.begin(buffer))?;
-        let mut range = self.range;
+        let (mut range, mut comment) = (self.range, String::new());
         if self.in_order {
             inputs.put_in_order();
         }
         while inputs.advance()?.is_some() {
-            self.show_frame(&inputs, &mut network, &mut range, lines.as_mut(), output)?;
+            if let Some(latest) = inputs.record().comment() {
+                comment.clear();
+                comment.push_str(latest);
+            }
+            if self.show_frame(&inputs, &mut network, &mut range, (lines.as_mut(), &comment), output)? {
+                comment.clear();
+            }
         }
         self.end(inputs)
     }
@@ -155,26 +161,31 @@ impl View {
         Ok(Status::Good)
     }
 
+    /// Shows the frame, and before it the comment, if it is one that was asked for: whether it is.
     fn show_frame(
         &self,
         inputs: &Inputs<'_>,
         network: &mut Network,
         range: &mut TimeRange,
-        lines: &mut dyn Lines,
+        (lines, comment): (&mut dyn Lines, &str),
         output: &Output,
-    ) -> std::io::Result<()> {
+    ) -> std::io::Result<bool> {
         let record = inputs.record();
         let decoded = network.handle(record);
         if !range.contains(record.timestamp)
             || !self.selection.has_channel(record, inputs)
             || !self.selection.has(record, &decoded, inputs)
         {
-            return Ok(());
+            return Ok(false);
         }
-        let Some(bus) = network.bus(record.channel) else { return Ok(()) };
+        let Some(bus) = network.bus(record.channel) else { return Ok(false) };
         let meaning = Meaning::new(record, &decoded, bus);
         let line = Line { record, channels: inputs.channels(), decoded: &decoded, meaning };
-        output.append(|buffer| lines.line(&line, buffer))
+        output.append(|buffer| {
+            lines.comment(comment, buffer);
+            lines.line(&line, buffer);
+        })?;
+        Ok(true)
     }
 }
 

@@ -3,8 +3,10 @@
 mod device;
 mod progress;
 mod regressions;
+mod reproducers;
 
 use super::test::reports::{ReportArg, ReportFormat, Shown};
+use crate::allow::{Allow, touches};
 use crate::devices::parse_node;
 use crate::files::Files;
 use crate::identity;
@@ -65,15 +67,18 @@ pub struct Args {
     /// How many tries making a sequence shorter may take; without it 2000 on a simulated bus, 100 on a live one
     #[arg(long, value_name = "N")]
     shrink_budget: Option<u32>,
-    /// What the sequences may do: nvm, node-id, bit-rate, other-nodes, factory-defaults
+    /// What the sequences may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
-    allow: Vec<Touch>,
+    allow: Vec<Allow>,
     /// Only send the frames of this log or reproducer again, and judge what comes back
     #[arg(long, value_name = "FILE", conflicts_with_all = ["span", "runs", "regressions"])]
     replay: Option<PathBuf>,
     /// A file of sequences that showed violations: they are tried first, and new ones are appended
     #[arg(long, value_name = "FILE")]
     regressions: Option<PathBuf>,
+    /// A folder that gets a candump log of each violation, for --replay and canplayer; it is made where it does not exist
+    #[arg(long, value_name = "DIR")]
+    reproducers: Option<PathBuf>,
     #[command(flatten)]
     shown: Shown,
     #[command(flatten)]
@@ -89,7 +94,7 @@ impl Args {
         let reports = self.open_reports()?;
         let mut device = Device::open(&self.bus, self.node, self.device.as_deref(), seed)?;
         let simulated = device.is_simulated();
-        let allow: std::collections::BTreeSet<Touch> = self.allow.iter().copied().collect();
+        let allow = touches(&self.allow);
         let knowledge = device.knowledge().clone();
         let regressions = match (&self.replay, &self.regressions) {
             (Some(path), _) => Regressions::replay(path, &knowledge, &allow)?,
@@ -117,6 +122,8 @@ impl Args {
             Some(path) => regressions.append(path, &outcome.violations, seed),
             None => Ok(()),
         };
+        let kept = kept
+            .and(self.reproducers.as_deref().map_or(Ok(()), |dir| reproducers::write(dir, &outcome.violations, seed)));
         let run = self.result(&device, provenance.0, &plan, outcome, interrupt.came());
         let printed = render_of(self.shown.format)(&run, &mut document(false));
         // None depends on another: if one can't be written, the others are whole all the same.
@@ -236,7 +243,7 @@ impl Args {
             command += " --stop-at-first";
         }
         if !self.allow.is_empty() {
-            let names: Vec<&str> = self.allow.iter().map(|touch| touch.name()).collect();
+            let names: Vec<&str> = touches(&self.allow).into_iter().map(Touch::name).collect();
             command += &format!(" --allow {}", names.join(","));
         }
         command

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 /// Print the manual page, or write those of all commands into a folder
 #[derive(clap::Args)]
 pub struct Args {
-    /// A command; without it, canvass itself
-    command: Option<String>,
+    /// A command, such as sdo read; without it, canvass itself
+    command: Vec<String>,
     /// Write canvass.1, canvass-decode.1 and so on into this folder
     #[arg(long, value_name = "FOLDER", conflicts_with = "command")]
     out: Option<PathBuf>,
@@ -24,14 +24,14 @@ impl Args {
             clap_mangen::generate_to(cli, &folder).with_context(|| format!("can't write to {}", folder.display()))?;
             return Ok(Status::Good);
         }
-        let command = match &self.command {
-            None => cli,
-            Some(name) => {
-                cli.find_subcommand(name).cloned().ok_or_else(|| anyhow!("there is no command \"{name}\""))?
-            }
-        };
+        let words: Vec<&str> = self.command.iter().flat_map(|words| words.split_whitespace()).collect();
+        let mut command = &cli;
+        for name in &words {
+            let unknown = || anyhow!("there is no command \"{}\"", words.join(" "));
+            command = command.find_subcommand(name).ok_or_else(unknown)?;
+        }
         let mut page = Vec::new();
-        clap_mangen::Man::new(command).render(&mut page)?;
+        clap_mangen::Man::new(command.clone()).render(&mut page)?;
         unless_closed(raw().write_all(&page))?;
         Ok(Status::Good)
     }

@@ -23,7 +23,7 @@ use canvass_traces::Timestamp;
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
     bus: String,
-    /// Fill the terminal with the nodes, their states, rates and last values
+    /// Fill the terminal: nodes with states, rates and last values; CAN-IDs with cycles and data, changes marked
     #[cfg(feature = "screen")]
     #[arg(long)]
     screen: bool,

@@ -9,6 +9,7 @@ mod recorder;
 pub mod reports;
 pub mod timing;
 
+use crate::allow::{Allow, touches};
 use crate::devices::{describe, parse_node};
 use crate::files::Files;
 use crate::live::{CLIENT, limited, open_device_bus_at, parse_span};
@@ -22,7 +23,6 @@ use canvass_analyzer::dictionary::KnownDevice;
 use canvass_device::address::Opened;
 use canvass_device::models::Model;
 use canvass_suite::bench::{Options, Target, Timing};
-use canvass_suite::touch::Touch;
 use canvass_suite::verdict::Deviation;
 use canvass_suite::waiver::Waivers;
 use canvass_traces::Duration;
@@ -52,9 +52,9 @@ pub struct Args {
     device: Option<String>,
     #[command(flatten)]
     choice: CaseChoice,
-    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults
+    /// What the cases may do: nvm, node-id, bit-rate, other-nodes, factory-defaults, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
-    allow: Vec<Touch>,
+    allow: Vec<Allow>,
     #[command(flatten)]
     shown: Shown,
     /// A file of failures that are put up with, each with its reason (TOML, see `docs/cases.md`)
@@ -72,6 +72,9 @@ pub struct Args {
     /// Write the whole traffic into a capture, in which the cases are marked; its extension tells the format
     #[arg(long, value_name = "FILE")]
     record: Option<PathBuf>,
+    /// Mark the cases in the capture as CiA's test tool does, too: by frames of CAN-ID 7FFh, which were not on the bus
+    #[arg(long, requires = "record")]
+    cct_markers: bool,
     /// Write all that there is of the run into one file, for `canvass verify`: report, result, recording, description, waivers
     #[arg(long, value_name = "FILE.zip")]
     bundle: Option<PathBuf>,
@@ -129,7 +132,8 @@ impl Args {
             journal::settle(path, self.restore, &self.bus, opened.bus.as_mut(), &target, options.timing)?;
         }
         self.resolve(&mut provenance, &target, &options, opened.bus.bit_rate());
-        let recorder = self.record.as_deref().map(|path| Recorder::create(path, self.force)).transpose()?;
+        let recorder =
+            self.record.as_deref().map(|path| Recorder::create(path, self.force, self.cct_markers)).transpose()?;
         let mut reports = Reports::open(&self.shown, color)?;
         let bundle = self.bundle.as_deref().map(|path| Bundle::begin(path, self.force, &mut reports)).transpose()?;
         let cancel = cancelled_by_ctrl_c()?;
@@ -201,7 +205,7 @@ impl Args {
             timeout.set(&mut timing);
         }
         Options {
-            allow: self.allow.iter().copied().collect(),
+            allow: touches(&self.allow),
             timing,
             repeat: self.repeat,
             retries: self.retries,

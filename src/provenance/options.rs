@@ -3,12 +3,15 @@
 use canvass_reports::provenance::{Choice, ChosenBy};
 use clap::parser::ValueSource;
 use clap::{Arg, ArgMatches, Command};
+use std::path::PathBuf;
 
 /// What was typed.
 #[derive(Clone, Debug, Default)]
 pub struct Typed {
     /// The options and arguments that have to do with the result.
     pub options: Vec<Choice>,
+    /// The file of settings, where it says something for the command.
+    pub settings: Option<PathBuf>,
 }
 
 /// What only says where a result goes and how it looks, or stands elsewhere in a provenance: two runs that differ in nothing
@@ -37,17 +40,17 @@ const OF_NO_CONSEQUENCE: [&str; 20] = [
 ];
 
 impl Typed {
-    /// What was typed for the subcommand of a command line.
-    pub fn of(command: &Command, matches: &ArgMatches) -> Self {
+    /// What was typed for the subcommand of a command line; the defaults of the arguments in `set` are settings.
+    pub fn of(command: &Command, matches: &ArgMatches, set: &[&str], settings: Option<PathBuf>) -> Self {
         let Some((name, matches)) = matches.subcommand() else { return Self::default() };
         let Some(command) = command.find_subcommand(name) else { return Self::default() };
         let options =
             command.get_arguments().filter(|argument| !OF_NO_CONSEQUENCE.contains(&argument.get_id().as_str()));
-        Self { options: options.map(|argument| choice(argument, matches)).collect() }
+        Self { options: options.map(|argument| choice(argument, matches, set)).collect(), settings }
     }
 }
 
-fn choice(argument: &Arg, matches: &ArgMatches) -> Choice {
+fn choice(argument: &Arg, matches: &ArgMatches, set: &[&str]) -> Choice {
     let id = argument.get_id().as_str();
     let name = argument.get_long().unwrap_or(id).to_owned();
     let text = |text: &std::ffi::OsStr| text.to_string_lossy().into_owned();
@@ -60,6 +63,7 @@ fn choice(argument: &Arg, matches: &ArgMatches) -> Choice {
     let by = match source {
         Some(ValueSource::CommandLine) => ChosenBy::CommandLine,
         Some(ValueSource::EnvVariable) => ChosenBy::Environment,
+        Some(_) if set.contains(&id) => ChosenBy::Settings,
         _ => ChosenBy::Default,
     };
     let given = || matches.get_raw(id).map(|values| values.map(text).collect()).unwrap_or_default();

@@ -34,7 +34,7 @@ const TABLE: &[Kept] = &[
     Kept {
         format: Format::Pcap,
         lost: &[Loss::ChannelName, Loss::Direction],
-        lost_elsewhere: &[Loss::Date, Loss::UnknownDate, Loss::TimeZone],
+        lost_elsewhere: &[Loss::Date, Loss::UnknownDate, Loss::TimeZone, Loss::Comment],
         row: |row, _| Some(Row { channel: "can0".into(), direction: Direction::Unknown, ..row }),
     },
     Kept {
@@ -80,7 +80,7 @@ const TABLE: &[Kept] = &[
     Kept {
         format: Format::PythonCanCsv,
         lost: &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::FdFlags, Loss::RawDlc],
-        lost_elsewhere: &[Loss::TimeZone],
+        lost_elsewhere: &[Loss::TimeZone, Loss::Comment],
         row: |row, _| {
             let flags = if row.flags & 4 != 0 && row.data.len() > 8 { 4 } else { 0 };
             no_xl(Row { channel: "1".into(), direction: Direction::Unknown, flags, ..no_raw_dlc(row) })

@@ -117,3 +117,45 @@ fn the_page_of_faults_is_current() {
     let page = std::fs::read_to_string(format!("{}/docs/fuzz-faults.md", env!("CARGO_MANIFEST_DIR"))).unwrap();
     assert!(page == printed, "run: canvass list faults --format markdown > docs/fuzz-faults.md");
 }
+
+/// A file for each violation, which shows it again.
+#[test]
+fn reproducers_are_files_of_their_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let kept = folder.path().join("found/here");
+    let bus = "sim:reference-301+sdo-toggle-unchecked";
+    let path = kept.display().to_string();
+    let fuzzed = run(&[
+        "fuzz",
+        bus,
+        "--runs",
+        "300",
+        "--seed",
+        "1",
+        "--stop-at-first",
+        "--reproducers",
+        &path,
+        "--format",
+        "json",
+    ]);
+    assert_eq!(fuzzed.status, 1, "{}", fuzzed.stderr);
+    let files: Vec<_> = std::fs::read_dir(&kept).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let result: serde_json::Value = serde_json::from_str(&fuzzed.stdout).unwrap();
+    assert_eq!(files.len(), result["violations"].as_array().unwrap().len(), "{files:?}");
+    let file = files[0].display().to_string();
+    assert!(file.contains("prop-") && file.ends_with("-seed1.log"), "{file}");
+    let again = run(&["fuzz", bus, "--replay", &file]);
+    assert_eq!(again.status, 1, "{}{}", again.stdout, again.stderr);
+}
+
+#[test]
+fn all_can_be_allowed_at_once() {
+    let all = ["--select", "301/store", "--dry-run", "--format", "json"];
+    let would_run = |allow: &str| {
+        let planned = run(&[&["test", "sim:kuebler-sendix-58x8", "--allow", allow], &all[..]].concat());
+        assert_eq!(planned.status, 0, "{}", planned.stderr);
+        serde_json::from_str::<serde_json::Value>(&planned.stdout).unwrap()["would_run"].as_u64().unwrap()
+    };
+    let named = would_run("nvm,node-id,bit-rate,other-nodes,factory-defaults");
+    assert!(would_run("all") == named && named > 0, "{named}");
+}

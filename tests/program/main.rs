@@ -11,6 +11,8 @@ mod ci_page;
 #[cfg(test)]
 mod closed_output;
 #[cfg(test)]
+mod completion;
+#[cfg(test)]
 mod conformance;
 #[cfg(test)]
 mod contract;
@@ -35,9 +37,13 @@ mod killed;
 #[cfg(test)]
 mod live;
 #[cfg(test)]
+mod marks;
+#[cfg(test)]
 mod memory;
 #[cfg(test)]
 mod one_language;
+#[cfg(test)]
+mod progress;
 #[cfg(test)]
 mod provenance;
 #[cfg(test)]
@@ -46,5 +52,7 @@ mod rogues;
 mod rows;
 #[cfg(test)]
 mod running;
+#[cfg(test)]
+mod settings;
 #[cfg(test)]
 mod waiting;

@@ -13,9 +13,9 @@ fn frames_as_csv() {
 ";
     let decoded = run_with_input(&["decode", "-", "--format", "csv", "--time", "utc"], frames);
     let expected = "\
-t,channel,direction,id,extended,remote,dlc,data,node,service,index,sub,text
-2025-01-28T10:47:15.000001000Z,can0,,0x63F,false,false,8,40 18 10 01 00 00 00 00,63,sdo,0x1018,0x01,\"read 1018h:01 Identity object, Vendor-ID\"
-2025-01-28T10:47:15.500000000Z,can0,,0x00012345,true,true,4,,,unknown,,,remote frame
+t,channel,direction,id,extended,remote,dlc,data,node,service,index,sub,text,comment
+2025-01-28T10:47:15.000001000Z,can0,,0x63F,false,false,8,40 18 10 01 00 00 00 00,63,sdo,0x1018,0x01,\"read 1018h:01 Identity object, Vendor-ID\",
+2025-01-28T10:47:15.500000000Z,can0,,0x00012345,true,true,4,,,unknown,,,remote frame,
 ";
     assert_eq!(decoded.stdout, expected);
 }

@@ -198,6 +198,16 @@ pub(crate) fn head_lines(head: &[u8]) -> impl Iterator<Item = (&[u8], bool)> {
     })
 }
 
+/// What a comment begins with that is given with the frame behind it: others are a person's, or the format's own.
+pub(crate) const NOTE: &str = "canvass: ";
+
+/// The text of a line that is such a comment.
+fn note(line: &[u8]) -> Option<&str> {
+    let line = line.trim_ascii();
+    let text = line.strip_prefix(b"#").or_else(|| line.strip_prefix(b";")).or_else(|| line.strip_prefix(b"//"))?;
+    std::str::from_utf8(text.trim_ascii_start().strip_prefix(NOTE.as_bytes())?).ok()
+}
+
 /// How one text format understands its lines.
 pub(crate) trait LineFormat {
     /// Looks at what is at hand before the first line is read, perhaps only a part of it.
@@ -240,11 +250,33 @@ pub(crate) struct TextReader<F> {
     format: F,
     begun: bool,
     ended: bool,
+    /// Of the comments before the next frame.
+    notes: String,
 }
 
 impl<F: LineFormat> TextReader<F> {
     pub(crate) fn new(source: Source, format: F) -> Self {
-        Self { lines: Lines::new(source), channels: Channels::new(), format, begun: false, ended: false }
+        Self {
+            lines: Lines::new(source),
+            channels: Channels::new(),
+            format,
+            begun: false,
+            ended: false,
+            notes: String::new(),
+        }
+    }
+}
+
+impl<F> TextReader<F> {
+    #[cold]
+    fn noted(&mut self, record: Record) -> Record {
+        let notes = std::mem::take(&mut self.notes);
+        record.with_comment(notes.trim_end())
+    }
+
+    #[inline]
+    fn with_notes(&mut self, record: Record) -> Record {
+        if self.notes.is_empty() { record } else { self.noted(record) }
     }
 }
 
@@ -261,16 +293,18 @@ impl<F: LineFormat> Iterator for TextReader<F> {
             return Some(Err(damage));
         }
         if let Some(record) = self.lines.next_usual(|window, place| format.usual_line(window, place)) {
-            return Some(Ok(record));
+            return Some(Ok(self.with_notes(record)));
         }
         loop {
             match self.lines.next() {
-                Some(Ok(line)) => {
-                    let item = self.format.line(&line, &mut self.channels);
-                    if item.is_some() {
-                        return item;
+                Some(Ok(line)) => match self.format.line(&line, &mut self.channels) {
+                    Some(item) => return Some(item.map(|record| self.with_notes(record))),
+                    None => {
+                        let room = self.notes.len() < Record::LONGEST_COMMENT;
+                        let text = note(line.bytes).filter(|_| room);
+                        self.notes.extend(text.into_iter().flat_map(|text| [text, "\n"]));
                     }
-                }
+                },
                 Some(Err(damage)) => {
                     self.ended |= damage.kind.is_fatal();
                     return Some(Err(damage));

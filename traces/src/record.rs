@@ -16,8 +16,15 @@ pub struct Record {
     pub direction: Direction,
     /// Where it stands in its source.
     pub place: Place,
-    /// Boxed, because CANopen's own frames never need it.
-    long: Option<Box<Long>>,
+    /// Boxed, because nearly no frame has any of it.
+    beside: Option<Box<Beside>>,
+}
+
+/// What few records have.
+#[derive(Clone, PartialEq, Eq, Debug, Default)]
+struct Beside {
+    long: Option<Long>,
+    comment: Option<String>,
 }
 
 /// Whether the recording machine sent or received a frame.
@@ -66,20 +73,26 @@ pub struct XlHeader {
     pub af: u32,
 }
 
+impl Beside {
+    fn long(long: Long) -> Box<Self> {
+        Box::new(Self { long: Some(long), comment: None })
+    }
+}
+
 impl Clone for Record {
     #[inline]
     fn clone(&self) -> Self {
-        let Self { timestamp, frame, channel, direction, place, ref long } = *self;
-        Self { timestamp, frame, channel, direction, place, long: long.clone() }
+        let Self { timestamp, frame, channel, direction, place, ref beside } = *self;
+        Self { timestamp, frame, channel, direction, place, beside: beside.clone() }
     }
 
-    /// Nearly no frame is a long one: then nothing is to be given up or allocated.
+    /// Nearly no frame is a long one or has a comment: then nothing is to be given up or allocated.
     #[inline]
     fn clone_from(&mut self, other: &Self) {
         (self.timestamp, self.frame, self.channel) = (other.timestamp, other.frame, other.channel);
         (self.direction, self.place) = (other.direction, other.place);
-        if self.long.is_some() || other.long.is_some() {
-            self.long.clone_from(&other.long);
+        if self.beside.is_some() || other.beside.is_some() {
+            self.beside.clone_from(&other.beside);
         }
     }
 }
@@ -87,7 +100,7 @@ impl Clone for Record {
 impl Record {
     /// A record of a frame that holds its whole payload.
     pub fn new(timestamp: Timestamp, channel: ChannelId, frame: Frame) -> Self {
-        Self { timestamp, frame, channel, direction: Direction::Unknown, place: Place::default(), long: None }
+        Self { timestamp, frame, channel, direction: Direction::Unknown, place: Place::default(), beside: None }
     }
 
     /// The same on another channel.
@@ -99,16 +112,16 @@ impl Record {
     /// A record of a CAN FD frame of up to 64 bytes; `None` if the length is not one that CAN FD has.
     pub fn fd(timestamp: Timestamp, channel: ChannelId, id: CanId, flags: Flags, data: &[u8]) -> Option<Self> {
         let frame = Frame::fd(id, flags, data)?;
-        let long = frame.is_head().then(|| Box::new(Long { data: data.to_vec(), xl: None }));
-        Some(Self { long, ..Self::new(timestamp, channel, frame) })
+        let beside = frame.is_head().then(|| Beside::long(Long { data: data.to_vec(), xl: None }));
+        Some(Self { beside, ..Self::new(timestamp, channel, frame) })
     }
 
     /// A record of a CAN XL frame; `None` if it has no data or more than 2048 bytes, or the priority has 29 bits.
     pub fn xl(timestamp: Timestamp, channel: ChannelId, priority: CanId, xl: XlHeader, data: &[u8]) -> Option<Self> {
         priority.as_standard()?;
         let frame = Frame::xl_head(priority, data)?;
-        let long = Some(Box::new(Long { data: data.to_vec(), xl: Some(xl) }));
-        Some(Self { long, ..Self::new(timestamp, channel, frame) })
+        let beside = Some(Beside::long(Long { data: data.to_vec(), xl: Some(xl) }));
+        Some(Self { beside, ..Self::new(timestamp, channel, frame) })
     }
 
     /// The same record with its direction.
@@ -131,7 +144,7 @@ impl Record {
 
     /// The whole payload. Empty for a remote frame.
     pub fn data(&self) -> &[u8] {
-        match &self.long {
+        match self.long() {
             Some(long) => &long.data,
             None => self.frame.data(),
         }
@@ -139,8 +152,28 @@ impl Record {
 
     /// The header of a CAN XL frame.
     pub fn xl_header(&self) -> Option<XlHeader> {
-        self.long.as_ref().and_then(|long| long.xl)
+        self.long().and_then(|long| long.xl)
     }
+
+    #[inline]
+    fn long(&self) -> Option<&Long> {
+        self.beside.as_ref().and_then(|beside| beside.long.as_ref())
+    }
+
+    /// What the capture says before this frame, such as where a case of a test begins: one or several lines.
+    pub fn comment(&self) -> Option<&str> {
+        self.beside.as_ref().and_then(|beside| beside.comment.as_deref())
+    }
+
+    /// The same record with a comment; of one that is longer than [`Record::LONGEST_COMMENT`] the beginning.
+    pub fn with_comment(mut self, comment: &str) -> Self {
+        let comment = &comment[..comment.floor_char_boundary(Self::LONGEST_COMMENT)];
+        self.beside.get_or_insert_default().comment = Some(comment.to_owned());
+        self
+    }
+
+    /// The longest comment that is kept, in bytes.
+    pub const LONGEST_COMMENT: usize = 4096;
 }
 
 impl fmt::Display for Direction {

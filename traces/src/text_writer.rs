@@ -1,6 +1,7 @@
 //! Writing captures of text formats.
 
-use crate::{Channels, Losses, Record, WriteError, Writer};
+use crate::lines::NOTE;
+use crate::{Channels, Loss, Losses, Record, WriteError, Writer};
 use std::io::{BufWriter, Write};
 
 /// How one text format writes its lines. A `String` takes all that is written, so nothing can fail.
@@ -10,6 +11,9 @@ pub(crate) trait LineWriter {
 
     /// The line of one record, with its line end, or nothing if the format can't hold it.
     fn record(&mut self, record: &Record, channel: &str, out: &mut String, losses: &mut Losses);
+
+    /// The begin and the end of a line that is a comment; `None` in a format without comments.
+    const COMMENT: Option<(&'static str, &'static str)>;
 
     /// The lines after the last record.
     fn footer(&mut self, _out: &mut String) {}
@@ -37,6 +41,13 @@ impl<F: LineWriter> TextWriter<F> {
         }
     }
 
+    fn comment(&mut self, comment: &str) {
+        let Some((begin, end)) = F::COMMENT else { return self.losses.count(Loss::Comment) };
+        for line in comment.lines() {
+            self.text.extend([begin, NOTE, line, end]);
+        }
+    }
+
     fn put(&mut self) -> Result<(), WriteError> {
         self.sink.write_all(self.text.as_bytes())?;
         self.text.clear();
@@ -47,6 +58,9 @@ impl<F: LineWriter> TextWriter<F> {
 impl<F: LineWriter> Writer for TextWriter<F> {
     fn write(&mut self, record: &Record, channels: &Channels) -> Result<(), WriteError> {
         self.begin(Some(record));
+        if let Some(comment) = record.comment() {
+            self.comment(comment);
+        }
         self.format.record(record, channels.name(record.channel), &mut self.text, &mut self.losses);
         self.put()
     }

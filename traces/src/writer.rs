@@ -102,6 +102,8 @@ pub enum Loss {
     RemoteLength,
     /// The class or the detail bytes of an error frame.
     ErrorDetail,
+    /// What the capture says before a frame.
+    Comment,
 }
 
 impl Losses {
@@ -152,6 +154,7 @@ impl Loss {
             Self::RawDlc => "data length codes above 8",
             Self::RemoteLength => "lengths that remote frames ask for",
             Self::ErrorDetail => "details of error frames",
+            Self::Comment => "comments",
         }
     }
 }

@@ -1,6 +1,7 @@
 //! What a rule found.
 
 use super::rule::Metadata;
+use crate::statistics::CaseName;
 use crate::{Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Place, Record, Timestamp};
 use std::fmt;
@@ -63,8 +64,8 @@ pub struct Finding {
     pub origin: Option<NodeId>,
     /// How often it was seen.
     pub count: u64,
-    /// Group and number of the case of a conformance run that was under way when it was first seen.
-    pub case: Option<(u8, u8)>,
+    /// The case of a conformance run that was under way when it was first seen.
+    pub case: Option<CaseName>,
     /// What happened: of several times the worst. It may hold text that came off the bus, with control characters
     /// escaped.
     pub message: String,

@@ -23,11 +23,11 @@ fn tell(finding: &mut Finding, cases: &[TestCase], first: usize) {
     all.sort_unstable();
     all.dedup();
     let others = all.iter().filter(|case| **case != first).count();
-    let TestCase { group, case, .. } = cases[first];
-    finding.case = Some((group, case));
+    let name = &cases[first].name;
+    finding.case = Some(name.clone());
     let begin = if others > 0 { "first in" } else { "in" };
     // Writing to a string can't fail.
-    let _ = write!(finding.message, "; {begin} case {case} of group {group} of the test run");
+    let _ = write!(finding.message, "; {begin} {name} of the test run");
     if others > 0 {
         let _ = write!(finding.message, ", then in {others} other{}", if others == 1 { "" } else { "s" });
     }

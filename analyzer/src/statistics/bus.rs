@@ -58,7 +58,7 @@ pub struct BusStatistics {
     pub copies: u64,
     /// The nodes that sent something, or were asked and did not answer.
     pub nodes: Vec<(NodeId, NodeStatistics)>,
-    /// The cases of CiA's conformance test tool, if it was at work.
+    /// The cases of a conformance test, if there was one.
     pub test_run: TestRun,
 }
 
@@ -99,6 +99,9 @@ impl Statistics {
         if bits > 0 {
             self.load.add(now, bits);
             self.bit_rate.frame(now, bits);
+        }
+        if let Some(comment) = record.comment() {
+            self.test_run.comment(now, record.place, comment, &self.room);
         }
         match decoded.message {
             Message::CaseMarker(marker) => self.test_run.marker(now, record.place, marker, &self.room),

@@ -16,4 +16,4 @@ pub use histogram::Histogram;
 pub use load::{Extremes, Load};
 pub use node::{EmcyCount, ErrorEnd, ErrorEpisode, IdentityText, NodeStatistics, StateChange};
 pub use peak::Peak;
-pub use test_run::{TestCase, TestRun};
+pub use test_run::{CaseName, TestCase, TestRun};

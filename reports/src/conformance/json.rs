@@ -137,6 +137,9 @@ struct Case<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     uses: Vec<Used>,
     notes: &'a [String],
+    /// Only where the run was recorded: the first and the last frame of the case in the recording.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    recorded: Option<[u64; 2]>,
     evidence: Vec<Frame<'a>>,
     evidence_omitted: u64,
     duration_ns: u64,
@@ -175,6 +178,8 @@ struct Breach {
 
 #[derive(Serialize)]
 struct Frame<'a> {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    number: Option<u64>,
     t: u64,
     channel: &'a str,
     id: u32,
@@ -298,6 +303,7 @@ fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
         measurements: report.measurements.iter().map(value).collect(),
         uses: report.uses.iter().map(used).collect(),
         notes: &report.notes,
+        recorded: super::recorded(report),
         evidence: report.evidence.frames().map(|exhibit| frame(exhibit, channel)).collect(),
         evidence_omitted: report.evidence.omitted(),
         duration_ns: report.duration.nanos(),
@@ -323,6 +329,7 @@ fn breach(told: Told) -> Option<Breach> {
 fn frame<'a>(exhibit: &'a Exhibit, channel: &'a str) -> Frame<'a> {
     let Exhibit { record, text } = exhibit;
     Frame {
+        number: Some(record.place.number).filter(|&number| number > 0),
         t: record.timestamp.nanos(),
         channel,
         id: record.frame.id().raw(),

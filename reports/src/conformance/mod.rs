@@ -140,6 +140,12 @@ fn name_in_family(id: &str) -> &str {
     id.splitn(3, '/').nth(2).unwrap_or(id)
 }
 
+/// The first and the last frame of a case, as they are counted in the recording of the run; `None` where there is none.
+fn recorded(report: &CaseReport) -> Option<[u64; 2]> {
+    let number = |exhibit: &Exhibit| Some(exhibit.record.place.number).filter(|&number| number > 0);
+    Some([report.evidence.frames().next().and_then(number)?, report.evidence.frames().last().and_then(number)?])
+}
+
 /// What CiA's conformance test tool would say, where a case corresponds to one of its: it accepts what is tolerated.
 fn cct_forecast(report: &CaseReport) -> Option<&'static str> {
     match (report.case.cct, report.verdict.kind()) {

@@ -17,7 +17,7 @@ pub struct CsvLines {
     text: String,
 }
 
-const HEADER: &[u8] = b"t,channel,direction,id,extended,remote,dlc,data,node,service,index,sub,text\n";
+const HEADER: &[u8] = b"t,channel,direction,id,extended,remote,dlc,data,node,service,index,sub,text,comment\n";
 
 impl CsvLines {
     /// With that style of time; always with nanoseconds.
@@ -69,6 +69,8 @@ impl Lines for CsvLines {
         // Writing to a string can't fail.
         let _ = write!(self.text, "{meaning}");
         push_csv_cell(out, &self.text);
+        out.push(b',');
+        push_csv_cell(out, record.comment().unwrap_or_default());
         out.push(b'\n');
     }
 }

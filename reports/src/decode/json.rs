@@ -64,6 +64,10 @@ impl Lines for JsonLines {
         push_signals(meaning, out);
         out.extend_from_slice(b",\"text\":");
         push_json_string(out, meaning);
+        if let Some(comment) = record.comment() {
+            out.extend_from_slice(b",\"comment\":");
+            push_json_string(out, comment);
+        }
         out.extend_from_slice(b"}\n");
     }
 }

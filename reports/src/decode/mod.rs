@@ -15,6 +15,7 @@ pub use table::TableLines;
 pub use text::TextLines;
 pub(crate) use text::push_node;
 
+use crate::push::push_visible;
 use canvass_analyzer::{Meaning, network::Decoded};
 use canvass_traces::{Channels, Record};
 
@@ -30,10 +31,22 @@ pub struct Line<'a> {
     pub meaning: Meaning<'a>,
 }
 
+/// Appends a comment as lines of its own.
+fn push_comment(comment: &str, out: &mut Vec<u8>) {
+    for line in comment.lines() {
+        out.extend_from_slice(b"# ");
+        push_visible(out, line);
+        out.push(b'\n');
+    }
+}
+
 /// Renders decoded frames.
 pub trait Lines {
     /// Appends what comes before the first frame.
     fn begin(&mut self, _out: &mut Vec<u8>) {}
+
+    /// Appends what the capture says before the next frame that is shown; where a frame's line says it, nothing.
+    fn comment(&mut self, _comment: &str, _out: &mut Vec<u8>) {}
 
     /// Appends the frame to `out`.
     fn line(&mut self, line: &Line<'_>, out: &mut Vec<u8>);

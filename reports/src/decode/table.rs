@@ -3,7 +3,7 @@
 //! Rows go out as they come: a column that turns out too narrow is wider from there on.
 
 use super::text::{DATA_WIDTH, SERVICE_WIDTH, push_data, push_node, style};
-use super::{Line, Lines};
+use super::{Line, Lines, push_comment};
 use crate::push::{pad, push_hex_number, push_visible};
 use crate::time::{Clock, TimeStyle};
 use canvass_traces::Record;
@@ -88,6 +88,10 @@ impl TableLines {
 }
 
 impl Lines for TableLines {
+    fn comment(&mut self, comment: &str, out: &mut Vec<u8>) {
+        push_comment(comment, out);
+    }
+
     fn line(&mut self, line: &Line<'_>, out: &mut Vec<u8>) {
         let Line { record, channels, decoded, meaning } = line;
         let begun = out.len();

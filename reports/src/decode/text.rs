@@ -1,6 +1,6 @@
 //! One aligned line per frame: time, channel, identifier, data, node, service, meaning.
 
-use super::{Line, Lines};
+use super::{Line, Lines, push_comment};
 use crate::push::{hex_pair, pad, push_decimal, push_front, push_hex, push_hex_number, push_meaning, push_visible};
 use crate::time::{Clock, TimeStyle};
 use canvass_analyzer::{Message, NodeId, Service, network::sdo::Violation};
@@ -101,6 +101,10 @@ impl TextLines {
 }
 
 impl Lines for TextLines {
+    fn comment(&mut self, comment: &str, out: &mut Vec<u8>) {
+        push_comment(comment, out);
+    }
+
     fn line(&mut self, line: &Line<'_>, out: &mut Vec<u8>) {
         let Line { record, decoded, meaning, .. } = line;
         self.clock.push(record.timestamp, out);

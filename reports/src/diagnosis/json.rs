@@ -8,7 +8,9 @@ use crate::escape::JsonText;
 use crate::{provenance, quality};
 use canvass_analyzer::findings::{Consequence, Exhibit, Finding, Severity, Story};
 use canvass_analyzer::network::Cause;
-use canvass_analyzer::statistics::{BusStatistics, ErrorEnd, ErrorEpisode, Histogram, NodeStatistics, Peak, TestCase};
+use canvass_analyzer::statistics::{
+    BusStatistics, CaseName, ErrorEnd, ErrorEpisode, Histogram, NodeStatistics, Peak, TestCase,
+};
 use canvass_analyzer::{NodeId, Service};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Map, Value, json};
@@ -92,7 +94,7 @@ fn finding(diagnosed: &Diagnosed<'_>, finding: &Finding) -> Value {
         "node": finding.node.map(NodeId::raw),
         "object": finding.object.map(|object| object.to_string()),
         "origin": finding.origin.map(NodeId::raw),
-        "case": finding.case.map(|(group, case)| json!({ "group": group, "case": case })),
+        "case": finding.case.as_ref().map(|name| Value::Object(case_name(name))),
         "channel": finding.channel.map(|id| diagnosed.channel(id)),
         "source": source,
         "title": finding.rule.title,
@@ -254,14 +256,22 @@ fn bus(channel: &str, bus: &BusStatistics) -> Value {
 }
 
 fn case(case: &TestCase) -> Value {
-    json!({
-        "group": case.group,
-        "case": case.case,
-        "verdict": case.verdict.map(|verdict| verdict.to_string()),
-        "t": case.begin.nanos(),
-        "t_last": case.end.nanos(),
-        "number": case.place.number,
-        "number_last": case.last_place.number,
-        "frames": case.frames,
-    })
+    let mut told = case_name(&case.name);
+    told.insert("verdict".into(), json!(case.verdict.as_deref()));
+    told.insert("t".into(), case.begin.nanos().into());
+    told.insert("t_last".into(), case.end.nanos().into());
+    told.insert("number".into(), case.place.number.into());
+    told.insert("number_last".into(), case.last_place.number.into());
+    told.insert("frames".into(), case.frames.into());
+    Value::Object(told)
+}
+
+/// `id`, or `group` and `case` where CiA's test tool marked it.
+fn case_name(name: &CaseName) -> Map<String, Value> {
+    match name {
+        CaseName::Id(id) => Map::from_iter([("id".into(), id.as_ref().into())]),
+        CaseName::Numbered { group, case } => {
+            Map::from_iter([("group".into(), (*group).into()), ("case".into(), (*case).into())])
+        }
+    }
 }

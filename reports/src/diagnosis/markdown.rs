@@ -43,7 +43,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> 
 fn cases(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
     let runs = diagnosed.results.buses.iter().map(|(_, bus)| &bus.test_run);
     for run in runs.filter(|run| !run.cases.is_empty()) {
-        writeln!(out, "\n## CiA test run\n\n| case | verdict | frames | s | where |\n|---|---|---:|---:|---|")?;
+        writeln!(out, "\n## Test run\n\n| case | verdict | frames | s | where |\n|---|---|---:|---:|---|")?;
         for case in &run.cases {
             writeln!(out, "| {} |", terminal::of_case(diagnosed, case).map(|cell| markdown(&cell)).join(" | "))?;
         }

@@ -18,7 +18,6 @@ use crate::provenance::Provenance;
 use crate::quality::CaptureQuality;
 use canvass_analyzer::Service;
 use canvass_analyzer::findings::{Exhibit, Finding, Results, Severity};
-use canvass_analyzer::statistics::TestCase;
 use canvass_traces::{ChannelId, Channels, Timestamp};
 use std::fmt::Write as _;
 
@@ -85,12 +84,6 @@ impl Diagnosed<'_> {
         }
     }
 
-    /// The case of CiA's conformance test tool during which a finding was first seen.
-    fn case_of(&self, finding: &Finding) -> Option<&TestCase> {
-        let (_, bus) = self.results.buses.iter().find(|(channel, _)| Some(*channel) == finding.channel)?;
-        bus.test_run.cases.iter().find(|case| (case.begin..=case.end).contains(&finding.first))
-    }
-
     fn channel(&self, id: ChannelId) -> String {
         self.channels.name(id).to_owned()
     }
@@ -107,9 +100,6 @@ fn times(diagnosed: &Diagnosed<'_>, finding: &Finding) -> String {
     if finding.count > 1 {
         // Writing to a string can't fail.
         let _ = write!(text, " ({} times, the last at {} s)", finding.count, diagnosed.since_start(finding.last));
-    }
-    if let Some(case) = diagnosed.case_of(finding) {
-        let _ = write!(text, ", provoked by group {} case {} of CiA's test tool", case.group, case.case);
     }
     text
 }

@@ -7,7 +7,6 @@ use crate::provenance;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::{Exhibit, Finding, Severity};
 use canvass_analyzer::statistics::{BusStatistics, NodeStatistics, TestCase};
-use canvass_analyzer::wire::case_marker::Verdict;
 use canvass_traces::Duration;
 use comfy_table::{ContentArrangement, Table, presets};
 use std::collections::HashSet;
@@ -371,10 +370,10 @@ fn cases(diagnosed: &Diagnosed<'_>, style: Style, lines: &mut Vec<String>) {
         if run.cases.is_empty() {
             continue;
         }
-        let passed = run.cases.iter().filter(|case| case.verdict == Some(Verdict::PASS)).count();
+        let passed = run.cases.iter().filter(|case| case.is_passed()).count();
         let all = run.cases.len() as u64 + run.omitted;
-        lines.extend([String::new(), format!("CiA test run: {all} cases, {passed} passed")]);
-        let shown = run.cases.iter().filter(|case| style.verbose || case.verdict != Some(Verdict::PASS));
+        lines.extend([String::new(), format!("test run: {all} cases, {passed} passed")]);
+        let shown = run.cases.iter().filter(|case| style.verbose || !case.is_passed());
         let most = if style.verbose { usize::MAX } else { FAILED };
         let left = shown.clone().count().saturating_sub(most);
         for case in shown.take(most) {
@@ -389,8 +388,7 @@ fn cases(diagnosed: &Diagnosed<'_>, style: Style, lines: &mut Vec<String>) {
 
 /// A case of a certification run: its name, verdict, number of frames, begin in seconds, and where it stands.
 pub fn of_case(diagnosed: &Diagnosed<'_>, case: &TestCase) -> [String; 5] {
-    let verdict = case.verdict.map_or_else(|| "not ended".to_owned(), |verdict| verdict.to_string());
+    let verdict = case.verdict.as_deref().unwrap_or("not ended").to_owned();
     let places = format!("#{} to #{}", case.place.number, case.last_place.number);
-    let name = format!("group {} case {}", case.group, case.case);
-    [name, verdict, case.frames.to_string(), diagnosed.since_start(case.begin), places]
+    [case.name.to_string(), verdict, case.frames.to_string(), diagnosed.since_start(case.begin), places]
 }

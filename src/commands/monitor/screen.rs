@@ -1,4 +1,6 @@
-//! `canvass monitor --screen`: the nodes of a bus at a glance.
+//! `canvass monitor --screen`: the nodes and CAN-IDs of a bus at a glance.
+
+mod ids;
 
 use crate::interrupt::Interrupt;
 use anyhow::{Context, Result};
@@ -8,9 +10,10 @@ use canvass_analyzer::{Meaning, NodeId, Service};
 use canvass_bus::{Bus, Health};
 use canvass_reports::escape::Printable;
 use canvass_traces::{Duration, Record, Timestamp, bit_length};
+use ids::Ids;
 use ratatui::Frame;
-use ratatui::crossterm::event::{self, Event as Key, KeyCode};
-use ratatui::layout::{Constraint, Layout};
+use ratatui::crossterm::event::{self, Event as Key, KeyCode, KeyEvent};
+use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::style::{Color, Modifier, Style};
 use ratatui::text::Line;
 use ratatui::widgets::{Block, Paragraph, Row, Table};
@@ -23,7 +26,10 @@ pub struct Screen {
     bit_rate: Option<u32>,
     /// `None`: frames of no node, such as SYNC.
     nodes: BTreeMap<Option<NodeId>, NodeRow>,
+    ids: Ids,
     recent: VecDeque<String>,
+    /// Whether the last frames stand in the place of the CAN-IDs.
+    shows_frames: bool,
     bits: Rate,
     frames: Rate,
     health: Health,
@@ -86,6 +92,7 @@ impl Screen {
             }
         }
         let text = Meaning::new(record, decoded, bus).to_string();
+        self.ids.record(record, &text);
         if self.recent.len() == RECENT {
             self.recent.pop_front();
         }
@@ -98,6 +105,22 @@ impl Screen {
         }
     }
 
+    /// Does what a key asks for; whether that is to end.
+    fn is_ended_by(&mut self, key: KeyEvent) -> bool {
+        match key.code {
+            KeyCode::Char('q') | KeyCode::Esc => return true,
+            KeyCode::Char('c') if !key.modifiers.is_empty() => return true,
+            KeyCode::Char(' ') => self.paused = !self.paused,
+            KeyCode::Char('f') => self.shows_frames = !self.shows_frames,
+            KeyCode::Down => self.ids.scroll(1),
+            KeyCode::Up => self.ids.scroll(-1),
+            KeyCode::PageDown => self.ids.scroll(20),
+            KeyCode::PageUp => self.ids.scroll(-20),
+            _ => {}
+        }
+        false
+    }
+
     fn tick(&mut self, span: Duration, health: Health) {
         self.bits.tick(span);
         self.frames.tick(span);
@@ -107,9 +130,10 @@ impl Screen {
 
     fn draw(&self, frame: &mut Frame<'_>, now: Timestamp) {
         let rows: Vec<Row<'_>> = self.nodes.iter().map(|(node, row)| row.cells(*node, now)).collect();
-        let height = rows.len() as u16 + 3;
+        // Half of the screen stays for what is below.
+        let height = (rows.len() as u16 + 3).min(frame.area().height / 2);
         let areas = [Constraint::Length(1), Constraint::Max(height), Constraint::Min(3), Constraint::Length(1)];
-        let [head, nodes, recent, foot] = Layout::vertical(areas).areas(frame.area());
+        let [head, nodes, below, foot] = Layout::vertical(areas).areas(frame.area());
         frame.render_widget(Paragraph::new(self.heading()), head);
         let widths = [
             Constraint::Length(5),
@@ -121,11 +145,20 @@ impl Screen {
         ];
         let header = Row::new(["node", "state", "frames", "/s", "last", "last values"]).style(Style::new().bold());
         frame.render_widget(Table::new(rows, widths).header(header).block(Block::bordered().title("nodes")), nodes);
+        if self.shows_frames {
+            self.draw_recent(frame, below);
+        } else {
+            frame.render_widget(self.ids.table(now), below);
+        }
+        let keys = "q ends, space holds the screen, f: frames or CAN-IDs, arrows scroll";
+        frame.render_widget(Paragraph::new(keys).style(Style::new().dim()), foot);
+    }
+
+    fn draw_recent(&self, frame: &mut Frame<'_>, recent: Rect) {
         let room = usize::from(recent.height.saturating_sub(2));
         let lines = self.recent.iter().skip(self.recent.len().saturating_sub(room));
         let lines: Vec<Line<'_>> = lines.map(|line| shown(line)).collect();
         frame.render_widget(Paragraph::new(lines).block(Block::bordered().title("frames")), recent);
-        frame.render_widget(Paragraph::new("q ends, space holds the screen").style(Style::new().dim()), foot);
     }
 
     fn heading(&self) -> Line<'_> {
@@ -214,11 +247,10 @@ fn run(
         }
         terminal.draw(|frame| screen.draw(frame, now))?;
         while event::poll(std::time::Duration::ZERO)? {
-            match event::read()? {
-                Key::Key(key) if matches!(key.code, KeyCode::Char('q') | KeyCode::Esc) => return Ok(()),
-                Key::Key(key) if key.code == KeyCode::Char('c') && !key.modifiers.is_empty() => return Ok(()),
-                Key::Key(key) if key.code == KeyCode::Char(' ') => screen.paused = !screen.paused,
-                _ => {}
+            if let Key::Key(key) = event::read()?
+                && screen.is_ended_by(key)
+            {
+                return Ok(());
             }
         }
     }
@@ -257,7 +289,11 @@ mod tests {
         let row = text.lines().find(|line| line.contains("operational")).unwrap_or_else(|| panic!("{text}"));
         assert!(row.contains("63") && row.contains("1.0 s"), "{text}");
         assert!(text.contains("can0  8 frames/s, 4 in all, load 0 %"), "{text}");
-        assert!(text.contains("5BF#4300100096010200"), "{text}");
+        let row = text.lines().find(|line| line.contains("5BF")).unwrap_or_else(|| panic!("{text}"));
+        assert!(row.contains("43 00 10 00 96 01 02 00") && row.contains("1000h"), "{text}");
+        assert!(!screen.is_ended_by(KeyCode::Char('f').into()));
+        assert!(drawn(&screen, at(1_300)).contains("5BF#4300100096010200"));
+        assert!(screen.is_ended_by(KeyCode::Char('q').into()));
     }
 
     #[test]
@@ -265,6 +301,7 @@ mod tests {
         let mut screen = Screen::new("can0", None);
         screen.recent.push_back("evil \x1b[2J".to_owned());
         screen.health.lost = 7;
+        screen.shows_frames = true;
         let text = drawn(&screen, Timestamp::ZERO);
         assert!(!text.contains('\x1b') && text.contains("7 lost"), "{text}");
     }

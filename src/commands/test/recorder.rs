@@ -1,12 +1,13 @@
 //! `--record`: the whole traffic of a run as a capture.
 //!
-//! Where a case begins and ends stands in the capture as CiA's test tool marks it, by a frame of CAN-ID 7FFh that was
-//! not on the bus: `canvass decode` shows it. The number of the group is that of the case's family, that of the case its
-//! place in the family.
+//! Where a case begins and ends stands in comments of its frames ([`CaseMark`]); `--cct-markers` marks it as CiA's test tool
+//! does, too, by frames of CAN-ID 7FFh that were not on the bus: the number of the group is that of the case's family, that of
+//! the case its place in the family.
 
 use crate::destination::Destination;
 use crate::output::{Output, diagnostic};
 use anyhow::{Result, anyhow};
+use canvass_analyzer::CaseMark;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::case_marker::{CAN_ID, CaseMarker, Verdict};
 use canvass_suite::bench::{Annotate, Decoder};
@@ -16,6 +17,7 @@ use canvass_suite::runner::RunEvent;
 use canvass_suite::verdict::Kind;
 use canvass_traces::{Channels, Frame, Record, Recording, WriteOptions, Writer};
 use std::path::Path;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
 use std::sync::{Mutex, PoisonError};
 use std::thread::JoinHandle;
@@ -23,6 +25,10 @@ use std::thread::JoinHandle;
 /// The capture. A thread of its own writes it: the tester does not wait for the disk.
 pub struct Recorder {
     lines: Sender<Entry>,
+    /// Whether cases are marked by frames, too.
+    cct_markers: bool,
+    /// How many frames were given to it.
+    frames: AtomicU64,
     /// Until it has ended.
     thread: Mutex<Option<JoinHandle<Result<()>>>>,
 }
@@ -30,10 +36,14 @@ pub struct Recorder {
 /// What comes into the capture.
 enum Entry {
     Frame(Record),
+    /// Of the case of that id.
+    Begin(&'static str),
+    /// The same, with the verdict.
+    End(&'static str, Kind),
     /// Gets the time of the last frame.
     Marker(Frame),
     /// Nothing more comes.
-    End,
+    Finish,
 }
 
 /// What the analyzer says of each frame, which goes into the capture on its way.
@@ -42,6 +52,8 @@ pub struct Recorded<'a> {
     pub decoder: Decoder,
     /// Gets the frame.
     pub recorder: Option<&'a Recorder>,
+    /// How many frames a bundle has of the run, where there is one.
+    pub bundled: Option<u64>,
 }
 
 impl Annotate for Recorded<'_> {
@@ -49,14 +61,20 @@ impl Annotate for Recorded<'_> {
         if let Some(recorder) = self.recorder {
             recorder.frame(record);
         }
+        self.bundled.iter_mut().for_each(|frames| *frames += 1);
         self.decoder.annotate(record)
+    }
+
+    fn number(&self) -> u64 {
+        let recorded = self.recorder.map(|recorder| recorder.frames.load(Ordering::Relaxed));
+        recorded.or(self.bundled).unwrap_or_default()
     }
 }
 
 impl Recorder {
     /// Begins the capture before the device is touched. A file that exists is overwritten only by `force`: it is as much
     /// work to get again as the device is slow.
-    pub fn create(path: &Path, force: bool) -> Result<Self> {
+    pub fn create(path: &Path, force: bool, cct_markers: bool) -> Result<Self> {
         let (lines, entries) = channel();
         let (ready, begun) = sync_channel(1);
         let path = path.to_owned();
@@ -64,35 +82,50 @@ impl Recorder {
         let thread = thread.spawn(move || write(&path, force, &ready, &entries))?;
         // Whatever it ended with before it began is why.
         match begun.recv() {
-            Ok(()) => Ok(Self { lines, thread: Mutex::new(Some(thread)) }),
+            Ok(()) => Ok(Self { lines, cct_markers, frames: AtomicU64::new(0), thread: Mutex::new(Some(thread)) }),
             Err(_) => Err(ended(thread).err().unwrap_or_else(|| anyhow!("the capture could not be begun"))),
         }
     }
 
     fn frame(&self, record: &Record) {
+        self.frames.fetch_add(1, Ordering::Relaxed);
+        self.entry(Entry::Frame(record.clone()));
+    }
+
+    fn entry(&self, entry: Entry) {
         // A capture that can't be written is told of at the end.
-        let _ = self.lines.send(Entry::Frame(record.clone()));
+        let _ = self.lines.send(entry);
     }
 
     /// Marks where a case begins and ends.
     pub fn event(&self, event: &RunEvent<'_>) {
         match event {
-            RunEvent::CaseStarted { case, .. } => self.mark(case, None),
-            RunEvent::CaseFinished(report) => self.mark(report.case, Some(marked(report.verdict.kind()))),
+            RunEvent::CaseStarted { case, .. } => {
+                self.entry(Entry::Begin(case.id));
+                self.cct_marker(case, None);
+            }
+            RunEvent::CaseFinished(report) => {
+                self.cct_marker(report.case, Some(marked(report.verdict.kind())));
+                self.entry(Entry::End(report.case.id, report.verdict.kind()));
+            }
             _ => {}
         }
     }
 
-    fn mark(&self, case: &'static Case, verdict: Option<Verdict>) {
-        let (group, number) = place_of(case);
-        let marker = CaseMarker { group, case: number, verdict };
-        let _ = self.lines.send(Entry::Marker(marker.to_frame(CAN_ID)));
+    /// There is none before the first frame, whose time it would need.
+    fn cct_marker(&self, case: &'static Case, verdict: Option<Verdict>) {
+        if self.cct_markers && self.frames.load(Ordering::Relaxed) > 0 {
+            let (group, number) = place_of(case);
+            let marker = CaseMarker { group, case: number, verdict };
+            self.frames.fetch_add(1, Ordering::Relaxed);
+            self.entry(Entry::Marker(marker.to_frame(CAN_ID)));
+        }
     }
 
     /// Ends the capture, which is complete then.
     pub fn finish(&self) -> Result<()> {
         // If nobody takes it, the capture has ended already, and says why.
-        let _ = self.lines.send(Entry::End);
+        let _ = self.lines.send(Entry::Finish);
         let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
         thread.map_or(Ok(()), ended)
     }
@@ -111,14 +144,24 @@ fn write(path: &Path, force: bool, ready: &SyncSender<()>, entries: &Receiver<En
     channels.intern("can0");
     // Who waits for it is there.
     let _ = ready.send(());
-    let mut last: Option<Record> = None;
+    let (mut last, mut marks): (Option<Record>, Vec<String>) = (None, Vec::new());
     for entry in entries {
         let record = match (entry, &last) {
             (Entry::Frame(record), _) => record,
             (Entry::Marker(frame), Some(last)) => Record::new(last.timestamp, last.channel, frame),
             (Entry::Marker(_), None) => continue,
-            (Entry::End, _) => break,
+            (Entry::Begin(id), _) => {
+                marks.push(CaseMark { id, verdict: None }.to_string());
+                continue;
+            }
+            (Entry::End(id, kind), _) => {
+                end(&mut marks, id, kind);
+                continue;
+            }
+            (Entry::Finish, _) => break,
         };
+        let record = if marks.is_empty() { record } else { record.with_comment(&marks.join("\n")) };
+        marks.clear();
         recording.write(&record, &channels)?;
         last = Some(record);
     }
@@ -127,6 +170,14 @@ fn write(path: &Path, force: bool, ready: &SyncSender<()>, entries: &Receiver<En
         diagnostic(&format!("canvass: the capture can't hold {} of {frames} frames", loss.name()));
     }
     Ok(())
+}
+
+/// A case ends: one that has no frame is not marked at all.
+fn end(marks: &mut Vec<String>, id: &str, kind: Kind) {
+    let begin = CaseMark { id, verdict: None }.to_string();
+    if marks.pop_if(|mark| *mark == begin).is_none() {
+        marks.push(CaseMark { verdict: Some(kind.title()), id }.to_string());
+    }
 }
 
 const fn marked(kind: Kind) -> Verdict {

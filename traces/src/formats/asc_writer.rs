@@ -23,6 +23,8 @@ struct AscRows {
 }
 
 impl LineWriter for AscRows {
+    const COMMENT: Option<(&'static str, &'static str)> = Some(("// ", "\n"));
+
     fn header(&mut self, first: Option<&Record>, out: &mut String) {
         let has_date = matches!(self.time_base, TimeBase::Utc | TimeBase::Local);
         // Writing into a String does not fail.

@@ -268,6 +268,8 @@ struct LogLines {
 }
 
 impl LineWriter for LogLines {
+    const COMMENT: Option<(&'static str, &'static str)> = Some(("# ", "\n"));
+
     fn record(&mut self, record: &Record, channel: &str, out: &mut String, losses: &mut Losses) {
         if self.time_base == TimeBase::Local {
             losses.count(Loss::TimeZone);

@@ -10,7 +10,9 @@ impl Format {
     pub fn losses(self) -> &'static [Loss] {
         match self {
             Self::Candump => &[Loss::ChannelName, Loss::TimeZone],
-            Self::Pcap => &[Loss::ChannelName, Loss::Direction, Loss::Date, Loss::UnknownDate, Loss::TimeZone],
+            Self::Pcap => {
+                &[Loss::ChannelName, Loss::Direction, Loss::Date, Loss::UnknownDate, Loss::TimeZone, Loss::Comment]
+            }
             Self::Mcap => {
                 &[Loss::Frame, Loss::Direction, Loss::UnknownDate, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc]
             }
@@ -22,9 +24,15 @@ impl Format {
                 Loss::TimeZone,
                 Loss::ErrorDetail,
             ],
-            Self::PythonCanCsv => {
-                &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc]
-            }
+            Self::PythonCanCsv => &[
+                Loss::Frame,
+                Loss::ChannelName,
+                Loss::Direction,
+                Loss::TimeZone,
+                Loss::FdFlags,
+                Loss::RawDlc,
+                Loss::Comment,
+            ],
             Self::Pcapng => &[Loss::UnknownDate, Loss::TimeZone],
             Self::CandumpConsole | Self::MiniMon | Self::Blf => &[],
         }

@@ -187,6 +187,8 @@ struct CsvRows {
 }
 
 impl LineWriter for CsvRows {
+    const COMMENT: Option<(&'static str, &'static str)> = None;
+
     fn header(&mut self, _first: Option<&Record>, out: &mut String) {
         out.push_str(HEADER);
         out.push('\n');

@@ -24,6 +24,8 @@ struct TrcRows {
 }
 
 impl LineWriter for TrcRows {
+    const COMMENT: Option<(&'static str, &'static str)> = Some(("; ", "\r\n"));
+
     fn header(&mut self, first: Option<&Record>, out: &mut String) {
         out.push_str(";$FILEVERSION=2.1\r\n");
         if let Some(first) = first

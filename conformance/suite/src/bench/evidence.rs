@@ -14,7 +14,7 @@ pub struct Evidence {
 /// One frame of the evidence.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Exhibit {
-    /// The frame, its time and direction.
+    /// The frame, its time and direction; its place is that in the recording of the run.
     pub record: Record,
     /// What it means. Made from what the device sent: may hold anything.
     pub text: String,
@@ -24,6 +24,11 @@ pub struct Exhibit {
 pub trait Annotate {
     /// What the frame means.
     fn annotate(&mut self, record: &Record) -> String;
+
+    /// The how manyth frame of a recording that one is; 0 where nothing is recorded.
+    fn number(&self) -> u64 {
+        0
+    }
 }
 
 impl<F: FnMut(&Record) -> String> Annotate for F {

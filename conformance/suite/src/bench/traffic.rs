@@ -64,7 +64,8 @@ impl Bench<'_> {
                     self.foreign.count(&record);
                 }
                 let text = self.annotate.annotate(&record);
-                self.evidence.push(Exhibit { record: record.clone(), text });
+                let recorded = record.clone().at(self.annotate.number(), 0);
+                self.evidence.push(Exhibit { record: recorded, text });
                 return Ok(Some(record));
             }
             if slice == deadline {

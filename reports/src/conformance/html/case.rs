@@ -1,7 +1,8 @@
 //! One case on the page.
 
+use super::timeline;
 use crate::conformance::told::Told;
-use crate::conformance::{cct_forecast, hex, milliseconds_since, repetitions, symbol, uses};
+use crate::conformance::{cct_forecast, hex, milliseconds_since, recorded, repetitions, symbol, uses};
 use crate::escape::printable;
 use canvass_suite::bench::Exhibit;
 use canvass_suite::runner::CaseReport;
@@ -65,17 +66,21 @@ fn reason(report: &CaseReport) -> Markup {
 fn evidence(report: &CaseReport) -> Markup {
     let frames: Vec<&Exhibit> = report.evidence.frames().collect();
     let Some(start) = frames.first().map(|first| first.record.timestamp) else { return html! {} };
-    let omitted = report.evidence.omitted();
+    let (omitted, is_recorded) = (report.evidence.omitted(), recorded(report).is_some());
     html! {
         details.evidence open[matches!(report.verdict.kind(), Kind::Fail | Kind::Error)] {
-            summary { (frames.len()) " frames" @if omitted > 0 { " (" (omitted) " more left out)" } }
+            summary {
+                (frames.len()) " frames" @if omitted > 0 { " (" (omitted) " more left out)" }
+                @if let Some([first, last]) = recorded(report) { ": #" (first) " to #" (last) " of the recording" }
+            }
+            (timeline::strip(&frames))
             div.scroll {
                 table {
-                    thead { tr { th.number { "ms" } th { "" } th { "CAN-ID" } th { "Data" } th { "Meaning" } } }
+                    thead { tr { @if is_recorded { th.number { "#" } } th.number { "ms" } th { "" } th { "CAN-ID" } th { "Data" } th { "Meaning" } } }
                     tbody {
                         @for (at, exhibit) in frames.iter().enumerate() {
                             @if omitted > 0 && at == report.evidence.gap() {
-                                tr { td.gap colspan="5" { (omitted) " frames left out" } }
+                                tr { td.gap colspan=(5 + usize::from(is_recorded)) { (omitted) " frames left out" } }
                             }
                             (row(exhibit, start))
                         }
@@ -88,9 +93,11 @@ fn evidence(report: &CaseReport) -> Markup {
 
 fn row(exhibit: &Exhibit, start: Timestamp) -> Markup {
     let record = &exhibit.record;
+    let number = record.place.number;
     let sent = record.direction == Direction::Tx;
     html! {
-        tr.sent[sent] {
+        tr.sent[sent] id=[(number > 0).then(|| format!("frame-{number}"))] {
+            @if number > 0 { td.number { a href={ "#frame-" (number) } { (number) } } }
             td.number { (milliseconds_since(start, record)) }
             td title=(if sent { "sent by the tester" } else { "received" }) { (if sent { "→" } else { "←" }) }
             td { (record.frame.id()) }

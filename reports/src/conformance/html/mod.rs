@@ -4,6 +4,7 @@
 
 mod case;
 mod failures;
+mod timeline;
 
 use super::dictionary::{REPAIR, left, row, sentence};
 use super::skipped::Skipped;

@@ -188,24 +188,23 @@ fn states(diagnosed: &Diagnosed<'_>, node: &NodeStatistics) -> Markup {
     }
 }
 
-/// The cases that CiA's test tool has marked.
+/// The cases of a conformance test, as they are marked.
 fn test_run(diagnosed: &Diagnosed<'_>, run: &TestRun) -> Markup {
     let all = run.cases.len() as u64 + run.omitted;
     html! {
         @if !run.cases.is_empty() {
             details.card.node open {
-                summary { strong { "CiA test run" } span.who { (all) " cases" } }
+                summary { strong { "Test run" } span.who { (all) " cases" } }
                 div.body.scroll {
                     table {
                         thead { tr {
-                            th.number scope="col" { "Group" } th.number scope="col" { "Case" } th scope="col" { "Verdict" }
+                            th scope="col" { "Case" } th scope="col" { "Verdict" }
                             th.number scope="col" { "From [s]" } th.number scope="col" { "To [s]" } th.number scope="col" { "Frames" }
                         } }
                         @for case in run.cases.iter().take(CASES) {
                             tr {
-                                td.number { (case.group) }
-                                td.number { (case.case) }
-                                td { (case.verdict.map_or_else(|| "not ended".to_owned(), |verdict| verdict.to_string())) }
+                                td { (case.name) }
+                                td { (case.verdict.as_deref().unwrap_or("not ended")) }
                                 td.number { (diagnosed.since_start(case.begin)) }
                                 td.number { (diagnosed.since_start(case.end)) }
                                 td.number { (case.frames) }

@@ -3,6 +3,7 @@
 use super::chunk;
 use super::lengths::{attachment_fits, metadata_fits};
 use super::topics::{Slot, Topics};
+use super::writer::COMMENT;
 use crate::damage::Flaw;
 use crate::limited::Unpacked;
 use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
@@ -37,6 +38,7 @@ pub(crate) fn open(source: Source, options: &ReadOptions) -> Box<dyn Reader> {
         previous: None,
         summary: false,
         pending: VecDeque::new(),
+        comment: None,
         state: State::Magic,
     })
 }
@@ -67,6 +69,8 @@ struct McapReader {
     previous: Option<u8>,
     summary: bool,
     pending: VecDeque<Damage>,
+    /// Of the next frame.
+    comment: Option<String>,
     state: State,
 }
 
@@ -143,7 +147,12 @@ impl McapReader {
             op::HEADER => previous.is_none(),
             op::MESSAGE_INDEX => matches!(previous, Some(op::CHUNK | op::MESSAGE_INDEX)),
             op::ATTACHMENT => attachment_fits(bytes, length),
-            op::METADATA => length > LONGEST || metadata_fits(bytes),
+            op::METADATA => {
+                let fits = metadata_fits(bytes);
+                let comment = fits.then(|| comment(bytes)).flatten();
+                self.comment = comment.or(self.comment.take());
+                length > LONGEST || fits
+            }
             op::DATA_END => length == 4,
             op::STATISTICS => {
                 let parsed = mcap::parse_record(op::STATISTICS, bytes);
@@ -325,6 +334,14 @@ impl McapReader {
     }
 }
 
+/// The comment that metadata whose lengths fit hold for the next message.
+fn comment(bytes: &[u8]) -> Option<String> {
+    match mcap::parse_record(op::METADATA, bytes).ok()? {
+        records::Record::Metadata(mut read) if read.name == COMMENT => read.metadata.remove(COMMENT),
+        _ => None,
+    }
+}
+
 /// A schema, channel or message, wherever it stands.
 #[inline]
 fn inner_record(topics: &mut Topics, code: u8, bytes: &[u8], place: Place) -> Result<Option<Record>, Damage> {
@@ -389,7 +406,12 @@ impl Iterator for McapReader {
             };
             match next {
                 Ok(None) => {}
-                Ok(Some(record)) => return Some(Ok(record)),
+                Ok(Some(record)) => {
+                    return Some(Ok(match self.comment.take() {
+                        Some(comment) => record.with_comment(&comment),
+                        None => record,
+                    }));
+                }
                 Err(damage) => return Some(Err(damage)),
             }
         }

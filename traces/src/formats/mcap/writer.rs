@@ -5,7 +5,7 @@ use crate::{
     ChannelId, Channels, ChunkCompression, Direction, Flags, Format, Loss, Losses, Record, TimeBase, WriteError,
     WriteOptions, Writer,
 };
-use mcap::records::MessageHeader;
+use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
 use std::collections::{BTreeMap, HashMap};
 use std::io::Write;
@@ -18,6 +18,9 @@ const FRAME: &str =
     "std_msgs/Header header\nuint32 id\nbool is_rtr\nbool is_extended\nbool is_error\nuint8 dlc\nuint8[8] data\n";
 const FD_FRAME: &str =
     "std_msgs/Header header\nuint32 id\nbool is_extended\nbool is_error\nuint8 len\nuint8[<=64] data\n";
+
+/// The name of metadata that holds the comment of the message behind it, and of the value in it.
+pub(crate) const COMMENT: &str = "comment";
 
 struct McapWriter {
     mcap: mcap::Writer<NoSeek<Box<dyn Write>>>,
@@ -147,6 +150,10 @@ impl Writer for McapWriter {
             return Ok(());
         }
         self.count_losses(record);
+        if let Some(comment) = record.comment() {
+            let metadata = BTreeMap::from([(COMMENT.to_owned(), comment.to_owned())]);
+            self.mcap.write_metadata(&Metadata { name: COMMENT.to_owned(), metadata }).map_err(failed)?;
+        }
         let channel_id = self.channel(record, channels)?;
         self.encode(record);
         let time = record.timestamp.nanos();

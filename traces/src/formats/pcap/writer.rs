@@ -45,6 +45,7 @@ impl Writer for PcapWriter {
         if record.direction != Direction::Unknown {
             self.losses.count(Loss::Direction);
         }
+        self.losses.count_any(record.comment().map(|_| Loss::Comment));
         self.losses.count_any(Loss::of_utc(self.time_base));
         let nanos = record.timestamp.nanos();
         // 32 bits of seconds last until 2106.

@@ -9,6 +9,7 @@ use pcap_file::pcapng::blocks::interface_description::{
     InterfaceDescriptionBlock, InterfaceDescriptionOption, InterfaceTsResolution,
 };
 use pcap_file::pcapng::blocks::interface_statistics::{InterfaceStatisticsBlock, InterfaceStatisticsOption};
+use pcap_file::pcapng::blocks::opt_common::CommonOption;
 use pcap_file::pcapng::blocks::packet::{PacketBlock, PacketOption};
 use pcap_file::pcapng::blocks::section_header::SectionHeaderBlock;
 use pcap_file::pcapng::blocks::simple_packet::SimplePacketBlock;
@@ -58,6 +59,7 @@ struct Packet<'a> {
     direction: Direction,
     /// Frames lost before this one.
     drops: u64,
+    comment: Option<Cow<'a, str>>,
     /// Whether its options could be read.
     whole: bool,
 }
@@ -158,7 +160,10 @@ impl Section {
         let (drops, whole) = (packet.drops, packet.whole);
         let interface = packet.interface as usize;
         let (record, damage) = match self.frame(order, place, packet, channels) {
-            Ok(record) => (Some(record), None),
+            Ok(record) => match &packet.comment {
+                Some(comment) => (Some(record.with_comment(comment)), None),
+                None => (Some(record), None),
+            },
             Err(damage) => (None, Some(damage)),
         };
         if drops > 0 {
@@ -239,15 +244,16 @@ fn enhanced_packet<'a>(order: Endianness, state: &PcapNgState, body: &'a [u8]) -
     let (block, whole): (EnhancedPacketBlock<'a>, _) =
         block::content(order, state, body, options_of_packet(order, body))?;
     let EnhancedPacketBlock { interface_id: interface, timestamp, original_len: original, data, options } = block;
-    let (mut direction, mut drops) = (Direction::Unknown, 0);
+    let (mut direction, mut drops, mut comment) = (Direction::Unknown, 0, None);
     for option in options {
         match option {
             EnhancedPacketOption::Flags(flags) => direction = block::flags_direction(flags),
             EnhancedPacketOption::DropCount(n) => drops = n,
+            EnhancedPacketOption::Common(CommonOption::Comment(text)) => comment = Some(text),
             _ => {}
         }
     }
-    Ok(Packet { interface, time: Some(timestamp), original, data, direction, drops, whole })
+    Ok(Packet { interface, time: Some(timestamp), original, data, direction, drops, comment, whole })
 }
 
 fn packet<'a>(order: Endianness, state: &PcapNgState, body: &'a [u8]) -> Parsed<Packet<'a>> {
@@ -260,11 +266,29 @@ fn packet<'a>(order: Endianness, state: &PcapNgState, body: &'a [u8]) -> Parsed<
     let direction = block::flags_direction(flags.unwrap_or_default());
     // FFFFh: not known.
     let drops = if drop_count == u16::MAX { 0 } else { drop_count.into() };
-    Ok(Packet { interface: interface_id.into(), time: Some(timestamp), original, data, direction, drops, whole })
+    Ok(Packet {
+        interface: interface_id.into(),
+        time: Some(timestamp),
+        original,
+        data,
+        direction,
+        drops,
+        comment: None,
+        whole,
+    })
 }
 
 fn simple_packet<'a>(order: Endianness, state: &PcapNgState, body: &'a [u8]) -> Parsed<Packet<'a>> {
     let (block, _): (SimplePacketBlock<'a>, _) = block::content(order, state, body, body.len())?;
     let SimplePacketBlock { original_len: original, data } = block;
-    Ok(Packet { interface: 0, time: None, original, data, direction: Direction::Unknown, drops: 0, whole: true })
+    Ok(Packet {
+        interface: 0,
+        time: None,
+        original,
+        data,
+        direction: Direction::Unknown,
+        drops: 0,
+        comment: None,
+        whole: true,
+    })
 }

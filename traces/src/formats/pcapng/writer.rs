@@ -6,6 +6,7 @@ use pcap_file::pcapng::blocks::enhanced_packet::{EnhancedPacketBlock, EnhancedPa
 use pcap_file::pcapng::blocks::interface_description::{
     InterfaceDescriptionBlock, InterfaceDescriptionOption, InterfaceTsResolution,
 };
+use pcap_file::pcapng::blocks::opt_common::CommonOption;
 use pcap_file::pcapng::blocks::section_header::{SectionHeaderBlock, SectionHeaderOption};
 use pcap_file::pcapng::{PcapNgWriteError, PcapNgWriter};
 use pcap_file::{DataLink, Endianness};
@@ -91,11 +92,14 @@ impl Writer for PcapngWriter {
         let interface_id = self.interface(record, channels)?;
         self.frame.clear();
         socketcan::encode(record, &mut self.frame);
-        let options = match record.direction {
+        let mut options = match record.direction {
             Direction::Unknown => Vec::new(),
             Direction::Rx => vec![EnhancedPacketOption::Flags(1)],
             Direction::Tx => vec![EnhancedPacketOption::Flags(2)],
         };
+        options.extend(
+            record.comment().map(|comment| EnhancedPacketOption::Common(CommonOption::Comment(comment.into()))),
+        );
         let packet = EnhancedPacketBlock {
             interface_id,
             timestamp: Duration::from_nanos(record.timestamp.nanos()),

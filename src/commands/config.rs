@@ -1,0 +1,93 @@
+//! `canvass config`: what holds without a word on the command line, and who says so.
+
+use crate::commands::test::timing;
+use crate::live::CLIENT;
+use crate::output::print;
+use crate::settings::{BUS_VARIABLE, Setting, Settings};
+use crate::status::{Failure, Status};
+use canvass_reports::escape::Printable;
+use canvass_suite::bench::Timing;
+use serde_json::json;
+use std::fmt::Write;
+
+/// Show bus, node, device, waivers, timeouts and thresholds as they hold here, and where each comes from
+///
+/// They come from the nearest canvass.toml in this folder or one above it; the bus also from the environment variable
+/// `CANVASS_BUS`, which has precedence. What is typed has precedence over both.
+#[derive(clap::Args)]
+pub struct Args {
+    /// How to print them
+    #[arg(long, value_enum, default_value_t)]
+    format: ConfigFormat,
+}
+
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum ConfigFormat {
+    /// For people, on a terminal
+    #[default]
+    Table,
+    /// The contract for programs
+    Json,
+}
+
+/// One value.
+struct Row {
+    key: String,
+    /// `None` where nothing holds.
+    value: Option<String>,
+    from: String,
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let rows = rows(Settings::find()?.as_ref());
+        match self.format {
+            ConfigFormat::Table => print(&Printable::document(&table(&rows)))?,
+            ConfigFormat::Json => print(&Printable::pretty_json(&document(&rows)))?,
+        }
+        Ok(Status::Good)
+    }
+}
+
+fn rows(settings: Option<&Settings>) -> Vec<Row> {
+    let none = || Row { key: String::new(), value: None, from: "not set".to_owned() };
+    let mut rows: Vec<Row> =
+        ["bus", "node", "device", "waivers"].map(|key| Row { key: key.to_owned(), ..none() }).into();
+    let usual = timing::told(&Timing::default(), CLIENT);
+    rows.extend(usual.iter().filter_map(|told| told.split_once('=')).map(|(what, span)| Row {
+        key: format!("timeouts.{what}"),
+        value: Some(format!("{span}ms")),
+        from: "default".to_owned(),
+    }));
+    if let Some(Settings { path, settings }) = settings {
+        for Setting { key, value, line } in settings {
+            let row = Row { key: key.clone(), value: Some(value.clone()), from: format!("{}:{line}", path.display()) };
+            match rows.iter_mut().find(|known| known.key == *key) {
+                Some(known) => *known = row,
+                None => rows.push(row),
+            }
+        }
+    }
+    if let (Some(bus), Ok(value)) = (rows.first_mut(), std::env::var(BUS_VARIABLE)) {
+        (bus.value, bus.from) = (Some(value), format!("the environment ({BUS_VARIABLE})"));
+    }
+    rows
+}
+
+fn table(rows: &[Row]) -> String {
+    let width = |of: fn(&Row) -> usize| rows.iter().map(of).max().unwrap_or_default();
+    let keys = width(|row| row.key.chars().count());
+    let values = width(|row| row.value.as_deref().unwrap_or("-").chars().count());
+    let mut text = String::new();
+    for Row { key, value, from } in rows {
+        // Writing to a string can't fail.
+        let _ = writeln!(text, "{key:keys$}  {:values$}  {from}", value.as_deref().unwrap_or("-"));
+    }
+    text
+}
+
+fn document(rows: &[Row]) -> serde_json::Value {
+    let rows: Vec<_> =
+        rows.iter().map(|Row { key, value, from }| json!({ "key": key, "value": value, "from": from })).collect();
+    json!({ "schema": "canvass/config/1", "settings": rows })
+}

@@ -1,0 +1,28 @@
+//! `--reproducers`: a file for each violation.
+
+use crate::status::Failure;
+use crate::whole_file::WholeFile;
+use anyhow::Context;
+use canvass_fuzzer::campaign::Found;
+use canvass_fuzzer::reproducer;
+use std::io::Write;
+use std::path::Path;
+
+/// Writes them. The same violation of the same seed has the same name in every run.
+pub fn write(folder: &Path, found: &[Found], seed: u64) -> Result<(), Failure> {
+    let failed = || format!("can't write to {}", folder.display());
+    std::fs::create_dir_all(folder).with_context(failed)?;
+    for found in found.iter().filter(|found| !found.sequence.stimuli.is_empty()) {
+        let file = WholeFile::create(&folder.join(name(found, seed)))?;
+        file.writer()?.write_all(reproducer::regression(found, seed).as_bytes()).with_context(failed)?;
+        file.complete()?;
+    }
+    Ok(())
+}
+
+fn name(found: &Found, seed: u64) -> String {
+    let violation = &found.violation;
+    let words = format!("{} {}", violation.property.id(), violation.rule).to_lowercase();
+    let plain: String = words.chars().map(|c| if c.is_ascii_alphanumeric() { c } else { '-' }).collect();
+    format!("{plain}-seed{seed}.log")
+}

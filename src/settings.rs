@@ -1,0 +1,181 @@
+//! `canvass.toml`: what a project always says, found upwards from the working directory. Where the command line or the
+//! environment says something else, that holds.
+
+mod file;
+
+use anyhow::{Context, Result};
+use canvass_traces::small_file::{self, OF_HAND};
+use clap::Command;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+/// The name of the file.
+pub const NAME: &str = "canvass.toml";
+
+/// The environment variable that names the bus.
+pub const BUS_VARIABLE: &str = "CANVASS_BUS";
+
+/// Commands whose bus may come from here.
+pub const ON_BUS: [&str; 5] = ["test", "fuzz", "monitor", "scan", "restore"];
+/// Those that test one device.
+const OF_DEVICE: [&str; 2] = ["test", "fuzz"];
+/// Those that know devices by node.
+const OF_NODES: [&str; 4] = ["decode", "diagnose", "signals", "monitor"];
+
+/// What the file says.
+pub struct Settings {
+    /// Where it stands.
+    pub path: PathBuf,
+    /// In the order of the file's keys.
+    pub settings: Vec<Setting>,
+}
+
+/// One key with its value.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct Setting {
+    /// Such as `node` or `timeouts.sdo`.
+    pub key: String,
+    /// As it would be typed.
+    pub value: String,
+    /// Where it stands in the file.
+    pub line: usize,
+}
+
+impl Settings {
+    /// The nearest file, if there is one.
+    ///
+    /// # Errors
+    /// That it can't be read, or says what is not known, with its path and line.
+    pub fn find() -> Result<Option<Self>> {
+        let Ok(folder) = std::env::current_dir() else { return Ok(None) };
+        let found = folder.ancestors().map(|folder| folder.join(NAME)).find(|path| path.is_file());
+        found.map(|path| Self::read(&path)).transpose()
+    }
+
+    fn read(path: &Path) -> Result<Self> {
+        let unreadable = || format!("can't read {}", path.display());
+        let text = small_file::read_text(path, OF_HAND).with_context(unreadable)?;
+        let settings = file::read(path, &text)?;
+        Ok(Self { path: path.to_owned(), settings })
+    }
+
+    fn value(&self, key: &str) -> Option<&str> {
+        self.settings.iter().find(|setting| setting.key == key).map(|setting| setting.value.as_str())
+    }
+
+    /// `KEY=VALUE` of all keys of a table.
+    fn table(&self, name: &str) -> Vec<String> {
+        let of = |setting: &Setting| {
+            let key = setting.key.strip_prefix(name)?.strip_prefix('.')?;
+            Some(format!("{key}={}", setting.value))
+        };
+        self.settings.iter().filter_map(of).collect()
+    }
+
+    /// What it says for the arguments of a command; `typed` tells what stands on the command line.
+    fn arguments(&self, command: &str, typed: &Typed) -> Vec<(&'static str, Vec<String>)> {
+        let one = |key: &'static str| (key, self.value(key).map(str::to_owned).into_iter().collect());
+        let mut all = Vec::new();
+        if ON_BUS.contains(&command) {
+            all.push(one("bus"));
+        }
+        // Node, device and waivers are those of its bus: on another one there are others.
+        let is_its_bus = typed.bus.is_none() || typed.bus.as_deref() == self.value("bus");
+        if is_its_bus && OF_DEVICE.contains(&command) {
+            all.extend([one("node"), one("device")]);
+        }
+        if is_its_bus && OF_NODES.contains(&command) {
+            all.push(("device", self.device_of_node().into_iter().collect()));
+        }
+        match command {
+            "test" if is_its_bus => all.extend([one("waivers"), ("timeout", self.table("timeouts"))]),
+            "test" => all.push(("timeout", self.table("timeouts"))),
+            "diagnose" => all.push(("threshold", self.table("thresholds"))),
+            _ => {}
+        }
+        all.into_iter().filter(|(_, values)| !values.is_empty()).collect()
+    }
+
+    /// `NODE=DEVICE`, where the file says both.
+    fn device_of_node(&self) -> Option<String> {
+        let device = self.value("device")?;
+        if device.contains('=') {
+            return Some(device.to_owned());
+        }
+        self.value("node").map(|node| format!("{node}={device}"))
+    }
+}
+
+/// What matters of the command line before it is understood as a whole.
+#[derive(Default)]
+struct Typed {
+    bus: Option<String>,
+    /// The options that stand there.
+    options: Vec<String>,
+}
+
+/// A command line with what the settings add to it.
+pub struct Completed {
+    /// The commands, with the settings for defaults.
+    pub command: Command,
+    /// The command line.
+    pub arguments: Vec<OsString>,
+    /// The arguments whose default is a setting.
+    pub set: Vec<&'static str>,
+    /// The file that says something for this command.
+    pub file: Option<PathBuf>,
+}
+
+/// Adds what the settings say to the command that was typed.
+///
+/// # Errors
+/// What is wrong with the file, where the command would use it.
+pub fn complete(command: Command, mut arguments: Vec<OsString>) -> Result<Completed> {
+    let (name, typed) = typed(&command, &arguments);
+    let is_used = ON_BUS.iter().chain(&OF_NODES).any(|known| name.as_deref() == Some(known));
+    let (Some(name), true) = (name, is_used) else {
+        return Ok(Completed { command, arguments, set: Vec::new(), file: None });
+    };
+    let Some(settings) = Settings::find()? else {
+        return Ok(Completed { command, arguments, set: Vec::new(), file: None });
+    };
+    let all = settings.arguments(&name, &typed);
+    let file = (!all.is_empty()).then_some(settings.path);
+    let (mut set, mut command) = (Vec::new(), command);
+    for (id, values) in all {
+        if !typed.options.iter().any(|option| option == id) {
+            command = with_default(command, &name, id, &values);
+            set.push(id);
+        } else if matches!(id, "timeout" | "threshold") {
+            // Each of them is a setting of its own: what was typed comes behind those of the file.
+            put_first(&mut arguments, &name, id, &values);
+        }
+    }
+    Ok(Completed { command, arguments, set, file })
+}
+
+/// The subcommand, and what was typed for it, as far as it can be told.
+fn typed(command: &Command, arguments: &[OsString]) -> (Option<String>, Typed) {
+    let Ok(matches) = command.clone().ignore_errors(true).try_get_matches_from(arguments) else {
+        return Default::default();
+    };
+    let Some((name, below)) = matches.subcommand() else { return Default::default() };
+    let is_typed = |id: &str| below.value_source(id) == Some(clap::parser::ValueSource::CommandLine);
+    let options = below.ids().map(|id| id.as_str().to_owned()).filter(|id| is_typed(id)).collect();
+    let bus = below.try_get_one::<String>("bus").ok().flatten().filter(|_| is_typed("bus")).cloned();
+    (Some(name.to_owned()), Typed { bus, options })
+}
+
+fn with_default(command: Command, name: &str, id: &'static str, values: &[String]) -> Command {
+    let with_values = |argument: clap::Arg| match argument.get_id() == id {
+        true => argument.required(false).default_values(values.to_vec()),
+        false => argument,
+    };
+    command.mut_subcommands(|below| if below.get_name() == name { below.mut_args(with_values) } else { below })
+}
+
+fn put_first(arguments: &mut Vec<OsString>, name: &str, option: &str, values: &[String]) {
+    let Some(at) = arguments.iter().position(|argument| argument == name) else { return };
+    let added = values.iter().map(|value| OsString::from(format!("--{option}={value}")));
+    arguments.splice(at + 1..at + 1, added);
+}
