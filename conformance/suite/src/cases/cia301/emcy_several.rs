@@ -198,7 +198,7 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
     let [new, old] = lost_on(bench, [FREE as u16, CobId(own).can_id() as u16])?;
     let is_whole = |record: &&Record| !record.frame.is_remote() && record.data().len() == 8;
     bench.check(demand(
-        new.iter().any(|record| is_error(record)) && new.iter().all(|record| is_whole(&record)),
+        new.iter().any(is_error) && new.iter().all(|record| is_whole(&record)),
         || {
             let breach = Breach::new(COB_ID, "EMCY comes on the CAN-ID that 1014h names")
                 .expected("EMCY of eight bytes on 6B0h");
