@@ -40,7 +40,7 @@ fn a_bit_rate_is_asked_for_known_and_changed() {
     up("can1", "250000");
     let device = simulate(MODEL, "can1", &[]);
     let doctor = text(&run(&["doctor"]).stdout);
-    assert!(doctor.contains("✔ interface    can0: can, up, 250 kbit/s, error-active"), "{doctor}");
+    assert!(doctor.contains("✔ interface    can0: controller, up, 250 kbit/s, error-active"), "{doctor}");
 
     let found = bit_rate_cases("can0");
     assert_eq!(found, bit_rate_cases(&format!("sim:{MODEL}")));

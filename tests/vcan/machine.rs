@@ -11,7 +11,10 @@ fn the_doctor_sees_interfaces() {
     assert!(said.contains("✔ interface    vdoctor: virtual, up"), "{said}");
     bus.down();
     let said = text(&run(&["doctor"]).stdout);
-    assert!(said.contains("✘ interface    vdoctor: vcan, down") && said.contains("ip link set vdoctor up"), "{said}");
+    assert!(
+        said.contains("✘ interface    vdoctor: virtual, down") && said.contains("ip link set vdoctor up"),
+        "{said}"
+    );
 }
 
 /// What it said before the modules were loaded, where this kernel was booted for the tests.

@@ -299,7 +299,11 @@ impl Executor {
     /// # Errors
     /// [`BusError`] if the bus fails.
     pub fn restart(&mut self, ground: &mut dyn Ground) -> Result<Ended, BusError> {
-        self.run(ground, &Sequence::default(), Pace::Careful, true)
+        // A run whose time is over leaves the device as it was found all the same.
+        let time = std::mem::take(&mut self.time);
+        let ended = self.run(ground, &Sequence::default(), Pace::Careful, true);
+        self.time = time;
+        ended
     }
 
     /// A sequence has shown something that did not come back: an answer may have come later than was waited for, or the

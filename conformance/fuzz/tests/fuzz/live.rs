@@ -23,7 +23,11 @@ fn fuzz(device: Box<dyn Machine>, described: &Model, target: Target, sequences: 
     let mut bus = SimulatedBus::new(250_000);
     bus.attach(device);
     let knowledge = Knowledge::new(NODE, Some(described.description()), Some(described.sheet()));
-    let plan = Plan {
+    campaign(&mut bus, knowledge, &plan(target), &mut |progress| progress.sequences < sequences).unwrap()
+}
+
+fn plan(target: Target) -> Plan {
+    Plan {
         target,
         seed: 4,
         allow: BTreeSet::new(),
@@ -32,8 +36,7 @@ fn fuzz(device: Box<dyn Machine>, described: &Model, target: Target, sequences: 
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,
-    };
-    campaign(&mut bus, knowledge, &plan, &mut |progress| progress.sequences < sequences).unwrap()
+    }
 }
 
 fn with(firmware: impl Into<Firmware>, target: Target, sequences: u64) -> Outcome {
@@ -98,6 +101,43 @@ fn few_resets_are_needed() {
     assert!(resets * 3 < outcome.sequences, "{resets} resets for {} sequences", outcome.sequences);
     let (reached, all) = outcome.coverage.sdo_share(true);
     assert!(reached * 100 >= all * 95, "{reached} of {all}");
+}
+
+/// The last that the device gets, also when the time of the run is over: what was not stored is as it was.
+#[test]
+fn a_run_that_is_cut_short_leaves_the_device_as_it_was_found() {
+    struct Last(Device, Arc<AtomicU64>);
+    impl Machine for Last {
+        fn handle(&mut self, now: Timestamp, frame: &Frame) {
+            let is_reset = frame.cob_id() == Some(0) && frame.data() == [0x81, NODE.raw()];
+            let is_sdo_read = frame.cob_id() == Some(0x601) && frame.data().first() == Some(&0x40);
+            if is_reset || !is_sdo_read {
+                self.1.store(u64::from(is_reset), Ordering::Relaxed);
+            }
+            self.0.handle(now, frame);
+        }
+        fn poll_transmit(&mut self, now: Timestamp) -> Option<Frame> {
+            self.0.poll_transmit(now)
+        }
+        fn poll_timeout(&self) -> Option<Timestamp> {
+            self.0.poll_timeout()
+        }
+        fn handle_timeout(&mut self, now: Timestamp) {
+            self.0.handle_timeout(now);
+        }
+    }
+    let was_reset = Arc::new(AtomicU64::new(0));
+    let mut bus = SimulatedBus::new(250_000);
+    bus.attach(Box::new(Last(Device::new(model(), Some(NODE), Faults::NONE, 0), Arc::clone(&was_reset))));
+    let knowledge = Knowledge::new(NODE, Some(model().description()), Some(model().sheet()));
+    let plan = plan(Target::Pdo);
+    let cancelled = Arc::clone(&plan.time.cancelled);
+    let mut cut_short = |progress: canvass_fuzzer::campaign::Progress<'_>| {
+        cancelled.store(progress.sequences >= 20, Ordering::Relaxed);
+        progress.sequences < 20
+    };
+    let outcome = campaign(&mut bus, knowledge, &plan, &mut cut_short).unwrap();
+    assert!(outcome.sequences == 20 && was_reset.load(Ordering::Relaxed) == 1, "{}", outcome.sequences);
 }
 
 /// Resets that bring nothing back are told; what comes after them is judged by the values that are there.

@@ -197,14 +197,11 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
     }
     let [new, old] = lost_on(bench, [FREE as u16, CobId(own).can_id() as u16])?;
     let is_whole = |record: &&Record| !record.frame.is_remote() && record.data().len() == 8;
-    bench.check(demand(
-        new.iter().any(is_error) && new.iter().all(|record| is_whole(&record)),
-        || {
-            let breach = Breach::new(COB_ID, "EMCY comes on the CAN-ID that 1014h names")
-                .expected("EMCY of eight bytes on 6B0h");
-            breach.found(observed(&new)).told(shown(&new))
-        },
-    ))?;
+    bench.check(demand(new.iter().any(is_error) && new.iter().all(|record| is_whole(&record)), || {
+        let breach =
+            Breach::new(COB_ID, "EMCY comes on the CAN-ID that 1014h names").expected("EMCY of eight bytes on 6B0h");
+        breach.found(observed(&new)).told(shown(&new))
+    }))?;
     bench.check(demand(old.is_empty(), || {
         let breach = Breach::new(COB_ID, "no EMCY comes on a CAN-ID that 1014h no longer names");
         breach.expected(Observation::Silence).found(observed(&old)).told(shown(&old))
