@@ -116,9 +116,7 @@ impl View {
                 comment.clear();
                 comment.push_str(latest);
             }
-            if self.show_frame(&inputs, &mut network, &mut range, (lines.as_mut(), &comment), output)? {
-                comment.clear();
-            }
+            self.show_frame(&inputs, &mut network, &mut range, (lines.as_mut(), &mut comment), output)?;
         }
         self.end(inputs)
     }
@@ -161,31 +159,31 @@ impl View {
         Ok(Status::Good)
     }
 
-    /// Shows the frame, and before it the comment, if it is one that was asked for: whether it is.
+    /// Shows the frame, and before it the comment, if it is one that was asked for. A comment is shown once.
     fn show_frame(
         &self,
         inputs: &Inputs<'_>,
         network: &mut Network,
         range: &mut TimeRange,
-        (lines, comment): (&mut dyn Lines, &str),
+        (lines, comment): (&mut dyn Lines, &mut String),
         output: &Output,
-    ) -> std::io::Result<bool> {
+    ) -> std::io::Result<()> {
         let record = inputs.record();
         let decoded = network.handle(record);
         if !range.contains(record.timestamp)
             || !self.selection.has_channel(record, inputs)
             || !self.selection.has(record, &decoded, inputs)
         {
-            return Ok(false);
+            return Ok(());
         }
-        let Some(bus) = network.bus(record.channel) else { return Ok(false) };
+        let Some(bus) = network.bus(record.channel) else { return Ok(()) };
         let meaning = Meaning::new(record, &decoded, bus);
         let line = Line { record, channels: inputs.channels(), decoded: &decoded, meaning };
-        output.append(|buffer| {
-            lines.comment(comment, buffer);
-            lines.line(&line, buffer);
-        })?;
-        Ok(true)
+        if !comment.is_empty() {
+            output.append(|buffer| lines.comment(comment, buffer))?;
+            comment.clear();
+        }
+        output.append(|buffer| lines.line(&line, buffer))
     }
 }
 

@@ -293,7 +293,10 @@ impl<F: LineFormat> Iterator for TextReader<F> {
             return Some(Err(damage));
         }
         if let Some(record) = self.lines.next_usual(|window, place| format.usual_line(window, place)) {
-            return Some(Ok(self.with_notes(record)));
+            if !self.notes.is_empty() {
+                return Some(Ok(self.noted(record)));
+            }
+            return Some(Ok(record));
         }
         loop {
             match self.lines.next() {

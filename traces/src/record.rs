@@ -161,6 +161,7 @@ impl Record {
     }
 
     /// What the capture says before this frame, such as where a case of a test begins: one or several lines.
+    #[inline]
     pub fn comment(&self) -> Option<&str> {
         self.beside.as_ref().and_then(|beside| beside.comment.as_deref())
     }
