@@ -5,11 +5,11 @@ use std::fs::File;
 use std::io::{Read, Write};
 use std::process::Stdio;
 
-/// A capture that takes a program without optimisation some seconds.
+/// A capture that takes a program without optimisation some seconds, also on a fast machine.
 fn long_capture(folder: &tempfile::TempDir) -> String {
     let path = folder.path().join("long.log");
     let mut file = std::io::BufWriter::new(File::create(&path).unwrap());
-    for n in 0..400_000 {
+    for n in 0..1_600_000 {
         writeln!(file, "({}.{:06}) can0 73F#05", n / 1_000, n % 1_000 * 1_000).unwrap();
     }
     path.display().to_string()
