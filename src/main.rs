@@ -27,6 +27,7 @@ mod selection;
 mod settings;
 mod status;
 mod time_range;
+mod timing;
 mod whole_file;
 
 use status::Status;

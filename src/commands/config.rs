@@ -1,10 +1,10 @@
 //! `canvass config`: what holds without a word on the command line, and who says so.
 
-use crate::commands::test::timing;
 use crate::live::CLIENT;
 use crate::output::print;
 use crate::settings::{BUS_VARIABLE, Setting, Settings};
 use crate::status::{Failure, Status};
+use crate::timing;
 use canvass_reports::escape::Printable;
 use canvass_suite::bench::Timing;
 use serde_json::json;

@@ -1,9 +1,10 @@
 //! `canvass restore`: what an interrupted run has left behind is put back.
 
-use super::test::{named, timing::Timeout};
+use super::test::named;
 use crate::live::{CLIENT, open_device_bus};
 use crate::put_back::{put_back, read};
 use crate::status::{Failure, Status};
+use crate::timing::Timeout;
 use canvass_suite::bench::Timing;
 use std::path::PathBuf;
 

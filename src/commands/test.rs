@@ -7,7 +7,6 @@ mod forecast;
 mod journal;
 mod recorder;
 pub mod reports;
-pub mod timing;
 
 use crate::allow::{Allow, touches};
 use crate::devices::{describe, parse_node};
@@ -16,6 +15,7 @@ use crate::live::{CLIENT, limited, open_device_bus_at, parse_span};
 use crate::output::Color;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
+use crate::timing::{self, Timeout};
 use anyhow::{Context, anyhow};
 use bundled::Bundle;
 use canvass_analyzer::NodeId;
@@ -34,7 +34,6 @@ use reports::{Reports, Shown};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use timing::Timeout;
 
 /// Test a device against CiA 301, CiA 305, CiA 406 and its own description
 ///

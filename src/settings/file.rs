@@ -14,8 +14,8 @@
 //! ```
 
 use super::Setting;
-use crate::commands::test::timing::Timeout;
 use crate::devices::parse_node;
+use crate::timing::Timeout;
 use anyhow::{Result, anyhow};
 use canvass_analyzer::findings::Thresholds;
 use serde::Deserialize;
