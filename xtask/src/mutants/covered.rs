@@ -1,9 +1,8 @@
-//! Which files of the simulated devices are mutated, and which service each belongs to.
-//!
-//! What is not here is no firmware: faults and liberties, the models' files, the motion of the shaft, addresses.
+//! Which files are mutated, and under which name each is counted.
 
-/// Files below `conformance/device/src/device`, or folders, each with its service; the order is that of the table.
-pub const COVERED: [(&str, &str); 35] = [
+/// The simulated devices, by service. What is not here is no firmware: faults and liberties, the models' files, the motion of
+/// the shaft, addresses.
+pub const DEVICE: [(&str, &str); 35] = [
     ("sdo_server/", "SDO"),
     ("sdo_channels.rs", "SDO"),
     ("parameters.rs", "dictionary"),
@@ -41,19 +40,18 @@ pub const COVERED: [(&str, &str); 35] = [
     ("own_traffic.rs", "NMT"),
 ];
 
-/// The service of a file, by its path below the folder of the device; `None`: it is left as it is.
-pub fn service(path: &str) -> Option<&'static str> {
-    let is = |pattern: &str| path == pattern || pattern.ends_with('/') && path.starts_with(pattern);
-    COVERED.iter().find(|(pattern, _)| is(pattern)).map(|(_, service)| *service)
-}
+/// What reads frames, and what keeps the state of the network.
+pub const ANALYZER: [(&str, &str); 2] = [("wire/", "wire"), ("network/", "network")];
 
-/// All services, in the order of the table.
-pub fn services() -> Vec<&'static str> {
-    let mut services: Vec<&str> = Vec::new();
-    for (_, service) in COVERED {
-        if !services.contains(&service) {
-            services.push(service);
-        }
-    }
-    services
-}
+/// What cases stand on, and what runs and judges them.
+pub const SUITE: [(&str, &str); 9] = [
+    ("bench/", "bench"),
+    ("cases/cia301/needs/", "needs"),
+    ("cases/cia406/needs.rs", "needs"),
+    ("needs.rs", "needs"),
+    ("runner/", "runner"),
+    ("verdict/", "verdict"),
+    ("situation.rs", "verdict"),
+    ("waiver.rs", "verdict"),
+    ("comparison.rs", "verdict"),
+];

@@ -1,5 +1,6 @@
 //! Which mutants there are, by number, and which are tried.
 
+use super::area::Area;
 use super::point::Form;
 use super::scratch::Source;
 use std::collections::BTreeSet;
@@ -12,7 +13,7 @@ pub struct Mutant {
     /// The first mutant of its place: it is that number which says that the place was reached.
     pub place: u32,
     pub service: &'static str,
-    /// Below the folder of the simulated devices.
+    /// Below the folder of the area's sources.
     pub file: String,
     pub line: usize,
     pub function: String,
@@ -20,6 +21,14 @@ pub struct Mutant {
     pub code: String,
     /// What was changed in it, and into what.
     pub change: String,
+}
+
+impl Mutant {
+    /// Where it stands and what it is.
+    pub fn describe(&self, area: &Area) -> String {
+        let Self { number, file, line, function, change, code, .. } = self;
+        format!("{number} {}/{file}:{line} {function}: {change}\n    {code}", area.sources)
+    }
 }
 
 /// All mutants, by number.
@@ -49,8 +58,12 @@ pub fn all(sources: &[Source]) -> Vec<Mutant> {
 }
 
 /// That many of those whose places are reached, by the seed; all of them if there are no more.
-pub fn draw(mutants: &[Mutant], reached: &BTreeSet<u32>, seed: u64, count: usize) -> Vec<Mutant> {
-    let mut drawn: Vec<Mutant> = mutants.iter().filter(|mutant| reached.contains(&mutant.place)).cloned().collect();
+pub fn draw_reached(mutants: &[Mutant], reached: &BTreeSet<u32>, seed: u64, count: usize) -> Vec<Mutant> {
+    draw(mutants.iter().filter(|mutant| reached.contains(&mutant.place)).cloned().collect(), seed, count)
+}
+
+/// That many of them, by the seed; all of them if there are no more.
+pub fn draw(mut drawn: Vec<Mutant>, seed: u64, count: usize) -> Vec<Mutant> {
     let mut state = seed;
     for at in (1..drawn.len()).rev() {
         drawn.swap(at, (random(&mut state) % (at as u64 + 1)) as usize);

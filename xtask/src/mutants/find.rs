@@ -68,9 +68,9 @@ impl<'ast> Visit<'ast> for Calls {
 
 impl Calls {
     fn of(&mut self, expression: &syn::Expr) {
-        self.inside = true;
+        let outer = std::mem::replace(&mut self.inside, true);
         self.visit_expr(expression);
-        self.inside = false;
+        self.inside = outer;
     }
 }
 

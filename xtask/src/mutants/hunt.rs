@@ -1,6 +1,8 @@
 //! Runs the suite and the fuzzer on mutants, each in a process of its own that may crash or never end.
 
+use super::area::Area;
 use super::drawn::Mutant;
+use super::scratch;
 use anyhow::{Context, Result, ensure};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
@@ -56,6 +58,15 @@ pub struct Right {
     fuzzer: String,
     /// The places that were reached.
     pub reached: BTreeSet<u32>,
+}
+
+/// Builds the program with all mutants.
+pub fn build(area: &Area) -> Result<PathBuf> {
+    eprintln!("building the program with all mutants");
+    let arguments = ["build", "--profile", "mutants", "--package", "canvass-fuzzer", "--example", "mutant"];
+    let status = scratch::cargo(area, &arguments).status().context("cargo build")?;
+    ensure!(status.success(), "the mutated workspace does not build: {status}");
+    Ok(std::env::current_dir()?.join(area.scratch()).join("target/mutants/examples/mutant"))
 }
 
 impl Outcome {

@@ -1,9 +1,12 @@
 //! `cargo xtask mutants [--seed D,D] [--count N] [--exchanges N] [--only N,N]`: random mutants of the simulated devices' own
-//! code, looked for by the suite and by the fuzzer.
+//! code, looked for by the suite and by the fuzzer. `--tests analyzer|suite`: random mutants of that crate, looked for by its
+//! own tests.
 //!
 //! All mutants are compiled into one program ([`rewrite`]) in a copy of the workspace ([`scratch`]), and one is chosen for each
 //! process. Drawn are those whose place is reached at all; the seed is that of the day, so that nobody tunes to it.
 
+mod area;
+mod by_tests;
 mod covered;
 mod drawn;
 mod find;
@@ -14,14 +17,15 @@ mod reviewed;
 mod rewrite;
 mod scratch;
 mod table;
+mod tested;
 mod variants;
 
 use anyhow::{Context, Result, bail, ensure};
+use area::Area;
 use drawn::Mutant;
 use hunt::{Fate, Hunt};
 use reviewed::Reviewed;
 use std::collections::BTreeSet;
-use std::path::Path;
 use std::time::Instant;
 
 /// How many mutants are tried.
@@ -36,6 +40,8 @@ struct Wishes {
     exchanges: u64,
     /// These mutants instead of random ones, by their numbers.
     only: Vec<u32>,
+    /// Mutants of this crate, and its own tests.
+    tests: Option<&'static Area>,
 }
 
 /// Draws, runs and tells.
@@ -44,12 +50,17 @@ struct Wishes {
 /// If it can't be built, or something is found on a right device.
 pub fn mutants(args: &[String]) -> Result<()> {
     let wishes = Wishes::read(args)?;
-    let reviewed = Reviewed::read()?;
-    let mut sources = scratch::read()?;
+    if let Some(area) = wishes.tests {
+        return by_tests::by_tests(area, &wishes);
+    }
+    let area = &area::DEVICE;
+    let reviewed = Reviewed::read(area)?;
+    let mut sources = scratch::read(area)?;
     // Said at once, and not only after minutes of building.
     ensure_current(&reviewed, &drawn::all(&sources))?;
     let begun = Instant::now();
-    let program = scratch::build(&mut sources)?;
+    scratch::prepare(area, &mut sources)?;
+    let program = hunt::build(area)?;
     let all = drawn::all(&sources);
     ensure_current(&reviewed, &all)?;
     eprintln!("{} mutants, built in {} s", all.len(), begun.elapsed().as_secs());
@@ -57,7 +68,7 @@ pub fn mutants(args: &[String]) -> Result<()> {
     for &seed in &wishes.seeds {
         let begun = Instant::now();
         let hunt = Hunt::new(program.clone(), seed, wishes.exchanges);
-        let right = hunt.right(Path::new(scratch::FOLDER))?;
+        let right = hunt.right(&area.scratch())?;
         let fates = hunt.all(&wishes.choose(&all, &right.reached, seed), &right)?;
         let unreached = all.iter().filter(|mutant| !right.reached.contains(&mutant.place)).collect::<Vec<_>>();
         write_unreached(&unreached)?;
@@ -108,10 +119,11 @@ fn write_unreached(unreached: &[&Mutant]) -> Result<()> {
 
 impl Wishes {
     fn read(args: &[String]) -> Result<Self> {
-        let mut wishes = Self { seeds: vec![today()?], count: COUNT, exchanges: EXCHANGES, only: Vec::new() };
+        let mut wishes =
+            Self { seeds: vec![today()?], count: COUNT, exchanges: EXCHANGES, only: Vec::new(), tests: None };
         let mut args = args.iter();
         while let Some(name) = args.next() {
-            let value = args.next().with_context(|| format!("{name} needs a number"))?;
+            let value = args.next().with_context(|| format!("{name} needs a value"))?;
             match &**name {
                 "--seed" => {
                     wishes.seeds = value.split(',').map(str::parse).collect::<Result<_, _>>().context("--seed")?
@@ -121,7 +133,11 @@ impl Wishes {
                 "--only" => {
                     wishes.only = value.split(',').map(str::parse).collect::<Result<_, _>>().context("--only")?
                 }
-                other => bail!("expected --seed, --count, --exchanges or --only, found {other}"),
+                "--tests" => {
+                    let area = area::TESTED.iter().find(|area| area.name == value);
+                    wishes.tests = Some(area.context("--tests: expected analyzer or suite")?);
+                }
+                other => bail!("expected --seed, --count, --exchanges, --only or --tests, found {other}"),
             }
         }
         Ok(wishes)
@@ -129,7 +145,7 @@ impl Wishes {
 
     fn choose(&self, all: &[Mutant], reached: &BTreeSet<u32>, seed: u64) -> Vec<Mutant> {
         match self.only.is_empty() {
-            true => drawn::draw(all, reached, seed, self.count),
+            true => drawn::draw_reached(all, reached, seed, self.count),
             false => all.iter().filter(|mutant| self.only.contains(&mutant.number)).cloned().collect(),
         }
     }

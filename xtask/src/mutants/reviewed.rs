@@ -1,12 +1,12 @@
-//! The mutants that somebody has looked at and found right: `xtask/equivalent-mutants.toml`.
+//! The mutants that somebody has looked at and found right: `xtask/equivalent-mutants.toml` for those of the simulated devices,
+//! `xtask/equivalent-mutants-analyzer.toml` and such for those that a crate's own tests look for.
 //!
 //! A row names the code and not the line, so that it stays true while the code around it changes.
 
+use super::area::Area;
 use super::drawn::Mutant;
 use anyhow::{Context, Result};
 use std::collections::BTreeSet;
-
-const FILE: &str = "xtask/equivalent-mutants.toml";
 
 /// One mutant; where `change` is left out all of that line, and where `code` is left out all of the function: it is about
 /// what nobody can know of a device.
@@ -18,7 +18,7 @@ pub struct Row {
     /// The line as it stands.
     code: Option<String>,
     change: Option<String>,
-    /// Why no tester could tell it from a right device.
+    /// Why nobody could tell it from what is right.
     why: String,
 }
 
@@ -31,9 +31,13 @@ pub struct Reviewed {
 }
 
 impl Reviewed {
-    pub fn read() -> Result<Self> {
-        let text = std::fs::read_to_string(FILE).context(FILE)?;
-        toml::from_str(&text).context(FILE)
+    pub fn read(area: &Area) -> Result<Self> {
+        let file = match area.name {
+            "device" => "xtask/equivalent-mutants.toml".to_owned(),
+            name => format!("xtask/equivalent-mutants-{name}.toml"),
+        };
+        let text = std::fs::read_to_string(&file).with_context(|| file.clone())?;
+        toml::from_str(&text).context(file)
     }
 
     /// Why a mutant is right, if it is listed.

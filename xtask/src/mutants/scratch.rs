@@ -1,6 +1,6 @@
-//! The mutated workspace: the crates as they are, by links, and the one of the simulated devices rewritten.
+//! The mutated workspace: the crates as they are, by links, and the one that is mutated rewritten.
 
-use super::covered;
+use super::area::{self, Area};
 use super::find::{Findings, called_in_constants, find};
 use super::honest::Hooks;
 use super::rewrite::{Rewritten, rewrite};
@@ -10,14 +10,6 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Where the mutated workspace is built.
-pub const FOLDER: &str = "target/mutants";
-/// The crate that is mutated, and its files that are.
-const DEVICE: &str = "conformance/device";
-const SOURCES: &str = "conformance/device/src/device";
-/// What its tests are made with; the others need no more than a link.
-const LINKED: [&str; 7] =
-    ["traces", "analyzer", "conformance/bus", "conformance/suite", "conformance/fuzz", "conformance/macros", "docs"];
 /// So often mutants that can't be compiled are taken out.
 const ROUNDS: u32 = 12;
 /// Optimised enough to run, and soon built.
@@ -25,7 +17,7 @@ const PROFILE: &str = "[profile.mutants]\ninherits = \"release\"\nlto = false\nc
 
 /// A file with what can be changed in it.
 pub struct Source {
-    /// Below [`SOURCES`].
+    /// Below the folder of the area's sources.
     pub path: String,
     pub service: &'static str,
     pub text: String,
@@ -35,38 +27,41 @@ pub struct Source {
 }
 
 /// Reads all files that are mutated.
-pub fn read() -> Result<Vec<Source>> {
+pub fn read(area: &Area) -> Result<Vec<Source>> {
     let mut texts = Vec::new();
     let mut constants = BTreeSet::new();
     let mut hooks = Hooks::default();
-    for path in files(Path::new(DEVICE).join("src").as_path())? {
+    for path in files(Path::new(area.folder))? {
+        if path.extension().is_none_or(|extension| extension != "rs") {
+            continue;
+        }
         let text = std::fs::read_to_string(&path).with_context(|| path.display().to_string())?;
-        constants.extend(called_in_constants(&text)?);
+        constants.extend(called_in_constants(&text).with_context(|| path.display().to_string())?);
         hooks.add(&text);
-        if let Ok(below) = path.strip_prefix(SOURCES) {
+        if let Ok(below) = path.strip_prefix(area.sources) {
             texts.push((below.to_string_lossy().into_owned(), text));
         }
     }
     texts.sort();
     let mut sources = Vec::new();
     for (path, text) in texts {
-        let Some(service) = covered::service(&path) else { continue };
+        let Some(service) = area.service(&path) else { continue };
         let found = find(&text, &constants, &hooks).with_context(|| path.clone())?;
         sources.push(Source { path, service, text, found, first: 0 });
     }
     Ok(sources)
 }
 
-/// Builds the program with all mutants of these files that can be compiled; the others are taken out.
-pub fn build(sources: &mut [Source]) -> Result<PathBuf> {
-    lay_out()?;
+/// Writes the workspace with all mutants of these files that can be compiled; the others are taken out.
+pub fn prepare(area: &Area, sources: &mut [Source]) -> Result<()> {
+    lay_out(area)?;
     for _ in 0..ROUNDS {
-        let rewritten = write(sources)?;
-        let errors = check()?;
+        let rewritten = write(area, sources)?;
+        let errors = check(area)?;
         if errors.is_empty() {
-            return compile();
+            return Ok(());
         }
-        let taken_out = take_out(sources, &rewritten, &errors);
+        let taken_out = take_out(area, sources, &rewritten, &errors);
         eprintln!("{taken_out} places can't be changed so that it compiles");
         if taken_out == 0 {
             let shown: Vec<String> = errors.iter().take(5).map(|error| error.text.clone()).collect();
@@ -77,54 +72,54 @@ pub fn build(sources: &mut [Source]) -> Result<PathBuf> {
 }
 
 /// Links to all crates, and a copy of the one that is mutated.
-fn lay_out() -> Result<()> {
+fn lay_out(area: &Area) -> Result<()> {
     let root = std::env::current_dir()?;
-    let scratch = Path::new(FOLDER);
+    let scratch = area.scratch();
     std::fs::create_dir_all(scratch.join("conformance"))?;
-    for linked in LINKED {
+    for linked in area.linked() {
         let link = scratch.join(linked);
         if std::fs::symlink_metadata(&link).is_err() {
             std::os::unix::fs::symlink(root.join(linked), &link).with_context(|| link.display().to_string())?;
         }
     }
-    let device = scratch.join(DEVICE);
-    for file in files(Path::new(DEVICE))? {
-        let copy = device.join(file.strip_prefix(DEVICE)?);
+    for file in files(Path::new(area.folder))? {
         let is_mutated =
-            file.strip_prefix(SOURCES).is_ok_and(|path| covered::service(&path.to_string_lossy()).is_some());
-        if !is_mutated && !file.ends_with("src/lib.rs") {
-            write_if_new(&copy, &std::fs::read(&file)?)?;
+            file.strip_prefix(area.sources).is_ok_and(|path| area.service(&path.to_string_lossy()).is_some());
+        let is_root = file == Path::new(area.folder).join("src/lib.rs");
+        if is_root {
+            let text = std::fs::read_to_string(&file)?;
+            write_if_new(&scratch.join(&file), format!("{text}\n#[doc(hidden)]\npub mod mutant;\n").as_bytes())?;
+        } else if !is_mutated {
+            write_if_new(&scratch.join(&file), &std::fs::read(&file)?)?;
         }
     }
-    let library = std::fs::read_to_string(Path::new(DEVICE).join("src/lib.rs"))?;
-    write_if_new(
-        &device.join("src/lib.rs"),
-        library.replacen("mod damage;", "pub mod mutant;\nmod damage;", 1).as_bytes(),
-    )?;
-    write_if_new(&device.join("src/mutant.rs"), include_bytes!("switch.rs"))?;
-    let manifest = std::fs::read_to_string("Cargo.toml")?;
-    let (_, dependencies) = manifest.split_once("[workspace.package]").context("[workspace.package] in Cargo.toml")?;
-    let (dependencies, _) = dependencies.split_once("\n[package]").context("[package] in Cargo.toml")?;
-    let members = "[workspace]\nmembers = [\"traces\", \"analyzer\", \"conformance/bus\", \"conformance/device\", \"conformance/suite\", \"conformance/fuzz\", \"conformance/macros\"]\nresolver = \"3\"\n\n";
-    write_if_new(
-        &scratch.join("Cargo.toml"),
-        format!("{members}[workspace.package]{dependencies}\n{PROFILE}").as_bytes(),
-    )?;
+    write_if_new(&scratch.join(area.folder).join("src/mutant.rs"), include_bytes!("switch.rs"))?;
+    write_if_new(&scratch.join("Cargo.toml"), manifest()?.as_bytes())?;
     if !scratch.join("Cargo.lock").exists() {
         std::fs::copy("Cargo.lock", scratch.join("Cargo.lock"))?;
     }
     Ok(())
 }
 
+/// The manifest of the workspace without the program.
+fn manifest() -> Result<String> {
+    let manifest = std::fs::read_to_string("Cargo.toml")?;
+    let (_, dependencies) = manifest.split_once("[workspace.package]").context("[workspace.package] in Cargo.toml")?;
+    let (dependencies, _) = dependencies.split_once("\n[package]").context("[package] in Cargo.toml")?;
+    let members: Vec<String> = area::CRATES.iter().map(|name| format!("\"{name}\"")).collect();
+    let members = members.join(", ");
+    Ok(format!("[workspace]\nmembers = [{members}]\nresolver = \"3\"\n\n[workspace.package]{dependencies}\n{PROFILE}"))
+}
+
 /// Numbers the mutants of all files and writes them.
-fn write(sources: &mut [Source]) -> Result<Vec<Rewritten>> {
+fn write(area: &Area, sources: &mut [Source]) -> Result<Vec<Rewritten>> {
     let mut next = 1;
     let mut all = Vec::new();
     for source in sources.iter_mut() {
         source.first = next;
         next += source.found.points.iter().map(|point| point.variants.len() as u32).sum::<u32>();
         let rewritten = rewrite(&source.text, &source.found, source.first);
-        write_if_new(&Path::new(FOLDER).join(SOURCES).join(&source.path), rewritten.text.as_bytes())?;
+        write_if_new(&area.scratch().join(area.sources).join(&source.path), rewritten.text.as_bytes())?;
         all.push(rewritten);
     }
     Ok(all)
@@ -137,17 +132,18 @@ struct Mistake {
     places: Vec<(String, usize, usize)>,
 }
 
-fn cargo(arguments: &[&str]) -> Command {
+/// Cargo in the mutated workspace.
+pub fn cargo(area: &Area, arguments: &[&str]) -> Command {
     let mut command = Command::new("cargo");
-    command.args(arguments).current_dir(FOLDER);
+    command.args(arguments).current_dir(area.scratch());
     // What a mutant leaves unused or makes unreachable is its nature.
     command.env("RUSTFLAGS", "--cap-lints=allow").env_remove("CARGO_TARGET_DIR");
     command
 }
 
-fn check() -> Result<Vec<Mistake>> {
-    let arguments = ["check", "--profile", "mutants", "--package", "canvass-device", "--message-format=json"];
-    let output = cargo(&arguments).stderr(Stdio::null()).output().context("cargo check")?;
+fn check(area: &Area) -> Result<Vec<Mistake>> {
+    let arguments = ["check", "--profile", "mutants", "--package", area.package, "--message-format=json"];
+    let output = cargo(area, &arguments).stderr(Stdio::null()).output().context("cargo check")?;
     let lines = String::from_utf8_lossy(&output.stdout).into_owned();
     let messages = lines.lines().filter_map(|line| serde_json::from_str::<Value>(line).ok());
     let mistakes: Vec<Mistake> = messages.filter_map(|line| mistake(line.get("message")?)).collect();
@@ -175,19 +171,27 @@ fn mistake(message: &Value) -> Option<Mistake> {
     (!places.is_empty()).then_some(Mistake { text, places })
 }
 
-/// Takes out the innermost point at each mistake. How many were taken out.
-fn take_out(sources: &mut [Source], rewritten: &[Rewritten], mistakes: &[Mistake]) -> usize {
+/// Takes out the innermost point at each mistake, or what is inside it if it is in none. How many were taken out.
+fn take_out(area: &Area, sources: &mut [Source], rewritten: &[Rewritten], mistakes: &[Mistake]) -> usize {
     let mut taken_out: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
+    let named = |file: &str| sources.iter().position(|source| file == format!("{}/{}", area.sources, source.path));
     for mistake in mistakes {
-        let guilty = mistake.places.iter().find_map(|(file, start, end)| {
-            let source = sources.iter().position(|source| file.ends_with(&format!("src/device/{}", source.path)))?;
+        let around = mistake.places.iter().find_map(|(file, start, end)| {
+            let source = named(file)?;
             let places = rewritten[source].places.iter().enumerate();
             let around = places.filter(|(_, place)| place.start <= *start && *end <= place.end);
             let (innermost, _) = around.min_by_key(|(_, place)| place.len())?;
             Some((source, innermost))
         });
-        if let Some((source, point)) = guilty {
+        if let Some((source, point)) = around {
             taken_out.entry(source).or_default().insert(point);
+            continue;
+        }
+        for (file, start, end) in &mistake.places {
+            let Some(source) = named(file) else { continue };
+            let places = rewritten[source].places.iter().enumerate();
+            let inside = places.filter(|(_, place)| *start <= place.start && place.end <= *end);
+            taken_out.entry(source).or_default().extend(inside.map(|(point, _)| point));
         }
     }
     for (source, points) in &taken_out {
@@ -198,16 +202,6 @@ fn take_out(sources: &mut [Source], rewritten: &[Rewritten], mistakes: &[Mistake
         });
     }
     taken_out.values().map(BTreeSet::len).sum()
-}
-
-fn compile() -> Result<PathBuf> {
-    eprintln!("building the program with all mutants");
-    let arguments = ["build", "--profile", "mutants", "--package", "canvass-fuzzer", "--example", "mutant"];
-    let status = cargo(&arguments).status().context("cargo build")?;
-    if !status.success() {
-        bail!("the mutated workspace does not build: {status}");
-    }
-    Ok(std::env::current_dir()?.join(FOLDER).join("target/mutants/examples/mutant"))
 }
 
 /// All files below a folder.

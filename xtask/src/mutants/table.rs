@@ -1,6 +1,6 @@
 //! What became of the mutants, by service.
 
-use super::covered;
+use super::area;
 use super::hunt::{Fate, Outcome};
 use super::reviewed::Reviewed;
 use std::fmt::Write;
@@ -73,7 +73,7 @@ impl Line {
 /// The table of all services, and its last line.
 pub fn table(fates: &[Fate], reviewed: &Reviewed) -> (String, Line) {
     let mut text = "| service | run | found by the suite (of these only recorded) | by the fuzzer | by both | survived | equivalent | not seen on the bus | hung | suite | together |\n|---|---|---|---|---|---|---|---|---|---|---|\n".to_owned();
-    for service in covered::services() {
+    for service in area::DEVICE.services() {
         let line = Line::of(fates.iter().filter(|fate| fate.mutant.service == service), reviewed);
         if line.run > 0 {
             let _ = writeln!(text, "{}", line.row(service));
@@ -91,15 +91,5 @@ pub fn describe(fate: &Fate) -> String {
         Outcome::Found(what) | Outcome::Recorded(what) => format!("{name}: {what}"),
         outcome => format!("{name}: {outcome:?}"),
     };
-    format!(
-        "{} conformance/device/src/device/{}:{} {}: {}\n    {}\n    {}; {}",
-        mutant.number,
-        mutant.file,
-        mutant.line,
-        mutant.function,
-        mutant.change,
-        mutant.code,
-        told("suite", &fate.suite),
-        told("fuzzer", &fate.fuzzer)
-    )
+    format!("{}\n    {}; {}", mutant.describe(&area::DEVICE), told("suite", &fate.suite), told("fuzzer", &fate.fuzzer))
 }
