@@ -51,3 +51,27 @@ fn a_plain_encoder() {
 fn a_device_with_little() {
     check(include_bytes!("published/bare.eds"), &[]);
 }
+
+/// The files of the built-in models alone, without their sheets, each with what it says against a standard or leaves out.
+macro_rules! alone {
+    ($($test:ident $file:literal: $expected:expr,)*) => {$(
+        #[test]
+        fn $test() {
+            check(include_bytes!(concat!("../../device/models/", $file, ".eds")), &$expected);
+        }
+    )*};
+}
+
+alone! {
+    kuebler_c100 "kuebler-c100": [("301/pdo/mapping/default", Kind::Fail), ("306/objects/mapping", Kind::Fail), ("306/objects/standard", Kind::Fail)],
+    kuebler_d125 "kuebler-d125": [("306/objects/standard", Kind::Fail)],
+    kuebler_sendix_58x8 "kuebler-sendix-58x8": [("306/objects/standard", Kind::Fail)],
+    kuebler_sendix_f58 "kuebler-sendix-f58": [("301/pdo/mapping/default", Kind::Fail), ("306/objects/mapping", Kind::Fail), ("306/objects/standard", Kind::Fail)],
+    kuebler_sendix_f58m "kuebler-sendix-f58m": [("306/objects/standard", Kind::Fail)],
+    kuebler_sendix_m58 "kuebler-sendix-m58": [("306/objects/standard", Kind::Fail)],
+    lika_ax58 "lika-ax58": [("406/profile/mandatory-objects", Kind::Fail)],
+    reference_301 "reference-301": [],
+    reference_406 "reference-406": [],
+    tr_c65 "tr-c65": [("301/identity/mandatory-objects", Kind::Fail), ("301/identity/vendor-id", Kind::Fail), ("301/sdo/block-download/read-only", Kind::Inconclusive)],
+    tr_lmp30 "tr-lmp30": [("301/identity/mandatory-objects", Kind::Fail), ("301/sdo/upload/expedited", Kind::Fail), ("306/objects/standard", Kind::Fail)],
+}

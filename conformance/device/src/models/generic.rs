@@ -3,7 +3,7 @@
 use super::sheet::Sheet;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DeviceDescription, Setting};
-use canvass_analyzer::wire::lss;
+use canvass_analyzer::wire::{lss, sdo};
 use toml::{Table, Value};
 
 /// The node-ID where the description is for any.
@@ -21,10 +21,12 @@ pub(super) fn sheet(name: &str, description: &DeviceDescription) -> Result<Sheet
     sheet.insert("network".to_owned(), network(description).into());
     sheet.insert("bit_rate".to_owned(), Value::Array(bit_rates(description)));
     if let Some(encoder) = encoder(description) {
+        sheet.insert("quirks".to_owned(), quirks(description).into());
         sheet.insert("encoder".to_owned(), encoder.into());
         sheet.insert("link".to_owned(), Value::Array(links(description)));
     }
     sheet.insert("value".to_owned(), Value::Array(identity(description)));
+    sheet.insert("check".to_owned(), Value::Array(work_areas(description)));
     sheet.try_into()
 }
 
@@ -91,6 +93,38 @@ fn links(description: &DeviceDescription) -> Vec<Value> {
     link.insert("kind".to_owned(), "same".into());
     link.insert("objects".to_owned(), Value::Array(objects));
     vec![link.into()]
+}
+
+/// Of an encoder: limit switches are told by the names of their objects, as no standard has them; the cyclic timer (CiA 406)
+/// sends TPDO 1 also where it has no event timer.
+fn quirks(description: &DeviceDescription) -> Table {
+    let is_limit_switch = |index| {
+        let entry = description.dictionary.entry(Multiplexer::new(index, 0));
+        entry.is_ok_and(|entry| entry.name.to_ascii_lowercase().contains("limit switch"))
+    };
+    let mut quirks = Table::new();
+    quirks.insert("limit_switches".to_owned(), (is_limit_switch(0x2104) && is_limit_switch(0x2105)).into());
+    let is_there = |(index, sub)| description.dictionary.entry(Multiplexer::new(index, sub)).is_ok();
+    quirks.insert("cyclic_tpdo".to_owned(), (is_there((0x6200, 0)) && !is_there((0x1800, 5))).into());
+    quirks
+}
+
+/// The low limit of a work area (6401h) is at most its high limit (6402h), as the data of an object in CiA 301, 7.2.4.3.17.
+fn work_areas(description: &DeviceDescription) -> Vec<Value> {
+    let is_there = |at: Multiplexer| description.dictionary.entry(at).is_ok();
+    let check = |at: Multiplexer, rule: &str, of: Multiplexer| {
+        let mut check = Table::new();
+        check.insert("at".to_owned(), written(at).into());
+        check.insert("rule".to_owned(), rule.into());
+        check.insert("of".to_owned(), written(of).into());
+        check.insert("abort".to_owned(), i64::from(sdo::AbortCode::MAXIMUM_BELOW_MINIMUM.0).into());
+        check.into()
+    };
+    let areas = (1..=u8::MAX).map(|area| (Multiplexer::new(0x6401, area), Multiplexer::new(0x6402, area)));
+    areas
+        .take_while(|(low, high)| is_there(*low) && is_there(*high))
+        .flat_map(|(low, high)| [check(low, "at-most", high), check(high, "at-least", low)])
+        .collect()
 }
 
 /// The identity as the head of the file has it, where 1018h has no default.

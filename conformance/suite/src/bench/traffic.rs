@@ -135,6 +135,12 @@ impl Bench<'_> {
         Ok(heard)
     }
 
+    /// What has come since then, of what is kept as evidence.
+    pub(crate) fn heard_since(&self, begun: Timestamp) -> Vec<Record> {
+        let records = self.evidence.frames().map(|exhibit| &exhibit.record);
+        records.filter(|record| record.timestamp >= begun && record.direction == Direction::Rx).cloned().collect()
+    }
+
     /// Takes in what was on the bus up to now, so that a late answer is not taken for that of the next request.
     ///
     /// # Errors
