@@ -43,7 +43,8 @@ impl HeartbeatConsumer {
         let at_once = firmware.consumes_before_first_heartbeat();
         self.watched.extend(entries.map(|entry| {
             let (node, time) = split(entry);
-            let in_use = (1..=127).contains(&node) || firmware.consumes_from_everyone();
+            let lowest = if firmware.is_deaf_to_node_one() { 2 } else { 1 };
+            let in_use = (lowest..=127).contains(&node) || firmware.consumes_from_everyone();
             let time = if in_use { Duration::from_millis(time) } else { Duration::ZERO };
             let due = if at_once && time > Duration::ZERO { now + time } else { Timestamp::MAX };
             Watched { node, time, due, lost: false }
@@ -92,6 +93,13 @@ impl Service for HeartbeatConsumer {
     fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
         match event {
             Event::Started if context.firmware().forgets_stored_consumer() => self.watched.clear(),
+            Event::Started if context.firmware().watches_over_reset() => {}
+            Event::Written(at, _)
+                if context.firmware().restarts_consumer_by_writes()
+                    && at.index.0 != object::CONSUMER_HEARTBEAT_TIME =>
+            {
+                self.configure(now, &context.objects.parameters, context.firmware());
+            }
             Event::Started if !context.firmware().heeds_stored_times() => {}
             Event::Started => self.configure(now, &context.objects.parameters, context.firmware()),
             Event::Written(at, value) if at.index.0 == object::CONSUMER_HEARTBEAT_TIME && acts(at, context) => {

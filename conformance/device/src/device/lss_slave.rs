@@ -106,7 +106,8 @@ impl LssSlave {
             }
             Request::StoreConfiguration if self.configuring => {
                 let error = model.sheet().network.lss_store_error;
-                let done = Response::Configured { command: ConfigureCommand::Store, error, specific: 0 };
+                let specific = u8::from(firmware.tells_more_of_storing());
+                let done = Response::Configured { command: ConfigureCommand::Store, error, specific };
                 return (Some(done), (error == 0).then_some(Effect::Store));
             }
             request if self.configuring || firmware.configures_while_waiting() => {

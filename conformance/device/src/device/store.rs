@@ -257,6 +257,11 @@ impl Store {
         }
     }
 
+    /// Whether anything was ever stored.
+    pub fn holds_something(&self) -> bool {
+        self.image.iter().any(Option::is_some)
+    }
+
     /// Stores one parameter as soon as it is written.
     pub fn save_at_once(&mut self, at: Multiplexer, parameters: &Parameters, node: NodeId) {
         let found = parameters.entries().enumerate().find(|(_, entry)| entry.at == at);

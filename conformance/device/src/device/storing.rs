@@ -24,7 +24,8 @@ impl Service for Storing {
         if let Some(command) = StoreCommand::of(at, &context.objects.model.sheet().storage) {
             begin(now, command, context);
         }
-        if context.firmware().stores_by_itself() && context.firmware().stores() {
+        let goes_on = context.firmware().stores_later_values() && context.store.holds_something();
+        if context.firmware().stores_by_itself() && context.firmware().stores() || goes_on {
             let node = context.node_or_placeholder();
             context.store.save_at_once(at, &context.objects.parameters, node);
         }

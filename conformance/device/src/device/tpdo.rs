@@ -138,14 +138,15 @@ impl Tpdo {
         if objects.firmware.resets_sync_count() {
             self.syncs = if objects.firmware.counts_from_middle() { self.transmission.0 / 2 } else { 0 };
         }
-        self.awaits_start = self.sync_start != 0;
+        self.awaits_start = self.sync_start != 0 || objects.firmware.waits_for_counter_zero();
         self.last = None;
         self.sampled = None;
         self.late = None;
         self.waiting = false;
         self.inhibited_until = Timestamp::ZERO;
         self.arm(now, objects);
-        if std::mem::take(&mut self.remembered) && self.is_synchronous() {
+        let owed = std::mem::take(&mut self.remembered) || objects.firmware.sends_synchronous_pdo_at_start();
+        if owed && self.is_synchronous() {
             return self.transmit(now, objects);
         }
         if !self.is_event_driven() {

@@ -2,6 +2,7 @@ use super::hooks;
 use crate::{Fault, Firmware};
 
 hooks! {
+    tells_more_of_storing with LssStoreSpecificError,
     checks_lss_length unless LssShortRequestAnswered,
     answers_undescribed_lss with LssUndescribed,
     activates_bit_rate_at_once with LssActivatesAtOnce,

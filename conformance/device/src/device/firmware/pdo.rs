@@ -41,6 +41,8 @@ hooks! {
     serves_first_object_only with RpdoFirstObjectOnly,
     refuses_pdo_times with PdoTimesRefused,
     maps_beyond_count with TpdoBeyondCount,
+    waits_for_counter_zero with SyncWithoutStartValueIgnored,
+    sends_synchronous_pdo_at_start with SynchronousTpdoAtStart,
     heeds_sync_start_value unless SyncStartValueIgnored,
     sends_acyclic_without_event with AcyclicTpdoWithoutEvent,
     misses_first_timed_pdo with FirstPositionMissing,

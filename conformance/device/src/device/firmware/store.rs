@@ -10,6 +10,7 @@ hooks! {
     loses_application_group with StoreLosesGroup,
     restores_at_once with RestoreAtOnce,
     keeps_configuration_date with ConfigurationDateKept,
+    stores_later_values with LaterValuesStored,
     checks_save_signature unless StoreSignatureUnchecked,
 }
 

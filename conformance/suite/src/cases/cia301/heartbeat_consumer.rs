@@ -23,7 +23,7 @@ const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
 const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
 const CONSUMER_MS: u16 = 200;
-const CONSUMER_TIME: Duration = Duration::from_millis(200);
+pub(super) const CONSUMER_TIME: Duration = Duration::from_millis(200);
 /// Heartbeats show the state so often.
 const SHOWN_EVERY: Duration = Duration::from_millis(50);
 
@@ -55,8 +55,8 @@ pub(super) fn neighbour(bench: &Bench<'_>) -> Result<u8, Stop> {
 }
 
 /// A node that the operational device watches, and what shows that it is missed.
-struct Watch {
-    node: u8,
+pub(super) struct Watch {
+    pub node: u8,
     /// The state that the device then enters; `None` where it does not show its state, or stays in it.
     enters: Option<State>,
 }
@@ -93,7 +93,7 @@ impl Signs {
 }
 
 /// Lets the device watch a node that nobody else is, and makes it operational.
-fn watch(bench: &mut Bench<'_>) -> Result<Watch, Stop> {
+pub(super) fn watch(bench: &mut Bench<'_>) -> Result<Watch, Stop> {
     bench.expect_emergencies();
     let node = neighbour(bench)?;
     let enters = consequence(bench)?;
@@ -124,14 +124,25 @@ pub(super) fn beat(bench: &mut Bench<'_>, node: u8) -> Result<(), Stop> {
 /// What comes within that time.
 pub(super) fn signs(bench: &mut Bench<'_>, span: Duration) -> Result<Signs, Stop> {
     let heard = bench.listen(span)?;
+    Ok(signs_in(bench, heard))
+}
+
+/// What has come since then, and comes within that time.
+pub(super) fn signs_since(bench: &mut Bench<'_>, begun: Timestamp, span: Duration) -> Result<Signs, Stop> {
+    bench.listen(span)?;
+    let heard = bench.heard_since(begun);
+    Ok(signs_in(bench, heard))
+}
+
+fn signs_in(bench: &Bench<'_>, heard: Vec<Record>) -> Signs {
     let states = heard.iter().filter(|record| bench.is_error_control(&record.frame));
     let states = states.filter_map(|record| Some((record.timestamp, ErrorControl::read(record.data()).ok()?.state)));
     let left = { states }.find(|(_, state)| *state != State::OPERATIONAL);
-    Ok(Signs { errors: errors_of(bench, heard), left })
+    Signs { errors: errors_of(bench, heard), left }
 }
 
 /// Demands that the loss shows: in the state where that is shown, else in an EMCY.
-fn noticed(at: Multiplexer, watch: &Watch, signs: &Signs) -> Judged {
+pub(super) fn noticed(at: Multiplexer, watch: &Watch, signs: &Signs) -> Judged {
     let Some(right) = watch.enters else {
         let reason = || Reason::new("a loss shows", "an EMCY, or heartbeats (1017h) that say the state", "neither");
         return if signs.errors.is_empty() { Err(Stop::Inconclusive(reason())) } else { Ok(()) };
@@ -344,9 +355,9 @@ fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Every entry of 1016h watches its node.
+/// Every entry of 1016h watches its node, the lowest and the highest node-ID among them.
 #[case(id = "301/heartbeat-consumer/all-entries", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
-       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerFirstOnly])]
+       needs = [HeartbeatConsumer], catches = [HeartbeatConsumerFirstOnly, HeartbeatConsumerDeafToNodeOne])]
 fn all_entries(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     let enters = consequence(bench)?;
@@ -354,8 +365,9 @@ fn all_entries(bench: &mut Bench<'_>) -> Judged {
     bench.each(1..=entries, |bench, sub| {
         let at = Multiplexer::new(0x1016, sub);
         let own = bench.node().raw();
-        let mut vacant = (1..=127).rev().filter(|&node| node != own && bench.is_vacant(node));
-        let Some(node) = vacant.nth(usize::from(sub) - 1) else { return Ok(()) };
+        // From both ends in turn: 127, 1, 126, 2, and so on.
+        let ends = (1..=64).flat_map(|n| [128 - n, n]).filter(|&node| node != own && bench.is_vacant(node));
+        let Some(node) = { ends }.nth(usize::from(sub) - 1) else { return Ok(()) };
         let watch = Watch { node, enters };
         bench.write(at, &entry(node, CONSUMER_MS))?;
         operational(bench)?;

@@ -10,6 +10,7 @@ use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
 const WINDOW: Multiplexer = Multiplexer::new(0x1007, 0);
+const OVERFLOW: Multiplexer = Multiplexer::new(0x1019, 0);
 const WINDOW_US: u32 = 5_000;
 /// A CAN-ID that nobody uses and that goes before every PDO.
 const IN_THE_WAY: u16 = 0x07F;
@@ -98,6 +99,29 @@ fn came_after_the_window(bench: &Bench<'_>, sync: u16, can_id: u16) -> bool {
     };
     let after = last(can_id).zip(last(sync)).map(|(tpdo, sync)| tpdo.since(sync));
     after.is_some_and(|after| after > Duration::from_micros(WINDOW_US.into()))
+}
+
+/// Where SYNC has a counter and a TPDO no SYNC start value, the TPDO follows each SYNC, whatever its number is.
+#[case(id = "301/sync/counter-obeyed", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
+       needs = [EventTimer, SyncCounter, DynamicMapping], catches = [SyncWithoutStartValueIgnored])]
+fn counter_obeyed(bench: &mut Bench<'_>) -> Judged {
+    let can_id = synchronous(bench)?;
+    bench.stop_sync_period()?;
+    bench.write(OVERFLOW, &[4])?;
+    if bench.can_write(TPDO.parameter(6))? {
+        bench.set_pdo(TPDO, &[(6, &[0])])?;
+    }
+    let sync = bench.sync_id()?;
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction)?;
+    bench.each([2, 3, 4, 1], |bench, counter| {
+        bench.drain()?;
+        bench.send_bytes(sync, &[counter])?;
+        let heard = bench.frames_of(can_id, bench.shortly())?;
+        bench.check(demand(heard.len() == 1, || {
+            counted("with 1019h = 4 and no SYNC start value a TPDO of type 1 follows each SYNC", 1, heard.len())
+        }))
+    })
 }
 
 /// A SYNC in pre-operational does not count: after the start the first synchronous TPDO follows the next SYNC.

@@ -1,6 +1,8 @@
 //! Inquiries (CiA 305, 6.5), and what holds for all services.
 
-use super::dialogue::{address, breach, configure, exchange, expect, expect_silence, parts, shown, tell, wait};
+use super::dialogue::{
+    address, breach, configure, exchange, expect, expect_silence, parts, says_too_much, shown, tell, wait,
+};
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Check, Judged, Reason, Stop, demand};
@@ -111,11 +113,8 @@ fn form(bench: &mut Bench<'_>) -> Judged {
 /// Which of the services a slave answers is the matter of other cases.
 fn expect_form(request: Request, frame: &Frame) -> Check {
     let response = Response::read(frame.data()).ok();
-    let is_clean = response.is_some_and(|response| {
-        let means_nothing =
-            matches!(response, Response::Configured { error, specific, .. } if error != 255 && specific != 0);
-        response.to_frame(lss::SLAVE_CAN_ID) == *frame && !means_nothing
-    });
+    let is_clean =
+        response.is_some_and(|response| response.to_frame(lss::SLAVE_CAN_ID) == *frame && !says_too_much(response));
     demand(is_clean, || {
         let breach = breach(format!("the response to \"{request}\" has eight bytes, and 0 where nothing is said"));
         let breach = breach.expected("eight bytes, the unused ones 0").found(Observation::Frame(*frame));

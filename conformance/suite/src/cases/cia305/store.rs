@@ -1,6 +1,6 @@
 //! Storing what LSS configured (CiA 305, 6.4.5).
 
-use super::dialogue::{configure, exchange, expect_error, set_node_id, wait};
+use super::dialogue::{configure, exchange, expect_error, expect_plain, set_node_id, wait};
 use super::node_id::{boots, started_elsewhere, vacant};
 use crate::bench::Bench;
 use crate::case;
@@ -56,7 +56,7 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
 
 /// Store configuration is answered by success, "not supported" or a failure of the memory, however long storing takes.
 #[case(id = "305/store/answer", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
-       needs = [Lss, Alone], touches = [Nvm], catches = [LssStoreUnanswered])]
+       needs = [Lss, Alone], touches = [Nvm], catches = [LssStoreUnanswered, LssStoreSpecificError])]
 fn answer(bench: &mut Bench<'_>) -> Judged {
     configure(bench)?;
     let sent = bench.now();
@@ -65,6 +65,7 @@ fn answer(bench: &mut Bench<'_>) -> Judged {
         bench.measure("store configuration of LSS", bench.now().since(sent));
     }
     bench.check(expect_error("store configuration", ConfigureCommand::Store, &[0, 1, 2, 255], answer))?;
+    bench.check(expect_plain("store configuration", answer))?;
     bench.listen(bench.timing().silence)?;
     wait(bench)
 }
