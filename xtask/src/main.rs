@@ -8,7 +8,7 @@
 //! networks with one fault each, and in a thousand healthy ones. `cargo xtask worst`: what the traffic that costs most costs,
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
 //! screenshot`: the picture in `docs/diagnose.md`. `cargo xtask mutants`: how many random mutants of the simulated devices
-//! the suite and the fuzzer find.
+//! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find.
 
 mod attack;
 mod bench;
@@ -38,7 +38,7 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     test | ci
     peers | browser | vcan [WORDS...] | vcan-load
     fuzz | attack [--for SPAN] [--seed N] | storm
-    mutants [--seed D] [--count N]
+    mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
     bench [--instructions] | memory | worst | incidents
     rooms [CRATE...] | screenshot";

@@ -290,6 +290,13 @@ impl Wire for Request {
     }
 }
 
+impl Response {
+    /// Whether a confirmation has a specific error code although its error code is not 255, which alone announces one.
+    pub const fn says_too_much(self) -> bool {
+        matches!(self, Self::Configured { error: 0..=254, specific: 1.., .. })
+    }
+}
+
 impl Wire for Response {
     fn parse(input: &[u8]) -> IResult<&[u8], Self, Malformed> {
         let (rest, command) = named("an LSS command specifier", u8).parse(input)?;

@@ -3,9 +3,15 @@
 #[cfg(test)]
 mod devices;
 #[cfg(test)]
+mod dialogues;
+#[cfg(test)]
 mod events;
+#[cfg(test)]
+mod learned;
 #[cfg(test)]
 mod scaling;
 #[cfg(test)]
 #[path = "../trace/mod.rs"]
 mod trace;
+#[cfg(test)]
+mod transfers;

@@ -463,7 +463,9 @@ impl Slave {
             (Awaited::Anything, Some(_)) => true,
             (Awaited::Exactly(expected), Some(actual)) => same(expected, actual) && is_canonical(frame, actual),
             (Awaited::Timing { supported }, Some(actual)) => timing_fits(supported, actual),
-            (Awaited::Stored, Some(Response::Configured { command, .. })) => command == ConfigureCommand::Store,
+            (Awaited::Stored, Some(actual @ Response::Configured { command, .. })) => {
+                command == ConfigureCommand::Store && !actual.says_too_much() && is_canonical(frame, actual)
+            }
             _ => false,
         };
         coverage.lss(self.asked.0, self.asked.1, true);

@@ -80,14 +80,9 @@ pub fn expect_error(what: &str, command: ConfigureCommand, allowed: &[u8], found
     })
 }
 
-/// Whether a confirmation has a specific error code although its error code does not say so (255).
-pub fn says_too_much(response: Response) -> bool {
-    matches!(response, Response::Configured { error, specific, .. } if error != 255 && specific != 0)
-}
-
 /// Demands a confirmation without a specific error code where there is none.
 pub fn expect_plain(what: &str, found: Option<Response>) -> Check {
-    demand(!found.is_some_and(says_too_much), || {
+    demand(!found.is_some_and(Response::says_too_much), || {
         let breach = breach(format!("the response to {what} has a specific error code with error code 255 only"));
         breach.expected(Observation::named("specific error code 0")).found(observed(found)).told(shown(found))
     })

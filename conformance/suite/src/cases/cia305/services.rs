@@ -1,8 +1,6 @@
 //! Inquiries (CiA 305, 6.5), and what holds for all services.
 
-use super::dialogue::{
-    address, breach, configure, exchange, expect, expect_silence, parts, says_too_much, shown, tell, wait,
-};
+use super::dialogue::{address, breach, configure, exchange, expect, expect_silence, parts, shown, tell, wait};
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Check, Judged, Reason, Stop, demand};
@@ -114,7 +112,7 @@ fn form(bench: &mut Bench<'_>) -> Judged {
 fn expect_form(request: Request, frame: &Frame) -> Check {
     let response = Response::read(frame.data()).ok();
     let is_clean =
-        response.is_some_and(|response| response.to_frame(lss::SLAVE_CAN_ID) == *frame && !says_too_much(response));
+        response.is_some_and(|response| response.to_frame(lss::SLAVE_CAN_ID) == *frame && !response.says_too_much());
     demand(is_clean, || {
         let breach = breach(format!("the response to \"{request}\" has eight bytes, and 0 where nothing is said"));
         let breach = breach.expected("eight bytes, the unused ones 0").found(Observation::Frame(*frame));
