@@ -8,7 +8,8 @@
 //! networks with one fault each, and in a thousand healthy ones. `cargo xtask worst`: what the traffic that costs most costs,
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
 //! screenshot`: the picture in `docs/diagnose.md`. `cargo xtask mutants`: how many random mutants of the simulated devices
-//! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find.
+//! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo
+//! xtask dist`: a static program as archive and Debian package.
 
 mod attack;
 mod bench;
@@ -16,6 +17,7 @@ mod browser;
 mod ci;
 mod consent;
 mod diagnosing;
+mod dist;
 mod flaky;
 mod fuzz;
 mod incidents;
@@ -41,7 +43,7 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
     bench [--instructions] | memory | worst | incidents
-    rooms [CRATE...] | screenshot";
+    rooms [CRATE...] | screenshot | dist";
 
 fn main() -> Result<()> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(std::path::Path::to_owned);
@@ -55,6 +57,7 @@ fn main() -> Result<()> {
     match words.first().map(String::as_str) {
         Some("ci") => ci::ci(),
         Some("test") => ci::everyday(),
+        Some("dist") => dist::dist(),
         Some("peers") => peers::test(),
         Some("browser") => browser::test(),
         Some("bench") if more.first().is_some_and(|word| word == "--instructions") => bench::instructions(),

@@ -157,9 +157,10 @@ fn pdos_off() {
     let off = tested(Liberty::PdosInvalid, &["301"], ALL);
     plain.spared();
     off.spared();
-    // Two are about all PDOs that are valid as they are; one has no second kind of error without an RPDO.
+    // Three are about PDOs that are valid as they are; one has no second kind of error without an RPDO.
     let mut missing = plain.ending(&[Kind::NotApplicable]);
     missing.extend(["301/error-history/all", "301/pdo/cob-id/every-valid", "301/pdo/mapping/every-valid"]);
+    missing.insert("301/tpdo/synchronous-as-delivered");
     assert_eq!(off.ending(&[Kind::NotApplicable]), missing);
     // Nothing from 2000h on, PDOs that map nothing: the error register serves.
     let empty = tested(Liberty::NoApplicationObjects, &["301"], ALL);
