@@ -249,7 +249,8 @@ impl Args {
         let manual = Model::by_id(&model).map(Deviation::of_model).unwrap_or_default();
         // What the user says goes before what the manual says: it is the more specific of the two.
         let deviations = waived.into_iter().chain(manual).collect();
-        Ok(Target { deviations, ..Target::known(node, model, device) })
+        let described_alone = self.device.is_none() && opened.model.is_some_and(Model::is_described_alone);
+        Ok(Target { deviations, described_alone, ..Target::known(node, model, device) })
     }
 }
 

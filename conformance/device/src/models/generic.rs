@@ -1,6 +1,8 @@
 //! A model from a device description alone: what the description does not say is as CiA 301 has it.
 
+use super::rules::Rule;
 use super::sheet::Sheet;
+use super::shows_limit_switches;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DeviceDescription, Setting};
 use canvass_analyzer::wire::lss;
@@ -8,6 +10,8 @@ use toml::{Table, Value};
 
 /// The node-ID where the description is for any.
 const USUAL_NODE: u8 = 1;
+/// Of an encoder, the period of its first TPDO.
+const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
 /// The bit rate in kbit/s where the description does not say which ones there are.
 const USUAL_BIT_RATE: u16 = 250;
 
@@ -22,7 +26,10 @@ pub(super) fn sheet(name: &str, description: &DeviceDescription) -> Result<Sheet
     sheet.insert("bit_rate".to_owned(), Value::Array(bit_rates(description)));
     if let Some(encoder) = encoder(description) {
         sheet.insert("encoder".to_owned(), encoder.into());
-        sheet.insert("link".to_owned(), Value::Array(links(description)));
+        let links = links(description);
+        sheet.insert("quirks".to_owned(), quirks(description, !links.is_empty()).into());
+        sheet.insert("link".to_owned(), Value::Array(links));
+        sheet.insert("check".to_owned(), Value::Array(checks(description)));
     }
     sheet.insert("value".to_owned(), Value::Array(identity(description)));
     sheet.try_into()
@@ -36,10 +43,7 @@ fn network(description: &DeviceDescription) -> Table {
     let usual = (known.is_empty() || known.contains(&USUAL_BIT_RATE)).then_some(USUAL_BIT_RATE);
     let rate = rate.or(usual).or(known.last().copied()).unwrap_or(USUAL_BIT_RATE);
     let has = |index, sub| description.dictionary.entry(Multiplexer::new(index, sub)).is_ok();
-    let writable = |index| {
-        let entry = description.dictionary.entry(Multiplexer::new(index, 0));
-        entry.is_ok_and(|entry| entry.access.is_writable())
-    };
+    let writable = |index| is_writable(description, Multiplexer::new(index, 0));
     let mut network = Table::new();
     network.insert("default_node_id".to_owned(), i64::from(node).into());
     network.insert("default_bit_rate_kbit".to_owned(), i64::from(rate.max(1)).into());
@@ -80,10 +84,8 @@ fn bit_rates(description: &DeviceDescription) -> Vec<Value> {
 
 /// Of an encoder, the cyclic timer is the event timer of TPDO 1 (CiA 406).
 fn links(description: &DeviceDescription) -> Vec<Value> {
-    let timers = [Multiplexer::new(0x6200, 0), Multiplexer::new(0x1800, 5)];
-    let is_writable =
-        |at: &Multiplexer| description.dictionary.entry(*at).is_ok_and(|entry| entry.access.is_writable());
-    if !timers.iter().all(is_writable) {
+    let timers = [CYCLIC_TIMER, Multiplexer::new(0x1800, 5)];
+    if !timers.iter().all(|at| is_writable(description, *at)) {
         return Vec::new();
     }
     let objects: Vec<Value> = timers.iter().map(|at| written(*at).into()).collect();
@@ -91,6 +93,35 @@ fn links(description: &DeviceDescription) -> Vec<Value> {
     link.insert("kind".to_owned(), "same".into());
     link.insert("objects".to_owned(), Value::Array(objects));
     vec![link.into()]
+}
+
+/// What its description shows that such an encoder does beside CiA 406.
+fn quirks(description: &DeviceDescription, has_event_timer: bool) -> Table {
+    let mut quirks = Table::new();
+    let is_cyclic = !has_event_timer && is_writable(description, CYCLIC_TIMER);
+    quirks.insert("cyclic_tpdo".to_owned(), is_cyclic.into());
+    quirks.insert("limit_switches".to_owned(), shows_limit_switches(description).into());
+    quirks
+}
+
+/// Of a work area the low limit is below the high one (CiA 406), for each channel that has both.
+fn checks(description: &DeviceDescription) -> Vec<Value> {
+    let (low, high) = (0x6401, 0x6402);
+    let row = |(at, rule, of): (Multiplexer, &str, Multiplexer)| {
+        let mut row = Table::new();
+        row.insert("at".to_owned(), written(at).into());
+        row.insert("rule".to_owned(), rule.into());
+        row.insert("of".to_owned(), written(of).into());
+        row.insert("abort".to_owned(), i64::from(Rule::AtMost.standard_abort().0).into());
+        Value::Table(row)
+    };
+    let channels = (1..=254).map(|sub| (Multiplexer::new(low, sub), Multiplexer::new(high, sub)));
+    let both = channels.filter(|(low, high)| [low, high].iter().all(|at| description.dictionary.entry(**at).is_ok()));
+    both.flat_map(|(low, high)| [(low, "at-most", high), (high, "at-least", low)]).map(row).collect()
+}
+
+fn is_writable(description: &DeviceDescription, at: Multiplexer) -> bool {
+    description.dictionary.entry(at).is_ok_and(|entry| entry.access.is_writable())
 }
 
 /// The identity as the head of the file has it, where 1018h has no default.
