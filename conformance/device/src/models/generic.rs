@@ -180,6 +180,36 @@ mod tests {
         assert_eq!((encoder.single_turn_bits, encoder.revolutions), (13, 4096));
     }
 
+    /// The head of the file says who it is where 1018h has no defaults, and only there.
+    #[test]
+    fn the_identity_comes_from_the_head_of_the_file() {
+        let text = include_str!("../../models/kuebler-sendix-58x8.eds");
+        let without: String = text.replace("DefaultValue=0x00000013\n", "");
+        assert_ne!(text, without);
+        let identity = |text: &str| {
+            let model = Model::generic("my.eds", text.as_bytes()).unwrap();
+            let values = model.sheet().values.iter().map(|value| (value.at.to_string(), value.value.as_integer()));
+            (model.vendor(), values.collect::<Vec<_>>())
+        };
+        assert_eq!(identity(text), (Some(0x13), Vec::new()));
+        assert_eq!(identity(&without), (Some(0x13), vec![("1018h:01".to_owned(), Some(0x13))]));
+    }
+
+    /// The timer of a first TPDO without event timer is 6200h; where it has one, both are the same.
+    #[test]
+    fn the_cyclic_timer_is_that_of_the_first_tpdo() {
+        let of = |id: &str| {
+            let eds = Model::by_id(id).unwrap().eds_text().unwrap();
+            let model = Model::generic("my.eds", eds.as_bytes()).unwrap();
+            let quirks = &model.sheet().quirks;
+            (quirks.cyclic_tpdo, quirks.limit_switches, model.sheet().links.len(), model.sheet().checks.len())
+        };
+        assert_eq!(of("lika-ax58"), (true, true, 0, 0));
+        assert_eq!(of("tr-c65"), (true, false, 0, 0));
+        assert_eq!(of("kuebler-sendix-58x8"), (false, false, 1, 4));
+        assert_eq!(of("reference-301"), (false, false, 0, 0));
+    }
+
     #[test]
     fn hardly_anything_is_enough() {
         let model = Model::generic("x", b"[MandatoryObjects]\nSupportedObjects=0\n").unwrap();
