@@ -43,6 +43,8 @@ mod memory;
 #[cfg(test)]
 mod one_language;
 #[cfg(test)]
+mod pages;
+#[cfg(test)]
 mod progress;
 #[cfg(test)]
 mod provenance;
