@@ -56,7 +56,7 @@ pub struct Args {
     allow: Vec<Allow>,
     #[command(flatten)]
     shown: Shown,
-    /// A file of failures that are put up with, each with its reason (TOML, see `docs/cases.md`)
+    /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/cases.md`)
     #[arg(long, value_name = "FILE")]
     waivers: Option<PathBuf>,
     /// Run each case so often; a case that does not always end the same way is flaky
@@ -125,7 +125,8 @@ impl Args {
         }
         let mut opened = self.open()?;
         options.limit = self.span.or_else(|| opened.bus.is_live().then(|| self.usual_limit(cases.len())));
-        let target = self.target(&opened, waivers.deviations(&today))?;
+        let quarantines = waivers.quarantines(&today);
+        let target = Target { quarantines, ..self.target(&opened, waivers.deviations(&today))? };
         options.journal = opened.bus.is_live().then(|| self.journal_path(target.node)).flatten();
         if let Some(path) = &options.journal {
             journal::settle(path, self.restore, &self.bus, opened.bus.as_mut(), &target, options.timing)?;

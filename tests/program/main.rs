@@ -49,6 +49,8 @@ mod progress;
 #[cfg(test)]
 mod provenance;
 #[cfg(test)]
+mod quarantine;
+#[cfg(test)]
 mod rogues;
 #[cfg(test)]
 mod rows;

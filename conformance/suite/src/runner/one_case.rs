@@ -54,7 +54,8 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let verdict = Verdict::new(ruled, end);
     let notes = notes.into_iter().chain(described_so(bench, case, &verdict)).collect();
     let outcomes = vec![verdict.kind()];
-    CaseReport { case, verdict, evidence, notes, measurements, uses, outcomes, duration: bench.now().since(started) }
+    let duration = bench.now().since(started);
+    CaseReport { case, verdict, evidence, notes, measurements, uses, outcomes, quarantine: None, duration }
 }
 
 /// What fails on a device that is simulated from its description alone is not its simulation.
