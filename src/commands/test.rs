@@ -156,6 +156,11 @@ impl Args {
 
     /// None that is written is read, and none is written twice.
     fn name_files(&self) -> Result<(), Failure> {
+        for (option, path) in [("record", &self.record), ("bundle", &self.bundle), ("journal", &self.journal)] {
+            if path.as_deref().is_some_and(|path| path.as_os_str() == "-") {
+                return Err(anyhow!("standard output is for the result: --{option} takes a file").into());
+            }
+        }
         let files = Files::new().bus(&self.bus).describes(self.device.as_deref()).reads(&self.waivers);
         let files = files.reads(self.choice.result());
         let files = files.writes(self.shown.files())?.writes(&self.record)?;
