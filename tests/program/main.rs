@@ -59,4 +59,6 @@ mod running;
 #[cfg(test)]
 mod settings;
 #[cfg(test)]
+mod terminals;
+#[cfg(test)]
 mod waiting;
