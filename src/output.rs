@@ -143,7 +143,8 @@ pub fn is_dumb() -> bool {
 
 /// Whether the user's locale is one of ASCII. Terminals keep to it; files and pipes are UTF-8 in any locale.
 fn locale_is_ascii() -> bool {
-    let said = ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().filter_map(std::env::var_os).find(|locale| !locale.is_empty());
+    let said =
+        ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().filter_map(std::env::var_os).find(|locale| !locale.is_empty());
     said.is_some_and(|locale| locale == "C" || locale == "POSIX")
 }
 

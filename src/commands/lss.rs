@@ -164,7 +164,10 @@ struct Wish {
 /// The delay of "activate bit timing": whole milliseconds in 16 bits.
 fn parse_delay(text: &str) -> Result<u16> {
     let millis = parse_span(text)?.nanos() / 1_000_000;
-    u16::try_from(millis).ok().filter(|millis| *millis > 0).ok_or_else(|| anyhow!("expected 1ms to 65s, found \"{text}\""))
+    u16::try_from(millis)
+        .ok()
+        .filter(|millis| *millis > 0)
+        .ok_or_else(|| anyhow!("expected 1ms to 65s, found \"{text}\""))
 }
 
 impl OnBus {

@@ -175,7 +175,9 @@ fn the_pipelines_run_the_script() {
     for (name, language) in [("GitHub", "yaml"), ("GitLab", "yaml"), ("Jenkins", "groovy")] {
         let part = PAGE.split("\n### ").find(|part| part.starts_with(&format!("{name}\n"))).unwrap();
         let code = part.split(&format!("```{language}\n")).nth(1).unwrap().split("```").next().unwrap();
-        for told in ["sh ci/conformance.sh", "CANVASS_BUS", "FIRMWARE", "FUZZ_FOR", "VERSION", "evidence.zip", "new.json"] {
+        for told in
+            ["sh ci/conformance.sh", "CANVASS_BUS", "FIRMWARE", "FUZZ_FOR", "VERSION", "evidence.zip", "new.json"]
+        {
             assert!(code.contains(told), "{name}: {told}");
         }
         assert!(script().contains("${VERSION:-") && script().contains("${FUZZ_FOR:-"));

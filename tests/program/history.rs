@@ -66,7 +66,8 @@ fn the_first_bad_release_of_each_case_is_found() {
 fn a_regression_that_returns_is_told_from_a_new_one() {
     let folder = tempfile::tempdir().unwrap();
     let files = results(folder.path());
-    let args = ["compare", &files[4], &files[5], "--earlier", &files[0], "--earlier", &files[1], "--earlier", &files[2]];
+    let args =
+        ["compare", &files[4], &files[5], "--earlier", &files[0], "--earlier", &files[1], "--earlier", &files[2]];
     let compared = run(&[&args[..], &["--format", "json"]].concat());
     assert_eq!(compared.status, 1, "{}", compared.stderr);
     let changes = json(&compared.stdout)["changes"].clone();
@@ -79,7 +80,8 @@ fn a_regression_that_returns_is_told_from_a_new_one() {
     // Without the releases before, and for the first time, it is new.
     let first = run(&["compare", &files[0], &files[1], "--format", "json"]);
     assert!(first.stdout.contains("\"returned\": null") && !first.stdout.contains("\"returned\": \""));
-    let history = run(&[&["history", "--format", "json"], &files.iter().map(String::as_str).collect::<Vec<_>>()[..]].concat());
+    let history =
+        run(&[&["history", "--format", "json"], &files.iter().map(String::as_str).collect::<Vec<_>>()[..]].concat());
     let cases = json(&history.stdout)["cases"].clone();
     let period = cases.as_array().unwrap().iter().find(|case| case["id"] == "301/heartbeat/period").unwrap();
     assert_eq!(period["returned"], serde_json::json!(["1.5"]));

@@ -69,7 +69,9 @@ fn a_dash_is_standard_output() {
     assert_eq!(json.stdout, std::fs::read_to_string(folder.path().join(old)).unwrap());
     assert!(there(&["compare", old, old, "--report", "markdown=-"]).stdout.starts_with("# What the release changed"));
     assert!(there(&["history", old, "--report", "json=-"]).stdout.contains("canvass/history/1"));
-    assert!(there(&["fuzz", "sim:reference-301", "--runs", "2", "--report", "json=-"]).stdout.contains("canvass/fuzz/1"));
+    assert!(
+        there(&["fuzz", "sim:reference-301", "--runs", "2", "--report", "json=-"]).stdout.contains("canvass/fuzz/1")
+    );
     for more in [&["--report", "json=-", "--format", "html"][..], &["--record", "-"], &["--bundle", "-"]] {
         let refused = there(&[&test[..], more].concat());
         assert!(refused.status == 2 && refused.stderr.contains("standard output"), "{more:?}: {}", refused.stderr);

@@ -5,7 +5,8 @@ use serde_json::Value;
 
 const BUS: &str = "sim:reference-301+boot-up-twice";
 const CASE: &str = "301/boot-up/reset-node";
-const FILE: &str = "[[quarantine]]\ncase = \"301/boot-up/reset-node\"\nowner = \"Ann\"\nreason = \"ticket 12\"\nuntil = 2027-06-30\n";
+const FILE: &str =
+    "[[quarantine]]\ncase = \"301/boot-up/reset-node\"\nowner = \"Ann\"\nreason = \"ticket 12\"\nuntil = 2027-06-30\n";
 
 /// A run on that day, with reports in every format; its status and the reports.
 fn tested(day: &str) -> (i32, String, [String; 4]) {
@@ -30,7 +31,10 @@ fn a_failure_in_quarantine_is_shown_and_does_not_count() {
     for report in [&shown, &junit, &html, &markdown] {
         assert!(report.contains(told), "{report}");
     }
-    assert!(shown.contains("✗ fail  301/boot-up/reset-node") && shown.contains("1 failed (1 of them in quarantine)"), "{shown}");
+    assert!(
+        shown.contains("✗ fail  301/boot-up/reset-node") && shown.contains("1 failed (1 of them in quarantine)"),
+        "{shown}"
+    );
     assert!(shown.lines().last().unwrap().starts_with("✗ 301/boot-up/reset-node  in quarantine"), "{shown}");
     assert!(junit.contains("failures=\"0\"") && junit.contains("skipped=\"1\""), "{junit}");
     let json: Value = serde_json::from_str(&json).unwrap();

@@ -61,7 +61,10 @@ fn seen(columns: u16, variables: &[(&str, &str)], args: &[&str]) -> String {
 fn plain(text: &str) -> String {
     let lines = text.split('\n').map(|line| line.rsplit("\x1b[K").next().unwrap_or_default());
     let text = lines.collect::<Vec<_>>().join("\n");
-    text.split("\x1b[").enumerate().map(|(n, part)| if n == 0 { part } else { part.split_once('m').map_or("", |it| it.1) }).collect()
+    text.split("\x1b[")
+        .enumerate()
+        .map(|(n, part)| if n == 0 { part } else { part.split_once('m').map_or("", |it| it.1) })
+        .collect()
 }
 
 const USUAL: [(&str, &str); 2] = [("TERM", "xterm-256color"), ("LC_ALL", "C.UTF-8")];

@@ -234,7 +234,8 @@ mod tests {
 
     #[test]
     fn a_quarantine_holds_until_its_day_and_is_told_of_afterwards() {
-        let row = "[[quarantine]]\ncase = \"301/identity/*\"\nowner = \"Ann\"\nreason = \"ticket 12\"\nuntil = 2027-06-30\n";
+        let row =
+            "[[quarantine]]\ncase = \"301/identity/*\"\nowner = \"Ann\"\nreason = \"ticket 12\"\nuntil = 2027-06-30\n";
         let waivers = Waivers::read(row).unwrap();
         let held = |today| waivers.quarantines(today).into_iter().next();
         assert!(held("2027-07-01").is_none());

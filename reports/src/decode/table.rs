@@ -67,7 +67,8 @@ impl TableLines {
     /// meaning would not have room beside them.
     fn columns(&self) -> [usize; 7] {
         let mut columns = [self.time_width, self.channel_width, self.id_width, DATA_WIDTH, 4, SERVICE_WIDTH, 0];
-        let used = |columns: &[usize; 7]| -> usize { columns.iter().filter(|&&width| width > 0).map(|width| width + 3).sum() };
+        let used =
+            |columns: &[usize; 7]| -> usize { columns.iter().filter(|&&width| width > 0).map(|width| width + 3).sum() };
         if let Some(width) = self.width {
             for column in [SERVICE, CHANNEL, DATA] {
                 if used(&columns) + LEAST_MEANING > width {

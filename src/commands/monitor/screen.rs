@@ -214,7 +214,9 @@ pub fn show(
     interrupt: &Interrupt,
 ) -> Result<()> {
     if is_dumb() {
-        return Err(anyhow!("--screen needs a terminal that can place its cursor, and TERM says that this one is dumb"));
+        return Err(anyhow!(
+            "--screen needs a terminal that can place its cursor, and TERM says that this one is dumb"
+        ));
     }
     let mut terminal = ratatui::try_init().context("--screen needs a terminal")?;
     let shown = run(&mut terminal, bus, network, title, end, interrupt);

@@ -93,7 +93,8 @@ impl Shown {
     /// If more than one is to go there.
     pub fn of_stdout(&self) -> Result<ReportFormat> {
         let said = (self.format != ReportFormat::default()).then_some(self.format);
-        let mut wanted = self.report.iter().filter(|report| report.is_of_stdout()).map(|report| report.format).chain(said);
+        let mut wanted =
+            self.report.iter().filter(|report| report.is_of_stdout()).map(|report| report.format).chain(said);
         let first = wanted.next().unwrap_or_default();
         match wanted.next() {
             Some(_) => Err(anyhow!("standard output takes one report: --format FORMAT or --report FORMAT=-, once")),

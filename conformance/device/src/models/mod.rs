@@ -22,9 +22,9 @@ pub use quirks::Quirks;
 pub use rules::{Check, Link, LinkKind, Rule};
 pub use sheet::{BitRate, LmtAddress, Sheet, Storage, Timing, Value};
 
-use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, eds};
 use canvass_analyzer::network::{Candidate, Candidates};
+use canvass_analyzer::{Multiplexer, NodeId};
 use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
 

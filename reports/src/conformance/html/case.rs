@@ -1,6 +1,6 @@
 //! One case on the page.
 
-use super::timeline;
+use super::{delays, timeline};
 use crate::conformance::told::Told;
 use crate::conformance::{cct_forecast, hex, milliseconds_since, quarantined, recorded, repetitions, symbol, uses};
 use crate::escape::printable;
@@ -75,6 +75,7 @@ fn evidence(report: &CaseReport) -> Markup {
                 @if let Some([first, last]) = recorded(report) { ": #" (first) " to #" (last) " of the recording" }
             }
             (timeline::strip(&frames))
+            (delays::plot(&frames))
             div.scroll {
                 table {
                     thead { tr { @if is_recorded { th.number { "#" } } th.number { "ms" } th { "" } th { "CAN-ID" } th { "Data" } th { "Meaning" } } }
