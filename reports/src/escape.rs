@@ -149,7 +149,7 @@ fn color_sequence(text: &str) -> Option<usize> {
 impl<W: io::Write> io::Write for Visible<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         // Nearly always: lines of a decoder come by millions.
-        if self.pending.is_empty() && is_plain(bytes) && !(self.ascii && !bytes.is_ascii()) {
+        if self.pending.is_empty() && is_plain(bytes) && (!self.ascii || bytes.is_ascii()) {
             return self.out.write_all(bytes).map(|()| bytes.len());
         }
         self.pending.extend_from_slice(bytes);

@@ -100,6 +100,32 @@ fn samples_of_a_release_are_told_apart_from_releases() {
     assert_eq!(run(&["history", "Cargo.toml"]).status, 2);
 }
 
+/// What was tested and is no longer, a run that was ended, and a document of another version pass no release.
+#[test]
+fn a_comparison_counts_what_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (old, new) = (path("old.json"), path("new.json"));
+    let test = |bus: &str, select: &str, file: &str, more: &[&str]| {
+        let report = format!("json={file}");
+        run(&[&["test", bus, "--select", select, "--report", &report], more].concat())
+    };
+    test("sim:reference-301", CASES, &old, &[]);
+    test("sim:reference-301", "301/identity/vendor-id", &new, &[]);
+    let fewer = run(&["compare", &old, &new]);
+    assert_eq!(fewer.status, 1, "{}", fewer.stdout);
+    assert!(fewer.stdout.contains("worse  verdict    301/heartbeat/period: pass -> -"), "{}", fewer.stdout);
+    assert_eq!(run(&["compare", &old, &new, "--allow-missing"]).status, 0);
+    test("sim:reference-301+boot-up-twice", CASES, &new, &["--fail-fast"]);
+    let ended = run(&["compare", &new, &new]);
+    assert_eq!(ended.status, 1, "{}", ended.stdout);
+    assert!(ended.stdout.contains("worse  run        the new run: - -> cancelled"), "{}", ended.stdout);
+    let later = std::fs::read_to_string(&old).unwrap().replace("canvass/test/1", "canvass/test/2");
+    std::fs::write(&new, later).unwrap();
+    let unknown = run(&["compare", &old, &new]);
+    assert!(unknown.status == 2 && unknown.stderr.contains("canvass/test/2"), "{}", unknown.stderr);
+}
+
 #[test]
 fn a_comparison_has_every_format() {
     let folder = tempfile::tempdir().unwrap();

@@ -86,7 +86,7 @@ mod tests {
     use super::*;
     use canvass_traces::{CanId, ChannelId, Frame, Record};
 
-    fn exhibit(micros: u64, id: u16, direction: Direction) -> Exhibit {
+    fn exhibit(micros: u64, id: u32, direction: Direction) -> Exhibit {
         let frame = Frame::full(CanId::standard(id).unwrap(), [0; 8]);
         let record = Record::new(Timestamp(micros * 1_000), ChannelId(0), frame).with_direction(direction);
         Exhibit { record, text: String::new() }
