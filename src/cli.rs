@@ -129,6 +129,9 @@ fn with_statuses(command: clap::Command) -> clap::Command {
 }
 
 #[cfg(test)]
+mod documented;
+
+#[cfg(test)]
 mod tests {
     use super::*;
     use std::collections::BTreeMap;

@@ -8,11 +8,52 @@ use canvass_device::models::Model;
 use canvass_traces::small_file::{self, OF_HAND};
 use std::path::Path;
 
-/// A node and the model or file that describes it, as typed.
+/// Nodes as typed: `5`, `1..8`, `all`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct NodeRange {
+    first: NodeId,
+    last: NodeId,
+}
+
+impl NodeRange {
+    /// Whether the node is one of them.
+    pub fn contains(self, node: NodeId) -> bool {
+        (self.first..=self.last).contains(&node)
+    }
+
+    fn nodes(self) -> impl Iterator<Item = NodeId> {
+        (self.first.raw()..=self.last.raw()).filter_map(NodeId::new)
+    }
+}
+
+impl std::str::FromStr for NodeRange {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let text = if text.eq_ignore_ascii_case("all") { "1..127" } else { text };
+        let (first, last) = text.split_once("..").unwrap_or((text, text));
+        let (first, last) = (parse_node(first)?, parse_node(last)?);
+        if first > last {
+            bail!("expected nodes such as 5, 1..8 or all, found \"{text}\"");
+        }
+        Ok(Self { first, last })
+    }
+}
+
+impl std::fmt::Display for NodeRange {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self.first == self.last {
+            true => write!(f, "{}", self.first),
+            false => write!(f, "{}..{}", self.first, self.last),
+        }
+    }
+}
+
+/// Nodes and the model or file that describes them, as typed.
 #[derive(Clone, Debug)]
 pub struct DeviceArg {
-    /// The node.
-    pub node: NodeId,
+    /// The nodes.
+    pub nodes: Vec<NodeId>,
     /// The model's id or the file's path.
     pub device: String,
 }
@@ -21,9 +62,9 @@ impl std::str::FromStr for DeviceArg {
     type Err = anyhow::Error;
 
     fn from_str(text: &str) -> Result<Self> {
-        let (node, device) = text.split_once('=').context("expected NODE=MODEL or NODE=FILE, such as 5=motor.eds")?;
-        let node = parse_node(node)?;
-        Ok(Self { node, device: device.to_owned() })
+        let (nodes, device) = text.split_once('=').context("expected NODE=MODEL or NODE=FILE, such as 5=motor.eds")?;
+        let ranges: Vec<NodeRange> = nodes.split(',').map(str::parse).collect::<Result<_>>()?;
+        Ok(Self { nodes: ranges.into_iter().flat_map(NodeRange::nodes).collect(), device: device.to_owned() })
     }
 }
 
@@ -108,6 +149,20 @@ pub fn summary(problems: &[EdsProblem]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn nodes_are_lists_and_ranges() {
+        let nodes = |text: &str| -> Vec<u8> {
+            let device: DeviceArg = format!("{text}=x.eds").parse().unwrap();
+            device.nodes.iter().map(|node| node.raw()).collect()
+        };
+        assert_eq!(nodes("5"), [5]);
+        assert_eq!(nodes("0x7F,1..3"), [127, 1, 2, 3]);
+        assert_eq!(nodes("all").len(), 127);
+        for wrong in ["", "0", "3..1", "1..128", "1.3", "1,"] {
+            assert!(format!("{wrong}=x.eds").parse::<DeviceArg>().is_err(), "{wrong}");
+        }
+    }
 
     #[test]
     fn a_conflict_has_two_sides() {

@@ -141,7 +141,8 @@ impl Live {
             live.boot(node).map_err(Failure::unreachable)?;
         }
         for device in devices {
-            live.network.describe(device.node, device.describe()?);
+            let known = device.describe()?;
+            device.nodes.iter().for_each(|node| live.network.describe(*node, known.clone()));
         }
         Ok(live)
     }
@@ -220,10 +221,13 @@ pub fn parse_span(text: &str) -> anyhow::Result<Duration> {
     }
 }
 
-/// How long to wait for an answer, as typed: as other spans, but a number alone counts milliseconds.
-pub fn parse_wait(text: &str) -> anyhow::Result<Duration> {
-    let is_number = !text.is_empty() && text.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
-    if is_number { parse_span(&format!("{text}ms")) } else { parse_span(text) }
+/// A span as [`parse_span`] takes it.
+pub fn typed_span(span: Duration) -> String {
+    match (span.nanos() / 1_000_000, span.nanos() % 1_000_000) {
+        (millis, 0) if millis % 1_000 == 0 => format!("{}s", millis / 1_000),
+        (millis, 0) => format!("{millis}ms"),
+        _ => format!("{}ms", span.nanos() as f64 / 1e6),
+    }
 }
 
 #[cfg(test)]
@@ -243,11 +247,10 @@ mod tests {
     }
 
     #[test]
-    fn waits_as_typed() {
-        let parsed = |text: &str| parse_wait(text).unwrap();
-        assert_eq!((parsed("500"), parsed("500ms")), (Duration::from_millis(500), Duration::from_millis(500)));
-        assert_eq!(parsed("2s"), Duration::from_secs(2));
-        assert!(parse_wait("").is_err() && parse_wait("0").is_err());
+    fn spans_are_told_as_they_are_typed() {
+        for text in ["1s", "90s", "1500ms", "0.5ms"] {
+            assert_eq!(typed_span(parse_span(text).unwrap()), text);
+        }
     }
 
     #[test]

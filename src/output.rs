@@ -1,6 +1,8 @@
 //! Standard output and standard error.
 
+use canvass_reports::ascii::ascii;
 use canvass_reports::escape::{Printable, Visible};
+use std::borrow::Cow;
 use std::io::{self, IsTerminal, Stderr, Stdout, Write};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -26,7 +28,7 @@ impl Color {
             // https://no-color.org: any value but the empty one switches colours off.
             Self::Auto => {
                 let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-                !no_color && is_terminal()
+                !no_color && is_terminal() && !is_dumb()
             }
         }
     }
@@ -131,7 +133,24 @@ impl Write for Output {
 
 /// Standard output for a document of which nothing may act, with or without the colours that its renderer sets.
 pub fn document(colors: bool) -> Visible<Stdout> {
-    Visible::new(raw(), colors)
+    Visible::new(raw(), colors).in_ascii(is_terminal() && locale_is_ascii())
+}
+
+/// Whether the terminal knows no sequences: nothing has colours then, and no line takes the place of another.
+pub fn is_dumb() -> bool {
+    std::env::var_os("TERM").is_some_and(|term| term == "dumb")
+}
+
+/// Whether the user's locale is one of ASCII. Terminals keep to it; files and pipes are UTF-8 in any locale.
+fn locale_is_ascii() -> bool {
+    let said =
+        ["LC_ALL", "LC_CTYPE", "LANG"].into_iter().filter_map(std::env::var_os).find(|locale| !locale.is_empty());
+    said.is_some_and(|locale| locale == "C" || locale == "POSIX")
+}
+
+/// The text as a terminal of the user's locale shows it.
+fn shown(text: &str, is_terminal: bool) -> Cow<'_, str> {
+    if is_terminal && locale_is_ascii() { ascii(text) } else { Cow::Borrowed(text) }
 }
 
 /// Standard output as it is, for what programs read: captures, scripts for shells. Text goes through [`document`].
@@ -150,9 +169,9 @@ fn stderr() -> Stderr {
     io::stderr()
 }
 
-/// Whether somebody sees standard error as it is written.
+/// Whether somebody sees standard error as it is written, on a terminal on which a line can take the place of another.
 pub fn is_seen() -> bool {
-    stderr().is_terminal()
+    stderr().is_terminal() && !is_dumb()
 }
 
 /// Whether the last line of standard error is a progress.
@@ -163,6 +182,7 @@ static PROGRESS_IS_SHOWN: AtomicBool = AtomicBool::new(false);
 pub fn show_progress(line: &Printable) {
     let mut stderr = stderr().lock();
     PROGRESS_IS_SHOWN.store(!line.as_str().is_empty(), Ordering::Relaxed);
+    let line = shown(line.as_str(), true);
     let _ = write!(stderr, "\r\x1b[K{line}").and_then(|()| stderr.flush());
 }
 
@@ -175,7 +195,8 @@ pub fn terminal_width() -> Option<u16> {
 /// that it ends with, do not depend on that.
 pub fn print(text: &Printable) -> io::Result<()> {
     let mut stdout = raw().lock();
-    unless_closed(stdout.write_all(text.as_str().as_bytes()).and_then(|()| stdout.flush()))
+    let text = shown(text.as_str(), is_terminal());
+    unless_closed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
 }
 
 /// Takes it for written if nobody reads standard output any more: what a command has found out stays true, and its other
@@ -194,7 +215,8 @@ pub fn unless_closed(written: io::Result<()>) -> io::Result<()> {
 pub fn diagnostic(line: &str) {
     // It takes the place of a progress that is shown.
     let clear = if PROGRESS_IS_SHOWN.swap(false, Ordering::Relaxed) { "\r\x1b[K" } else { "" };
-    let _ = writeln!(stderr().lock(), "{clear}{}", Printable::line(line));
+    let (line, is_terminal) = (Printable::line(line), stderr().is_terminal());
+    let _ = writeln!(stderr().lock(), "{clear}{}", shown(line.as_str(), is_terminal));
 }
 
 /// The same for a text of several lines.

@@ -1,6 +1,6 @@
 //! `--node`, `--channel`, `--filter`: which frames of a capture.
 
-use crate::devices::{DeviceArg, parse_node};
+use crate::devices::{DeviceArg, NodeRange};
 use crate::inputs::Inputs;
 use crate::output::diagnostic;
 use crate::status::Failure;
@@ -14,16 +14,16 @@ use std::cell::Cell;
 /// Which frames are chosen.
 #[derive(clap::Args)]
 pub struct Selection {
-    /// Only frames of these nodes
-    #[arg(long, value_name = "NODE", value_parser = parse_node, value_delimiter = ',')]
-    node: Vec<NodeId>,
+    /// Only frames of these nodes, such as 5 or 1..8,63
+    #[arg(long, value_name = "NODE", value_delimiter = ',')]
+    node: Vec<NodeRange>,
     /// Only frames of these channels, such as can0; of several files, also FILE:CHANNEL
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     channel: Vec<String>,
     /// Only frames that pass this filter, such as 'service=sdo and node in 1..8 and index=0x6003 or abort'
     #[arg(long, value_name = "EXPRESSION")]
     filter: Option<Filter>,
-    /// Which device a node is: a built-in model or an EDS or DCF file
+    /// Which device a node is: a built-in model or an EDS or DCF file; several nodes as 1..8=motor.eds, or all=motor.eds
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
     #[arg(skip)]
@@ -49,7 +49,8 @@ impl Selection {
         let mut network = Network::new();
         network.offer(Model::candidates());
         for device in &self.device {
-            network.describe(device.node, device.describe()?);
+            let known = device.describe()?;
+            device.nodes.iter().for_each(|node| network.describe(*node, known.clone()));
         }
         Ok(network)
     }
@@ -94,7 +95,7 @@ impl Selection {
 
     /// Whether what is about that node is chosen.
     pub fn has_node(&self, node: Option<NodeId>) -> bool {
-        self.node.is_empty() || node.is_some_and(|node| self.node.contains(&node))
+        self.node.is_empty() || node.is_some_and(|node| self.node.iter().any(|range| range.contains(node)))
     }
 
     /// Whether a record passes the filter, whatever its channel and node.

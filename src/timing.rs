@@ -1,6 +1,6 @@
 //! `--timeout WHAT=SPAN`.
 
-use crate::live::parse_wait;
+use crate::live::{parse_span, typed_span};
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_suite::bench::Timing;
 use canvass_traces::Duration;
@@ -53,7 +53,7 @@ pub fn told(timing: &Timing, client: Duration) -> Vec<String> {
         ("silence", timing.silence),
         ("client", client),
     ];
-    spans.map(|(what, span)| format!("{what}={}", span.nanos() / 1_000_000)).into()
+    spans.map(|(what, span)| format!("{what}={}", typed_span(span))).into()
 }
 
 impl FromStr for Timeout {
@@ -72,7 +72,7 @@ impl FromStr for Timeout {
             "client" => What::Client,
             other => bail!("expected sdo, store, lss, boot-up, reaction, silence or client, found \"{other}\""),
         };
-        let known = parse_wait(span).ok().filter(|known| (Duration::from_millis(1)..=LONGEST).contains(known));
+        let known = parse_span(span).ok().filter(|known| (Duration::from_millis(1)..=LONGEST).contains(known));
         let span = known.ok_or_else(|| anyhow!("expected 1ms to {LONGEST}, such as 500ms, found \"{span}\""))?;
         Ok(Self { what, span })
     }
@@ -85,7 +85,7 @@ mod tests {
     #[test]
     fn each_wait_has_its_own_name() {
         let mut timing = Timing::default();
-        for text in ["sdo=1", "store=2", "lss=3", "boot-up=4", "reaction=5", "silence=6", "client=7"] {
+        for text in ["sdo=1ms", "store=2ms", "lss=3ms", "boot-up=4ms", "reaction=5ms", "silence=6ms", "client=7"] {
             text.parse::<Timeout>().unwrap().set(&mut timing);
         }
         let set = [timing.sdo_response, timing.store, timing.lss, timing.boot_up, timing.reaction, timing.silence];

@@ -27,6 +27,7 @@ case = \"301/pdo/mapping/*\"              # an id or a pattern with *
 object = \"1A00:01\"                      # what the breach is about: an object, a service, \"TPDO 1\", \"device\"
 does = \"abort 0604 0041h\"               # what the device does instead of what the standard says
 reason = \"mapping is fixed, ticket 4711\"
+owner = \"Ann\"                           # optional: who answers for it
 expires = 2027-06-30                    # optional: the last day on which the waiver holds
 ```
 
@@ -37,6 +38,19 @@ is accepted with its code only.
 
 A waiver that lacks one of these, or is for a case that does not exist, is an error with its line. One that has expired, or
 that excused nothing in a run, is reported with what was found instead: waivers must not outlive what they are for.
+
+A case that sometimes fails, and nobody knows yet why, is no matter for a waiver. It stands in the same file, in quarantine:
+
+```toml
+[[quarantine]]
+case = \"301/heartbeat/period\"           # an id or a pattern with *
+owner = \"Ann\"                           # who looks into it
+reason = \"fails on sample 3 every tenth time, ticket 12\"
+until = 2027-06-30                      # the last day on which it holds
+```
+
+Its failure is shown in every report, with owner and day, and does not count until then: the status stays 0, JUnit has it among the
+skipped, `canvass compare` does not call it worse, `--fail-fast` goes on. From the day after it counts, and the report says why.
 
 ## What is only noted
 

@@ -57,6 +57,7 @@ struct Case {
     measurements: Vec<Measurement>,
     #[serde(default)]
     flaky: bool,
+    quarantine: Option<Quarantined>,
     #[serde(default)]
     duration_ns: Option<u64>,
 }
@@ -76,6 +77,12 @@ fn verdict<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Kind, D:
     let name = String::deserialize(deserializer)?;
     let expected = || serde::de::Error::custom(format!("expected a verdict, found \"{}\"", printable(&name)));
     Kind::by_name(&name).ok_or_else(expected)
+}
+
+#[derive(Clone, Debug, Deserialize)]
+struct Quarantined {
+    until: String,
+    owner: String,
 }
 
 #[derive(Clone, Debug, Deserialize)]
@@ -150,6 +157,8 @@ pub struct Change {
     pub direction: Direction,
     /// Why a case no longer passes.
     pub reason: Option<String>,
+    /// Of a case that got worse: the earlier release in which it was bad last. It had been mended since.
+    pub returned: Option<String>,
 }
 
 /// All differences, the worst first.
@@ -165,6 +174,18 @@ impl Change {
     /// What it was and what it is, for people.
     fn values(&self) -> (&str, &str) {
         (self.old.as_deref().unwrap_or("-"), self.new.as_deref().unwrap_or("-"))
+    }
+
+    /// Whether it is a case that is bad now and was not.
+    fn is_regression(&self) -> bool {
+        self.kind == "verdict" && self.direction == Direction::Worse && self.new.is_some()
+    }
+
+    /// Why, for people; first of all that it had been mended.
+    fn why(&self) -> Option<String> {
+        let returned = self.returned.as_ref().map(|release| format!("again: it was bad in {release}"));
+        let parts: Vec<String> = returned.into_iter().chain(self.reason.clone()).collect();
+        (!parts.is_empty()).then(|| parts.join("; "))
     }
 }
 
@@ -256,6 +277,7 @@ fn cancelled() -> Change {
         new: Some("cancelled".to_owned()),
         direction: Direction::Worse,
         reason: None,
+        returned: None,
     }
 }
 
@@ -266,6 +288,8 @@ fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change>
     pairs(&by_id(old), &by_id(new), |id, old, new| {
         let direction = match (old, new) {
             (Some(old), Some(new)) if old.verdict == new.verdict => return None,
+            // It is shown, and does not count yet.
+            (_, Some(Case { quarantine: Some(_), .. })) => Direction::Other,
             (Some(old), Some(new)) => match new.verdict.badness().cmp(&old.verdict.badness()) {
                 std::cmp::Ordering::Greater => Direction::Worse,
                 std::cmp::Ordering::Less => Direction::Better,
@@ -276,9 +300,7 @@ fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change>
             (Some(old), None) if old.verdict.is_executed() && missing == Missing::Worse => Direction::Worse,
             _ => Direction::Other,
         };
-        let reason = new.and_then(|case| case.reason.as_ref());
-        let reason =
-            reason.map(|Reason { duty, expected, actual }| format!("{duty}: expected {expected}, found {actual}"));
+        let reason = new.and_then(why);
         let verdict = |case: Option<&Case>| case.map(|case| case.verdict.name().to_owned());
         Some(Change {
             kind: "verdict",
@@ -287,8 +309,17 @@ fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change>
             new: verdict(new),
             direction,
             reason,
+            returned: None,
         })
     })
+}
+
+/// Why a case is not good, and until when that does not count.
+fn why(case: &Case) -> Option<String> {
+    let Reason { duty, expected, actual } = case.reason.as_ref()?;
+    let quarantine = case.quarantine.as_ref();
+    let quarantine = quarantine.map(|Quarantined { until, owner }| format!("in quarantine until {until} ({owner}); "));
+    Some(format!("{}{duty}: expected {expected}, found {actual}", quarantine.unwrap_or_default()))
 }
 
 fn timings(old: &TestResult, new: &TestResult) -> Vec<Change> {
@@ -313,6 +344,7 @@ fn timings(old: &TestResult, new: &TestResult) -> Vec<Change> {
             // A longer or shorter time is wrong only where a case says so, and then its verdict changes.
             direction: Direction::Other,
             reason: None,
+            returned: None,
         })
     })
 }
@@ -347,6 +379,7 @@ fn difference<T: PartialEq>(
         new: new.map(&shown),
         direction: Direction::Other,
         reason: None,
+        returned: None,
     })
 }
 
@@ -371,12 +404,25 @@ impl Comparison {
         self.changes.iter().filter(move |change| change.direction == direction)
     }
 
+    /// Tells regressions that return from new ones, by the releases before the two, oldest first.
+    pub fn recall(&mut self, earlier: &[(String, TestResult)]) {
+        let was_bad = |(_, result): &&(String, TestResult), id: &str| result.failed().any(|failed| failed == id);
+        for change in self.changes.iter_mut().filter(|change| change.is_regression()) {
+            let last = earlier.iter().rev().find(|release| was_bad(release, &change.subject));
+            change.returned = last.map(|(release, _)| release.clone());
+        }
+    }
+
     /// One line about the outcome.
     fn outcome(&self) -> String {
+        let returned = match self.changes.iter().filter(|change| change.returned.is_some()).count() {
+            0 => String::new(),
+            count => format!(", {count} of them again"),
+        };
         match (self.changes.len(), self.of(Direction::Worse).count()) {
             (0, _) => "no difference".to_owned(),
             (all, 0) => format!("{all} differences, nothing got worse"),
-            (all, worse) => format!("{all} differences, {worse} for the worse"),
+            (all, worse) => format!("{all} differences, {worse} for the worse{returned}"),
         }
     }
 
@@ -390,6 +436,7 @@ impl Comparison {
                 "new": change.new,
                 "direction": change.direction.name(),
                 "reason": change.reason,
+                "returned": change.returned,
             })
         };
         let count = |direction| self.of(direction).count();
@@ -414,8 +461,8 @@ impl Comparison {
             let (subject, old, new) = (printable(&change.subject), printable(old), printable(new));
             // Writing to a string can't fail.
             let _ = writeln!(text, "{:6} {:10} {subject}: {old} -> {new}", change.direction.name(), change.kind);
-            if let Some(reason) = &change.reason {
-                let _ = writeln!(text, "                  {}", printable(reason));
+            if let Some(reason) = change.why() {
+                let _ = writeln!(text, "                  {}", printable(&reason));
             }
         }
         let _ = writeln!(text, "{}", self.outcome());

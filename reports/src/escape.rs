@@ -8,6 +8,7 @@
 //! [`Printable`], and whatever it says on standard error goes through [`printable`]. Both have no way round: the streams
 //! themselves can be had in one place only (`clippy.toml`), and a [`Printable`] is made here only.
 
+use crate::ascii::ascii;
 use std::borrow::Cow;
 use std::fmt::{self, Write as _};
 use std::io;
@@ -95,6 +96,7 @@ impl fmt::Display for Printable {
 pub struct Visible<W> {
     out: W,
     colors: bool,
+    ascii: bool,
     /// The beginning of a character or of a sequence whose end is still to come.
     pending: Vec<u8>,
 }
@@ -105,14 +107,25 @@ const LONGEST_SEQUENCE: usize = 48;
 impl<W: io::Write> Visible<W> {
     /// Writes to `out`; `colors`: with those that the renderer sets.
     pub const fn new(out: W, colors: bool) -> Self {
-        Self { out, colors, pending: Vec::new() }
+        Self { out, colors, ascii: false, pending: Vec::new() }
+    }
+
+    /// With nothing but ASCII, where that is wanted.
+    #[must_use]
+    pub fn in_ascii(self, ascii: bool) -> Self {
+        Self { ascii, ..self }
+    }
+
+    fn put(&mut self, text: &str) -> io::Result<()> {
+        let text = document(text);
+        if self.ascii { self.out.write_all(ascii(&text).as_bytes()) } else { self.out.write_all(text.as_bytes()) }
     }
 
     fn write_text(&mut self, text: &str) -> io::Result<()> {
         let mut rest = text;
         while let Some(at) = rest.find('\x1b').filter(|_| self.colors) {
             let (before, sequence) = rest.split_at(at);
-            self.out.write_all(document(before).as_bytes())?;
+            self.put(before)?;
             let length = color_sequence(sequence).unwrap_or(0);
             let (kept, behind) = sequence.split_at(length);
             self.out.write_all(kept.as_bytes())?;
@@ -122,7 +135,7 @@ impl<W: io::Write> Visible<W> {
                 rest = behind.get(1..).unwrap_or_default();
             }
         }
-        self.out.write_all(document(rest).as_bytes())
+        self.put(rest)
     }
 }
 
@@ -136,7 +149,7 @@ fn color_sequence(text: &str) -> Option<usize> {
 impl<W: io::Write> io::Write for Visible<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         // Nearly always: lines of a decoder come by millions.
-        if self.pending.is_empty() && is_plain(bytes) {
+        if self.pending.is_empty() && is_plain(bytes) && (!self.ascii || bytes.is_ascii()) {
             return self.out.write_all(bytes).map(|()| bytes.len());
         }
         self.pending.extend_from_slice(bytes);

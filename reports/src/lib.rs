@@ -18,6 +18,7 @@
 #![warn(clippy::disallowed_methods)]
 
 pub mod answers;
+pub mod ascii;
 pub mod catalogue_page;
 pub mod comparison;
 pub mod conformance;

@@ -15,6 +15,8 @@ pub enum TimeStyle {
     Delta,
     /// Date and time of day in UTC, as RFC 3339 writes them, with nanoseconds.
     Utc,
+    /// The same in the zone of this computer, with its distance from UTC.
+    Local,
 }
 
 /// Shows one time after the other.
@@ -27,6 +29,8 @@ pub struct Clock {
     previous: Option<Timestamp>,
     /// A second and its text: most frames have the same as the one before.
     second: (u64, Vec<u8>),
+    /// What stands behind a date.
+    zone: Vec<u8>,
 }
 
 const NANOS: u64 = 1_000_000_000;
@@ -34,7 +38,7 @@ const NANOS: u64 = 1_000_000_000;
 impl Clock {
     /// A clock for people: six decimals, nine where the time has them.
     pub const fn new(style: TimeStyle) -> Self {
-        Self { style, full: false, first: None, previous: None, second: (u64::MAX, Vec::new()) }
+        Self { style, full: false, first: None, previous: None, second: (u64::MAX, Vec::new()), zone: Vec::new() }
     }
 
     /// A clock for machines: always nine decimals.
@@ -55,6 +59,7 @@ impl Clock {
             TimeStyle::Absolute => 17,
             TimeStyle::Relative | TimeStyle::Delta => 12,
             TimeStyle::Utc => 30,
+            TimeStyle::Local => 35,
         }
     }
 
@@ -66,7 +71,7 @@ impl Clock {
             TimeStyle::Absolute => Timestamp::ZERO,
             TimeStyle::Relative => first,
             TimeStyle::Delta => previous,
-            TimeStyle::Utc => return self.push_utc(now, out),
+            TimeStyle::Utc | TimeStyle::Local => return self.push_date(now, out),
         };
         if now < from {
             out.push(b'-');
@@ -91,21 +96,31 @@ impl Clock {
         out.extend_from_slice(digits);
     }
 
-    fn push_utc(&mut self, now: Timestamp, out: &mut Vec<u8>) {
+    fn push_date(&mut self, now: Timestamp, out: &mut Vec<u8>) {
         let second = now.nanos() / NANOS;
         let (known, date) = &mut self.second;
         if *known != second {
             *known = second;
             date.clear();
+            self.zone.clear();
+            let zone = match self.style {
+                TimeStyle::Local => jiff::tz::TimeZone::system(),
+                _ => jiff::tz::TimeZone::UTC,
+            };
             // 64 bits of nanoseconds end in the year 2554: every second has a date.
             if let Ok(time) = jiff::Timestamp::from_second(second.cast_signed()) {
+                let time = time.to_zoned(zone);
                 push_text(date, time.strftime("%Y-%m-%dT%H:%M:%S"));
+                match self.style {
+                    TimeStyle::Local => push_text(&mut self.zone, time.strftime("%:z")),
+                    _ => self.zone.push(b'Z'),
+                }
             }
         }
         out.extend_from_slice(date);
         out.push(b'.');
         push_fraction(out, now.nanos() % NANOS, 9);
-        out.push(b'Z');
+        out.extend_from_slice(&self.zone);
     }
 }
 

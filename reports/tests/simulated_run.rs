@@ -34,6 +34,8 @@ fn run_with(faults: Faults, reporters: &mut [&mut dyn Reporter]) -> Summary {
             documented: "the manual says so".to_owned(),
             by: Authority::Manual,
         }],
+        quarantines: Vec::new(),
+        described_alone: false,
     };
     let (options, cancel) = (Options::default(), AtomicBool::new(false));
     let mut decoder = Decoder::new(&target);

@@ -23,6 +23,9 @@ pub struct Args {
     /// Cases that only the old result has were left out on purpose
     #[arg(long)]
     allow_missing: bool,
+    /// A result of a release before these two, oldest first: a case that was bad in one of them, and not in OLD, has returned
+    #[arg(long, value_name = "[RELEASE=]FILE")]
+    earlier: Vec<String>,
     #[command(flatten)]
     shown: Shown,
     #[command(flatten)]
@@ -32,7 +35,9 @@ pub struct Args {
 impl Args {
     pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
         let missing = if self.allow_missing { Missing::Allowed } else { Missing::Worse };
-        Files::new().reads([&self.old, &self.new]).writes(self.shown.files())?;
+        let earlier: Vec<_> = self.earlier.iter().map(|file| named(file)).collect();
+        let paths = earlier.iter().map(|(_, path)| path).chain([&self.old, &self.new]);
+        Files::new().reads(paths).writes(self.shown.files())?;
         let (old, new) = (read(&self.old)?, read(&self.new)?);
         let mut provenance = Collected::begin(&self.remarks, typed, Subject::Files)?;
         for (role, path, result) in [("old", &self.old, &old), ("new", &self.new, &new)] {
@@ -40,6 +45,11 @@ impl Args {
             provenance.device(&format!("{role} device"), result.identity());
         }
         let mut comparison = compare(&old, &new, missing);
+        let earlier = earlier.into_iter().map(|(name, path)| {
+            provenance.file("earlier", &path);
+            read(&path).map(|result| (release(name, &result, &path), result))
+        });
+        comparison.recall(&earlier.collect::<anyhow::Result<Vec<_>>>()?);
         comparison.provenance = provenance.0;
         self.shown.write(&|format, out| render(&comparison, format, out))?;
         Ok(if comparison.has_regressions() { Status::Findings } else { Status::Good })
@@ -54,6 +64,20 @@ fn render(comparison: &Comparison, format: ReportFormat, out: &mut dyn Write) ->
         ReportFormat::Html => html::render(comparison, out),
         ReportFormat::Markdown => markdown::render(comparison, out),
     }
+}
+
+/// `RELEASE=FILE`, or a file.
+pub fn named(text: &str) -> (Option<&str>, PathBuf) {
+    match text.split_once('=') {
+        Some((release, file)) if !release.is_empty() && !Path::new(text).exists() => (Some(release), file.into()),
+        _ => (None, text.into()),
+    }
+}
+
+/// What a release is called: as typed, as noted in its result, or as its file.
+pub fn release(typed: Option<&str>, result: &TestResult, path: &Path) -> String {
+    let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+    typed.or(result.note("release")).map_or_else(stem, str::to_owned)
 }
 
 /// A result of `canvass test`.

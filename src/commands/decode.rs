@@ -74,6 +74,8 @@ enum Time {
     Delta,
     /// Date and time of day in UTC (RFC 3339)
     Utc,
+    /// Date and time of day in the zone of this computer
+    Local,
 }
 
 impl Args {
@@ -151,9 +153,9 @@ impl View {
 
     fn end(&self, inputs: Inputs<'_>) -> Result<Status, Failure> {
         self.selection.warn_of_nothing(&inputs);
-        if matches!(self.time, Time::Utc) && inputs.time_base() != TimeBase::Utc {
+        if matches!(self.time, Time::Utc | Time::Local) && inputs.time_base() != TimeBase::Utc {
             let base = inputs.time_base();
-            diagnostic(&format!("canvass: the times of the capture count from {base}: they are not UTC"));
+            diagnostic(&format!("canvass: the times of the capture count from {base}: they are no dates"));
         }
         inputs.finish()?;
         Ok(Status::Good)
@@ -194,6 +196,7 @@ impl Time {
             Self::Relative => TimeStyle::Relative,
             Self::Delta => TimeStyle::Delta,
             Self::Utc => TimeStyle::Utc,
+            Self::Local => TimeStyle::Local,
         }
     }
 }

@@ -29,9 +29,13 @@ pub fn show(
     events: &mut dyn Events,
     output: &Output,
 ) -> Result<(), Failure> {
-    let mut last = None;
+    let (mut last, mut comment) = (None, String::new());
     while inputs.advance()?.is_some() {
         let record = inputs.record();
+        if let Some(latest) = record.comment() {
+            comment.clear();
+            comment.push_str(latest);
+        }
         let decoded = network.handle(record);
         if !range.contains(record.timestamp) || !selection.has_channel(record, inputs) {
             continue;
@@ -44,6 +48,10 @@ pub fn show(
         let channel = inputs.channels().name(record.channel);
         let scene = Scene { time: record.timestamp, channel, bus, frame: Some((record, &decoded)) };
         for event in bus.events().iter().filter(|event| selection.has_node(scene.node(event))) {
+            if !comment.is_empty() {
+                output.append(|buffer| events.comment(&scene, &comment, buffer))?;
+                comment.clear();
+            }
             output.append(|buffer| events.event(&scene, event, buffer))?;
         }
     }

@@ -172,7 +172,8 @@ impl Args {
         let mut diagnosis = Diagnosis::new(thresholds);
         diagnosis.offer(Model::candidates());
         for device in &self.device {
-            diagnosis.describe(device.node, device.describe()?);
+            let known = device.describe()?;
+            device.nodes.iter().for_each(|node| diagnosis.describe(*node, known.clone()));
         }
         if let Some(bit_rate) = self.bit_rate {
             diagnosis.set_bit_rate(bit_rate);

@@ -91,7 +91,7 @@ impl Args {
         let files = Files::new().bus(&self.bus).describes(self.device.as_deref()).reads(&self.replay);
         files.writes(&self.regressions)?.writes(self.shown.files())?;
         let mut provenance = self.provenance(typed, seed)?;
-        let reports = self.open_reports()?;
+        let (of_stdout, reports) = (self.shown.of_stdout()?, self.open_reports()?);
         let mut device = Device::open(&self.bus, self.node, self.device.as_deref(), seed)?;
         let simulated = device.is_simulated();
         let allow = touches(&self.allow);
@@ -125,7 +125,7 @@ impl Args {
         let kept = kept
             .and(self.reproducers.as_deref().map_or(Ok(()), |dir| reproducers::write(dir, &outcome.violations, seed)));
         let run = self.result(&device, provenance.0, &plan, outcome, interrupt.came());
-        let printed = render_of(self.shown.format)(&run, &mut document(false));
+        let printed = render_of(of_stdout)(&run, &mut document(false));
         // None depends on another: if one can't be written, the others are whole all the same.
         let reported: Vec<_> = reports.into_iter().map(|(render, file)| write_report(render, &run, file)).collect();
         unless_closed(printed)?;
@@ -252,7 +252,7 @@ impl Args {
     /// Begins all files before the device is touched: a report that can't be written is known at once.
     fn open_reports(&self) -> Result<Vec<(Render, WholeFile)>, Failure> {
         let open = |arg: &ReportArg| Ok((render_of(arg.format()), WholeFile::create(arg.file())?));
-        self.shown.report.iter().map(open).collect()
+        self.shown.in_files().map(open).collect()
     }
 }
 

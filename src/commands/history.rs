@@ -1,15 +1,14 @@
 //! `canvass history`: many results of `canvass test`.
 
-use super::compare::read;
+use super::compare::{named, read, release as release_name};
 use super::test::reports::{ReportFormat, Shown};
 use crate::files::Files;
 use crate::provenance::{Collected, Remarks, Subject, Typed};
 use crate::status::{Failure, Status};
 use anyhow::{Result, anyhow};
-use canvass_reports::comparison::TestResult;
 use canvass_reports::history::{History, Release, html, json, markdown, text};
 use std::io;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Show many results of `canvass test --format json`, over releases and samples
 ///
@@ -43,7 +42,7 @@ impl Args {
         for (release, path) in &named {
             let result = read(path)?;
             provenance.file("result", path);
-            let name = release.map(str::to_owned).unwrap_or_else(|| release_of(&result, path));
+            let name = release_name(*release, &result, path);
             match releases.iter_mut().find(|known| known.name == name) {
                 Some(known) => known.results.push(result),
                 None => releases.push(Release { name, results: vec![result] }),
@@ -54,19 +53,6 @@ impl Args {
         self.shown.write(&|format, out| render(&history, format, out))?;
         Ok(Status::Good)
     }
-}
-
-/// `RELEASE=FILE`, or a file.
-fn named(text: &str) -> (Option<&str>, PathBuf) {
-    match text.split_once('=') {
-        Some((release, file)) if !release.is_empty() && !Path::new(text).exists() => (Some(release), file.into()),
-        _ => (None, text.into()),
-    }
-}
-
-fn release_of(result: &TestResult, path: &Path) -> String {
-    let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    result.note("release").map_or_else(stem, str::to_owned)
 }
 
 fn render(history: &History, format: ReportFormat, out: &mut dyn io::Write) -> io::Result<()> {

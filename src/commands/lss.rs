@@ -1,6 +1,6 @@
 //! `canvass lss`: layer setting services.
 
-use crate::live::{ClientArg, Live, parse_wait};
+use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow};
@@ -45,8 +45,8 @@ enum Action {
         /// Store both in non-volatile memory
         #[arg(long)]
         store: bool,
-        /// Let all devices change to the bit rate that was set for them, after that many milliseconds of silence
-        #[arg(long, value_name = "MS")]
+        /// Let all devices change to the bit rate that was set for them, after a silence so long, such as 100ms
+        #[arg(long, value_name = "SPAN", value_parser = parse_delay)]
         activate: Option<u16>,
     },
     /// Find a device without node-ID by Fastscan
@@ -69,7 +69,7 @@ struct OnBus {
     bus: String,
     /// How long to wait for each answer, such as 100ms; a Fastscan waits up to 68 times for every device,
     /// and "store" at least 10 s
-    #[arg(long, value_name = "SPAN", value_parser = parse_wait)]
+    #[arg(long, value_name = "SPAN", value_parser = parse_span)]
     timeout: Option<Duration>,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
@@ -159,6 +159,15 @@ struct Wish {
     bit_rate: Option<u8>,
     store: bool,
     activate: Option<u16>,
+}
+
+/// The delay of "activate bit timing": whole milliseconds in 16 bits.
+fn parse_delay(text: &str) -> Result<u16> {
+    let millis = parse_span(text)?.nanos() / 1_000_000;
+    u16::try_from(millis)
+        .ok()
+        .filter(|millis| *millis > 0)
+        .ok_or_else(|| anyhow!("expected 1ms to 65s, found \"{text}\""))
 }
 
 impl OnBus {

@@ -2,7 +2,7 @@
 
 use super::send::send_and_show;
 use crate::devices::{DeviceArg, parse_node};
-use crate::live::{ClientArg, Live, parse_wait};
+use crate::live::{ClientArg, Live, parse_span};
 use crate::output::Color;
 use crate::status::{Failure, Status};
 use canvass_analyzer::NodeId;
@@ -23,8 +23,8 @@ pub struct Args {
     /// The node, or `all`
     #[arg(value_name = "NODE|all", value_parser = parse_addressed)]
     node: Addressed,
-    /// How long to listen, such as 1000ms
-    #[arg(long, default_value = "1000ms", value_name = "SPAN", value_parser = parse_wait)]
+    /// How long to listen, such as 500ms
+    #[arg(long, default_value = "1s", value_name = "SPAN", value_parser = parse_span)]
     wait: Duration,
     /// Which device a node is: a built-in model or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]

@@ -1,7 +1,7 @@
 //! `canvass scan`: which nodes are on a bus, and who they are.
 
 use crate::interrupt::Interrupt;
-use crate::live::{ClientArg, Live, parse_span, parse_wait};
+use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, print};
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
@@ -38,7 +38,7 @@ pub struct Args {
     #[arg(long, default_value = "1.2s", value_name = "SPAN", value_parser = parse_span)]
     listen: Duration,
     /// How long to wait for answers
-    #[arg(long, default_value = "200ms", value_name = "SPAN", value_parser = parse_wait)]
+    #[arg(long, default_value = "200ms", value_name = "SPAN", value_parser = parse_span)]
     timeout: Duration,
     /// How long all of it may take
     #[arg(long = "for", default_value = "2min", value_name = "SPAN", value_parser = parse_span)]

@@ -4,7 +4,7 @@ mod object;
 mod value;
 
 use crate::devices::{DeviceArg, describe, parse_node};
-use crate::live::{ClientArg, Live, parse_wait};
+use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
@@ -61,8 +61,8 @@ struct Target {
     /// The data type: u8 to u64, i8 to i64, f32, f64, bool, string, bytes, or a name such as UNSIGNED32
     #[arg(long = "type", value_name = "TYPE", value_parser = value::parse_type)]
     data_type: Option<canvass_analyzer::dictionary::DataType>,
-    /// How long to wait for each response, such as 1000ms
-    #[arg(long, default_value = "1000ms", value_name = "SPAN", value_parser = parse_wait)]
+    /// How long to wait for each response, such as 500ms
+    #[arg(long, default_value = "1s", value_name = "SPAN", value_parser = parse_span)]
     timeout: Duration,
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
@@ -92,7 +92,7 @@ impl Target {
     fn run(self, written: Option<(&str, bool)>) -> Result<Status, Failure> {
         let device = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
         let devices: Vec<DeviceArg> =
-            device.iter().map(|device| DeviceArg { node: self.node, device: (*device).to_owned() }).collect();
+            device.iter().map(|device| DeviceArg { nodes: vec![self.node], device: (*device).to_owned() }).collect();
         let known = device.map(describe).transpose()?;
         let mut live = Live::open(&self.bus, Some(self.node), &devices, self.client)?;
         let model = live.model.filter(|_| live.simulated_node() == Some(self.node));

@@ -1,7 +1,7 @@
 //! `canvass send`: single frames, and what comes back.
 
 use crate::devices::DeviceArg;
-use crate::live::{ClientArg, FrameLines, Live, parse_wait};
+use crate::live::{ClientArg, FrameLines, Live, parse_span};
 use crate::output::Color;
 use crate::status::{Failure, Status};
 use canvass_traces::{Duration, Frame, FrameSyntax, parse_frame};
@@ -17,7 +17,7 @@ pub struct Args {
     #[arg(required = true, value_name = "FRAME", value_parser = parse_sent)]
     frames: Vec<Frame>,
     /// How long to listen after each frame, such as 100ms
-    #[arg(long, default_value = "100ms", value_name = "SPAN", value_parser = parse_wait)]
+    #[arg(long, default_value = "100ms", value_name = "SPAN", value_parser = parse_span)]
     wait: Duration,
     /// Which device a node is: a built-in model or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]

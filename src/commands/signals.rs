@@ -2,11 +2,12 @@
 
 use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs};
+use crate::live::parse_span;
 use crate::output::{Output, diagnostic};
 use crate::selection::Selection;
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
-use anyhow::{Context, Result, bail};
+use anyhow::Result;
 use canvass_analyzer::Meaning;
 use canvass_analyzer::network::Network;
 use canvass_reports::signals::{Columns, CsvSheet, JsonSheet, Sampler, Sheet};
@@ -27,8 +28,8 @@ pub struct Args {
     /// How to print the rows
     #[arg(long, value_enum, default_value_t)]
     format: SignalFormat,
-    /// One row every so many milliseconds, with the latest values, instead of one for each PDO
-    #[arg(long, value_name = "MS", value_parser = parse_milliseconds)]
+    /// One row in that distance, such as 10ms, with the latest values, instead of one for each PDO
+    #[arg(long, value_name = "SPAN", value_parser = parse_span)]
     every: Option<Duration>,
     #[command(flatten)]
     range: TimeRange,
@@ -49,21 +50,6 @@ enum SignalFormat {
 
 /// Memory for the rows that wait for the header; more of them wait in a temporary file.
 const IN_MEMORY: usize = 64 << 20;
-
-/// Milliseconds with up to six decimals, more than 0.
-fn parse_milliseconds(text: &str) -> Result<Duration> {
-    let expected = "expected milliseconds such as 10 or 0.5";
-    let (whole, fraction) = text.split_once('.').unwrap_or((text, ""));
-    if fraction.len() > 6 || !fraction.bytes().all(|byte| byte.is_ascii_digit()) {
-        bail!("{expected}, with at most six decimals");
-    }
-    let whole: u64 = whole.parse().context(expected)?;
-    let fraction: u64 = format!("{fraction:0<6}").parse().context(expected)?;
-    match whole.checked_mul(1_000_000).and_then(|nanos| nanos.checked_add(fraction)) {
-        None | Some(0) => bail!("{expected}, more than 0"),
-        Some(nanos) => Ok(Duration(nanos)),
-    }
-}
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {

@@ -56,7 +56,7 @@ pub struct Args {
     allow: Vec<Allow>,
     #[command(flatten)]
     shown: Shown,
-    /// A file of failures that are put up with, each with its reason (TOML, see `docs/cases.md`)
+    /// A file of failures that are accepted, or do not count yet, each with its reason (TOML, see `docs/cases.md`)
     #[arg(long, value_name = "FILE")]
     waivers: Option<PathBuf>,
     /// Run each case so often; a case that does not always end the same way is flaky
@@ -125,7 +125,8 @@ impl Args {
         }
         let mut opened = self.open()?;
         options.limit = self.span.or_else(|| opened.bus.is_live().then(|| self.usual_limit(cases.len())));
-        let target = self.target(&opened, waivers.deviations(&today))?;
+        let quarantines = waivers.quarantines(&today);
+        let target = Target { quarantines, ..self.target(&opened, waivers.deviations(&today))? };
         options.journal = opened.bus.is_live().then(|| self.journal_path(target.node)).flatten();
         if let Some(path) = &options.journal {
             journal::settle(path, self.restore, &self.bus, opened.bus.as_mut(), &target, options.timing)?;
@@ -155,6 +156,11 @@ impl Args {
 
     /// None that is written is read, and none is written twice.
     fn name_files(&self) -> Result<(), Failure> {
+        for (option, path) in [("record", &self.record), ("bundle", &self.bundle), ("journal", &self.journal)] {
+            if path.as_deref().is_some_and(|path| path.as_os_str() == "-") {
+                return Err(anyhow!("standard output is for the result: --{option} takes a file").into());
+            }
+        }
         let files = Files::new().bus(&self.bus).describes(self.device.as_deref()).reads(&self.waivers);
         let files = files.reads(self.choice.result());
         let files = files.writes(self.shown.files())?.writes(&self.record)?;
@@ -249,7 +255,8 @@ impl Args {
         let manual = Model::by_id(&model).map(Deviation::of_model).unwrap_or_default();
         // What the user says goes before what the manual says: it is the more specific of the two.
         let deviations = waived.into_iter().chain(manual).collect();
-        Ok(Target { deviations, ..Target::known(node, model, device) })
+        let described_alone = self.device.is_none() && opened.model.is_some_and(Model::is_described_alone);
+        Ok(Target { deviations, described_alone, ..Target::known(node, model, device) })
     }
 }
 

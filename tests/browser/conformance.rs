@@ -37,6 +37,25 @@ fn it_renders_and_filters() {
     browser.is_quiet();
 }
 
+/// A click on the count of failures shows these and no others, first of all cases, with their frames, times and delays.
+#[test]
+fn a_click_on_the_failures_shows_them() {
+    let page = Page::of_test("sim:kuebler-sendix-58x8+boot-up-twice");
+    let browser = Browser::open(&page.path, Screen::Desk);
+    let visible = || browser.number("return document.querySelectorAll('.case:not([hidden])').length");
+    let count: f64 = browser.text("return document.querySelector('.tile.fail .count').textContent").parse().unwrap();
+    assert!(count >= 2.0, "{count}");
+    browser.click(".tile.fail");
+    assert_eq!(visible(), count);
+    let failed = "return document.querySelectorAll('.case[data-kind=fail]:not([hidden])[open]').length";
+    assert_eq!(browser.number(failed), count);
+    let pictures = "return document.querySelectorAll('.case[data-kind=fail] svg.strip').length";
+    assert_eq!(browser.number(pictures), count);
+    let bars = "return document.querySelector('.case svg.delays .delay').getTotalLength()";
+    assert!(browser.number(bars) > 0.0);
+    browser.is_quiet();
+}
+
 #[test]
 fn it_fits_a_phone_and_has_the_same_colours() {
     let page = Page::of_test("sim:kuebler-sendix-58x8");

@@ -86,7 +86,7 @@ fn results_and_captures_are_overwritten_only_by_force() {
 fn a_report_stays_until_there_is_a_new_one() {
     let folder = folder();
     let unreachable =
-        "test sim:reference-301:10 --node 99 --timeout sdo=10,boot-up=10 --report json=kept --report html=new";
+        "test sim:reference-301:10 --node 99 --timeout sdo=10ms,boot-up=10ms --report json=kept --report html=new";
     assert_eq!(folder.run(unreachable).0, 3);
     assert_eq!(folder.run("convert --force nosuch.log kept --to candump").0, 2);
     assert_eq!(folder.run("diagnose nosuch.log --force -o kept").0, 2);

@@ -83,3 +83,103 @@ fn what_the_page_names_is_known() {
         }
     }
 }
+
+/// The script of the page.
+fn script() -> &'static str {
+    PAGE.split("```sh\n").nth(1).unwrap().split("```").next().unwrap()
+}
+
+/// A repository with the script, in which `canvass` is the program; what `test` gets is told before its own arguments.
+struct Repository(tempfile::TempDir);
+
+impl Repository {
+    fn new(of_test: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).unwrap();
+        write("conformance.sh", script());
+        write("waivers.toml", "");
+        write("firmware.eds", include_str!("../../conformance/device/models/reference-301.eds"));
+        let program = env!("CARGO_BIN_EXE_canvass");
+        let wrapper = format!(
+            "#!/bin/sh\ncase $1 in test) shift; exec {program} test {of_test} \"$@\";; *) exec {program} \"$@\";; esac\n"
+        );
+        write("canvass", &wrapper);
+        let made = Command::new("chmod").arg("+x").arg(folder.path().join("canvass")).status().unwrap();
+        assert!(made.success());
+        Self(folder)
+    }
+
+    /// Runs the script as a pipeline does.
+    fn run(&self, bus: &str, firmware: &str) -> (Option<i32>, String) {
+        let path = format!("{}:{}", self.0.path().display(), std::env::var("PATH").unwrap());
+        let variables = [("CANVASS_BUS", bus), ("FIRMWARE", firmware), ("FUZZ_FOR", "300ms"), ("PATH", &path)];
+        let mut shell = Command::new("sh");
+        let ended = shell.arg("conformance.sh").current_dir(&self.0).envs(variables).output().unwrap();
+        (ended.status.code(), String::from_utf8_lossy(&[ended.stdout, ended.stderr].concat()).into_owned())
+    }
+
+    fn accept(&self) {
+        std::fs::copy(self.0.path().join("new.json"), self.0.path().join("release.json")).unwrap();
+    }
+
+    fn has(&self, files: &[&str]) {
+        for file in files {
+            assert!(self.0.path().join(file).metadata().is_ok_and(|file| file.len() > 0), "{file}");
+        }
+    }
+}
+
+const REPORTS: [&str; 9] = [
+    "new.json",
+    "test.xml",
+    "test.html",
+    "evidence.zip",
+    "compare.xml",
+    "compare.md",
+    "fuzz.json",
+    "fuzz.xml",
+    "fuzz.html",
+];
+
+/// The first release has none before it; the same again is good, a worse one is not, and has all its reports.
+#[test]
+fn the_script_of_the_pipelines_holds_up_a_bad_release() {
+    let repository = Repository::new("--select 301/boot-up,301/identity");
+    assert_eq!(repository.run("sim:reference-301", "").0, Some(1));
+    repository.accept();
+    let (status, said) = repository.run("sim:reference-301", "");
+    assert_eq!(status, Some(0), "{said}");
+    let (status, said) = repository.run("sim:reference-301+boot-up-twice", "");
+    assert_eq!(status, Some(1), "{said}");
+    assert!(said.contains("worse  verdict    301/boot-up/reset-node: pass -> fail"), "{said}");
+    repository.has(&REPORTS);
+}
+
+/// A firmware in the loop: started by the script, and waited for until it answers.
+#[test]
+fn the_script_starts_the_firmware() {
+    let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let repository = Repository::new("--select 301/identity/vendor-id --journal none");
+    let firmware = format!("canvass simulate reference-301 slcan:listen://{address} --node 5");
+    let bus = format!("slcan:tcp://{address}");
+    repository.run(&bus, &firmware);
+    repository.accept();
+    let (status, said) = repository.run(&bus, &firmware);
+    assert_eq!(status, Some(0), "{said}");
+    repository.has(&REPORTS);
+}
+
+/// The three pipelines run that script, and keep what it writes.
+#[test]
+fn the_pipelines_run_the_script() {
+    for (name, language) in [("GitHub", "yaml"), ("GitLab", "yaml"), ("Jenkins", "groovy")] {
+        let part = PAGE.split("\n### ").find(|part| part.starts_with(&format!("{name}\n"))).unwrap();
+        let code = part.split(&format!("```{language}\n")).nth(1).unwrap().split("```").next().unwrap();
+        for told in
+            ["sh ci/conformance.sh", "CANVASS_BUS", "FIRMWARE", "FUZZ_FOR", "VERSION", "evidence.zip", "new.json"]
+        {
+            assert!(code.contains(told), "{name}: {told}");
+        }
+        assert!(script().contains("${VERSION:-") && script().contains("${FUZZ_FOR:-"));
+    }
+}

@@ -302,7 +302,7 @@ fn the_dictionary_is_compared() {
 #[test]
 fn waiting_times_can_be_set() {
     let slow =
-        run(&["test", ENCODER, "--select", "301/identity", "--timeout", "sdo=1,boot-up=6000", "--tolerance", "1"]);
+        run(&["test", ENCODER, "--select", "301/identity", "--timeout", "sdo=1ms,boot-up=6", "--tolerance", "1"]);
     assert!([0, 1, 3].contains(&slow.status));
     for wrong in ["sdo", "sdo=0", "dinner=5"] {
         assert_eq!(run(&["test", ENCODER, "--timeout", wrong]).status, 2, "{wrong}");

@@ -58,7 +58,33 @@ fn the_first_bad_release_of_each_case_is_found() {
     assert!(page.contains("data-case=\"301/heartbeat/period\" data-first-bad=\"1.1\""));
     assert!(page.contains("data-case=\"301/boot-up/reset-node\" data-first-bad=\"1.2\""));
     let text = run(&[&["history"], &files.iter().map(String::as_str).collect::<Vec<_>>()[..]].concat()).stdout;
-    assert!(text.contains("bad since 1.1, good again in 1.3, bad since 1.5"), "{text}");
+    assert!(text.contains("bad since 1.1, good again in 1.3, bad again since 1.5"), "{text}");
+}
+
+/// What was mended once and is bad again is told from what is bad for the first time.
+#[test]
+fn a_regression_that_returns_is_told_from_a_new_one() {
+    let folder = tempfile::tempdir().unwrap();
+    let files = results(folder.path());
+    let args =
+        ["compare", &files[4], &files[5], "--earlier", &files[0], "--earlier", &files[1], "--earlier", &files[2]];
+    let compared = run(&[&args[..], &["--format", "json"]].concat());
+    assert_eq!(compared.status, 1, "{}", compared.stderr);
+    let changes = json(&compared.stdout)["changes"].clone();
+    let change = changes.as_array().unwrap().iter().find(|change| change["subject"] == "301/heartbeat/period").unwrap();
+    assert_eq!((&change["direction"], &change["returned"]), (&"worse".into(), &"1.2".into()));
+    let text = run(&args).stdout;
+    assert!(text.contains("again: it was bad in 1.2") && text.contains("1 for the worse, 1 of them again"), "{text}");
+    let junit = run(&[&args[..], &["--format", "junit"]].concat()).stdout;
+    assert!(junit.contains("type=\"returned\""), "{junit}");
+    // Without the releases before, and for the first time, it is new.
+    let first = run(&["compare", &files[0], &files[1], "--format", "json"]);
+    assert!(first.stdout.contains("\"returned\": null") && !first.stdout.contains("\"returned\": \""));
+    let history =
+        run(&[&["history", "--format", "json"], &files.iter().map(String::as_str).collect::<Vec<_>>()[..]].concat());
+    let cases = json(&history.stdout)["cases"].clone();
+    let period = cases.as_array().unwrap().iter().find(|case| case["id"] == "301/heartbeat/period").unwrap();
+    assert_eq!(period["returned"], serde_json::json!(["1.5"]));
 }
 
 #[test]
@@ -72,6 +98,32 @@ fn samples_of_a_release_are_told_apart_from_releases() {
     assert_eq!(flaky.map(|case| case["id"].as_str().unwrap()).collect::<Vec<_>>(), ["301/heartbeat/period"]);
     assert_eq!(run(&["history", &good, "--format", "junit"]).status, 2);
     assert_eq!(run(&["history", "Cargo.toml"]).status, 2);
+}
+
+/// What was tested and is no longer, a run that was ended, and a document of another version pass no release.
+#[test]
+fn a_comparison_counts_what_is_lost() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let (old, new) = (path("old.json"), path("new.json"));
+    let test = |bus: &str, select: &str, file: &str, more: &[&str]| {
+        let report = format!("json={file}");
+        run(&[&["test", bus, "--select", select, "--report", &report], more].concat())
+    };
+    test("sim:reference-301", CASES, &old, &[]);
+    test("sim:reference-301", "301/identity/vendor-id", &new, &[]);
+    let fewer = run(&["compare", &old, &new]);
+    assert_eq!(fewer.status, 1, "{}", fewer.stdout);
+    assert!(fewer.stdout.contains("worse  verdict    301/heartbeat/period: pass -> -"), "{}", fewer.stdout);
+    assert_eq!(run(&["compare", &old, &new, "--allow-missing"]).status, 0);
+    test("sim:reference-301+boot-up-twice", CASES, &new, &["--fail-fast"]);
+    let ended = run(&["compare", &new, &new]);
+    assert_eq!(ended.status, 1, "{}", ended.stdout);
+    assert!(ended.stdout.contains("worse  run        the new run: - -> cancelled"), "{}", ended.stdout);
+    let later = std::fs::read_to_string(&old).unwrap().replace("canvass/test/1", "canvass/test/2");
+    std::fs::write(&new, later).unwrap();
+    let unknown = run(&["compare", &old, &new]);
+    assert!(unknown.status == 2 && unknown.stderr.contains("canvass/test/2"), "{}", unknown.stderr);
 }
 
 #[test]

@@ -39,7 +39,7 @@ impl Device {
         drop(starting);
         let device = Self { child, bus: format!("slcan:tcp://{address}") };
         // It answers once it has booted.
-        let answers = || run(&["sdo", "read", &device.bus, node, "1000", "--timeout", "300"]).status == 0;
+        let answers = || run(&["sdo", "read", &device.bus, node, "1000", "--timeout", "300ms"]).status == 0;
         assert!((0..20).any(|_| answers()), "the simulated device boots");
         device
     }

@@ -43,9 +43,13 @@ mod memory;
 #[cfg(test)]
 mod one_language;
 #[cfg(test)]
+mod pages;
+#[cfg(test)]
 mod progress;
 #[cfg(test)]
 mod provenance;
+#[cfg(test)]
+mod quarantine;
 #[cfg(test)]
 mod rogues;
 #[cfg(test)]
@@ -54,5 +58,7 @@ mod rows;
 mod running;
 #[cfg(test)]
 mod settings;
+#[cfg(test)]
+mod terminals;
 #[cfg(test)]
 mod waiting;

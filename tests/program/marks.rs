@@ -36,6 +36,24 @@ fn every_format_with_comments_names_the_cases() {
     assert!(said.contains("the capture can't hold comments"), "{said}");
 }
 
+/// What happened is told with the case in which it did.
+#[test]
+fn events_have_the_marks_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, path, _) = recorded(&folder, "run.pcapng", &[]);
+    let text = decoded(&path, &["--events"]);
+    let mark = format!("case {CASE} begins");
+    assert_eq!(text.matches(&format!("# {mark}\n")).count(), 1, "{text}");
+    let (_, rest) = text.split_once(&format!("# {mark}\n")).unwrap();
+    assert!(rest.split("\n# ").next().unwrap().contains("boot-up, was initialisation"), "{rest}");
+    let json = decoded(&path, &["--events", "--format", "json"]);
+    let told: Vec<Value> = json.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+    let comments = told.iter().filter(|event| event["event"] == "comment").map(|event| event["text"].as_str().unwrap());
+    assert!(comments.into_iter().any(|text| text.contains(&mark)), "{json}");
+    let none = decoded(&path, &["--events", "--filter", "service=emcy"]);
+    assert!(none.is_empty() && !decoded(&path, &["--events", "--filter", "service=boot-up"]).is_empty(), "{none}");
+}
+
 #[test]
 fn programs_read_the_marks_too() {
     let folder = tempfile::tempdir().unwrap();

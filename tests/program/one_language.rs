@@ -38,16 +38,71 @@ fn there_is_help_of_filters_and_of_commands() {
     assert!(unknown.status == 2 && unknown.stderr.contains("filter"), "{}", unknown.stderr);
 }
 
-/// A wait is written the same way wherever one is.
+/// Lists, ranges and `all` where several nodes are meant.
+#[test]
+fn nodes_are_written_as_lists_and_ranges() {
+    let lines = |args: &[&str]| run(&[&["decode", CAPTURE], args].concat()).stdout.lines().count();
+    assert_eq!(lines(&["--node", "5,63"]), lines(&["--node", "5", "--node", "60..63"]));
+    assert!(lines(&["--node", "1..62"]) < lines(&["--node", "all"]));
+    for device in ["1..8,63=kuebler-sendix-58x8", "all=kuebler-sendix-58x8"] {
+        let shown = run(&["decode", CAPTURE, "--device", device]);
+        assert!(shown.stdout.contains("Speed value channel 1 = 1200 rpm"), "{device}: {}", shown.stderr);
+        assert_eq!(run(&["diagnose", CAPTURE, "--device", device, "--fail-on", "never"]).status, 0);
+    }
+    for wrong in ["8..1", "0..3", "1..", "x"] {
+        assert_eq!(run(&["decode", CAPTURE, "--node", wrong]).status, 2, "{wrong}");
+    }
+}
+
+/// `-` is standard output, and never a file of that name.
+#[test]
+fn a_dash_is_standard_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let there = |args: &[&str]| {
+        let ended = crate::running::command(args).current_dir(&folder).output().unwrap();
+        assert!(!folder.path().join("-").exists(), "{args:?}");
+        crate::running::finished(ended)
+    };
+    let (test, old) = (["test", "sim:reference-301", "--select", "301/identity/vendor-id"], "old.json");
+    let json = there(&[&test[..], &["--report", "json=-", "--report", "json=old.json"]].concat());
+    assert!(json.status == 0 && json.stdout.starts_with("{\n  \"schema\": \"canvass/test/1\""), "{}", json.stdout);
+    assert_eq!(json.stdout, std::fs::read_to_string(folder.path().join(old)).unwrap());
+    assert!(there(&["compare", old, old, "--report", "markdown=-"]).stdout.starts_with("# What the release changed"));
+    assert!(there(&["history", old, "--report", "json=-"]).stdout.contains("canvass/history/1"));
+    assert!(
+        there(&["fuzz", "sim:reference-301", "--runs", "2", "--report", "json=-"]).stdout.contains("canvass/fuzz/1")
+    );
+    for more in [&["--report", "json=-", "--format", "html"][..], &["--record", "-"], &["--bundle", "-"]] {
+        let refused = there(&[&test[..], more].concat());
+        assert!(refused.status == 2 && refused.stderr.contains("standard output"), "{more:?}: {}", refused.stderr);
+    }
+    let capture = format!("{}/{CAPTURE}", env!("CARGO_MANIFEST_DIR"));
+    assert!(there(&["convert", &capture, "-", "--to", "csv"]).stdout.starts_with("timestamp"));
+    assert!(there(&["diagnose", &capture, "--format", "json", "-o", "-"]).stdout.contains("canvass/diagnose/1"));
+}
+
+#[test]
+fn times_are_those_of_a_zone() {
+    let mut local = crate::running::command(&["decode", CAPTURE, "--time", "local"]);
+    let shown = crate::running::finished(local.env("TZ", "Europe/Berlin").output().unwrap());
+    assert!(shown.stdout.starts_with("2025-01-28T11:47:15.000000000+01:00  can0"), "{}", shown.stdout);
+    // What is shown can be asked for.
+    let from = run(&["decode", CAPTURE, "--from", "2025-01-28T11:47:15.000000000+01:00", "--time", "utc"]);
+    assert!(from.stdout.starts_with("2025-01-28T10:47:15.000000000Z  can0"), "{}", from.stdout);
+}
+
+/// A span is written the same way wherever one is, and a number alone counts seconds.
 #[test]
 fn waits_have_units() {
     for args in [
         &["sdo", "read", "sim:reference-301", "10", "1000", "--timeout", "500ms"][..],
-        &["sdo", "read", "sim:reference-301", "10", "1000", "--timeout", "500"],
+        &["sdo", "read", "sim:reference-301", "10", "1000", "--timeout", "1"],
         &["nmt", "sim:reference-301", "start", "10", "--wait", "0.2s"],
         &["send", "sim:reference-301", "60A#4000100000000000", "--wait", "50ms"],
-        &["test", "sim:reference-301", "--select", "301/identity/names", "--timeout", "sdo=1s,boot-up=6000"],
-        &["scan", "sim:reference-301", "--timeout", "100ms"],
+        &["test", "sim:reference-301", "--select", "301/identity/names", "--timeout", "sdo=1s,boot-up=6"],
+        &["scan", "sim:reference-301", "--timeout", "0.1"],
+        &["signals", CAPTURE, "--every", "10ms"],
+        &["monitor", "sim:reference-301", "--for", "0.5"],
     ] {
         let ended = run(args);
         assert_eq!(ended.status, 0, "{args:?}: {}", ended.stderr);

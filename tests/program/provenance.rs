@@ -44,7 +44,7 @@ fn every_format_of_test_tells_where_it_comes_from() {
         "Kuebler Sendix Encoder",
         "tolerance",
         "exhaustive",
-        "sdo=1000",
+        "sdo=1s",
         "Ann",
         "1.4.2",
         &hash,

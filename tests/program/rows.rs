@@ -79,7 +79,7 @@ t [ns],channel,node,pdo,can0.1.2000h:00,can0.2.2000h:00
 
 #[test]
 fn rows_at_fixed_times_have_the_latest_values() {
-    let printed = run_with_input(&["signals", "-", "--every", "10"], LEARNED);
+    let printed = run_with_input(&["signals", "-", "--every", "10ms"], LEARNED);
     let expected = "\
 t [ns],can0.1.2000h:00,can0.2.2000h:00
 2000000000,256,
@@ -96,7 +96,7 @@ t [ns],can0.1.2000h:00,can0.2.2000h:00
 fn a_clock_that_jumps_makes_no_rows_without_end() {
     let jumping =
         format!("{LEARNED}(4000000000.000000) can0 181#0004\n(3.000000) can0 181#0005\n(3.010000) can0 182#08\n");
-    let printed = run_with_input(&["signals", "-", "--every", "0.001"], &jumping);
+    let printed = run_with_input(&["signals", "-", "--every", "0.001ms"], &jumping);
     assert!(printed.stdout.lines().count() < 50_000, "{}", printed.stdout.lines().count());
     assert!(printed.stderr.contains("long silences left out"), "{}", printed.stderr);
     assert!(

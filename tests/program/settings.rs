@@ -43,7 +43,7 @@ fn settings_are_found_from_folders_below() {
     assert_eq!((&result["bus"], &result["node"]), (&"sim:kuebler-sendix-58x8".into(), &63.into()));
     let options = result["provenance"]["options"].as_array().unwrap();
     let timeout = options.iter().find(|option| option["name"] == "timeout").unwrap();
-    assert_eq!((&timeout["by"], &timeout["value"][0]), (&"settings".into(), &"sdo=2000".into()));
+    assert_eq!((&timeout["by"], &timeout["value"][0]), (&"settings".into(), &"sdo=2s".into()));
     let files = result["provenance"]["files"].as_array().unwrap();
     assert!(files.iter().any(|file| file["role"] == "settings" && file["sha256"].is_string()), "{files:?}");
 }
@@ -59,9 +59,9 @@ fn what_is_typed_has_precedence() {
     let options = waits["provenance"]["options"].as_array().unwrap();
     let timeout = options.iter().find(|option| option["name"] == "timeout").unwrap();
     let values = timeout["value"].as_array().unwrap();
-    assert!(values.contains(&"sdo=2000".into()) && values.contains(&"silence=300".into()), "{values:?}");
-    let shorter = document(&run_in(&below, &[&["test", "--timeout", "sdo=1500ms"], &CASE[..]].concat()));
-    assert!(shorter.to_string().contains("sdo=1500"));
+    assert!(values.contains(&"sdo=2s".into()) && values.contains(&"silence=300ms".into()), "{values:?}");
+    let shorter = document(&run_in(&below, &[&["test", "--timeout", "sdo=1500msms"], &CASE[..]].concat()));
+    assert!(shorter.to_string().contains("sdo=1500ms"));
 }
 
 #[test]

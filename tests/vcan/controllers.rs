@@ -47,7 +47,7 @@ fn a_bit_rate_is_asked_for_known_and_changed() {
     assert!(found.contains(&("305/bit-timing/activate".to_owned(), "pass".to_owned())), "{found:?}");
 
     // The device goes to another bit rate, and its interface with it.
-    let changed = run(&["lss", "configure", "can0", "--bit-rate", "500k", "--activate", "100"]);
+    let changed = run(&["lss", "configure", "can0", "--bit-rate", "500k", "--activate", "100ms"]);
     assert!(changed.status.success(), "{}", text(&changed.stderr));
     eventually("the interface of the device has 500 kbit/s", || bit_rate("can1") == "500000");
     up("can0", "500000");

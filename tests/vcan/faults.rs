@@ -197,7 +197,7 @@ fn a_flood_ends_no_run_and_fails_nothing() {
 fn ctrl_c_restores_the_device_and_writes_the_report() {
     let bus = Interface::new("vctrlc");
     let _device = simulate(MODEL, bus.name(), &[]);
-    assert!(text(&run(&["nmt", bus.name(), "start", "63", "--wait", "50"]).stdout).contains("000"));
+    assert!(text(&run(&["nmt", bus.name(), "start", "63", "--wait", "50ms"]).stdout).contains("000"));
     let test = start_test(&bus, "301/heartbeat", &[]);
     std::thread::sleep(Duration::from_secs(9));
     let ended = test.interrupt();

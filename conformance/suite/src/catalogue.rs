@@ -17,6 +17,14 @@ pub fn find(id: &str) -> Option<&'static Case> {
     inventory::iter::<Case>.into_iter().find(|case| case.id == id)
 }
 
+/// Sees that a pattern of a file is that of a case; else what is wrong with it.
+pub(crate) fn expect(pattern: &str) -> Result<(), String> {
+    match cases().iter().any(|known| glob::matches(pattern, known.id)) {
+        true => Ok(()),
+        false => Err(format!("no case is called \"{pattern}\": `canvass list cases` shows them")),
+    }
+}
+
 /// One part of `--select`.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Selector {

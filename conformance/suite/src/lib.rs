@@ -18,6 +18,7 @@ pub mod glob;
 pub mod journal;
 pub mod need;
 pub mod needs;
+pub mod quarantine;
 pub mod runner;
 #[cfg(test)]
 mod scripted;

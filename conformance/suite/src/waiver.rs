@@ -6,15 +6,17 @@
 //! object = "1A00:01"                      # what the breach is about, as reports name it
 //! does = "abort 0604 0041h"               # what the device does, as reports name it
 //! reason = "mapping is fixed, ticket 4711"
+//! owner = "Ann"                           # optional: who answers for it
 //! expires = 2027-06-30                    # optional: the last day on which the waiver holds
 //! ```
 //!
-//! A waiver excuses that behaviour of that object in that case; the verdict is then *deviation*. Whatever else the case
+//! [`Quarantine`]s stand in the same file. A waiver excuses that behaviour of that object in that case; the verdict is then *deviation*. Whatever else the case
 //! finds still fails. A waiver for a case that does not exist is an error; one that excused nothing is reported with what
 //! was found instead, and so is one that has expired: waivers must not outlive what they are for.
 
 use crate::catalogue;
 use crate::glob;
+use crate::quarantine::{self, Quarantine, day};
 use crate::runner::CaseReport;
 use crate::verdict::{Authority, Deviation, Grade};
 use canvass_bus::observation::{BadPattern, BadSubject, Pattern, Subject};
@@ -30,6 +32,7 @@ const SHOWN: usize = 3;
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Waivers {
     waivers: Vec<Waiver>,
+    quarantines: Vec<Quarantine>,
 }
 
 /// One of them.
@@ -45,6 +48,8 @@ pub struct Waiver {
     pub does: Pattern,
     /// Why that is accepted.
     pub reason: String,
+    /// Who answers for it.
+    pub owner: Option<String>,
     /// The last day on which it holds, `YYYY-MM-DD`.
     pub expires: Option<String>,
 }
@@ -64,6 +69,8 @@ pub struct BadWaiver {
 struct File {
     #[serde(default)]
     waiver: Vec<Spanned<Row>>,
+    #[serde(default)]
+    quarantine: Vec<Spanned<quarantine::Row>>,
 }
 
 #[derive(Deserialize)]
@@ -73,6 +80,7 @@ struct Row {
     object: String,
     does: String,
     reason: String,
+    owner: Option<String>,
     expires: Option<Datetime>,
 }
 
@@ -91,7 +99,11 @@ impl Waivers {
             let line = line_of(text, row.span().start);
             waiver(line, row.into_inner()).map_err(|problem| BadWaiver { line, problem })
         });
-        Ok(Self { waivers: waivers.collect::<Result<_, _>>()? })
+        let quarantines = file.quarantine.into_iter().map(|row| {
+            let line = line_of(text, row.span().start);
+            row.into_inner().read(line).map_err(|problem| BadWaiver { line, problem })
+        });
+        Ok(Self { waivers: waivers.collect::<Result<_, _>>()?, quarantines: quarantines.collect::<Result<_, _>>()? })
     }
 
     /// What they explain on that day (`YYYY-MM-DD`): those that have not expired.
@@ -100,12 +112,22 @@ impl Waivers {
         valid.map(Waiver::deviation).collect()
     }
 
+    /// The quarantines that hold on that day.
+    pub fn quarantines(&self, today: &str) -> Vec<Quarantine> {
+        self.quarantines.iter().filter(|quarantine| !quarantine.has_expired(today)).cloned().collect()
+    }
+
     /// A sentence about each waiver that excused nothing in a run: it has expired, or the cases that ran found nothing wrong,
-    /// or something else.
+    /// or something else; and about each quarantine that is over.
     pub fn idle(&self, today: &str, reports: &[&CaseReport]) -> Vec<String> {
         let used: BTreeSet<usize> = reports.iter().flat_map(|report| waivers_of(report)).collect();
         let idle = self.waivers.iter().filter(|waiver| !used.contains(&waiver.line));
-        idle.filter_map(|waiver| waiver.why_idle(today, reports)).collect()
+        let over = self.quarantines.iter().filter(|quarantine| quarantine.has_expired(today));
+        let over = over.filter(|over| reports.iter().any(|report| glob::matches(&over.case, report.case.id)));
+        let over = over.map(|Quarantine { case, line, until, owner, .. }| {
+            format!("the quarantine of {case} (line {line}, {owner}) has expired on {until}: what fails there counts")
+        });
+        idle.filter_map(|waiver| waiver.why_idle(today, reports)).chain(over).collect()
     }
 }
 
@@ -150,33 +172,28 @@ impl Waiver {
     }
 
     fn deviation(&self) -> Deviation {
+        let owner = self.owner.as_ref().map(|owner| format!(", {owner}")).unwrap_or_default();
         let until = self.expires.as_ref().map(|day| format!(", until {day}")).unwrap_or_default();
         Deviation {
             case: self.case.clone(),
             subject: self.subject,
             does: self.does.clone(),
-            documented: format!("waived: {} (line {}{until})", self.reason, self.line),
+            documented: format!("waived: {} (line {}{owner}{until})", self.reason, self.line),
             by: Authority::Waiver { line: self.line },
         }
     }
 }
 
 fn waiver(line: usize, row: Row) -> Result<Waiver, String> {
-    let Row { case, object, does, reason, expires } = row;
+    let Row { case, object, does, reason, owner, expires } = row;
     if reason.trim().is_empty() {
         return Err("expected a reason: a waiver says why the breach is accepted".to_owned());
     }
-    if !catalogue::cases().iter().any(|known| glob::matches(&case, known.id)) {
-        return Err(format!("no case is called \"{case}\": `canvass list cases` shows them"));
-    }
+    catalogue::expect(&case)?;
     let subject = object.parse().map_err(|error: BadSubject| error.to_string())?;
     let does = does.parse().map_err(|error: BadPattern| error.to_string())?;
-    let expires = match expires {
-        Some(Datetime { date: Some(date), time: None, .. }) => Some(date.to_string()),
-        Some(other) => return Err(format!("expected a day such as 2027-06-30, found {other}")),
-        None => None,
-    };
-    Ok(Waiver { line, case, subject, does, reason, expires })
+    let expires = expires.map(day).transpose()?;
+    Ok(Waiver { line, case, subject, does, reason, owner, expires })
 }
 
 /// The line of a byte, from 1.
@@ -188,7 +205,7 @@ fn line_of(text: &str, at: usize) -> usize {
 mod tests {
     use super::*;
     use crate::bench::Evidence;
-    use crate::verdict::{Breach, Excuse, Ruled, Verdict};
+    use crate::verdict::{Breach, Excuse, Kind, Ruled, Verdict};
     use canvass_bus::observation::Observation;
     use canvass_traces::Duration;
 
@@ -210,7 +227,33 @@ mod tests {
             measurements: Vec::new(),
             uses: Vec::new(),
             outcomes: Vec::new(),
+            quarantine: None,
             duration: Duration::ZERO,
+        }
+    }
+
+    #[test]
+    fn a_quarantine_holds_until_its_day_and_is_told_of_afterwards() {
+        let row =
+            "[[quarantine]]\ncase = \"301/identity/*\"\nowner = \"Ann\"\nreason = \"ticket 12\"\nuntil = 2027-06-30\n";
+        let waivers = Waivers::read(row).unwrap();
+        let held = |today| waivers.quarantines(today).into_iter().next();
+        assert!(held("2027-07-01").is_none());
+        let quarantine = held("2027-06-30").unwrap();
+        assert_eq!(quarantine.to_string(), "in quarantine until 2027-06-30 (Ann): ticket 12");
+        assert!(quarantine.holds("301/identity/names", Kind::Fail) && !quarantine.holds("301/nmt/order", Kind::Fail));
+        assert!(!quarantine.holds("301/identity/names", Kind::Pass));
+        assert!(waivers.idle("2027-06-30", &[&report(Vec::new())]).is_empty());
+        assert!(waivers.idle("2027-07-01", &[&report(Vec::new())])[0].contains("has expired on 2027-06-30"));
+        for (from, to, says) in [
+            ("owner = \"Ann\"\n", "", "missing field `owner`"),
+            ("until = 2027-06-30\n", "", "missing field `until`"),
+            ("\"Ann\"", "\"\"", "expected a reason and an owner"),
+            ("identity", "idenity", "canvass list cases"),
+            ("2027-06-30", "12:00:00", "expected a day"),
+        ] {
+            let error = Waivers::read(&row.replace(from, to)).unwrap_err();
+            assert!(error.line == 1 && error.problem.contains(says), "{to}: {error}");
         }
     }
 

@@ -59,7 +59,7 @@ fn row(change: &Change) -> Markup {
             td { (printable(&change.subject)) }
             td { (printable(old)) }
             td { (printable(new)) }
-            td { (printable(change.reason.as_deref().unwrap_or_default())) }
+            td { (printable(&change.why().unwrap_or_default())) }
         }
     }
 }

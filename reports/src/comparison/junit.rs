@@ -34,9 +34,9 @@ fn case(change: &Change) -> TestCase {
     let status = match change.direction {
         Direction::Worse => {
             let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-            status.set_type("worse");
+            status.set_type(if change.returned.is_some() { "returned" } else { "worse" });
             status.set_message(told.clone());
-            status.set_description(printable(change.reason.as_deref().unwrap_or_default()));
+            status.set_description(printable(&change.why().unwrap_or_default()));
             status
         }
         Direction::Better | Direction::Other => TestCaseStatus::success(),

@@ -20,7 +20,8 @@ pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "\n## {}\n\n| | subject | before | now | why |\n|---|---|---|---|---|", direction.title())?;
         for change in changes {
             let (old, new) = change.values();
-            let cells = [change.kind, &change.subject, old, new, change.reason.as_deref().unwrap_or_default()];
+            let why = change.why().unwrap_or_default();
+            let cells = [change.kind, &change.subject, old, new, &why];
             writeln!(out, "| {} |", cells.map(markdown).join(" | "))?;
         }
     }

@@ -8,6 +8,7 @@ use canvass_bus::observation::{Observation, Subject};
 use canvass_suite::bench::{Evidence, Exhibit, Measurement, Unit, Use};
 use canvass_suite::catalogue;
 use canvass_suite::comparison::{Change, Comparison, Nature};
+use canvass_suite::quarantine::Quarantine;
 use canvass_suite::runner::{CaseReport, DeviceIdentity, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::{Authority, Breach, Excuse, Kind, Reason, Ruled, Verdict};
 use canvass_traces::{CanId, ChannelId, Direction, Duration, Frame, Record, Timestamp};
@@ -50,6 +51,7 @@ pub fn play(reporter: &mut dyn Reporter) {
             measurements: vec![Measurement { name: HOSTILE.to_owned(), value: 7, unit: Unit::Count }],
             uses: vec![Use { multiplexer: Multiplexer::new(0x1017, 0), purpose: "written" }],
             outcomes: vec![kind, Kind::Pass],
+            quarantine: (kind == Kind::Error).then(quarantine),
             duration: Duration::from_millis(100),
         };
         reporter.event(&RunEvent::CaseFinished(&report)).unwrap();
@@ -71,6 +73,11 @@ pub fn play(reporter: &mut dyn Reporter) {
     reporter.event(&RunEvent::DictionaryCompared(&comparison)).unwrap();
     reporter.event(&RunEvent::Noticed(HOSTILE)).unwrap();
     reporter.event(&RunEvent::RunFinished(&summary)).unwrap();
+}
+
+fn quarantine() -> Quarantine {
+    let hostile = || HOSTILE.to_owned();
+    Quarantine { line: 3, case: hostile(), owner: hostile(), reason: hostile(), until: hostile() }
 }
 
 fn verdict(kind: Kind) -> Verdict {

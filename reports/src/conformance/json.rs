@@ -11,6 +11,7 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
 use canvass_suite::bench::{Exhibit, Measurement, Use};
 use canvass_suite::comparison::{Change, Comparison};
+use canvass_suite::quarantine::Quarantine;
 use canvass_suite::runner::{CaseReport, DeviceIdentity, HostTiming};
 use canvass_suite::verdict::{Authority, Kind, Reason};
 use canvass_traces::Direction;
@@ -133,6 +134,9 @@ struct Case<'a> {
     #[serde(skip_serializing_if = "Vec::is_empty")]
     repetitions: Vec<&'static str>,
     flaky: bool,
+    /// Only where the failure does not count yet.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    quarantine: Option<Quarantined<'a>>,
     measurements: Vec<Value<'a>>,
     #[serde(skip_serializing_if = "Vec::is_empty")]
     uses: Vec<Used>,
@@ -143,6 +147,14 @@ struct Case<'a> {
     evidence: Vec<Frame<'a>>,
     evidence_omitted: u64,
     duration_ns: u64,
+}
+
+/// Why a failure does not count yet.
+#[derive(Serialize)]
+struct Quarantined<'a> {
+    until: &'a str,
+    owner: &'a str,
+    reason: &'a str,
 }
 
 /// An object that served a case.
@@ -300,6 +312,7 @@ fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
             _ => report.outcomes.iter().map(|kind| kind.name()).collect(),
         },
         flaky: report.is_flaky(),
+        quarantine: report.quarantine.as_ref().map(quarantined),
         measurements: report.measurements.iter().map(value).collect(),
         uses: report.uses.iter().map(used).collect(),
         notes: &report.notes,
@@ -308,6 +321,10 @@ fn case<'a>(report: &'a CaseReport, channel: &'a str) -> Case<'a> {
         evidence_omitted: report.evidence.omitted(),
         duration_ns: report.duration.nanos(),
     }
+}
+
+fn quarantined(Quarantine { until, owner, reason, .. }: &Quarantine) -> Quarantined<'_> {
+    Quarantined { until, owner, reason }
 }
 
 fn breach(told: Told) -> Option<Breach> {

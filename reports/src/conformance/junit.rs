@@ -1,14 +1,15 @@
 //! The result as JUnit XML, for continuous integration.
 //!
 //! A *fail* is a failure; *error* and *inconclusive* are errors, because nothing is known where something should be;
-//! *not applicable* is skipped; *tolerated* and *deviation* pass, with their reason in the suite's output.
+//! *not applicable* is skipped, and so is what is in quarantine, with what came of it; *tolerated* and *deviation* pass, with
+//! their reason in the suite's output.
 //!
 //! There are two schemas of JUnit files that tools validate against: that of Ant's JUnit task (`JUnit.xsd`) and that of
 //! Jenkins (`junit-10.xsd`). The document keeps to what both allow: `reports/tests/junit.xsd`. So cases have no properties
 //! and no output of their own: clause, requirement and frames stand in the text of a failure.
 
 use super::told::Told;
-use super::{Run, cct_forecast, name_in_family, repetitions};
+use super::{Run, cct_forecast, name_in_family, quarantined, repetitions};
 use crate::escape::{Visible, printable};
 use crate::provenance;
 use canvass_suite::runner::CaseReport;
@@ -36,10 +37,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
 }
 
 fn suite(xml: &mut Xml<'_>, run: &Run, number: usize, family: &str, cases: &[&CaseReport]) -> io::Result<()> {
-    let count = |kinds: &[Kind]| {
-        let ended = cases.iter().filter(|report| kinds.contains(&report.verdict.kind()));
-        ended.count().to_string()
-    };
+    let count = |element: &str| cases.iter().filter(|report| outcome(report) == Some(element)).count().to_string();
     let nanos = cases.iter().map(|report| report.duration.nanos()).sum();
     xml.create_element("testsuite")
         .with_attributes([
@@ -49,9 +47,9 @@ fn suite(xml: &mut Xml<'_>, run: &Run, number: usize, family: &str, cases: &[&Ca
             ("timestamp", &date_time(began(cases))),
             ("hostname", "localhost"),
             ("tests", &cases.len().to_string()),
-            ("failures", &count(&[Kind::Fail])),
-            ("errors", &count(&[Kind::Error, Kind::Inconclusive])),
-            ("skipped", &count(&[Kind::NotApplicable])),
+            ("failures", &count("failure")),
+            ("errors", &count("error")),
+            ("skipped", &count("skipped")),
             ("time", &seconds(Duration::from_nanos(nanos))),
         ])
         .write_inner_content(|xml| {
@@ -97,13 +95,12 @@ fn test_case(xml: &mut Xml<'_>, report: &CaseReport) -> io::Result<()> {
         ("classname", &classname),
         ("time", &seconds(report.duration)),
     ]);
-    let element = match report.verdict.kind() {
-        Kind::Pass | Kind::Tolerated | Kind::Deviation => return case.write_empty().map(|_| ()),
-        Kind::Fail => "failure",
-        Kind::Error | Kind::Inconclusive => "error",
-        Kind::NotApplicable => "skipped",
+    let Some(element) = outcome(report) else { return case.write_empty().map(|_| ()) };
+    let reason = report.verdict.reason().map(|reason| printable(&reason.to_string()).into_owned()).unwrap_or_default();
+    let message = match quarantined(report) {
+        Some(quarantined) => format!("{quarantined}; {}: {reason}", report.verdict.kind()),
+        None => reason,
     };
-    let message = report.verdict.reason().map(|reason| printable(&reason.to_string()).into_owned()).unwrap_or_default();
     case.write_inner_content(|xml| {
         let outcome = xml.create_element(element).with_attribute(("message", message.as_str()));
         if element == "skipped" {
@@ -113,6 +110,17 @@ fn test_case(xml: &mut Xml<'_>, report: &CaseReport) -> io::Result<()> {
         outcome.write_text_content(BytesText::new(&details(report))).map(|_| ())
     })
     .map(|_| ())
+}
+
+/// The element that says how a case ended; none where it passed.
+fn outcome(report: &CaseReport) -> Option<&'static str> {
+    match report.verdict.kind() {
+        Kind::Pass | Kind::Tolerated | Kind::Deviation => None,
+        _ if report.quarantine.is_some() => Some("skipped"),
+        Kind::Fail => Some("failure"),
+        Kind::Error | Kind::Inconclusive => Some("error"),
+        Kind::NotApplicable => Some("skipped"),
+    }
 }
 
 /// What a person looks at when a case failed.

@@ -3,7 +3,7 @@
 use super::dictionary::{REPAIR, left, row, sentence};
 use super::skipped::Skipped;
 use super::told::Told;
-use super::{Run, cct_forecast, decisive, hex, milliseconds_since, outcome, repetitions, symbol, uses};
+use super::{Run, cct_forecast, decisive, hex, milliseconds_since, outcome, quarantined, repetitions, symbol, uses};
 use crate::escape::{Visible, markdown, printable};
 use crate::provenance;
 use canvass_suite::runner::CaseReport;
@@ -86,6 +86,9 @@ fn section(report: &CaseReport, out: &mut dyn Write) -> io::Result<()> {
     }
     if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
         writeln!(out, "- Forecast of case {number} of CiA's test tool: {forecast}")?;
+    }
+    if let Some(quarantined) = quarantined(report) {
+        writeln!(out, "- Does not count: {}", markdown(&quarantined))?;
     }
     if let Some(repetitions) = repetitions(report) {
         writeln!(out, "- Repetitions: {repetitions}")?;

@@ -172,6 +172,11 @@ fn repetitions(report: &CaseReport) -> Option<String> {
     report.is_flaky().then(|| format!("flaky: {}", counts.join(", ")))
 }
 
+/// Until when its failure does not count, and who looks into it.
+fn quarantined(report: &CaseReport) -> Option<String> {
+    report.quarantine.as_ref().map(|quarantine| crate::escape::printable(&quarantine.to_string()).into_owned())
+}
+
 /// The frames that show a case's verdict best, at most so many, and how many came before them: those up to the worst breach,
 /// else the last ones.
 fn decisive(report: &CaseReport, most: usize) -> (Vec<&Exhibit>, u64) {
@@ -207,8 +212,12 @@ fn outcome(summary: &Summary) -> String {
         1 => "; the device's non-volatile memory was written once".to_owned(),
         count => format!("; the device's non-volatile memory was written {count} times"),
     };
+    let quarantined = match summary.quarantined {
+        0 => String::new(),
+        count => format!(" ({count} of them in quarantine)"),
+    };
     let plural = if summary.total() == 1 { "" } else { "s" };
-    format!("Of {} case{plural} {good}{cancelled}{flaky}{stores}", summary.total())
+    format!("Of {} case{plural} {good}{quarantined}{cancelled}{flaky}{stores}", summary.total())
 }
 
 /// Milliseconds with three digits since `start`: what a person compares.

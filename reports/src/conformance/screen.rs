@@ -1,7 +1,7 @@
 //! What a terminal shows of a case: what matters most, on less than a screen. JSON and the page have all of it.
 
 use super::told::Told;
-use super::{cct_forecast, decisive, repetitions, symbol, uses};
+use super::{cct_forecast, decisive, quarantined, repetitions, symbol, uses};
 use crate::escape::printable;
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::Kind;
@@ -59,7 +59,7 @@ fn of_breach(told: &Told) -> Vec<String> {
 }
 
 fn remarks(report: &CaseReport) -> Vec<String> {
-    let mut lines = Vec::new();
+    let mut lines: Vec<String> = quarantined(report).into_iter().map(|told| format!("    {told}")).collect();
     if let (Some(forecast), Some(number)) = (cct_forecast(report), report.case.cct) {
         lines.push(format!("    forecast  case {number} of CiA's test tool would {forecast}"));
     }
@@ -100,7 +100,8 @@ pub const fn is_bad(kind: Kind) -> bool {
 pub fn listed(report: &CaseReport) -> String {
     let kind = report.verdict.kind();
     let reason = report.verdict.reason().map(|reason| reason.to_string()).unwrap_or_default();
-    format!("{} {}  {}", symbol(kind), report.case.id, printable(&reason))
+    let quarantined = quarantined(report).map(|told| format!("{told}; ")).unwrap_or_default();
+    format!("{} {}  {quarantined}{}", symbol(kind), report.case.id, printable(&reason))
 }
 
 #[cfg(test)]
@@ -128,6 +129,7 @@ mod tests {
             measurements: Vec::new(),
             uses: Vec::new(),
             outcomes: vec![Kind::Fail],
+            quarantine: None,
             duration: Duration::ZERO,
         }
     }

@@ -67,7 +67,8 @@ impl<O: Write> Terminal<O> {
     fn start(&mut self, info: &RunInfo) -> io::Result<()> {
         let [name, _, software] = info.device.names.each_ref().map(|name| name.as_deref().unwrap_or("?"));
         let (name, software, bus) = (printable(name), printable(software), printable(&info.bus));
-        writeln!(self.out, "node {} on {bus}: {name}, software {software}; {} cases", info.node, info.cases)
+        let cases = if info.cases == 1 { "1 case".to_owned() } else { format!("{} cases", info.cases) };
+        writeln!(self.out, "node {} on {bus}: {name}, software {software}; {cases}", info.node)
     }
 
     fn keep(&mut self, report: &CaseReport) {

@@ -32,7 +32,7 @@ pub struct Line<'a> {
 }
 
 /// Appends a comment as lines of its own.
-fn push_comment(comment: &str, out: &mut Vec<u8>) {
+pub(crate) fn push_comment(comment: &str, out: &mut Vec<u8>) {
     for line in comment.lines() {
         out.extend_from_slice(b"# ");
         push_visible(out, line);

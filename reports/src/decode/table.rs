@@ -24,6 +24,13 @@ pub struct TableLines {
 }
 
 const RULE: &str = " │ ";
+/// The columns that a narrow terminal does without: the meaning says the service, most captures have one channel, and the
+/// data stand in the lines without `--format table`.
+const SERVICE: usize = 5;
+const CHANNEL: usize = 1;
+const DATA: usize = 3;
+/// A meaning in less room says nothing.
+const LEAST_MEANING: usize = 20;
 
 impl TableLines {
     /// With that style of time, with colours or without, and for a terminal of that width, if it is for one.
@@ -36,7 +43,7 @@ impl TableLines {
     fn push_header(&self, out: &mut Vec<u8>) {
         let columns = self.columns();
         let names = ["time", "channel", "id", "data", "node", "service", "meaning"];
-        for (n, (name, width)) in names.iter().zip(columns).enumerate() {
+        for (n, (name, width)) in names.iter().zip(columns).enumerate().filter(|(_, (_, width))| *width > 0) {
             if n > 0 {
                 out.extend_from_slice(RULE.as_bytes());
             }
@@ -47,7 +54,7 @@ impl TableLines {
             }
         }
         out.push(b'\n');
-        for (n, width) in columns.into_iter().enumerate() {
+        for (n, width) in columns.into_iter().enumerate().filter(|(_, width)| *width > 0) {
             if n > 0 {
                 out.extend_from_slice("─┼─".as_bytes());
             }
@@ -56,13 +63,21 @@ impl TableLines {
         out.push(b'\n');
     }
 
-    /// The widths of all columns; of the meaning what the terminal leaves it.
+    /// The widths of all columns; of the meaning what the terminal leaves it. Those without width are left out, as the
+    /// meaning would not have room beside them.
     fn columns(&self) -> [usize; 7] {
-        let before = [self.time_width, self.channel_width, self.id_width, DATA_WIDTH, 4, SERVICE_WIDTH];
-        let used: usize = before.iter().map(|width| width + 3).sum();
-        let [time, channel, id, data, node, service] = before;
-        let meaning = self.width.map_or(40, |width| width.saturating_sub(used).max(10));
-        [time, channel, id, data, node, service, meaning]
+        let mut columns = [self.time_width, self.channel_width, self.id_width, DATA_WIDTH, 4, SERVICE_WIDTH, 0];
+        let used =
+            |columns: &[usize; 7]| -> usize { columns.iter().filter(|&&width| width > 0).map(|width| width + 3).sum() };
+        if let Some(width) = self.width {
+            for column in [SERVICE, CHANNEL, DATA] {
+                if used(&columns) + LEAST_MEANING > width {
+                    columns[column] = 0;
+                }
+            }
+        }
+        columns[6] = self.width.map_or(40, |width| width.saturating_sub(used(&columns)).max(10));
+        columns
     }
 
     fn push_id(&mut self, record: &Record, out: &mut Vec<u8>) {
@@ -113,20 +128,27 @@ impl Lines for TableLines {
         self.time_width = self.time_width.max(written);
         out.resize(start + self.time_width, b' ');
         out[start..].rotate_right(self.time_width - written);
-        out.extend_from_slice(RULE.as_bytes());
-        push_visible(out, name);
-        out.resize(out.len() + self.channel_width - name.chars().count(), b' ');
+        let columns = self.columns();
+        if columns[CHANNEL] > 0 {
+            out.extend_from_slice(RULE.as_bytes());
+            push_visible(out, name);
+            out.resize(out.len() + self.channel_width - name.chars().count(), b' ');
+        }
         out.extend_from_slice(RULE.as_bytes());
         self.push_id(record, out);
-        out.extend_from_slice(RULE.as_bytes());
-        push_data(record, out);
+        if columns[DATA] > 0 {
+            out.extend_from_slice(RULE.as_bytes());
+            push_data(record, out);
+        }
         out.extend_from_slice(RULE.as_bytes());
         out.push(b' ');
         push_node(decoded.node, out);
-        out.extend_from_slice(RULE.as_bytes());
-        let start = out.len();
-        out.extend_from_slice(decoded.service.name().as_bytes());
-        pad(out, start, SERVICE_WIDTH);
+        if columns[SERVICE] > 0 {
+            out.extend_from_slice(RULE.as_bytes());
+            let start = out.len();
+            out.extend_from_slice(decoded.service.name().as_bytes());
+            pad(out, start, SERVICE_WIDTH);
+        }
         out.extend_from_slice(RULE.as_bytes());
         self.text.clear();
         // Writing to a string can't fail.

@@ -68,6 +68,13 @@ impl JsonEvents {
 }
 
 impl Events for JsonEvents {
+    fn comment(&mut self, scene: &Scene<'_>, comment: &str, out: &mut Vec<u8>) {
+        self.begin(scene, "comment", None, out);
+        out.extend_from_slice(b",\"text\":");
+        push_json_string(out, comment);
+        out.extend_from_slice(b"}\n");
+    }
+
     fn event(&mut self, scene: &Scene<'_>, event: &Event, out: &mut Vec<u8>) {
         if let Some((server, transfer)) = scene.transfer(event) {
             return self.transfer(scene, server, transfer, matches!(event, Event::TransferLeft(_)), out);

@@ -31,6 +31,9 @@ pub trait Events {
     /// Appends an event to `out`.
     fn event(&mut self, scene: &Scene<'_>, event: &Event, out: &mut Vec<u8>);
 
+    /// Appends what the capture says before the next event that is shown.
+    fn comment(&mut self, scene: &Scene<'_>, comment: &str, out: &mut Vec<u8>);
+
     /// Appends a transfer that had not ended when the capture did.
     fn open_transfer(&mut self, scene: &Scene<'_>, server: NodeId, transfer: &Transfer, out: &mut Vec<u8>);
 }

@@ -1,7 +1,7 @@
 //! One aligned line per event: time, channel, node, kind, what happened.
 
 use super::{Events, Scene, StateName, UseName, outcome_name};
-use crate::decode::{TimeStyle, push_node};
+use crate::decode::{TimeStyle, push_comment, push_node};
 use crate::push::{pad, push_text, push_visible};
 use crate::time::Clock;
 use canvass_analyzer::network::sdo::{Direction, Outcome, Transfer};
@@ -61,6 +61,10 @@ impl TextEvents {
 }
 
 impl Events for TextEvents {
+    fn comment(&mut self, _: &Scene<'_>, comment: &str, out: &mut Vec<u8>) {
+        push_comment(comment, out);
+    }
+
     fn event(&mut self, scene: &Scene<'_>, event: &Event, out: &mut Vec<u8>) {
         if let Some((server, transfer)) = scene.transfer(event) {
             return self.transfer(scene, server, transfer, matches!(event, Event::TransferLeft(_)), out);

@@ -39,6 +39,7 @@ fn case(history: &History, row: &Row) -> Value {
         "id": row.id,
         "first_bad": course.first_bad.map(name),
         "became_bad": course.became_bad.iter().map(|at| name(*at)).collect::<Vec<_>>(),
+        "returned": course.returned.iter().map(|at| name(*at)).collect::<Vec<_>>(),
         "became_good": course.became_good.iter().map(|at| name(*at)).collect::<Vec<_>>(),
         "new_in": course.new_in.map(name),
         "gone_in": course.gone_in.map(name),

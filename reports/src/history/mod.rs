@@ -79,6 +79,8 @@ pub struct Course {
     pub first_bad: Option<usize>,
     /// The releases in which it became bad: bad, and good or not there in the one before.
     pub became_bad: Vec<usize>,
+    /// Of these, those in which it had been bad before and mended: it returned.
+    pub returned: Vec<usize>,
     /// Those in which it became good again.
     pub became_good: Vec<usize>,
     /// The release in which it first ran, if that is not the first one.
@@ -121,10 +123,12 @@ impl History {
         let last = self.releases.len().saturating_sub(1);
         let bad = self.cases.iter().filter(|row| row.verdict(last).is_some_and(is_bad)).count();
         let newly = self.telling().filter(|(_, course)| course.became_bad.last() == Some(&last)).count();
+        let returned = self.telling().filter(|(_, course)| course.returned.last() == Some(&last)).count();
+        let returned = if returned > 0 { format!(" ({returned} again)") } else { String::new() };
         let flaky = self.cases.iter().filter(|row| row.is_flaky()).count();
         let (cases, releases) = (self.cases.len(), self.releases.len());
         format!(
-            "{cases} cases over {releases} releases; in the last one {bad} are bad, {newly} of them since it; {flaky} are flaky"
+            "{cases} cases over {releases} releases; in the last one {bad} are bad, {newly} of them since it{returned}; {flaky} are flaky"
         )
     }
 }
@@ -182,9 +186,15 @@ impl Row {
             (0..bad.len()).filter(is_turn).filter(|&at| verdicts[at].is_some()).collect()
         };
         let last = verdicts.iter().rposition(ran);
+        let became_bad = turned(true);
+        // What was left out for a release was not mended by it.
+        let was_good = |from: usize, to: usize| (from..to).any(|at| verdicts[at].is_some() && !bad[at]);
+        let is_return = |pair: &[usize]| matches!(pair, [before, at] if was_good(*before, *at));
+        let returned = became_bad.windows(2).filter(|pair| is_return(pair)).map(|pair| pair[1]).collect();
         Course {
             first_bad: bad.iter().position(|bad| *bad),
-            became_bad: turned(true),
+            became_bad,
+            returned,
             became_good: turned(false),
             new_in: verdicts.iter().position(ran).filter(|at| *at > 0),
             gone_in: last.map(|at| at + 1).filter(|at| *at < verdicts.len()),
@@ -195,7 +205,8 @@ impl Row {
 impl Course {
     /// In words: `bad since 1.2, good again in 1.4`.
     fn told(&self, history: &History) -> String {
-        let mut turns: Vec<(usize, &str)> = self.became_bad.iter().map(|at| (*at, "bad since")).collect();
+        let bad = |at: &usize| (*at, if self.returned.contains(at) { "bad again since" } else { "bad since" });
+        let mut turns: Vec<(usize, &str)> = self.became_bad.iter().map(bad).collect();
         turns.extend(self.became_good.iter().map(|at| (*at, "good again in")));
         turns.extend(self.new_in.map(|at| (at, "new in")));
         turns.extend(self.gone_in.map(|at| (at, "no longer run in")));

@@ -3,7 +3,8 @@
 mod ids;
 
 use crate::interrupt::Interrupt;
-use anyhow::{Context, Result};
+use crate::output::is_dumb;
+use anyhow::{Context, Result, anyhow};
 use canvass_analyzer::network::{Decoded, Event, Network};
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::{Meaning, NodeId, Service};
@@ -212,6 +213,11 @@ pub fn show(
     end: Timestamp,
     interrupt: &Interrupt,
 ) -> Result<()> {
+    if is_dumb() {
+        return Err(anyhow!(
+            "--screen needs a terminal that can place its cursor, and TERM says that this one is dumb"
+        ));
+    }
     let mut terminal = ratatui::try_init().context("--screen needs a terminal")?;
     let shown = run(&mut terminal, bus, network, title, end, interrupt);
     // Whatever happened, the terminal is given back as it was.

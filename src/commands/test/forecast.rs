@@ -55,7 +55,7 @@ pub fn dry_run(
     let (mut opened, like) = stand_in(args)?;
     let target = args.target(&opened, waived)?;
     let forecast = simulate(&mut opened, &target, cases, options, like)?;
-    match args.shown.format {
+    match args.shown.of_stdout()? {
         ReportFormat::Json => print(&Printable::pretty_json(&forecast.json()))?,
         _ => {
             print(&forecast.text())?;
@@ -67,7 +67,7 @@ pub fn dry_run(
 
 /// Outputs that could not be written.
 fn refuse_outputs(args: &Args) -> Result<(), Failure> {
-    for report in &args.shown.report {
+    for report in args.shown.in_files() {
         // Nothing is left of it.
         drop(WholeFile::create(report.file())?);
     }

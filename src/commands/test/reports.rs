@@ -48,6 +48,10 @@ impl ReportArg {
     pub fn file(&self) -> &Path {
         &self.file
     }
+
+    fn is_of_stdout(&self) -> bool {
+        self.file.as_os_str() == "-"
+    }
 }
 
 impl FromStr for ReportArg {
@@ -67,7 +71,7 @@ pub struct Shown {
     /// How to print the result
     #[arg(long, value_enum, default_value_t)]
     pub format: ReportFormat,
-    /// Write a report into a file too; can be given several times
+    /// Write a report into a file too; can be given several times. - is standard output, in place of --format
     #[arg(long, value_name = "FORMAT=FILE")]
     pub report: Vec<ReportArg>,
 }
@@ -75,7 +79,27 @@ pub struct Shown {
 impl Shown {
     /// The files that reports go into.
     pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.report.iter().map(ReportArg::file)
+        self.in_files().map(ReportArg::file)
+    }
+
+    /// The reports that go into files.
+    pub fn in_files(&self) -> impl Iterator<Item = &ReportArg> {
+        self.report.iter().filter(|report| !report.is_of_stdout())
+    }
+
+    /// What goes to standard output: `--report FORMAT=-` says it as `--format FORMAT` does.
+    ///
+    /// # Errors
+    /// If more than one is to go there.
+    pub fn of_stdout(&self) -> Result<ReportFormat> {
+        let said = (self.format != ReportFormat::default()).then_some(self.format);
+        let mut wanted =
+            self.report.iter().filter(|report| report.is_of_stdout()).map(|report| report.format).chain(said);
+        let first = wanted.next().unwrap_or_default();
+        match wanted.next() {
+            Some(_) => Err(anyhow!("standard output takes one report: --format FORMAT or --report FORMAT=-, once")),
+            None => Ok(first),
+        }
     }
 
     /// All forms that are wanted.
@@ -94,9 +118,10 @@ impl Shown {
             render(*format, &mut out).and_then(|()| out.flush()).context("can't write the report")?;
             whole.complete()
         };
-        let files: Vec<Result<()>> = self.report.iter().map(into_file).collect();
+        let format = self.of_stdout()?;
+        let files: Vec<Result<()>> = self.in_files().map(into_file).collect();
         let mut out = document(false);
-        unless_closed(render(self.format, &mut out).and_then(|()| out.flush()))?;
+        unless_closed(render(format, &mut out).and_then(|()| out.flush()))?;
         files.into_iter().collect()
     }
 }
@@ -136,9 +161,9 @@ impl Reports {
     /// Begins all files before the device is touched: a report that can't be written is known at once.
     pub fn open(shown: &Shown, color: Color) -> Result<Self> {
         let style = Style { color: color.on_stdout(), progress: is_seen(), width: terminal_width() };
-        let reporter_of_stdout = reporter(shown.format, Box::new(document(style.color)), style);
+        let reporter_of_stdout = reporter(shown.of_stdout()?, Box::new(document(style.color)), style);
         let mut reports = vec![Report { reporter: reporter_of_stdout, file: None, written: Ok(()) }];
-        for ReportArg { format, file } in &shown.report {
+        for ReportArg { format, file } in shown.in_files() {
             let file = WholeFile::create(file)?;
             let plain = Style { color: false, progress: false, width: None };
             let reporter = reporter(*format, Box::new(file.document()?), plain);

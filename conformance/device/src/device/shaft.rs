@@ -55,9 +55,8 @@ impl Service for Shaft {
 
 fn find_errors(now: Timestamp, context: &mut Context) {
     let Objects { parameters, encoder, .. } = &context.objects;
-    let limits = parameters.number(0x2120, 2).zip(parameters.number(0x2120, 3));
     let shaft = encoder.as_ref().map(|it| (it.is_overspeed(now, parameters), it.has_position_error()));
-    if let Some((low, high)) = limits.map(|(low, high)| (low as u8, high as u8)) {
+    if let Some((low, high)) = encoder.as_ref().and_then(|it| it.temperature_limits(parameters)) {
         let outside = !(low..=high).contains(&TEMPERATURE) && context.firmware().reports_temperature();
         context.report(Condition::Temperature { now: TEMPERATURE, low, high }, outside);
     }

@@ -1,13 +1,17 @@
 //! A model from a device description alone: what the description does not say is as CiA 301 has it.
 
+use super::rules::Rule;
 use super::sheet::Sheet;
+use super::shows_limit_switches;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DeviceDescription, Setting};
-use canvass_analyzer::wire::{lss, sdo};
+use canvass_analyzer::wire::lss;
 use toml::{Table, Value};
 
 /// The node-ID where the description is for any.
 const USUAL_NODE: u8 = 1;
+/// Of an encoder, the period of its first TPDO.
+const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
 /// The bit rate in kbit/s where the description does not say which ones there are.
 const USUAL_BIT_RATE: u16 = 250;
 
@@ -21,12 +25,13 @@ pub(super) fn sheet(name: &str, description: &DeviceDescription) -> Result<Sheet
     sheet.insert("network".to_owned(), network(description).into());
     sheet.insert("bit_rate".to_owned(), Value::Array(bit_rates(description)));
     if let Some(encoder) = encoder(description) {
-        sheet.insert("quirks".to_owned(), quirks(description).into());
         sheet.insert("encoder".to_owned(), encoder.into());
-        sheet.insert("link".to_owned(), Value::Array(links(description)));
+        let links = links(description);
+        sheet.insert("quirks".to_owned(), quirks(description, !links.is_empty()).into());
+        sheet.insert("link".to_owned(), Value::Array(links));
+        sheet.insert("check".to_owned(), Value::Array(checks(description)));
     }
     sheet.insert("value".to_owned(), Value::Array(identity(description)));
-    sheet.insert("check".to_owned(), Value::Array(work_areas(description)));
     sheet.try_into()
 }
 
@@ -38,10 +43,7 @@ fn network(description: &DeviceDescription) -> Table {
     let usual = (known.is_empty() || known.contains(&USUAL_BIT_RATE)).then_some(USUAL_BIT_RATE);
     let rate = rate.or(usual).or(known.last().copied()).unwrap_or(USUAL_BIT_RATE);
     let has = |index, sub| description.dictionary.entry(Multiplexer::new(index, sub)).is_ok();
-    let writable = |index| {
-        let entry = description.dictionary.entry(Multiplexer::new(index, 0));
-        entry.is_ok_and(|entry| entry.access.is_writable())
-    };
+    let writable = |index| is_writable(description, Multiplexer::new(index, 0));
     let mut network = Table::new();
     network.insert("default_node_id".to_owned(), i64::from(node).into());
     network.insert("default_bit_rate_kbit".to_owned(), i64::from(rate.max(1)).into());
@@ -82,10 +84,8 @@ fn bit_rates(description: &DeviceDescription) -> Vec<Value> {
 
 /// Of an encoder, the cyclic timer is the event timer of TPDO 1 (CiA 406).
 fn links(description: &DeviceDescription) -> Vec<Value> {
-    let timers = [Multiplexer::new(0x6200, 0), Multiplexer::new(0x1800, 5)];
-    let is_writable =
-        |at: &Multiplexer| description.dictionary.entry(*at).is_ok_and(|entry| entry.access.is_writable());
-    if !timers.iter().all(is_writable) {
+    let timers = [CYCLIC_TIMER, Multiplexer::new(0x1800, 5)];
+    if !timers.iter().all(|at| is_writable(description, *at)) {
         return Vec::new();
     }
     let objects: Vec<Value> = timers.iter().map(|at| written(*at).into()).collect();
@@ -95,36 +95,33 @@ fn links(description: &DeviceDescription) -> Vec<Value> {
     vec![link.into()]
 }
 
-/// Of an encoder: limit switches are told by the names of their objects, as no standard has them; the cyclic timer (CiA 406)
-/// sends TPDO 1 also where it has no event timer.
-fn quirks(description: &DeviceDescription) -> Table {
-    let is_limit_switch = |index| {
-        let entry = description.dictionary.entry(Multiplexer::new(index, 0));
-        entry.is_ok_and(|entry| entry.name.to_ascii_lowercase().contains("limit switch"))
-    };
+/// What its description shows that such an encoder does beside CiA 406.
+fn quirks(description: &DeviceDescription, has_event_timer: bool) -> Table {
     let mut quirks = Table::new();
-    quirks.insert("limit_switches".to_owned(), (is_limit_switch(0x2104) && is_limit_switch(0x2105)).into());
-    let is_there = |(index, sub)| description.dictionary.entry(Multiplexer::new(index, sub)).is_ok();
-    quirks.insert("cyclic_tpdo".to_owned(), (is_there((0x6200, 0)) && !is_there((0x1800, 5))).into());
+    let is_cyclic = !has_event_timer && is_writable(description, CYCLIC_TIMER);
+    quirks.insert("cyclic_tpdo".to_owned(), is_cyclic.into());
+    quirks.insert("limit_switches".to_owned(), shows_limit_switches(description).into());
     quirks
 }
 
-/// The low limit of a work area (6401h) is at most its high limit (6402h), as the data of an object in CiA 301, 7.2.4.3.17.
-fn work_areas(description: &DeviceDescription) -> Vec<Value> {
-    let is_there = |at: Multiplexer| description.dictionary.entry(at).is_ok();
-    let check = |at: Multiplexer, rule: &str, of: Multiplexer| {
-        let mut check = Table::new();
-        check.insert("at".to_owned(), written(at).into());
-        check.insert("rule".to_owned(), rule.into());
-        check.insert("of".to_owned(), written(of).into());
-        check.insert("abort".to_owned(), i64::from(sdo::AbortCode::MAXIMUM_BELOW_MINIMUM.0).into());
-        check.into()
+/// Of a work area the low limit is below the high one (CiA 406), for each channel that has both.
+fn checks(description: &DeviceDescription) -> Vec<Value> {
+    let (low, high) = (0x6401, 0x6402);
+    let row = |(at, rule, of): (Multiplexer, &str, Multiplexer)| {
+        let mut row = Table::new();
+        row.insert("at".to_owned(), written(at).into());
+        row.insert("rule".to_owned(), rule.into());
+        row.insert("of".to_owned(), written(of).into());
+        row.insert("abort".to_owned(), i64::from(Rule::AtMost.standard_abort().0).into());
+        Value::Table(row)
     };
-    let areas = (1..=u8::MAX).map(|area| (Multiplexer::new(0x6401, area), Multiplexer::new(0x6402, area)));
-    areas
-        .take_while(|(low, high)| is_there(*low) && is_there(*high))
-        .flat_map(|(low, high)| [check(low, "at-most", high), check(high, "at-least", low)])
-        .collect()
+    let channels = (1..=254).map(|sub| (Multiplexer::new(low, sub), Multiplexer::new(high, sub)));
+    let both = channels.filter(|(low, high)| [low, high].iter().all(|at| description.dictionary.entry(**at).is_ok()));
+    both.flat_map(|(low, high)| [(low, "at-most", high), (high, "at-least", low)]).map(row).collect()
+}
+
+fn is_writable(description: &DeviceDescription, at: Multiplexer) -> bool {
+    description.dictionary.entry(at).is_ok_and(|entry| entry.access.is_writable())
 }
 
 /// The identity as the head of the file has it, where 1018h has no default.
@@ -181,6 +178,36 @@ mod tests {
         assert_eq!(model.sheet().bit_rates.iter().find(|rate| rate.kbit == 50).unwrap().lss_code, Some(6));
         let encoder = model.sheet().encoder.unwrap();
         assert_eq!((encoder.single_turn_bits, encoder.revolutions), (13, 4096));
+    }
+
+    /// The head of the file says who it is where 1018h has no defaults, and only there.
+    #[test]
+    fn the_identity_comes_from_the_head_of_the_file() {
+        let text = include_str!("../../models/kuebler-sendix-58x8.eds");
+        let without: String = text.replace("DefaultValue=0x00000013\n", "");
+        assert_ne!(text, without);
+        let identity = |text: &str| {
+            let model = Model::generic("my.eds", text.as_bytes()).unwrap();
+            let values = model.sheet().values.iter().map(|value| (value.at.to_string(), value.value.as_integer()));
+            (model.vendor(), values.collect::<Vec<_>>())
+        };
+        assert_eq!(identity(text), (Some(0x13), Vec::new()));
+        assert_eq!(identity(&without), (Some(0x13), vec![("1018h:01".to_owned(), Some(0x13))]));
+    }
+
+    /// The timer of a first TPDO without event timer is 6200h; where it has one, both are the same.
+    #[test]
+    fn the_cyclic_timer_is_that_of_the_first_tpdo() {
+        let of = |id: &str| {
+            let eds = Model::by_id(id).unwrap().eds_text().unwrap();
+            let model = Model::generic("my.eds", eds.as_bytes()).unwrap();
+            let quirks = &model.sheet().quirks;
+            (quirks.cyclic_tpdo, quirks.limit_switches, model.sheet().links.len(), model.sheet().checks.len())
+        };
+        assert_eq!(of("lika-ax58"), (true, true, 0, 0));
+        assert_eq!(of("tr-c65"), (true, false, 0, 0));
+        assert_eq!(of("kuebler-sendix-58x8"), (false, false, 1, 4));
+        assert_eq!(of("reference-301"), (false, false, 0, 0));
     }
 
     #[test]

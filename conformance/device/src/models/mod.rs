@@ -22,9 +22,9 @@ pub use quirks::Quirks;
 pub use rules::{Check, Link, LinkKind, Rule};
 pub use sheet::{BitRate, LmtAddress, Sheet, Storage, Timing, Value};
 
-use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, eds};
 use canvass_analyzer::network::{Candidate, Candidates};
+use canvass_analyzer::{Multiplexer, NodeId};
 use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
 
@@ -75,12 +75,21 @@ pub fn built_in() -> Result<&'static [Model], &'static UnreadableModel> {
     MODELS.as_deref()
 }
 
+/// Whether a description names 2104h and 2105h, which are the manufacturer's, limit switches.
+pub fn shows_limit_switches(description: &DeviceDescription) -> bool {
+    [0x2104, 0x2105].into_iter().all(|index| {
+        let entry = description.dictionary.entry(Multiplexer::new(index, 0));
+        entry.is_ok_and(|entry| entry.name.to_ascii_lowercase().contains("limit switch"))
+    })
+}
+
 /// A type of device: what it is, and what a simulated one needs to know.
 #[derive(Clone, Debug)]
 pub struct Model {
     device: Arc<KnownDevice>,
     sheet: Arc<Sheet>,
     deviations: Arc<[Deviation]>,
+    described_alone: bool,
 }
 
 /// Why a model's files could not be read.
@@ -121,7 +130,7 @@ impl Model {
         let deviations: DeviationTables = toml::from_str(text)?;
         let deviations = deviations.deviations().into();
         let device = KnownDevice { description, manual: sheet.manual_facts() };
-        Ok(Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations })
+        Ok(Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations, described_alone: false })
     }
 
     /// A device of which nothing is known but its EDS, DCF, XDD or XDC: with every optional service that its object
@@ -133,14 +142,20 @@ impl Model {
         let description = DeviceDescription::read(bytes)?;
         let sheet = generic::sheet(name, &description)?;
         let device = KnownDevice::described(description);
-        Ok(Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations: Arc::new([]) })
+        let (device, sheet) = (Arc::new(device), Arc::new(sheet));
+        Ok(Self { device, sheet, deviations: Arc::new([]), described_alone: true })
     }
 
     /// The same model with another description and another sheet.
     pub(crate) fn with(&self, description: DeviceDescription, sheet: Sheet) -> Self {
         let deviations = Arc::clone(&self.deviations);
         let device = KnownDevice { description, manual: self.device.manual.clone() };
-        Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations }
+        Self { device: Arc::new(device), sheet: Arc::new(sheet), deviations, described_alone: self.described_alone }
+    }
+
+    /// Whether nothing but a description is known of it: it does what that says, and has its faults.
+    pub const fn is_described_alone(&self) -> bool {
+        self.described_alone
     }
 
     /// What tells that a node is of this model.
@@ -173,6 +188,14 @@ impl Model {
     /// The bit rate as delivered, in bit/s.
     pub fn default_bit_rate(&self) -> u32 {
         self.sheet.network.default_bit_rate_kbit.saturating_mul(1_000)
+    }
+
+    /// The vendor-ID of its description: 1018h, or the head of the file.
+    pub fn vendor(&self) -> Option<u32> {
+        let description = self.description();
+        let entry = description.dictionary.entry(Multiplexer::new(0x1018, 1)).ok();
+        let number = entry.and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());
+        number.and_then(|number| u32::try_from(number).ok()).or(description.device.vendor_number)
     }
 
     /// The device description.

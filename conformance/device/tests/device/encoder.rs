@@ -38,6 +38,22 @@ fn cams() {
     assert_eq!(rig.read(0x6300, 1), Ok(0));
 }
 
+/// 2120h holds limits of the temperature on Kübler's encoders. What it is of another manufacturer, only he knows.
+#[test]
+fn limits_of_the_temperature_are_kueblers() {
+    let eds = include_str!("../../models/kuebler-sendix-58x8.eds");
+    let another = eds.replace("0x00000013", "0x0000002A");
+    for (text, errors) in [(eds, 1), (another.as_str(), 0)] {
+        let model = Model::generic("my.eds", text.as_bytes()).unwrap();
+        let mut rig = Rig::powered(&model, Some(63), Default::default(), Motion::still(0));
+        rig.run(300);
+        let heard = rig.ask("63F#2F20210350000000");
+        assert!(heard.contains(&"5BF#6020210300000000".to_owned()), "{heard:?}");
+        let reported = heard.iter().filter(|frame| frame.starts_with("0BF#0042")).count();
+        assert_eq!(reported, errors, "{heard:?}");
+    }
+}
+
 /// 6009h sets what 6008h and 6004h show.
 #[test]
 fn high_precision() {

@@ -1,5 +1,6 @@
 //! What is tested, and under which conditions.
 
+use crate::quarantine::Quarantine;
 use crate::touch::Touch;
 use crate::verdict::Deviation;
 use canvass_analyzer::NodeId;
@@ -23,6 +24,10 @@ pub struct Target {
     pub manual: Manual,
     /// Where its own documentation announces that it differs from the standard.
     pub deviations: Vec<Deviation>,
+    /// Cases whose failures do not count yet.
+    pub quarantines: Vec<Quarantine>,
+    /// Whether it is simulated from its description and nothing else, so that what is wrong with it is wrong there.
+    pub described_alone: bool,
 }
 
 /// How to test.
@@ -101,7 +106,15 @@ impl Timing {
 impl Target {
     /// A device of which only the node-ID is known.
     pub fn unknown(node: NodeId) -> Self {
-        Self { node, model: String::new(), description: None, manual: Manual::default(), deviations: Vec::new() }
+        Self {
+            node,
+            model: String::new(),
+            description: None,
+            manual: Manual::default(),
+            deviations: Vec::new(),
+            quarantines: Vec::new(),
+            described_alone: false,
+        }
     }
 
     /// A device that the user calls so, and what is known of it.
@@ -131,6 +144,8 @@ impl Target {
             description: Some(model.description_with(firmware)),
             manual: model.device().manual.clone(),
             deviations: Deviation::of_model(model),
+            quarantines: Vec::new(),
+            described_alone: model.is_described_alone(),
         }
     }
 }

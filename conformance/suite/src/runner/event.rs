@@ -4,6 +4,7 @@ use super::summary::Summary;
 use crate::bench::{Evidence, Measurement, Use};
 use crate::case::Case;
 use crate::comparison::Comparison;
+use crate::quarantine::Quarantine;
 use crate::verdict::{Kind, Verdict};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
@@ -83,6 +84,8 @@ pub struct CaseReport {
     pub uses: Vec<Use>,
     /// How each repetition ended; one where the case ran once.
     pub outcomes: Vec<Kind>,
+    /// What keeps its failure from counting.
+    pub quarantine: Option<Quarantine>,
     /// How long it took on the clock of the bus, with the way to the precondition and back.
     pub duration: Duration,
 }

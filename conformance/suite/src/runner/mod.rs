@@ -142,14 +142,19 @@ fn run_cases(
         let began = bench.now();
         let mut finished = run_repeatedly(bench, case);
         let makes_no_sense = nonsense.judge(bench, began, &mut finished);
-        summary.add(finished.verdict.kind());
+        let kind = finished.verdict.kind();
+        let mut quarantines = bench.target().quarantines.iter();
+        finished.quarantine = quarantines.find(|quarantine| quarantine.holds(case.id, kind)).cloned();
+        summary.add(kind);
+        summary.quarantined += usize::from(finished.quarantine.is_some());
         summary.flaky += usize::from(finished.is_flaky());
         undescribed += usize::from(lacks_description(bench, &finished));
         report(&RunEvent::CaseFinished(&finished));
         if makes_no_sense {
             return (undescribed, Some("the device does not follow the protocol"));
         }
-        if bench.options().fail_fast && finished.verdict.kind().badness() >= Kind::Error.badness() {
+        let counts = kind.badness() >= Kind::Error.badness() && finished.quarantine.is_none();
+        if bench.options().fail_fast && counts {
             return (undescribed, Some("a case failed (--fail-fast)"));
         }
     }

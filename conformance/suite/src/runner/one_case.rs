@@ -2,12 +2,12 @@
 
 use super::blame::{blameless, overload};
 use super::event::CaseReport;
-use crate::bench::{Bench, Evidence, Remains};
+use crate::bench::{Bench, Evidence, Remains, Target};
 use crate::case::Case;
 use crate::clause::Level;
 use crate::needs;
 use crate::touch::Touch;
-use crate::verdict::{Breach, Deviation, End, Excuse, Grade, Judged, Reason, Ruled, Stop, Verdict};
+use crate::verdict::{Breach, Deviation, End, Excuse, Grade, Judged, Kind, Reason, Ruled, Stop, Verdict};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Timestamp;
 use std::any::Any;
@@ -52,8 +52,17 @@ pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let graded = breaches.into_iter().map(|breach| graded(breach, case));
     let ruled = graded.map(|breach| rule(breach, case, &bench.target().deviations)).collect();
     let verdict = Verdict::new(ruled, end);
+    let notes = notes.into_iter().chain(described_so(bench, case, &verdict)).collect();
     let outcomes = vec![verdict.kind()];
-    CaseReport { case, verdict, evidence, notes, measurements, uses, outcomes, duration: bench.now().since(started) }
+    let duration = bench.now().since(started);
+    CaseReport { case, verdict, evidence, notes, measurements, uses, outcomes, quarantine: None, duration }
+}
+
+/// What fails on a device that is simulated from its description alone is not its simulation.
+fn described_so(bench: &Bench<'_>, case: &Case, verdict: &Verdict) -> Option<String> {
+    let Target { described_alone, model, .. } = bench.target();
+    let is_it = *described_alone && case.asks_the_device() && verdict.kind() == Kind::Fail;
+    is_it.then(|| format!("the device is simulated as {model} describes it: what is wrong is wrong there"))
 }
 
 /// Gives a device its node-ID again that has lost it, where the user allows that.

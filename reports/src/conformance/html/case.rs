@@ -1,8 +1,8 @@
 //! One case on the page.
 
-use super::timeline;
+use super::{delays, timeline};
 use crate::conformance::told::Told;
-use crate::conformance::{cct_forecast, hex, milliseconds_since, recorded, repetitions, symbol, uses};
+use crate::conformance::{cct_forecast, hex, milliseconds_since, quarantined, recorded, repetitions, symbol, uses};
 use crate::escape::printable;
 use canvass_suite::bench::Exhibit;
 use canvass_suite::runner::CaseReport;
@@ -29,6 +29,7 @@ pub fn details(report: &CaseReport) -> Markup {
             div.body {
                 @for paragraph in report.case.requirement.split("\n\n") { p.requirement { (printable(paragraph)) } }
                 (reason(report))
+                @if let Some(quarantined) = quarantined(report) { p.note { "Does not count: " (quarantined) } }
                 @if let Some(repetitions) = repetitions(report) { p.note { (repetitions) } }
                 @if let Some(uses) = uses(report) { p.meta { "Used: " (uses) } }
                 @for measurement in &report.measurements { p.measurement { (printable(&measurement.to_string())) } }
@@ -74,6 +75,7 @@ fn evidence(report: &CaseReport) -> Markup {
                 @if let Some([first, last]) = recorded(report) { ": #" (first) " to #" (last) " of the recording" }
             }
             (timeline::strip(&frames))
+            (delays::plot(&frames))
             div.scroll {
                 table {
                     thead { tr { @if is_recorded { th.number { "#" } } th.number { "ms" } th { "" } th { "CAN-ID" } th { "Data" } th { "Meaning" } } }

@@ -3,7 +3,7 @@
 use super::case::anchor;
 use crate::conformance::Run;
 use crate::conformance::screen::is_bad;
-use crate::conformance::symbol;
+use crate::conformance::{quarantined, symbol};
 use crate::escape::printable;
 use canvass_suite::runner::CaseReport;
 use maud::{Markup, html};
@@ -37,7 +37,10 @@ pub fn section(run: &Run) -> Markup {
                                 span.badge.(kind.name()) { span aria-hidden="true" { (symbol(kind)) " " } (kind.title()) }
                                 " " span.id { (report.case.id) }
                             }
-                            " " span.why { (printable(&reason.to_string())) }
+                            " " span.why {
+                                @if let Some(quarantined) = quarantined(report) { (quarantined) "; " }
+                                (printable(&reason.to_string()))
+                            }
                         }
                     }
                 }

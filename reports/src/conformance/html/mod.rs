@@ -3,6 +3,7 @@
 //! Everything that a device can influence goes through [`printable`] and through maud, which escapes markup.
 
 mod case;
+mod delays;
 mod failures;
 mod timeline;
 

@@ -74,11 +74,16 @@ impl Encoder {
         warnings
     }
 
-    /// Whether the temperature is outside the limits of 2120h.
+    /// The lowest and the highest temperature of 2120h, which is that of Kübler's encoders: of another manufacturer it is
+    /// something else.
+    pub fn temperature_limits(&self, parameters: &Parameters) -> Option<(u8, u8)> {
+        let limit = |sub| parameters.number(0x2120, sub).map(|limit| limit as u8);
+        limit(2).zip(limit(3)).filter(|_| self.is_of_kuebler)
+    }
+
+    /// Whether the temperature is outside of its limits.
     fn is_too_hot(&self, parameters: &Parameters) -> bool {
-        let limit = |sub| parameters.number(0x2120, sub);
-        let (Some(low), Some(high)) = (limit(2), limit(3)) else { return false };
-        !(low..=high).contains(&u64::from(TEMPERATURE))
+        self.temperature_limits(parameters).is_some_and(|(low, high)| !(low..=high).contains(&TEMPERATURE))
     }
 
     /// Whether 6505h bit 0 is set, which an EMCY reports.

@@ -27,6 +27,9 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_traces::Timestamp;
 
+/// The vendor-ID of Kübler.
+const KUEBLER: u32 = 0x13;
+
 /// An encoder.
 #[derive(Clone, Debug)]
 pub(super) struct Encoder {
@@ -38,13 +41,17 @@ pub(super) struct Encoder {
     preset_at: Option<Timestamp>,
     cams: Cams,
     firmware: Firmware,
+    /// Whether objects of the manufacturer are those of Kübler.
+    is_of_kuebler: bool,
 }
 
 impl Encoder {
     /// The encoder of that model, if it is one.
     pub fn new(model: &Model, motion: Motion, firmware: &Firmware) -> Option<Self> {
         let sheet = model.sheet().encoder?;
-        Some(Self { sheet, motion, offset: 0, preset_at: None, cams: Cams::default(), firmware: *firmware })
+        let is_of_kuebler = model.vendor() == Some(KUEBLER);
+        let cams = Cams::default();
+        Some(Self { sheet, motion, offset: 0, preset_at: None, cams, firmware: *firmware, is_of_kuebler })
     }
 
     /// How the shaft moves from now on.

@@ -324,7 +324,9 @@ fn remote_subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subjec
     let own = bench.pdo_off(TPDO)?;
     let with_remote = CobId(own.0 & !(CobId::NO_RTR | CobId::INVALID));
     let off = (with_remote.0 | CobId::INVALID).to_le_bytes();
-    for (multiplexer, value) in [(TPDO.parameter(1), off.to_vec()), (TPDO.parameter(2), vec![transmission_type])] {
+    let on = bench.valid_cob_id(TPDO, with_remote).0.to_le_bytes();
+    let steps = [(1, off.to_vec()), (2, vec![transmission_type]), (1, on.to_vec())];
+    for (multiplexer, value) in steps.map(|(sub, value)| (TPDO.parameter(sub), value)) {
         let attempt = bench.download(multiplexer, &value)?;
         if let Some(code) = attempt.abort() {
             bench.check(attempt.refused(Situation::InvalidValue))?;
@@ -332,7 +334,6 @@ fn remote_subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subjec
             return Err(Stop::NotApplicable(Reason::new(duty, "remote frames", format!("abort {code}"))));
         }
     }
-    bench.pdo_on(TPDO, with_remote)?;
     Ok(subject)
 }
 

@@ -7,6 +7,7 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_device::models::shows_limit_switches;
 
 const LIMIT_MIN: Multiplexer = Multiplexer::new(0x2104, 0);
 const LIMIT_MAX: Multiplexer = Multiplexer::new(0x2105, 0);
@@ -16,12 +17,7 @@ const ABOVE: u32 = 1 << 13;
 const MARGIN: u32 = 100;
 
 fn needs_limit_switches(bench: &Bench<'_>) -> Result<(), Stop> {
-    let described = |multiplexer| {
-        let dictionary = bench.target().description.as_ref().map(|description| &description.dictionary);
-        let entry = dictionary.and_then(|dictionary| dictionary.entry(multiplexer).ok());
-        entry.is_some_and(|entry| entry.name.to_ascii_lowercase().contains("limit switch"))
-    };
-    if described(LIMIT_MIN) && described(LIMIT_MAX) {
+    if bench.target().description.as_ref().is_some_and(shows_limit_switches) {
         return Ok(());
     }
     let reason =

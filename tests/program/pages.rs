@@ -1,0 +1,78 @@
+//! What the documentation shows of a terminal is what the program prints.
+
+use std::path::Path;
+use std::process::{Command, Stdio};
+
+const ROOT: &str = env!("CARGO_MANIFEST_DIR");
+
+/// A command with the lines that are shown below it.
+struct Shown {
+    command: String,
+    lines: Vec<String>,
+}
+
+/// The commands of a page that show what they print.
+fn shown(page: &str) -> Vec<Shown> {
+    let mut all: Vec<Shown> = Vec::new();
+    for block in page.split("\n```").skip(1).step_by(2).filter(|block| block.contains("\n$ canvass")) {
+        for line in block.lines().skip(1) {
+            match (line.strip_prefix("$ "), all.last_mut()) {
+                (Some(command), _) => all.push(Shown { command: command.to_owned(), lines: Vec::new() }),
+                (None, Some(last)) => last.lines.push(line.to_owned()),
+                (None, None) => {}
+            }
+        }
+    }
+    all
+}
+
+/// What the commands print in a folder that has the samples; a simulated encoder stands in for a device on vcan0.
+fn printed(folder: &Path, command: &str) -> String {
+    let program = Path::new(env!("CARGO_BIN_EXE_canvass")).parent().unwrap();
+    let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
+    let command = command.replace("vcan0", "sim:kuebler-sendix-58x8");
+    let mut shell = Command::new("sh");
+    shell.args(["-c", &command]).current_dir(folder).env("PATH", path).stdin(Stdio::null());
+    let ended = shell.output().unwrap();
+    String::from_utf8([ended.stdout, ended.stderr].concat()).unwrap()
+}
+
+/// A line without the time of its frame: what comes before it may take longer one day.
+fn timeless(line: &str) -> String {
+    let is_time = |text: &str| text.len() > 9 && text.chars().all(|c| c.is_ascii_digit() || c == '.');
+    match line.split_once('(').and_then(|(before, rest)| Some((before, rest.split_once(") ")?))) {
+        Some((before, (time, rest))) if is_time(time) => format!("{before}{rest}"),
+        _ => line.trim_end().to_owned(),
+    }
+}
+
+/// Each line that is shown is printed, one after the other; `…` stands for others.
+fn check(page: &str, folder: &Path, at_least: usize) {
+    let text = std::fs::read_to_string(Path::new(ROOT).join(page)).unwrap();
+    let mut lines = 0;
+    for Shown { command, lines: shown } in shown(&text) {
+        let printed = printed(folder, &command);
+        let mut rest = printed.lines();
+        for line in shown.iter().filter(|line| !line.trim().is_empty() && line.trim() != "…") {
+            lines += 1;
+            let begins = timeless(line.trim_end_matches('…').trim_end());
+            assert!(
+                rest.any(|printed| timeless(printed).starts_with(&begins)),
+                "{page}: {command}\nshows, and does not print:\n{line}\n\n{printed}"
+            );
+        }
+    }
+    assert!(lines >= at_least, "{page}: {lines}");
+}
+
+#[test]
+fn terminals_in_the_documentation_are_real() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["traces", "docs", "conformance"] {
+        std::os::unix::fs::symlink(Path::new(ROOT).join(name), folder.path().join(name)).unwrap();
+    }
+    for (page, at_least) in [("README.md", 15), ("docs/evidence.md", 1), ("docs/outputs.md", 3), ("docs/fuzzing.md", 5)]
+    {
+        check(page, folder.path(), at_least);
+    }
+}
