@@ -33,7 +33,9 @@ fn commands(page: &str) -> Vec<String> {
             while let Some(more) = lines.next_if(|more| is_folded && more.len() - more.trim_start().len() > depth) {
                 command = format!("{command} {}", more.trim());
             }
-            commands.extend(Some(command.trim().to_owned()).filter(|command| command.starts_with("canvass ")));
+            // Reports begin with the name, too, in a column of its own.
+            let is_command = |command: &String| command.starts_with("canvass ") && !command.starts_with("canvass  ");
+            commands.extend(Some(command.trim().to_owned()).filter(is_command));
         }
     }
     commands

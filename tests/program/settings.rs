@@ -60,7 +60,7 @@ fn what_is_typed_has_precedence() {
     let timeout = options.iter().find(|option| option["name"] == "timeout").unwrap();
     let values = timeout["value"].as_array().unwrap();
     assert!(values.contains(&"sdo=2s".into()) && values.contains(&"silence=300ms".into()), "{values:?}");
-    let shorter = document(&run_in(&below, &[&["test", "--timeout", "sdo=1500msms"], &CASE[..]].concat()));
+    let shorter = document(&run_in(&below, &[&["test", "--timeout", "sdo=1500ms"], &CASE[..]].concat()));
     assert!(shorter.to_string().contains("sdo=1500ms"));
 }
 
