@@ -1,4 +1,4 @@
-//! `canvass eds`: device descriptions.
+//! `canvass eds check`: everything that is wrong in device descriptions.
 
 use crate::devices::{read, summary};
 use crate::output::print;
@@ -8,31 +8,21 @@ use canvass_reports::escape::{Printable, printable};
 use std::fmt::Write;
 use std::path::PathBuf;
 
-/// Look at device descriptions: EDS, DCF and XDD files
+/// Print everything that is wrong in device descriptions, one line each
+///
+/// An error could not be used; a warning is against the standard, and was understood all the same. The exit status is 1
+/// if there are errors.
 #[derive(clap::Args)]
 pub struct Args {
-    #[command(subcommand)]
-    action: Action,
-}
-
-#[derive(clap::Subcommand)]
-enum Action {
-    /// Print everything that is wrong in device descriptions, one line each
-    ///
-    /// An error could not be used; a warning is against the standard, and was understood all the same. The exit status
-    /// is 1 if there are errors.
-    Check {
-        /// The files
-        #[arg(required = true, value_name = "FILE")]
-        files: Vec<PathBuf>,
-    },
+    /// The files
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
 }
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
-        let Action::Check { files } = self.action;
         let mut status = Status::Good;
-        for path in files {
+        for path in self.files {
             let problems = read(&path)?.problems;
             let name = path.display().to_string();
             let name = printable(&name);
