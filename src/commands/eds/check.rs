@@ -33,7 +33,7 @@ impl Args {
             }
             let _ = writeln!(text, "{name}: {}", summary(&problems));
             print(&Printable::document(&text))?;
-            if problems.iter().any(|problem| problem.severity == Severity::Error) {
+            if problems.iter().any(|problem| problem.severity() == Severity::Error) {
                 status = Status::Findings;
             }
         }

@@ -5,11 +5,14 @@
 
 mod identity;
 mod pdo;
+mod companions;
+mod encoder;
 mod standard;
 
 use super::description::DeviceDescription;
 use super::object::{Object, Setting};
-use super::problem::{EdsProblem, Place, ProblemKind, Problems, Severity};
+use super::problem::{EdsProblem, Place, Problems};
+use super::rules::Rule;
 use crate::identity::{Index, Multiplexer, SubIndex};
 
 /// All contradictions, by line.
@@ -18,6 +21,8 @@ pub fn check(description: &DeviceDescription) -> Vec<EdsProblem> {
     identity::check(&mut check);
     pdo::check(&mut check);
     standard::check(&mut check);
+    companions::check(&mut check);
+    encoder::check(&mut check);
     check.problems.into_sorted()
 }
 
@@ -33,8 +38,7 @@ impl<'a> Check<'a> {
         &mut self,
         at: Multiplexer,
         field: &str,
-        severity: Severity,
-        kind: ProblemKind,
+        rule: &'static Rule,
         expected: &'static str,
         found: &str,
     ) {
@@ -46,7 +50,7 @@ impl<'a> Check<'a> {
             true => format!("{:04X}", at.index.0),
             false => format!("{:04X}sub{:X}", at.index.0, at.sub.0),
         };
-        self.problems.report(Place { line, section: &section, field }, severity, kind, expected, found);
+        self.problems.report(Place { line, section: &section, field }, rule, expected, found);
     }
 
     fn object(&self, index: Index) -> Option<&'a Object> {

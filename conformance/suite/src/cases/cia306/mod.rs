@@ -35,7 +35,7 @@ const HEADER: [&str; 5] = ["FileInfo", "DeviceInfo", "DummyUsage", "Comments", "
 impl Area {
     fn of(problem: &EdsProblem) -> Self {
         let is_header = HEADER.iter().any(|name| problem.section.eq_ignore_ascii_case(name));
-        match problem.kind {
+        match problem.kind() {
             ProblemKind::Encoding | ProblemKind::Line | ProblemKind::TooMuch => Self::Text,
             ProblemKind::DuplicateSection | ProblemKind::MissingSection | ProblemKind::UnknownSection => Self::Sections,
             ProblemKind::DuplicateField | ProblemKind::MissingField | ProblemKind::UnknownField => Self::Fields,
@@ -64,7 +64,7 @@ fn sound(bench: &mut Bench<'_>, area: Area, duty: &'static str) -> Judged {
     let mut found: Vec<EdsProblem> = description.problems.clone();
     found.extend(consistency::check(description));
     found.retain(|problem| Area::of(problem) == area);
-    let (notes, wrong): (Vec<_>, Vec<_>) = found.into_iter().partition(|problem| problem.severity == Severity::Info);
+    let (notes, wrong): (Vec<_>, Vec<_>) = found.into_iter().partition(|problem| problem.severity() == Severity::Hint);
     for problem in notes.iter().take(NOTED) {
         bench.note(format!("description: {problem}"));
     }
@@ -94,7 +94,7 @@ fn breach(problem: &EdsProblem, duty: &'static str) -> Breach {
     };
     // The names come from the file.
     let place: String = format!("[{}] {}", problem.section, problem.field).escape_debug().take(80).collect();
-    let found = Observation::Named(format!("problem in {}: {}", place.trim_end(), word(problem.kind)).into());
+    let found = Observation::Named(format!("problem in {}: {}", place.trim_end(), word(problem.kind())).into());
     Breach::new(subject, duty).expected(problem.expected).found(found).told(problem.to_string())
 }
 
