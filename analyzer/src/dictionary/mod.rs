@@ -2,6 +2,7 @@
 //! the names that the standards give.
 
 mod annotation;
+pub mod check;
 pub mod consistency;
 mod data_type;
 mod description;

@@ -64,7 +64,7 @@ impl<'a> Section<'a> {
 }
 
 /// Names are compared in lower case and without blanks.
-pub(super) fn canonical(name: &str) -> String {
+pub(in crate::dictionary) fn canonical(name: &str) -> String {
     name.chars().filter(|character| !character.is_whitespace()).flat_map(char::to_lowercase).collect()
 }
 

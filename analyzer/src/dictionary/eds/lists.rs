@@ -74,6 +74,15 @@ pub(super) fn numbered(section: &Section<'_>, count: &str, problems: &mut Proble
     numbers
 }
 
+/// The list in which an object belongs.
+pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
+    match index {
+        0x1000 | 0x1001 | 0x1018 => LISTS[0],
+        0x2000..=0x5FFF => LISTS[2],
+        _ => LISTS[1],
+    }
+}
+
 /// Every object that `[xxxxObjectLinks]` names is described.
 pub(super) fn check_links(document: &Document<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) {
     for section in &document.sections {
@@ -106,14 +115,9 @@ fn check(lists: &ObjectLists, dictionary: &ObjectDictionary, problems: &mut Prob
             if dictionary.object(index).is_none() {
                 report(&rules::list::UNDESCRIBED, "a section of each listed object");
             }
-            let right = match index.0 {
-                0x1000 | 0x1001 => position == 0,
-                // Mandatory since CiA 301 version 4.0.
-                0x1018 => position <= 1,
-                0x2000..=0x5FFF => position == 2,
-                _ => position == 1,
-            };
-            if !right {
+            // Mandatory since CiA 301 version 4.0.
+            let may_be_optional = index.0 == 0x1018 && position == 1;
+            if section != list_of(index.0) && !may_be_optional {
                 report(&rules::list::WRONG, "mandatory, optional and manufacturer objects in their own lists");
             }
         }

@@ -9,12 +9,16 @@ mod header;
 mod lexer;
 mod lists;
 mod modules;
-mod number;
+pub(super) mod number;
 mod objects;
 mod section_name;
 mod text;
 
 pub(super) use fields::setting;
+pub(super) use lexer::canonical;
+pub(super) use lists::list_of;
+pub(super) use objects::access_of_habit;
+pub(super) use section_name::standard_section_name;
 use section_name::SectionName;
 pub(super) use text::decode as decode_text;
 

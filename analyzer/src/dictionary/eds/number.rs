@@ -68,6 +68,29 @@ pub(super) fn parse(text: &str) -> Option<Number> {
     Some(number)
 }
 
+/// The same number or formula as CiA 306 writes it; `None` if that would be a guess.
+pub(in crate::dictionary) fn in_form(text: &str) -> Option<String> {
+    let number = parse(text)?;
+    let (bare, comment) = match text.split_once([';', '#']) {
+        Some((bare, _)) => (bare.trim_end(), text.get(bare.trim_end().len()..).unwrap_or_default()),
+        None => (text, ""),
+    };
+    let is_hexadecimal = bare.contains(['x', 'X']) || bare.trim_end_matches('"').ends_with(['h', 'H']);
+    let value = match (is_hexadecimal, u64::try_from(number.value)) {
+        (true, Ok(value)) => format!("0x{value:X}"),
+        _ => number.value.to_string(),
+    };
+    let written = match (number.plus_node_id, number.value) {
+        (true, 0) => "$NODEID".to_owned(),
+        (true, 1..) => format!("$NODEID+{value}"),
+        (true, _) => return None,
+        (false, _) => value,
+    };
+    let same = parse(&written)
+        .is_some_and(|new| new.oddity.is_none() && (new.value, new.plus_node_id) == (number.value, number.plus_node_id));
+    same.then(|| format!("{written}{comment}"))
+}
+
 /// Without quotes, and without what stands behind a `;`.
 fn without_decoration(text: &str) -> (&str, Option<Oddity>) {
     let mut oddity = None;

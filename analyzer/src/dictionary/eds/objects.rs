@@ -240,15 +240,23 @@ fn access(fields: &mut Fields<'_, '_>, data_type: DataType) -> Access {
         fields.report("AccessType", &rules::field::ACCESS_MISSING, expected, "none");
         return Access::Ro;
     }
-    let (rule, access) = match text.to_ascii_lowercase().as_str() {
-        "r" | "read" | "readonly" => (&rules::entry::ACCESS_FORM, Access::Ro),
-        "w" | "write" | "writeonly" => (&rules::entry::ACCESS_FORM, Access::Wo),
-        "wr" | "r/w" | "readwrite" => (&rules::entry::ACCESS_FORM, Access::Rw),
-        "constant" | "c" => (&rules::entry::ACCESS_FORM, Access::Const),
-        _ => (&rules::entry::ACCESS, Access::Ro),
+    let (rule, access) = match access_of_habit(text) {
+        Some(access) => (&rules::entry::ACCESS_FORM, access),
+        None => (&rules::entry::ACCESS, Access::Ro),
     };
     fields.report("AccessType", rule, expected, text);
     access
+}
+
+/// The access types as some authors write them.
+pub(in crate::dictionary) fn access_of_habit(text: &str) -> Option<Access> {
+    Some(match text.to_ascii_lowercase().as_str() {
+        "r" | "read" | "readonly" => Access::Ro,
+        "w" | "write" | "writeonly" => Access::Wo,
+        "wr" | "r/w" | "readwrite" => Access::Rw,
+        "constant" | "c" => Access::Const,
+        _ => return None,
+    })
 }
 
 fn check_limits(fields: &mut Fields<'_, '_>, entry: &Entry) {

@@ -117,7 +117,7 @@ rules! {
     ///
     /// Describe 1017h.
     ERROR_CONTROL: Warning MissingSection, "eds/device/error-control", "CiA 301" "7.2.8.2.2" Cited,
-        fails "[1017] removed", passes
+        fails "[1017] removed\n[100C] removed", passes
         "[1017]\nParameterName=Producer heartbeat time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
 
     /// a field of DummyUsage has not the name of a data type

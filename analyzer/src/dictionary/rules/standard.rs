@@ -125,8 +125,8 @@ rules! {
     ///
     /// Correct 6002h, 6501h or 6502h.
     MEASURING_RANGE: Warning Range, "eds/encoder/measuring-range", "CiA 406" Known,
-        fails "[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6502]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x4000\nPDOMapping=0",
-        passes "[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6502]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2000\nPDOMapping=0";
+        fails "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6502]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x4000\nPDOMapping=0",
+        passes "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6502]\nParameterName=Object\nObjectType=0x7\nDataType=0x0006\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[6002]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2000\nPDOMapping=0";
 
     /// the measuring units per revolution are more than the encoder's resolution
     ///
@@ -137,6 +137,6 @@ rules! {
     ///
     /// Correct 6001h or 6501h.
     UNITS: Warning Range, "eds/encoder/units-per-revolution", "CiA 406" Known,
-        fails "[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x4000\nPDOMapping=0",
-        passes "[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2000\nPDOMapping=0";
+        fails "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x4000\nPDOMapping=0",
+        passes "[1000]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x00010196\nPDOMapping=0\n[6501]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x2000\nPDOMapping=0\n[6001]\nParameterName=Object\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2000\nPDOMapping=0";
 }
