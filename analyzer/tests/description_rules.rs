@@ -109,12 +109,11 @@ fn the_models_have_no_errors() {
     for (name, text) in models() {
         let checked = check(text.as_bytes(), Some(NAME)).unwrap();
         let errors: Vec<_> = checked.findings.iter().filter(|finding| finding.severity() == Severity::Error).collect();
-        let errors: Vec<_> = errors.iter().map(|finding| (&*finding.problem.section, &*finding.problem.found)).collect();
+        let errors: Vec<_> =
+            errors.iter().map(|finding| (&*finding.problem.section, &*finding.problem.found)).collect();
         let by_manual: &[_] = match name.as_str() {
             "kuebler-sendix-f58.eds" => &[("1A03sub2", "2160h:00 with 16 bits")],
-            "kuebler-c100.eds" => {
-                &[("1A00sub1", "6020h:00 with 16 bits"), ("1A00sub2", "6020h:00 with 16 bits")]
-            }
+            "kuebler-c100.eds" => &[("1A00sub1", "6020h:00 with 16 bits"), ("1A00sub2", "6020h:00 with 16 bits")],
             _ => &[],
         };
         assert_eq!(errors, by_manual, "{name}");

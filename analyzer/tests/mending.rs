@@ -71,7 +71,8 @@ fn what_would_be_a_guess_stays() {
 #[test]
 fn lists_are_completed_and_comments_stay() {
     let text = PLAIN.replace("1=0x1000\n2=0x1001", "; the first\n1=0x1000\n; moved\n2=0x2000\n; the last");
-    let text = text.replace("[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000", "[ManufacturerObjects]\nSupportedObjects=0");
+    let text = text
+        .replace("[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000", "[ManufacturerObjects]\nSupportedObjects=0");
     let mended = mended(&text);
     assert!(mended.contains("SupportedObjects=2\n; the first\n1=0x1000\n2=0x1001\n; moved\n; the last\n"), "{mended}");
     assert!(mended.contains("[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000\n"), "{mended}");
@@ -86,7 +87,12 @@ fn missing_sections_are_added_and_the_character_set_is_changed() {
     let marked = [b"\xEF\xBB\xBF", PLAIN.as_bytes()].concat();
     assert_eq!(mend(&marked, |_| true).unwrap().bytes, mended(PLAIN).into_bytes());
     // Latin-1 stays, whatever else is mended.
-    let latin: Vec<u8> = PLAIN.replace("Lines=1", "Lines=3").replace("one", "z?").bytes().map(|byte| if byte == b'?' { 0xE4 } else { byte }).collect();
+    let latin: Vec<u8> = PLAIN
+        .replace("Lines=1", "Lines=3")
+        .replace("one", "z?")
+        .bytes()
+        .map(|byte| if byte == b'?' { 0xE4 } else { byte })
+        .collect();
     assert!(mend(&latin, |_| true).unwrap().bytes.windows(9).any(|part| part == b"Line1=z\xE4\n"));
 }
 

@@ -9,10 +9,10 @@ mod description;
 pub mod eds;
 mod manual;
 pub mod names;
-pub mod rules;
 mod object;
 mod problem;
 mod reading;
+pub mod rules;
 mod value;
 pub mod xdd;
 
@@ -22,6 +22,6 @@ pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Mo
 pub use manual::{KnownDevice, KnownEmergency, Manual, Settings};
 pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
-pub use rules::Rule;
 pub use problem::{EdsProblem, ProblemKind, Severity};
+pub use rules::Rule;
 pub use value::{DaysAndMilliseconds, Value, ValueError};

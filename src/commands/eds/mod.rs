@@ -2,6 +2,7 @@
 
 mod check;
 
+use crate::output::Color;
 use crate::status::{Failure, Status};
 
 /// Look at device descriptions: EDS, DCF and XDD files
@@ -17,9 +18,9 @@ enum Action {
 }
 
 impl Args {
-    pub fn run(self) -> Result<Status, Failure> {
+    pub fn run(self, color: Color) -> Result<Status, Failure> {
         match self.action {
-            Action::Check(args) => args.run(),
+            Action::Check(args) => args.run(color),
         }
     }
 }

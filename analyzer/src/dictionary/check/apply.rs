@@ -42,7 +42,9 @@ fn pass(
     for finding in checked.open().filter(|finding| wanted(finding)) {
         let Some(fix) = &finding.fix else { continue };
         let overlaps = |edit: &super::Edit| {
-            edits.iter().any(|other: &super::Edit| edit.range.start <= other.range.end && other.range.start <= edit.range.end)
+            edits
+                .iter()
+                .any(|other: &super::Edit| edit.range.start <= other.range.end && other.range.start <= edit.range.end)
         };
         if fix.edits.iter().any(overlaps) {
             continue;

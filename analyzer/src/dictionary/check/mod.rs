@@ -10,12 +10,12 @@ mod waiver;
 
 pub use apply::{Mended, mend};
 pub use fix::{Edit, Fix};
+pub use source::Source;
 
 use super::description::DeviceDescription;
 use super::eds::{DescriptionError, LARGEST_FILE, decode_text};
 use super::problem::{EdsProblem, Place, Problems, Severity};
 use super::{consistency, rules};
-use source::Source;
 use std::borrow::Cow;
 use std::ops::Range;
 

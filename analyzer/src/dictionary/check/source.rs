@@ -3,7 +3,9 @@
 use std::ops::Range;
 
 /// The text, and where its lines begin.
-pub(super) struct Source<'a> {
+#[derive(Debug)]
+pub struct Source<'a> {
+    /// The text.
     pub text: &'a str,
     /// Where each line begins.
     starts: Vec<usize>,
@@ -19,6 +21,7 @@ pub(super) struct FieldSpans {
 }
 
 impl<'a> Source<'a> {
+    /// Looks for the lines of a text.
     pub fn new(text: &'a str) -> Self {
         let is_xml = text.trim_start().starts_with('<');
         let bytes = text.as_bytes();
@@ -37,7 +40,7 @@ impl<'a> Source<'a> {
     }
 
     /// How many lines there are.
-    pub fn lines(&self) -> u32 {
+    pub(super) fn lines(&self) -> u32 {
         self.starts.len() as u32
     }
 
@@ -49,17 +52,17 @@ impl<'a> Source<'a> {
     }
 
     /// A line without blanks around it.
-    pub fn line(&self, number: u32) -> Range<usize> {
+    pub(super) fn line(&self, number: u32) -> Range<usize> {
         self.trimmed(self.whole_line(number))
     }
 
     /// What stands there.
-    pub fn get(&self, range: &Range<usize>) -> &'a str {
+    pub(super) fn get(&self, range: &Range<usize>) -> &'a str {
         self.text.get(range.clone()).unwrap_or_default()
     }
 
     /// The range without blanks at both ends.
-    pub fn trimmed(&self, range: Range<usize>) -> Range<usize> {
+    pub(super) fn trimmed(&self, range: Range<usize>) -> Range<usize> {
         let text = self.get(&range);
         let is_blank = |character: char| character.is_whitespace() || character == '\0';
         let begin = range.start + (text.len() - text.trim_start_matches(is_blank).len());
@@ -68,7 +71,7 @@ impl<'a> Source<'a> {
     }
 
     /// Name and value of a line, if it is a field.
-    pub fn field(&self, number: u32) -> Option<FieldSpans> {
+    pub(super) fn field(&self, number: u32) -> Option<FieldSpans> {
         let line = self.line(number);
         let text = self.get(&line);
         if text.starts_with([';', '[', '#']) {
@@ -79,17 +82,17 @@ impl<'a> Source<'a> {
     }
 
     /// Whether a line begins a section.
-    pub fn is_section(&self, number: u32) -> bool {
+    pub(super) fn is_section(&self, number: u32) -> bool {
         self.get(&self.line(number)).starts_with('[')
     }
 
     /// The lines of the section that begins in that line, without that line.
-    pub fn section_lines(&self, header: u32) -> impl Iterator<Item = u32> {
+    pub(super) fn section_lines(&self, header: u32) -> impl Iterator<Item = u32> {
         (header + 1..=self.lines()).take_while(|&line| !self.is_section(line))
     }
 
     /// The line in which the section of that name begins, the names as [`super::locate::canonical`] has them.
-    pub fn section(&self, name: &str) -> Option<u32> {
+    pub(super) fn section(&self, name: &str) -> Option<u32> {
         let wanted = super::locate::canonical(name);
         (1..=self.lines()).find(|&line| {
             let text = self.get(&self.line(line));
@@ -99,7 +102,7 @@ impl<'a> Source<'a> {
     }
 
     /// How the first line ends, and so new ones do.
-    pub fn line_end(&self) -> &'static str {
+    pub(super) fn line_end(&self) -> &'static str {
         let first = self.get(&self.whole_line(1));
         if first.ends_with("\r\n") { "\r\n" } else { "\n" }
     }

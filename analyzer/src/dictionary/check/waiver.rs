@@ -71,9 +71,8 @@ mod tests {
     fn waived(comment: &str, at: &str) -> Vec<(&'static str, String)> {
         let text = format!("{}\n[FileInfo]\nCreationTime=21:00\n{}\n[Comments]\nLines=3\n", comment, at);
         let checked = check(text.as_bytes(), None).unwrap();
-        let reasons = checked.findings.iter().filter_map(|finding| {
-            Some((finding.problem.rule.id, finding.waived.clone()?))
-        });
+        let reasons =
+            checked.findings.iter().filter_map(|finding| Some((finding.problem.rule.id, finding.waived.clone()?)));
         reasons.filter(|(id, _)| !id.contains("missing")).collect()
     }
 

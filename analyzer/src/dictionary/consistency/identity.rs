@@ -4,9 +4,9 @@ use super::{Check, elements};
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::names::object_name;
 use crate::dictionary::object::{ObjectCode, Setting};
-use crate::dictionary::value::Value;
 use crate::dictionary::problem::Place;
 use crate::dictionary::rules;
+use crate::dictionary::value::Value;
 use crate::identity::{Index, Multiplexer};
 
 pub(super) fn check(check: &mut Check<'_>) {

@@ -3,10 +3,10 @@
 //! Works on what was read, whatever the format of the file. The problems of the reading itself are in
 //! [`DeviceDescription::problems`].
 
-mod identity;
-mod pdo;
 mod companions;
 mod encoder;
+mod identity;
+mod pdo;
 mod standard;
 
 use super::description::DeviceDescription;
@@ -34,14 +34,7 @@ struct Check<'a> {
 
 impl<'a> Check<'a> {
     /// Reports a problem of an entry, or of its object where the entry is missing.
-    fn report(
-        &mut self,
-        at: Multiplexer,
-        field: &str,
-        rule: &'static Rule,
-        expected: &'static str,
-        found: &str,
-    ) {
+    fn report(&mut self, at: Multiplexer, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
         let object = self.object(at.index);
         let entry = object.and_then(|object| object.entry(at.sub));
         let line = entry.map(|entry| entry.line).or(object.map(|object| object.line)).unwrap_or(0);

@@ -18,8 +18,8 @@ pub(super) use fields::setting;
 pub(super) use lexer::canonical;
 pub(super) use lists::list_of;
 pub(super) use objects::access_of_habit;
-pub(super) use section_name::standard_section_name;
 use section_name::SectionName;
+pub(super) use section_name::standard_section_name;
 pub(super) use text::decode as decode_text;
 
 use super::description::{DeviceDescription, DeviceInfo, FileInfo};

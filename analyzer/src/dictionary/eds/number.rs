@@ -54,7 +54,8 @@ pub(super) fn parse(text: &str) -> Option<Number> {
             number.plus_node_id = true;
             oddity = oddity.or(odd.map(Oddity::form));
             if !first {
-                oddity = oddity.or(Some(Oddity { expected: "$NODEID before the number", rule: &rules::NODE_ID_BEHIND }));
+                oddity =
+                    oddity.or(Some(Oddity { expected: "$NODEID before the number", rule: &rules::NODE_ID_BEHIND }));
             }
         } else {
             let (value, odd) = literal(term.trim())?;
@@ -86,8 +87,9 @@ pub(in crate::dictionary) fn in_form(text: &str) -> Option<String> {
         (true, _) => return None,
         (false, _) => value,
     };
-    let same = parse(&written)
-        .is_some_and(|new| new.oddity.is_none() && (new.value, new.plus_node_id) == (number.value, number.plus_node_id));
+    let same = parse(&written).is_some_and(|new| {
+        new.oddity.is_none() && (new.value, new.plus_node_id) == (number.value, number.plus_node_id)
+    });
     same.then(|| format!("{written}{comment}"))
 }
 

@@ -129,7 +129,11 @@ mod tests {
         for rule in all() {
             assert!(ids.insert(rule.id), "{} twice", rule.id);
             assert!(rule.id.starts_with("eds/") || rule.id.starts_with("xdd/"), "{}", rule.id);
-            assert!(rule.title().len() > 10 && !rule.title().contains('\n') && !rule.title().ends_with('.'), "{}", rule.id);
+            assert!(
+                rule.title().len() > 10 && !rule.title().contains('\n') && !rule.title().ends_with('.'),
+                "{}",
+                rule.id
+            );
             assert!(rule.what().ends_with('.') && rule.advice().ends_with('.'), "{}", rule.id);
             assert!(!rule.fails.is_empty() && !rule.passes.is_empty() && rule.fails != rule.passes, "{}", rule.id);
         }

@@ -70,8 +70,9 @@ fn renumber(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
         return None;
     }
     let wrong = (1..).zip(&entries).filter(|(number, entry)| *number != entry.key);
-    let edits: Vec<Edit> =
-        wrong.filter_map(|(number, entry)| Some(edit(source.field(entry.line)?.name, u32::to_string(&number)))).collect();
+    let edits: Vec<Edit> = wrong
+        .filter_map(|(number, entry)| Some(edit(source.field(entry.line)?.name, u32::to_string(&number))))
+        .collect();
     Some(Fix::edits("number the entries from 1", edits))
 }
 

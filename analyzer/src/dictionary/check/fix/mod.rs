@@ -49,5 +49,7 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDes
     if is(&rules::text::BYTE_ORDER_MARK) || is(&rules::text::UTF_16) {
         return Some(Fix::edits("store the file as UTF-8 without byte order mark", Vec::new()));
     }
-    lines::of(finding, source).or_else(|| lists::of(finding, source, description)).or_else(|| values::of(finding, source))
+    lines::of(finding, source)
+        .or_else(|| lists::of(finding, source, description))
+        .or_else(|| values::of(finding, source))
 }

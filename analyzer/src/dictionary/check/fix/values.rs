@@ -100,8 +100,12 @@ mod tests {
     #[test]
     fn times_get_twelve_hours() {
         let cases = [
-            ("21:00", "09:00PM"), ("00:05", "12:05AM"), ("12:30", "12:30PM"), ("9:00 am", "09:00AM"),
-            ("13:37:59", "01:37PM"), ("11:59", "11:59AM"),
+            ("21:00", "09:00PM"),
+            ("00:05", "12:05AM"),
+            ("12:30", "12:30PM"),
+            ("9:00 am", "09:00AM"),
+            ("13:37:59", "01:37PM"),
+            ("11:59", "11:59AM"),
         ];
         for (text, expected) in cases {
             assert_eq!(time(text).as_deref(), Some(expected), "{text}");
