@@ -11,6 +11,10 @@ pub(super) fn check(check: &mut Check<'_>) {
     for object in check.description.dictionary.objects() {
         code(check, object, profile);
         for entry in object.entries() {
+            // Of the entries of the short form one stands for all.
+            if entry.sub.0 > 1 && entry.line == object.line {
+                continue;
+            }
             entry_types(check, object, entry, profile);
             mappable(check, object, entry);
         }
@@ -45,7 +49,8 @@ fn entry_types(check: &mut Check<'_>, object: &Object, entry: &Entry, profile: O
         let found = format!("{} instead of {data_type}", entry.data_type);
         check.report(at, "DataType", &rules::DATA_TYPE, expected, &found);
     }
-    let Some(access) = standard.access else { return };
+    // The first SDO server has the COB-IDs of the predefined connection set, which need not be writable.
+    let Some(access) = standard.access.filter(|_| at.index.0 != 0x1200) else { return };
     let rule = match (access, entry.access) {
         (Access::Ro, Access::Ro | Access::Const) | (Access::Rw, Access::Rw | Access::Rwr | Access::Rww) => return,
         (Access::Wo, Access::Wo | Access::Rw) => return,
