@@ -104,7 +104,7 @@ rules! {
     /// # What to do
     ///
     /// Describe all four sub-indexes of 1018h, or set LSS_Supported=0.
-    LSS: Warning MissingSection, "eds/device/lss-identity", "CiA 305" Known,
+    LSS: Hint MissingSection, "eds/device/lss-identity", "CiA 305" Known,
         fails "[DeviceInfo]\nLSS_Supported=1\n...\n[1018]\nParameterName=Identity\nObjectType=0x9\nSubNumber=2\n[1018sub2] removed",
         passes "[DeviceInfo]\nLSS_Supported=0\n...\n[1018]\nParameterName=Identity\nObjectType=0x9\nSubNumber=2";
 
