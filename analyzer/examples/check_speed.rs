@@ -1,6 +1,8 @@
 //! How long it takes to check a thousand descriptions of five hundred objects: `cargo run --release -p canvass-analyzer
 //! --example check_speed`.
 
+#![allow(clippy::print_stdout)]
+
 use canvass_analyzer::dictionary::check::check;
 use std::fmt::Write;
 use std::time::Instant;

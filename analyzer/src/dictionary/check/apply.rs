@@ -23,18 +23,15 @@ pub struct Mended {
 pub fn mend(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Mended, DescriptionError> {
     let mut mended = Mended { bytes: bytes.to_vec(), mended: Vec::new() };
     for _ in 0..MOST_PASSES {
-        let Some((next, rules)) = pass(&mended.bytes, &wanted)? else { break };
-        mended.bytes = next;
-        mended.mended.extend(rules);
+        let Some(next) = pass(&mended.bytes, &wanted)? else { break };
+        mended.bytes = next.bytes;
+        mended.mended.extend(next.mended);
     }
     Ok(mended)
 }
 
-/// The bytes after one pass, and what it mended; `None` if there is nothing to do.
-fn pass(
-    bytes: &[u8],
-    wanted: impl Fn(&Finding) -> bool,
-) -> Result<Option<(Vec<u8>, Vec<&'static Rule>)>, DescriptionError> {
+/// The file after one pass; `None` if there is nothing to do.
+fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<Mended>, DescriptionError> {
     let checked = check(bytes, None)?;
     let mut encoding = Encoding::of(bytes);
     let mut edits = Vec::new();
@@ -67,7 +64,7 @@ fn pass(
         at = edit.range.end;
     }
     text.push_str(checked.text.get(at..).unwrap_or_default());
-    Ok(encoding.encode(&text).filter(|next| next != bytes).map(|next| (next, rules)))
+    Ok(encoding.encode(&text).filter(|next| next != bytes).map(|bytes| Mended { bytes, mended: rules }))
 }
 
 /// How the characters of a file are written.

@@ -69,7 +69,7 @@ mod tests {
     use crate::dictionary::check::check;
 
     fn waived(comment: &str, at: &str) -> Vec<(&'static str, String)> {
-        let text = format!("{}\n[FileInfo]\nCreationTime=21:00\n{}\n[Comments]\nLines=3\n", comment, at);
+        let text = format!("{comment}\n[FileInfo]\nCreationTime=21:00\n{at}\n[Comments]\nLines=3\n");
         let checked = check(text.as_bytes(), None).unwrap();
         let reasons =
             checked.findings.iter().filter_map(|finding| Some((finding.problem.rule.id, finding.waived.clone()?)));
