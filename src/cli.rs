@@ -97,7 +97,7 @@ impl Cli {
             Command::Sdo(args) => args.run(),
             Command::Nmt(args) => args.run(self.color),
             Command::Lss(args) => args.run(),
-            Command::Eds(args) => args.run(),
+            Command::Eds(args) => args.run(self.color),
             Command::Doctor(args) => args.run(),
             Command::Config(args) => args.run(),
             Command::Convert(args) => args.run(),

@@ -3,7 +3,8 @@
 use crate::output::diagnostic;
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::NodeId;
-use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, KnownDevice, ProblemKind, Severity};
+use canvass_analyzer::dictionary::rules::{CONFLICT, HALF_READ};
+use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, KnownDevice, Rule, Severity};
 use canvass_device::models::Model;
 use canvass_traces::small_file::{self, OF_HAND};
 use std::path::Path;
@@ -101,34 +102,28 @@ pub fn describe(device: &str) -> Result<KnownDevice> {
 /// The description in a file, with its problems; one of which half can't be read describes nothing.
 pub fn read(path: &Path) -> Result<DeviceDescription> {
     let bytes = small_file::read(path, OF_HAND).with_context(|| format!("can't read {}", path.display()))?;
-    if let Some(line) = conflict(&bytes) {
-        bail!("{}: line {line} begins a merge conflict that nobody has resolved: choose one side", path.display());
-    }
     let description =
         DeviceDescription::read(&bytes).with_context(|| format!("{} is no device description", path.display()))?;
-    refuse_unread(path, &bytes, &description.problems)?;
+    refuse_unread(path, &description.problems)?;
     Ok(description)
 }
 
-/// The line, from 1, at which a version control system has left both sides of a conflict.
-fn conflict(bytes: &[u8]) -> Option<usize> {
-    let begins = |mark: &[u8]| bytes.split(|&byte| byte == b'\n').position(|line| line.starts_with(mark));
-    let begin = begins(b"<<<<<<< ")?;
-    begins(b">>>>>>> ").filter(|end| *end > begin).map(|_| begin + 1)
-}
-
-fn refuse_unread(path: &Path, bytes: &[u8], problems: &[EdsProblem]) -> Result<()> {
-    let lines = bytes.split(|&byte| byte == b'\n').filter(|line| !line.trim_ascii().is_empty()).count();
-    let unread = problems.iter().filter(|problem| problem.kind == ProblemKind::Line).count();
-    if unread > 0 && unread * 2 >= lines {
-        bail!("{}: {unread} of {lines} lines can't be read: this is no device description", path.display());
+/// A description with both sides of a merge conflict, or one of which half can't be read, describes nothing.
+fn refuse_unread(path: &Path, problems: &[EdsProblem]) -> Result<()> {
+    let breach = |rule: &Rule| problems.iter().find(|problem| problem.rule == rule);
+    if let Some(conflict) = breach(&CONFLICT) {
+        let line = conflict.line;
+        bail!("{}: line {line} begins a merge conflict that nobody has resolved: choose one side", path.display());
+    }
+    if let Some(half) = breach(&HALF_READ) {
+        bail!("{}: {}: this is no device description", path.display(), half.found);
     }
     Ok(())
 }
 
 /// Says in one line what is wrong in a description, and how to see all of it.
 fn tell_problems(path: &Path, problems: &[EdsProblem]) {
-    let of = |severity| problems.iter().filter(move |problem| problem.severity == severity);
+    let of = |severity| problems.iter().filter(move |problem| problem.severity() == severity);
     let first = of(Severity::Error).next().or_else(|| of(Severity::Warning).next());
     if let Some(first) = first {
         let count = summary(problems);
@@ -140,7 +135,7 @@ fn tell_problems(path: &Path, problems: &[EdsProblem]) {
 /// How many problems there are: `1 error, 2 warnings`.
 pub fn summary(problems: &[EdsProblem]) -> String {
     let count = |severity, name: &str| {
-        let count = problems.iter().filter(|problem| problem.severity == severity).count();
+        let count = problems.iter().filter(|problem| problem.severity() == severity).count();
         format!("{count} {name}{}", if count == 1 { "" } else { "s" })
     };
     format!("{}, {}", count(Severity::Error, "error"), count(Severity::Warning, "warning"))
@@ -149,6 +144,11 @@ pub fn summary(problems: &[EdsProblem]) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    fn read(text: &str) -> Result<()> {
+        let description = DeviceDescription::read(text.as_bytes()).unwrap();
+        refuse_unread(Path::new("x.eds"), &description.problems)
+    }
 
     #[test]
     fn nodes_are_lists_and_ranges() {
@@ -165,17 +165,14 @@ mod tests {
     }
 
     #[test]
-    fn a_conflict_has_two_sides() {
-        assert_eq!(conflict(b"[A]\n<<<<<<< HEAD\nX=1\n=======\nX=2\n>>>>>>> other\n"), Some(2));
-        assert_eq!(conflict(b"[A]\n;=======\nX=1\n"), None);
+    fn a_conflict_is_refused() {
+        let text = "[FileInfo]\n<<<<<<< HEAD\nX=1\n=======\nX=2\n>>>>>>> other\n";
+        assert!(read(text).unwrap_err().to_string().contains("line 2 begins a merge conflict"));
+        assert!(read("[FileInfo]\n;=======\nX=1\n").is_ok());
     }
 
     #[test]
     fn what_is_half_unread_is_refused() {
-        let read = |text: &str| {
-            let description = DeviceDescription::read(text.as_bytes()).unwrap();
-            refuse_unread(Path::new("x.eds"), text.as_bytes(), &description.problems)
-        };
         let good = "[FileInfo]\nFileName=x.eds\n[DeviceInfo]\nVendorName=x\n";
         assert!(read(good).is_ok());
         let refused = read(&format!("{good}one\ntwo\nthree\nfour\nfive\n")).unwrap_err().to_string();

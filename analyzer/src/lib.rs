@@ -10,6 +10,7 @@
 #![warn(clippy::disallowed_methods)]
 
 mod case_mark;
+pub mod clause;
 pub mod dictionary;
 pub mod filter;
 pub mod findings;

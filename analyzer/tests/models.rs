@@ -64,8 +64,13 @@ fn contradictions_to_the_standards() {
     // PDOs can't be configured.
     let fixed =
         ["100E", "1800sub1", "1800sub2", "1802sub1", "1802sub2", "1A00sub0", "1A00sub1", "1A02sub0", "1A02sub1"];
-    assert_eq!(found("tr-c65"), ro(&fixed));
-    let mut linear = vec!["[1018sub0] DataType: UNSIGNED32 instead of UNSIGNED8".to_owned()];
-    linear.extend(ro(&fixed));
+    // There is no identity object, and the second TPDO in use is the third.
+    let mut rotary = ro(&fixed);
+    rotary.insert(0, "[1018] : none".to_owned());
+    rotary.insert(4, "[1802sub1] DefaultValue: $NODEID+280h".to_owned());
+    assert_eq!(found("tr-c65"), rotary);
+    let mut linear = ro(&fixed);
+    linear.insert(0, "[1018sub0] DataType: UNSIGNED32 instead of UNSIGNED8".to_owned());
+    linear.insert(4, "[1802sub1] DefaultValue: $NODEID+280h".to_owned());
     assert_eq!(found("tr-lmp30"), linear);
 }

@@ -15,7 +15,7 @@ fn problems(text: &str, from: &str, to: &str) -> Vec<String> {
     let all = |text: &str| {
         let description = DeviceDescription::read(text.as_bytes()).unwrap();
         let found = description.problems.iter().cloned().chain(consistency::check(&description));
-        let wrong = found.filter(|problem| problem.severity != Severity::Info);
+        let wrong = found.filter(|problem| problem.severity() != Severity::Hint);
         wrong.map(|problem| format!("[{}] {}: {}", problem.section, problem.field, problem.found)).collect::<Vec<_>>()
     };
     let known = all(text);

@@ -103,7 +103,7 @@ fn a_file_that_breaks_off_is_read_up_to_there() {
     let (text, _) = ATTRIBUTES.split_at(ATTRIBUTES.find("index=\"6040\"").unwrap());
     let description = read(text).unwrap();
     assert!(description.dictionary.object(Index(0x1800)).is_some());
-    assert_eq!(description.problems.last().map(|problem| problem.severity), Some(Severity::Error));
+    assert_eq!(description.problems.last().map(|problem| problem.severity()), Some(Severity::Error));
 }
 
 #[test]

@@ -5,6 +5,7 @@
 //! - [`comparison`]: what changed between two results of a conformance run;
 //! - [`conformance`]: the reports of a conformance run;
 //! - [`decode`]: frames, one line or one JSON object each;
+//! - [`descriptions`]: what was wrong in device descriptions;
 //! - [`diagnosis`]: what was wrong in a capture;
 //! - [`events`]: what the frames brought about, one line or one JSON object each;
 //! - [`escape`]: what comes off a bus or out of a file is hostile; every rendering goes through here.
@@ -23,12 +24,14 @@ pub mod catalogue_page;
 pub mod comparison;
 pub mod conformance;
 pub mod decode;
+pub mod descriptions;
 pub mod diagnosis;
 pub mod escape;
 pub mod events;
 pub mod fuzz;
 pub mod history;
 mod page;
+mod page_text;
 pub mod provenance;
 mod push;
 pub mod quality;

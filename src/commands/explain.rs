@@ -3,10 +3,12 @@
 use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
+use canvass_analyzer::dictionary::rules;
 use canvass_analyzer::findings;
 use canvass_device::models::Model;
 use canvass_device::{Fault, Liberty};
 use canvass_reports::answers;
+use canvass_reports::descriptions;
 use canvass_reports::diagnosis;
 use canvass_reports::escape::Printable;
 use canvass_reports::fuzz::properties;
@@ -32,12 +34,13 @@ impl Args {
             .or_else(|| Situation::by_id(id).map(situation))
             .or_else(|| id.parse().ok().map(liberty))
             .or_else(|| findings::find(id).map(|rule| diagnosis::explain(rule.metadata)))
+            .or_else(|| rules::find(id).map(descriptions::rules::explain))
             .or_else(|| id.parse().ok().map(properties::explain))
             .or_else(|| Model::by_id(id).map(model))
             .or_else(|| Format::by_id(id).map(format))
             .ok_or_else(|| {
                 anyhow!(
-                    "nothing is called \"{id}\": `canvass list cases|situations|models|faults|liberties|rules|properties|formats` shows what there is"
+                    "nothing is called \"{id}\": `canvass list cases|situations|models|faults|liberties|rules|eds-rules|properties|formats` shows what there is"
                 )
             })?;
         print(&Printable::document(&text))?;

@@ -4,12 +4,14 @@ use crate::output::print;
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::Rule;
 use canvass_analyzer::findings::{self, Metadata, Threshold};
 use canvass_device::models::Model;
 use canvass_device::{Fault, Liberty};
 use canvass_fuzzer::Property;
 use canvass_reports::answers;
 use canvass_reports::catalogue_page;
+use canvass_reports::descriptions;
 use canvass_reports::escape::Printable;
 use canvass_reports::fuzz::faults_page;
 use canvass_suite::case::Case;
@@ -44,6 +46,8 @@ enum What {
     Liberties,
     /// Rules of `canvass diagnose`
     Rules,
+    /// Rules of `canvass eds check`
+    EdsRules,
     /// Properties of `canvass fuzz`
     Properties,
     /// Capture formats
@@ -57,7 +61,7 @@ enum ListFormat {
     Text,
     /// An array of objects with `id` and `summary`
     Json,
-    /// The catalogue of cases, or the faults with what the fuzzer makes of them, as a page
+    /// The catalogue of cases, the rules of descriptions, or the faults with what the fuzzer makes of them, as a page
     Markdown,
 }
 
@@ -67,7 +71,11 @@ impl Args {
             let page = match self.what {
                 What::Cases => catalogue_page::markdown(&catalogue::cases()),
                 What::Faults => faults_page::page(),
-                _ => return Err(anyhow!("--format markdown is for cases and faults: say text or json").into()),
+                What::EdsRules => descriptions::rules::handbook(),
+                _ => {
+                    let told = "--format markdown is for cases, faults and eds-rules: say text or json";
+                    return Err(anyhow!(told).into());
+                }
             };
             print(&Printable::document(&page))?;
             return Ok(Status::Good);
@@ -79,6 +87,7 @@ impl Args {
             What::Faults => faults(),
             What::Liberties => liberties(),
             What::Rules => rules(),
+            What::EdsRules => eds_rules(),
             What::Properties => properties(),
             What::Formats => formats(),
         };
@@ -176,6 +185,19 @@ fn rules() -> Vec<Value> {
         })
     };
     findings::all().map(|definition| row(definition.metadata)).collect()
+}
+
+fn eds_rules() -> Vec<Value> {
+    let row = |rule: &Rule| {
+        json!({
+            "id": rule.id,
+            "summary": rule.title(),
+            "severity": rule.severity.name(),
+            "clause": rule.clause.bare(),
+            "clause_confidence": rule.clause.confidence.name(),
+        })
+    };
+    canvass_analyzer::dictionary::rules::all().map(row).collect()
 }
 
 fn properties() -> Vec<Value> {

@@ -21,6 +21,8 @@ mod decode;
 #[cfg(test)]
 mod diagnose;
 #[cfg(test)]
+mod eds_check;
+#[cfg(test)]
 mod events;
 #[cfg(test)]
 mod everyday;

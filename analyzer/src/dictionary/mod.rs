@@ -2,6 +2,7 @@
 //! the names that the standards give.
 
 mod annotation;
+pub mod check;
 pub mod consistency;
 mod data_type;
 mod description;
@@ -11,6 +12,7 @@ pub mod names;
 mod object;
 mod problem;
 mod reading;
+pub mod rules;
 mod value;
 pub mod xdd;
 
@@ -21,4 +23,5 @@ pub use manual::{KnownDevice, KnownEmergency, Manual, Settings};
 pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 pub use problem::{EdsProblem, ProblemKind, Severity};
+pub use rules::Rule;
 pub use value::{DaysAndMilliseconds, Value, ValueError};

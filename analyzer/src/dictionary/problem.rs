@@ -1,25 +1,33 @@
 //! What was wrong in a device description, with the place.
 
+use super::rules::{Rule, text};
 use std::fmt;
 
 /// How bad a problem is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Severity {
-    /// Allowed, but worth knowing.
-    Info,
-    /// Against the standard; what was meant is clear, and was understood so.
+    /// A habit, or worth knowing: nothing goes wrong.
+    Hint,
+    /// Against the letter of the standard; what was meant is clear, and was understood so.
     Warning,
-    /// Against the standard; what stands there could not be used.
+    /// A configuration tool or the device goes wrong with it, or what stands there could not be used.
     Error,
+}
+
+impl Severity {
+    /// The word for it, in text and in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hint => "hint",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
 }
 
 impl fmt::Display for Severity {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
-            Self::Info => "info",
-            Self::Warning => "warning",
-            Self::Error => "error",
-        })
+        f.write_str(self.name())
     }
 }
 
@@ -66,20 +74,30 @@ pub enum ProblemKind {
 /// One problem and its place. The texts come from the file: may hold anything; [`fmt::Display`] escapes them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EdsProblem {
+    /// The rule that is broken.
+    pub rule: &'static Rule,
     /// The line, from 1; 0 if it concerns no single line.
     pub line: u32,
     /// The section, or element of an XDD; empty if it concerns none.
     pub section: String,
     /// The field, or attribute of an XDD; empty if it concerns none.
     pub field: String,
-    /// How bad it is.
-    pub severity: Severity,
-    /// What kind of problem it is.
-    pub kind: ProblemKind,
     /// What the standard expects there.
     pub expected: &'static str,
     /// What was found instead.
     pub found: String,
+}
+
+impl EdsProblem {
+    /// How bad it is.
+    pub const fn severity(&self) -> Severity {
+        self.rule.severity
+    }
+
+    /// What kind of problem it is.
+    pub const fn kind(&self) -> ProblemKind {
+        self.rule.kind
+    }
 }
 
 /// `line 12, [1018sub1] DefaultValue: expected a number, found "abc"`, with everything unprintable escaped.
@@ -118,35 +136,29 @@ impl Problems {
     /// Longer texts are cut in `found`.
     const LONGEST: usize = 200;
 
-    pub(super) fn report(
-        &mut self,
-        place: Place<'_>,
-        severity: Severity,
-        kind: ProblemKind,
-        expected: &'static str,
-        found: &str,
-    ) {
-        let (place, severity, kind, expected, found) = match self.list.len() {
-            ..Self::MOST => (place, severity, kind, expected, found),
-            Self::MOST => (
-                Place { line: place.line, ..Place::default() },
-                Severity::Warning,
-                ProblemKind::TooMuch,
-                "fewer problems",
-                "more problems than are listed",
-            ),
+    pub(super) fn report(&mut self, place: Place<'_>, rule: &'static Rule, expected: &'static str, found: &str) {
+        let (place, rule, expected, found) = match self.list.len() {
+            ..Self::MOST => (place, rule, expected, found),
+            Self::MOST => {
+                let place = Place { line: place.line, ..Place::default() };
+                (place, &text::TOO_MUCH, "fewer problems", "more problems than are listed")
+            }
             _ => return,
         };
         let cut = |text: &str| text.chars().take(Self::LONGEST).collect();
         self.list.push(EdsProblem {
+            rule,
             line: place.line,
             section: cut(place.section),
             field: cut(place.field),
-            severity,
-            kind,
             expected,
             found: cut(found),
         });
+    }
+
+    /// How many breaches of a rule were found.
+    pub(super) fn count_of(&self, rule: &Rule) -> usize {
+        self.list.iter().filter(|problem| problem.rule == rule).count()
     }
 
     /// All problems, by line.

@@ -12,8 +12,8 @@ pub const CASES: &[Case] = &[
         &["2000:00 VAR Setting: BOOLEAN rw true"],
     ),
     ("carriage-return-line-feed", &[], &[]),
-    ("carriage-return-only", &[], &[]),
-    ("comment-behind-value", &["info Number [2000] DataType @ DataType=0x0006 ; UNSIGNED16"], &[]),
+    ("carriage-return-only", &["hint Encoding []  @ "], &[]),
+    ("comment-behind-value", &["hint Number [2000] DataType @ DataType=0x0006 ; UNSIGNED16"], &[]),
     ("comment-count", &["warning Count [Comments] Lines @ Lines=4"], &[]),
     ("compact-pdo", &[], &[]),
     (
@@ -52,6 +52,7 @@ pub const CASES: &[Case] = &[
     (
         "dcf-double-m-and-bad-values",
         &[
+            "hint UnknownSection [DeviceCommissioning]  @ [DeviceCommissioning]",
             "error Value [DeviceCommissioning] NodeID @ NodeID=128",
             "error Value [DeviceCommissioning] Baudrate @ Baudrate=300",
             "warning Range [2000] ParameterValue @ ParameterValue=2000",
@@ -71,17 +72,21 @@ pub const CASES: &[Case] = &[
     ),
     ("domain-without-access-type", &[], &["2000:00 DOMAIN Setting: DOMAIN rw -"]),
     ("dummy-usage", &["warning Value [DummyUsage] Dummy5 @ Dummy5=1"], &[]),
-    ("duplicate-field", &["warning DuplicateField [2000] DefaultValue @ DefaultValue=6"], &[]),
+    ("duplicate-field", &["error DuplicateField [2000] DefaultValue @ DefaultValue=6"], &[]),
     (
         "duplicate-section-by-number",
-        &["warning Line [1800sub02]  @ [1800sub02]", "warning DuplicateSection [1800sub02]  @ [1800sub02]"],
+        &["warning Line [1800sub02]  @ [1800sub02]", "error DuplicateSection [1800sub02]  @ [1800sub02]"],
         &[],
     ),
-    ("duplicate-section", &["warning DuplicateSection [1800sub2]  @ [1800sub2]"], &[]),
+    ("duplicate-section", &["error DuplicateSection [1800sub2]  @ [1800sub2]"], &[]),
     ("empty-default", &[], &["2000:00 VAR Setting: UNSIGNED16 rw -"]),
     (
         "escape-sequence",
-        &["error Number [2000] DefaultValue @ DefaultValue=\\u{1b}[2J"],
+        &[
+            "warning Encoding []  @ ParameterName=\\u{1b}]0;x\\u{7}",
+            "warning Encoding []  @ DefaultValue=\\u{1b}[2J",
+            "error Number [2000] DefaultValue @ DefaultValue=\\u{1b}[2J",
+        ],
         &["2000:00 VAR \\u{1b}]0;x\\u{7}: UNSIGNED16 rw -"],
     ),
     ("float-for-integer", &["warning Number [2000] DefaultValue @ DefaultValue=5.0"], &[]),
@@ -102,7 +107,7 @@ pub const CASES: &[Case] = &[
         &["2000:00 VAR Setting: UNSIGNED16 rw 31"],
     ),
     ("index-with-0x", &["warning Line [0x2000]  @ [0x2000]"], &[]),
-    ("latin-1", &["info Encoding []  @ "], &["2000:00 VAR Zählerstand: UNSIGNED16 rw 5"]),
+    ("latin-1", &["hint Encoding []  @ "], &["2000:00 VAR Zählerstand: UNSIGNED16 rw 5"]),
     ("limits-swapped", &["error Range [2000] LowLimit @ LowLimit=1000"], &[]),
     (
         "line-too-long",
@@ -139,7 +144,7 @@ pub const CASES: &[Case] = &[
         &["2000:00 VAR Setting: data type 0000h rw -"],
     ),
     ("missing-name", &["warning MissingField [2000] ParameterName @ [2000]"], &["2000:00 VAR : UNSIGNED16 rw 5"]),
-    ("missing-object-type", &[], &[]),
+    ("missing-object-type", &["hint MissingField [2000] ObjectType @ [2000]"], &[]),
     ("missing-sections", &["warning MissingSection [DummyUsage]  @ ", "warning MissingSection [Comments]  @ "], &[]),
     ("modules", &["warning Count [M3ModuleInfo]  @ [M3ModuleInfo]"], &[]),
     (
@@ -188,7 +193,7 @@ pub const CASES: &[Case] = &[
     ("plain", &[], &[]),
     (
         "quoted-name",
-        &["info Value [2000] ParameterName @ ParameterName=\\\"Setting\\\""],
+        &["hint Value [2000] ParameterName @ ParameterName=\\\"Setting\\\""],
         &["2000:00 VAR \\\"Setting\\\": UNSIGNED16 rw 5"],
     ),
     ("quoted-number", &["warning Number [2000] DefaultValue @ DefaultValue=\\\"5\\\""], &[]),
@@ -237,12 +242,12 @@ pub const CASES: &[Case] = &[
     ),
     (
         "unknown-section-and-field",
-        &["info UnknownSection [Firmware]  @ [Firmware]", "info UnknownField [2000] VendorExtra @ VendorExtra=1"],
+        &["hint UnknownSection [Firmware]  @ [Firmware]", "hint UnknownField [2000] VendorExtra @ VendorExtra=1"],
         &[],
     ),
-    ("utf-16", &["info Encoding []  @ "], &[]),
-    ("utf-8-byte-order-mark", &["info Encoding []  @ "], &[]),
-    ("utf-8", &["info Encoding []  @ "], &["2000:00 VAR Zählerstand: UNSIGNED16 rw 5"]),
+    ("utf-16", &["warning Encoding []  @ "], &[]),
+    ("utf-8-byte-order-mark", &["warning Encoding []  @ "], &[]),
+    ("utf-8", &["hint Encoding []  @ "], &["2000:00 VAR Zählerstand: UNSIGNED16 rw 5"]),
     ("variable-with-sub-indexes", &["warning Value [1800] ObjectType @ ObjectType=0x7"], &[]),
     (
         "word-for-flag",

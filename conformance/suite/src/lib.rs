@@ -12,7 +12,7 @@ pub mod bench;
 pub mod case;
 mod cases;
 pub mod catalogue;
-pub mod clause;
+pub use canvass_analyzer::clause;
 pub mod comparison;
 pub mod glob;
 pub mod journal;

@@ -1,5 +1,6 @@
 //! What is said of the rules: one at a time, and the handbook of all.
 
+use crate::page_text::{capitalised, wrapped};
 use canvass_analyzer::findings::{Metadata, all};
 use std::fmt::Write;
 
@@ -53,25 +54,4 @@ fn section(rule: &Metadata, text: &mut String) {
         let default = format!("{} {}", threshold.default, threshold.unit);
         let _ = writeln!(text, "| `{}` | {} | {} |", threshold.name, default.trim_end(), threshold.meaning);
     }
-}
-
-fn capitalised(text: &str) -> String {
-    let mut chars = text.chars();
-    chars.next().map(|first| first.to_uppercase().chain(chars).collect()).unwrap_or_default()
-}
-
-/// The text in lines of at most 100 columns, each after `indent`.
-fn wrapped(text: &str, indent: &str) -> String {
-    const WIDTH: usize = 100;
-    let mut lines = String::new();
-    let mut line = indent.to_owned();
-    for word in text.split_whitespace() {
-        if line.chars().count() + word.chars().count() > WIDTH {
-            let _ = writeln!(lines, "{}", line.trim_end());
-            line = indent.to_owned();
-        }
-        line.push_str(word);
-        line.push(' ');
-    }
-    lines + line.trim_end() + "\n"
 }

@@ -1,14 +1,20 @@
 //! `DeviceInfo` and the identity object, error control, and arrays.
 
 use super::{Check, elements};
-use crate::dictionary::object::ObjectCode;
-use crate::dictionary::problem::{Place, ProblemKind, Severity};
+use crate::dictionary::data_type::DataType;
+use crate::dictionary::names::object_name;
+use crate::dictionary::object::{ObjectCode, Setting};
+use crate::dictionary::problem::Place;
+use crate::dictionary::rules;
+use crate::dictionary::value::Value;
 use crate::identity::{Index, Multiplexer};
 
 pub(super) fn check(check: &mut Check<'_>) {
     numbers(check);
     error_control(check);
+    layer_setting(check);
     arrays(check);
+    entries(check);
 }
 
 /// The numbers in `DeviceInfo` are the defaults of 1018h.
@@ -21,7 +27,7 @@ fn numbers(check: &mut Check<'_>) {
             let expected = "the number that DeviceInfo has";
             let found = format!("{default:X}h instead of {number:X}h");
             let at = Multiplexer::new(0x1018, sub);
-            check.report(at, "DefaultValue", Severity::Warning, ProblemKind::Value, expected, &found);
+            check.report(at, "DefaultValue", &rules::file::IDENTITY, expected, &found);
         }
     }
 }
@@ -33,7 +39,40 @@ fn error_control(check: &mut Check<'_>) {
     if !heartbeat && !guarding {
         let place = Place { line: 0, section: "1017", field: "" };
         let expected = "producer heartbeat time, or guard time and life time factor";
-        check.problems.report(place, Severity::Warning, ProblemKind::MissingSection, expected, "none");
+        check.problems.report(place, &rules::file::ERROR_CONTROL, expected, "none");
+    }
+}
+
+/// A device is addressed by all four numbers of its identity.
+fn layer_setting(check: &mut Check<'_>) {
+    let has = |sub| check.description.dictionary.entry(Multiplexer::new(0x1018, sub)).is_ok();
+    if check.description.device.lss_supported
+        && check.object(Index(0x1018)).is_some()
+        && let Some(missing) = (1..=4).find(|&sub| !has(sub))
+    {
+        let expected = "1018h with sub-indexes 1 to 4, since LSS_Supported=1";
+        let at = Multiplexer::new(0x1018, missing);
+        check.report(at, "", &rules::file::LSS, expected, &format!("no {at}"));
+    }
+}
+
+/// Sub-index 0 counts in a byte; visible strings are visible.
+fn entries(check: &mut Check<'_>) {
+    let profile = check.description.device_profile();
+    for (at, entry) in check.description.dictionary.entries() {
+        let counts = at.sub.0 == 0 && check.object(at.index).is_some_and(|object| !object.code.is_single());
+        // What a standard defines is compared with the standard.
+        let is_standard = || object_name(at, profile).is_some_and(|name| name.entry.is_some());
+        if counts && entry.data_type != DataType::UNSIGNED8 && !is_standard() {
+            let found = entry.data_type.to_string();
+            check.report(at, "DataType", &rules::entry::SUB_0, "UNSIGNED8 in sub-index 0", &found);
+        }
+        if let Some(Value::VisibleString(text)) = entry.default.as_ref().and_then(Setting::fixed)
+            && text.iter().any(|byte| !matches!(byte, b' '..=b'~'))
+        {
+            let found = String::from_utf8_lossy(text);
+            check.report(at, "DefaultValue", &rules::entry::STRING, "characters from 20h to 7Eh", &found);
+        }
     }
 }
 
@@ -46,11 +85,11 @@ fn arrays(check: &mut Check<'_>) {
             if entry.data_type != first.data_type {
                 let expected = "one data type in an array";
                 let found = entry.data_type.to_string();
-                check.report(at, "DataType", Severity::Warning, ProblemKind::Value, expected, &found);
+                check.report(at, "DataType", &rules::entry::ARRAY_TYPE, expected, &found);
             }
             if u16::from(entry.sub.0) != number {
                 let expected = "an array without gaps";
-                check.report(at, "", Severity::Info, ProblemKind::Count, expected, &at.to_string());
+                check.report(at, "", &rules::entry::ARRAY_GAP, expected, &at.to_string());
                 break;
             }
         }

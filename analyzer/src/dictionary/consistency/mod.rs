@@ -3,13 +3,16 @@
 //! Works on what was read, whatever the format of the file. The problems of the reading itself are in
 //! [`DeviceDescription::problems`].
 
+mod companions;
+mod encoder;
 mod identity;
 mod pdo;
 mod standard;
 
 use super::description::DeviceDescription;
 use super::object::{Object, Setting};
-use super::problem::{EdsProblem, Place, ProblemKind, Problems, Severity};
+use super::problem::{EdsProblem, Place, Problems};
+use super::rules::Rule;
 use crate::identity::{Index, Multiplexer, SubIndex};
 
 /// All contradictions, by line.
@@ -18,6 +21,8 @@ pub fn check(description: &DeviceDescription) -> Vec<EdsProblem> {
     identity::check(&mut check);
     pdo::check(&mut check);
     standard::check(&mut check);
+    companions::check(&mut check);
+    encoder::check(&mut check);
     check.problems.into_sorted()
 }
 
@@ -29,15 +34,7 @@ struct Check<'a> {
 
 impl<'a> Check<'a> {
     /// Reports a problem of an entry, or of its object where the entry is missing.
-    fn report(
-        &mut self,
-        at: Multiplexer,
-        field: &str,
-        severity: Severity,
-        kind: ProblemKind,
-        expected: &'static str,
-        found: &str,
-    ) {
+    fn report(&mut self, at: Multiplexer, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
         let object = self.object(at.index);
         let entry = object.and_then(|object| object.entry(at.sub));
         let line = entry.map(|entry| entry.line).or(object.map(|object| object.line)).unwrap_or(0);
@@ -46,7 +43,7 @@ impl<'a> Check<'a> {
             true => format!("{:04X}", at.index.0),
             false => format!("{:04X}sub{:X}", at.index.0, at.sub.0),
         };
-        self.problems.report(Place { line, section: &section, field }, severity, kind, expected, found);
+        self.problems.report(Place { line, section: &section, field }, rule, expected, found);
     }
 
     fn object(&self, index: Index) -> Option<&'a Object> {

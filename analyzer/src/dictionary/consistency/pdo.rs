@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::Check;
 use crate::dictionary::data_type::DataType;
-use crate::dictionary::object::{Entry, Object, ObjectCode};
-use crate::dictionary::problem::{ProblemKind, Severity};
+use crate::dictionary::object::{Entry, Object, ObjectCode, Setting};
+use crate::dictionary::rules::{Rule, pdo as rules};
 use crate::identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
 
 /// The two directions: first communication parameter, first mapping parameter.
@@ -21,12 +21,47 @@ pub(super) fn check(check: &mut Check<'_>) {
         }
         for object in check.objects(communication, communication + 0x1FF) {
             transmission_type(check, object, communication == TPDO.0);
+            reserved_sub_index(check, object, communication == TPDO.0);
         }
         for object in check.objects(mapping, mapping + 0x1FF) {
             Mapping { object, is_tpdo: mapping == TPDO.1 }.check(check);
         }
     }
     cob_ids(check);
+    predefined(check);
+}
+
+/// Sub-index 4 of a TPDO is reserved.
+fn reserved_sub_index(check: &mut Check<'_>, object: &Object, is_tpdo: bool) {
+    let at = Multiplexer { index: object.index, sub: SubIndex(4) };
+    if is_tpdo && object.entry(at.sub).is_some_and(|entry| entry.line != 0) {
+        check.report(at, "", &rules::RESERVED_SUB, "no sub-index 4 of a TPDO", "a description of it");
+    }
+}
+
+/// EMCY and the first four PDOs of each direction have the COB-IDs of the predefined connection set.
+fn predefined(check: &mut Check<'_>) {
+    let emcy = std::iter::once((Multiplexer::new(0x1014, 0), 0x80));
+    let pdos = (0..4u16).flat_map(|number| {
+        let at = |first: u16| Multiplexer::new(first + number, 1);
+        [(at(RPDO.0), 0x200 + 0x100 * u32::from(number)), (at(TPDO.0), 0x180 + 0x100 * u32::from(number))]
+    });
+    for (at, base) in emcy.chain(pdos) {
+        let Ok(entry) = check.description.dictionary.entry(at) else { continue };
+        let differs = match &entry.default {
+            // What is switched off has no CAN-ID of meaning.
+            Some(Setting::NodeIdPlus(offset)) => CobId(*offset).is_valid() && CobId(*offset).can_id() != base,
+            Some(Setting::Fixed(value)) => value.to_raw().is_some_and(|raw| {
+                let cob_id = CobId(raw as u32);
+                raw != 0 && cob_id.is_valid() && !(base + 1..=base + 127).contains(&cob_id.can_id())
+            }),
+            None => false,
+        };
+        if differs {
+            let found = entry.default.as_ref().map(ToString::to_string).unwrap_or_default();
+            check.report(at, "DefaultValue", &rules::PREDEFINED, "the predefined connection set", &found);
+        }
+    }
 }
 
 /// Communication and mapping parameters come in pairs.
@@ -34,7 +69,7 @@ fn pair(check: &mut Check<'_>, object: &Object, other: u16) {
     if check.object(Index(other)).is_none() {
         let at = Multiplexer { index: object.index, sub: SubIndex(0) };
         let expected = "communication and mapping parameters of each PDO";
-        check.report(at, "", Severity::Error, ProblemKind::Mapping, expected, &format!("no {other:04X}h"));
+        check.report(at, "", &rules::PAIR, expected, &format!("no {other:04X}h"));
     }
 }
 
@@ -45,9 +80,12 @@ fn transmission_type(check: &mut Check<'_>, object: &Object, is_tpdo: bool) {
     if (241..=last_reserved).contains(&default) {
         let at = Multiplexer::new(object.index.0, 2);
         let expected = "a transmission type that is not reserved";
-        check.report(at, "DefaultValue", Severity::Warning, ProblemKind::Value, expected, &default.to_string());
+        check.report(at, "DefaultValue", &rules::TRANSMISSION_TYPE, expected, &default.to_string());
     }
 }
+
+/// The rule that a mapped object breaks, and what is expected.
+type Wrong = (&'static Rule, &'static str);
 
 /// A mapping parameter with its direction.
 struct Mapping<'a> {
@@ -68,14 +106,14 @@ impl Mapping<'_> {
                 Some(mapped) => bits += self.entry(check, at, mapped as u32),
                 None => {
                     let expected = "a mapped object as DefaultValue, since sub-index 0 counts it";
-                    check.report(at, "DefaultValue", Severity::Error, ProblemKind::Mapping, expected, "none");
+                    check.report(at, "DefaultValue", &rules::ENTRY_MISSING, expected, "none");
                 }
             }
         }
         if bits > 64 {
             let at = Multiplexer::new(index, 0);
             let expected = "at most 64 bits in a PDO";
-            check.report(at, "DefaultValue", Severity::Error, ProblemKind::Mapping, expected, &format!("{bits} bits"));
+            check.report(at, "DefaultValue", &rules::TOO_LONG, expected, &format!("{bits} bits"));
         }
     }
 
@@ -93,45 +131,45 @@ impl Mapping<'_> {
             Ok(entry) => self.wrong_with(entry, bits),
             Err(_) => self.wrong_with_dummy(check, target, bits),
         };
-        if let Some(expected) = wrong {
+        if let Some((rule, expected)) = wrong {
             let found = format!("{target} with {bits} bits");
-            check.report(at, "DefaultValue", Severity::Error, ProblemKind::Mapping, expected, &found);
+            check.report(at, "DefaultValue", rule, expected, &found);
         }
         let granularity = check.description.device.granularity;
         if granularity > 0 && !bits.is_multiple_of(granularity) {
             let expected = "lengths that are multiples of Granularity";
             let found = format!("{bits} bits with granularity {granularity}");
-            check.report(at, "DefaultValue", Severity::Warning, ProblemKind::Mapping, expected, &found);
+            check.report(at, "DefaultValue", &rules::GRANULARITY, expected, &found);
         }
         bits.into()
     }
 
-    fn wrong_with(&self, entry: &Entry, bits: u8) -> Option<&'static str> {
+    fn wrong_with(&self, entry: &Entry, bits: u8) -> Option<Wrong> {
         let fits = if self.is_tpdo { entry.access.allows_tpdo() } else { entry.access.allows_rpdo() };
         if !entry.pdo_mappable {
-            Some("a mapped object with PDOMapping=1")
+            Some((&rules::NOT_MAPPABLE, "a mapped object with PDOMapping=1"))
         } else if !fits {
-            Some("a mapped object whose access type fits the direction of the PDO")
+            Some((&rules::DIRECTION, "a mapped object whose access type fits the direction of the PDO"))
         } else if entry.data_type.bits().is_some_and(|length| length != u32::from(bits)) {
-            Some("the length of the mapped object's data type")
+            Some((&rules::LENGTH, "the length of the mapped object's data type"))
         } else {
             None
         }
     }
 
     /// Indexes of data types skip bits of an RPDO.
-    fn wrong_with_dummy(&self, check: &Check<'_>, target: Multiplexer, bits: u8) -> Option<&'static str> {
+    fn wrong_with_dummy(&self, check: &Check<'_>, target: Multiplexer, bits: u8) -> Option<Wrong> {
         if target.index.0 > 0x1F {
-            return Some("a mapped object that exists");
+            return Some((&rules::TARGET, "a mapped object that exists"));
         }
         if self.is_tpdo {
-            return Some("dummy entries in RPDOs only");
+            return Some((&rules::DUMMY, "dummy entries in RPDOs only"));
         }
         if check.description.dummy_usage.get(&target.index.0) != Some(&true) {
-            return Some("a dummy entry that DummyUsage allows");
+            return Some((&rules::DUMMY, "a dummy entry that DummyUsage allows"));
         }
         let length = DataType(target.index.0).bits();
-        (length != Some(bits.into())).then_some("the length of the dummy entry's data type")
+        (length != Some(bits.into())).then_some((&rules::DUMMY, "the length of the dummy entry's data type"))
     }
 }
 
@@ -155,11 +193,11 @@ fn cob_ids(check: &mut Check<'_>) {
         let found = format!("{:X}h", cob_id.can_id());
         if cob_id.is_restricted() {
             let expected = "a CAN-ID that is not restricted";
-            check.report(at, "DefaultValue", Severity::Error, ProblemKind::CobId, expected, &found);
+            check.report(at, "DefaultValue", &rules::RESTRICTED, expected, &found);
         }
         if let Some(other) = used.insert(cob_id.can_id(), at) {
             let found = format!("{found} as in {other}");
-            check.report(at, "DefaultValue", Severity::Error, ProblemKind::CobId, "a CAN-ID of its own", &found);
+            check.report(at, "DefaultValue", &rules::COB_ID_TWICE, "a CAN-ID of its own", &found);
         }
     }
 }

@@ -3,7 +3,7 @@
 use super::Check;
 use crate::dictionary::names::object_name;
 use crate::dictionary::object::{Access, Entry, Object};
-use crate::dictionary::problem::{ProblemKind, Severity};
+use crate::dictionary::rules::standard as rules;
 use crate::identity::{Multiplexer, SubIndex};
 
 pub(super) fn check(check: &mut Check<'_>) {
@@ -11,8 +11,21 @@ pub(super) fn check(check: &mut Check<'_>) {
     for object in check.description.dictionary.objects() {
         code(check, object, profile);
         for entry in object.entries() {
+            // Of the entries of the short form one stands for all.
+            if entry.sub.0 > 1 && entry.line == object.line {
+                continue;
+            }
             entry_types(check, object, entry, profile);
+            mappable(check, object, entry);
         }
+    }
+}
+
+/// CiA 301 lets the error register, the status register and the high resolution time stamp be mapped.
+fn mappable(check: &mut Check<'_>, object: &Object, entry: &Entry) {
+    let at = Multiplexer { index: object.index, sub: entry.sub };
+    if entry.pdo_mappable && matches!(at.index.0, 0x1000..=0x1EFF) && !matches!(at.index.0, 0x1001 | 0x1002 | 0x1013) {
+        check.report(at, "PDOMapping", &rules::MAPPING, "PDOMapping=0 in the communication profile", "1");
     }
 }
 
@@ -23,7 +36,7 @@ fn code(check: &mut Check<'_>, object: &Object, profile: Option<u16>) {
     if standard.code.is_single() != object.code.is_single() {
         let expected = "the object code of the standard";
         let found = format!("{} instead of {}", object.code, standard.code);
-        check.report(at, "ObjectType", Severity::Warning, ProblemKind::Standard, expected, &found);
+        check.report(at, "ObjectType", &rules::OBJECT_CODE, expected, &found);
     }
 }
 
@@ -34,17 +47,18 @@ fn entry_types(check: &mut Check<'_>, object: &Object, entry: &Entry, profile: O
     if let Some(data_type) = standard.data_type.filter(|&data_type| data_type != entry.data_type) {
         let expected = "the data type of the standard";
         let found = format!("{} instead of {data_type}", entry.data_type);
-        check.report(at, "DataType", Severity::Warning, ProblemKind::Standard, expected, &found);
+        check.report(at, "DataType", &rules::DATA_TYPE, expected, &found);
     }
-    let Some(access) = standard.access else { return };
-    let severity = match (access, entry.access) {
+    // The first SDO server has the COB-IDs of the predefined connection set, which need not be writable.
+    let Some(access) = standard.access.filter(|_| at.index.0 != 0x1200) else { return };
+    let rule = match (access, entry.access) {
         (Access::Ro, Access::Ro | Access::Const) | (Access::Rw, Access::Rw | Access::Rwr | Access::Rww) => return,
         (Access::Wo, Access::Wo | Access::Rw) => return,
         // Many parameters need not be configurable.
-        (Access::Rw, Access::Ro | Access::Const) => Severity::Info,
-        _ => Severity::Warning,
+        (Access::Rw, Access::Ro | Access::Const) => &rules::ACCESS_LESS,
+        _ => &rules::ACCESS,
     };
     let expected = "the access type of the standard";
     let found = format!("{} instead of {access}", entry.access);
-    check.report(at, "AccessType", severity, ProblemKind::Standard, expected, &found);
+    check.report(at, "AccessType", rule, expected, &found);
 }

@@ -5,7 +5,8 @@ use super::lexer::Document;
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::description::DeviceInfo;
 use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDictionary, Setting};
-use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::rules;
 use crate::dictionary::value::Value;
 use crate::identity::{Index, SubIndex};
 
@@ -63,7 +64,7 @@ fn beside<'d>(
             Some(sub) => found.push((sub, field.value, place)),
             None => {
                 let expected = "a sub-index from 1 to CompactSubObj";
-                problems.report(place, Severity::Warning, ProblemKind::Value, expected, field.name);
+                problems.report(place, &rules::list::BESIDE_KEY, expected, field.name);
             }
         }
     }
@@ -71,7 +72,7 @@ fn beside<'d>(
     let announced = fields.number("NrOfEntries", u32::MAX);
     if announced.is_some_and(|announced| announced as usize != found.len()) {
         let entries = format!("{} entries", found.len());
-        fields.report("NrOfEntries", Severity::Warning, ProblemKind::Count, "the number of entries", &entries);
+        fields.report("NrOfEntries", &rules::list::BESIDE, "the number of entries", &entries);
     }
     found
 }

@@ -4,7 +4,8 @@ use super::lexer::Section;
 use super::number;
 use crate::dictionary::data_type::{DataClass, DataType};
 use crate::dictionary::object::Setting;
-use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::rules::{self, Rule, number as number_rules};
 use crate::dictionary::value::Value;
 
 /// The fields of one section, with where problems go.
@@ -14,8 +15,8 @@ pub(super) struct Fields<'s, 'p> {
 }
 
 impl<'s> Fields<'s, '_> {
-    pub fn report(&mut self, field: &str, severity: Severity, kind: ProblemKind, expected: &'static str, found: &str) {
-        self.problems.report(self.section.place(field), severity, kind, expected, found);
+    pub fn report(&mut self, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
+        self.problems.report(self.section.place(field), rule, expected, found);
     }
 
     /// The text of a field that may be missing.
@@ -32,15 +33,15 @@ impl<'s> Fields<'s, '_> {
     pub fn number(&mut self, field: &str, most: u32) -> Option<u32> {
         let text = self.optional_text(field).filter(|text| !text.is_empty() && !text.starts_with(';'))?;
         let Some(number) = number::parse(text).filter(|number| !number.plus_node_id) else {
-            self.report(field, Severity::Error, ProblemKind::Number, "a number", text);
+            self.report(field, &number_rules::UNREADABLE, "a number", text);
             return None;
         };
         if let Some(oddity) = number.oddity {
-            self.report(field, oddity.severity, ProblemKind::Number, oddity.expected, text);
+            self.report(field, oddity.rule, oddity.expected, text);
         }
         let value = u32::try_from(number.value).ok().filter(|&value| value <= most);
         if value.is_none() {
-            self.report(field, Severity::Error, ProblemKind::Value, "a number in the range of the field", text);
+            self.report(field, &rules::field::RANGE, "a number in the range of the field", text);
         }
         value
     }
@@ -50,12 +51,12 @@ impl<'s> Fields<'s, '_> {
         let text = self.optional_text(field).unwrap_or_default();
         let word = ["false", "no", "true", "yes"].iter().position(|word| text.eq_ignore_ascii_case(word));
         if let Some(position) = word {
-            self.report(field, Severity::Warning, ProblemKind::Value, "0 or 1", text);
+            self.report(field, &rules::field::FLAG, "0 or 1", text);
             return position > 1;
         }
         let value = self.number(field, u32::MAX).unwrap_or(0);
         if value > 1 {
-            self.report(field, Severity::Warning, ProblemKind::Value, "0 or 1", text);
+            self.report(field, &rules::field::FLAG, "0 or 1", text);
         }
         value != 0
     }
@@ -73,7 +74,7 @@ impl<'s> Fields<'s, '_> {
             if !known(&name) {
                 let place = Place { line: field.line, section: self.section.name, field: field.name };
                 let expected = "a field that CiA 306 defines here";
-                self.problems.report(place, Severity::Info, ProblemKind::UnknownField, expected, field.name);
+                self.problems.report(place, &rules::field::UNKNOWN, expected, field.name);
             }
         }
     }
@@ -106,7 +107,7 @@ pub(in crate::dictionary) fn setting(
         DataClass::Record => return None,
     };
     if value.is_none() {
-        problems.report(place, Severity::Error, ProblemKind::Number, "a value of the data type", text);
+        problems.report(place, &number_rules::UNREADABLE, "a value of the data type", text);
     }
     value.map(Setting::Fixed)
 }
@@ -114,15 +115,15 @@ pub(in crate::dictionary) fn setting(
 fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Problems) -> Option<Setting> {
     let word = ["false", "true"].iter().position(|word| text.eq_ignore_ascii_case(word));
     if let (DataType::BOOLEAN, Some(position)) = (data_type, word) {
-        problems.report(place, Severity::Warning, ProblemKind::Number, "0 or 1", text);
+        problems.report(place, &number_rules::FORM, "0 or 1", text);
         return Some(Setting::Fixed(Value::Boolean(position == 1)));
     }
     let Some(number) = number::parse(text) else {
-        problems.report(place, Severity::Error, ProblemKind::Number, "a number", text);
+        problems.report(place, &number_rules::UNREADABLE, "a number", text);
         return None;
     };
     if let Some(oddity) = number.oddity {
-        problems.report(place, oddity.severity, ProblemKind::Number, oddity.expected, text);
+        problems.report(place, oddity.rule, oddity.expected, text);
     }
     let setting = if number.plus_node_id {
         // The highest node-ID must fit too.
@@ -134,7 +135,7 @@ fn integral(text: &str, data_type: DataType, place: Place<'_>, problems: &mut Pr
         in_range(number.value, text, data_type, place, problems).map(Setting::Fixed)
     };
     if setting.is_none() {
-        problems.report(place, Severity::Error, ProblemKind::Range, "a number that fits the data type", text);
+        problems.report(place, &number_rules::RANGE, "a number that fits the data type", text);
     }
     setting
 }
@@ -151,7 +152,7 @@ fn in_range(number: i128, text: &str, data_type: DataType, place: Place<'_>, pro
     let wrapped = if signed { number >= all / 2 && !hexadecimal } else { number < 0 };
     if wrapped {
         let expected = "a number that fits the data type without wrapping";
-        problems.report(place, Severity::Warning, ProblemKind::Range, expected, text);
+        problems.report(place, &number_rules::WRAPPED, expected, text);
     }
     Value::from_raw(data_type, number as u64)
 }

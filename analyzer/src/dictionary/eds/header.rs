@@ -2,8 +2,9 @@
 
 use super::fields::Fields;
 use super::lexer::{Document, Section, canonical};
-use crate::dictionary::description::{Commissioning, DeviceInfo, FileInfo};
-use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::dictionary::description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo};
+use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::rules::{self, Rule};
 use crate::identity::NodeId;
 use std::collections::BTreeMap;
 
@@ -20,6 +21,23 @@ const FILE_INFO: [&str; 12] = [
     "modificationdate",
     "modifiedby",
     "lasteds",
+];
+
+/// What every FileInfo has.
+const EACH_FILE_INFO: [&str; 6] =
+    ["FileName", "FileVersion", "FileRevision", "Description", "CreationDate", "CreatedBy"];
+
+/// What every DeviceInfo has.
+const EACH_DEVICE_INFO: [&str; 9] = [
+    "VendorName",
+    "VendorNumber",
+    "ProductName",
+    "ProductNumber",
+    "RevisionNumber",
+    "Granularity",
+    "NrOfRXPDO",
+    "NrOfTXPDO",
+    "LSS_Supported",
 ];
 
 /// The bit rates of CiA 301 in kbit/s.
@@ -49,11 +67,16 @@ const DEVICE_INFO: [&str; 18] = [
 pub(super) fn file_info(section: &Section<'_>, problems: &mut Problems) -> FileInfo {
     let mut fields = Fields { section, problems };
     fields.check_known(|name| FILE_INFO.contains(&name));
-    for (field, example) in [("CreationDate", "12-31-1999"), ("ModificationDate", "12-31-1999")] {
-        check_form(&mut fields, field, example, "a date as mm-dd-yyyy");
+    for field in ["CreationDate", "ModificationDate"] {
+        check_form(&mut fields, field, "12-31-1999", &rules::file::DATE, "a date as mm-dd-yyyy");
     }
-    for (field, example) in [("CreationTime", "01:59PM"), ("ModificationTime", "01:59PM")] {
-        check_form(&mut fields, field, example, "a time as hh:mm(AM|PM)");
+    for field in ["CreationTime", "ModificationTime"] {
+        check_form(&mut fields, field, "01:59PM", &rules::file::TIME, "a time as hh:mm(AM|PM)");
+    }
+    check_present(&mut fields, &EACH_FILE_INFO);
+    let version = fields.optional_text("EDSVersion").unwrap_or("3.0");
+    if !version.is_empty() && !version.starts_with(['3', '4']) {
+        fields.report("EDSVersion", &rules::file::VERSION, "3.0 or 4.0", version);
     }
     FileInfo {
         name: fields.text("FileName"),
@@ -69,8 +92,33 @@ pub(super) fn file_info(section: &Section<'_>, problems: &mut Problems) -> FileI
     }
 }
 
+/// Reports fields that every such section has, and this one has not.
+fn check_present(fields: &mut Fields<'_, '_>, names: &[&str]) {
+    for name in names {
+        if fields.optional_text(name).is_none() {
+            fields.report(name, &rules::file::FIELD_MISSING, "this field", "none");
+        }
+    }
+}
+
+/// The standard writes `DeviceComissioning`, with one m.
+pub(super) fn check_spelling(section: &Section<'_>, problems: &mut Problems) {
+    if canonical(section.name) != "devicecomissioning" {
+        let expected = "DeviceComissioning, with one m";
+        problems.report(section.place(""), &rules::file::COMMISSIONING, expected, section.name);
+    }
+}
+
+/// Only a DCF names the EDS that it was made from.
+pub(super) fn check_last_eds(document: &Document<'_>, description: &DeviceDescription, problems: &mut Problems) {
+    let Some(section) = document.section("FileInfo") else { return };
+    if let (Some(last), false) = (&description.file.last_eds, description.is_configuration()) {
+        problems.report(section.place("LastEDS"), &rules::file::LAST_EDS, "LastEDS in a DCF only", last);
+    }
+}
+
 /// Compares with an example in which digits stand for digits, and letters for `AM` or `PM`. An hour may have one digit.
-fn check_form(fields: &mut Fields<'_, '_>, field: &str, example: &str, expected: &'static str) {
+fn check_form(fields: &mut Fields<'_, '_>, field: &str, example: &str, rule: &'static Rule, expected: &'static str) {
     let Some(text) = fields.optional_text(field).filter(|text| !text.is_empty()) else { return };
     let has_form = |example: &str| {
         text.len() == example.len()
@@ -82,13 +130,14 @@ fn check_form(fields: &mut Fields<'_, '_>, field: &str, example: &str, expected:
     };
     let short = example.strip_prefix('0');
     if !has_form(example) && !short.is_some_and(has_form) {
-        fields.report(field, Severity::Warning, ProblemKind::Value, expected, text);
+        fields.report(field, rule, expected, text);
     }
 }
 
 pub(super) fn device_info(section: &Section<'_>, problems: &mut Problems) -> DeviceInfo {
     let mut fields = Fields { section, problems };
     fields.check_known(|name| DEVICE_INFO.contains(&name) || bit_rate_of(name).is_some());
+    check_present(&mut fields, &EACH_DEVICE_INFO);
     let mut bit_rates: Vec<u16> = Vec::new();
     for rate in BIT_RATES {
         if fields.flag(&format!("BaudRate_{rate}")) {
@@ -97,7 +146,7 @@ pub(super) fn device_info(section: &Section<'_>, problems: &mut Problems) -> Dev
     }
     if bit_rates.is_empty() {
         let expected = "at least one bit rate";
-        fields.report("", Severity::Warning, ProblemKind::MissingField, expected, "no BaudRate_x=1");
+        fields.report("", &rules::file::BIT_RATE_MISSING, expected, "no BaudRate_x=1");
     }
     DeviceInfo {
         vendor_name: fields.text("VendorName"),
@@ -130,13 +179,13 @@ pub(super) fn commissioning(section: &Section<'_>, problems: &mut Problems) -> C
     let node_id = number.and_then(|number| NodeId::new(u8::try_from(number).ok()?));
     if let (Some(number), None) = (number, node_id) {
         let found = number.to_string();
-        fields.report("NodeID", Severity::Error, ProblemKind::Value, "a node-ID from 1 to 127", &found);
+        fields.report("NodeID", &rules::file::NODE_ID, "a node-ID from 1 to 127", &found);
     }
     let bit_rate = fields.number("Baudrate", u32::MAX);
     let known = bit_rate.and_then(|rate| u16::try_from(rate).ok()).filter(|rate| BIT_RATES.contains(rate));
     if let (Some(rate), None) = (bit_rate, known) {
         let expected = "a bit rate of CiA 301 in kbit/s";
-        fields.report("Baudrate", Severity::Error, ProblemKind::Value, expected, &rate.to_string());
+        fields.report("Baudrate", &rules::file::BIT_RATE, expected, &rate.to_string());
     }
     Commissioning {
         node_id,
@@ -163,7 +212,7 @@ pub(super) fn dummy_usage(section: &Section<'_>, problems: &mut Problems) -> BTr
             None => {
                 let place = Place { line: field.line, section: section.name, field: field.name };
                 let expected = "Dummy and the four digits of a data type";
-                problems.report(place, Severity::Warning, ProblemKind::Value, expected, field.name);
+                problems.report(place, &rules::file::DUMMY, expected, field.name);
             }
         }
     }
@@ -186,7 +235,7 @@ pub(super) fn comments(section: &Section<'_>, problems: &mut Problems) -> Vec<St
     let announced = fields.number("Lines", u32::MAX);
     if announced.is_some_and(|announced| announced as usize != lines.len()) {
         let found = format!("{} lines", lines.len());
-        fields.report("Lines", Severity::Warning, ProblemKind::Count, "the number of lines that follow", &found);
+        fields.report("Lines", &rules::file::COMMENT_COUNT, "the number of lines that follow", &found);
     }
     lines
 }
@@ -205,7 +254,7 @@ pub(super) fn check_sections(document: &Document<'_>, problems: &mut Problems) {
     for name in required {
         if document.section(name).is_none() {
             let place = Place { line: 0, section: name, field: "" };
-            problems.report(place, Severity::Warning, ProblemKind::MissingSection, "a section of this name", "none");
+            problems.report(place, &rules::section::MISSING, "a section of this name", "none");
         }
     }
 }

@@ -7,7 +7,8 @@
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
-use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::rules;
 
 /// CiA 306: at most so many characters in a line.
 const LONGEST_LINE: usize = 255;
@@ -63,7 +64,7 @@ impl<'a> Section<'a> {
 }
 
 /// Names are compared in lower case and without blanks.
-pub(super) fn canonical(name: &str) -> String {
+pub(in crate::dictionary) fn canonical(name: &str) -> String {
     name.chars().filter(|character| !character.is_whitespace()).flat_map(char::to_lowercase).collect()
 }
 
@@ -73,40 +74,75 @@ pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
     // Where fields go: `None` before the first section and in a section that occurs again.
     let mut current: Option<usize> = None;
     let mut number = 0;
+    let mut used = 0;
+    let before = problems.count_of(&rules::text::UNREAD);
     for line in lines(text) {
         number += 1;
         if number > MOST_LINES {
             let place = Place { line: number, ..Place::default() };
             let expected = "at most 1000000 lines; the rest is left out";
-            problems.report(place, Severity::Error, ProblemKind::TooMuch, expected, line);
+            problems.report(place, &rules::text::TOO_MUCH, expected, line);
             break;
         }
-        if line.chars().nth(LONGEST_LINE).is_some() {
+        if line.len() > LONGEST_LINE && line.chars().nth(LONGEST_LINE).is_some() {
             let place = Place { line: number, ..Place::default() };
-            problems.report(place, Severity::Warning, ProblemKind::Line, "at most 255 characters", line);
+            problems.report(place, &rules::text::TOO_LONG, "at most 255 characters", line);
         }
         let line = line.trim_matches(|character: char| character.is_whitespace() || character == '\0');
+        if line.bytes().any(|byte| byte < b' ' && byte != b'\t' || byte == 0x7F) {
+            let place = Place { line: number, ..Place::default() };
+            problems.report(place, &rules::text::CONTROL, "no control characters", line);
+        }
         if line.is_empty() || line.starts_with(';') {
             continue;
         }
+        if line.starts_with("<<<<<<< ") || line.starts_with(">>>>>>> ") {
+            let place = Place { line: number, ..Place::default() };
+            problems.report(place, &rules::text::CONFLICT, "one side of the merge conflict", line);
+            continue;
+        }
+        used += 1;
         if let Some(rest) = line.strip_prefix('[') {
             current = begin_section(&mut document, rest, number, problems);
             continue;
         }
         if line.starts_with('#') || line.starts_with("//") {
             let place = Place { line: number, ..Place::default() };
-            problems.report(place, Severity::Warning, ProblemKind::Line, "a comment to begin with ;", line);
+            problems.report(place, &rules::text::COMMENT, "a comment to begin with ;", line);
             continue;
         }
         let section = current.and_then(|position| document.sections.get_mut(position));
         field(section, line, number, problems);
     }
+    let unread = problems.count_of(&rules::text::UNREAD) - before;
+    if unread > 0 && unread * 2 >= used {
+        let found = format!("{unread} of {used} lines can't be read");
+        problems.report(Place { line: 1, ..Place::default() }, &rules::text::HALF_READ, "a device description", &found);
+    }
+    check_line_ends(text, problems);
     document
 }
 
 /// Lines that end in LF, CR LF or CR alone.
 fn lines(text: &str) -> impl Iterator<Item = &str> {
     text.split('\n').flat_map(|line| line.strip_suffix('\r').unwrap_or(line).split('\r'))
+}
+
+/// One way to end a line in the whole file, and not by a carriage return alone.
+fn check_line_ends(text: &str, problems: &mut Problems) {
+    if !text.contains('\r') {
+        return;
+    }
+    let (returns, both) = (text.matches('\r').count(), text.matches("\r\n").count());
+    let feeds = text.matches('\n').count();
+    let found = match (returns > both, feeds > both) {
+        (false, false) => return,
+        (true, false) if both == 0 => "CR alone",
+        (true, _) => "several, with CR alone",
+        (false, true) => "CR LF and LF",
+    };
+    let place = Place { line: 1, ..Place::default() };
+    problems.report(place, &rules::text::LINE_ENDS, "one way to end lines, CR LF or LF", found);
 }
 
 fn begin_section<'a>(document: &mut Document<'a>, rest: &'a str, line: u32, problems: &mut Problems) -> Option<usize> {
@@ -116,12 +152,12 @@ fn begin_section<'a>(document: &mut Document<'a>, rest: &'a str, line: u32, prob
     let after = after.trim();
     if !after.is_empty() && !after.starts_with(';') {
         let found = if rest.contains(']') { after } else { rest };
-        problems.report(place, Severity::Warning, ProblemKind::Line, "a section name between [ and ]", found);
+        problems.report(place, &rules::text::SECTION_LINE, "a section name between [ and ]", found);
     }
     match document.by_name.entry(canonical(name)) {
         Entry::Occupied(_) => {
             let expected = "a section once; the first counts";
-            problems.report(place, Severity::Warning, ProblemKind::DuplicateSection, expected, name);
+            problems.report(place, &rules::section::TWICE, expected, name);
             None
         }
         Entry::Vacant(vacant) => {
@@ -137,17 +173,18 @@ fn field<'a>(section: Option<&mut Section<'a>>, text: &'a str, line: u32, proble
     let Some((name, value)) = text.split_once('=') else {
         let section = section.map_or("", |section| section.name);
         let place = Place { line, section, field: "" };
-        problems.report(place, Severity::Warning, ProblemKind::Line, "[section], field=value or ;comment", text);
+        problems.report(place, &rules::text::UNREAD, "[section], field=value or ;comment", text);
         return;
     };
     let (name, value) = (name.trim(), value.trim());
     // The fields of a section that occurs again have been reported with the section.
     let Some(section) = section else { return };
     match section.by_name.entry(canonical(name)) {
-        Entry::Occupied(_) => {
+        Entry::Occupied(first) => {
             let place = Place { line, section: section.name, field: name };
-            let expected = "a field once; the first counts";
-            problems.report(place, Severity::Warning, ProblemKind::DuplicateField, expected, value);
+            let same = section.fields.get(*first.get()).is_some_and(|first| first.value == value);
+            let rule = if same { &rules::field::REPEATED } else { &rules::field::TWICE };
+            problems.report(place, rule, "a field once; the first counts", value);
         }
         Entry::Vacant(vacant) => {
             vacant.insert(section.fields.len());

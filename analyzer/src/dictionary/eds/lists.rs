@@ -3,11 +3,13 @@
 use std::collections::HashSet;
 
 use super::fields::Fields;
-use super::lexer::{Document, Section};
+use super::lexer::{Document, Section, canonical};
 use super::number;
+use super::section_name::SectionName;
 use crate::dictionary::description::ObjectLists;
 use crate::dictionary::object::ObjectDictionary;
-use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::rules;
 use crate::identity::Index;
 
 const LISTS: [&str; 3] = ["MandatoryObjects", "OptionalObjects", "ManufacturerObjects"];
@@ -37,15 +39,20 @@ pub(super) fn numbered(section: &Section<'_>, count: &str, problems: &mut Proble
         let place = Place { line: field.line, section: section.name, field: field.name };
         let Ok(key) = field.name.parse::<u32>() else {
             let expected = "a number as the name of the field";
-            problems.report(place, Severity::Warning, ProblemKind::Value, expected, field.name);
+            problems.report(place, &rules::list::KEY, expected, field.name);
             continue;
         };
         let number = number::parse(field.value).filter(|number| !number.plus_node_id);
         let number = number.and_then(|number| u16::try_from(number.value).ok());
         if number.is_none() {
-            problems.report(place, Severity::Error, ProblemKind::Number, "a number of 16 bits", field.value);
+            problems.report(place, &rules::number::UNREADABLE, "a number of 16 bits", field.value);
         }
         numbers.push((key, number, field.line));
+    }
+    if let Some(pair) = numbers.windows(2).find(|pair| matches!(pair, [(one, ..), (next, ..)] if one > next)) {
+        let (name, line) = pair.last().map_or_else(Default::default, |&(key, _, line)| (key.to_string(), line));
+        let place = Place { line, section: section.name, field: &name };
+        problems.report(place, &rules::list::ORDER, "entries in the order of their numbers", &name);
     }
     numbers.sort_by_key(|&(key, ..)| key);
     let mut next = 1;
@@ -53,7 +60,7 @@ pub(super) fn numbered(section: &Section<'_>, count: &str, problems: &mut Proble
         if key != next {
             let (name, expected) = (key.to_string(), "numbers without a gap, from 1");
             let place = Place { line, section: section.name, field: &name };
-            problems.report(place, Severity::Warning, ProblemKind::Count, expected, &name);
+            problems.report(place, &rules::list::GAP, expected, &name);
         }
         next = key.saturating_add(1);
     }
@@ -62,9 +69,34 @@ pub(super) fn numbered(section: &Section<'_>, count: &str, problems: &mut Proble
     let announced = fields.number(count, u32::MAX).unwrap_or(0);
     if announced as usize != numbers.len() {
         let found = format!("{} entries", numbers.len());
-        fields.report(count, Severity::Warning, ProblemKind::Count, "the number of entries", &found);
+        fields.report(count, &rules::list::COUNT, "the number of entries", &found);
     }
     numbers
+}
+
+/// The list in which an object belongs.
+pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
+    match index {
+        0x1000 | 0x1001 | 0x1018 => LISTS[0],
+        0x2000..=0x5FFF => LISTS[2],
+        _ => LISTS[1],
+    }
+}
+
+/// Every object that `[xxxxObjectLinks]` names is described.
+pub(super) fn check_links(document: &Document<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) {
+    for section in &document.sections {
+        let is_links = matches!(SectionName::parse(section.name), SectionName::Beside(_))
+            && canonical(section.name).ends_with("objectlinks");
+        let links = section.fields.iter().filter(|field| is_links && field.name.parse::<u32>().is_ok());
+        for field in links {
+            let linked = number::parse(field.value).and_then(|number| u16::try_from(number.value).ok());
+            if linked.is_none_or(|index| dictionary.object(Index(index)).is_none()) {
+                let place = Place { line: field.line, section: section.name, field: field.name };
+                problems.report(place, &rules::list::LINK, "an object that is described", field.value);
+            }
+        }
+    }
 }
 
 fn check(lists: &ObjectLists, dictionary: &ObjectDictionary, problems: &mut Problems) {
@@ -72,26 +104,21 @@ fn check(lists: &ObjectLists, dictionary: &ObjectDictionary, problems: &mut Prob
     for (position, list) in [&lists.mandatory, &lists.optional, &lists.manufacturer].into_iter().enumerate() {
         let section = LISTS.get(position).copied().unwrap_or_default();
         for (number, &(index, line)) in (1..).zip(list) {
-            let mut report = |severity, expected| {
+            let mut report = |rule, expected| {
                 let field = u32::to_string(&number);
                 let place = Place { line, section, field: &field };
-                problems.report(place, severity, ProblemKind::List, expected, &index.to_string());
+                problems.report(place, rule, expected, &index.to_string());
             };
             if !listed.insert(index) {
-                report(Severity::Warning, "an object in one list, once");
+                report(&rules::list::TWICE, "an object in one list, once");
             }
             if dictionary.object(index).is_none() {
-                report(Severity::Error, "a section of each listed object");
+                report(&rules::list::UNDESCRIBED, "a section of each listed object");
             }
-            let right = match index.0 {
-                0x1000 | 0x1001 => position == 0,
-                // Mandatory since CiA 301 version 4.0.
-                0x1018 => position <= 1,
-                0x2000..=0x5FFF => position == 2,
-                _ => position == 1,
-            };
-            if !right {
-                report(Severity::Warning, "mandatory, optional and manufacturer objects in their own lists");
+            // Mandatory since CiA 301 version 4.0.
+            let may_be_optional = index.0 == 0x1018 && position == 1;
+            if section != list_of(index.0) && !may_be_optional {
+                report(&rules::list::WRONG, "mandatory, optional and manufacturer objects in their own lists");
             }
         }
     }
@@ -100,7 +127,7 @@ fn check(lists: &ObjectLists, dictionary: &ObjectDictionary, problems: &mut Prob
             let section = format!("{:04X}", object.index.0);
             let place = Place { line: object.line, section: &section, field: "" };
             let expected = "each object in a list";
-            problems.report(place, Severity::Warning, ProblemKind::List, expected, &object.index.to_string());
+            problems.report(place, &rules::list::UNLISTED, expected, &object.index.to_string());
         }
     }
 }

@@ -9,17 +9,22 @@ mod header;
 mod lexer;
 mod lists;
 mod modules;
-mod number;
+pub(super) mod number;
 mod objects;
 mod section_name;
 mod text;
 
 pub(super) use fields::setting;
+pub(super) use lexer::canonical;
+pub(super) use lists::list_of;
+pub(super) use objects::access_of_habit;
 use section_name::SectionName;
+pub(super) use section_name::standard_section_name;
 pub(super) use text::decode as decode_text;
 
 use super::description::{DeviceDescription, DeviceInfo, FileInfo};
-use super::problem::{ProblemKind, Problems, Severity};
+use super::problem::Problems;
+use super::rules;
 
 /// A file with more bytes is no device description: the largest ones of modular devices have some megabytes.
 pub const LARGEST_FILE: usize = 16 << 20;
@@ -74,16 +79,19 @@ fn describe(document: &lexer::Document<'_>, problems: &mut Problems) -> DeviceDe
             SectionName::Comments => description.comments = header::comments(section, problems),
             SectionName::DeviceCommissioning => {
                 description.commissioning = Some(header::commissioning(section, problems));
+                header::check_spelling(section, problems);
             }
             SectionName::Unknown => {
                 let expected = "a section that CiA 306 defines";
-                problems.report(section.place(""), Severity::Info, ProblemKind::UnknownSection, expected, section.name);
+                problems.report(section.place(""), &rules::section::UNKNOWN, expected, section.name);
             }
             _ => {}
         }
     }
     description.dictionary = objects::read(document, problems);
     description.lists = lists::read(document, &description.dictionary, problems);
+    lists::check_links(document, &description.dictionary, problems);
+    header::check_last_eds(document, &description, problems);
     description.modules = modules::read(document, problems);
     description.connected_modules = modules::connected(document, problems);
     compact::add_pdos(&description.device, &mut description.dictionary);
@@ -101,7 +109,7 @@ fn check_pdo_counts(document: &lexer::Document<'_>, description: &DeviceDescript
         if objects != usize::from(announced) {
             let found = format!("{objects} PDOs described");
             let expected = "the number of PDOs that are described";
-            problems.report(section.place(field), Severity::Warning, ProblemKind::Count, expected, &found);
+            problems.report(section.place(field), &rules::file::PDO_COUNT, expected, &found);
         }
     }
 }

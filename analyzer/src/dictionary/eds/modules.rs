@@ -10,7 +10,8 @@ use super::section_name::{ModulePart, SectionName};
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::description::{Module, SubExtension};
 use crate::dictionary::object::{Object, ObjectCode};
-use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::rules;
 
 /// The sections of one module.
 #[derive(Default)]
@@ -65,23 +66,23 @@ fn check_numbers(document: &Document<'_>, modules: &BTreeMap<u16, ModuleParts<'_
         let announced = fields.number("NrOfEntries", 0xFFFF).unwrap_or(0) as usize;
         if announced != modules.len() {
             let found = format!("{} modules", modules.len());
-            fields.report("NrOfEntries", Severity::Warning, ProblemKind::Count, "the number of modules", &found);
+            fields.report("NrOfEntries", &rules::module::COUNT, "the number of modules", &found);
         }
     } else if !modules.is_empty() {
         let place = Place { line: 0, section: "SupportedModules", field: "" };
         let expected = "a section of this name beside the modules";
-        problems.report(place, Severity::Warning, ProblemKind::MissingSection, expected, "none");
+        problems.report(place, &rules::module::SECTION, expected, "none");
     }
     for (position, (&number, parts)) in modules.iter().enumerate() {
         let section = format!("M{number}ModuleInfo");
         let place = Place { line: parts.info.map_or(0, |section| section.line), section: &section, field: "" };
         if parts.info.is_none() {
             let expected = "a section of this name for each module";
-            problems.report(place, Severity::Warning, ProblemKind::MissingSection, expected, "none");
+            problems.report(place, &rules::module::SECTION, expected, "none");
         }
         if usize::from(number) != position + 1 {
             let expected = "modules numbered without a gap, from 1";
-            problems.report(place, Severity::Warning, ProblemKind::Count, expected, &number.to_string());
+            problems.report(place, &rules::module::NUMBER, expected, &number.to_string());
         }
     }
 }
@@ -114,7 +115,7 @@ fn extension(index: u16, section: &Section<'_>, problems: &mut Problems) -> SubE
     let first = count.split([';', ',']).next().and_then(super::number::parse);
     let count = first.and_then(|number| u32::try_from(number.value).ok());
     if count.is_none() {
-        fields.report("Count", Severity::Error, ProblemKind::Number, "the number of sub-indexes that it adds", "none");
+        fields.report("Count", &rules::module::EXTENSION, "the number of sub-indexes that it adds", "none");
     }
     let object_extend = fields.number("ObjExtend", 0xFF).unwrap_or(0);
     SubExtension { template, count: count.unwrap_or(0), object_extend }

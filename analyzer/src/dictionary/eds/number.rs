@@ -1,7 +1,7 @@
 //! Numbers and formulas: decimal, `0x` hexadecimal, leading `0` octal, and sums with `$NODEID` (CiA 306, entry value
 //! interpretation), plus the ways in which the field writes them otherwise.
 
-use crate::dictionary::Severity;
+use crate::dictionary::rules::{Rule, number as rules};
 
 /// What a number field says.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,13 +19,13 @@ pub(super) struct Number {
 pub(super) struct Oddity {
     /// What the standard expects instead.
     pub expected: &'static str,
-    /// Comments after values are in files of several makers, and every tool reads them.
-    pub severity: Severity,
+    /// The rule that it breaks.
+    pub rule: &'static Rule,
 }
 
 impl Oddity {
-    const fn warning(expected: &'static str) -> Self {
-        Self { expected, severity: Severity::Warning }
+    const fn form(expected: &'static str) -> Self {
+        Self { expected, rule: &rules::FORM }
     }
 }
 
@@ -52,13 +52,14 @@ pub(super) fn parse(text: &str) -> Option<Number> {
                 return None;
             }
             number.plus_node_id = true;
-            oddity = oddity.or(odd.map(Oddity::warning));
+            oddity = oddity.or(odd.map(Oddity::form));
             if !first {
-                oddity = oddity.or(Some(Oddity::warning("$NODEID before the number")));
+                oddity =
+                    oddity.or(Some(Oddity { expected: "$NODEID before the number", rule: &rules::NODE_ID_BEHIND }));
             }
         } else {
             let (value, odd) = literal(term.trim())?;
-            oddity = oddity.or(odd.map(Oddity::warning));
+            oddity = oddity.or(odd);
             number.value = number.value.checked_add(if negative { -value } else { value })?;
         }
         rest = after;
@@ -68,17 +69,41 @@ pub(super) fn parse(text: &str) -> Option<Number> {
     Some(number)
 }
 
+/// The same number or formula as CiA 306 writes it; `None` if that would be a guess.
+pub(in crate::dictionary) fn in_form(text: &str) -> Option<String> {
+    let number = parse(text)?;
+    let (bare, comment) = match text.split_once([';', '#']) {
+        Some((bare, _)) => (bare.trim_end(), text.get(bare.trim_end().len()..).unwrap_or_default()),
+        None => (text, ""),
+    };
+    let is_hexadecimal = bare.contains(['x', 'X']) || bare.trim_end_matches('"').ends_with(['h', 'H']);
+    let value = match (is_hexadecimal, u64::try_from(number.value)) {
+        (true, Ok(value)) => format!("0x{value:X}"),
+        _ => number.value.to_string(),
+    };
+    let written = match (number.plus_node_id, number.value) {
+        (true, 0) => "$NODEID".to_owned(),
+        (true, 1..) => format!("$NODEID+{value}"),
+        (true, _) => return None,
+        (false, _) => value,
+    };
+    let same = parse(&written).is_some_and(|new| {
+        new.oddity.is_none() && (new.value, new.plus_node_id) == (number.value, number.plus_node_id)
+    });
+    same.then(|| format!("{written}{comment}"))
+}
+
 /// Without quotes, and without what stands behind a `;`.
 fn without_decoration(text: &str) -> (&str, Option<Oddity>) {
     let mut oddity = None;
     let mut text = text.trim();
     if let Some((number, _)) = text.split_once([';', '#']) {
         text = number.trim();
-        oddity = Some(Oddity { expected: "a comment in a line of its own", severity: Severity::Info });
+        oddity = Some(Oddity { expected: "a comment in a line of its own", rule: &rules::COMMENT });
     }
     if let Some(inner) = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
         text = inner.trim();
-        oddity = Some(Oddity::warning("a number without quotes"));
+        oddity = Some(Oddity::form("a number without quotes"));
     }
     (text, oddity)
 }
@@ -102,7 +127,7 @@ fn node_id(term: &str) -> Option<Option<&'static str>> {
 }
 
 /// A number without sign.
-fn literal(text: &str) -> Option<(i128, Option<&'static str>)> {
+fn literal(text: &str) -> Option<(i128, Option<Oddity>)> {
     let digits = |digits: &str, radix| {
         let only_digits = !digits.is_empty() && digits.chars().all(|digit| digit.is_digit(radix));
         if only_digits { i128::from_str_radix(digits, radix).ok() } else { None }
@@ -111,22 +136,22 @@ fn literal(text: &str) -> Option<(i128, Option<&'static str>)> {
         return Some((digits(hexadecimal, 16)?, None));
     }
     if let Some(hexadecimal) = text.strip_suffix(['h', 'H']) {
-        return Some((digits(hexadecimal, 16)?, Some("hexadecimal numbers with 0x")));
+        return Some((digits(hexadecimal, 16)?, Some(Oddity::form("hexadecimal numbers with 0x"))));
     }
     if let Some(octal) = text.strip_prefix('0').filter(|rest| !rest.is_empty())
         && let Some(value) = digits(octal, 8)
     {
         // Below 8 both readings agree, so nobody can be misled.
-        let odd = (value > 7).then_some("no leading 0, which means octal");
+        let odd = (value > 7).then_some(Oddity { expected: "no leading 0, which means octal", rule: &rules::OCTAL });
         return Some((value, odd));
     }
     if let Some(value) = digits(text, 10) {
         let odd = text.starts_with('0') && text.len() > 1;
-        return Some((value, odd.then_some("octal digits after a leading 0")));
+        return Some((value, odd.then_some(Oddity::form("octal digits after a leading 0"))));
     }
     let real: f64 = text.parse().ok().filter(|_| text.starts_with(|first: char| first.is_ascii_digit()))?;
     let whole = real.fract() == 0.0 && real.abs() < 9_007_199_254_740_992.0;
-    whole.then_some((real as i128, Some("a whole number without decimal point")))
+    whole.then_some((real as i128, Some(Oddity::form("a whole number without decimal point"))))
 }
 
 #[cfg(test)]

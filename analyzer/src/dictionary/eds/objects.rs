@@ -8,7 +8,8 @@ use super::lexer::{Document, Section, canonical};
 use super::section_name::SectionName;
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
-use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::rules;
 use crate::identity::SubIndex;
 
 /// A description with more entries is cut: `CompactSubObj` lets a small file ask for very many.
@@ -63,7 +64,7 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
         let Some(rest) = left.checked_sub(object.entries().len()) else {
             let place = Place { line: object.line, ..Place::default() };
             let expected = "at most 200000 entries; the rest is left out";
-            problems.report(place, Severity::Error, ProblemKind::TooMuch, expected, &object.index.to_string());
+            problems.report(place, &rules::text::TOO_MUCH, expected, &object.index.to_string());
             break;
         };
         left = rest;
@@ -76,7 +77,7 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
 fn check_spelling(section: &Section<'_>, standard: &str, problems: &mut Problems) {
     if canonical(section.name) != standard {
         let expected = "hexadecimal digits without prefix or leading zeros, as in [1018sub1]";
-        problems.report(section.place(""), Severity::Warning, ProblemKind::Line, expected, section.name);
+        problems.report(section.place(""), &rules::section::SPELLING, expected, section.name);
     }
 }
 
@@ -101,7 +102,7 @@ pub(super) fn add_sub<'d>(parts: &mut Parts<'d>, sub: u8, section: &'d Section<'
 
 fn report_second(section: &Section<'_>, problems: &mut Problems) {
     let expected = "a section once; the first counts";
-    problems.report(section.place(""), Severity::Warning, ProblemKind::DuplicateSection, expected, section.name);
+    problems.report(section.place(""), &rules::section::TWICE, expected, section.name);
 }
 
 /// The object that these sections describe.
@@ -113,7 +114,7 @@ pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, pro
     let compact = fields.number("CompactSubObj", 0xFE).unwrap_or(0) as u8;
     if !parts.subs.is_empty() && code.is_single() {
         let expected = "ObjectType 8 or 9 (ARRAY, RECORD) with sub-indexes";
-        fields.report("ObjectType", Severity::Warning, ProblemKind::Value, expected, &code.to_string());
+        fields.report("ObjectType", &rules::entry::SUBS_OF_VAR, expected, &code.to_string());
         code = ObjectCode::RECORD;
     }
     let mut object = Object::new(index, name(&mut fields), code);
@@ -124,7 +125,7 @@ pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, pro
     } else if parts.subs.is_empty() {
         if !code.is_single() {
             let expected = "sub-indexes of an ARRAY or RECORD";
-            fields.report("SubNumber", Severity::Error, ProblemKind::MissingSection, expected, "none");
+            fields.report("SubNumber", &rules::section::SUBS_MISSING, expected, "none");
         }
         if code.is_single() || head.field("DataType").is_some() {
             let default_type = if code == ObjectCode::DOMAIN { DataType::DOMAIN } else { DataType(0) };
@@ -144,7 +145,7 @@ fn headless(index: u16, parts: &Parts<'_>, problems: &mut Problems) -> Object {
     if let Some((_, section)) = parts.subs.first_key_value() {
         object.line = section.line;
         let expected = "a section of the object itself";
-        problems.report(section.place(""), Severity::Error, ProblemKind::MissingSection, expected, section.name);
+        problems.report(section.place(""), &rules::section::HEAD_MISSING, expected, section.name);
     }
     add_subs(&mut object, parts, problems);
     object
@@ -154,28 +155,36 @@ fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
     for (&sub, &section) in &parts.subs {
         let mut fields = Fields { section, problems };
         fields.check_known(|name| ENTRY_FIELDS.contains(&name));
+        check_object_type(&mut fields);
         object.insert(entry(&mut fields, sub, DataType(0)));
     }
 }
 
 fn object_code(fields: &mut Fields<'_, '_>) -> ObjectCode {
     // CiA 306: VAR if not given.
+    check_object_type(fields);
     let code = ObjectCode(fields.number("ObjectType", 0xFF).unwrap_or(7) as u8);
     if code.name().is_none() {
         let expected = "ObjectType 0, 2, 5, 6, 7, 8 or 9";
-        fields.report("ObjectType", Severity::Error, ProblemKind::Value, expected, &code.0.to_string());
+        fields.report("ObjectType", &rules::entry::OBJECT_TYPE, expected, &code.0.to_string());
     }
     code
+}
+
+fn check_object_type(fields: &mut Fields<'_, '_>) {
+    if fields.optional_text("ObjectType").is_none() {
+        fields.report("ObjectType", &rules::field::OBJECT_TYPE_MISSING, "ObjectType=0x7 for a VAR", "none");
+    }
 }
 
 fn name(fields: &mut Fields<'_, '_>) -> String {
     let name = fields.text("ParameterName");
     if name.is_empty() {
-        fields.report("ParameterName", Severity::Warning, ProblemKind::MissingField, "a name", "none");
+        fields.report("ParameterName", &rules::field::NAME_MISSING, "a name", "none");
     } else if name.len() > 1 && name.starts_with('"') && name.ends_with('"') {
-        fields.report("ParameterName", Severity::Info, ProblemKind::Value, "a name without quotes", &name);
+        fields.report("ParameterName", &rules::field::NAME_QUOTED, "a name without quotes", &name);
     } else if name.chars().nth(241).is_some() {
-        fields.report("ParameterName", Severity::Warning, ProblemKind::Value, "at most 241 characters", &name);
+        fields.report("ParameterName", &rules::field::NAME_LONG, "at most 241 characters", &name);
     }
     name
 }
@@ -185,7 +194,7 @@ pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType
     let data_type = data_type(fields, default_type);
     let mut entry = Entry::new(sub, fields.text("ParameterName"), data_type, access(fields, data_type));
     if sub != 0 && entry.name.is_empty() {
-        fields.report("ParameterName", Severity::Warning, ProblemKind::MissingField, "a name", "none");
+        fields.report("ParameterName", &rules::field::NAME_MISSING, "a name", "none");
     }
     entry.line = fields.section.line;
     entry.pdo_mappable = fields.flag("PDOMapping");
@@ -195,6 +204,9 @@ pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType
     entry.configured = fields.setting("ParameterValue", data_type);
     entry.denotation = fields.optional_text("Denotation").map(str::to_owned);
     entry.flags = ObjectFlags(fields.number("ObjFlags", u32::MAX).unwrap_or(0));
+    if entry.flags.0 > 3 {
+        fields.report("ObjFlags", &rules::entry::FLAGS, "0, 1, 2 or 3", &entry.flags.0.to_string());
+    }
     check_limits(fields, &entry);
     entry
 }
@@ -205,10 +217,10 @@ fn data_type(fields: &mut Fields<'_, '_>, default: DataType) -> DataType {
         None => default,
     };
     if data_type.0 == 0 {
-        fields.report("DataType", Severity::Error, ProblemKind::MissingField, "a data type", "none");
+        fields.report("DataType", &rules::field::DATA_TYPE_MISSING, "a data type", "none");
     } else if data_type.name().is_none() && !matches!(data_type.0, 0x40..=0x25F) {
         let expected = "a data type of CiA 301, or 40h to 25Fh";
-        fields.report("DataType", Severity::Error, ProblemKind::Value, expected, &data_type.to_string());
+        fields.report("DataType", &rules::entry::DATA_TYPE, expected, &data_type.to_string());
     }
     data_type
 }
@@ -225,18 +237,26 @@ fn access(fields: &mut Fields<'_, '_>, data_type: DataType) -> Access {
         if data_type == DataType::DOMAIN {
             return Access::Rw;
         }
-        fields.report("AccessType", Severity::Warning, ProblemKind::MissingField, expected, "none");
+        fields.report("AccessType", &rules::field::ACCESS_MISSING, expected, "none");
         return Access::Ro;
     }
-    let (severity, access) = match text.to_ascii_lowercase().as_str() {
-        "r" | "read" | "readonly" => (Severity::Warning, Access::Ro),
-        "w" | "write" | "writeonly" => (Severity::Warning, Access::Wo),
-        "wr" | "r/w" | "readwrite" => (Severity::Warning, Access::Rw),
-        "constant" | "c" => (Severity::Warning, Access::Const),
-        _ => (Severity::Error, Access::Ro),
+    let (rule, access) = match access_of_habit(text) {
+        Some(access) => (&rules::entry::ACCESS_FORM, access),
+        None => (&rules::entry::ACCESS, Access::Ro),
     };
-    fields.report("AccessType", severity, ProblemKind::Value, expected, text);
+    fields.report("AccessType", rule, expected, text);
     access
+}
+
+/// The access types as some authors write them.
+pub(in crate::dictionary) fn access_of_habit(text: &str) -> Option<Access> {
+    Some(match text.to_ascii_lowercase().as_str() {
+        "r" | "read" | "readonly" => Access::Ro,
+        "w" | "write" | "writeonly" => Access::Wo,
+        "wr" | "r/w" | "readwrite" => Access::Rw,
+        "constant" | "c" => Access::Const,
+        _ => return None,
+    })
 }
 
 fn check_limits(fields: &mut Fields<'_, '_>, entry: &Entry) {
@@ -246,14 +266,14 @@ fn check_limits(fields: &mut Fields<'_, '_>, entry: &Entry) {
         && low > high
     {
         let found = format!("{low} and {high}");
-        fields.report("LowLimit", Severity::Error, ProblemKind::Range, "a low limit up to the high limit", &found);
+        fields.report("LowLimit", &rules::entry::LIMITS, "a low limit up to the high limit", &found);
         return;
     }
     for (field, setting) in [("DefaultValue", &entry.default), ("ParameterValue", &entry.configured)] {
         let Some(value) = number(setting) else { continue };
         if low.is_some_and(|low| value < low) || high.is_some_and(|high| value > high) {
             let expected = "a value between LowLimit and HighLimit";
-            fields.report(field, Severity::Warning, ProblemKind::Range, expected, &value.to_string());
+            fields.report(field, &rules::entry::BEYOND_LIMITS, expected, &value.to_string());
         }
     }
 }
@@ -265,13 +285,13 @@ fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>)
     if announced.unwrap_or(0) as usize != subs {
         let found = format!("{subs} sub-indexes");
         let expected = "SubNumber to be the number of sub-indexes";
-        fields.report("SubNumber", Severity::Warning, ProblemKind::Count, expected, &found);
+        fields.report("SubNumber", &rules::list::SUB_NUMBER, expected, &found);
     }
     if object.code.is_single() || subs == 0 {
         return;
     }
     let (Some(count), Some(section)) = (object.entry(SubIndex(0)), parts.subs.get(&0)) else {
-        fields.report("", Severity::Warning, ProblemKind::MissingSection, "sub-index 0", "none");
+        fields.report("", &rules::section::SUB_0_MISSING, "sub-index 0", "none");
         return;
     };
     // FFh describes the object's structure and is not counted.
@@ -284,7 +304,7 @@ fn check_counts(object: &Object, fields: &mut Fields<'_, '_>, parts: &Parts<'_>)
         let found = format!("{highest:02X}h is the highest");
         // 1003h counts the errors that there are.
         if object.index.0 != 0x1003 {
-            fields.problems.report(place, Severity::Warning, ProblemKind::Count, expected, &found);
+            fields.problems.report(place, &rules::list::HIGHEST, expected, &found);
         }
     }
 }

@@ -66,6 +66,15 @@ impl SectionName {
     }
 }
 
+/// The name of an object's section, or of a sub-index, as CiA 306 writes it.
+pub(in crate::dictionary) fn standard_section_name(name: &str) -> Option<String> {
+    match SectionName::parse(name) {
+        SectionName::Object(index) => Some(format!("{index:04X}")),
+        SectionName::Sub(index, sub) => Some(format!("{index:04X}sub{sub:X}")),
+        _ => None,
+    }
+}
+
 fn is_tool(name: &str) -> bool {
     let number = name.strip_prefix("tool").unwrap_or("-");
     number == "s" || (!number.is_empty() && number.bytes().all(|digit| digit.is_ascii_digit()))

@@ -7,7 +7,8 @@ use std::ops::Range;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
 
-use crate::dictionary::problem::{Place, ProblemKind, Problems, Severity};
+use crate::dictionary::problem::{Place, Problems};
+use crate::dictionary::rules::{text, xdd as rules};
 
 /// What follows is not read.
 const MOST_ELEMENTS: usize = 500_000;
@@ -75,7 +76,7 @@ pub(super) fn read(text: &str, problems: &mut Problems) -> Elements {
         let place = Place { line, ..Place::default() };
         if elements.len() > MOST_ELEMENTS || open.len() > DEEPEST {
             let expected = "at most 500000 elements, 100 deep; the rest is left out";
-            problems.report(place, Severity::Error, ProblemKind::TooMuch, expected, "more");
+            problems.report(place, &text::TOO_MUCH, expected, "more");
             break;
         }
         match reader.read_event() {
@@ -95,7 +96,7 @@ pub(super) fn read(text: &str, problems: &mut Problems) -> Elements {
             }
             Err(error) => {
                 let expected = "well-formed XML; the rest is not read";
-                problems.report(place, Severity::Error, ProblemKind::Line, expected, &error.to_string());
+                problems.report(place, &rules::MALFORMED, expected, &error.to_string());
                 break;
             }
         }
@@ -115,14 +116,14 @@ fn element(start: &BytesStart<'_>, line: u32, depth: usize, problems: &mut Probl
         match value {
             Ok((name, value)) => {
                 if let Some(first) = element.attributes.insert(name.clone(), value.clone()) {
-                    let (expected, kind) = ("an attribute once; the first counts", ProblemKind::DuplicateField);
-                    problems.report(element.place(&name), Severity::Warning, kind, expected, &value);
+                    let expected = "an attribute once; the first counts";
+                    problems.report(element.place(&name), &rules::ATTRIBUTE_TWICE, expected, &value);
                     element.attributes.insert(name, first);
                 }
             }
             Err(error) => {
                 let expected = "attributes of well-formed XML";
-                problems.report(element.place(""), Severity::Error, ProblemKind::Line, expected, &error.to_string());
+                problems.report(element.place(""), &rules::MALFORMED, expected, &error.to_string());
             }
         }
     }

@@ -7,7 +7,8 @@ use super::parameters::Parameter;
 use crate::dictionary::data_type::DataType;
 use crate::dictionary::eds::setting;
 use crate::dictionary::object::{Access, Entry, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
-use crate::dictionary::problem::{ProblemKind, Problems, Severity};
+use crate::dictionary::problem::Problems;
+use crate::dictionary::rules::xdd as rules;
 use crate::identity::{Index, SubIndex};
 
 type Parameters<'a> = HashMap<&'a str, Parameter<'a>>;
@@ -38,7 +39,7 @@ fn object<'a>(
     let code = code.filter(|code| code.name().is_some()).unwrap_or_else(|| {
         let found = element.attribute("objectType").unwrap_or("none");
         let place = element.place("objectType");
-        problems.report(place, Severity::Error, ProblemKind::Value, "0, 2, 5, 6, 7, 8 or 9", found);
+        problems.report(place, &rules::OBJECT_TYPE, "0, 2, 5, 6, 7, 8 or 9", found);
         ObjectCode::VAR
     });
     let mut object = Object::new(index, name(element, parameters), code);
@@ -60,7 +61,7 @@ fn object<'a>(
     if announced != count {
         let place = element.place("subNumber");
         let expected = "subNumber to be the number of sub-indexes";
-        problems.report(place, Severity::Warning, ProblemKind::Count, expected, &format!("{count} sub-indexes"));
+        problems.report(place, &rules::SUB_NUMBER, expected, &format!("{count} sub-indexes"));
     }
     object
 }
@@ -68,7 +69,7 @@ fn object<'a>(
 fn report_second(element: &Element, attribute: &str, problems: &mut Problems) {
     let found = element.attribute(attribute).unwrap_or_default();
     let expected = "an address once; the first counts";
-    problems.report(element.place(attribute), Severity::Warning, ProblemKind::DuplicateSection, expected, found);
+    problems.report(element.place(attribute), &rules::TWICE, expected, found);
 }
 
 fn entry(sub: u8, element: &Element, parameters: &Parameters<'_>, problems: &mut Problems) -> Entry {
@@ -76,7 +77,7 @@ fn entry(sub: u8, element: &Element, parameters: &Parameters<'_>, problems: &mut
     let parameter = reference.and_then(|id| parameters.get(id));
     if let (Some(id), None) = (reference, parameter) {
         let expected = "the uniqueID of a parameter";
-        problems.report(element.place("uniqueIDRef"), Severity::Error, ProblemKind::Value, expected, id);
+        problems.report(element.place("uniqueIDRef"), &rules::REFERENCE, expected, id);
     }
     let empty = Parameter::default();
     let parameter = parameter.unwrap_or(&empty);
@@ -86,7 +87,7 @@ fn entry(sub: u8, element: &Element, parameters: &Parameters<'_>, problems: &mut
     };
     let data_type = data_type.unwrap_or_else(|| {
         let place = element.place("dataType");
-        problems.report(place, Severity::Error, ProblemKind::MissingField, "a data type", "none");
+        problems.report(place, &rules::DATA_TYPE_MISSING, "a data type", "none");
         DataType(0)
     });
     let mut entry = Entry::new(sub, name(element, parameters), data_type, access(element, parameter, problems));
@@ -127,11 +128,8 @@ fn access(element: &Element, parameter: &Parameter<'_>, problems: &mut Problems)
             let expected = "const, ro, wo, rw, rwr or rww, here or in the parameter";
             let is_given = found.is_some() || element.attribute("uniqueIDRef").is_some();
             // One that nobody gives is read, the default of the schema.
-            let (severity, kind) = match is_given {
-                true => (Severity::Warning, ProblemKind::Value),
-                false => (Severity::Info, ProblemKind::MissingField),
-            };
-            problems.report(element.place("accessType"), severity, kind, expected, found.unwrap_or("none"));
+            let rule = if is_given { &rules::ACCESS } else { &rules::ACCESS_DEFAULT };
+            problems.report(element.place("accessType"), rule, expected, found.unwrap_or("none"));
             Access::Ro
         }
     }
@@ -143,7 +141,7 @@ fn hexadecimal(element: &Element, attribute: &str, most: u32, problems: &mut Pro
     let digits = text.strip_prefix("0x").or_else(|| text.strip_prefix("0X"));
     if digits.is_some() {
         let expected = "hexadecimal digits without prefix";
-        problems.report(element.place(attribute), Severity::Warning, ProblemKind::Number, expected, text);
+        problems.report(element.place(attribute), &rules::PREFIX, expected, text);
     }
     let digits = digits.unwrap_or(text);
     let only_digits = digits.bytes().all(|digit| digit.is_ascii_hexdigit());
@@ -151,7 +149,7 @@ fn hexadecimal(element: &Element, attribute: &str, most: u32, problems: &mut Pro
     let number = number.filter(|&number| number <= most);
     if number.is_none() {
         let expected = "hexadecimal digits in the range of the attribute";
-        problems.report(element.place(attribute), Severity::Error, ProblemKind::Number, expected, text);
+        problems.report(element.place(attribute), &rules::NUMBER, expected, text);
     }
     number
 }

@@ -35,7 +35,7 @@ const HEADER: [&str; 5] = ["FileInfo", "DeviceInfo", "DummyUsage", "Comments", "
 impl Area {
     fn of(problem: &EdsProblem) -> Self {
         let is_header = HEADER.iter().any(|name| problem.section.eq_ignore_ascii_case(name));
-        match problem.kind {
+        match problem.kind() {
             ProblemKind::Encoding | ProblemKind::Line | ProblemKind::TooMuch => Self::Text,
             ProblemKind::DuplicateSection | ProblemKind::MissingSection | ProblemKind::UnknownSection => Self::Sections,
             ProblemKind::DuplicateField | ProblemKind::MissingField | ProblemKind::UnknownField => Self::Fields,
@@ -64,7 +64,7 @@ fn sound(bench: &mut Bench<'_>, area: Area, duty: &'static str) -> Judged {
     let mut found: Vec<EdsProblem> = description.problems.clone();
     found.extend(consistency::check(description));
     found.retain(|problem| Area::of(problem) == area);
-    let (notes, wrong): (Vec<_>, Vec<_>) = found.into_iter().partition(|problem| problem.severity == Severity::Info);
+    let (notes, wrong): (Vec<_>, Vec<_>) = found.into_iter().partition(|problem| problem.severity() == Severity::Hint);
     for problem in notes.iter().take(NOTED) {
         bench.note(format!("description: {problem}"));
     }
@@ -94,7 +94,7 @@ fn breach(problem: &EdsProblem, duty: &'static str) -> Breach {
     };
     // The names come from the file.
     let place: String = format!("[{}] {}", problem.section, problem.field).escape_debug().take(80).collect();
-    let found = Observation::Named(format!("problem in {}: {}", place.trim_end(), word(problem.kind)).into());
+    let found = Observation::Named(format!("problem in {}: {}", place.trim_end(), word(problem.kind())).into());
     Breach::new(subject, duty).expected(problem.expected).found(found).told(problem.to_string())
 }
 
@@ -209,27 +209,24 @@ fn standard(bench: &mut Bench<'_>) -> Judged {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_analyzer::dictionary::{Rule, rules};
 
-    fn problem(section: &str, field: &str, kind: ProblemKind) -> EdsProblem {
+    fn problem(section: &str, field: &str, rule: &'static Rule) -> EdsProblem {
         let (section, field) = (section.to_owned(), field.to_owned());
-        EdsProblem {
-            line: 7,
-            section,
-            field,
-            severity: Severity::Error,
-            kind,
-            expected: "a number",
-            found: "x".to_owned(),
-        }
+        EdsProblem { rule, line: 7, section, field, expected: "a number", found: "x".to_owned() }
+    }
+
+    fn rule(id: &str) -> &'static Rule {
+        rules::find(id).unwrap()
     }
 
     #[test]
     fn a_problem_is_about_its_object_and_about_nothing_else() {
-        let of = |section, field, kind| {
-            let breach = breach(&problem(section, field, kind), "it is right");
+        let of = |section, field, id| {
+            let breach = breach(&problem(section, field, rule(id)), "it is right");
             (breach.subject.to_string(), breach.actual.to_string())
         };
-        let number = |section| of(section, "DefaultValue", ProblemKind::Number);
+        let number = |section| of(section, "DefaultValue", "eds/number/unreadable");
         assert_eq!(
             number("1018sub1"),
             ("1018h:01".to_owned(), "problem in [1018sub1] DefaultValue: number".to_owned())
@@ -237,14 +234,14 @@ mod tests {
         assert_eq!(number("1A00subA").0, "1A00h:0A");
         assert_eq!(number("1017").0, "1017h");
         assert_eq!(number("FileInfo").0, "description");
-        assert_ne!(number("1017").1, of("1017", "LowLimit", ProblemKind::Number).1);
+        assert_ne!(number("1017").1, of("1017", "LowLimit", "eds/number/unreadable").1);
     }
 
     /// What is found is what a waiver names.
     #[test]
     fn a_problem_can_be_waived() {
         use canvass_bus::observation::Pattern;
-        let actual = breach(&problem("1017", "LowLimit", ProblemKind::Range), "it is right").actual;
+        let actual = breach(&problem("1017", "LowLimit", rule("eds/entry/limits")), "it is right").actual;
         assert!(actual.to_string().parse::<Pattern>().is_ok_and(|pattern| pattern.accepts(&actual)));
     }
 }

@@ -1,0 +1,105 @@
+//! Mends a file: applies what mends its findings, and looks again until nothing is left that can be mended.
+
+use super::{Finding, check};
+use crate::dictionary::eds::DescriptionError;
+use crate::dictionary::rules::{Rule, text as rules};
+
+/// Each pass mends what does not overlap; a list that misses many objects takes a pass for each.
+const MOST_PASSES: usize = 1000;
+
+/// A file that was mended.
+#[derive(Debug)]
+pub struct Mended {
+    /// The new bytes.
+    pub bytes: Vec<u8>,
+    /// The rules whose breaches were mended, one for each, in the order in which they were.
+    pub mended: Vec<&'static Rule>,
+}
+
+/// Mends what can be mended without guessing, of the findings that are `wanted`.
+///
+/// # Errors
+/// As [`check`].
+pub fn mend(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Mended, DescriptionError> {
+    let mut mended = Mended { bytes: bytes.to_vec(), mended: Vec::new() };
+    for _ in 0..MOST_PASSES {
+        let Some(next) = pass(&mended.bytes, &wanted)? else { break };
+        mended.bytes = next.bytes;
+        mended.mended.extend(next.mended);
+    }
+    Ok(mended)
+}
+
+/// The file after one pass; `None` if there is nothing to do.
+fn pass(bytes: &[u8], wanted: impl Fn(&Finding) -> bool) -> Result<Option<Mended>, DescriptionError> {
+    let checked = check(bytes, None)?;
+    let mut encoding = Encoding::of(bytes);
+    let mut edits = Vec::new();
+    let mut rules = Vec::new();
+    for finding in checked.open().filter(|finding| wanted(finding)) {
+        let Some(fix) = &finding.fix else { continue };
+        let overlaps = |edit: &super::Edit| {
+            edits
+                .iter()
+                .any(|other: &super::Edit| edit.range.start <= other.range.end && other.range.start <= edit.range.end)
+        };
+        if fix.edits.iter().any(overlaps) {
+            continue;
+        }
+        if matches!(finding.problem.rule, rule if rule == &rules::BYTE_ORDER_MARK || rule == &rules::UTF_16) {
+            encoding = Encoding::Utf8;
+        }
+        edits.extend(fix.edits.iter().cloned());
+        rules.push(finding.problem.rule);
+    }
+    if rules.is_empty() {
+        return Ok(None);
+    }
+    edits.sort_by_key(|edit| edit.range.start);
+    let mut text = String::with_capacity(checked.text.len() + 256);
+    let mut at = 0;
+    for edit in &edits {
+        text.push_str(checked.text.get(at..edit.range.start).unwrap_or_default());
+        text.push_str(&edit.text);
+        at = edit.range.end;
+    }
+    text.push_str(checked.text.get(at..).unwrap_or_default());
+    Ok(encoding.encode(&text).filter(|next| next != bytes).map(|bytes| Mended { bytes, mended: rules }))
+}
+
+/// How the characters of a file are written.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Encoding {
+    Utf8,
+    Utf8WithMark,
+    Utf16LowFirst,
+    Utf16HighFirst,
+    Latin1,
+}
+
+impl Encoding {
+    /// As the reader tells them apart.
+    pub fn of(bytes: &[u8]) -> Self {
+        match bytes {
+            [0xFF, 0xFE, ..] => Self::Utf16LowFirst,
+            [0xFE, 0xFF, ..] => Self::Utf16HighFirst,
+            [0xEF, 0xBB, 0xBF, ..] => Self::Utf8WithMark,
+            _ if std::str::from_utf8(bytes).is_ok() => Self::Utf8,
+            _ => Self::Latin1,
+        }
+    }
+
+    /// The bytes of a text; `None` if it has characters that are not in Latin-1.
+    pub fn encode(self, text: &str) -> Option<Vec<u8>> {
+        let units = |mark: [u8; 2], bytes: fn(u16) -> [u8; 2]| {
+            mark.into_iter().chain(text.encode_utf16().flat_map(bytes)).collect::<Vec<u8>>()
+        };
+        Some(match self {
+            Self::Utf8 => text.as_bytes().to_vec(),
+            Self::Utf8WithMark => [b"\xEF\xBB\xBF", text.as_bytes()].concat(),
+            Self::Utf16LowFirst => units([0xFF, 0xFE], u16::to_le_bytes),
+            Self::Utf16HighFirst => units([0xFE, 0xFF], u16::to_be_bytes),
+            Self::Latin1 => text.chars().map(|character| u8::try_from(character).ok()).collect::<Option<_>>()?,
+        })
+    }
+}

@@ -1,0 +1,102 @@
+//! Lines: comments, names of sections, fields and sections that are missing, lines that stand twice.
+
+use super::{Edit, Fix, Source};
+use crate::dictionary::check::Finding;
+use crate::dictionary::eds::standard_section_name;
+use crate::dictionary::rules;
+
+pub(super) fn of(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
+    let rule = finding.problem.rule;
+    let is = |other: &rules::Rule| rule == other;
+    let line = source.line(finding.line);
+    let text = source.get(&line);
+    if is(&rules::text::COMMENT) {
+        let length = if text.starts_with("//") { 2 } else { 1 };
+        return Some(Fix::edits("begin the comment with ;", vec![edit(line.start..line.start + length, ";")]));
+    }
+    if is(&rules::text::SECTION_LINE) && text.starts_with('[') && !text.contains(']') {
+        return Some(Fix::edits("close the section's name", vec![edit(line.end..line.end, "]")]));
+    }
+    if is(&rules::section::SPELLING) {
+        let name = standard_section_name(&finding.problem.section)?;
+        return Some(Fix::replace(line, format!("[{name}]")));
+    }
+    if is(&rules::file::COMMISSIONING) {
+        return Some(Fix::replace(line, "[DeviceComissioning]"));
+    }
+    if is(&rules::field::REPEATED) {
+        return Some(Fix::edits("remove the line", vec![edit(source.whole_line(finding.line), "")]));
+    }
+    if is(&rules::field::OBJECT_TYPE_MISSING) {
+        return object_type(finding, source);
+    }
+    if is(&rules::section::MISSING) {
+        return section(&finding.problem.section, source);
+    }
+    if is(&rules::text::LINE_ENDS) {
+        return Some(line_ends(source));
+    }
+    None
+}
+
+pub(super) fn edit(range: std::ops::Range<usize>, text: impl Into<String>) -> Edit {
+    Edit { range, text: text.into() }
+}
+
+/// A new line after that one.
+pub(super) fn insert_after(line: u32, text: &str, source: &Source<'_>) -> Edit {
+    let at = source.whole_line(line);
+    let end = source.line_end();
+    let is_ended = source.get(&at).ends_with(['\n', '\r']);
+    let text = if is_ended { format!("{text}{end}") } else { format!("{end}{text}") };
+    edit(at.end..at.end, text)
+}
+
+/// An object without sub-indexes is a VAR where nothing else is said.
+fn object_type(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
+    let header = finding.line;
+    let has = |name: &str| {
+        let names = source.section_lines(header).filter_map(|line| source.field(line));
+        names.into_iter().any(|field| source.get(&field.name).eq_ignore_ascii_case(name))
+    };
+    let whole = !has("SubNumber") && !has("CompactSubObj") && has("DataType");
+    let title = "write ObjectType=0x7";
+    (whole && source.is_section(header))
+        .then(|| Fix::edits(title, vec![insert_after(header, "ObjectType=0x7", source)]))
+}
+
+/// A section that says that there is nothing, at the end of the file.
+fn section(name: &str, source: &Source<'_>) -> Option<Fix> {
+    let field = match name {
+        "Comments" => "Lines=0",
+        "OptionalObjects" | "ManufacturerObjects" => "SupportedObjects=0",
+        "DummyUsage" => "Dummy0001=0",
+        _ => return None,
+    };
+    let end = source.line_end();
+    let before = match source.text {
+        "" => "",
+        text if text.ends_with(['\n', '\r']) => end,
+        _ => "\n\n",
+    };
+    let at = source.text.len();
+    let text = format!("{before}[{name}]{end}{field}{end}");
+    Some(Fix::edits(format!("add an empty section [{name}]"), vec![edit(at..at, text)]))
+}
+
+/// Every line ends as most do that don't end in CR alone; if all do, as on the systems that read EDS files.
+fn line_ends(source: &Source<'_>) -> Fix {
+    let both = source.text.matches("\r\n").count();
+    let feeds = source.text.matches('\n').count() - both;
+    let wanted = if feeds > both { "\n" } else { "\r\n" };
+    let mut edits = Vec::new();
+    for line in 1..=source.lines() {
+        let range = source.whole_line(line);
+        let text = source.get(&range);
+        let end = ["\r\n", "\n", "\r"].into_iter().find(|end| text.ends_with(end));
+        if let Some(end) = end.filter(|&end| end != wanted) {
+            edits.push(edit(range.end - end.len()..range.end, wanted));
+        }
+    }
+    Fix::edits("end all lines in the same way", edits)
+}

@@ -1,0 +1,111 @@
+//! A device description checked as a text: every breach of a rule with its place in the file, and what mends it.
+//!
+//! For whoever shows the file: the command line draws the places, an editor underlines them and offers the edits.
+
+mod apply;
+mod fix;
+mod locate;
+mod source;
+mod waiver;
+
+pub use apply::{Mended, mend};
+pub use fix::{Edit, Fix};
+pub use source::Source;
+
+use super::description::DeviceDescription;
+use super::eds::{DescriptionError, LARGEST_FILE, decode_text};
+use super::problem::{EdsProblem, Place, Problems, Severity};
+use super::{consistency, rules};
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// What was found in one file.
+#[derive(Debug)]
+pub struct Checked<'a> {
+    /// The text of the file, in which the places are.
+    pub text: Cow<'a, str>,
+    /// What was read of it.
+    pub description: Result<DeviceDescription, DescriptionError>,
+    /// Everything that was found, in the order of the file; what concerns no line comes first.
+    pub findings: Vec<Finding>,
+}
+
+/// A breach of a rule with its place.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// What it is. Its texts come from the file and may hold anything.
+    pub problem: EdsProblem,
+    /// The line, from 1; 0 if it concerns no single line.
+    pub line: u32,
+    /// The column in characters, from 1; 0 without a line.
+    pub column: u32,
+    /// Where it is in the text, in bytes; empty without a line.
+    pub span: Range<usize>,
+    /// What mends it without guessing.
+    pub fix: Option<Fix>,
+    /// The reason that the file gives for leaving it so.
+    pub waived: Option<String>,
+}
+
+impl Finding {
+    /// How bad it is.
+    pub const fn severity(&self) -> Severity {
+        self.problem.rule.severity
+    }
+}
+
+impl Checked<'_> {
+    /// What the file does not itself say to leave so.
+    pub fn open(&self) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(|finding| finding.waived.is_none())
+    }
+}
+
+/// Checks an EDS, DCF, XDD or XDC. `name` is the name of the file, without folders, where there is one.
+///
+/// # Errors
+/// Only for what is too large to be looked at; a file that is no description is a finding of it.
+pub fn check<'a>(bytes: &'a [u8], name: Option<&str>) -> Result<Checked<'a>, DescriptionError> {
+    if bytes.len() > LARGEST_FILE {
+        return Err(DescriptionError::TooLarge { found: bytes.len() });
+    }
+    let text = decode_text(bytes, &mut Problems::default());
+    let description = DeviceDescription::read(bytes);
+    let mut problems = match &description {
+        Ok(read) => {
+            let mut problems = read.problems.clone();
+            problems.extend(consistency::check(read));
+            problems.extend(name.and_then(|name| other_name(read, name)));
+            problems
+        }
+        Err(_) => Vec::new(),
+    };
+    problems.sort_by_key(|problem| problem.line);
+    let source = Source::new(&text);
+    let waivers = waiver::read(&source);
+    let mut findings: Vec<Finding> = problems.into_iter().map(|problem| locate::locate(problem, &source)).collect();
+    findings.sort_by_key(|finding| (finding.line, finding.column));
+    // What can't be written back as it was read is not mended.
+    let is_mendable = apply::Encoding::of(bytes).encode(&text).is_some_and(|written| written == bytes);
+    for finding in &mut findings {
+        finding.waived = waivers.iter().find(|waiver| waiver.covers(finding)).map(|waiver| waiver.reason.clone());
+        if is_mendable && let Ok(read) = &description {
+            finding.fix = fix::of(finding, &source, read);
+        }
+    }
+    drop(source);
+    Ok(Checked { text, description, findings })
+}
+
+/// `FileName` is the name of the file, in any case.
+fn other_name(description: &DeviceDescription, name: &str) -> Option<EdsProblem> {
+    let said = &description.file.name;
+    if said.is_empty() || said.eq_ignore_ascii_case(name) {
+        return None;
+    }
+    let mut problems = Problems::default();
+    // The line is found by the section and the field.
+    let place = Place { line: 0, section: "FileInfo", field: "FileName" };
+    problems.report(place, &rules::file::NAME, "the name of the file", said);
+    problems.into_sorted().pop()
+}

@@ -1,0 +1,116 @@
+//! The text of a file by its lines, each with its place.
+
+use std::ops::Range;
+
+/// The text, and where its lines begin.
+#[derive(Debug)]
+pub struct Source<'a> {
+    /// The text.
+    pub text: &'a str,
+    /// Where each line begins.
+    starts: Vec<usize>,
+    /// Whether it is XML, whose lines end in LF only.
+    pub is_xml: bool,
+}
+
+/// `name=value` of a line, without the blanks around both.
+#[derive(Clone, Debug)]
+pub(super) struct FieldSpans {
+    pub name: Range<usize>,
+    pub value: Range<usize>,
+}
+
+impl<'a> Source<'a> {
+    /// Looks for the lines of a text.
+    pub fn new(text: &'a str) -> Self {
+        let is_xml = text.trim_start().starts_with('<');
+        let bytes = text.as_bytes();
+        let mut starts = vec![0];
+        for (at, &byte) in bytes.iter().enumerate() {
+            let ends = match byte {
+                b'\n' => true,
+                b'\r' => !is_xml && bytes.get(at + 1) != Some(&b'\n'),
+                _ => false,
+            };
+            if ends {
+                starts.push(at + 1);
+            }
+        }
+        Self { text, starts, is_xml }
+    }
+
+    /// How many lines there are.
+    pub(super) fn lines(&self) -> u32 {
+        self.starts.len() as u32
+    }
+
+    /// A line with its end; empty behind the last.
+    pub fn whole_line(&self, number: u32) -> Range<usize> {
+        let begin = (number as usize).checked_sub(1).and_then(|at| self.starts.get(at)).copied();
+        let end = self.starts.get(number as usize).copied().unwrap_or(self.text.len());
+        begin.map_or(self.text.len()..self.text.len(), |begin| begin..end)
+    }
+
+    /// A line without blanks around it.
+    pub(super) fn line(&self, number: u32) -> Range<usize> {
+        self.trimmed(self.whole_line(number))
+    }
+
+    /// What stands there.
+    pub(super) fn get(&self, range: &Range<usize>) -> &'a str {
+        self.text.get(range.clone()).unwrap_or_default()
+    }
+
+    /// The range without blanks at both ends.
+    pub(super) fn trimmed(&self, range: Range<usize>) -> Range<usize> {
+        let text = self.get(&range);
+        let is_blank = |character: char| character.is_whitespace() || character == '\0';
+        let begin = range.start + (text.len() - text.trim_start_matches(is_blank).len());
+        let length = text.trim_matches(is_blank).len();
+        begin..begin + length
+    }
+
+    /// Name and value of a line, if it is a field.
+    pub(super) fn field(&self, number: u32) -> Option<FieldSpans> {
+        let line = self.line(number);
+        let text = self.get(&line);
+        if text.starts_with([';', '[', '#']) {
+            return None;
+        }
+        let equals = line.start + text.find('=')?;
+        Some(FieldSpans { name: self.trimmed(line.start..equals), value: self.trimmed(equals + 1..line.end) })
+    }
+
+    /// Whether a line begins a section.
+    pub(super) fn is_section(&self, number: u32) -> bool {
+        self.get(&self.line(number)).starts_with('[')
+    }
+
+    /// The lines of the section that begins in that line, without that line.
+    pub(super) fn section_lines(&self, header: u32) -> impl Iterator<Item = u32> {
+        (header + 1..=self.lines()).take_while(|&line| !self.is_section(line))
+    }
+
+    /// The line in which the section of that name begins, the names as [`super::locate::canonical`] has them.
+    pub(super) fn section(&self, name: &str) -> Option<u32> {
+        let wanted = super::locate::canonical(name);
+        (1..=self.lines()).find(|&line| {
+            let text = self.get(&self.line(line));
+            let name = text.strip_prefix('[').and_then(|rest| rest.split(']').next());
+            name.is_some_and(|name| super::locate::canonical(name) == wanted)
+        })
+    }
+
+    /// How the first line ends, and so new ones do.
+    pub(super) fn line_end(&self) -> &'static str {
+        let first = self.get(&self.whole_line(1));
+        if first.ends_with("\r\n") { "\r\n" } else { "\n" }
+    }
+
+    /// Line and column of a place, both from 1, the column in characters.
+    pub fn position(&self, at: usize) -> (u32, u32) {
+        let line = self.starts.partition_point(|&start| start <= at);
+        let start = line.checked_sub(1).and_then(|line| self.starts.get(line)).copied().unwrap_or(0);
+        (line as u32, self.get(&(start..at)).chars().count() as u32 + 1)
+    }
+}

@@ -1,0 +1,139 @@
+//! Objects and their entries in themselves: codes, types, access, limits.
+
+use super::rules;
+
+rules! {
+    /// ObjectType is none that CiA 301 defines, or does not go with the sub-indexes
+    ///
+    /// It is 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY) or 9 (RECORD); only ARRAY, RECORD and
+    /// DEFSTRUCT have sub-indexes.
+    ///
+    /// # What to do
+    ///
+    /// Write `ObjectType=0x7` for a single value, `0x8` for entries of one type, `0x9` for others.
+    OBJECT_TYPE: Error Value, "eds/entry/object-type", "CiA 301" "7.4.3" Cited,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x3\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// a VAR has sub-indexes
+    ///
+    /// An object with sub-indexes is an ARRAY, a RECORD or a DEFSTRUCT. Tools that go by ObjectType don't see them.
+    ///
+    /// # What to do
+    ///
+    /// Write `ObjectType=0x8` for entries of one type, `0x9` for others.
+    SUBS_OF_VAR: Warning Value, "eds/entry/subs-of-var", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Settings\nObjectType=0x7\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0";
+
+    /// DataType is none that CiA 301 defines
+    ///
+    /// Data types are 0001h to 001Bh and 0020h to 0023h of CiA 301, or 0040h to 025Fh of the manufacturer and the profiles.
+    /// Of another one nobody knows the length.
+    ///
+    /// # What to do
+    ///
+    /// Correct the data type: it is an index, and so hexadecimal.
+    DATA_TYPE: Error Value, "eds/entry/data-type", "CiA 301" "7.4.7.1" Cited,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0017\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nPDOMapping=0";
+
+    /// AccessType is none that CiA 306 defines
+    ///
+    /// It is const, ro, wo, rw, rwr or rww. A tool does not know whether it may read or write the entry.
+    ///
+    /// # What to do
+    ///
+    /// Write one of these.
+    ACCESS: Error Value, "eds/entry/access", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=maybe\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// AccessType is written in another way
+    ///
+    /// It is const, ro, wo, rw, rwr or rww. What is meant is clear to people, not to every tool.
+    ///
+    /// # What to do
+    ///
+    /// Write one of these.
+    ACCESS_FORM: Warning Value, "eds/entry/access-form", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=r/w\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// LowLimit is above HighLimit
+    ///
+    /// No value lies between them: a tool that checks what a user types refuses everything.
+    ///
+    /// # What to do
+    ///
+    /// Correct the limits.
+    LIMITS: Error Range, "eds/entry/limits", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nLowLimit=9\nHighLimit=3\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nLowLimit=3\nHighLimit=9\nPDOMapping=0";
+
+    /// a value lies outside its limits
+    ///
+    /// A tool that checks values refuses to write the default back.
+    ///
+    /// # What to do
+    ///
+    /// Correct the value or the limits.
+    BEYOND_LIMITS: Warning Range, "eds/entry/beyond-limits", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nLowLimit=3\nHighLimit=9\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=5\nLowLimit=3\nHighLimit=9\nPDOMapping=0";
+
+    /// ObjFlags has bits that CiA 306 does not define
+    ///
+    /// Bit 0 keeps a tool from writing the entry when it downloads everything, bit 1 from reading it when it reads everything.
+    ///
+    /// # What to do
+    ///
+    /// Write 0, 1, 2 or 3.
+    FLAGS: Hint Value, "eds/entry/flags", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\nObjFlags=8",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\nObjFlags=1";
+
+    /// the default of a VISIBLE_STRING has characters that are not visible
+    ///
+    /// A VISIBLE_STRING has the characters 20h to 7Eh.
+    ///
+    /// # What to do
+    ///
+    /// Correct the text.
+    STRING: Hint Value, "eds/entry/visible-string", "CiA 301" "7.1.6.3" Cited,
+        fails "[2FF0]\nParameterName=Name\nObjectType=0x7\nDataType=0x0009\nAccessType=ro\nDefaultValue=Z\u{E4}hler\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Name\nObjectType=0x7\nDataType=0x0009\nAccessType=ro\nDefaultValue=Zaehler\nPDOMapping=0";
+
+    /// sub-index 0 of an ARRAY or RECORD is not UNSIGNED8
+    ///
+    /// Sub-index 0 holds the highest sub-index, in one byte. A tool that reads it in another length takes the wrong number.
+    ///
+    /// # What to do
+    ///
+    /// Write `DataType=0x0005` for sub-index 0.
+    SUB_0: Warning Value, "eds/entry/sub-0-type", "CiA 301" "7.4.7.2" Cited,
+        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=1\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=0\nPDOMapping=0";
+
+    /// the elements of an ARRAY have different data types
+    ///
+    /// All elements of an ARRAY have one type; tools that take the first for all read the others wrongly.
+    ///
+    /// # What to do
+    ///
+    /// Correct the data type, or make the object a RECORD (`ObjectType=0x9`).
+    ARRAY_TYPE: Warning Value, "eds/entry/array-type", "CiA 301" "7.4.3" Cited,
+        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=3\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[2FF0sub1]\nParameterName=First\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0sub2]\nParameterName=Second\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Settings\nObjectType=0x9\nSubNumber=3\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[2FF0sub1]\nParameterName=First\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0\n[2FF0sub2]\nParameterName=Second\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nPDOMapping=0";
+
+    /// an ARRAY has a gap in its sub-indexes
+    ///
+    /// Only a RECORD may leave sub-indexes out.
+    ///
+    /// # What to do
+    ///
+    /// Describe the sub-indexes that are missing, or make the object a RECORD.
+    ARRAY_GAP: Hint Count, "eds/entry/array-gap", "CiA 301" "7.4.3" Cited,
+        fails "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=2\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[2FF0sub2]\nParameterName=Second\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Settings\nObjectType=0x8\nSubNumber=2\n[2FF0sub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=1\nPDOMapping=0\n[2FF0sub1]\nParameterName=First\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+}

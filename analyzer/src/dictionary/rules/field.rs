@@ -1,0 +1,121 @@
+//! Fields: which there are, and what every one of a kind may hold.
+
+use super::rules;
+
+rules! {
+    /// a field stands in its section twice, with two values
+    ///
+    /// Which of the two counts differs between tools; strict ones refuse the file.
+    ///
+    /// # What to do
+    ///
+    /// Remove the one that is not meant.
+    TWICE: Error DuplicateField, "eds/field/twice", "CiA 306" Unknown,
+        fails "[DeviceInfo]\nLSS_Supported=1\nLSS_Supported=0\n...", passes "[DeviceInfo]\nLSS_Supported=1\n...";
+
+    /// a field stands in its section twice, with the same value
+    ///
+    /// Strict tools refuse the file.
+    ///
+    /// # What to do
+    ///
+    /// Remove one of the two.
+    REPEATED: Warning DuplicateField, "eds/field/repeated", "CiA 306" Unknown,
+        fails "[DeviceInfo]\nLSS_Supported=1\nLSS_Supported=1\n...", passes "[DeviceInfo]\nLSS_Supported=1\n...";
+
+    /// a field is not one that CiA 306 defines in its section
+    ///
+    /// Other tools leave it out.
+    ///
+    /// # What to do
+    ///
+    /// Correct the name if another field is meant.
+    UNKNOWN: Hint UnknownField, "eds/field/unknown", "CiA 306" Unknown,
+        fails "[DeviceInfo]\nColour=red\n...", passes "[DeviceInfo]\nOrderCode=red\n...";
+
+    /// an object or entry has no name
+    ///
+    /// Without ParameterName a user of a configuration tool sees a bare number.
+    ///
+    /// # What to do
+    ///
+    /// Give it a name.
+    NAME_MISSING: Warning MissingField, "eds/field/name-missing", "CiA 306" Unknown,
+        fails "[2FF0]\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// a name stands in quotes
+    ///
+    /// An EDS has no quoted texts: the quotes become a part of the name.
+    ///
+    /// # What to do
+    ///
+    /// Remove the quotes.
+    NAME_QUOTED: Hint Value, "eds/field/name-quoted", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=\"Setting\"\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// a name has more than 241 characters
+    ///
+    /// CiA 306 allows 241.
+    ///
+    /// # What to do
+    ///
+    /// Shorten the name.
+    NAME_LONG: Warning Value, "eds/field/name-too-long", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=xxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxxx\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// ObjectType is missing
+    ///
+    /// CiA 306 takes it for VAR then; some tools don't.
+    ///
+    /// # What to do
+    ///
+    /// Write `ObjectType=0x7`.
+    OBJECT_TYPE_MISSING: Hint MissingField, "eds/field/object-type-missing", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nDataType=0x0005\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// DataType is missing
+    ///
+    /// Without a data type a tool does not know how many bytes to read or to write.
+    ///
+    /// # What to do
+    ///
+    /// Give the index of the data type, such as `DataType=0x0007` for UNSIGNED32.
+    DATA_TYPE_MISSING: Error MissingField, "eds/field/data-type-missing", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// AccessType is missing
+    ///
+    /// Only a DOMAIN may leave it out, and is `rw` then. Tools take others for `ro` or for `rw`.
+    ///
+    /// # What to do
+    ///
+    /// Say const, ro, wo, rw, rwr or rww.
+    ACCESS_MISSING: Warning MissingField, "eds/field/access-missing", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// a flag is neither 0 nor 1
+    ///
+    /// Fields such as PDOMapping or LSS_Supported are 0 or 1. Tools read another number or a word as they like.
+    ///
+    /// # What to do
+    ///
+    /// Write 0 or 1.
+    FLAG: Warning Value, "eds/field/flag", "CiA 306" Unknown,
+        fails "[DeviceInfo]\nSimpleBootUpSlave=2\n...", passes "[DeviceInfo]\nSimpleBootUpSlave=1\n...";
+
+    /// a number is outside the range of its field
+    ///
+    /// What stands there can't be used.
+    ///
+    /// # What to do
+    ///
+    /// Correct the number.
+    RANGE: Error Value, "eds/field/range", "CiA 306" Unknown,
+        fails "[DeviceInfo]\nGranularity=65\n...", passes "[DeviceInfo]\nGranularity=8\n...";
+}

@@ -1,0 +1,172 @@
+//! What the file says of itself and of the device as a whole: FileInfo, DeviceInfo, DummyUsage, Comments, commissioning.
+
+use super::rules;
+
+rules! {
+    /// a date has not the form mm-dd-yyyy
+    ///
+    /// Tools that compare dates to find the newer description take the wrong one.
+    ///
+    /// # What to do
+    ///
+    /// Write month, day and year: `12-31-2026`.
+    DATE: Warning Value, "eds/file/date", "CiA 306" Unknown,
+        fails "[FileInfo]\nCreationDate=2026-11-21\n...", passes "[FileInfo]\nCreationDate=11-21-2026\n...";
+
+    /// a time has not the form hh:mm(AM|PM)
+    ///
+    /// CiA 306 counts twelve hours, with AM or PM. An hour of one digit is usual and read by all tools.
+    ///
+    /// # What to do
+    ///
+    /// Write the time as `09:00PM`.
+    TIME: Warning Value, "eds/file/time", "CiA 306" Unknown,
+        fails "[FileInfo]\nCreationTime=21:00\n...", passes "[FileInfo]\nCreationTime=09:00PM\n...";
+
+    /// EDSVersion is not a version of CiA 306
+    ///
+    /// It is 3.0 or 4.0; without it tools take 3.0.
+    ///
+    /// # What to do
+    ///
+    /// Write `EDSVersion=4.0`. The version of the file itself is FileVersion.
+    VERSION: Hint Value, "eds/file/eds-version", "CiA 306" Unknown,
+        fails "[FileInfo]\nEDSVersion=2.1\n...", passes "[FileInfo]\nEDSVersion=4.0\n...";
+
+    /// FileName is not the name of the file
+    ///
+    /// A file that was copied and renamed can't be told from the one that it was made of.
+    ///
+    /// # What to do
+    ///
+    /// Write the name of the file.
+    NAME: Hint Value, "eds/file/name", "CiA 306" Unknown,
+        fails "[FileInfo]\nFileName=other.eds\n...", passes "[FileInfo]\nFileName=example.eds\n...";
+
+    /// an EDS has LastEDS
+    ///
+    /// Only a DCF names the EDS that it was made from. CiA's conformance test warns of it.
+    ///
+    /// # What to do
+    ///
+    /// Remove the field.
+    LAST_EDS: Hint Value, "eds/file/last-eds", "CiA 306" Unknown,
+        fails "[FileInfo]\nLastEDS=old.eds\n...", passes "[FileInfo]\nModifiedBy=me\n...";
+
+    /// a field that every FileInfo or DeviceInfo has is missing
+    ///
+    /// Tools show these fields and look for a device by them.
+    ///
+    /// # What to do
+    ///
+    /// Add the field.
+    FIELD_MISSING: Hint MissingField, "eds/file/field-missing", "CiA 306" Unknown,
+        fails "[FileInfo]\nFileName=example.eds", passes
+        "[FileInfo]\nFileName=example.eds\nFileVersion=1\nFileRevision=0\nEDSVersion=4.0\nDescription=encoder\nCreationTime=09:00AM\nCreationDate=11-21-2026\nCreatedBy=me\nModificationTime=09:00AM\nModificationDate=11-21-2026\nModifiedBy=me";
+
+    /// no bit rate is supported
+    ///
+    /// A tool that sets up a network finds no bit rate that this device shares with others.
+    ///
+    /// # What to do
+    ///
+    /// Set those that the device knows, such as `BaudRate_250=1`.
+    BIT_RATE_MISSING: Warning MissingField, "eds/device/bit-rate-missing", "CiA 306" Unknown,
+        fails "[DeviceInfo]\nBaudRate_10=0\nBaudRate_20=0\nBaudRate_50=0\nBaudRate_100=0\nBaudRate_125=0\nBaudRate_250=0\nBaudRate_500=0\nBaudRate_800=0\nBaudRate_1000=0\n...",
+        passes "[DeviceInfo]\nBaudRate_10=0\nBaudRate_20=0\nBaudRate_50=0\nBaudRate_100=0\nBaudRate_125=0\nBaudRate_250=1\nBaudRate_500=0\nBaudRate_800=0\nBaudRate_1000=0\n...";
+
+    /// NrOfRXPDO or NrOfTXPDO is not the number of PDOs
+    ///
+    /// They count the objects 1400h to 15FFh and 1800h to 19FFh that the file describes.
+    ///
+    /// # What to do
+    ///
+    /// Write the number of PDOs that are described.
+    PDO_COUNT: Warning Count, "eds/device/pdo-count", "CiA 306" Unknown,
+        fails "[DeviceInfo]\nNrOfTXPDO=99\n...", passes "[DeviceInfo]\nNrOfTXPDO=4\n...";
+
+    /// VendorNumber, ProductNumber or RevisionNumber differs from the identity object
+    ///
+    /// A tool that looks for the description of a device compares what it reads of 1018h with these fields.
+    ///
+    /// # What to do
+    ///
+    /// Give both the same number.
+    IDENTITY: Warning Value, "eds/device/identity", "CiA 306" Unknown,
+        fails "[DeviceInfo]\nVendorNumber=0x99\n...\n[1018sub1]\nParameterName=Vendor-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x13\nPDOMapping=0",
+        passes "[DeviceInfo]\nVendorNumber=0x13\n...\n[1018sub1]\nParameterName=Vendor-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x13\nPDOMapping=0";
+
+    /// LSS is supported, but the identity object is not complete
+    ///
+    /// An LSS master addresses a device by vendor-ID, product code, revision number and serial number: 1018h with
+    /// sub-indexes 1 to 4.
+    ///
+    /// # What to do
+    ///
+    /// Describe all four sub-indexes of 1018h, or set LSS_Supported=0.
+    LSS: Hint MissingSection, "eds/device/lss-identity", "CiA 305" Known,
+        fails "[DeviceInfo]\nLSS_Supported=1\n...\n[1018]\nParameterName=Identity\nObjectType=0x9\nSubNumber=2\n[1018sub2] removed",
+        passes "[DeviceInfo]\nLSS_Supported=0\n...\n[1018]\nParameterName=Identity\nObjectType=0x9\nSubNumber=2";
+
+    /// the device has neither heartbeat nor node guarding
+    ///
+    /// A device has the heartbeat (1017h), or node guarding with both guard time (100Ch) and life time factor (100Dh): else
+    /// nobody sees that it is gone.
+    ///
+    /// # What to do
+    ///
+    /// Describe 1017h.
+    ERROR_CONTROL: Warning MissingSection, "eds/device/error-control", "CiA 301" "7.2.8.2.2" Cited,
+        fails "[1017] removed\n[100C] removed", passes
+        "[1017]\nParameterName=Producer heartbeat time\nObjectType=0x7\nDataType=0x0006\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+
+    /// a field of DummyUsage has not the name of a data type
+    ///
+    /// Its fields are called Dummy and the four digits of a data type's index, such as Dummy0005 for UNSIGNED8.
+    ///
+    /// # What to do
+    ///
+    /// Write all four digits.
+    DUMMY: Warning Value, "eds/device/dummy-name", "CiA 306" Unknown,
+        fails "[DummyUsage]\nDummy5=1", passes "[DummyUsage]\nDummy0005=1";
+
+    /// Lines is not the number of lines of comments
+    ///
+    /// Tools that go by the number lose lines, or look for ones that are not there.
+    ///
+    /// # What to do
+    ///
+    /// Write the number of lines that follow.
+    COMMENT_COUNT: Warning Count, "eds/file/comment-count", "CiA 306" Unknown,
+        fails "[Comments]\nLines=4\nLine1=one", passes "[Comments]\nLines=1\nLine1=one";
+
+    /// the node-ID of a DCF is not one of 1 to 127
+    ///
+    /// No device can be given such a node-ID.
+    ///
+    /// # What to do
+    ///
+    /// Write a node-ID from 1 to 127.
+    NODE_ID: Error Value, "eds/dcf/node-id", "CiA 306" Unknown,
+        fails "[DeviceComissioning]\nNodeID=128\nBaudrate=250", passes "[DeviceComissioning]\nNodeID=12\nBaudrate=250";
+
+    /// the bit rate of a DCF is not one of CiA 301
+    ///
+    /// It is 10, 20, 50, 100, 125, 250, 500, 800 or 1000, in kbit/s.
+    ///
+    /// # What to do
+    ///
+    /// Write one of them, without unit.
+    BIT_RATE: Error Value, "eds/dcf/bit-rate", "CiA 306" Unknown,
+        fails "[DeviceComissioning]\nNodeID=12\nBaudrate=300", passes "[DeviceComissioning]\nNodeID=12\nBaudrate=250";
+
+    /// the section DeviceComissioning is written with double m
+    ///
+    /// CiA 306 spells it with one m; tools that look for that don't find node-ID and bit rate.
+    ///
+    /// # What to do
+    ///
+    /// Write `[DeviceComissioning]`.
+    COMMISSIONING: Hint UnknownSection, "eds/dcf/section-name", "CiA 306" Unknown,
+        fails "[DeviceCommissioning]\nNodeID=12\nBaudrate=250", passes "[DeviceComissioning]\nNodeID=12\nBaudrate=250";
+}

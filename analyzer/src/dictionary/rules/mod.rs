@@ -1,0 +1,148 @@
+//! The rules of device descriptions: what each asks, why, how grave a breach is, and an example that breaks and one that
+//! keeps it.
+//!
+//! The rules are found by the code that reads a description and by [`super::consistency`]; each problem names its rule. A
+//! rule is declared once, in a file of its family: what `canvass explain` prints, the page of rules and the tests are made
+//! of that declaration.
+
+mod declare;
+pub(super) mod entry;
+pub(super) mod field;
+pub(super) mod file;
+pub(super) mod list;
+pub(super) mod module;
+pub(super) mod number;
+pub(super) mod pdo;
+pub(super) mod section;
+pub(super) mod standard;
+pub(super) mod text;
+pub(super) mod xdd;
+
+pub use text::{CONFLICT, HALF_READ};
+
+use super::problem::{ProblemKind, Severity};
+use crate::clause::Clause;
+use declare::rules;
+use std::fmt;
+use std::sync::LazyLock;
+
+/// A rule of device descriptions.
+pub struct Rule {
+    /// Stable and textual, such as `eds/list/count`.
+    pub id: &'static str,
+    /// How bad it is to break it.
+    pub severity: Severity,
+    /// What kind of problem a breach is.
+    pub kind: ProblemKind,
+    /// Where a standard says so.
+    pub clause: Clause,
+    /// Lines, of an EDS that breaks it. A line `...` stands for the fields that don't matter.
+    pub fails: &'static str,
+    /// The same lines as they should be.
+    pub passes: &'static str,
+    doc: &'static str,
+}
+
+impl fmt::Debug for Rule {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id)
+    }
+}
+
+/// Rules are the same if they have the same id.
+impl PartialEq for Rule {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
+impl Eq for Rule {}
+
+const ADVICE: &str = "\n # What to do\n";
+
+impl Rule {
+    /// What is wrong, in one line without full stop.
+    pub fn title(&self) -> &'static str {
+        self.doc.split("\n\n").next().unwrap_or_default().trim()
+    }
+
+    /// What the rule asks, and why.
+    pub fn what(&self) -> String {
+        let text = self.doc.split(ADVICE).next().unwrap_or_default();
+        paragraphs(text.split_once("\n\n").map_or("", |(_, what)| what))
+    }
+
+    /// How to mend a breach.
+    pub fn advice(&self) -> String {
+        paragraphs(self.doc.split_once(ADVICE).map_or("", |(_, advice)| advice))
+    }
+
+    /// Whether it is that id, or belongs to that family: `eds/list/count` to `eds/list` and to `eds`.
+    pub fn is_in(&self, prefix: &str) -> bool {
+        let rest = self.id.strip_prefix(prefix.trim_end_matches('/'));
+        rest.is_some_and(|rest| rest.is_empty() || rest.starts_with('/'))
+    }
+}
+
+/// Lines of a paragraph are joined.
+fn paragraphs(text: &str) -> String {
+    let joined = |paragraph: &str| paragraph.split_whitespace().collect::<Vec<_>>().join(" ");
+    text.split("\n\n").map(joined).filter(|paragraph| !paragraph.is_empty()).collect::<Vec<_>>().join("\n\n")
+}
+
+/// In the order of the declarations.
+static ALL: LazyLock<Vec<&'static Rule>> = LazyLock::new(|| {
+    let families = [
+        text::RULES,
+        section::RULES,
+        field::RULES,
+        file::RULES,
+        number::RULES,
+        list::RULES,
+        entry::RULES,
+        pdo::RULES,
+        standard::RULES,
+        module::RULES,
+        xdd::RULES,
+    ];
+    families.concat()
+});
+
+/// All rules, by family.
+pub fn all() -> impl Iterator<Item = &'static Rule> {
+    ALL.iter().copied()
+}
+
+/// The rule with that id.
+pub fn find(id: &str) -> Option<&'static Rule> {
+    all().find(|rule| rule.id == id)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::collections::BTreeSet;
+
+    #[test]
+    fn every_rule_says_what_it_asks_and_how_to_mend_a_breach() {
+        let mut ids = BTreeSet::new();
+        for rule in all() {
+            assert!(ids.insert(rule.id), "{} twice", rule.id);
+            assert!(rule.id.starts_with("eds/") || rule.id.starts_with("xdd/"), "{}", rule.id);
+            assert!(
+                rule.title().len() > 10 && !rule.title().contains('\n') && !rule.title().ends_with('.'),
+                "{}",
+                rule.id
+            );
+            assert!(rule.what().ends_with('.') && rule.advice().ends_with('.'), "{}", rule.id);
+            assert!(!rule.fails.is_empty() && !rule.passes.is_empty() && rule.fails != rule.passes, "{}", rule.id);
+        }
+    }
+
+    #[test]
+    fn a_rule_belongs_to_its_families() {
+        let rule = find("eds/list/count").unwrap();
+        assert!(["eds", "eds/", "eds/list", "eds/list/count"].iter().all(|prefix| rule.is_in(prefix)));
+        assert!(!["ed", "eds/li", "xdd", "eds/list/count/x"].iter().any(|prefix| rule.is_in(prefix)));
+    }
+}

@@ -1,0 +1,86 @@
+//! How numbers and formulas are written, and whether they fit their data type.
+
+use super::rules;
+
+rules! {
+    /// a number or value can't be read
+    ///
+    /// What stands there could not be used: the field has no value.
+    ///
+    /// # What to do
+    ///
+    /// Write a decimal number, a hexadecimal one with 0x, or a formula such as `$NODEID+0x180`.
+    UNREADABLE: Error Number, "eds/number/unreadable", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=five\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=5\nPDOMapping=0";
+
+    /// a number is written in a form that CiA 306 has not
+    ///
+    /// It has decimal numbers, hexadecimal ones with 0x, octal ones with a leading 0, and formulas with `$NODEID`. A trailing
+    /// h, quotes, a decimal point or other spellings are understood by some tools only.
+    ///
+    /// # What to do
+    ///
+    /// Write the number in one of these forms.
+    FORM: Warning Number, "eds/number/form", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1Fh\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0x1F\nPDOMapping=0";
+
+    /// the node-ID stands behind the number in a formula
+    ///
+    /// CiA 306 has `$NODEID+0x180`. There are tools that read 180h of `0x180+$NODEID`, and so give every device the same
+    /// COB-ID.
+    ///
+    /// # What to do
+    ///
+    /// Write `$NODEID` first.
+    NODE_ID_BEHIND: Warning Number, "eds/number/node-id-behind", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x180+$NODEID\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x180\nPDOMapping=0";
+
+    /// a number begins with 0, which makes it octal
+    ///
+    /// `010` is 8 by CiA 306; many tools, and most authors, read 10.
+    ///
+    /// # What to do
+    ///
+    /// Write the number that is meant without leading 0.
+    OCTAL: Warning Number, "eds/number/octal", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=010\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=10\nPDOMapping=0";
+
+    /// a comment stands behind a value
+    ///
+    /// In CiA 306 a comment has a line of its own. Most tools cut it off all the same.
+    ///
+    /// # What to do
+    ///
+    /// Move the comment into a line of its own.
+    COMMENT: Hint Number, "eds/number/comment", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005 ; UNSIGNED8\nAccessType=rw\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nPDOMapping=0";
+
+    /// a number does not fit its data type
+    ///
+    /// The device can't hold it, and a tool that writes it sends the wrong bytes or nothing. A formula must fit with node-ID
+    /// 127.
+    ///
+    /// # What to do
+    ///
+    /// Correct the number or the data type.
+    RANGE: Error Range, "eds/number/range", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=256\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=255\nPDOMapping=0";
+
+    /// a number fits its data type only by its bits
+    ///
+    /// A negative number for an unsigned type, or a decimal one above the highest of a signed type: it is taken as the bits
+    /// that it stands for, which not every tool does.
+    ///
+    /// # What to do
+    ///
+    /// Write the number as its data type has it, or in hexadecimal.
+    WRAPPED: Warning Range, "eds/number/wrapped", "CiA 306" Unknown,
+        fails "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=-1\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Setting\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0xFF\nPDOMapping=0";
+}

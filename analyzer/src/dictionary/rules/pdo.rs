@@ -1,0 +1,165 @@
+//! PDOs and COB-IDs.
+
+use super::rules;
+
+rules! {
+    /// a PDO has only one of its two parameters
+    ///
+    /// Communication parameter and mapping parameter come in pairs: 1400h with 1600h, 1800h with 1A00h, and so on. A tool
+    /// can't configure half a PDO.
+    ///
+    /// # What to do
+    ///
+    /// Describe the other one, or remove the one that is there.
+    PAIR: Error Mapping, "eds/pdo/pair", "CiA 301" "7.5.2.37" Cited,
+        fails "[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
+        passes "[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// the default of a transmission type is reserved
+    ///
+    /// 241 to 251 are reserved, and for an RPDO 252 and 253, too. A device refuses such a value.
+    ///
+    /// # What to do
+    ///
+    /// Choose 0 to 240, 254 or 255; for a TPDO also 252 or 253.
+    TRANSMISSION_TYPE: Warning Value, "eds/pdo/transmission-type", "CiA 301" "7.5.2.37" Cited,
+        fails "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=245\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
+        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+
+    /// a TPDO communication parameter has sub-index 4
+    ///
+    /// It is reserved: a device answers there that there is no such sub-index.
+    ///
+    /// # What to do
+    ///
+    /// Remove the sub-index.
+    RESERVED_SUB: Hint Standard, "eds/pdo/reserved-sub-index", "CiA 301" "7.5.2.37" Cited,
+        fails "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=4\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=4\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[19FFsub4]\nParameterName=Reserved\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
+        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+
+    /// a mapping counts an entry that has no default
+    ///
+    /// Sub-index 0 says how many entries are in use. One of them names no object, so that nobody knows what the PDO
+    /// carries.
+    ///
+    /// # What to do
+    ///
+    /// Give the entry its default, or correct the count.
+    ENTRY_MISSING: Error Mapping, "eds/pdo/entry-missing", "CiA 301" "7.5.2.38" Cited,
+        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=3\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=2\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[1BFFsub2]\nParameterName=Entry 2\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// a PDO maps an object that is not described
+    ///
+    /// A tool can't tell what the bits of the PDO are, and a device refuses the mapping with abort 0604 0041h.
+    ///
+    /// # What to do
+    ///
+    /// Correct the index and sub-index, or describe the object.
+    TARGET: Error Mapping, "eds/pdo/target", "CiA 301" "7.5.2.38" Cited,
+        fails "[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FEE0008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// a PDO maps an object with PDOMapping=0
+    ///
+    /// A tool that goes by PDOMapping refuses the mapping, and a device whose description is right refuses it with abort
+    /// 0604 0041h.
+    ///
+    /// # What to do
+    ///
+    /// Set PDOMapping=1 for the object, or map another one.
+    NOT_MAPPABLE: Error Mapping, "eds/pdo/not-mappable", "CiA 301" "7.5.2.38" Cited,
+        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// the access type of a mapped object does not fit the direction of the PDO
+    ///
+    /// A TPDO carries what can be read and is not rww, an RPDO what can be written and is not rwr.
+    ///
+    /// # What to do
+    ///
+    /// Correct the access type, or map another object.
+    DIRECTION: Error Mapping, "eds/pdo/direction", "CiA 301" "7.5.2.38" Cited,
+        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[17FF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[17FFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[17FFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[15FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[15FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=rww\nPDOMapping=1\n[17FF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[17FFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[17FFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[15FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[15FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// the length in a mapping is not that of the mapped object
+    ///
+    /// The last byte of an entry is the length of the object in bits. With another one all that follows in the PDO is read
+    /// from the wrong place.
+    ///
+    /// # What to do
+    ///
+    /// Write the length of the object's data type.
+    LENGTH: Error Mapping, "eds/pdo/length", "CiA 301" "7.5.2.38" Cited,
+        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00010\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// a PDO maps a dummy entry that it may not
+    ///
+    /// The index of a data type skips bits, in RPDOs only, where DummyUsage allows the type, and with its length.
+    ///
+    /// # What to do
+    ///
+    /// Allow the type in DummyUsage, or map another object.
+    DUMMY: Error Mapping, "eds/pdo/dummy", "CiA 301" "7.4.7.1" Cited,
+        fails "[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x00050008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
+        passes "[DummyUsage]\nDummy0005=1\n[17FF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[17FFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[17FFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x00050008\nPDOMapping=0\n[15FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[15FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[15FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[15FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// a mapping goes against Granularity
+    ///
+    /// Granularity is the smallest number of bits that can be mapped: lengths are multiples of it.
+    ///
+    /// # What to do
+    ///
+    /// Correct Granularity, or the mapping.
+    GRANULARITY: Warning Mapping, "eds/pdo/granularity", "CiA 306" Unknown,
+        fails "[DeviceInfo]\nGranularity=16\n...\n[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
+        passes "[DeviceInfo]\nGranularity=8\n...\n[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=2\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=1\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00008\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// a PDO maps more than 64 bits
+    ///
+    /// A CAN frame has 8 bytes. A device refuses the mapping with abort 0604 0042h.
+    ///
+    /// # What to do
+    ///
+    /// Map less, or distribute it over two PDOs.
+    TOO_LONG: Error Mapping, "eds/pdo/too-long", "CiA 301" "7.5.2.38" Cited,
+        fails "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=4\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=3\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[1BFFsub2]\nParameterName=Entry 2\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[1BFFsub3]\nParameterName=Entry 3\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0",
+        passes "[2FF0]\nParameterName=Value\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nPDOMapping=1\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=3\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=2\nPDOMapping=0\n[1BFFsub1]\nParameterName=Entry 1\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[1BFFsub2]\nParameterName=Entry 2\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=0x2FF00020\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000180\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0";
+
+    /// a COB-ID is one that CiA 301 keeps for something else
+    ///
+    /// NMT, SYNC of others, default SDOs, heartbeat and LSS have CAN-IDs that no other service may use: such a PDO commands
+    /// or confuses other devices.
+    ///
+    /// # What to do
+    ///
+    /// Choose a CAN-ID from 181h to 57Fh.
+    RESTRICTED: Error CobId, "eds/cob-id/restricted", "CiA 301" "7.3.5" Cited,
+        fails "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x580\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
+        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x380\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+
+    /// two services have the same COB-ID
+    ///
+    /// Two messages with one CAN-ID disturb each other on the bus, and a consumer can't tell them apart.
+    ///
+    /// # What to do
+    ///
+    /// Give each a COB-ID of its own, or switch one off with bit 31.
+    COB_ID_TWICE: Error CobId, "eds/cob-id/twice", "CiA 301" "7.3.5" Known,
+        fails "[19FE]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FEsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FEsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[19FEsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFE]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFEsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0\n[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0",
+        passes "[19FF]\nParameterName=PDO parameter\nObjectType=0x9\nSubNumber=3\n[19FFsub0]\nParameterName=Highest sub-index\nObjectType=0x7\nDataType=0x0005\nAccessType=ro\nDefaultValue=2\nPDOMapping=0\n[19FFsub1]\nParameterName=COB-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80000390\nPDOMapping=0\n[19FFsub2]\nParameterName=Transmission type\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=254\nPDOMapping=0\n[1BFF]\nParameterName=PDO mapping\nObjectType=0x9\nSubNumber=1\n[1BFFsub0]\nParameterName=Number of entries\nObjectType=0x7\nDataType=0x0005\nAccessType=rw\nDefaultValue=0\nPDOMapping=0";
+
+    /// a default COB-ID is not that of the predefined connection set
+    ///
+    /// By default the first four TPDOs have 180h, 280h, 380h and 480h plus the node-ID, the RPDOs 200h, 300h, 400h and
+    /// 500h, and EMCY 80h. A network that rests on these finds nothing there.
+    ///
+    /// # What to do
+    ///
+    /// Write the formula of the predefined connection set, if nothing speaks against it.
+    PREDEFINED: Hint CobId, "eds/cob-id/predefined", "CiA 301" "7.3.3" Cited,
+        fails "[1014]\nParameterName=COB-ID EMCY\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0xA0\nPDOMapping=0",
+        passes "[1014]\nParameterName=COB-ID EMCY\nObjectType=0x7\nDataType=0x0007\nAccessType=rw\nDefaultValue=$NODEID+0x80\nPDOMapping=0";
+}

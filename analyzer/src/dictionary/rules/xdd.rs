@@ -1,0 +1,127 @@
+//! Descriptions in XML.
+
+use super::rules;
+
+rules! {
+    /// the file is no well-formed XML
+    ///
+    /// What follows is not read, by no tool.
+    ///
+    /// # What to do
+    ///
+    /// Close what is open, and write & as &amp;.
+    MALFORMED: Error Line, "xdd/text/malformed", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\">",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+
+    /// an element has an attribute twice
+    ///
+    /// XML forbids it: other tools refuse the file.
+    ///
+    /// # What to do
+    ///
+    /// Remove one of the two.
+    ATTRIBUTE_TWICE: Warning DuplicateField, "xdd/element/attribute-twice", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" name=\"Setting\" name=\"Other\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+
+    /// an object or sub-index is described twice
+    ///
+    /// Which of the two counts differs between tools.
+    ///
+    /// # What to do
+    ///
+    /// Remove the one that is not meant.
+    TWICE: Error DuplicateSection, "xdd/object/twice", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/><CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+
+    /// a hexadecimal number has a prefix
+    ///
+    /// Index, subIndex, dataType and objFlags are hexadecimal digits without 0x: a file with a prefix is against the
+    /// schema.
+    ///
+    /// # What to do
+    ///
+    /// Remove the 0x.
+    PREFIX: Warning Number, "xdd/number/prefix", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"0x2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+
+    /// an index, data type or flag is no hexadecimal number, or too large
+    ///
+    /// What stands there could not be used.
+    ///
+    /// # What to do
+    ///
+    /// Write the hexadecimal digits.
+    NUMBER: Error Number, "xdd/number/unreadable", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"WORD\" accessType=\"rw\" PDOmapping=\"no\"/>",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+
+    /// an object refers to a parameter that is not there
+    ///
+    /// uniqueIDRef names a parameter of the application process; type and access are described there.
+    ///
+    /// # What to do
+    ///
+    /// Correct the reference, or describe the parameter.
+    REFERENCE: Error Value, "xdd/object/reference", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" uniqueIDRef=\"UID_none\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+
+    /// subNumber is not the number of sub-indexes
+    ///
+    /// Tools read as many sub-indexes as it says.
+    ///
+    /// # What to do
+    ///
+    /// Write the number of CANopenSubObject elements.
+    SUB_NUMBER: Warning Count, "xdd/object/sub-number", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" name=\"Settings\" objectType=\"8\" subNumber=\"3\"><CANopenSubObject subIndex=\"00\" name=\"Highest sub-index\" objectType=\"7\" dataType=\"0005\" accessType=\"ro\" defaultValue=\"0\" PDOmapping=\"no\"/></CANopenObject>",
+        passes "<CANopenObject index=\"2000\" name=\"Settings\" objectType=\"8\" subNumber=\"1\"><CANopenSubObject subIndex=\"00\" name=\"Highest sub-index\" objectType=\"7\" dataType=\"0005\" accessType=\"ro\" defaultValue=\"0\" PDOmapping=\"no\"/></CANopenObject>";
+
+    /// objectType is none that CiA 301 defines
+    ///
+    /// It is 0, 2, 5, 6, 7, 8 or 9.
+    ///
+    /// # What to do
+    ///
+    /// Write 7 for a single value, 8 for entries of one type, 9 for others.
+    OBJECT_TYPE: Error Value, "xdd/object/object-type", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"3\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+
+    /// an object has no data type
+    ///
+    /// Without one a tool does not know how many bytes to read or to write.
+    ///
+    /// # What to do
+    ///
+    /// Add dataType, or a reference to a parameter that has one.
+    DATA_TYPE_MISSING: Error MissingField, "xdd/object/data-type-missing", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" accessType=\"rw\" PDOmapping=\"no\"/>",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+
+    /// accessType is none that CiA 311 defines
+    ///
+    /// It is const, ro, wo or rw. A tool does not know whether it may read or write the entry.
+    ///
+    /// # What to do
+    ///
+    /// Write one of these.
+    ACCESS: Warning Value, "xdd/object/access", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"maybe\" PDOmapping=\"no\"/>",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+
+    /// accessType is missing
+    ///
+    /// Nothing says what it is then; it is taken for ro.
+    ///
+    /// # What to do
+    ///
+    /// Say const, ro, wo or rw.
+    ACCESS_DEFAULT: Hint MissingField, "xdd/object/access-missing", "CiA 311" Unknown,
+        fails "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" PDOmapping=\"no\"/>",
+        passes "<CANopenObject index=\"2000\" name=\"Setting\" objectType=\"7\" dataType=\"0006\" accessType=\"rw\" PDOmapping=\"no\"/>";
+}

@@ -1,0 +1,142 @@
+//! What was found in device descriptions, in every form in which it is wanted.
+
+pub mod github;
+pub mod json;
+pub mod junit;
+pub mod markdown;
+pub mod rules;
+pub mod sarif;
+pub mod text;
+
+use crate::escape::printable;
+use canvass_analyzer::dictionary::check::{Checked, Finding, Source};
+use canvass_analyzer::dictionary::{Rule, Severity};
+
+/// A file with what was found in it, without its text.
+#[derive(Clone, Debug)]
+pub struct CheckedFile {
+    /// Its name, as the user gave it.
+    pub name: String,
+    /// What was found, in the order of the file.
+    pub findings: Vec<Located>,
+}
+
+/// A finding with its place in lines and columns, both from 1; all are 0 where it concerns no single line.
+#[derive(Clone, Debug)]
+pub struct Located {
+    /// What it is.
+    pub finding: Finding,
+    /// Where it ends: the line.
+    pub end_line: u32,
+    /// Where it ends: the column behind the last character.
+    pub end_column: u32,
+    /// The changes that mend it.
+    pub edits: Vec<LocatedEdit>,
+}
+
+/// A change of the text by lines and columns, from 1; the end is the first character that stays.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct LocatedEdit {
+    /// Line and column of the beginning.
+    pub start: (u32, u32),
+    /// Line and column of the end.
+    pub end: (u32, u32),
+    /// What stands there instead.
+    pub text: String,
+}
+
+impl CheckedFile {
+    /// What was found in a file, as far as it is `wanted`.
+    pub fn new(name: &str, checked: &Checked<'_>, wanted: impl Fn(&Finding) -> bool) -> Self {
+        let source = Source::new(&checked.text);
+        let located = |finding: &Finding| {
+            let (end_line, end_column) = if finding.line == 0 { (0, 0) } else { source.position(finding.span.end) };
+            let edits = finding.fix.iter().flat_map(|fix| &fix.edits);
+            let edits = edits.map(|edit| LocatedEdit {
+                start: source.position(edit.range.start),
+                end: source.position(edit.range.end),
+                text: edit.text.clone(),
+            });
+            Located { finding: finding.clone(), end_line, end_column, edits: edits.collect() }
+        };
+        let findings = checked.findings.iter().filter(|finding| wanted(finding)).map(located).collect();
+        Self { name: name.to_owned(), findings }
+    }
+
+    /// What the file does not itself say to leave so.
+    pub fn open(&self) -> impl Iterator<Item = &Located> {
+        self.findings.iter().filter(|located| located.finding.waived.is_none())
+    }
+}
+
+impl Located {
+    const fn rule(&self) -> &'static Rule {
+        self.finding.problem.rule
+    }
+
+    /// What is wrong, with what was expected and found: on one line, safe to show.
+    pub fn message(&self) -> String {
+        let problem = &self.finding.problem;
+        let place = match (problem.section.as_str(), problem.field.as_str()) {
+            ("", "") => String::new(),
+            ("", field) => format!(" ({field})"),
+            (section, "") => format!(" ([{section}])"),
+            (section, field) => format!(" ([{section}] {field})"),
+        };
+        let text =
+            format!("{}{place}: expected {}, found \"{}\"", self.rule().title(), problem.expected, problem.found);
+        printable(&text).into_owned()
+    }
+}
+
+/// How many findings of each severity there are.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Counts {
+    /// Errors.
+    pub errors: usize,
+    /// Warnings.
+    pub warnings: usize,
+    /// Hints.
+    pub hints: usize,
+    /// Those that the files say to leave so.
+    pub waived: usize,
+    /// Those, not waived, that can be mended without guessing.
+    pub mendable: usize,
+}
+
+impl Counts {
+    /// Of several files.
+    pub fn of<'a>(files: impl IntoIterator<Item = &'a CheckedFile>) -> Self {
+        let mut counts = Self::default();
+        for located in files.into_iter().flat_map(|file| &file.findings) {
+            if located.finding.waived.is_some() {
+                counts.waived += 1;
+                continue;
+            }
+            counts.mendable += usize::from(located.finding.fix.is_some());
+            *match located.finding.severity() {
+                Severity::Error => &mut counts.errors,
+                Severity::Warning => &mut counts.warnings,
+                Severity::Hint => &mut counts.hints,
+            } += 1;
+        }
+        counts
+    }
+}
+
+/// `1 error, 2 warnings, no hints`.
+impl std::fmt::Display for Counts {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let named = |count: usize, name: &str| match count {
+            0 => format!("no {name}s"),
+            1 => format!("1 {name}"),
+            _ => format!("{count} {name}s"),
+        };
+        let (errors, warnings, hints) = (self.errors, self.warnings, self.hints);
+        write!(f, "{}, {}, {}", named(errors, "error"), named(warnings, "warning"), named(hints, "hint"))?;
+        match self.waived {
+            0 => Ok(()),
+            waived => write!(f, ", {waived} waived"),
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! SARIF 2.1.0, which code hosts and editors show beside the lines.
+
+use super::{CheckedFile, Located, LocatedEdit};
+use canvass_analyzer::dictionary::{Rule, Severity, rules};
+use serde_json::{Value, json};
+use std::fmt::Write;
+
+/// What was found in all files.
+pub fn document(files: &[CheckedFile]) -> Value {
+    let results: Vec<Value> =
+        files.iter().flat_map(|file| file.findings.iter().map(|located| result(file, located))).collect();
+    json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": {
+                "name": "canvass",
+                "version": env!("CARGO_PKG_VERSION"),
+                "rules": rules::all().map(rule).collect::<Vec<_>>(),
+            } },
+            "columnKind": "unicodeCodePoints",
+            "results": results,
+        }],
+    })
+}
+
+const fn level(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Error => "error",
+        Severity::Warning => "warning",
+        Severity::Hint => "note",
+    }
+}
+
+fn rule(rule: &Rule) -> Value {
+    json!({
+        "id": rule.id,
+        "shortDescription": { "text": rule.title() },
+        "fullDescription": { "text": rule.what() },
+        "help": { "text": rule.advice() },
+        "defaultConfiguration": { "level": level(rule.severity) },
+        "properties": { "clause": rule.clause.bare(), "clause_confidence": rule.clause.confidence.name() },
+    })
+}
+
+fn result(file: &CheckedFile, located: &Located) -> Value {
+    let finding = &located.finding;
+    let artifact = json!({ "uri": uri(&file.name) });
+    let mut physical = json!({ "artifactLocation": artifact });
+    if finding.line > 0 {
+        physical["region"] = json!({
+            "startLine": finding.line,
+            "startColumn": finding.column,
+            "endLine": located.end_line,
+            "endColumn": located.end_column,
+        });
+    }
+    let mut result = json!({
+        "ruleId": finding.problem.rule.id,
+        "ruleIndex": rules::all().position(|rule| rule == finding.problem.rule),
+        "level": level(finding.severity()),
+        "message": { "text": located.message() },
+        "locations": [{ "physicalLocation": physical }],
+    });
+    if let Some(reason) = &finding.waived {
+        result["suppressions"] = json!([{ "kind": "inSource", "justification": reason }]);
+    }
+    if let (Some(fix), false) = (&finding.fix, located.edits.is_empty()) {
+        let replacements: Vec<Value> = located.edits.iter().map(replacement).collect();
+        let change = json!({ "artifactLocation": artifact, "replacements": replacements });
+        result["fixes"] = json!([{ "description": { "text": fix.title }, "artifactChanges": [change] }]);
+    }
+    result
+}
+
+fn replacement(edit: &LocatedEdit) -> Value {
+    json!({
+        "deletedRegion": {
+            "startLine": edit.start.0,
+            "startColumn": edit.start.1,
+            "endLine": edit.end.0,
+            "endColumn": edit.end.1,
+        },
+        "insertedContent": { "text": edit.text },
+    })
+}
+
+/// A path as a relative or absolute reference: what has a meaning in a URI is written by its bytes.
+fn uri(path: &str) -> String {
+    let mut uri = String::with_capacity(path.len());
+    for byte in path.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' | b'/' => uri.push(char::from(byte)),
+            b'\\' if cfg!(windows) => uri.push('/'),
+            // Writing to a string can't fail.
+            _ => _ = write!(uri, "%{byte:02X}"),
+        }
+    }
+    uri
+}

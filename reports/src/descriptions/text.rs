@@ -1,0 +1,100 @@
+//! For people: each finding with its line, the place marked, and how to mend it.
+
+use super::{CheckedFile, Counts, Located};
+use crate::escape::printable;
+use annotate_snippets::{AnnotationKind, Group, Level, Origin, Renderer, Snippet};
+use canvass_analyzer::dictionary::Severity;
+use canvass_analyzer::dictionary::check::Source;
+use std::borrow::Cow;
+use std::ops::Range;
+
+/// A longer line is cut around its place.
+const LONGEST: usize = 300;
+
+/// How findings are drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct Style {
+    /// With colours.
+    pub colors: bool,
+    /// The columns that there are.
+    pub width: usize,
+}
+
+/// What was found in one file, and not waived; `text` is its text.
+pub fn render(file: &CheckedFile, text: &str, style: Style) -> String {
+    let source = Source::new(text);
+    let renderer = if style.colors { Renderer::styled() } else { Renderer::plain() };
+    let renderer = renderer.term_width(style.width);
+    let mut drawn = String::new();
+    for located in file.open() {
+        drawn.push_str(&renderer.render(&[group(file, located, &source)]));
+        drawn.push_str("\n\n");
+    }
+    drawn
+}
+
+/// How many there are, and what to do next.
+pub fn summary(files: usize, counts: &Counts) -> String {
+    let files = if files == 1 { "1 file".to_owned() } else { format!("{files} files") };
+    let mut text = format!("{files}: {counts}\n");
+    if counts.mendable > 0 {
+        let number = counts.mendable;
+        text.push_str(&format!("{number} can be mended with --fix; --diff shows what would change\n"));
+    }
+    text
+}
+
+fn group<'a>(file: &'a CheckedFile, located: &'a Located, source: &Source<'_>) -> Group<'a> {
+    let finding = &located.finding;
+    let problem = &finding.problem;
+    let level = match finding.severity() {
+        Severity::Error => Level::ERROR,
+        Severity::Warning => Level::WARNING,
+        Severity::Hint => Level::NOTE.with_name("hint"),
+    };
+    let title = level.primary_title(problem.rule.title()).id(problem.rule.id);
+    let label = format!("expected {}, found \"{}\"", problem.expected, problem.found);
+    let label = printable(&label).into_owned();
+    let name = printable(&file.name);
+    let group = if finding.line == 0 {
+        title.element(Origin::path(name)).element(Level::NOTE.message(label))
+    } else {
+        let (shown, span) = shown(source, located);
+        let annotation = AnnotationKind::Primary.span(span).label(label);
+        title.element(Snippet::source(shown).path(name).line_start(finding.line as usize).annotation(annotation))
+    };
+    let help = match &finding.fix {
+        Some(fix) => format!("--fix does it: {}", fix.title),
+        None => problem.rule.advice(),
+    };
+    group.element(Level::HELP.message(printable(&help).into_owned()))
+}
+
+/// The line of a finding as it can be shown, and where the place is in it.
+fn shown(source: &Source<'_>, located: &Located) -> (String, Range<usize>) {
+    let finding = &located.finding;
+    let line = source.whole_line(finding.line);
+    let end = finding.span.end.min(line.end);
+    let part = |range: Range<usize>| source.text.get(range).unwrap_or_default().trim_end_matches(['\r', '\n']);
+    let before = last(&visible(part(line.start..finding.span.start)), LONGEST);
+    let mark = first(&visible(part(finding.span.start..end)), LONGEST);
+    let after = first(&visible(part(end..line.end)), LONGEST);
+    let span = before.len()..before.len() + mark.len();
+    (before + &mark + &after, span)
+}
+
+/// Tabulators have a width of their own in a drawing.
+fn visible(text: &str) -> String {
+    match printable(&text.replace('\t', " ")) {
+        Cow::Borrowed(text) => text.to_owned(),
+        Cow::Owned(text) => text,
+    }
+}
+
+fn first(text: &str, most: usize) -> String {
+    text.chars().take(most).collect()
+}
+
+fn last(text: &str, most: usize) -> String {
+    text.chars().skip(text.chars().count().saturating_sub(most)).collect()
+}

@@ -1,0 +1,85 @@
+//! The files that are checked: as named, those of folders, and standard input.
+
+use anyhow::{Context, Result, bail};
+use canvass_traces::small_file::{self, OF_HAND};
+use std::fs;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+/// How descriptions are called.
+const ENDINGS: [&str; 4] = ["eds", "dcf", "xdd", "xdc"];
+
+/// Folders in folders, no deeper: a link could lead back.
+const DEEPEST: usize = 32;
+
+/// Every file that is meant, folders by name.
+pub fn descriptions(named: &[PathBuf]) -> Result<Vec<PathBuf>> {
+    let mut all = Vec::new();
+    for path in named {
+        if path.is_dir() {
+            let before = all.len();
+            collect(path, DEEPEST, &mut all)?;
+            if all.len() == before {
+                bail!("{} has no EDS, DCF, XDD or XDC file", path.display());
+            }
+        } else {
+            all.push(path.clone());
+        }
+    }
+    Ok(all)
+}
+
+fn collect(folder: &Path, depth: usize, all: &mut Vec<PathBuf>) -> Result<()> {
+    let failed = || format!("can't read {}", folder.display());
+    let mut paths = Vec::new();
+    for entry in fs::read_dir(folder).with_context(failed)? {
+        paths.push(entry.with_context(failed)?.path());
+    }
+    paths.sort();
+    for path in paths {
+        let is_description = || {
+            let ending = path.extension().map(|ending| ending.to_string_lossy().to_ascii_lowercase());
+            ending.is_some_and(|ending| ENDINGS.contains(&ending.as_str()))
+        };
+        if path.is_dir() {
+            if depth > 0 && !path.is_symlink() {
+                collect(&path, depth - 1, all)?;
+            }
+        } else if is_description() {
+            all.push(path);
+        }
+    }
+    Ok(())
+}
+
+/// A file as it was read.
+pub struct Description {
+    /// As the user named it.
+    pub name: String,
+    pub path: PathBuf,
+    /// Without folders; standard input has none.
+    pub file_name: Option<String>,
+    pub bytes: Vec<u8>,
+}
+
+impl Description {
+    /// Reads a file, or standard input.
+    pub fn read(path: &Path) -> Result<Self> {
+        let failed = || format!("can't read {}", path.display());
+        let is_input = path == Path::new("-");
+        let bytes = if is_input {
+            let mut bytes = Vec::new();
+            std::io::stdin().lock().take(OF_HAND + 1).read_to_end(&mut bytes).context("can't read standard input")?;
+            bytes
+        } else {
+            small_file::read(path, OF_HAND).with_context(failed)?
+        };
+        let file_name = path.file_name().filter(|_| !is_input).map(|name| name.to_string_lossy().into_owned());
+        Ok(Self { name: path.display().to_string(), path: path.to_owned(), file_name, bytes })
+    }
+
+    /// Whether it came from standard input.
+    pub fn is_input(&self) -> bool {
+        self.file_name.is_none()
+    }
+}

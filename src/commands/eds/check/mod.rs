@@ -1,0 +1,162 @@
+//! `canvass eds check`: what is wrong in device descriptions, and mending it.
+
+mod found;
+mod mending;
+mod selection;
+
+use crate::output::{Color, Output, diagnostic, terminal_width, unless_closed};
+use crate::status::{Failure, Status};
+use anyhow::{Context, anyhow};
+use canvass_analyzer::dictionary::Severity;
+use canvass_analyzer::dictionary::check::{Checked, check};
+use canvass_reports::descriptions::text::{self, Style};
+use canvass_reports::descriptions::{CheckedFile, Counts, github, json, junit, markdown, sarif};
+use canvass_reports::escape::Printable;
+use found::{Description, descriptions};
+use selection::Selection;
+use std::io::Write;
+use std::path::PathBuf;
+
+/// Check device descriptions against CiA 306 and the standards, and mend what can be mended
+///
+/// An error is where a configuration tool or the device goes wrong, a warning is against the letter of the standard, a
+/// hint is a habit. `canvass list eds-rules` shows what is looked for, `canvass explain RULE` what it means. A comment
+/// `; canvass: allow RULE reason` in a file leaves it so: before the first section for the whole file, in a section for
+/// that section.
+#[derive(clap::Args)]
+pub struct Args {
+    /// EDS, DCF, XDD and XDC files, and folders of them; - is standard input
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// How to print what is found
+    #[arg(long, value_enum, default_value_t)]
+    format: CheckFormat,
+    /// From which severity on findings make the exit status 1
+    #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
+    fail_on: FailOn,
+    /// Write files with everything mended that can be mended without guessing
+    #[arg(long, conflicts_with = "diff")]
+    fix: bool,
+    /// Print what --fix would change; the exit status is 1 if there is anything
+    #[arg(long, conflicts_with = "format")]
+    diff: bool,
+    #[command(flatten)]
+    selection: Selection,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+enum CheckFormat {
+    /// For people: each finding with its line
+    #[default]
+    Text,
+    /// One JSON object
+    Json,
+    /// SARIF 2.1.0, for code hosts and editors
+    Sarif,
+    /// JUnit XML: each file is a suite, each rule a case
+    Junit,
+    /// For tickets and wikis
+    Markdown,
+    /// Commands of GitHub's workflows
+    Github,
+}
+
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum FailOn {
+    /// Errors
+    #[default]
+    Error,
+    /// Warnings and errors
+    Warning,
+    /// Everything
+    Hint,
+    /// Nothing: the status tells only whether the files could be read
+    Never,
+}
+
+impl FailOn {
+    const fn least(self) -> Option<Severity> {
+        match self {
+            Self::Error => Some(Severity::Error),
+            Self::Warning => Some(Severity::Warning),
+            Self::Hint => Some(Severity::Hint),
+            Self::Never => None,
+        }
+    }
+}
+
+impl Args {
+    pub fn run(self, color: Color) -> Result<Status, Failure> {
+        self.selection.check()?;
+        let style = Style { colors: color.on_stdout(), width: terminal_width().map_or(140, usize::from) };
+        let output = Output::text(style.colors);
+        let mut files = Vec::new();
+        let mut status = Status::Good;
+        for path in descriptions(&self.files)? {
+            match self.one(&path, style, &output) {
+                Ok(Some(file)) => files.push(file),
+                Ok(None) => {}
+                Err(error) if self.files.len() == 1 && !self.files.iter().any(|path| path.is_dir()) => {
+                    return Err(error.into());
+                }
+                // The others are worth checking all the same.
+                Err(error) => {
+                    diagnostic(&format!("canvass: {error:#}"));
+                    status = Status::Usage;
+                }
+            }
+        }
+        if self.diff {
+            unless_closed(output.flush())?;
+            let changes = files.iter().any(|file| file.findings.iter().any(|located| located.finding.fix.is_some()));
+            return Ok(if status == Status::Good && changes { Status::Findings } else { status });
+        }
+        self.print(&files, &output)?;
+        let least = self.fail_on.least();
+        let counts = |severity| least.is_some_and(|least| severity >= least);
+        let fails = files.iter().flat_map(CheckedFile::open).any(|located| counts(located.finding.severity()));
+        Ok(if status == Status::Good && fails { Status::Findings } else { status })
+    }
+
+    /// Checks one file, and mends it if that is wanted. Text is printed at once; a file without findings is kept for the
+    /// count.
+    fn one(&self, path: &std::path::Path, style: Style, output: &Output) -> anyhow::Result<Option<CheckedFile>> {
+        let mut description = Description::read(path)?;
+        let wanted = |finding: &_| self.selection.wants(finding);
+        if self.fix {
+            mending::mend_file(&mut description, wanted)?;
+        }
+        let checked = check(&description.bytes, description.file_name.as_deref());
+        let checked: Checked<'_> = checked.with_context(|| format!("can't check {}", path.display()))?;
+        if let Err(error) = &checked.description {
+            return Err(anyhow!("{} is no device description: {error}", path.display()));
+        }
+        let file = CheckedFile::new(&description.name, &checked, wanted);
+        if self.diff {
+            let diff = mending::difference(&description, &checked.text, wanted)?;
+            output.append(|buffer| buffer.extend_from_slice(diff.as_bytes()))?;
+        } else if self.format == CheckFormat::Text {
+            let text = text::render(&file, &checked.text, style);
+            unless_closed(output.append(|buffer| buffer.extend_from_slice(text.as_bytes())))?;
+        }
+        Ok(Some(file))
+    }
+
+    fn print(&self, files: &[CheckedFile], output: &Output) -> Result<(), Failure> {
+        let text = match self.format {
+            CheckFormat::Text => text::summary(files.len(), &Counts::of(files)),
+            CheckFormat::Json => Printable::pretty_json(&json::document(files)).into_string(),
+            CheckFormat::Sarif => Printable::pretty_json(&sarif::document(files)).into_string(),
+            CheckFormat::Markdown => markdown::document(files),
+            CheckFormat::Github => files.iter().map(github::render).collect(),
+            CheckFormat::Junit => {
+                let mut bytes = Vec::new();
+                junit::render(files, self.fail_on.least(), &mut bytes)?;
+                String::from_utf8_lossy(&bytes).into_owned()
+            }
+        };
+        let mut output = output.clone();
+        unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
+        Ok(())
+    }
+}

@@ -1,0 +1,26 @@
+//! `canvass eds`: device descriptions.
+
+mod check;
+
+use crate::output::Color;
+use crate::status::{Failure, Status};
+
+/// Look at device descriptions: EDS, DCF and XDD files
+#[derive(clap::Args)]
+pub struct Args {
+    #[command(subcommand)]
+    action: Action,
+}
+
+#[derive(clap::Subcommand)]
+enum Action {
+    Check(check::Args),
+}
+
+impl Args {
+    pub fn run(self, color: Color) -> Result<Status, Failure> {
+        match self.action {
+            Action::Check(args) => args.run(color),
+        }
+    }
+}

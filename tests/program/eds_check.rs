@@ -1,0 +1,179 @@
+//! `canvass eds check`: forms, statuses, choosing, mending.
+
+use crate::running::{run, run_with_input};
+use canvass_reports::descriptions::rules::handbook;
+use serde_json::Value;
+use std::path::Path;
+
+const PLAIN: &str = include_str!("../../analyzer/tests/eds/plain.eds");
+
+/// A folder with `plain.eds`, changed.
+fn folder(from: &str, to: &str) -> (tempfile::TempDir, String) {
+    assert!(PLAIN.contains(from), "{from}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("plain.eds");
+    std::fs::write(&path, PLAIN.replacen(from, to, 1)).unwrap();
+    (folder, path.display().to_string())
+}
+
+/// The status and the document that it prints.
+fn json(args: &[&str]) -> (i32, Value) {
+    let run = run(args);
+    (
+        run.status,
+        serde_json::from_str(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}{}", run.stdout, run.stderr)),
+    )
+}
+
+#[test]
+fn a_finding_is_drawn_with_its_line_and_what_to_do() {
+    let (_folder, path) = folder("SupportedObjects=2", "SupportedObjects=7");
+    let shown = run(&["eds", "check", &path, "--fail-on", "warning", "--select", "eds/list"]);
+    assert_eq!(shown.status, 1, "{}", shown.stderr);
+    let expected = format!(
+        "warning[eds/list/count]: the count of a list is not the number of its entries\n  --> {path}:40:18\n   |\n\
+         40 | SupportedObjects=7\n   |                  ^ expected the number of entries, found \"2 entries\"\n   |\n   \
+         = help: --fix does it: write 2\n\n1 file: no errors, 1 warning, no hints\n\
+         1 can be mended with --fix; --diff shows what would change\n"
+    );
+    assert_eq!(shown.stdout, expected);
+    let plain = run(&["eds", "check", &path, "--ignore", "eds/list,eds/device,eds/pdo", "--fail-on", "warning"]);
+    assert_eq!(plain.status, 0, "{}", plain.stdout);
+}
+
+#[test]
+fn what_is_hostile_in_a_file_does_not_act() {
+    let hostile = "ParameterName=\x1b]0;x\x07\u{202E}abc\tx";
+    let (_folder, path) = folder("ParameterName=Setting", hostile);
+    for format in ["text", "json", "sarif", "junit", "markdown", "github"] {
+        for color in ["always", "never"] {
+            let shown = run(&["--color", color, "eds", "check", &path, "--format", format]);
+            assert!(
+                shown.stdout.contains("eds/text/control-character") || format == "junit",
+                "{format}: {}",
+                shown.stdout
+            );
+            let acts = |text: &str| text.contains(['\x07', '\u{202E}']) || text.contains("\x1b]");
+            assert!(!acts(&shown.stdout) && !acts(&shown.stderr), "{format}: {}", shown.stdout);
+        }
+    }
+}
+
+#[test]
+fn json_says_where_and_how_to_mend() {
+    let (_folder, path) = folder("CreationTime=09:00AM", "CreationTime=21:00");
+    let (status, found) = json(&["eds", "check", &path, "--format", "json", "--ignore", "eds/pdo,eds/device"]);
+    assert_eq!((status, &found["schema"]), (0, &Value::from("canvass/eds-check/1")));
+    let findings = found["findings"].as_array().unwrap();
+    let time = findings.iter().find(|finding| finding["rule"] == "eds/file/time").unwrap();
+    assert_eq!((&time["line"], &time["column"], &time["end_column"]), (&7.into(), &14.into(), &19.into()));
+    assert_eq!((&time["file"], &time["severity"]), (&Value::from(path.as_str()), &Value::from("warning")));
+    assert_eq!(time["fix"]["edits"][0]["text"], "09:00PM");
+    assert_eq!(found["summary"]["warnings"], 1);
+}
+
+/// What the schema of SARIF 2.1.0 requires.
+#[test]
+fn sarif_has_what_its_schema_requires() {
+    let (_folder, path) = folder("NrOfTXPDO=1", "NrOfTXPDO=4\n; canvass: allow eds/device/pdo-count by contract\n");
+    let (_, log) = json(&["eds", "check", &path, "--format", "sarif"]);
+    assert_eq!((&log["version"], log["runs"].as_array().unwrap().len()), (&Value::from("2.1.0"), 1));
+    let run = &log["runs"][0];
+    assert_eq!(run["tool"]["driver"]["name"], "canvass");
+    let rules = run["tool"]["driver"]["rules"].as_array().unwrap();
+    let results = run["results"].as_array().unwrap();
+    assert!(!results.is_empty());
+    for result in results {
+        let index = result["ruleIndex"].as_u64().unwrap() as usize;
+        assert_eq!(rules[index]["id"], result["ruleId"]);
+        assert!(result["message"]["text"].is_string() && !result["message"]["text"].as_str().unwrap().is_empty());
+        assert!(["error", "warning", "note"].contains(&result["level"].as_str().unwrap()));
+        let place = &result["locations"][0]["physicalLocation"];
+        assert!(place["artifactLocation"]["uri"].is_string());
+        if let Some(region) = place.get("region") {
+            assert!(region["startLine"].as_u64().unwrap() >= 1 && region["startColumn"].as_u64().unwrap() >= 1);
+        }
+        for fix in result["fixes"].as_array().into_iter().flatten() {
+            let change = &fix["artifactChanges"][0];
+            assert!(change["artifactLocation"].is_object());
+            assert!(change["replacements"].as_array().unwrap().iter().all(|one| one["deletedRegion"].is_object()));
+        }
+    }
+    let waived = results.iter().find(|result| result["ruleId"] == "eds/device/pdo-count").unwrap();
+    assert_eq!(waived["suppressions"][0]["justification"], "by contract");
+}
+
+#[test]
+fn other_forms_name_rule_and_place() {
+    let (_folder, path) = folder(
+        "[ManufacturerObjects]\nSupportedObjects=1\n1=0x2000",
+        "[ManufacturerObjects]\nSupportedObjects=1\n1=0x2001",
+    );
+    let of = |format| run(&["eds", "check", &path, "--format", format]);
+    let github = of("github");
+    assert_eq!(github.status, 1);
+    let line = github.stdout.lines().find(|line| line.contains("eds/list/undescribed")).unwrap();
+    let number = PLAIN.lines().position(|line| line == "1=0x2000").unwrap() + 1;
+    let place = format!(",line={number},col=3,endLine={number},endColumn=9,title=eds/list/undescribed::");
+    assert!(line.starts_with("::error ") && line.contains(&place), "{line}");
+    let markdown = of("markdown").stdout;
+    assert!(markdown.contains(&format!("| {number} | error | eds/list/undescribed |")), "{markdown}");
+    let junit = of("junit").stdout;
+    assert!(junit.contains("classname=\"canvass.eds.list\"") && junit.contains("failures=\"2\""), "{junit}");
+}
+
+#[test]
+fn folders_and_standard_input_are_checked() {
+    let (folder, _) = folder("Lines=1", "Lines=2");
+    std::fs::write(folder.path().join("other.txt"), "none").unwrap();
+    std::fs::create_dir(folder.path().join("deep")).unwrap();
+    std::fs::write(folder.path().join("deep/b.EDS"), PLAIN).unwrap();
+    let (_, found) = json(&["eds", "check", folder.path().to_str().unwrap(), "--format", "json"]);
+    assert_eq!(found["summary"]["files"], 2);
+    let input = run_with_input(&["eds", "check", "-", "--format", "github"], &PLAIN.replace("Lines=1", "Lines=2"));
+    assert!(input.stdout.contains("::warning file=-,line="), "{}", input.stdout);
+    let none = run(&["eds", "check", folder.path().join("other.txt").to_str().unwrap()]);
+    assert!(none.status == 2 && none.stderr.contains("is no device description"), "{}", none.stderr);
+    let slip = run(&["eds", "check", "-", "--select", "eds/lists"]);
+    assert!(slip.status == 2 && slip.stderr.contains("\"eds/lists\" is no rule"), "{}", slip.stderr);
+}
+
+#[test]
+fn files_are_mended_and_what_would_change_is_shown() {
+    let (_folder, path) = folder("Lines=1", "Lines=4");
+    let diff = run(&["eds", "check", &path, "--diff"]);
+    assert_eq!(diff.status, 1, "{}", diff.stderr);
+    let expected =
+        format!("--- a/{path}\n+++ b/{path}\n@@ -34,5 +34,5 @@\n \n [Comments]\n-Lines=4\n+Lines=1\n Line1=one\n \n");
+    assert_eq!(diff.stdout, expected);
+    assert!(std::fs::read_to_string(&path).unwrap().contains("Lines=4"));
+    let fixed = run(&["eds", "check", &path, "--fix", "--ignore", "eds/pdo"]);
+    assert!(fixed.status == 0 && fixed.stderr.ends_with("plain.eds: 1 finding mended\n"), "{}", fixed.stderr);
+    assert_eq!(std::fs::read_to_string(&path).unwrap(), PLAIN);
+    let again = run(&["eds", "check", &path, "--diff"]);
+    assert_eq!((again.status, again.stdout.as_str()), (0, ""));
+    let input = run_with_input(&["eds", "check", "-", "--fix"], PLAIN);
+    assert!(input.status == 2 && input.stderr.contains("standard input can't be written"), "{}", input.stderr);
+}
+
+#[test]
+fn rules_are_listed_and_explained() {
+    let (_, rules) = json(&["list", "eds-rules", "--format", "json"]);
+    let rules = rules.as_array().unwrap();
+    assert!(rules.len() > 80, "{}", rules.len());
+    for rule in rules {
+        let explained = run(&["explain", rule["id"].as_str().unwrap()]);
+        assert!(explained.status == 0 && explained.stdout.contains("Passes:"), "{rule}: {}", explained.stderr);
+    }
+}
+
+/// `UPDATE_DOCS=1 cargo test eds_rules_md` renews the file.
+#[test]
+fn eds_rules_md_is_current() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/eds-rules.md");
+    if std::env::var_os("UPDATE_DOCS").is_some() {
+        std::fs::write(&path, handbook()).unwrap();
+    }
+    let written = std::fs::read_to_string(&path).unwrap_or_default();
+    assert!(written == handbook(), "docs/eds-rules.md is out of date: UPDATE_DOCS=1 cargo test eds_rules_md renews it");
+}
