@@ -35,7 +35,9 @@ impl EmcyService {
             let emcy = context.objects.errors.poll(now, inhibit)?;
             let cob_id = Self::cob_id(context)?;
             if cob_id.is_valid() || context.firmware().sends_emcy_when_invalid() {
-                return Some(emcy.to_frame(cob_id.can_id() as u16));
+                let frame = emcy.to_frame(cob_id.can_id() as u16);
+                let remote = context.firmware().sends_moved_emcy_remotely() && Some(cob_id) != Self::usual(context);
+                return if remote { Frame::remote(frame.id(), frame.len() as u8) } else { Some(frame) };
             }
         }
     }
@@ -44,8 +46,13 @@ impl EmcyService {
         if context.serves(nmt::Service::Emcy) { context.objects.errors.timeout() } else { Timestamp::MAX }
     }
 
+    /// The predefined COB-ID.
+    fn usual(context: &Context) -> Option<CobId> {
+        Some(CobId(u32::from(emcy::CAN_ID_BASE) + u32::from(context.node?.raw())))
+    }
+
     fn cob_id(context: &Context) -> Option<CobId> {
-        let usual = CobId(u32::from(emcy::CAN_ID_BASE) + u32::from(context.node?.raw()));
+        let usual = Self::usual(context)?;
         let own = context.objects.parameters.number(object::COB_ID_EMCY, 0).map_or(usual, |raw| CobId(raw as u32));
         Some(if context.firmware().keeps_emcy_can_id() { CobId(own.0 & !0x7FF | usual.0) } else { own })
     }
@@ -123,7 +130,8 @@ pub(super) fn check_peer_cob_id(
     stays_while_valid: bool,
 ) -> Result<(), AbortCode> {
     let new = CobId(value as u32);
-    let reserved = new.0 & (0x1FFF_F800 | CobId::NO_RTR) != 0 || new.is_extended();
+    let extended = new.is_extended() && !firmware.takes_frame_bit();
+    let reserved = new.0 & (0x1FFF_F800 | CobId::NO_RTR) != 0 || extended;
     let reserved = reserved && (firmware.checks_cob_id_bits() || new.0 & CobId::NO_RTR != 0 || new.is_extended());
     let restricted = new.is_valid() && new.is_restricted() && firmware.checks_restricted_can_ids();
     if reserved || restricted {

@@ -151,7 +151,11 @@ impl Errors {
 
     /// The code that is signalled.
     fn code(&self, condition: Condition) -> EmcyCode {
-        if self.firmware.has_generic_codes_only() { EmcyCode::GENERIC } else { condition.code(&self.quirks) }
+        match condition {
+            _ if self.firmware.has_generic_codes_only() => EmcyCode::GENERIC,
+            Condition::RpdoTooLong { .. } if self.firmware.calls_long_rpdo_late() => EmcyCode::RPDO_TIMEOUT,
+            _ => condition.code(&self.quirks),
+        }
     }
 
     fn remember(&mut self, condition: Condition) {

@@ -223,7 +223,8 @@ impl LssSlave {
             Request::ConfigureNodeId { node_id } => {
                 let ok = matches!(node_id, 1..=127 | UNCONFIGURED) || !firmware.checks_lss_node_id();
                 if ok && matches!(node_id, 1..=127 | UNCONFIGURED) {
-                    self.pending.node_id = Some(node_id);
+                    let mistaken = node_id != UNCONFIGURED && firmware.mistakes_lss_node_id();
+                    self.pending.node_id = Some(if mistaken { node_id % 127 + 1 } else { node_id });
                 }
                 configured(ConfigureCommand::NodeId, ok)
             }

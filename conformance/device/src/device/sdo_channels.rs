@@ -23,6 +23,8 @@ pub(super) struct SdoChannels {
     server: SdoServer,
     further: Vec<FurtherChannel>,
     requests: Requests,
+    /// A request of stopped, for a firmware that answers it later.
+    kept: Option<Frame>,
 }
 
 impl SdoChannels {
@@ -34,6 +36,7 @@ impl SdoChannels {
             server: SdoServer::new(timing, blocks, seed),
             further: FurtherChannel::all(objects, timing, blocks, seed),
             requests: Requests::new(),
+            kept: None,
         }
     }
 
@@ -55,6 +58,9 @@ impl SdoChannels {
 
     /// A request of the default channel.
     fn on_request(&mut self, now: Timestamp, frame: &Frame, context: &mut Context) {
+        if context.phase == nmt::Phase::Stopped && context.firmware().keeps_requests_of_stopped() {
+            self.kept = Some(*frame);
+        }
         if context.objects.wedged || !context.serves(nmt::Service::Sdo) || !self.requests.count(context.firmware()) {
             return;
         }
@@ -95,9 +101,15 @@ impl Service for SdoChannels {
         }
     }
 
-    fn on_event(&mut self, _: Timestamp, event: Event, context: &mut Context) {
+    fn on_event(&mut self, now: Timestamp, event: Event, context: &mut Context) {
         match event {
+            Event::Entered { .. } if context.serves(nmt::Service::Sdo) => {
+                if let Some(frame) = self.kept.take() {
+                    self.on_request(now, &frame, context);
+                }
+            }
             Event::Initialise => {
+                self.kept = None;
                 if context.firmware().ends_transfer_at_reset() {
                     self.server.boot();
                 }

@@ -2,7 +2,7 @@
 
 use super::condition::Condition;
 use super::context::Context;
-use super::nmt;
+use super::nmt::{self, Order};
 use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
@@ -184,6 +184,9 @@ impl Service for SyncObject {
     fn poll(&mut self, now: Timestamp, context: &mut Context) {
         if let Some(sync) = self.next(now) {
             context.send(sync.to_frame(self.own_can_id()));
+            if sync.counter.is_none() && context.firmware().hangs_of_plain_sync() {
+                return context.order(Order::Hang);
+            }
             self.open(now);
             if context.firmware().heeds_own_sync() {
                 context.events.push_back(Event::Sync { counter: sync.counter });

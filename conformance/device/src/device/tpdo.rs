@@ -97,7 +97,9 @@ impl Tpdo {
         // What was taken at a SYNC had the identifier and the mapping of that time.
         self.sampled = None;
         self.sends_empty = firmware.validates_empty_pdo();
-        self.cob_id = CobId(number(1) as u32);
+        let cob_id = CobId(number(1) as u32);
+        let kept = firmware.keeps_tpdo_id_over_reset() && self.cob_id.is_valid() && cob_id.is_valid();
+        self.cob_id = if kept { self.cob_id } else { cob_id };
         self.transmission = TransmissionType(number(2) as u8);
         let padded = &objects.model.sheet().network.padded_tpdos;
         self.padded = padded.iter().any(|&number| u16::from(number) == self.number + 1);
@@ -227,7 +229,7 @@ impl Tpdo {
             if counter.is_some_and(|counter| counter != self.sync_start) {
                 return None;
             }
-            self.awaits_start = false;
+            self.awaits_start = objects.firmware.awaits_each_start();
         }
         match self.transmission {
             TransmissionType::SYNCHRONOUS_ACYCLIC => {

@@ -38,6 +38,7 @@ impl Encoder {
             }
             0x6001 if value < parameters.number_or_zero(0x6001, 0) && !self.firmware.takes_fewer_units() => false,
             0x6001 => value <= units_of(parameters.number_or_zero(0x6002, 0)) || !refuses,
+            0x6002 if value < parameters.number_or_zero(0x6002, 0) && !self.firmware.takes_smaller_range() => false,
             _ => {
                 let range = units_of(value);
                 range >= self.sheet.units_per_revolution_least.into()

@@ -65,6 +65,7 @@ impl Encoder {
             false => 60,
         };
         let sign = if self.is_turned(parameters) { -1 } else { 1 };
+        let sign = if sign < 0 && self.firmware.doubles_turned_speed() { sign * 2 } else { sign };
         let numerator = sign * parts * per_revolution * multiplier;
         // parts / PARTS revolutions in so many nanoseconds.
         let exact = numerator.saturating_mul(FINE) / (i128::from(PARTS) * divisor);

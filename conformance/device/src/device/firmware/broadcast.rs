@@ -3,6 +3,7 @@ use crate::{Fault, Firmware};
 use canvass_traces::Duration;
 
 hooks! {
+    hangs_of_plain_sync with SyncHangsWithoutCounter,
     heeds_own_sync unless SyncOwnUnheeded,
     stamps_at_each_write with StampSetByOthers,
     ignores_sync_consumer_bit with SyncConsumerBitIgnored,

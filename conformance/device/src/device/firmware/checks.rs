@@ -7,6 +7,7 @@ hooks! {
     checks_range unless SdoRangeUnchecked,
     checks_work_area_order unless WorkAreaLimitsSwappedAccepted,
     checks_restricted_can_ids unless RestrictedCanIdAccepted,
+    takes_frame_bit with CobIdFrameBitTaken,
     checks_cob_id_bits unless CobIdBitsUnchecked,
     restricts_free_can_ids with CanIdsTakenForRestricted,
     keeps_high_bits_only with CanIdLowBitsMovable,

@@ -21,6 +21,7 @@ hooks! {
     reverses_history with ErrorHistoryReversed,
     moves_two_history_entries with ErrorHistoryMovesTwo,
     clears_errors_together with ErrorsClearedTogether,
+    sends_moved_emcy_remotely with EmcyMovedIsRemote,
     keeps_emcy_can_id with EmcyKeepsCanId,
     clears_register_when_read with ErrorRegisterReadClears,
     keeps_register_bits with ErrorRegisterStuck,

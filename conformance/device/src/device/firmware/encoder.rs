@@ -2,6 +2,8 @@ use super::hooks;
 use crate::{Fault, Firmware};
 
 hooks! {
+    takes_smaller_range unless RangeSmallerRefused,
+    doubles_turned_speed with SpeedDoubledBackwards,
     takes_fewer_units unless UnitsFewerRefused,
     shows_outside_both_ways unless WorkAreaOutsideOneSided,
     moves_raw_position unless RawPositionStands,

@@ -7,6 +7,7 @@ hooks! {
     answers_undescribed_lss with LssUndescribed,
     activates_bit_rate_at_once with LssActivatesAtOnce,
     takes_lss_node_id_at_reset_node with LssNodeIdStoredAtOnce,
+    mistakes_lss_node_id with LssNodeIdMistaken,
     takes_lss_node_id_at_once with LssNodeIdAtOnce,
     keeps_lss_configuration unless LssStoreNotPersistent,
     takes_fastscan_when_configured with FastscanAnsweredWhenConfigured,

@@ -32,6 +32,9 @@ pub(super) struct BlockDownloadEnd(BlockDownload);
 
 /// The request to write an object in blocks.
 pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, objects: &Objects) -> Next {
+    if objects.firmware.refuses_block_downloads() {
+        return Next::abort(object, AbortCode::LENGTH_TOO_LOW);
+    }
     let size = size.map(|size| size as usize);
     let begun = match objects.begin_download(object, size) {
         Err(AbortCode::READ_ONLY) if objects.firmware.begins_block_to_read_only() => Ok((size.unwrap_or(8), None)),

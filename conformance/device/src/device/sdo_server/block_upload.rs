@@ -114,11 +114,14 @@ impl BlockUpload {
             return self.send_block();
         }
         let wrong = usize::from(firmware.miscounts_last_segment());
-        let unused = ((self.confirmed * 7 + wrong - self.value.len()) & 7) as u8;
+        let unused = match ((self.confirmed * 7 + wrong - self.value.len()) & 7) as u8 {
+            0 if firmware.counts_full_segment_empty() => 7,
+            unused => unused,
+        };
         let start = if firmware.begins_crc_with_ones() { 0xFFFF } else { 0 };
         let crc = match crc16(start, &self.value) {
             crc if self.crc && firmware.swaps_crc() => crc.swap_bytes(),
-            crc if self.crc => crc,
+            crc if self.crc || firmware.sends_crc_unasked() => crc,
             _ => 0,
         };
         self.stage = Stage::Ending;

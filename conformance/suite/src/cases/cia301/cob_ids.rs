@@ -154,3 +154,35 @@ fn bits_beyond(bench: &mut Bench<'_>) -> Judged {
         Ok(())
     })
 }
+
+/// A device that knows only 11-bit CAN-IDs refuses bit 29 of 1014h, 1028h and 1201h to 127Fh with abort 0609 0030h; one that
+/// takes it takes a CAN-ID of 29 bits too.
+#[case(id = "301/cob-id/frame-bit", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
+       needs = [Description], catches = [CobIdFrameBitTaken])]
+fn frame_bit(bench: &mut Bench<'_>) -> Judged {
+    const FRAME: u32 = 1 << 29;
+    const LONG: u32 = 0x0012_3456;
+    let mut objects = writable(bench)?;
+    // PDOs have a case of their own, SYNC and TIME other reserved bits.
+    objects.retain(|at| matches!(at.index.0, 0x1014 | 0x1028 | 0x1201..=0x127F));
+    bench.each(objects, |bench, at| {
+        let own = bench.read_number(at)?;
+        let off = unused(at, own);
+        if off != own && bench.download(at, &off.to_le_bytes())?.abort().is_some() {
+            return Ok(());
+        }
+        let attempt = bench.download(at, &(off & !0x7FF | FRAME | FREE).to_le_bytes())?.under("with bit 29");
+        let only_switched = attempt.abort() == Some(AbortCode::GENERAL);
+        if attempt.abort().is_some() {
+            if !only_switched {
+                bench.check(attempt.refused(Situation::InvalidValue))?;
+            }
+        } else {
+            let long = bench.download(at, &(off & !0x1FFF_FFFF | FRAME | LONG).to_le_bytes())?;
+            bench.check(long.under("which has 29 bits, after bit 29 was taken").refused(Situation::Confirmed))?;
+        }
+        bench.download(at, &off.to_le_bytes())?;
+        bench.download(at, &own.to_le_bytes())?;
+        Ok(())
+    })
+}

@@ -187,7 +187,7 @@ fn too_short(bench: &mut Bench<'_>) -> Result<Option<(u16, Vec<u8>)>, Stop> {
 /// With another CAN-ID in 1014h EMCY comes on that one, in a data frame of eight bytes, and no longer on the old one. Reset
 /// communication brings the old one back.
 #[case(id = "301/emcy/moved", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
-       needs = [EmcyId, Monitoring], catches = [EmcyKeepsCanId])]
+       needs = [EmcyId, Monitoring], catches = [EmcyKeepsCanId, EmcyMovedIsRemote])]
 fn moved(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read_number(COB_ID)?;
     reported_loss(bench)?;

@@ -78,9 +78,10 @@ fn cob_id_predefined(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A TPDO that gets another CAN-ID while it is off is sent with it, and no longer with the old one.
+/// A TPDO that gets another CAN-ID while it is off is sent with it, and no longer with the old one. After reset communication
+/// it is sent with the one that 1800h:01 reads then.
 #[case(id = "301/pdo/cob-id/moved", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [EventTimer, DynamicMapping], catches = [TpdoKeepsCanId])]
+       needs = [EventTimer, DynamicMapping], catches = [TpdoKeepsCanId, TpdoIdOutlivesReset])]
 fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
     bench.set_pdo(TPDO, &[(2, &[255]), (3, &[0, 0]), (5, &100_u16.to_le_bytes())])?;
     let own = bench.pdo_off(TPDO)?;
@@ -88,22 +89,37 @@ fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
     move_to(bench, TPDO, moved)?;
     bench.pdo_on(TPDO, moved)?;
     reads_back(bench, TPDO, moved)?;
-    bench.command(Command::START)?;
-    bench.listen(bench.timing().reaction)?;
-    let (mut new, mut old) = (0, 0);
-    let old_id = (own.can_id() & 0x7FF) as u16;
-    bench.wait_for(Duration::from_millis(500), |record| {
-        match record.frame.cob_id() {
-            Some(id) if u32::from(id) == FREE => new += 1,
-            Some(id) if id == old_id => old += 1,
-            _ => {}
-        }
-        None::<()>
-    })?;
+    let [new, old] = sent_with(bench, [FREE, own.can_id()])?;
     bench.check(demand(new > 0, || {
         counted(format!("TPDO 1 is sent with its new CAN-ID {FREE:03X}h every 100 ms, in 500 ms"), 1, None, new)
     }))?;
-    bench.check(demand(old == 0, || counted("TPDO 1 is no longer sent with its old CAN-ID", 0, Some(0), old)))
+    bench.check(demand(old == 0, || counted("TPDO 1 is no longer sent with its old CAN-ID", 0, Some(0), old)))?;
+    bench.reset(Command::RESET_COMMUNICATION)?;
+    let now = bench.pdo_cob_id(TPDO)?;
+    if now.can_id() == FREE {
+        return Ok(());
+    }
+    bench.set_event_timer(TPDO, 100)?;
+    let [moved] = sent_with(bench, [FREE])?;
+    bench.check(demand(moved == 0, || {
+        let duty = format!("after reset communication TPDO 1 is sent with {:03X}h, as 1800h:01 reads", now.can_id());
+        counted(format!("{duty}, and not with {FREE:03X}h"), 0, Some(0), moved)
+    }))
+}
+
+/// How many frames with each of these CAN-IDs come in the first 500 ms of operational.
+fn sent_with<const N: usize>(bench: &mut Bench<'_>, can_ids: [u32; N]) -> Result<[u64; N], Stop> {
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction)?;
+    let mut counts = [0; N];
+    bench.wait_for(Duration::from_millis(500), |record| {
+        let cob_id = record.frame.cob_id().map(u32::from);
+        for (count, can_id) in counts.iter_mut().zip(can_ids) {
+            *count += u64::from(cob_id == Some(can_id & 0x7FF));
+        }
+        None::<()>
+    })?;
+    Ok(counts)
 }
 
 /// Demands that the COB-ID of a PDO that was switched on reads as it was written.

@@ -2,7 +2,7 @@
 //!
 //! RPDO 1 is given an object that SDOs can read, so that its effect can be seen.
 
-use super::emcy::{emergencies, expect_no_error, observed, patience, shown};
+use super::emcy::{code_of, emergencies, errors_of, expect_no_error, observed, patience, shown};
 use super::pdo_parameters::{move_to, reads_back};
 use crate::bench::Bench;
 use crate::bench::pdo::{Mapped, RPDO};
@@ -192,16 +192,29 @@ fn has_emcy(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     Ok(bench.has(EMCY_ID)? && CobId(bench.read_number(EMCY_ID)?).is_valid())
 }
 
-/// Of an RPDO that is longer than what it carries the first bytes are taken.
+/// Of an RPDO that is longer than what it carries the first bytes are taken. Where an EMCY of 82xxh tells of it, its code is
+/// 8220h, 8210h or the general 8200h, and not that of another error.
 #[case(id = "301/rpdo/too-long", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Must,
-       needs = [RpdoMapping], catches = [LongRpdoIgnored])]
+       needs = [RpdoMapping], catches = [LongRpdoIgnored, LongRpdoCalledLate])]
 fn too_long(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 255)?;
     operational(bench)?;
     bench.expect_emergencies();
     let mut longer = subject.other.clone();
     longer.push(0xA5);
+    let begun = bench.now();
     send(bench, &subject, &longer)?;
+    let since = bench.heard_since(begun);
+    let heard = errors_of(bench, since);
+    let is_other = |record: &&Record| {
+        let code = code_of(record).map(|code| code.0.to_be_bytes());
+        matches!(code, Some([0x82, other]) if !matches!(other, 0x00 | 0x10 | 0x20))
+    };
+    let wrong: Vec<Record> = heard.iter().filter(is_other).cloned().collect();
+    bench.check(demand(wrong.is_empty(), || {
+        let breach = Breach::new(RPDO.subject(), "an RPDO with too many bytes is reported as nothing else");
+        breach.expected("EMCY 8220h, or none").found(observed(&wrong)).told(shown(&wrong))
+    }))?;
     let duty = format!("{} has the first bytes of an RPDO that is too long", subject.mapped.at);
     expect_value(bench, subject.mapped.at, &subject.other, &duty)
 }

@@ -54,7 +54,7 @@ fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, heard: &[Reco
 
 /// A producer sends SYNC at the period that 1006h says, in microseconds.
 #[case(id = "301/sync/period", clause = "CiA 301 7.5.2.6", confidence = Cited, level = Must,
-       needs = [SyncProducer], catches = [SyncPeriodDoubled], cct = "6.2")]
+       needs = [SyncProducer], catches = [SyncPeriodDoubled, SyncHangsWithoutCounter], cct = "6.2")]
 fn period(bench: &mut Bench<'_>) -> Judged {
     let id = produce(bench, 0)?;
     syncs(bench, id, 2)?;

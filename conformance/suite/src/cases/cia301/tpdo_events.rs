@@ -354,7 +354,7 @@ fn remote_forbidden(bench: &mut Bench<'_>) -> Judged {
 /// With a SYNC start value and a SYNC counter, whichever was written first, the first TPDO follows the SYNC of that number, and
 /// one each SYNC after it.
 #[case(id = "301/tpdo/sync-start", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Changeable, SyncCounter], catches = [SyncStartValueIgnored, LateSyncCounterOverlooked], cct = "3.8")]
+       needs = [Changeable, SyncCounter], catches = [SyncStartValueIgnored, LateSyncCounterOverlooked, SyncStartAgain], cct = "3.8")]
 fn sync_start(bench: &mut Bench<'_>) -> Judged {
     const START: u8 = 3;
     let subject = subject(bench, 1)?;

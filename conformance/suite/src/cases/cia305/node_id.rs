@@ -122,7 +122,7 @@ fn own_again(bench: &mut Bench<'_>) -> Result<(), Stop> {
 
 /// A new node-ID is used from the next reset communication on: the device boots with it.
 #[case(id = "305/node-id/takes-effect", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
-       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect, NmtBroadcastIgnored])]
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect, NmtBroadcastIgnored, LssNodeIdMistaken])]
 fn takes_effect(bench: &mut Bench<'_>) -> Judged {
     let other = vacant(bench)?;
     configure(bench)?;

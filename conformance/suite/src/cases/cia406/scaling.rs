@@ -97,9 +97,9 @@ fn own_values(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// While scaling is on, 6001h takes a half, a quarter and an eighth of the steps of a revolution, none of which is more than
-/// the measuring range, and reads as it was written.
+/// the measuring range, and reads as it was written. Then 6002h takes a half and a quarter of its range.
 #[case(id = "406/scaling/fewer-units", clause = "CiA 406", confidence = Unknown, level = Should,
-       needs = [Encoder], catches = [UnitsFewerRefused, ScalingRefused])]
+       needs = [Encoder], catches = [UnitsFewerRefused, RangeSmallerRefused, ScalingRefused])]
 fn fewer_units(bench: &mut Bench<'_>) -> Judged {
     operate(bench, SCALING, 0)?;
     if !bench.can_write(UNITS_PER_REVOLUTION)? || bench.read_number(DEVICE_TYPE)? >> 16 > 2 {
@@ -119,6 +119,21 @@ fn fewer_units(bench: &mut Bench<'_>) -> Judged {
             bench.note(format!("6001h reads as {now} after {units} was written"));
         }
         Ok(())
+    })?;
+    smaller_range(bench, range)
+}
+
+/// 6002h takes a half and a quarter of its range, as far as these hold a revolution.
+fn smaller_range(bench: &mut Bench<'_>, range: u32) -> Judged {
+    if !bench.can_write(RANGE)? || !range.is_power_of_two() {
+        return Ok(());
+    }
+    let units = bench.read_number(UNITS_PER_REVOLUTION)?;
+    let parts = [2, 4].map(|part| range / part).into_iter().filter(|&part| part >= units.saturating_mul(2));
+    let taken: Vec<u32> = parts.filter(|&part| bench.is_within_limits(RANGE, part.into())).collect();
+    bench.each(taken, |bench, part| {
+        let attempt = bench.download(RANGE, &part.to_le_bytes())?.under("with a part of the range that it has");
+        bench.check(attempt.refused(Situation::Confirmed))
     })
 }
 

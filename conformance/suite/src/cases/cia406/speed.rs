@@ -92,21 +92,34 @@ fn revolutions_per_minute(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The sign of the speed is that of the change of position, in both code sequences.
+/// The sign of the speed is that of the change of position, in both code sequences, in which the same change of position is
+/// the same speed.
 #[case(id = "406/speed/sign", clause = "CiA 406", confidence = Unknown, level = Must,
-       needs = [Encoder, Speed, TurningShaft], catches = [SpeedSignIgnoresCodeSequence])]
+       needs = [Encoder, Speed, TurningShaft], catches = [SpeedSignIgnoresCodeSequence, SpeedDoubledBackwards])]
 fn sign(bench: &mut Bench<'_>) -> Judged {
+    let mut seen = Vec::new();
     bench.each([(0, CODE_SEQUENCE), (CODE_SEQUENCE, 0)], |bench, (with, without)| {
         operate(bench, with, without)?;
         bench.listen(Duration::from_millis(500))?;
         let turned = units_per_second(bench)?;
         let speed = signed(bench, SPEED)?;
+        seen.push((speed as f64, turned));
         bench.check(demand(speed as f64 * turned > 0.0, || {
             let duty = format!("6030h has the sign of the change of 6004h (code sequence {with})");
             let breach = Breach::new(SPEED, duty).expected(if turned > 0.0 { "positive" } else { "negative" });
             breach.found(shown(speed)).told(speed.to_string())
         }))
-    })
+    })?;
+    let [(one, one_turned), (other, other_turned)] = seen[..] else { return Ok(()) };
+    // What the other speed is at the change of position of the first.
+    let alike = other.abs() * (one_turned / other_turned).abs();
+    bench.check(demand(is_like(one.abs(), alike), || {
+        let duty = "6030h has the same magnitude in both code sequences";
+        Breach::new(SPEED, duty)
+            .expected(format!("{one:.0}"))
+            .found(Observation::named("another"))
+            .told(format!("{alike:.0}"))
+    }))
 }
 
 /// The bit that the device takes for the unit of the speed.

@@ -82,7 +82,8 @@ fn begin(bench: &mut Bench<'_>, multiplexer: Multiplexer, block_size: u8) -> Res
 /// A block upload without CRC delivers the value: segments numbered from 1, the last one marked, the unused bytes counted,
 /// the size as announced, the CRC 0. So it does with one of another object, with CRC, before it.
 #[case(id = "301/sdo/block-upload/complete", clause = "CiA 301 7.2.4.3.15", confidence = Cited, level = Must,
-       needs = [BlockUpload], catches = [SdoBlockLastLengthWrong, SdoBlockAnnouncedSizeWrong, SdoBlockEndUnmarked],
+       needs = [BlockUpload], catches = [SdoBlockLastLengthWrong, SdoBlockAnnouncedSizeWrong, SdoBlockEndUnmarked,
+                                          SdoBlockCrcUnasked],
        cct = "2.19")]
 fn complete(bench: &mut Bench<'_>) -> Judged {
     // What a server keeps of a CRC has no place in a transfer without.
@@ -100,7 +101,8 @@ fn crc(bench: &mut Bench<'_>) -> Judged {
 /// Strings of 1 to 8, of 13 to 15 and of 888 to 890 bytes are read in blocks to the byte: around the ends of segments and
 /// of the longest block.
 #[case(id = "301/sdo/block-upload/lengths", clause = "CiA 301 7.2.4.3.15", confidence = Cited, level = Must,
-       needs = [BlockUpload, LongScratch], catches = [SdoBlockLastLengthWrong, SdoBlockCrcStartWrong])]
+       needs = [BlockUpload, LongScratch], catches = [SdoBlockLastLengthWrong, SdoBlockCrcStartWrong,
+                                                       SdoBlockSevenEndsEmpty])]
 fn lengths(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = bench.long_scratch()?;
     bench.each([1_usize, 2, 3, 4, 5, 6, 7, 8, 13, 14, 15, 888, 889, 890], |bench, length| {
