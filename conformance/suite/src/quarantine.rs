@@ -11,7 +11,6 @@
 //! A waiver accepts what a device does; a quarantine accepts nothing: it gives somebody time to find out. So it needs an owner
 //! and an end.
 
-use crate::catalogue;
 use crate::glob;
 use crate::verdict::Kind;
 use serde::Deserialize;
@@ -44,13 +43,13 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// The quarantine that begins at that line; else what is wrong with it.
+    /// The quarantine that begins at that line; else what is wrong with it. Whether there is such a case is for the reader of the
+    /// file to see.
     pub fn read(self, line: usize) -> Result<Quarantine, String> {
         let Self { case, owner, reason, until } = self;
         if reason.trim().is_empty() || owner.trim().is_empty() {
             return Err("expected a reason and an owner: a quarantine ends when somebody has looked into it".to_owned());
         }
-        catalogue::expect(&case)?;
         Ok(Quarantine { line, case, owner, reason, until: day(until)? })
     }
 }

@@ -101,7 +101,8 @@ impl Waivers {
         });
         let quarantines = file.quarantine.into_iter().map(|row| {
             let line = line_of(text, row.span().start);
-            row.into_inner().read(line).map_err(|problem| BadWaiver { line, problem })
+            let known = |read: Quarantine| catalogue::expect(&read.case).map(|()| read);
+            row.into_inner().read(line).and_then(known).map_err(|problem| BadWaiver { line, problem })
         });
         Ok(Self { waivers: waivers.collect::<Result<_, _>>()?, quarantines: quarantines.collect::<Result<_, _>>()? })
     }
