@@ -130,7 +130,7 @@ fn understood(bytes: &[u8]) -> Vec<Object> {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(48))]
+    #![proptest_config(ProptestConfig::with_cases(24))]
 
     /// Examples of several rules at once, and random damage: mending twice is mending once, what the objects are stays, and
     /// so does every comment.
