@@ -86,7 +86,7 @@ fn the_eds_is_written_in_another_way() {
 #[test]
 fn what_is_free_is_no_error_of_the_eds() {
     let errors = |description: DeviceDescription| {
-        description.problems.into_iter().filter(|problem| problem.severity == Severity::Error).collect::<Vec<_>>()
+        description.problems.into_iter().filter(|problem| problem.severity() == Severity::Error).collect::<Vec<_>>()
     };
     assert_eq!(errors(model().description().clone()), []);
     for &liberty in Liberty::ALL {
