@@ -8,7 +8,7 @@ use canvass_analyzer::dictionary::rules;
 #[derive(clap::Args)]
 pub struct Selection {
     /// Look only for these rules or families, such as eds/pdo,eds/list/count
-    #[arg(long, value_name = "RULES", value_delimiter = ',')]
+    #[arg(long, value_name = "SELECTOR", value_delimiter = ',')]
     select: Vec<String>,
     /// Don't look for these rules or families
     #[arg(long, value_name = "RULES", value_delimiter = ',')]
