@@ -22,6 +22,6 @@ pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Mo
 pub use manual::{KnownDevice, KnownEmergency, Manual, Settings};
 pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
-pub use problem::{EdsProblem, ProblemKind, Severity};
-pub use rules::Rule;
+pub use problem::EdsProblem;
+pub use rules::{ProblemKind, Rule, Severity};
 pub use value::{DaysAndMilliseconds, Value, ValueError};

@@ -12,9 +12,10 @@ pub use apply::{Mended, mend};
 pub use fix::{Edit, Fix};
 pub use source::Source;
 
+use super::Severity;
 use super::description::DeviceDescription;
 use super::eds::{DescriptionError, LARGEST_FILE, decode_text};
-use super::problem::{EdsProblem, Place, Problems, Severity};
+use super::problem::{EdsProblem, Place, Problems};
 use super::{consistency, rules};
 use std::borrow::Cow;
 use std::ops::Range;

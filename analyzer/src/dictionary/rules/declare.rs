@@ -22,8 +22,8 @@ macro_rules! rules {
         $($(#[doc = $doc])+
         pub static $name: $crate::dictionary::rules::Rule = $crate::dictionary::rules::Rule {
             id: $id,
-            severity: $crate::dictionary::problem::Severity::$severity,
-            kind: $crate::dictionary::problem::ProblemKind::$kind,
+            severity: $crate::dictionary::rules::Severity::$severity,
+            kind: $crate::dictionary::rules::ProblemKind::$kind,
             clause: $crate::clause::Clause {
                 standard: $standard,
                 section: $crate::dictionary::rules::declare::section!($($section)?),

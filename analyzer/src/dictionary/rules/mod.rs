@@ -9,6 +9,7 @@ mod declare;
 pub(super) mod entry;
 pub(super) mod field;
 pub(super) mod file;
+mod kind;
 pub(super) mod list;
 pub(super) mod module;
 pub(super) mod number;
@@ -18,9 +19,9 @@ pub(super) mod standard;
 pub(super) mod text;
 pub(super) mod xdd;
 
+pub use kind::{ProblemKind, Severity};
 pub use text::{CONFLICT, HALF_READ};
 
-use super::problem::{ProblemKind, Severity};
 use crate::clause::Clause;
 use declare::rules;
 use std::fmt;

@@ -1,0 +1,71 @@
+//! How bad a problem is, and what kind of thing is wrong.
+
+use std::fmt;
+
+/// How bad a problem is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Severity {
+    /// A habit, or worth knowing: nothing goes wrong.
+    Hint,
+    /// Against the letter of the standard; what was meant is clear, and was understood so.
+    Warning,
+    /// A configuration tool or the device goes wrong with it, or what stands there could not be used.
+    Error,
+}
+
+impl Severity {
+    /// The word for it, in text and in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Hint => "hint",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+impl fmt::Display for Severity {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// What kind of thing is wrong, for whoever groups or waives problems.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum ProblemKind {
+    /// Character set, byte order mark, line ends.
+    Encoding,
+    /// A line that is neither section, field nor comment, or is too long.
+    Line,
+    /// A section that occurs twice; the first counts.
+    DuplicateSection,
+    /// A field that occurs twice in a section; the first counts.
+    DuplicateField,
+    /// A section that the standard requires is missing.
+    MissingSection,
+    /// A field that the standard requires is missing.
+    MissingField,
+    /// A section that the standard does not know.
+    UnknownSection,
+    /// A field that the standard does not know in its section.
+    UnknownField,
+    /// A number that can't be read, or is written in a form that the standard does not allow.
+    Number,
+    /// A value outside what the field allows.
+    Value,
+    /// A number that does not fit the data type of its entry.
+    Range,
+    /// A count that differs from what is there.
+    Count,
+    /// An object that is listed without description, described without being listed, or listed twice or in the
+    /// wrong list.
+    List,
+    /// A PDO mapping that can't work, or half of a PDO's parameters.
+    Mapping,
+    /// A COB-ID that is restricted or used twice.
+    CobId,
+    /// An object that differs from the standard that defines it.
+    Standard,
+    /// A description so large that the rest was left out.
+    TooMuch,
+}
