@@ -440,8 +440,9 @@ impl Server {
             let expected = format!("{} bytes, as announced", upload.announced.unwrap_or(0));
             return Err(instead(Property::LegalSdo, expected, format!("{len} bytes")));
         }
+        // Without one the field is 0 (CiA 301, 7.2.4.3.15).
         let right = if upload.crc { crc16(0, &self.data) } else { 0 };
-        if upload.crc && crc != right {
+        if crc != right {
             return Err(instead(Property::LegalSdo, format!("the checksum {right:04X}h"), format!("{crc:04X}h")));
         }
         let reading = Reading { at: upload.at, entry: upload.entry, must: CodeSet::NONE, may: CodeSet::NONE };

@@ -62,7 +62,7 @@ fn upload_ends(bench: &mut Bench<'_>) -> Judged {
 /// Reset communication in the middle of a block download ends it: the device boots, the object has its value of
 /// power-on, and a new transfer works.
 #[case(id = "301/boot-up/running-download", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
-       needs = [BlockDownload], catches = [SdoTransferSurvivesReset])]
+       needs = [BlockDownload], catches = [SdoTransferSurvivesReset, SdoBlockDownloadRefused])]
 fn reset(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     let multiplexer = scratch.multiplexer;

@@ -93,7 +93,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
 
 /// In stopped no SYNC is produced; in pre-operational and operational it is.
 #[case(id = "301/state/stopped/sync", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
-       needs = [SyncProducer], catches = [SyncWhenStopped], cct = "9.4")]
+       needs = [SyncProducer], catches = [SyncWhenStopped, SyncHangsWithoutCounter], cct = "9.4")]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     let id = produce(bench, 0)?;
     for command in [Command::ENTER_PRE_OPERATIONAL, Command::START] {

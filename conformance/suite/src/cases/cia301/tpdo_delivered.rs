@@ -13,13 +13,14 @@ use canvass_traces::Duration;
        needs = [Tpdo, Sync], catches = [SynchronousTpdoAtStart])]
 fn synchronous_as_delivered(bench: &mut Bench<'_>) -> Judged {
     bench.stop_sync_period()?;
+    // Some start by themselves after it.
+    let begun = bench.now();
     bench.reset(Command::RESET_NODE)?;
     let synchronous = synchronous(bench)?;
     if synchronous.is_empty() {
         let reason = Reason::new("a TPDO is synchronous as delivered", "type 0 to 240 in 1800h:02 to 1803h:02", "none");
         return Err(Stop::NotApplicable(reason));
     }
-    let begun = bench.now();
     let sync = bench.sync_id()?;
     bench.command(Command::START)?;
     bench.listen(Duration::from_millis(300))?;

@@ -97,8 +97,7 @@ fn taken(bench: &mut Bench<'_>, manner: fn(&[u8]) -> DownloadManner) -> Judged {
 /// A block download without CRC is taken, and the value can be read back.
 #[case(id = "301/sdo/block-download/complete", clause = "CiA 301 7.2.4.3.9", confidence = Cited, level = Must,
        needs = [BlockDownload], cct = "2.21",
-       catches = [SdoBlockPaddingKept, SdoBlockEndSilent, SdoBlockSizeZeroOffered, SdoBlockCountOffByOne,
-                  SdoBlockDownloadRefused])]
+       catches = [SdoBlockPaddingKept, SdoBlockEndSilent, SdoBlockSizeZeroOffered, SdoBlockCountOffByOne])]
 fn complete(bench: &mut Bench<'_>) -> Judged {
     taken(bench, |value| DownloadManner { crc: false, ..DownloadManner::right(value) })
 }
