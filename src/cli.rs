@@ -60,7 +60,8 @@ enum Command {
 impl Cli {
     /// All commands, with what only this place knows of them.
     pub fn described() -> clap::Command {
-        completion::with_candidates(with_statuses(with_environment(Self::command())))
+        let command = Self::command().color(crate::output::colors_of_help());
+        completion::with_candidates(with_statuses(with_environment(command)))
     }
 
     /// The command line, and what was typed of it; help and mistakes end the program.

@@ -25,11 +25,7 @@ impl Color {
         match self {
             Self::Always => true,
             Self::Never => false,
-            // https://no-color.org: any value but the empty one switches colours off.
-            Self::Auto => {
-                let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
-                !no_color && is_terminal() && !is_dumb()
-            }
+            Self::Auto => is_terminal() && may_have_colors(),
         }
     }
 }
@@ -139,6 +135,19 @@ pub fn document(colors: bool) -> Visible<Stdout> {
 /// Whether the terminal knows no sequences: nothing has colours then, and no line takes the place of another.
 pub fn is_dumb() -> bool {
     std::env::var_os("TERM").is_some_and(|term| term == "dumb")
+}
+
+/// Whether the user and the terminal take colours.
+fn may_have_colors() -> bool {
+    // https://no-color.org: any value but the empty one switches colours off.
+    let no_color = std::env::var_os("NO_COLOR").is_some_and(|value| !value.is_empty());
+    !no_color && !is_dumb()
+}
+
+/// The colours of clap's help and messages. Left alone it sends them to a terminal that knows none wherever `CI` or
+/// `CLICOLOR_FORCE` is set.
+pub fn colors_of_help() -> clap::ColorChoice {
+    if may_have_colors() { clap::ColorChoice::Auto } else { clap::ColorChoice::Never }
 }
 
 /// Whether the user's locale is one of ASCII. Terminals keep to it; files and pipes are UTF-8 in any locale.

@@ -40,7 +40,7 @@ fn seen(columns: u16, variables: &[(&str, &str)], args: &[&str]) -> String {
     let mut child = {
         let mut command = command(args);
         // What the tests are run with says nothing of this terminal.
-        for variable in ["LC_ALL", "LC_CTYPE", "LANG", "TERM", "COLUMNS"] {
+        for variable in ["LC_ALL", "LC_CTYPE", "LANG", "TERM", "COLUMNS", "CI", "CLICOLOR", "CLICOLOR_FORCE"] {
             command.env_remove(variable);
         }
         command.envs(variables.iter().copied()).stdin(Stdio::from(slave.try_clone().unwrap()));
@@ -72,7 +72,9 @@ const USUAL: [(&str, &str); 2] = [("TERM", "xterm-256color"), ("LC_ALL", "C.UTF-
 #[test]
 fn a_dumb_terminal_gets_no_sequences() {
     for args in COMMANDS {
-        let text = seen(100, &[("TERM", "dumb"), ("LC_ALL", "C.UTF-8")], args);
+        // Pipelines, too, have terminals that know none.
+        let variables = [("TERM", "dumb"), ("LC_ALL", "C.UTF-8"), ("CI", "true"), ("CLICOLOR_FORCE", "1")];
+        let text = seen(100, &variables, args);
         assert!(!text.is_empty() && !text.contains('\x1b'), "{args:?}: {text:?}");
         assert!(!text.contains('\r'), "{args:?}: {text:?}");
     }
