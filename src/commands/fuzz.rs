@@ -21,7 +21,7 @@ use canvass_analyzer::NodeId;
 use canvass_fuzzer::campaign::{self, Outcome, Plan};
 use canvass_fuzzer::coverage::LssReach;
 use canvass_fuzzer::time_limit::TimeLimit;
-use canvass_fuzzer::{Knowledge, Target};
+use canvass_fuzzer::{Knowledge, Targets};
 use canvass_reports::fuzz::{Render, Run, Words, html, json, junit, markdown, text};
 use canvass_reports::provenance::Provenance;
 use canvass_suite::touch::Touch;
@@ -49,9 +49,9 @@ pub struct Args {
     /// What the device is: a built-in model or an EDS or DCF file
     #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
-    /// The services: sdo, lss, nmt, pdo, sync-emcy or all
-    #[arg(long, default_value_t)]
-    target: Target,
+    /// The services: sdo, lss, nmt, pdo, sync-emcy or all, or several with commas between them
+    #[arg(long, value_name = "SERVICES", default_value_t)]
+    target: Targets,
     /// How long: 30s, 10m, 1h; without it and --runs 10s on a simulated bus, 60s on a live one
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
@@ -104,7 +104,7 @@ impl Args {
         let interrupt = Interrupt::watch()?;
         let span = self.span(simulated);
         let plan = Plan {
-            target: self.target,
+            targets: self.target,
             seed,
             allow,
             shrink_budget: match &self.replay {
@@ -214,7 +214,7 @@ impl Args {
             bit_rate: device.bit_rate(),
             node: knowledge.node,
             model: device.name().to_owned(),
-            target: self.target,
+            targets: self.target,
             allow: plan.allow.clone(),
             seed: plan.seed,
             repeat: self.repeat(knowledge.node, plan.seed, outcome.sequences),

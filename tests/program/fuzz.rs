@@ -35,6 +35,24 @@ fn a_healthy_device_violates_nothing() {
 }
 
 #[test]
+fn several_services_are_fuzzed_together() {
+    let fuzzed = |target: &str, seed: &str| {
+        json(&run(&["fuzz", FAULTY, "--target", target, "--seed", seed, "--runs", "60", "--format", "json"]))
+    };
+    let report = fuzzed("pdo,sdo", "3");
+    assert_eq!(report["target"], "sdo,pdo");
+    assert!(report["repeat"].as_str().unwrap().contains("--target sdo,pdo "), "{report:#}");
+    let properties = |report: &serde_json::Value| -> Vec<String> {
+        let violations = report["violations"].as_array().unwrap();
+        violations.iter().map(|violation| violation["property"].as_str().unwrap().to_owned()).collect()
+    };
+    assert!(properties(&report).iter().any(|property| property == "PROP-02"), "{report:#}");
+    // A fault of the SDO server does not show in what is sent to other services.
+    let report = fuzzed("nmt,sync-emcy", "3");
+    assert_eq!((&report["target"], properties(&report)), (&"nmt,sync-emcy".into(), Vec::new()), "{report:#}");
+}
+
+#[test]
 fn a_violation_is_handed_over_to_be_repeated() {
     let folder = tempfile::tempdir().unwrap();
     let file = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();

@@ -5,7 +5,7 @@ use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_device::models::Model;
 use canvass_fuzzer::campaign::{Plan, campaign};
-use canvass_fuzzer::{Knowledge, Target, reproducer};
+use canvass_fuzzer::{Knowledge, Targets, reproducer};
 use std::collections::BTreeSet;
 use std::io::{Write, stdout};
 use std::time::Instant;
@@ -22,7 +22,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     };
     let seconds: f64 = seconds.parse()?;
     let plan = Plan {
-        target: rest.get(1).map_or(Ok(Target::All), |name| name.parse())?,
+        targets: rest.get(1).map_or(Ok(Targets::default()), |names| names.parse())?,
         seed: rest.first().map_or(Ok(1), |seed| seed.parse())?,
         allow: BTreeSet::new(),
         shrink_budget: 100,

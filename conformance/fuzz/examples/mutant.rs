@@ -94,7 +94,7 @@ fn fuzz(model: &'static Model, seed: u64, exchanges: u64) -> Result<Judged, Box<
     let (ground, knowledge) = simulated(model, node, Firmware::PLAIN, model.default_bit_rate(), seed);
     let mut ground = Heard { ground, now: Timestamp::ZERO, traffic: DefaultHasher::new() };
     let plan = Plan {
-        target: Target::All,
+        targets: Target::All.into(),
         seed,
         allow: Touch::ALL.into_iter().collect(),
         shrink_budget: 0,

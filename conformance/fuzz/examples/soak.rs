@@ -9,7 +9,7 @@ use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::coverage::LssReach;
 use canvass_fuzzer::detection::{Limit, detect, fuzz};
 use canvass_fuzzer::liberties::Chance;
-use canvass_fuzzer::{Knowledge, Target, reproducer};
+use canvass_fuzzer::{Knowledge, Targets, reproducer};
 use canvass_suite::touch::Touch;
 use std::collections::BTreeSet;
 use std::io::{Write, stdout};
@@ -43,13 +43,13 @@ fn models(
     allow: &str,
     named: &[String],
 ) -> Result<(), Box<dyn std::error::Error>> {
-    let target: Target = target.parse()?;
+    let targets: Targets = target.parse()?;
     let names = allow.split(',').filter(|name| !matches!(*name, "" | "-"));
     let allow: BTreeSet<Touch> = names.map(str::parse).collect::<Result<_, _>>()?;
     let mut out = stdout().lock();
     for model in Model::all().iter().filter(|model| named.is_empty() || named.iter().any(|name| name == model.id())) {
         let begun = processor_time();
-        let outcome = fuzz(model, Faults::NONE, target, &allow, seed, &mut |done| done < exchanges)?;
+        let outcome = fuzz(model, Faults::NONE, targets, &allow, seed, &mut |done| done < exchanges)?;
         let knowledge = Knowledge::new(NodeId::MIN, Some(model.description()), Some(model.sheet()));
         let reach = LssReach::of(&knowledge.services, model.sheet().network.lss, &allow);
         let rate = outcome.executions as f64 / (processor_time() - begun);

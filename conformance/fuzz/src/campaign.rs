@@ -2,7 +2,7 @@
 
 use super::coverage::{Command, Coverage, LssReach, SdoState};
 use super::execute::{Ended, Executor, Pace};
-use super::generate::{Dialogues, Target};
+use super::generate::{Dialogues, Target, Targets};
 use super::ground::Ground;
 use super::learn::learn;
 use super::live::Live;
@@ -24,7 +24,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct Plan {
     /// The services.
-    pub target: Target,
+    pub targets: Targets,
     /// The seed of everything random.
     pub seed: u64,
     /// What the sequences may do beyond what leaves no trace.
@@ -122,7 +122,7 @@ pub fn run(
     plan: &Plan,
     go_on: &mut dyn FnMut(Progress<'_>) -> bool,
 ) -> Result<Outcome, FuzzError> {
-    if !learn(ground, &mut knowledge, matches!(plan.target, Target::Lss | Target::All), &plan.time)? {
+    if !learn(ground, &mut knowledge, plan.targets.contains(Target::Lss), &plan.time)? {
         return Err(FuzzError::Unreachable(knowledge.node));
     }
     let knowledge = Arc::new(knowledge);
@@ -221,7 +221,7 @@ impl Campaign<'_> {
             return Ok(());
         }
         let mut dialogues = Dialogues {
-            target: self.plan.target,
+            targets: self.plan.targets,
             allow: self.plan.allow.clone(),
             unconfigured: ground.has_unconfigured() && knowledge.services.lss == Some(true),
             patient: ground.is_repeatable(),

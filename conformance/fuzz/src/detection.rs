@@ -2,7 +2,7 @@
 //! show it; and that it finds nothing on a model without fault.
 
 use super::campaign::{self, Found, FuzzError, Plan};
-use super::generate::Target;
+use super::generate::{Target, Targets};
 use super::ground::simulated;
 use canvass_analyzer::NodeId;
 use canvass_device::models::Model;
@@ -82,14 +82,14 @@ fn node_of(model: &Model) -> NodeId {
 pub fn fuzz(
     model: &'static Model,
     firmware: impl Into<Firmware>,
-    target: Target,
+    targets: impl Into<Targets>,
     allow: &BTreeSet<Touch>,
     seed: u64,
     go_on: &mut dyn FnMut(u64) -> bool,
 ) -> Result<campaign::Outcome, FuzzError> {
     let (mut ground, knowledge) = simulated(model, node_of(model), firmware, model.default_bit_rate(), seed);
     let plan = Plan {
-        target,
+        targets: targets.into(),
         seed,
         allow: allow.clone(),
         shrink_budget: SHRINK_BUDGET,

@@ -31,7 +31,7 @@ pub mod time_limit;
 mod trust;
 
 pub use baseline::Kept;
-pub use generate::{Dialogues, Target, UnknownTarget};
+pub use generate::{Dialogues, Target, Targets, UnknownTarget};
 pub use knowledge::{Knowledge, Known, Patience, Services};
 pub use live::Live;
 pub use oracle::Violation;

@@ -46,7 +46,7 @@ fn head(run: &Run) -> Markup {
         p.outcome.(if good { "good" } else { "bad" }) { (outcome(run)) }
         dl.facts {
             (fact("Bus", &run.bus))
-            (fact("Target", run.target.name()))
+            (fact("Target", &run.targets.to_string()))
             (fact("Never done, as not allowed", &run.forbidden()))
             (fact("Seed", &run.seed.to_string()))
             (fact("Exchanges", &run.outcome.executions.to_string()))

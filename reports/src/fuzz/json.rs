@@ -24,7 +24,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
         "bit_rate": run.bit_rate,
         "node": run.node.raw(),
         "model": Some(&run.model).filter(|model| !model.is_empty()),
-        "target": run.target.name(),
+        "target": run.targets.to_string(),
         "seed": run.seed,
         "repeat": run.repeat,
         "cancelled": run.cancelled,

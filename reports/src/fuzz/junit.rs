@@ -12,7 +12,7 @@ use std::io::{self, Write};
 /// # Errors
 /// What `out` gives.
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
-    let mut suite = TestSuite::new(format!("fuzz/{}", run.target));
+    let mut suite = TestSuite::new(format!("fuzz/{}", run.targets));
     suite.add_property(("node", run.node.to_string().as_str()));
     suite.add_property(("bus", printable(&run.bus).as_ref()));
     suite.add_property(("model", printable(&run.model).as_ref()));
@@ -46,7 +46,7 @@ fn cases(run: &Run, property: Property) -> Vec<TestCase> {
             printable(&format!("expected {}, found {}", violation.expected, violation.actual)).into_owned(),
         );
         let mut case = TestCase::new(format!("{property} {}", violation.rule), status);
-        case.set_classname(format!("fuzz.{}", run.target));
+        case.set_classname(format!("fuzz.{}", run.targets));
         let text = format!(
             "{}\n{}\n{}\n",
             reliability(found, run.outcome.dead),
@@ -59,7 +59,7 @@ fn cases(run: &Run, property: Property) -> Vec<TestCase> {
     }
     if cases.is_empty() {
         let mut case = TestCase::new(format!("{property} {}", property.title()), TestCaseStatus::success());
-        case.set_classname(format!("fuzz.{}", run.target));
+        case.set_classname(format!("fuzz.{}", run.targets));
         cases.push(case);
     }
     cases

@@ -13,7 +13,7 @@ use std::io::{self, Write};
 pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     let out: &mut dyn Write = &mut Visible::new(out, false);
     writeln!(out, "# Fuzzing of node {}\n", run.node)?;
-    writeln!(out, "Bus: {}. Target: {}. Seed: {}.\n", markdown(&run.bus), run.target, run.seed)?;
+    writeln!(out, "Bus: {}. Target: {}. Seed: {}.\n", markdown(&run.bus), run.targets, run.seed)?;
     writeln!(out, "{}.\n", sentence(&outcome(run)))?;
     writeln!(out, "| | |\n|---|---:|")?;
     writeln!(out, "| exchanges | {} |", run.outcome.executions)?;

@@ -16,7 +16,7 @@ use canvass_analyzer::NodeId;
 use canvass_fuzzer::Property;
 use canvass_fuzzer::campaign::{Found, Outcome};
 use canvass_fuzzer::coverage::{Answer, Coverage, LssReach};
-use canvass_fuzzer::{Target, Then, reproducer};
+use canvass_fuzzer::{Targets, Then, reproducer};
 use canvass_suite::bench::Annotate;
 use canvass_suite::touch::Touch;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
@@ -38,7 +38,7 @@ pub struct Run {
     /// What the user calls the device; empty: not described.
     pub model: String,
     /// The services.
-    pub target: Target,
+    pub targets: Targets,
     /// What the sequences were allowed to do.
     pub allow: BTreeSet<Touch>,
     /// The seed.

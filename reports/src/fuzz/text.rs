@@ -47,7 +47,7 @@ pub fn render(run: &Run, out: &mut dyn Write) -> io::Result<()> {
     writeln!(
         out,
         "{executions} exchanges ({frames} frames sent) in {sequences} sequences, target {}, seed {}",
-        run.target, run.seed
+        run.targets, run.seed
     )?;
     writeln!(out, "coverage of state × command: SDO {}, LSS {}", run.sdo_share(), run.lss_share())?;
     match run.forbidden() {

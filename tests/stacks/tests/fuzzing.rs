@@ -66,7 +66,7 @@ fn fuzz(peer: Peer, target: Target, sequences: u64) -> Outcome {
     };
     let mut ground = Simulated::new(peer.make, node, BIT_RATE, BOOT, true);
     let plan = Plan {
-        target,
+        targets: target.into(),
         seed: 1,
         allow: [Touch::NodeId, Touch::Nvm].into(),
         shrink_budget: 500,

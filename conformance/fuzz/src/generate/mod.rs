@@ -9,6 +9,7 @@ mod lss;
 mod network;
 mod pdo;
 mod sdo;
+mod target;
 mod values;
 
 use super::Knowledge;
@@ -25,63 +26,8 @@ pub(super) use dice::Dice;
 use proptest::strategy::{NewTree, Strategy};
 use proptest::test_runner::TestRunner;
 use std::collections::BTreeSet;
-use std::fmt;
-use std::str::FromStr;
 use std::sync::Arc;
-
-/// Which services are fuzzed.
-#[derive(Clone, Copy, PartialEq, Eq, Hash, Debug, Default)]
-pub enum Target {
-    /// The SDO server.
-    Sdo,
-    /// The LSS slave.
-    Lss,
-    /// NMT and error control.
-    Nmt,
-    /// PDOs and their configuration.
-    Pdo,
-    /// SYNC, EMCY, heartbeat consumer.
-    SyncEmcy,
-    /// All of them, interleaved.
-    #[default]
-    All,
-}
-
-impl Target {
-    /// All targets.
-    pub const ALL: [Self; 6] = [Self::Sdo, Self::Lss, Self::Nmt, Self::Pdo, Self::SyncEmcy, Self::All];
-
-    /// The name on the command line.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Sdo => "sdo",
-            Self::Lss => "lss",
-            Self::Nmt => "nmt",
-            Self::Pdo => "pdo",
-            Self::SyncEmcy => "sync-emcy",
-            Self::All => "all",
-        }
-    }
-}
-
-impl fmt::Display for Target {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
-/// There is no target of that name.
-#[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("no target is called \"{0}\": there are sdo, lss, nmt, pdo, sync-emcy and all")]
-pub struct UnknownTarget(pub String);
-
-impl FromStr for Target {
-    type Err = UnknownTarget;
-
-    fn from_str(name: &str) -> Result<Self, UnknownTarget> {
-        Self::ALL.into_iter().find(|target| target.name() == name).ok_or_else(|| UnknownTarget(name.to_owned()))
-    }
-}
+pub use target::{Target, Targets, UnknownTarget};
 
 /// The strategy: sequences for one device.
 #[derive(Clone, Debug)]
@@ -89,7 +35,7 @@ pub struct Dialogues {
     /// The device.
     pub knowledge: Arc<Knowledge>,
     /// The services.
-    pub target: Target,
+    pub targets: Targets,
     /// What the sequences may do beyond what leaves no trace.
     pub allow: BTreeSet<Touch>,
     /// Whether a device without node-ID can be had.
@@ -138,26 +84,22 @@ impl<'a> Script<'a> {
             if self.sequence.stimuli.len() >= LONGEST {
                 break;
             }
-            match self.plan.target {
-                Target::Sdo => self.sdo_dialogue(),
+            match self.plan.targets.draw(|shares| self.dice.below(shares)) {
                 Target::Lss if self.knowledge().services.lmt => self.lmt_dialogue(),
-                Target::Lss => self.lss_dialogue(),
-                Target::Nmt => self.nmt_dialogue(),
+                Target::Lss if self.is_for_lss() => self.lss_dialogue(),
                 Target::Pdo => self.pdo_dialogue(),
+                Target::Nmt => self.nmt_dialogue(),
                 Target::SyncEmcy => self.sync_dialogue(),
-                Target::All => match self.dice.below(12) {
-                    0..=5 => self.sdo_dialogue(),
-                    6 | 7 => self.pdo_dialogue(),
-                    8 => self.nmt_dialogue(),
-                    9 => self.sync_dialogue(),
-                    _ if self.knowledge().services.lmt => self.lmt_dialogue(),
-                    _ if self.sequence.stimuli.is_empty() || self.sequence.start == Start::Unconfigured => {
-                        self.lss_dialogue();
-                    }
-                    _ => self.sdo_dialogue(),
-                },
+                Target::Sdo | Target::Lss | Target::All => self.sdo_dialogue(),
             }
         }
+    }
+
+    /// Whether LSS may come next: beside SDOs it comes where a sequence begins, and where the device has no node-ID.
+    fn is_for_lss(&self) -> bool {
+        !self.plan.targets.contains(Target::Sdo)
+            || self.sequence.stimuli.is_empty()
+            || self.sequence.start == Start::Unconfigured
     }
 
     fn knowledge(&self) -> &'a Knowledge {

@@ -72,7 +72,7 @@ impl Machine for Odd {
 
 fn plan() -> Plan {
     Plan {
-        target: Target::Sdo,
+        targets: Target::Sdo.into(),
         seed: 2,
         allow: BTreeSet::new(),
         shrink_budget: 50,

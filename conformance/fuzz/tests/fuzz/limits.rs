@@ -44,7 +44,7 @@ fn a_device_on_a_bus_is_not_worn_out_renamed_or_given_company() {
         bus.bus.attach(Box::new(Device::new(model, Some(node), Faults::NONE, 0)));
         let knowledge = Knowledge::new(node, Some(model.description()), Some(model.sheet()));
         let plan = Plan {
-            target: Target::All,
+            targets: Target::All.into(),
             seed: 5,
             allow: BTreeSet::new(),
             shrink_budget: 10,

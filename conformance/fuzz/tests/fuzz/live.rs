@@ -28,7 +28,7 @@ fn fuzz(device: Box<dyn Machine>, described: &Model, target: Target, sequences: 
 
 fn plan(target: Target) -> Plan {
     Plan {
-        target,
+        targets: target.into(),
         seed: 4,
         allow: BTreeSet::new(),
         shrink_budget: 60,
