@@ -20,11 +20,11 @@ pub struct LiveReader {
     looked: Timestamp,
     /// Records since then.
     read: u32,
-    state: State,
+    state: ReaderState,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum State {
+enum ReaderState {
     Reading,
     /// Nothing is read any more; what was lost until then is still to be told.
     Ending,
@@ -60,7 +60,7 @@ impl LiveReader {
             health,
             looked: now,
             read: 0,
-            state: State::Reading,
+            state: ReaderState::Reading,
         }
     }
 
@@ -93,7 +93,7 @@ impl LiveReader {
     /// What was lost until the end. After an interruption that is also what was received and waited to be shown: whoever
     /// interrupts does not want to wait for it.
     fn last_losses(&mut self) -> Option<Damage> {
-        self.state = State::Ended;
+        self.state = ReaderState::Ended;
         let waiting = if self.interrupt.came() { self.count_waiting() } else { 0 };
         let health = self.bus.health().since(&self.health);
         lost(health.lost + waiting)
@@ -108,7 +108,7 @@ impl LiveReader {
     }
 
     fn fail(&mut self, reason: &str) -> Damage {
-        self.state = State::Ended;
+        self.state = ReaderState::Ended;
         Damage::new(DamageKind::Fatal, Place::default(), "a bus that works", reason.as_bytes())
     }
 
@@ -150,14 +150,14 @@ impl Iterator for LiveReader {
     type Item = Result<Record, Damage>;
 
     fn next(&mut self) -> Option<Self::Item> {
-        if self.state == State::Reading {
+        if self.state == ReaderState::Reading {
             let next = self.read();
             if next.is_some() {
                 return next;
             }
-            self.state = State::Ending;
+            self.state = ReaderState::Ending;
         }
-        if self.state == State::Ending { self.last_losses().map(Err) } else { None }
+        if self.state == ReaderState::Ending { self.last_losses().map(Err) } else { None }
     }
 }
 

@@ -15,9 +15,9 @@ const PAUSE: Duration = Duration::from_millis(200);
 
 /// Of all captures of a command.
 #[derive(Clone)]
-pub struct Progress(Arc<State>);
+pub struct Progress(Arc<ProgressState>);
 
-struct State {
+struct ProgressState {
     begun: Instant,
     /// Of all files, in bytes.
     size: u64,
@@ -36,7 +36,7 @@ impl Progress {
     /// Of these files; `output` gets what is made of them.
     pub fn of<'a>(files: impl IntoIterator<Item = &'a Path>, output: &Output) -> Self {
         let size = |path: &Path| std::fs::metadata(path).map_or(0, |file| file.len());
-        Self(Arc::new(State {
+        Self(Arc::new(ProgressState {
             begun: Instant::now(),
             size: files.into_iter().map(size).sum(),
             read: AtomicU64::new(0),
@@ -51,7 +51,7 @@ impl Progress {
     }
 
     fn add(&self, bytes: u64) {
-        let State { begun, read, shown, output, .. } = &*self.0;
+        let ProgressState { begun, read, shown, output, .. } = &*self.0;
         let read = read.fetch_add(bytes, Ordering::Relaxed) + bytes;
         let elapsed = begun.elapsed();
         if elapsed < PATIENCE || !is_seen() {

@@ -11,7 +11,7 @@ mod trace;
 use trace::Trace;
 
 /// A row of a manual.
-struct Row<'a> {
+struct ManualRow<'a> {
     line: usize,
     section: &'a str,
     frame: String,
@@ -20,7 +20,7 @@ struct Row<'a> {
     note: &'a str,
 }
 
-impl<'a> Row<'a> {
+impl<'a> ManualRow<'a> {
     /// `None` if there are fewer than five columns.
     fn new(line: usize, text: &'a str) -> Option<Self> {
         let columns: Vec<_> = text.split(';').map(str::trim).collect();
@@ -63,7 +63,7 @@ fn play(rows: &str) -> usize {
             trace = Trace::new();
         } else if let Some((id, bytes)) = text.strip_prefix("> ").and_then(|context| context.split_once(' ')) {
             trace.say(&frame(id, bytes));
-        } else if let Some(row) = Row::new(line, text) {
+        } else if let Some(row) = ManualRow::new(line, text) {
             count += 1;
             complaints.extend(row.complaint(&trace.say(&row.frame)));
         } else {

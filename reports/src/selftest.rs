@@ -4,7 +4,7 @@
 //! model without fault; `vacuous_cases` names the cases that failed on no fault.
 
 use canvass_device::{Fault, Liberties, Liberty};
-use canvass_fuzzer::liberties::{Row, Sparing};
+use canvass_fuzzer::liberties::{FuzzedLiberties, Sparing};
 use canvass_fuzzer::reproducer;
 use canvass_suite::case::Case;
 use canvass_suite::selftest::{self, Chance, FaultRow, LibertyRow, Masked, Masking, Matrix, ModelRow};
@@ -95,7 +95,7 @@ fn liberty(row: &LibertyRow) -> Value {
     })
 }
 
-fn violations(row: &Row) -> Value {
+fn violations(row: &FuzzedLiberties) -> Value {
     let found = row.violations.iter().map(|found| {
         let violation = &found.violation;
         json!({

@@ -31,7 +31,7 @@ enum ConfigFormat {
 }
 
 /// One value.
-struct Row {
+struct SettingRow {
     key: String,
     /// `None` where nothing holds.
     value: Option<String>,
@@ -49,19 +49,20 @@ impl Args {
     }
 }
 
-fn rows(settings: Option<&Settings>) -> Vec<Row> {
-    let none = || Row { key: String::new(), value: None, from: "not set".to_owned() };
-    let mut rows: Vec<Row> =
-        ["bus", "node", "device", "waivers"].map(|key| Row { key: key.to_owned(), ..none() }).into();
+fn rows(settings: Option<&Settings>) -> Vec<SettingRow> {
+    let none = || SettingRow { key: String::new(), value: None, from: "not set".to_owned() };
+    let mut rows: Vec<SettingRow> =
+        ["bus", "node", "device", "waivers"].map(|key| SettingRow { key: key.to_owned(), ..none() }).into();
     let usual = timing::told(&Timing::default(), CLIENT);
-    rows.extend(usual.iter().filter_map(|told| told.split_once('=')).map(|(what, span)| Row {
+    rows.extend(usual.iter().filter_map(|told| told.split_once('=')).map(|(what, span)| SettingRow {
         key: format!("timeouts.{what}"),
         value: Some(format!("{span}ms")),
         from: "default".to_owned(),
     }));
     if let Some(Settings { path, settings }) = settings {
         for Setting { key, value, line } in settings {
-            let row = Row { key: key.clone(), value: Some(value.clone()), from: format!("{}:{line}", path.display()) };
+            let row =
+                SettingRow { key: key.clone(), value: Some(value.clone()), from: format!("{}:{line}", path.display()) };
             match rows.iter_mut().find(|known| known.key == *key) {
                 Some(known) => *known = row,
                 None => rows.push(row),
@@ -74,20 +75,22 @@ fn rows(settings: Option<&Settings>) -> Vec<Row> {
     rows
 }
 
-fn table(rows: &[Row]) -> String {
-    let width = |of: fn(&Row) -> usize| rows.iter().map(of).max().unwrap_or_default();
+fn table(rows: &[SettingRow]) -> String {
+    let width = |of: fn(&SettingRow) -> usize| rows.iter().map(of).max().unwrap_or_default();
     let keys = width(|row| row.key.chars().count());
     let values = width(|row| row.value.as_deref().unwrap_or("-").chars().count());
     let mut text = String::new();
-    for Row { key, value, from } in rows {
+    for SettingRow { key, value, from } in rows {
         // Writing to a string can't fail.
         let _ = writeln!(text, "{key:keys$}  {:values$}  {from}", value.as_deref().unwrap_or("-"));
     }
     text
 }
 
-fn document(rows: &[Row]) -> serde_json::Value {
-    let rows: Vec<_> =
-        rows.iter().map(|Row { key, value, from }| json!({ "key": key, "value": value, "from": from })).collect();
+fn document(rows: &[SettingRow]) -> serde_json::Value {
+    let rows: Vec<_> = rows
+        .iter()
+        .map(|SettingRow { key, value, from }| json!({ "key": key, "value": value, "from": from }))
+        .collect();
     json!({ "schema": "canvass/config/1", "settings": rows })
 }

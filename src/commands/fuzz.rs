@@ -192,8 +192,8 @@ impl Args {
     ) -> Result<Outcome, Failure> {
         let begun = Instant::now();
         let mut progress = Progress::new(span);
-        let outcome = device.on_ground(&plan.time, |ground| {
-            campaign::run(ground, knowledge.clone(), plan, &mut |state| {
+        let outcome = device.on_stand(&plan.time, |stand| {
+            campaign::run(stand, knowledge.clone(), plan, &mut |state| {
                 progress.show(&state);
                 let in_time = span.is_none_or(|span| begun.elapsed().as_nanos() < u128::from(span.nanos()));
                 in_time && self.runs.is_none_or(|runs| state.sequences < runs) && !interrupt.came()

@@ -6,7 +6,7 @@ use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_device::Fault;
 use canvass_device::models::Model;
-use canvass_fuzzer::detection::{Limit, Row, Table, detect};
+use canvass_fuzzer::detection::{FuzzedFault, Limit, Table, detect};
 use canvass_fuzzer::liberties;
 use canvass_reports::escape::Printable;
 use canvass_reports::fuzz::detection;
@@ -105,7 +105,7 @@ impl Args {
         let mut rows = Vec::with_capacity(faults.len());
         for fault in faults {
             let trials = (1..=self.seeds).map(|seed| detect(fault, seed, Limit { exchanges: u64::MAX, time: limit }));
-            rows.push(Row { fault, trials: trials.collect::<Result<_, _>>().map_err(Failure::unreachable)? });
+            rows.push(FuzzedFault { fault, trials: trials.collect::<Result<_, _>>().map_err(Failure::unreachable)? });
         }
         let table = Table { rows, limit };
         match self.format {

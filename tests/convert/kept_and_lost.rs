@@ -2,7 +2,7 @@
 
 use crate::command::{Folder, sample};
 use crate::recording;
-use crate::rows::{Row, rows};
+use crate::rows::{RecordContent, rows};
 use canvass_traces::{Direction, Format, Loss};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -15,7 +15,7 @@ struct Kept {
     /// What is lost of other recordings only; each has its test below.
     lost_elsewhere: &'static [Loss],
     /// What becomes of a row; `None` if nothing.
-    row: fn(Row, &mut Numbers) -> Option<Row>,
+    row: fn(RecordContent, &mut Numbers) -> Option<RecordContent>,
 }
 
 const TABLE: &[Kept] = &[
@@ -35,7 +35,7 @@ const TABLE: &[Kept] = &[
         format: Format::Pcap,
         lost: &[Loss::ChannelName, Loss::Direction],
         lost_elsewhere: &[Loss::Date, Loss::UnknownDate, Loss::TimeZone, Loss::Comment],
-        row: |row, _| Some(Row { channel: "can0".into(), direction: Direction::Unknown, ..row }),
+        row: |row, _| Some(RecordContent { channel: "can0".into(), direction: Direction::Unknown, ..row }),
     },
     Kept {
         format: Format::Mcap,
@@ -43,7 +43,7 @@ const TABLE: &[Kept] = &[
         lost_elsewhere: &[Loss::UnknownDate, Loss::TimeZone],
         row: |row, _| {
             let flags = row.flags & 4;
-            no_xl(Row { direction: Direction::Unknown, flags, ..no_raw_dlc(row) })
+            no_xl(RecordContent { direction: Direction::Unknown, flags, ..no_raw_dlc(row) })
         },
     },
     Kept {
@@ -74,7 +74,7 @@ const TABLE: &[Kept] = &[
         row: |row, numbers| {
             let row = numbered(no_error_detail(no_xl(row)?), numbers);
             let direction = if row.direction == Direction::Tx { Direction::Tx } else { Direction::Rx };
-            Some(Row { nanos: row.nanos / 1_000 * 1_000, direction, ..row })
+            Some(RecordContent { nanos: row.nanos / 1_000 * 1_000, direction, ..row })
         },
     },
     Kept {
@@ -83,7 +83,7 @@ const TABLE: &[Kept] = &[
         lost_elsewhere: &[Loss::TimeZone, Loss::Comment],
         row: |row, _| {
             let flags = if row.flags & 4 != 0 && row.data.len() > 8 { 4 } else { 0 };
-            no_xl(Row { channel: "1".into(), direction: Direction::Unknown, flags, ..no_raw_dlc(row) })
+            no_xl(RecordContent { channel: "1".into(), direction: Direction::Unknown, flags, ..no_raw_dlc(row) })
         },
     },
 ];
@@ -92,26 +92,26 @@ const TABLE: &[Kept] = &[
 #[derive(Default)]
 struct Numbers(Vec<String>);
 
-fn numbered(row: Row, Numbers(names): &mut Numbers) -> Row {
+fn numbered(row: RecordContent, Numbers(names): &mut Numbers) -> RecordContent {
     let at = names.iter().position(|name| *name == row.channel).unwrap_or_else(|| {
         names.push(row.channel.clone());
         names.len() - 1
     });
-    Row { channel: (at + 1).to_string(), ..row }
+    RecordContent { channel: (at + 1).to_string(), ..row }
 }
 
-fn no_xl(row: Row) -> Option<Row> {
+fn no_xl(row: RecordContent) -> Option<RecordContent> {
     row.xl.is_none().then_some(row)
 }
 
-fn no_raw_dlc(row: Row) -> Row {
+fn no_raw_dlc(row: RecordContent) -> RecordContent {
     let dlc = if row.flags == 0 { row.dlc.min(8) } else { row.dlc };
-    Row { dlc, ..row }
+    RecordContent { dlc, ..row }
 }
 
 /// All that is left is that there was an error: a bus error, as Linux numbers it.
-fn no_error_detail(row: Row) -> Row {
-    if row.is_error { Row { id: 0x80, data: Vec::new(), dlc: 0, ..row } } else { row }
+fn no_error_detail(row: RecordContent) -> RecordContent {
+    if row.is_error { RecordContent { id: 0x80, data: Vec::new(), dlc: 0, ..row } } else { row }
 }
 
 fn file(format: Format) -> String {
@@ -140,7 +140,7 @@ fn every_format_keeps_what_it_can_hold_and_tells_what_it_can_not() {
         let (out, mut numbers) = (file(kept.format), Numbers::default());
         let errors = folder.good(&format!("convert all.log {out}"));
         assert_eq!(BTreeSet::from_iter(losses_told(&errors, kept.format)), names(kept.lost), "{}", kept.format);
-        let expected: Vec<Row> = all.iter().filter_map(|row| (kept.row)(row.clone(), &mut numbers)).collect();
+        let expected: Vec<RecordContent> = all.iter().filter_map(|row| (kept.row)(row.clone(), &mut numbers)).collect();
         same(&rows(&folder.path(&out)), &expected, kept.format);
     }
 }
@@ -159,7 +159,7 @@ fn what_a_format_gave_it_can_hold() {
     }
 }
 
-fn same(found: &[Row], expected: &[Row], format: Format) {
+fn same(found: &[RecordContent], expected: &[RecordContent], format: Format) {
     for (n, (found, expected)) in found.iter().zip(expected).enumerate() {
         assert_eq!(found, expected, "{format}, frame {}", n + 1);
     }

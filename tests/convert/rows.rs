@@ -5,7 +5,7 @@ use std::path::Path;
 
 /// All of a record but its place.
 #[derive(Clone, PartialEq, Debug)]
-pub struct Row {
+pub struct RecordContent {
     pub nanos: u64,
     pub channel: String,
     /// The class of an error frame.
@@ -22,13 +22,13 @@ pub struct Row {
 }
 
 /// The rows of a capture that must be without damage.
-pub fn rows(path: &Path) -> Vec<Row> {
+pub fn rows(path: &Path) -> Vec<RecordContent> {
     let mut capture = Capture::open(path, &ReadOptions::default()).unwrap();
     let mut rows = Vec::new();
     while let Some(item) = capture.next() {
         let record = item.unwrap_or_else(|damage| panic!("{}: {damage}", path.display()));
         let frame = &record.frame;
-        rows.push(Row {
+        rows.push(RecordContent {
             nanos: record.timestamp.nanos(),
             channel: capture.channels().name(record.channel).to_owned(),
             id: frame.id().raw(),

@@ -22,29 +22,29 @@ const LINTED: [&str; 2] = ["--features", "canvass/peers,canvass/browser,canvass/
 const LINTS: &str = "cargo clippy --workspace --all-targets --features canvass/peers,canvass/browser,canvass/vcan";
 
 /// Something that must pass.
-struct Step {
+struct CiStep {
     name: &'static str,
     /// The command that does the same by itself.
     alone: &'static str,
     run: fn() -> Result<()>,
 }
 
-const FORMAT: Step = Step { name: "format", alone: "cargo fmt --all --check", run: format };
-const BUILD: Step = Step { name: "build", alone: "cargo build --workspace --locked", run: build };
-const TESTS: Step = Step { name: "tests", alone: "cargo nextest run --workspace --locked", run: tests };
+const FORMAT: CiStep = CiStep { name: "format", alone: "cargo fmt --all --check", run: format };
+const BUILD: CiStep = CiStep { name: "build", alone: "cargo build --workspace --locked", run: build };
+const TESTS: CiStep = CiStep { name: "tests", alone: "cargo nextest run --workspace --locked", run: tests };
 
-const STEPS: [Step; 11] = [
+const STEPS: [CiStep; 11] = [
     FORMAT,
     BUILD,
     TESTS,
-    Step { name: "lints", alone: LINTS, run: lints },
-    Step { name: "documentation", alone: "cargo doc --workspace --locked --no-deps", run: documentation },
-    Step { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
-    Step { name: "peers and browser", alone: "cargo xtask peers; cargo xtask browser", run: peers_and_browser },
-    Step { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
-    Step { name: "fuzz targets", alone: "cargo xtask fuzz", run: fuzz },
-    Step { name: "attack", alone: "cargo xtask attack --for 90s", run: attacked },
-    Step { name: "self-test", alone: "cargo run --release -- selftest; the same with --fuzz", run: self_test },
+    CiStep { name: "lints", alone: LINTS, run: lints },
+    CiStep { name: "documentation", alone: "cargo doc --workspace --locked --no-deps", run: documentation },
+    CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
+    CiStep { name: "peers and browser", alone: "cargo xtask peers; cargo xtask browser", run: peers_and_browser },
+    CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
+    CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: fuzz },
+    CiStep { name: "attack", alone: "cargo xtask attack --for 90s", run: attacked },
+    CiStep { name: "self-test", alone: "cargo run --release -- selftest; the same with --fuzz", run: self_test },
 ];
 
 /// Everything that must pass: format, lints, documentation, all tests, with all their set-up.
@@ -58,7 +58,7 @@ pub fn everyday() -> Result<()> {
 }
 
 /// Runs all steps, and says at the end how each went.
-fn all(steps: &[Step]) -> Result<()> {
+fn all(steps: &[CiStep]) -> Result<()> {
     let began = Instant::now();
     let mut rows = Vec::new();
     for step in steps {
@@ -179,8 +179,8 @@ mod tests {
             bail!("no")
         }
         let steps = [
-            Step { name: "first", alone: "do first", run: bad },
-            Step { name: "second", alone: "do second", run: good },
+            CiStep { name: "first", alone: "do first", run: bad },
+            CiStep { name: "second", alone: "do second", run: good },
         ];
         let error = all(&steps).unwrap_err().to_string();
         assert_eq!(error, "1 of 2 steps failed: first (again: do first)");

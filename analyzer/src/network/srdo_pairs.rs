@@ -10,13 +10,13 @@ use std::collections::BTreeMap;
 #[derive(Default)]
 pub struct SrdoPairs {
     /// By [`Pair::position`]; not made before the first frame.
-    pairs: Vec<State>,
+    pairs: Vec<PairState>,
     /// Those whose parameters are known, by node and number.
-    configured: BTreeMap<(NodeId, u8), State>,
+    configured: BTreeMap<(NodeId, u8), PairState>,
 }
 
 #[derive(Clone, Copy, Default)]
-struct State {
+struct PairState {
     /// It was seen to be a pair.
     known: bool,
     /// The data whose inverse is due.
@@ -32,7 +32,7 @@ impl SrdoPairs {
     pub fn handle(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Option<(Pair, Srdo)> {
         let (pair, half) = Pair::of(can_id)?;
         if self.pairs.is_empty() {
-            self.pairs.resize(64, State::default());
+            self.pairs.resize(64, PairState::default());
         }
         let state = self.pairs.get_mut(pair.position())?;
         let fit = state.take(now, half, frame);
@@ -47,7 +47,7 @@ impl SrdoPairs {
     }
 }
 
-impl State {
+impl PairState {
     fn take(&mut self, now: Timestamp, half: Half, frame: &Frame) -> Fit {
         match half {
             Half::Normal => {

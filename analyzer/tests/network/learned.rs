@@ -60,7 +60,7 @@ fn what_has_no_place_in_the_standard_is_new_there() {
     assert_eq!(written(&mut trace, "08 18 01", "95 01 00 C0"), [moved(ninth, Some(0x195), None)]);
 }
 
-/// CAN-IDs that CiA 301 (7.3.5) restricts are not believed, nor those of 29 bits looked for among those of 11.
+/// CAN-IDs that CiA 301 (7.3.5) restricts are not learned, nor those of 29 bits looked for among those of 11.
 #[test]
 fn impossible_places_are_not_taken() {
     let mut trace = Trace::new();

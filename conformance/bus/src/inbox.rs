@@ -10,14 +10,14 @@ use std::time::Duration;
 
 /// Frames that were received and not yet taken, bounded, and what is known of the bus.
 pub(super) struct Inbox {
-    state: Mutex<State>,
+    state: Mutex<InboxState>,
     arrived: Condvar,
     /// The receiving thread holds frames that are not in the inbox yet.
     delivering: AtomicBool,
     closed: AtomicBool,
 }
 
-struct State {
+struct InboxState {
     records: VecDeque<Record>,
     capacity: usize,
     health: Health,
@@ -33,14 +33,18 @@ const STALL: Duration = Duration::from_millis(500);
 
 impl Inbox {
     pub fn new() -> Self {
-        let state =
-            State { records: VecDeque::new(), capacity: CAPACITY, health: Health::default(), last: Timestamp::ZERO };
+        let state = InboxState {
+            records: VecDeque::new(),
+            capacity: CAPACITY,
+            health: Health::default(),
+            last: Timestamp::ZERO,
+        };
         let state = Mutex::new(state);
         let (delivering, closed) = (AtomicBool::new(false), AtomicBool::new(false));
         Self { state, arrived: Condvar::new(), delivering, closed }
     }
 
-    fn state(&self) -> MutexGuard<'_, State> {
+    fn state(&self) -> MutexGuard<'_, InboxState> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -132,7 +136,7 @@ impl Inbox {
     }
 }
 
-impl State {
+impl InboxState {
     /// The time of a frame that is taken now. One of the tester's own may have been delivered while an older one was still
     /// being fetched.
     fn in_order(&mut self, time: Timestamp, now: Timestamp) -> Timestamp {

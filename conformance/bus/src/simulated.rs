@@ -179,18 +179,18 @@ impl SimulatedBus {
     }
 
     /// Goes on to the next event, at most to `deadline`; the record if that was the end of a frame.
-    fn step(&mut self, deadline: Timestamp) -> Step {
-        let Some(next) = self.next_event() else { return Step::Idle };
+    fn step(&mut self, deadline: Timestamp) -> BusStep {
+        let Some(next) = self.next_event() else { return BusStep::Idle };
         let at = next.time().max(self.now);
         if at > deadline {
-            return Step::Idle;
+            return BusStep::Idle;
         }
         self.now = at;
         match next {
             Next::Timeout(_) => self.fire_timeouts(),
             Next::FrameEnd(sent) => {
                 self.on_wire = None;
-                return self.deliver(sent).map_or(Step::Quiet, Step::Frame);
+                return self.deliver(sent).map_or(BusStep::Quiet, BusStep::Frame);
             }
             Next::BusFree(_) => {
                 if let Some(sender) = self.arbitrate() {
@@ -198,7 +198,7 @@ impl SimulatedBus {
                 }
             }
         }
-        Step::Quiet
+        BusStep::Quiet
     }
 
     /// What happens next. Timeouts come before frames of the same instant.
@@ -234,7 +234,7 @@ impl Next {
     }
 }
 
-enum Step {
+enum BusStep {
     Frame(Record),
     Quiet,
     /// Nothing happens until the deadline.
@@ -293,9 +293,9 @@ impl Bus for SimulatedBus {
     fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
         loop {
             match self.step(deadline) {
-                Step::Frame(record) => return Ok(Some(record)),
-                Step::Quiet => {}
-                Step::Idle => {
+                BusStep::Frame(record) => return Ok(Some(record)),
+                BusStep::Quiet => {}
+                BusStep::Idle => {
                     // A wait without end on a bus where nothing will ever happen must not end the time.
                     if deadline < Timestamp::MAX {
                         self.now = self.now.max(deadline);

@@ -6,7 +6,7 @@ use canvass_bus::{Bus, BusError};
 use canvass_device::Firmware;
 use canvass_device::models::Model;
 use canvass_fuzzer::campaign::{self, Plan};
-use canvass_fuzzer::ground::{Ground, Readiness, Simulated, simulated};
+use canvass_fuzzer::stand::{Readiness, Simulated, TestStand, simulated};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Start, Target};
 use canvass_suite::catalogue;
@@ -91,8 +91,8 @@ fn verdicts() -> Result<(), Box<dyn Error>> {
 
 fn fuzz(model: &'static Model, seed: u64, exchanges: u64) -> Result<Judged, Box<dyn Error>> {
     let node = selftest::node_of(model);
-    let (ground, knowledge) = simulated(model, node, Firmware::PLAIN, model.default_bit_rate(), seed);
-    let mut ground = Heard { ground, now: Timestamp::ZERO, traffic: DefaultHasher::new() };
+    let (stand, knowledge) = simulated(model, node, Firmware::PLAIN, model.default_bit_rate(), seed);
+    let mut stand = Heard { stand, now: Timestamp::ZERO, traffic: DefaultHasher::new() };
     let plan = Plan {
         targets: Target::All.into(),
         seed,
@@ -103,13 +103,13 @@ fn fuzz(model: &'static Model, seed: u64, exchanges: u64) -> Result<Judged, Box<
         regressions: Vec::new(),
         only_regressions: false,
     };
-    let outcome = match campaign::run(&mut ground, knowledge, &plan, &mut |progress| progress.executions < exchanges) {
+    let outcome = match campaign::run(&mut stand, knowledge, &plan, &mut |progress| progress.executions < exchanges) {
         Ok(outcome) => outcome,
         Err(error) => return Ok(Judged::Found(error.to_string())),
     };
     Ok(match outcome.violations.first() {
         Some(found) => Judged::Found(format!("{} {}", found.violation.property, found.violation.rule)),
-        None => Judged::Traffic(ground.traffic.finish()),
+        None => Judged::Traffic(stand.traffic.finish()),
     })
 }
 
@@ -117,17 +117,17 @@ fn heard(record: &Record, traffic: &mut DefaultHasher) {
     (record.timestamp, record.frame).hash(traffic);
 }
 
-/// A ground whose frames are counted.
+/// A test stand whose frames are counted.
 struct Heard {
-    ground: Simulated,
+    stand: Simulated,
     now: Timestamp,
     traffic: DefaultHasher,
 }
 
-impl Ground for Heard {
+impl TestStand for Heard {
     fn begin(&mut self, start: Start) -> Result<Readiness, BusError> {
-        let readiness = self.ground.begin(start);
-        self.now = self.ground.bus().now();
+        let readiness = self.stand.begin(start);
+        self.now = self.stand.bus().now();
         readiness
     }
 
@@ -136,11 +136,11 @@ impl Ground for Heard {
     }
 
     fn has_unconfigured(&self) -> bool {
-        self.ground.has_unconfigured()
+        self.stand.has_unconfigured()
     }
 
     fn is_repeatable(&self) -> bool {
-        self.ground.is_repeatable()
+        self.stand.is_repeatable()
     }
 }
 
@@ -150,21 +150,21 @@ impl Bus for Heard {
     }
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
-        self.ground.bus().send(frame)
+        self.stand.bus().send(frame)
     }
 
     fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
-        let record = self.ground.bus().receive(deadline)?;
-        self.now = self.ground.bus().now();
+        let record = self.stand.bus().receive(deadline)?;
+        self.now = self.stand.bus().now();
         record.iter().for_each(|record| heard(record, &mut self.traffic));
         Ok(record)
     }
 
     fn bit_rate(&self) -> Option<u32> {
-        Some(self.ground.bit_rate())
+        Some(self.stand.bit_rate())
     }
 
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
-        self.ground.bus().set_bit_rate(bit_rate)
+        self.stand.bus().set_bit_rate(bit_rate)
     }
 }

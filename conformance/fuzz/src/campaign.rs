@@ -3,11 +3,11 @@
 use super::coverage::{Command, Coverage, LssReach, SdoState};
 use super::execute::{Ended, Executor, Pace};
 use super::generate::{Dialogues, Target, Targets};
-use super::ground::Ground;
 use super::learn::learn;
 use super::live::Live;
 use super::oracle::Violation;
 use super::shrink::SequenceTree;
+use super::stand::TestStand;
 use super::stimulus::Sequence;
 use super::time_limit::TimeLimit;
 use super::{Kept, Knowledge, Property};
@@ -117,12 +117,12 @@ const REFOCUS_LIVE: u64 = 4;
 /// # Errors
 /// [`FuzzError`] if the device can't be reached or the bus fails.
 pub fn run(
-    ground: &mut dyn Ground,
+    stand: &mut dyn TestStand,
     mut knowledge: Knowledge,
     plan: &Plan,
     go_on: &mut dyn FnMut(Progress<'_>) -> bool,
 ) -> Result<Outcome, FuzzError> {
-    if !learn(ground, &mut knowledge, plan.targets.contains(Target::Lss), &plan.time)? {
+    if !learn(stand, &mut knowledge, plan.targets.contains(Target::Lss), &plan.time)? {
         return Err(FuzzError::Unreachable(knowledge.node));
     }
     let knowledge = Arc::new(knowledge);
@@ -134,8 +134,8 @@ pub fn run(
         dead: false,
         plan,
     };
-    campaign.fuzz(ground, &knowledge, go_on)?;
-    campaign.leave(ground)?;
+    campaign.fuzz(stand, &knowledge, go_on)?;
+    campaign.leave(stand)?;
     Ok(campaign.outcome())
 }
 
@@ -152,8 +152,8 @@ pub fn campaign(
     plan: &Plan,
     go_on: &mut dyn FnMut(Progress<'_>) -> bool,
 ) -> Result<Outcome, FuzzError> {
-    let mut ground = Live::new(bus, &knowledge);
-    run(&mut ground, knowledge, plan, go_on)
+    let mut stand = Live::new(bus, &knowledge);
+    run(&mut stand, knowledge, plan, go_on)
 }
 
 /// Runs one sequence, as it is, and says what it shows.
@@ -161,17 +161,17 @@ pub fn campaign(
 /// # Errors
 /// As [`run`].
 pub fn replay(
-    ground: &mut dyn Ground,
+    stand: &mut dyn TestStand,
     mut knowledge: Knowledge,
     sequence: &Sequence,
 ) -> Result<(Option<Violation>, Vec<Record>), FuzzError> {
     let has_lss = sequence.stimuli.iter().any(|stimulus| stimulus.frame.cob_id() == Some(lss::MASTER_CAN_ID));
     let time = TimeLimit::default();
-    if !learn(ground, &mut knowledge, has_lss, &time)? {
+    if !learn(stand, &mut knowledge, has_lss, &time)? {
         return Err(FuzzError::Unreachable(knowledge.node));
     }
     let mut executor = Executor::new(Arc::new(knowledge), time);
-    let violation = match executor.run(ground, sequence, Pace::Careful, true)? {
+    let violation = match executor.run(stand, sequence, Pace::Careful, true)? {
         Ended::Well => None,
         Ended::Violation(violation) | Ended::Lost { violation, .. } => Some(violation),
     };
@@ -206,13 +206,13 @@ impl Campaign<'_> {
     /// Sequences until the run is over.
     fn fuzz(
         &mut self,
-        ground: &mut dyn Ground,
+        stand: &mut dyn TestStand,
         knowledge: &Arc<Knowledge>,
         go_on: &mut dyn FnMut(Progress<'_>) -> bool,
     ) -> Result<(), FuzzError> {
         for sequence in &self.plan.regressions {
             // There are few of them, and each has shown something before: what is seen now is to be the device's doing.
-            self.attempt(ground, SequenceTree::new(sequence.clone()), Pace::Careful)?;
+            self.attempt(stand, SequenceTree::new(sequence.clone()), Pace::Careful)?;
             if self.is_over(go_on) {
                 return Ok(());
             }
@@ -223,16 +223,16 @@ impl Campaign<'_> {
         let mut dialogues = Dialogues {
             targets: self.plan.targets,
             allow: self.plan.allow.clone(),
-            unconfigured: ground.has_unconfigured() && knowledge.services.lss == Some(true),
-            patient: ground.is_repeatable(),
+            unconfigured: stand.has_unconfigured() && knowledge.services.lss == Some(true),
+            patient: stand.is_repeatable(),
             focus: None,
             lss_focus: None,
             knowledge: Arc::clone(knowledge),
         };
         let reach = LssReach::of(&knowledge.services, dialogues.unconfigured, &self.plan.allow);
-        let pace = if ground.is_repeatable() { Pace::Careful } else { Pace::Swift };
+        let pace = if stand.is_repeatable() { Pace::Careful } else { Pace::Swift };
         let mut runner = TestRunner::new_with_rng(Config::default(), rng(self.plan.seed));
-        let refocus = if ground.is_repeatable() { REFOCUS } else { REFOCUS_LIVE };
+        let refocus = if stand.is_repeatable() { REFOCUS } else { REFOCUS_LIVE };
         loop {
             if self.sequences.is_multiple_of(refocus) {
                 let coverage = &self.executor.coverage;
@@ -242,7 +242,7 @@ impl Campaign<'_> {
             }
             // The strategy always makes a sequence.
             let Ok(tree) = dialogues.new_tree(&mut runner) else { return Ok(()) };
-            self.attempt(ground, tree, pace)?;
+            self.attempt(stand, tree, pace)?;
             if self.is_over(go_on) {
                 return Ok(());
             }
@@ -250,23 +250,23 @@ impl Campaign<'_> {
     }
 
     /// A device that goes on is left as it was found: nothing was stored. The last sequence may have been its end.
-    fn leave(&mut self, ground: &mut dyn Ground) -> Result<(), BusError> {
-        if ground.is_repeatable() || self.dead {
+    fn leave(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
+        if stand.is_repeatable() || self.dead {
             return Ok(());
         }
-        match self.executor.restart(ground)? {
-            Ended::Lost { violation, dead } => self.lose(ground, violation, dead),
+        match self.executor.restart(stand)? {
+            Ended::Lost { violation, dead } => self.lose(stand, violation, dead),
             Ended::Well | Ended::Violation(_) => Ok(()),
         }
     }
 
-    fn attempt(&mut self, ground: &mut dyn Ground, tree: SequenceTree, pace: Pace) -> Result<(), BusError> {
+    fn attempt(&mut self, stand: &mut dyn TestStand, tree: SequenceTree, pace: Pace) -> Result<(), BusError> {
         self.sequences += 1;
-        let keep = !ground.is_repeatable();
-        match self.executor.run(ground, tree.tried(), pace, keep)? {
+        let keep = !stand.is_repeatable();
+        match self.executor.run(stand, tree.tried(), pace, keep)? {
             Ended::Well => Ok(()),
-            Ended::Violation(violation) => self.judge(ground, tree, violation, pace),
-            Ended::Lost { violation, dead } => self.lose(ground, violation, dead),
+            Ended::Violation(violation) => self.judge(stand, tree, violation, pace),
+            Ended::Lost { violation, dead } => self.lose(stand, violation, dead),
         }
     }
 
@@ -275,7 +275,7 @@ impl Campaign<'_> {
     /// frame: it is told of when it was seen several times.
     fn judge(
         &mut self,
-        ground: &mut dyn Ground,
+        stand: &mut dyn TestStand,
         mut tree: SequenceTree,
         violation: Violation,
         pace: Pace,
@@ -294,13 +294,13 @@ impl Campaign<'_> {
             confirmed: false,
             state: self.executor.kept.clone(),
         };
-        let mut confirmed = self.confirm(ground, &seen.sequence, &seen.violation)?;
+        let mut confirmed = self.confirm(stand, &seen.sequence, &seen.violation)?;
         if matches!(confirmed, Confirmed::No) && whole.stimuli.len() > seen.sequence.stimuli.len() {
-            confirmed = self.confirm(ground, &whole, &seen.violation)?;
+            confirmed = self.confirm(stand, &whole, &seen.violation)?;
             tree = SequenceTree::new(whole);
         }
         let (found, lost) = match confirmed {
-            Confirmed::Again => (self.shrink(ground, &mut tree, seen.violation)?, None),
+            Confirmed::Again => (self.shrink(stand, &mut tree, seen.violation)?, None),
             Confirmed::No => (seen, None),
             Confirmed::Lost(lost, dead) => (seen, Some((lost, dead))),
         };
@@ -326,7 +326,7 @@ impl Campaign<'_> {
             None => self.violations.push(found),
         }
         match lost {
-            Some((violation, dead)) => self.lose(ground, violation, dead),
+            Some((violation, dead)) => self.lose(stand, violation, dead),
             None => Ok(()),
         }
     }
@@ -342,7 +342,7 @@ impl Campaign<'_> {
 
     /// The device did not come back from a reset: what was sent since the start before, and the frames, are what is known of
     /// its end. `dead`: nor did further resets bring it back.
-    fn lose(&mut self, ground: &mut dyn Ground, violation: Violation, dead: bool) -> Result<(), BusError> {
+    fn lose(&mut self, stand: &mut dyn TestStand, violation: Violation, dead: bool) -> Result<(), BusError> {
         self.dead |= dead;
         let (sequence, evidence) = self.executor.before_start();
         let key = (violation.property, violation.rule);
@@ -351,8 +351,8 @@ impl Campaign<'_> {
         }
         let mut confirmed = false;
         if !dead {
-            self.executor.run(ground, &sequence, Pace::Careful, true)?;
-            if let Ended::Lost { dead, .. } = self.executor.restart(ground)? {
+            self.executor.run(stand, &sequence, Pace::Careful, true)?;
+            if let Ended::Lost { dead, .. } = self.executor.restart(stand)? {
                 confirmed = true;
                 self.dead |= dead;
             }
@@ -364,12 +364,12 @@ impl Campaign<'_> {
     /// Whether the sequence shows the same violation again, from power-on.
     fn confirm(
         &mut self,
-        ground: &mut dyn Ground,
+        stand: &mut dyn TestStand,
         sequence: &Sequence,
         as_in: &Violation,
     ) -> Result<Confirmed, BusError> {
-        let keep = !ground.is_repeatable();
-        Ok(match self.executor.run(ground, sequence, Pace::Careful, keep)? {
+        let keep = !stand.is_repeatable();
+        Ok(match self.executor.run(stand, sequence, Pace::Careful, keep)? {
             Ended::Violation(violation) if is_same(&violation, as_in) => Confirmed::Again,
             Ended::Lost { violation, dead } if keep => Confirmed::Lost(violation, dead),
             _ => Confirmed::No,
@@ -379,7 +379,7 @@ impl Campaign<'_> {
     /// Makes the sequence shorter. It has shown the violation from power-on.
     fn shrink(
         &mut self,
-        ground: &mut dyn Ground,
+        stand: &mut dyn TestStand,
         tree: &mut SequenceTree,
         violation: Violation,
     ) -> Result<Found, BusError> {
@@ -392,36 +392,36 @@ impl Campaign<'_> {
         };
         // For what was found missing nobody waits as long again with each try.
         self.executor.presume(Some((violation.property, violation.rule)));
-        let shortest = self.shorten(ground, tree, violation);
+        let shortest = self.shorten(stand, tree, violation);
         let has_hurried = self.executor.presume(None);
-        let found = self.show(ground, shortest?)?;
+        let found = self.show(stand, shortest?)?;
         Ok(if has_hurried && !found.confirmed { whole } else { found })
     }
 
     fn shorten(
         &mut self,
-        ground: &mut dyn Ground,
+        stand: &mut dyn TestStand,
         tree: &mut SequenceTree,
         violation: Violation,
     ) -> Result<Found, BusError> {
         // The frames of the shortest sequence so far, where they are kept.
         let mut shown = std::mem::take(&mut self.executor.evidence);
-        let until = match ground.is_repeatable() {
+        let until = match stand.is_repeatable() {
             true => Timestamp::MAX,
-            false => ground.bus().now() + LONGEST_SHRINKING,
+            false => stand.bus().now() + LONGEST_SHRINKING,
         };
         let mut more = tree.simplify();
         let mut tries = 0;
-        while more && tries < self.plan.shrink_budget && ground.bus().now() < until && !self.plan.time.is_over() {
+        while more && tries < self.plan.shrink_budget && stand.bus().now() < until && !self.plan.time.is_over() {
             tries += 1;
-            more = match self.confirm(ground, tree.tried(), &violation)? {
+            more = match self.confirm(stand, tree.tried(), &violation)? {
                 Confirmed::Again => {
                     shown = std::mem::take(&mut self.executor.evidence);
                     tree.simplify()
                 }
                 Confirmed::No => tree.complicate(),
                 Confirmed::Lost(lost, dead) => {
-                    self.lose(ground, lost, dead)?;
+                    self.lose(stand, lost, dead)?;
                     !self.dead && tree.complicate()
                 }
             };
@@ -431,20 +431,20 @@ impl Campaign<'_> {
     }
 
     /// Once more with its frames, and with the words for this sequence, if there is time for it.
-    fn show(&mut self, ground: &mut dyn Ground, shortest: Found) -> Result<Found, BusError> {
+    fn show(&mut self, stand: &mut dyn TestStand, shortest: Found) -> Result<Found, BusError> {
         if self.plan.time.is_over() && !shortest.evidence.is_empty() {
             return Ok(shortest);
         }
         let last = match self.dead {
             true => Ended::Well,
-            false => self.executor.run(ground, &shortest.sequence, Pace::Careful, true)?,
+            false => self.executor.run(stand, &shortest.sequence, Pace::Careful, true)?,
         };
         let evidence = std::mem::take(&mut self.executor.evidence);
         let shown = Found { evidence, state: self.executor.kept.clone(), ..shortest };
         Ok(match last {
             Ended::Violation(last) if is_same(&last, &shown.violation) => Found { violation: last, ..shown },
             Ended::Lost { violation: lost, dead } => {
-                self.lose(ground, lost, dead)?;
+                self.lose(stand, lost, dead)?;
                 Found { confirmed: false, ..shown }
             }
             _ => Found { confirmed: false, ..shown },

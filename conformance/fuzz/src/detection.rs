@@ -3,7 +3,7 @@
 
 use super::campaign::{self, Found, FuzzError, Plan};
 use super::generate::{Target, Targets};
-use super::ground::simulated;
+use super::stand::simulated;
 use canvass_analyzer::NodeId;
 use canvass_device::models::Model;
 use canvass_device::{Fault, Faults, Firmware};
@@ -87,7 +87,7 @@ pub fn fuzz(
     seed: u64,
     go_on: &mut dyn FnMut(u64) -> bool,
 ) -> Result<campaign::Outcome, FuzzError> {
-    let (mut ground, knowledge) = simulated(model, node_of(model), firmware, model.default_bit_rate(), seed);
+    let (mut stand, knowledge) = simulated(model, node_of(model), firmware, model.default_bit_rate(), seed);
     let plan = Plan {
         targets: targets.into(),
         seed,
@@ -98,12 +98,12 @@ pub fn fuzz(
         regressions: Vec::new(),
         only_regressions: false,
     };
-    campaign::run(&mut ground, knowledge, &plan, &mut |progress| go_on(progress.executions))
+    campaign::run(&mut stand, knowledge, &plan, &mut |progress| go_on(progress.executions))
 }
 
 /// The trials of one fault.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct FuzzedFault {
     /// The fault.
     pub fault: Fault,
     /// One for each seed.
@@ -114,12 +114,12 @@ pub struct Row {
 #[derive(Clone, Debug)]
 pub struct Table {
     /// One row for each fault.
-    pub rows: Vec<Row>,
+    pub rows: Vec<FuzzedFault>,
     /// Within this time every seed has to find a fault.
     pub limit: Duration,
 }
 
-impl Row {
+impl FuzzedFault {
     /// What was found, by seed.
     pub fn found(&self) -> impl Iterator<Item = &Detected> {
         self.trials.iter().filter_map(|trial| trial.found.as_ref())
@@ -155,22 +155,28 @@ impl Row {
 impl Table {
     /// The time to find a fault: the median over faults and seeds.
     pub fn median_time(&self) -> Option<Duration> {
-        median(self.rows.iter().flat_map(Row::found).map(|detected| detected.elapsed).collect())
+        median(self.rows.iter().flat_map(FuzzedFault::found).map(|detected| detected.elapsed).collect())
     }
 
     /// The longest time of all.
     pub fn longest_time(&self) -> Option<Duration> {
-        self.rows.iter().filter_map(Row::longest_time).max()
+        self.rows.iter().filter_map(FuzzedFault::longest_time).max()
     }
 
     /// The frames of a minimal sequence: the median over faults and seeds.
     pub fn median_frames(&self) -> Option<usize> {
-        median(self.rows.iter().flat_map(Row::found).map(|detected| detected.found.sequence.stimuli.len()).collect())
+        median(
+            self.rows
+                .iter()
+                .flat_map(FuzzedFault::found)
+                .map(|detected| detected.found.sequence.stimuli.len())
+                .collect(),
+        )
     }
 
     /// The frames of the longest minimal sequence of all.
     pub fn most_frames(&self) -> Option<usize> {
-        self.rows.iter().filter_map(Row::most_frames).max()
+        self.rows.iter().filter_map(FuzzedFault::most_frames).max()
     }
 }
 

@@ -2,9 +2,9 @@
 
 use super::baseline::{self, Kept};
 use super::coverage::Coverage;
-use super::ground::{Ground, Readiness};
 use super::oracle::{Oracle, Violation};
 use super::property::Property;
+use super::stand::{Readiness, TestStand};
 use super::stimulus::{Sequence, Start, Stimulus, Then};
 use super::time_limit::TimeLimit;
 use super::trust::Trusts;
@@ -201,7 +201,7 @@ impl Executor {
     /// [`BusError`] if the bus fails.
     pub fn run(
         &mut self,
-        ground: &mut dyn Ground,
+        stand: &mut dyn TestStand,
         sequence: &Sequence,
         pace: Pace,
         keep: bool,
@@ -213,7 +213,7 @@ impl Executor {
         self.rests = false;
         let is_begun = Cell::new(goes_on);
         // A device in this process can panic. What is left of it is not used any more: the next start makes it anew.
-        let ended = catch_unwind(AssertUnwindSafe(|| self.attempt(ground, sequence, &is_begun)));
+        let ended = catch_unwind(AssertUnwindSafe(|| self.attempt(stand, sequence, &is_begun)));
         let ended = ended.unwrap_or_else(|panic| {
             let violation = self.death(DEATH, "a device that lives", &panicked(&*panic));
             if is_begun.get() { Err(Stop::Violation(violation)) } else { Err(Stop::Lost { violation, dead: true }) }
@@ -231,26 +231,26 @@ impl Executor {
     }
 
     /// On a live device the end of a run does not wait for that of a sequence.
-    fn in_time(&self, ground: &dyn Ground) -> Result<(), Stop> {
-        if !ground.is_repeatable() && self.time.is_over() { Err(Stop::Time) } else { Ok(()) }
+    fn in_time(&self, stand: &dyn TestStand) -> Result<(), Stop> {
+        if !stand.is_repeatable() && self.time.is_over() { Err(Stop::Time) } else { Ok(()) }
     }
 
-    fn attempt(&mut self, ground: &mut dyn Ground, sequence: &Sequence, is_begun: &Cell<bool>) -> Result<(), Stop> {
-        if sequence.start == Start::Unconfigured && !ground.has_unconfigured() {
+    fn attempt(&mut self, stand: &mut dyn TestStand, sequence: &Sequence, is_begun: &Cell<bool>) -> Result<(), Stop> {
+        if sequence.start == Start::Unconfigured && !stand.has_unconfigured() {
             self.unjudged += 1;
             return Ok(());
         }
-        self.in_time(ground)?;
+        self.in_time(stand)?;
         if !is_begun.get() {
-            self.start(ground, sequence.start)?;
+            self.start(stand, sequence.start)?;
             is_begun.set(true);
         }
         self.in_a_row += 1;
         self.trusts.regain();
-        let before = ground.bus().health();
-        let ended = self.steps(ground, sequence);
+        let before = stand.bus().health();
+        let ended = self.steps(stand, sequence);
         if let Err(Stop::Violation(_)) = &ended
-            && is_troubled(ground, &before)
+            && is_troubled(stand, &before)
         {
             // Frames are missing that the device may have sent.
             self.unjudged += 1;
@@ -261,17 +261,17 @@ impl Executor {
     }
 
     /// Brings the device to its start, with the values of power-on.
-    fn start(&mut self, ground: &mut dyn Ground, start: Start) -> Result<(), Stop> {
-        let is_repeatable = ground.is_repeatable();
+    fn start(&mut self, stand: &mut dyn TestStand, start: Start) -> Result<(), Stop> {
+        let is_repeatable = stand.is_repeatable();
         let evidence = std::mem::take(&mut self.evidence);
         if !is_repeatable {
             let stimuli = std::mem::take(&mut self.sent);
             self.before = (Sequence { start: Start::Configured, stimuli }, evidence);
         }
         self.in_a_row = 0;
-        let health = ground.bus().health();
-        let readiness = ground.begin(start)?;
-        if readiness != Readiness::Ready && !is_troubled(ground, &health) {
+        let health = stand.bus().health();
+        let readiness = stand.begin(start)?;
+        if readiness != Readiness::Ready && !is_troubled(stand, &health) {
             let within = self.knowledge.patience.boot;
             let expected =
                 format!("a boot-up message, or an answer, within {within} of the reset between two sequences");
@@ -284,10 +284,10 @@ impl Executor {
         }
         self.kept.clear();
         if !is_repeatable {
-            self.kept = baseline::restore(ground.bus(), &self.before.0.stimuli, &self.knowledge)?;
+            self.kept = baseline::restore(stand.bus(), &self.before.0.stimuli, &self.knowledge)?;
         }
         self.trusts.awaits_lss = false;
-        self.oracle.start(ground.bus().now(), start);
+        self.oracle.start(stand.bus().now(), start);
         for kept in &self.kept {
             self.oracle.holds(kept.at, kept.value);
         }
@@ -298,10 +298,10 @@ impl Executor {
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
-    pub fn restart(&mut self, ground: &mut dyn Ground) -> Result<Ended, BusError> {
+    pub fn restart(&mut self, stand: &mut dyn TestStand) -> Result<Ended, BusError> {
         // A run whose time is over leaves the device as it was found all the same.
         let time = std::mem::take(&mut self.time);
-        let ended = self.run(ground, &Sequence::default(), Pace::Careful, true);
+        let ended = self.run(stand, &Sequence::default(), Pace::Careful, true);
         self.time = time;
         ended
     }
@@ -354,33 +354,33 @@ impl Executor {
         }
     }
 
-    fn steps(&mut self, ground: &mut dyn Ground, sequence: &Sequence) -> Result<(), Stop> {
-        let is_live = ground.bus().is_live();
+    fn steps(&mut self, stand: &mut dyn TestStand, sequence: &Sequence) -> Result<(), Stop> {
+        let is_live = stand.bus().is_live();
         for (at, stimulus) in sequence.stimuli.iter().enumerate() {
             if is_live && activates(&stimulus.frame) {
                 continue;
             }
-            self.in_time(ground)?;
+            self.in_time(stand)?;
             let next = sequence.stimuli.get(at + 1);
             self.followed = shows_late(&stimulus.frame)
                 || next.is_some_and(|next| next.frame.id() == stimulus.frame.id() && !stimulus.frame.is_remote());
-            self.step(ground, stimulus)?;
+            self.step(stand, stimulus)?;
             if is_live && stimulus.then == Then::AtOnce && next.is_some_and(|next| !self.are_told_apart(stimulus, next))
             {
-                self.settle(ground)?;
+                self.settle(stand)?;
             }
         }
         if sequence.stimuli.last().is_some_and(|last| last.then == Then::AtOnce) {
-            self.settle(ground)?;
+            self.settle(stand)?;
         }
-        self.oracle.finish(ground.bus().now())?;
+        self.oracle.finish(stand.bus().now())?;
         if self.pace == Pace::Swift {
             for frame in self.oracle.brings_to_rest() {
                 self.followed = shows_late(&frame);
-                self.step(ground, &Stimulus::settle(frame))?;
+                self.step(stand, &Stimulus::settle(frame))?;
             }
         }
-        self.probe(ground)
+        self.probe(stand)
     }
 
     /// Whether answers to two frames that follow each other at once can be told apart on a bus where they take their
@@ -393,16 +393,16 @@ impl Executor {
     }
 
     /// PROP-01: whatever came before, 1000h can be read.
-    fn probe(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
+    fn probe(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         self.followed = true;
         if !self.oracle.serves_sdo() {
             return Ok(());
         }
         if self.oracle.is_in_blocks() {
             // There a request to read can't be told from a segment.
-            self.step(ground, &Stimulus::settle(self.abort))?;
+            self.step(stand, &Stimulus::settle(self.abort))?;
         }
-        match self.step(ground, &Stimulus::settle(self.probe)) {
+        match self.step(stand, &Stimulus::settle(self.probe)) {
             Err(Stop::Violation(violation)) if violation.is_silence => {
                 Err(Stop::Violation(Violation { property: Property::Responsive, rule: "canonical read", ..violation }))
             }
@@ -410,9 +410,9 @@ impl Executor {
         }
     }
 
-    fn step(&mut self, ground: &mut dyn Ground, stimulus: &Stimulus) -> Result<(), Stop> {
-        ground.bus().send(&stimulus.frame)?;
-        if !ground.is_repeatable() {
+    fn step(&mut self, stand: &mut dyn TestStand, stimulus: &Stimulus) -> Result<(), Stop> {
+        stand.bus().send(&stimulus.frame)?;
+        if !stand.is_repeatable() {
             self.sent.push(*stimulus);
         }
         self.outstanding += 1;
@@ -420,10 +420,10 @@ impl Executor {
         self.trusts.awaits_lss |= stimulus.frame.cob_id() == Some(lss::MASTER_CAN_ID);
         match stimulus.then {
             Then::AtOnce => Ok(()),
-            Then::Settle => self.settle(ground),
+            Then::Settle => self.settle(stand),
             Then::Pause(time) => {
-                let until = ground.bus().now() + time;
-                self.pass(ground, until)
+                let until = stand.bus().now() + time;
+                self.pass(stand, until)
             }
         }
     }
@@ -440,55 +440,55 @@ impl Executor {
     }
 
     /// Until what is due has come, or no answer has come for a while where none is due.
-    fn settle(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
+    fn settle(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         let answer = self.knowledge.patience.answer;
         let mut quiet = self.trusts.quiet();
         let must_be_sure = self.pace == Pace::Careful || self.oracle.may_be_answered();
-        if must_be_sure && !ground.is_repeatable() {
+        if must_be_sure && !stand.is_repeatable() {
             // What comes later would be taken for the answer to the next frame.
             quiet = quiet.times(LATE_ANSWER);
         }
         let mut was_due = false;
         let mut until = Timestamp::MAX;
-        let mut known_by = self.known_by(ground);
-        let longest = ground.bus().now() + quiet.times(MOST_QUIET);
-        let begun = ground.bus().now();
+        let mut known_by = self.known_by(stand);
+        let longest = stand.bus().now() + quiet.times(MOST_QUIET);
+        let begun = stand.bus().now();
         loop {
             let due = self.oracle.due();
             let awaited = self.oracle.awaits();
             let deadline = match due {
-                _ if self.outstanding > 0 => ground.bus().now() + answer,
+                _ if self.outstanding > 0 => stand.bus().now() + answer,
                 Some(due) => due.min(known_by),
                 None if was_due && !self.oracle.is_open() => return Ok(()),
                 None if self.may_hurry() => return Ok(()),
-                None if self.may_ask(ground) => return self.ask(ground),
+                None if self.may_ask(stand) => return self.ask(stand),
                 None => {
                     if until == Timestamp::MAX {
-                        until = ground.bus().now() + quiet;
+                        until = stand.bus().now() + quiet;
                     }
                     until
                 }
             };
             was_due |= due.is_some();
-            match self.receive(ground, deadline)? {
+            match self.receive(stand, deadline)? {
                 // Several answers may be under way; heartbeats and PDOs come all the time.
                 Received::Answer => {
                     until = Timestamp::MAX;
-                    self.remember_slow(awaited, ground.bus().now().since(begun));
+                    self.remember_slow(awaited, stand.bus().now().since(begun));
                 }
                 // The answer may wait for the bus.
-                Received::Bystander if ground.bus().now() < longest => until = Timestamp::MAX,
+                Received::Bystander if stand.bus().now() < longest => until = Timestamp::MAX,
                 Received::Bystander | Received::Other => {}
                 Received::Nothing => {
-                    self.oracle.expire(ground.bus().now())?;
+                    self.oracle.expire(stand.bus().now())?;
                     if self.outstanding > 0 {
                         // The bus does not take the frame: nothing can be said about the device.
                         self.outstanding = 0;
                     } else if let Some(due) = due {
-                        if ground.bus().now() >= known_by {
+                        if stand.bus().now() >= known_by {
                             known_by = Timestamp::MAX;
                             self.is_missing_as_before(due)?;
-                            self.give_up(ground)?;
+                            self.give_up(stand)?;
                         }
                     } else {
                         self.be_quiet();
@@ -500,12 +500,12 @@ impl Executor {
     }
 
     /// When an answer that has not come is held against those that are known not to come, or to be slow.
-    fn known_by(&self, ground: &mut dyn Ground) -> Timestamp {
+    fn known_by(&self, stand: &mut dyn TestStand) -> Timestamp {
         let is_known = match self.pace {
-            Pace::Careful => self.presumed.is_some() && !ground.is_repeatable(),
+            Pace::Careful => self.presumed.is_some() && !stand.is_repeatable(),
             Pace::Swift => !self.known.is_empty() || !self.slow.is_empty(),
         };
-        if is_known { ground.bus().now() + self.trusts.quiet().times(MISSING_ANSWER) } else { Timestamp::MAX }
+        if is_known { stand.bus().now() + self.trusts.quiet().times(MISSING_ANSWER) } else { Timestamp::MAX }
     }
 
     /// Remembers what took long: a server that ends a block by a time-out of its own, where segments were missing.
@@ -518,12 +518,12 @@ impl Executor {
     }
 
     /// Aborts a transfer whose answer is known to be slow: it was judged when it came before.
-    fn give_up(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
+    fn give_up(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         let slow = self.oracle.awaits().and_then(|awaited| self.slow.get(awaited));
         if self.pace == Pace::Careful || slow.is_none_or(|&times| times < MOST_SLOW) {
             return Ok(());
         }
-        ground.bus().send(&self.abort)?;
+        stand.bus().send(&self.abort)?;
         self.sent.push(Stimulus::settle(self.abort));
         self.outstanding += 1;
         Ok(())
@@ -550,17 +550,17 @@ impl Executor {
     }
 
     /// Whether a request can take the place of waiting: its answer comes when what was sent before it is done.
-    fn may_ask(&self, ground: &dyn Ground) -> bool {
-        self.pace == Pace::Swift && self.trusts.are_in_order() && !ground.is_repeatable() && self.oracle.may_be_asked()
+    fn may_ask(&self, stand: &dyn TestStand) -> bool {
+        self.pace == Pace::Swift && self.trusts.are_in_order() && !stand.is_repeatable() && self.oracle.may_be_asked()
     }
 
     /// Reads 1000h; what comes until the answer is judged. It is no exchange of the sequence, and not counted as one.
-    fn ask(&mut self, ground: &mut dyn Ground) -> Result<(), Stop> {
+    fn ask(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         let executions = self.executions;
-        ground.bus().send(&self.probe)?;
+        stand.bus().send(&self.probe)?;
         self.sent.push(Stimulus::settle(self.probe));
         self.outstanding += 1;
-        let begun = ground.bus().now();
+        let begun = stand.bus().now();
         let until = begun + self.knowledge.patience.answer;
         let longest = begun + self.trusts.quiet().times(MOST_QUIET);
         loop {
@@ -570,10 +570,10 @@ impl Executor {
                 Some(due) => due,
                 None if self.oracle.may_be_asked() => break,
                 // What came meanwhile leaves open whether it is answered.
-                None => longest.min(ground.bus().now() + self.trusts.quiet().times(LATE_ANSWER)),
+                None => longest.min(stand.bus().now() + self.trusts.quiet().times(LATE_ANSWER)),
             };
-            if self.receive(ground, deadline)? == Received::Nothing {
-                self.oracle.expire(ground.bus().now())?;
+            if self.receive(stand, deadline)? == Received::Nothing {
+                self.oracle.expire(stand.bus().now())?;
                 if self.outstanding == 0 && due.is_none() {
                     break;
                 }
@@ -586,15 +586,15 @@ impl Executor {
     }
 
     /// Lets time pass.
-    fn pass(&mut self, ground: &mut dyn Ground, until: Timestamp) -> Result<(), Stop> {
-        let mut heard = ground.bus().now();
+    fn pass(&mut self, stand: &mut dyn TestStand, until: Timestamp) -> Result<(), Stop> {
+        let mut heard = stand.bus().now();
         loop {
             let deadline = self.oracle.due().unwrap_or(until).min(until);
-            match self.receive(ground, deadline)? {
-                Received::Answer => heard = ground.bus().now(),
+            match self.receive(stand, deadline)? {
+                Received::Answer => heard = stand.bus().now(),
                 Received::Bystander | Received::Other => {}
                 Received::Nothing => {
-                    let now = ground.bus().now();
+                    let now = stand.bus().now();
                     self.oracle.expire(now)?;
                     if now >= until {
                         // In a short pause an answer may still be under way.
@@ -609,8 +609,8 @@ impl Executor {
     }
 
     /// The next frame, if there is one until the deadline.
-    fn receive(&mut self, ground: &mut dyn Ground, deadline: Timestamp) -> Result<Received, Stop> {
-        let Some(record) = ground.bus().receive(deadline)? else { return Ok(Received::Nothing) };
+    fn receive(&mut self, stand: &mut dyn TestStand, deadline: Timestamp) -> Result<Received, Stop> {
+        let Some(record) = stand.bus().receive(deadline)? else { return Ok(Received::Nothing) };
         if record.frame.is_error() {
             return Ok(Received::Other);
         }
@@ -639,8 +639,8 @@ impl Executor {
 }
 
 /// Whether frames were lost on this machine, or the bus was interrupted, since then.
-fn is_troubled(ground: &mut dyn Ground, before: &Health) -> bool {
-    let trouble = ground.bus().health().since(before);
+fn is_troubled(stand: &mut dyn TestStand, before: &Health) -> bool {
+    let trouble = stand.bus().health().since(before);
     trouble.lost > 0 || trouble.interruptions > 0
 }
 

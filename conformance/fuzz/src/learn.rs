@@ -1,7 +1,7 @@
 //! What the device itself says before the first sequence: its values, its optional services, how fast it is, and what is
 //! on the bus beside it.
 
-use super::ground::{Ground, Readiness};
+use super::stand::{Readiness, TestStand};
 use super::time_limit::TimeLimit;
 use super::{Knowledge, Start};
 use canvass_analyzer::wire::Wire;
@@ -26,22 +26,22 @@ const FIRST_ANSWER: Duration = Duration::from_secs(5);
 /// # Errors
 /// [`BusError`] if the bus fails.
 pub(super) fn learn(
-    ground: &mut dyn Ground,
+    stand: &mut dyn TestStand,
     knowledge: &mut Knowledge,
     lss: bool,
     time: &TimeLimit,
 ) -> Result<Answers, BusError> {
-    if ground.begin(Start::Configured)? == Readiness::Dead {
+    if stand.begin(Start::Configured)? == Readiness::Dead {
         return Ok(false);
     }
     let node = knowledge.node;
     let first = knowledge.patience.answer.max(FIRST_ANSWER);
-    let Some((_, slowest)) = ask(ground.bus(), node, first, Multiplexer::new(0x1000, 0))? else {
+    let Some((_, slowest)) = ask(stand.bus(), node, first, Multiplexer::new(0x1000, 0))? else {
         return Ok(false);
     };
     let answer = knowledge.patience.answer.max(slowest.times(3));
     let mut times = vec![slowest];
-    listen(ground.bus(), knowledge)?;
+    listen(stand.bus(), knowledge)?;
     let addresses: Vec<Multiplexer> = knowledge
         .entries()
         .iter()
@@ -52,19 +52,19 @@ pub(super) fn learn(
         if time.is_over() {
             return Ok(true);
         }
-        let Some((response, took)) = ask(ground.bus(), node, answer, at)? else { continue };
+        let Some((response, took)) = ask(stand.bus(), node, answer, at)? else { continue };
         times.push(took);
         if let Some(raw) = value(response, at) {
             knowledge.learn(at, raw);
         }
     }
-    if !ground.is_repeatable() {
-        knowledge.patience = knowledge.patience.measured(times, ground.restart_time());
-        ground.attune(knowledge.patience);
+    if !stand.is_repeatable() {
+        knowledge.patience = knowledge.patience.measured(times, stand.restart_time());
+        stand.attune(knowledge.patience);
     }
-    knowledge.address = address(ground.bus(), node, answer)?;
+    knowledge.address = address(stand.bus(), node, answer)?;
     if lss && knowledge.services.lss == Some(true) && !knowledge.services.lmt {
-        learn_lss(ground, knowledge)?;
+        learn_lss(stand, knowledge)?;
     }
     Ok(true)
 }
@@ -96,16 +96,16 @@ fn listen(bus: &mut dyn Bus, knowledge: &mut Knowledge) -> Result<(), BusError> 
 }
 
 /// Inquiry services and Fastscan are optional: whether the slave has them, its first answers tell.
-fn learn_lss(ground: &mut dyn Ground, knowledge: &mut Knowledge) -> Result<(), BusError> {
+fn learn_lss(stand: &mut dyn TestStand, knowledge: &mut Knowledge) -> Result<(), BusError> {
     let answer = knowledge.patience.answer;
-    let bus = ground.bus();
+    let bus = stand.bus();
     dialogue(bus, answer, lss::Request::SwitchGlobal { mode: 1 }, false)?;
     knowledge.services.lss_inquiry = Some(dialogue(bus, answer, lss::Request::Inquire { part: Part::VendorId }, true)?);
     dialogue(bus, answer, lss::Request::SwitchGlobal { mode: 0 }, false)?;
-    if ground.has_unconfigured() {
-        ground.begin(Start::Unconfigured)?;
+    if stand.has_unconfigured() {
+        stand.begin(Start::Unconfigured)?;
         let begin = lss::Request::Fastscan { id: 0, bit_check: 128, sub: 0, next: 0 };
-        knowledge.services.fastscan = Some(dialogue(ground.bus(), answer, begin, true)?);
+        knowledge.services.fastscan = Some(dialogue(stand.bus(), answer, begin, true)?);
     }
     Ok(())
 }

@@ -32,14 +32,14 @@ impl Chance {
 #[derive(Clone, Debug, Default)]
 pub struct Sparing {
     /// One row for each liberty, in the order of their definition.
-    pub alone: Vec<Row>,
+    pub alone: Vec<FuzzedLiberties>,
     /// One row for each random combination.
-    pub combined: Vec<Row>,
+    pub combined: Vec<FuzzedLiberties>,
 }
 
 /// What the fuzzer made of a firmware that takes liberties and has no fault.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct FuzzedLiberties {
     /// What it takes.
     pub liberties: Liberties,
     /// The model.
@@ -52,7 +52,7 @@ pub struct Row {
 
 impl Sparing {
     /// All rows.
-    pub fn rows(&self) -> impl Iterator<Item = &Row> {
+    pub fn rows(&self) -> impl Iterator<Item = &FuzzedLiberties> {
         self.alone.iter().chain(&self.combined)
     }
 
@@ -83,7 +83,7 @@ pub fn run(chance: Chance) -> Result<Sparing, FuzzError> {
         _ => Liberty::ALL.iter().copied().map(Liberties::from).collect(),
     };
     let combined: Vec<Liberties> = (0..chance.combinations).map(|_| dice.liberties()).collect();
-    let rows = |sets: &[Liberties]| -> Result<Vec<Row>, FuzzError> {
+    let rows = |sets: &[Liberties]| -> Result<Vec<FuzzedLiberties>, FuzzError> {
         let numbered: Vec<(u64, Liberties)> = (chance.seed..).zip(sets.iter().copied()).collect();
         in_parallel(&numbered, |(seed, liberties)| row(*liberties, *seed, chance.exchanges))
             .into_iter()
@@ -94,11 +94,11 @@ pub fn run(chance: Chance) -> Result<Sparing, FuzzError> {
 }
 
 /// `None` if the liberty's model does not exist.
-fn row(liberties: Liberties, seed: u64, exchanges: u64) -> Result<Option<Row>, FuzzError> {
+fn row(liberties: Liberties, seed: u64, exchanges: u64) -> Result<Option<FuzzedLiberties>, FuzzError> {
     let Some(model) = liberties.iter().next().and_then(|liberty| Model::by_id(liberty.model())) else {
         return Ok(None);
     };
-    let mut row = Row { liberties, model: model.id(), exchanges: 0, violations: Vec::new() };
+    let mut row = FuzzedLiberties { liberties, model: model.id(), exchanges: 0, violations: Vec::new() };
     // With nothing allowed, as on anybody's device, and with everything.
     for allow in [BTreeSet::new(), Touch::ALL.into_iter().collect()] {
         let outcome = fuzz(model, liberties, Target::All, &allow, seed, &mut |done| done < exchanges / 2)?;

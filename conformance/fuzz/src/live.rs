@@ -1,7 +1,7 @@
 //! A device on a bus that goes on: it is reset where a sequence has to begin anew.
 
-use super::ground::{Ground, Readiness, wait_for_boot_up};
 use super::learn::ask;
+use super::stand::{Readiness, TestStand, wait_for_boot_up};
 use super::time_limit::TimeLimit;
 use super::{Knowledge, Patience, Start};
 use canvass_analyzer::wire::Wire;
@@ -80,7 +80,7 @@ impl<'a> Live<'a> {
     }
 }
 
-impl Ground for Live<'_> {
+impl TestStand for Live<'_> {
     fn begin(&mut self, _: Start) -> Result<Readiness, BusError> {
         let is_first = self.restart.is_none();
         let boot = if is_first && self.is_alive()? { FIRST_BOOT } else { self.patience.boot };

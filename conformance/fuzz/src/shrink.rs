@@ -18,14 +18,14 @@ pub struct SequenceTree {
     best: Sequence,
     /// The variant that is being tried; `None`: the simplest.
     variant: Option<Sequence>,
-    step: Step,
+    step: ShrinkStep,
     /// Something was simplified since the steps began anew.
     progress: bool,
 }
 
 /// What is tried next.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum Step {
+enum ShrinkStep {
     /// Leave out that many frames from there on.
     Remove {
         length: usize,
@@ -52,7 +52,7 @@ impl SequenceTree {
     /// A sequence that may or may not show something.
     pub fn new(sequence: Sequence) -> Self {
         let length = sequence.stimuli.len().div_ceil(2).max(1);
-        Self { best: sequence, variant: None, step: Step::Remove { length, from: 0 }, progress: false }
+        Self { best: sequence, variant: None, step: ShrinkStep::Remove { length, from: 0 }, progress: false }
     }
 
     /// The simplest sequence that is known to show the violation.
@@ -68,7 +68,7 @@ impl SequenceTree {
     /// Makes the next variant; `false` if there is none.
     fn advance(&mut self) -> bool {
         loop {
-            if self.step == Step::Done {
+            if self.step == ShrinkStep::Done {
                 self.variant = None;
                 return false;
             }
@@ -85,14 +85,14 @@ impl SequenceTree {
     fn simpler(&self) -> Option<Sequence> {
         let mut variant = self.best.clone();
         match self.step {
-            Step::Remove { length, from } => {
+            ShrinkStep::Remove { length, from } => {
                 let end = (from + length).min(variant.stimuli.len());
                 if from >= end {
                     return None;
                 }
                 variant.stimuli.drain(from..end);
             }
-            Step::Wait { length, from } => {
+            ShrinkStep::Wait { length, from } => {
                 let end = (from + 1 + length).min(variant.stimuli.len());
                 if from + 1 >= end {
                     return None;
@@ -101,14 +101,14 @@ impl SequenceTree {
                 variant.stimuli.drain(from + 1..end);
                 variant.stimuli.get_mut(from)?.then = Then::Pause(pause);
             }
-            Step::Settle { at } => {
+            ShrinkStep::Settle { at } => {
                 let stimulus = variant.stimuli.get_mut(at)?;
                 stimulus.then = match stimulus.then {
                     Then::Settle => return None,
                     Then::AtOnce | Then::Pause(_) => Then::Settle,
                 };
             }
-            Step::Zero { at, byte } => {
+            ShrinkStep::Zero { at, byte } => {
                 let stimulus = variant.stimuli.get_mut(at)?;
                 let data = stimulus.frame.data();
                 if data.get(byte).is_none_or(|&value| value == 0) || stimulus.frame.is_remote() {
@@ -119,44 +119,48 @@ impl SequenceTree {
                 let frame = Frame::new(stimulus.frame.id(), &bytes[..data.len().min(8)])?;
                 *stimulus = Stimulus { frame, then: stimulus.then };
             }
-            Step::Done => return None,
+            ShrinkStep::Done => return None,
         }
         Some(variant)
     }
 
-    fn next_step(&mut self) -> Step {
+    fn next_step(&mut self) -> ShrinkStep {
         let len = self.best.stimuli.len();
         match self.step {
-            Step::Remove { length, from } if from + length < len => {
-                Step::Remove { length, from: from + stride(length) }
+            ShrinkStep::Remove { length, from } if from + length < len => {
+                ShrinkStep::Remove { length, from: from + stride(length) }
             }
-            Step::Wait { length, from } if from + 1 + length < len => {
-                Step::Wait { length, from: from + stride(length) }
+            ShrinkStep::Wait { length, from } if from + 1 + length < len => {
+                ShrinkStep::Wait { length, from: from + stride(length) }
             }
-            Step::Remove { length, .. } if length > 1 => Step::Remove { length: length.div_ceil(2), from: 0 },
-            Step::Remove { .. } | Step::Wait { length: ..=1, .. } if self.progress => self.restart(),
-            Step::Remove { .. } => Step::Wait { length: len.div_ceil(2).max(1), from: 0 },
-            Step::Wait { length: ..=1, .. } => Step::Settle { at: 0 },
-            Step::Wait { length, .. } => Step::Wait { length: length.div_ceil(2), from: 0 },
-            Step::Settle { at } if at + 1 < len => Step::Settle { at: at + 1 },
-            Step::Settle { .. } => Step::Zero { at: 0, byte: 4 },
-            Step::Zero { at, byte } if byte < 7 => Step::Zero { at, byte: byte + 1 },
-            Step::Zero { at, .. } if at + 1 < len => Step::Zero { at: at + 1, byte: 4 },
-            Step::Zero { .. } | Step::Done => Step::Done,
+            ShrinkStep::Remove { length, .. } if length > 1 => {
+                ShrinkStep::Remove { length: length.div_ceil(2), from: 0 }
+            }
+            ShrinkStep::Remove { .. } | ShrinkStep::Wait { length: ..=1, .. } if self.progress => self.restart(),
+            ShrinkStep::Remove { .. } => ShrinkStep::Wait { length: len.div_ceil(2).max(1), from: 0 },
+            ShrinkStep::Wait { length: ..=1, .. } => ShrinkStep::Settle { at: 0 },
+            ShrinkStep::Wait { length, .. } => ShrinkStep::Wait { length: length.div_ceil(2), from: 0 },
+            ShrinkStep::Settle { at } if at + 1 < len => ShrinkStep::Settle { at: at + 1 },
+            ShrinkStep::Settle { .. } => ShrinkStep::Zero { at: 0, byte: 4 },
+            ShrinkStep::Zero { at, byte } if byte < 7 => ShrinkStep::Zero { at, byte: byte + 1 },
+            ShrinkStep::Zero { at, .. } if at + 1 < len => ShrinkStep::Zero { at: at + 1, byte: 4 },
+            ShrinkStep::Zero { .. } | ShrinkStep::Done => ShrinkStep::Done,
         }
     }
 
     /// Dialogues and single frames once more: what could not be left out before may be superfluous now.
-    fn restart(&mut self) -> Step {
+    fn restart(&mut self) -> ShrinkStep {
         self.progress = false;
-        Step::Remove { length: DIALOGUE, from: 0 }
+        ShrinkStep::Remove { length: DIALOGUE, from: 0 }
     }
 
     /// The step that comes after a variant that showed the violation: what was left out shifts the rest.
     fn accepted(&mut self) {
         self.progress = true;
         match &mut self.step {
-            Step::Remove { length, from } | Step::Wait { length, from } => *from = from.saturating_sub(stride(*length)),
+            ShrinkStep::Remove { length, from } | ShrinkStep::Wait { length, from } => {
+                *from = from.saturating_sub(stride(*length))
+            }
             _ => {}
         }
     }

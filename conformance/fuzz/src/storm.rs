@@ -87,14 +87,14 @@ pub fn storm(model: &Model, frames: u64, seed: u64) -> Result<Storm, Broken> {
     bytes[..8].copy_from_slice(&(seed | 1 << 63).to_le_bytes());
     let mut rng = TestRng::from_seed(RngAlgorithm::XorShift, &bytes);
     let addresses = model.description().dictionary.entries().map(|(at, _)| at).collect();
-    let mut sky = Sky { model, addresses, dice: Dice::new(&mut rng), done: Storm::default(), seed, last: None };
-    while sky.done.frames < frames {
-        sky.episode(EPISODE.min(frames - sky.done.frames))?;
+    let mut attack = Attack { model, addresses, dice: Dice::new(&mut rng), done: Storm::default(), seed, last: None };
+    while attack.done.frames < frames {
+        attack.episode(EPISODE.min(frames - attack.done.frames))?;
     }
-    Ok(sky.done)
+    Ok(attack.done)
 }
 
-struct Sky<'a> {
+struct Attack<'a> {
     model: &'a Model,
     addresses: Vec<Multiplexer>,
     dice: Dice<'a>,
@@ -105,37 +105,37 @@ struct Sky<'a> {
 }
 
 /// A device and its time.
-struct Victim {
+struct Attacked {
     device: Device,
     now: Timestamp,
 }
 
-impl Sky<'_> {
+impl Attack<'_> {
     fn episode(&mut self, frames: u64) -> Result<(), Broken> {
         let faults = self.faults();
         // One of eight has no node-ID, one of eight has faults.
         let node = if self.done.starts % 8 == 5 { None } else { self.model.default_node().or(NodeId::new(USUAL_NODE)) };
         let motion = Motion::constant(self.dice.number() as i64 >> 20, self.dice.number() as i64 >> 40);
         let device = Device::with_motion(self.model, node, faults, self.dice.number(), motion);
-        let mut victim = Victim { device, now: Timestamp::ZERO };
+        let mut attacked = Attacked { device, now: Timestamp::ZERO };
         self.done.starts += 1;
         // Into one of the states; the frames may change it.
         let pause = if self.dice.one_in(5) { Duration::from_millis(1) } else { Duration::from_secs(1) };
-        self.pass(&mut victim, pause)?;
+        self.pass(&mut attacked, pause)?;
         for command in self.dice.one_of([&[][..], &[1], &[1], &[2], &[1, 2], &[0x80]]) {
-            self.give(&mut victim, &short(nmt::CAN_ID, &[*command, 0]));
+            self.give(&mut attacked, &short(nmt::CAN_ID, &[*command, 0]));
         }
         for _ in 0..frames {
-            let frame = self.frame(&victim);
+            let frame = self.frame(&attacked);
             self.last = Some(frame);
-            self.give(&mut victim, &frame);
+            self.give(&mut attacked, &frame);
             let pause = self.pause(&frame);
-            self.pass(&mut victim, pause)?;
+            self.pass(&mut attacked, pause)?;
         }
-        victim.device.power_cycle(victim.now);
-        self.pass(&mut victim, START)?;
-        let alive = self.answers(&mut victim)?;
-        self.done.time = self.done.time + victim.now.since(Timestamp::ZERO);
+        attacked.device.power_cycle(attacked.now);
+        self.pass(&mut attacked, START)?;
+        let alive = self.answers(&mut attacked)?;
+        self.done.time = self.done.time + attacked.now.since(Timestamp::ZERO);
         if alive || faults != Faults::NONE {
             return Ok(());
         }
@@ -162,8 +162,8 @@ impl Sky<'_> {
         }
     }
 
-    fn give(&mut self, victim: &mut Victim, frame: &Frame) {
-        let state = match (victim.device.node(), victim.device.state()) {
+    fn give(&mut self, attacked: &mut Attacked, frame: &Frame) {
+        let state = match (attacked.device.node(), attacked.device.state()) {
             (None, _) => 0,
             (_, State::BOOT_UP) => 1,
             (_, State::PRE_OPERATIONAL) => 2,
@@ -174,50 +174,50 @@ impl Sky<'_> {
             *count += 1;
         }
         self.done.frames += 1;
-        victim.device.handle(victim.now, frame);
-        self.drain(victim);
+        attacked.device.handle(attacked.now, frame);
+        self.drain(attacked);
     }
 
-    fn drain(&mut self, victim: &mut Victim) -> Option<Frame> {
+    fn drain(&mut self, attacked: &mut Attacked) -> Option<Frame> {
         let mut last = None;
-        while let Some(frame) = victim.device.poll_transmit(victim.now) {
-            self.done.sent += u64::from(!victim.device.withdraws(&frame));
+        while let Some(frame) = attacked.device.poll_transmit(attacked.now) {
+            self.done.sent += u64::from(!attacked.device.withdraws(&frame));
             last = Some(frame);
         }
         last
     }
 
     /// Time passes; the last frame that the device sends in it.
-    fn pass(&mut self, victim: &mut Victim, pause: Duration) -> Result<Option<Frame>, Broken> {
-        let until = victim.now + pause;
+    fn pass(&mut self, attacked: &mut Attacked, pause: Duration) -> Result<Option<Frame>, Broken> {
+        let until = attacked.now + pause;
         let mut last = None;
         let most = WAKES + WAKES_PER_MILLISECOND * (pause.nanos() / 1_000_000);
         let mut wakes = 0;
-        while let Some(due) = victim.device.poll_timeout().filter(|due| *due <= until) {
+        while let Some(due) = attacked.device.poll_timeout().filter(|due| *due <= until) {
             // As on a bus: time goes on, whatever a device asks for.
-            victim.now = due.max(victim.now + Duration(1));
-            victim.device.handle_timeout(victim.now);
-            last = self.drain(victim).or(last);
+            attacked.now = due.max(attacked.now + Duration(1));
+            attacked.device.handle_timeout(attacked.now);
+            last = self.drain(attacked).or(last);
             wakes += 1;
             if wakes > most {
                 let (model, frames, seed) = (self.model.id().to_owned(), self.done.frames, self.seed);
                 return Err(Broken::Restless { model, frames, wakes, pause, seed });
             }
         }
-        victim.now = victim.now.max(until);
+        attacked.now = attacked.now.max(until);
         Ok(last)
     }
 
     /// Whether the device answers to its device type, in whatever state it has started.
-    fn answers(&mut self, victim: &mut Victim) -> Result<bool, Broken> {
-        let Some(node) = victim.device.node() else { return Ok(true) };
+    fn answers(&mut self, attacked: &mut Attacked) -> Result<bool, Broken> {
+        let Some(node) = attacked.device.node() else { return Ok(true) };
         let node = u16::from(node.raw());
-        victim.device.handle(victim.now, &Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + node));
-        let until = victim.now + Duration::from_millis(50);
-        while let Some(due) = victim.device.poll_timeout().filter(|due| *due <= until) {
-            victim.now = due.max(victim.now + Duration(1));
-            victim.device.handle_timeout(victim.now);
-            while let Some(frame) = victim.device.poll_transmit(victim.now) {
+        attacked.device.handle(attacked.now, &Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + node));
+        let until = attacked.now + Duration::from_millis(50);
+        while let Some(due) = attacked.device.poll_timeout().filter(|due| *due <= until) {
+            attacked.now = due.max(attacked.now + Duration(1));
+            attacked.device.handle_timeout(attacked.now);
+            while let Some(frame) = attacked.device.poll_transmit(attacked.now) {
                 let response = Response::read(frame.data()).ok().and_then(|response| response.multiplexer());
                 if frame.cob_id() == Some(sdo::RESPONSE_BASE + node) && response == Some(DEVICE_TYPE) {
                     return Ok(true);
@@ -227,8 +227,8 @@ impl Sky<'_> {
         Ok(false)
     }
 
-    fn frame(&mut self, victim: &Victim) -> Frame {
-        let node = victim.device.node().map_or(USUAL_NODE, NodeId::raw);
+    fn frame(&mut self, attacked: &Attacked) -> Frame {
+        let node = attacked.device.node().map_or(USUAL_NODE, NodeId::raw);
         match self.dice.below(32) {
             0..16 => self.sdo(node),
             16 | 17 => self.nmt(node),

@@ -35,14 +35,14 @@ pub struct Quarantine {
 /// As it stands in a file.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-pub(crate) struct Row {
+pub(crate) struct QuarantineRow {
     case: String,
     owner: String,
     reason: String,
     until: Datetime,
 }
 
-impl Row {
+impl QuarantineRow {
     /// The quarantine that begins at that line; else what is wrong with it. Whether there is such a case is for the reader of the
     /// file to see.
     pub fn read(self, line: usize) -> Result<Quarantine, String> {

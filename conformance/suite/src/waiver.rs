@@ -68,14 +68,14 @@ pub struct BadWaiver {
 #[serde(deny_unknown_fields)]
 struct File {
     #[serde(default)]
-    waiver: Vec<Spanned<Row>>,
+    waiver: Vec<Spanned<WaiverRow>>,
     #[serde(default)]
-    quarantine: Vec<Spanned<quarantine::Row>>,
+    quarantine: Vec<Spanned<quarantine::QuarantineRow>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Row {
+struct WaiverRow {
     case: String,
     object: String,
     does: String,
@@ -185,8 +185,8 @@ impl Waiver {
     }
 }
 
-fn waiver(line: usize, row: Row) -> Result<Waiver, String> {
-    let Row { case, object, does, reason, owner, expires } = row;
+fn waiver(line: usize, row: WaiverRow) -> Result<Waiver, String> {
+    let WaiverRow { case, object, does, reason, owner, expires } = row;
     if reason.trim().is_empty() {
         return Err("expected a reason: a waiver says why the breach is accepted".to_owned());
     }

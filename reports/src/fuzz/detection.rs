@@ -1,6 +1,6 @@
 //! How fast the fuzzer finds which fault: a table, text or JSON (`"schema": "canvass/selftest-fuzz/1"`).
 
-use canvass_fuzzer::detection::{Row, Table};
+use canvass_fuzzer::detection::{FuzzedFault, Table};
 use serde_json::{Value, json};
 use std::fmt::Write as _;
 use std::time::Duration;
@@ -66,7 +66,7 @@ pub fn json(table: &Table) -> Value {
     })
 }
 
-fn row(row: &Row, limit: Duration) -> Value {
+fn row(row: &FuzzedFault, limit: Duration) -> Value {
     let trials = row.trials.iter().map(|trial| {
         json!({
             "seed": trial.seed,

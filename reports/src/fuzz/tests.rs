@@ -38,7 +38,7 @@ fn run() -> Run {
         bit_rate: None,
         node: NodeId::MIN,
         model: HOSTILE.to_owned(),
-        targets: Target::Sdo.into(),
+        targets: canvass_fuzzer::Target::Sdo.into(),
         allow: [Touch::Nvm].into(),
         seed: 7,
         repeat: HOSTILE.to_owned(),

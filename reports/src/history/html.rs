@@ -1,6 +1,6 @@
 //! The history as one self-contained page: the matrix of cases and releases, and times over the releases.
 
-use super::{Cell, Course, History, Row, sign};
+use super::{Cell, Course, History, ReleaseRow, sign};
 use crate::escape::printable;
 use crate::page::{self, Page};
 use crate::provenance;
@@ -52,7 +52,7 @@ pub fn render(history: &History, out: &mut dyn Write) -> io::Result<()> {
     })
 }
 
-fn matrix(history: &History, rows: Vec<(&Row, Course)>) -> Markup {
+fn matrix(history: &History, rows: Vec<(&ReleaseRow, Course)>) -> Markup {
     html! {
         @if rows.is_empty() { p { "Nothing." } } @else {
             div.card.scroll { table.history {
@@ -69,7 +69,7 @@ fn matrix(history: &History, rows: Vec<(&Row, Course)>) -> Markup {
     }
 }
 
-fn line(history: &History, row: &Row, course: &Course) -> Markup {
+fn line(history: &History, row: &ReleaseRow, course: &Course) -> Markup {
     let first_bad = course.first_bad.map(|at| printable(history.name(at)).into_owned());
     html! {
         tr data-case=(printable(&row.id)) data-first-bad=[first_bad] {
@@ -107,7 +107,7 @@ fn times() -> Markup {
 
 /// Milliseconds over the releases: of each case its duration, and each time that was measured in it.
 fn series(history: &History) -> Value {
-    let of_case = |row: &Row| {
+    let of_case = |row: &ReleaseRow| {
         let mut names: Vec<&String> = row.cells.iter().flat_map(|cell| cell.times.keys()).collect();
         names.sort_unstable();
         names.dedup();

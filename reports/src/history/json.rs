@@ -1,6 +1,6 @@
 //! The history as JSON: `"schema": "canvass/history/1"`.
 
-use super::{Cell, Column, History, Row};
+use super::{Cell, Column, History, ReleaseRow};
 use crate::{escape, provenance};
 use canvass_suite::verdict::Kind;
 use serde_json::{Value, json};
@@ -32,7 +32,7 @@ fn release(column: &Column) -> Value {
     })
 }
 
-fn case(history: &History, row: &Row) -> Value {
+fn case(history: &History, row: &ReleaseRow) -> Value {
     let course = row.course();
     let name = |at: usize| history.name(at);
     json!({

@@ -32,7 +32,7 @@ pub struct History {
     /// The releases, oldest first.
     pub releases: Vec<Column>,
     /// The cases by rising id.
-    pub cases: Vec<Row>,
+    pub cases: Vec<ReleaseRow>,
     /// Where it comes from.
     pub provenance: Provenance,
 }
@@ -52,7 +52,7 @@ pub struct Column {
 
 /// A case over the releases.
 #[derive(Clone, Debug)]
-pub struct Row {
+pub struct ReleaseRow {
     /// The case.
     pub id: String,
     /// How it was in each release.
@@ -100,7 +100,7 @@ impl History {
         let mut ids: Vec<&str> = ids.map(|(id, _)| id).collect();
         ids.sort_unstable();
         ids.dedup();
-        let row = |id: &str| Row {
+        let row = |id: &str| ReleaseRow {
             id: id.to_owned(),
             cells: releases.iter().map(|release| Cell::of(id, &release.results)).collect(),
         };
@@ -113,8 +113,8 @@ impl History {
     }
 
     /// The rows that say something: the case was bad, flaky, new or removed.
-    pub fn telling(&self) -> impl Iterator<Item = (&Row, Course)> {
-        let told = |(row, course): &(&Row, Course)| *course != Course::default() || row.is_flaky();
+    pub fn telling(&self) -> impl Iterator<Item = (&ReleaseRow, Course)> {
+        let told = |(row, course): &(&ReleaseRow, Course)| *course != Course::default() || row.is_flaky();
         self.cases.iter().map(|row| (row, row.course())).filter(told)
     }
 
@@ -166,7 +166,7 @@ impl Cell {
     }
 }
 
-impl Row {
+impl ReleaseRow {
     fn verdict(&self, release: usize) -> Option<Kind> {
         self.cells.get(release).and_then(|cell| cell.verdict)
     }

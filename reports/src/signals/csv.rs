@@ -1,6 +1,6 @@
 //! CSV: a header with all columns, then the rows. Empty is what is not known yet.
 
-use super::{Columns, Row, Sheet, Spool};
+use super::{Columns, SampleRow, Sheet, Spool};
 use crate::decode::push_number;
 use crate::escape::push_csv_cell;
 use crate::push::{push_decimal, push_text};
@@ -46,7 +46,7 @@ impl<F: Read + Write + Seek> CsvSheet<F> {
 }
 
 impl<F: Read + Write + Seek> Sheet for CsvSheet<F> {
-    fn row(&mut self, row: &Row<'_>, _columns: &Columns, _out: &mut Vec<u8>) -> io::Result<()> {
+    fn row(&mut self, row: &SampleRow<'_>, _columns: &Columns, _out: &mut Vec<u8>) -> io::Result<()> {
         let source = row.source.map(|origin| (self.channel(origin.channel), origin.node, origin.pdo));
         self.spool.keep(row.time, source, row.changed)
     }

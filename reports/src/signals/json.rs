@@ -1,6 +1,6 @@
 //! JSON Lines: one object per row, with all columns of which a value is known.
 
-use super::{Columns, Row, Sheet};
+use super::{Columns, SampleRow, Sheet};
 use crate::decode::{push_number, push_schema};
 use crate::push::{push_decimal, push_json_string, push_text};
 use canvass_analyzer::Number;
@@ -26,7 +26,7 @@ impl JsonSheet {
 }
 
 impl Sheet for JsonSheet {
-    fn row(&mut self, row: &Row<'_>, columns: &Columns, out: &mut Vec<u8>) -> io::Result<()> {
+    fn row(&mut self, row: &SampleRow<'_>, columns: &Columns, out: &mut Vec<u8>) -> io::Result<()> {
         for column in columns.iter().skip(self.keys.len()) {
             let mut key = vec![b','];
             push_json_string(&mut key, &column.name);

@@ -12,7 +12,7 @@ mod spool;
 pub use columns::{Column, Columns};
 pub use csv::CsvSheet;
 pub use json::JsonSheet;
-pub use sampler::{Row, Sampler};
+pub use sampler::{SampleRow, Sampler};
 pub use spool::Spool;
 
 use std::io;
@@ -23,7 +23,7 @@ pub trait Sheet {
     ///
     /// # Errors
     /// If what has to wait can't be written to where it waits.
-    fn row(&mut self, row: &Row<'_>, columns: &Columns, out: &mut Vec<u8>) -> io::Result<()>;
+    fn row(&mut self, row: &SampleRow<'_>, columns: &Columns, out: &mut Vec<u8>) -> io::Result<()>;
 
     /// Appends what had to wait, a part at a time; `false` when there is no more.
     ///

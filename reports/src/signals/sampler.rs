@@ -7,7 +7,7 @@ use canvass_traces::{Channels, Duration, Record, Timestamp};
 use std::io;
 
 /// A row: what is new in it.
-pub struct Row<'a> {
+pub struct SampleRow<'a> {
     /// Its time.
     pub time: Timestamp,
     /// The PDO that it is of; nothing where rows come at fixed times.
@@ -100,7 +100,7 @@ impl Sampler {
             return Ok(());
         }
         let source = Some(Origin { channel: channel_name, node, pdo });
-        let row = Row { time: record.timestamp, source, changed: &self.changed };
+        let row = SampleRow { time: record.timestamp, source, changed: &self.changed };
         sheet.row(&row, &self.columns, out)
     }
 
@@ -138,7 +138,7 @@ impl Sampler {
     }
 
     fn give(&mut self, time: Timestamp, sheet: &mut dyn Sheet, out: &mut Vec<u8>) -> io::Result<()> {
-        let row = Row { time, source: None, changed: &self.changed };
+        let row = SampleRow { time, source: None, changed: &self.changed };
         sheet.row(&row, &self.columns, out)?;
         self.changed.clear();
         Ok(())

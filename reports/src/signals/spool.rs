@@ -6,11 +6,11 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
 
 /// Rows written to and read from a file or memory.
 pub struct Spool<F: Read + Write + Seek> {
-    state: State<F>,
+    state: SpoolState<F>,
     buffer: Vec<u8>,
 }
 
-enum State<F> {
+enum SpoolState<F> {
     Writing(F),
     Reading(BufReader<F>),
     Done,
@@ -30,7 +30,7 @@ const PART: usize = 64 * 1024;
 impl<F: Read + Write + Seek> Spool<F> {
     /// Keeps rows in `file`, which is empty.
     pub const fn new(file: F) -> Self {
-        Self { state: State::Writing(file), buffer: Vec::new() }
+        Self { state: SpoolState::Writing(file), buffer: Vec::new() }
     }
 
     pub(super) fn keep(
@@ -60,7 +60,7 @@ impl<F: Read + Write + Seek> Spool<F> {
     }
 
     fn flush(&mut self) -> io::Result<()> {
-        if let State::Writing(file) = &mut self.state {
+        if let SpoolState::Writing(file) = &mut self.state {
             file.write_all(&self.buffer)?;
         }
         self.buffer.clear();
@@ -69,22 +69,22 @@ impl<F: Read + Write + Seek> Spool<F> {
 
     /// The next row, in the order in which they were kept; the first call ends the writing.
     pub(super) fn next(&mut self) -> io::Result<Option<Kept>> {
-        if matches!(self.state, State::Writing(_)) {
+        if matches!(self.state, SpoolState::Writing(_)) {
             self.flush()?;
-            self.state = match std::mem::replace(&mut self.state, State::Done) {
-                State::Writing(mut file) => {
+            self.state = match std::mem::replace(&mut self.state, SpoolState::Done) {
+                SpoolState::Writing(mut file) => {
                     file.seek(SeekFrom::Start(0))?;
-                    State::Reading(BufReader::with_capacity(PART, file))
+                    SpoolState::Reading(BufReader::with_capacity(PART, file))
                 }
                 other => other,
             };
         }
-        let State::Reading(file) = &mut self.state else { return Ok(None) };
+        let SpoolState::Reading(file) = &mut self.state else { return Ok(None) };
         let mut head = [0; 18];
         match file.read_exact(&mut head) {
             Ok(()) => kept(head, file).map(Some),
             Err(error) if error.kind() == io::ErrorKind::UnexpectedEof => {
-                self.state = State::Done;
+                self.state = SpoolState::Done;
                 Ok(None)
             }
             Err(error) => Err(error),

@@ -11,7 +11,7 @@ use canvass_device::address::BusAddress;
 use canvass_device::models::Model;
 use canvass_fuzzer::Knowledge;
 use canvass_fuzzer::Live;
-use canvass_fuzzer::ground::{Ground, Simulated, of_address};
+use canvass_fuzzer::stand::{Simulated, TestStand, of_address};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_suite::bench::{Decoder, Target};
 
@@ -36,7 +36,7 @@ impl Device {
                 let found = devices.len();
                 return Err(anyhow!("expected one simulated device to fuzz, found {found} in {address}").into());
             };
-            let (ground, mut knowledge) = of_address(only, node, seed)?;
+            let (stand, mut knowledge) = of_address(only, node, seed)?;
             let model = only.model()?;
             let (mut name, mut known) = (model.id().to_owned(), KnownDevice::clone(model.device()));
             if let Some(named) = named {
@@ -47,7 +47,7 @@ impl Device {
                 knowledge.patience = patience;
             }
             let target = Target::known(knowledge.node, name, Some(known));
-            return Ok(Self { place: Place::Simulated(Box::new(ground)), knowledge, target });
+            return Ok(Self { place: Place::Simulated(Box::new(stand)), knowledge, target });
         }
         let mut opened = open_device_bus(address, seed, CLIENT)?;
         limited(opened.bus.as_mut());
@@ -78,7 +78,7 @@ impl Device {
     /// Whether it can be had without node-ID.
     pub fn has_unconfigured(&self) -> bool {
         match &self.place {
-            Place::Simulated(ground) => ground.has_unconfigured(),
+            Place::Simulated(stand) => stand.has_unconfigured(),
             Place::Live(_) => false,
         }
     }
@@ -86,7 +86,7 @@ impl Device {
     /// In bit/s.
     pub fn bit_rate(&self) -> Option<u32> {
         match &self.place {
-            Place::Simulated(ground) => Some(ground.bit_rate()),
+            Place::Simulated(stand) => Some(stand.bit_rate()),
             Place::Live(bus) => bus.bit_rate(),
         }
     }
@@ -105,9 +105,9 @@ impl Device {
     }
 
     /// Lets `work` use the device.
-    pub fn on_ground<T>(&mut self, time: &TimeLimit, work: impl FnOnce(&mut dyn Ground) -> T) -> T {
+    pub fn on_stand<T>(&mut self, time: &TimeLimit, work: impl FnOnce(&mut dyn TestStand) -> T) -> T {
         match &mut self.place {
-            Place::Simulated(ground) => work(ground.as_mut()),
+            Place::Simulated(stand) => work(stand.as_mut()),
             Place::Live(bus) => work(&mut Live::new(bus.as_mut(), &self.knowledge).until(time.clone())),
         }
     }

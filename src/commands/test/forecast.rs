@@ -28,7 +28,7 @@ use std::sync::atomic::AtomicBool;
 const SCHEMA: &str = "canvass/dry-run/1";
 
 /// What would become of a case.
-struct Row {
+struct ForecastRow {
     case: &'static Case,
     /// Why it would not run.
     skipped: Option<String>,
@@ -37,7 +37,7 @@ struct Row {
 
 /// What would become of all of them.
 struct Forecast {
-    rows: Vec<Row>,
+    rows: Vec<ForecastRow>,
     /// What the device was taken for.
     like: String,
     /// How often its non-volatile memory would be written.
@@ -131,7 +131,7 @@ fn simulate(
                 Some(End::NotApplicable(reason)) => Some(why(report.case, options, reason)),
                 _ => None,
             };
-            rows.push(Row { case: report.case, skipped, takes: report.duration });
+            rows.push(ForecastRow { case: report.case, skipped, takes: report.duration });
         }
     });
     match summary {
@@ -152,7 +152,7 @@ fn why(case: &Case, options: &Options, reason: &Reason) -> String {
 }
 
 impl Forecast {
-    fn run(&self) -> impl Iterator<Item = &Row> {
+    fn run(&self) -> impl Iterator<Item = &ForecastRow> {
         self.rows.iter().filter(|row| row.skipped.is_none())
     }
 
@@ -163,7 +163,7 @@ impl Forecast {
 
     fn text(&self) -> Printable {
         let mut text = String::new();
-        for Row { case, skipped, .. } in &self.rows {
+        for ForecastRow { case, skipped, .. } in &self.rows {
             let why = skipped.as_ref().map(|why| format!("  ({why})")).unwrap_or_default();
             // Writing to a string can't fail.
             let _ = writeln!(text, "{}{why}", case.id);
@@ -181,7 +181,7 @@ impl Forecast {
     }
 
     fn json(&self) -> Value {
-        let row = |row: &Row| {
+        let row = |row: &ForecastRow| {
             json!({
                 "id": row.case.id,
                 "runs": row.skipped.is_none(),

@@ -8,7 +8,7 @@
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_fuzzer::campaign::{self, Found, Outcome, Plan};
-use canvass_fuzzer::ground::{MakeDevice, Simulated};
+use canvass_fuzzer::stand::{MakeDevice, Simulated};
 use canvass_fuzzer::{Knowledge, Patience, Property, Start, Target};
 use canvass_stacks::{Memorial, StackDevice, canopen_rs, zencan};
 use canvass_suite::touch::Touch;
@@ -64,7 +64,7 @@ fn fuzz(peer: Peer, target: Target, sequences: u64) -> Outcome {
         boot: BOOT,
         jitter: Duration::from_millis(2),
     };
-    let mut ground = Simulated::new(peer.make, node, BIT_RATE, BOOT, true);
+    let mut stand = Simulated::new(peer.make, node, BIT_RATE, BOOT, true);
     let plan = Plan {
         targets: target.into(),
         seed: 1,
@@ -75,7 +75,7 @@ fn fuzz(peer: Peer, target: Target, sequences: u64) -> Outcome {
         regressions: Vec::new(),
         only_regressions: false,
     };
-    campaign::run(&mut ground, knowledge, &plan, &mut |progress| progress.sequences < sequences).unwrap()
+    campaign::run(&mut stand, knowledge, &plan, &mut |progress| progress.sequences < sequences).unwrap()
 }
 
 /// Demands that no properties are broken but these, by these rules, and most of them: which of them a run of this length

@@ -31,7 +31,7 @@
 //! A last line without line end is read if all that its DLC promises is there and can't be a part of a longer
 //! number; a `CANFD` row must go on behind its flags.
 
-use crate::formats::asc_row::{self, Radix, Row};
+use crate::formats::asc_row::{self, AscRow, Radix};
 use crate::grammar::{Expected, decimal, seconds, skip_blanks, word};
 use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::{
@@ -54,7 +54,7 @@ pub(crate) fn sniff(head: &[u8]) -> bool {
 
 /// A row of an excerpt without header.
 fn is_frame(rest: &[u8]) -> bool {
-    matches!(asc_row::row(rest, Radix::Hexadecimal), Ok((_, Row::Frame { .. } | Row::Request)))
+    matches!(asc_row::row(rest, Radix::Hexadecimal), Ok((_, AscRow::Frame { .. } | AscRow::Request)))
 }
 
 pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
@@ -120,14 +120,16 @@ impl Asc {
         let before = if self.relative { self.now } else { Timestamp::ZERO };
         self.now = before.after(time).ok_or_else(|| line.malformed(LATEST))?;
         match asc_row::row(rest, self.radix).map_err(damage)?.1 {
-            Row::Unknown if !line.ended => Err(line.cut("the end of this row")),
-            Row::Unknown => Err(line.as_damage(DamageKind::Unsupported, "a CAN or CAN FD frame, or a known event")),
-            Row::Event if !line.ended && may_become_a_frame(skip_blanks(rest)) => Err(line.cut("the end of this row")),
-            Row::Event | Row::Request => Ok(None),
-            Row::Frame { in_doubt: true, .. } if !line.ended => {
+            AscRow::Unknown if !line.ended => Err(line.cut("the end of this row")),
+            AscRow::Unknown => Err(line.as_damage(DamageKind::Unsupported, "a CAN or CAN FD frame, or a known event")),
+            AscRow::Event if !line.ended && may_become_a_frame(skip_blanks(rest)) => {
+                Err(line.cut("the end of this row"))
+            }
+            AscRow::Event | AscRow::Request => Ok(None),
+            AscRow::Frame { in_doubt: true, .. } if !line.ended => {
                 Err(line.cut("the end of this line, as the frame may go on,"))
             }
-            Row::Frame { channel, mut record, .. } => {
+            AscRow::Frame { channel, mut record, .. } => {
                 record.channel = intern(channel, channels).map_err(|missing| line.damage(missing))?;
                 let time = self.now.after(self.start.unwrap_or(0));
                 record.timestamp = time.ok_or_else(|| line.malformed(LATEST))?;

@@ -12,7 +12,7 @@ pub(crate) enum Radix {
 }
 
 /// What a row tells.
-pub(crate) enum Row<'a> {
+pub(crate) enum AscRow<'a> {
     Frame {
         channel: &'a [u8],
         record: Record,
@@ -65,13 +65,13 @@ pub(crate) const FLAG_BRS: u32 = 0x2000;
 pub(crate) const FLAG_ESI: u32 = 0x4000;
 
 /// A row behind its time.
-pub(crate) fn row(input: &[u8], radix: Radix) -> Parsed<'_, Row<'_>> {
+pub(crate) fn row(input: &[u8], radix: Radix) -> Parsed<'_, AscRow<'_>> {
     let (rest, first) = next_word(input, "an event")?;
     match first {
         b"CANFD" => fd_row(rest, radix),
         _ if first.iter().all(u8::is_ascii_digit) => classical_row(rest, first, radix),
-        _ if is_event(first, rest) => Ok((rest, Row::Event)),
-        _ => Ok((rest, Row::Unknown)),
+        _ if is_event(first, rest) => Ok((rest, AscRow::Event)),
+        _ => Ok((rest, AscRow::Unknown)),
     }
 }
 
@@ -101,19 +101,19 @@ fn direction(word: &[u8]) -> Option<Direction> {
     }
 }
 
-fn classical_row<'a>(input: &'a [u8], channel: &'a [u8], radix: Radix) -> Parsed<'a, Row<'a>> {
+fn classical_row<'a>(input: &'a [u8], channel: &'a [u8], radix: Radix) -> Parsed<'a, AscRow<'a>> {
     let (rest, id) = next_word(input, "an id")?;
     if id.eq_ignore_ascii_case(b"ErrorFrame") {
         return Ok((rest, error_frame(channel, Direction::Unknown)));
     }
     if CHANNEL_EVENTS.contains(&id) {
-        return Ok((rest, Row::Event));
+        return Ok((rest, AscRow::Event));
     }
     let id = identifier(id, radix)?;
     let (rest, word) = next_word(rest, "Rx, Tx or TxRq")?;
     let direction = match direction(word) {
         Some(direction) => direction,
-        None if word == b"TxRq" => return Ok((rest, Row::Request)),
+        None if word == b"TxRq" => return Ok((rest, AscRow::Request)),
         None => return Expected::fail(word, "Rx, Tx or TxRq"),
     };
     let (rest, kind) = next_word(rest, "d (data) or r (remote)")?;
@@ -138,25 +138,25 @@ fn classical_row<'a>(input: &'a [u8], channel: &'a [u8], radix: Radix) -> Parsed
     }
 }
 
-fn frame_row(channel: &[u8], frame: Frame, direction: Direction, in_doubt: bool) -> Row<'_> {
+fn frame_row(channel: &[u8], frame: Frame, direction: Direction, in_doubt: bool) -> AscRow<'_> {
     let record = Record::new(Timestamp::ZERO, ChannelId(0), frame).with_direction(direction);
-    Row::Frame { channel, record, in_doubt }
+    AscRow::Frame { channel, record, in_doubt }
 }
 
-fn error_frame(channel: &[u8], direction: Direction) -> Row<'_> {
+fn error_frame(channel: &[u8], direction: Direction) -> AscRow<'_> {
     match Frame::error(BUS_ERROR, &[]) {
         Some(frame) => frame_row(channel, frame, direction, false),
-        None => Row::Event,
+        None => AscRow::Event,
     }
 }
 
 /// `CANFD 1 Rx 7d Name 1 0 9 12 …`.
-fn fd_row(input: &[u8], radix: Radix) -> Parsed<'_, Row<'_>> {
+fn fd_row(input: &[u8], radix: Radix) -> Parsed<'_, AscRow<'_>> {
     let (rest, channel) = next_word(input, "a channel")?;
     let (at, word) = next_word(rest, "Rx or Tx")?;
     let direction = match direction(word) {
         Some(direction) => direction,
-        None if word == b"TxRq" => return Ok((at, Row::Request)),
+        None if word == b"TxRq" => return Ok((at, AscRow::Request)),
         None => return Expected::fail(word, "Rx, Tx or TxRq"),
     };
     let (rest, id) = next_word(at, "an id")?;
@@ -186,7 +186,7 @@ fn fd_row(input: &[u8], radix: Radix) -> Parsed<'_, Row<'_>> {
     match record {
         Some(record) => {
             let record = record.with_direction(direction);
-            Ok((behind, Row::Frame { channel, record, in_doubt: flags.is_none() || behind.is_empty() }))
+            Ok((behind, AscRow::Frame { channel, record, in_doubt: flags.is_none() || behind.is_empty() }))
         }
         None => Expected::fail(rest, "a length that CAN FD has: 0 to 8, 12, 16, 20, 24, 32, 48 or 64 bytes"),
     }

@@ -154,7 +154,7 @@ fn bit_rate(text: &[u8]) -> Option<u32> {
     (1.0..=FASTEST).contains(&rate).then_some(rate as u32)
 }
 
-struct Row {
+struct MinimonRow {
     time: u64,
     frame: Frame,
     direction: Direction,
@@ -162,7 +162,7 @@ struct Row {
     closed: bool,
 }
 
-fn row(input: &[u8]) -> Parsed<'_, Row> {
+fn row(input: &[u8]) -> Parsed<'_, MinimonRow> {
     let (rest, (time_text, _)) = field(skip_blanks(input))?;
     let (behind, time) = time_of_day(time_text)?;
     end_of_field(behind)?;
@@ -182,7 +182,7 @@ fn row(input: &[u8]) -> Parsed<'_, Row> {
     let direction = if has(b"self") { Direction::Tx } else { Direction::Unknown };
     let frame = if has(b"rtr") || has(b"rem") { remote(id, data) } else { data_frame(id, data)? };
     match frame {
-        Some(frame) => Ok((rest, Row { time, frame, direction, closed })),
+        Some(frame) => Ok((rest, MinimonRow { time, frame, direction, closed })),
         None => Expected::fail(data, "at most 8 bytes"),
     }
 }

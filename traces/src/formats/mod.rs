@@ -23,7 +23,7 @@ use crate::{Format, ReadOptions, Reader, Source, WriteError, WriteOptions, Write
 use std::io::Write;
 
 /// One format: how it is recognised, read and written.
-pub(crate) struct Row {
+pub(crate) struct FormatEntry {
     format: Format,
     /// Whether a source that begins like this is of this format; sees up to [`Format::SNIFF`] bytes.
     sniff: fn(&[u8]) -> bool,
@@ -34,27 +34,32 @@ pub(crate) struct Row {
 type Create = fn(Box<dyn Write>, &WriteOptions) -> Result<Box<dyn Writer>, WriteError>;
 
 /// In the order in which they are tried: what has a magic number first, free text last.
-const FORMATS: &[Row] = &[
-    Row { format: Format::Pcapng, sniff: pcapng::sniff, open: pcapng::open, create: Some(pcapng::create) },
-    Row { format: Format::Pcap, sniff: pcap::sniff, open: pcap::open, create: Some(pcap::create) },
-    Row { format: Format::Mcap, sniff: mcap::sniff, open: mcap::open, create: Some(mcap::create) },
-    Row { format: Format::Blf, sniff: blf::sniff, open: blf::open, create: None },
-    Row { format: Format::Trc, sniff: trc::sniff, open: trc::open, create: Some(trc::create) },
-    Row {
+const FORMATS: &[FormatEntry] = &[
+    FormatEntry { format: Format::Pcapng, sniff: pcapng::sniff, open: pcapng::open, create: Some(pcapng::create) },
+    FormatEntry { format: Format::Pcap, sniff: pcap::sniff, open: pcap::open, create: Some(pcap::create) },
+    FormatEntry { format: Format::Mcap, sniff: mcap::sniff, open: mcap::open, create: Some(mcap::create) },
+    FormatEntry { format: Format::Blf, sniff: blf::sniff, open: blf::open, create: None },
+    FormatEntry { format: Format::Trc, sniff: trc::sniff, open: trc::open, create: Some(trc::create) },
+    FormatEntry {
         format: Format::PythonCanCsv,
         sniff: python_can_csv::sniff,
         open: python_can_csv::open,
         create: Some(python_can_csv::create),
     },
-    Row { format: Format::MiniMon, sniff: minimon::sniff, open: minimon::open, create: None },
-    Row { format: Format::Asc, sniff: asc::sniff, open: asc::open, create: Some(asc::create) },
-    Row {
+    FormatEntry { format: Format::MiniMon, sniff: minimon::sniff, open: minimon::open, create: None },
+    FormatEntry { format: Format::Asc, sniff: asc::sniff, open: asc::open, create: Some(asc::create) },
+    FormatEntry {
         format: Format::Candump,
         sniff: candump_log::sniff,
         open: candump_log::open,
         create: Some(candump_log::create),
     },
-    Row { format: Format::CandumpConsole, sniff: candump_console::sniff, open: candump_console::open, create: None },
+    FormatEntry {
+        format: Format::CandumpConsole,
+        sniff: candump_console::sniff,
+        open: candump_console::open,
+        create: None,
+    },
 ];
 
 impl Format {
@@ -73,7 +78,7 @@ impl Format {
 
     /// The format that is usually written to files with that ending (without the dot).
     pub fn by_extension(extension: &str) -> Option<Self> {
-        let writes = |row: &&Row| {
+        let writes = |row: &&FormatEntry| {
             row.create.is_some() && row.format.extensions().iter().any(|e| e.eq_ignore_ascii_case(extension))
         };
         FORMATS.iter().find(writes).map(|row| row.format)
@@ -84,7 +89,7 @@ impl Format {
         FORMATS.iter().find(|row| (row.sniff)(head)).map(|row| row.format)
     }
 
-    fn row(self) -> &'static Row {
+    fn row(self) -> &'static FormatEntry {
         // Every variant has its row: a test checks it.
         FORMATS.iter().find(|row| row.format == self).unwrap_or(&FORMATS[0])
     }

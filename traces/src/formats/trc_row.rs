@@ -41,7 +41,7 @@ pub(crate) fn columns(letters: &[u8]) -> Option<Vec<Column>> {
 }
 
 /// A row: its message number, where its version has one, and what it tells.
-pub(crate) struct Row<'a> {
+pub(crate) struct TrcRow<'a> {
     pub(crate) number: Option<u64>,
     pub(crate) content: Content<'a>,
 }
@@ -82,7 +82,7 @@ enum Kind {
     Error,
 }
 
-pub(crate) fn row<'a>(line: &'a [u8], columns: &[Column]) -> Parsed<'a, Row<'a>> {
+pub(crate) fn row<'a>(line: &'a [u8], columns: &[Column]) -> Parsed<'a, TrcRow<'a>> {
     let mut fields = Fields {
         number: None,
         offset: 0,
@@ -94,7 +94,7 @@ pub(crate) fn row<'a>(line: &'a [u8], columns: &[Column]) -> Parsed<'a, Row<'a>>
         length: None,
     };
     let (rest, content) = content(line, columns, &mut fields)?;
-    Ok((rest, Row { number: fields.number, content }))
+    Ok((rest, TrcRow { number: fields.number, content }))
 }
 
 fn content<'a>(line: &'a [u8], all: &[Column], fields: &mut Fields<'a>) -> Parsed<'a, Content<'a>> {

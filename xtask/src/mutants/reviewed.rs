@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 /// what nobody can know of a device.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Row {
+pub struct ReviewedMutant {
     file: String,
     function: String,
     /// The line as it stands.
@@ -27,7 +27,7 @@ pub struct Row {
 #[serde(deny_unknown_fields)]
 pub struct Reviewed {
     #[serde(default)]
-    mutant: Vec<Row>,
+    mutant: Vec<ReviewedMutant>,
 }
 
 impl Reviewed {
@@ -46,12 +46,12 @@ impl Reviewed {
     }
 
     /// Rows for which there is no code any more.
-    pub fn stale(&self, mutants: &[Mutant]) -> BTreeSet<&Row> {
+    pub fn stale(&self, mutants: &[Mutant]) -> BTreeSet<&ReviewedMutant> {
         self.mutant.iter().filter(|row| !mutants.iter().any(|mutant| row.is(mutant))).collect()
     }
 }
 
-impl Row {
+impl ReviewedMutant {
     fn is(&self, mutant: &Mutant) -> bool {
         self.file == mutant.file
             && self.function == mutant.function

@@ -13,7 +13,7 @@ pub use heartbeats::Heartbeats;
 pub use node::NodeFacts;
 pub use operands::Operand;
 pub use presence::{Orders, Outage, Presence, Sign};
-pub use requests::{Pending, Requests, Step};
+pub use requests::{Pending, RequestEvent, Requests};
 pub use tpdos::{AllParameters, Parameters, TPDOS};
 
 use super::rhythm::Interval;
@@ -65,7 +65,7 @@ pub struct News {
     /// Of a heartbeat: the interval that it ends.
     pub heartbeat: Option<Interval>,
     /// Of an SDO message: what it does to the requests that wait.
-    pub request: Step,
+    pub request: RequestEvent,
     /// Of an EMCY: the errors that it says are gone.
     pub ended_errors: Vec<(EmcyCode, Raised)>,
     /// The values of an encoder's objects in it.
@@ -108,8 +108,8 @@ impl Facts {
         news.is_from_node = is_from_node;
         (news.begins_anew, news.is_known_tpdo, news.heartbeat) = (begins_anew, false, None);
         // Most frames are no SDO messages: nothing to take away.
-        if !matches!(news.request, Step::None) {
-            news.request = Step::None;
+        if !matches!(news.request, RequestEvent::None) {
+            news.request = RequestEvent::None;
         }
         match decoded.service {
             Service::Pdo => {

@@ -41,7 +41,7 @@ pub struct Pending {
 
 /// What a frame did to the requests.
 #[derive(Default)]
-pub enum Step {
+pub enum RequestEvent {
     /// Nothing that counts.
     #[default]
     None,
@@ -62,7 +62,7 @@ pub enum Step {
     Repeated,
 }
 
-impl Step {
+impl RequestEvent {
     /// Whether it is something else than that a request is answered.
     #[inline]
     pub const fn is_unusual(&self) -> bool {
@@ -78,68 +78,68 @@ impl Requests {
     const COPY: Duration = Duration::from_millis(1);
 
     /// Takes a frame of SDO, a boot-up or an NMT command.
-    pub fn frame(&mut self, record: &Record, decoded: &Decoded) -> Step {
+    pub fn frame(&mut self, record: &Record, decoded: &Decoded) -> RequestEvent {
         let Some(channel) = decoded.channel.filter(|_| decoded.service == Service::Sdo) else {
             self.forget_node(record.timestamp, decoded);
-            return Step::None;
+            return RequestEvent::None;
         };
         match decoded.message {
             Message::SdoRequest(Request::Abort(_)) => match self.slot(channel).take() {
                 Some(pending) => self.give_up(channel, pending, record.timestamp),
-                None => Step::None,
+                None => RequestEvent::None,
             },
             // The server does not answer the end of a block upload, nor segments of a block one by one.
             Message::SdoRequest(Request::EndBlockUpload) | Message::SdoBlockDownload(_) => {
                 *self.slot(channel) = None;
-                Step::None
+                RequestEvent::None
             }
             Message::SdoRequest(_) => self.request(channel, record, decoded),
             Message::SdoResponse(response) => match self.left(channel, response.multiplexer(), record.timestamp) {
                 Some(late) => late,
-                None => self.slot(channel).take().map_or(Step::None, Step::Answered),
+                None => self.slot(channel).take().map_or(RequestEvent::None, RequestEvent::Answered),
             },
-            Message::SdoBlockUpload(_) => self.slot(channel).take().map_or(Step::None, Step::Answered),
-            _ => Step::None,
+            Message::SdoBlockUpload(_) => self.slot(channel).take().map_or(RequestEvent::None, RequestEvent::Answered),
+            _ => RequestEvent::None,
         }
     }
 
-    fn request(&mut self, channel: ChannelIndex, record: &Record, decoded: &Decoded) -> Step {
+    fn request(&mut self, channel: ChannelIndex, record: &Record, decoded: &Decoded) -> RequestEvent {
         let now = record.timestamp;
         let request = Seen { record: record.clone(), decoded: *decoded };
         let pending = Pending { request, since: now, times: 1, object: decoded.object };
         let slot = self.slot(channel);
         let Some(open) = slot.as_mut() else {
             *slot = Some(pending);
-            return Step::None;
+            return RequestEvent::None;
         };
         let same = open.request.record.frame == record.frame;
         let elapsed = now.since(open.since);
         match same {
-            true if elapsed <= Self::COPY => Step::None,
+            true if elapsed <= Self::COPY => RequestEvent::None,
             true => {
                 (open.since, open.times) = (now, open.times.saturating_add(1));
-                Step::Repeated
+                RequestEvent::Repeated
             }
             false => match slot.replace(pending) {
                 Some(open) => self.give_up(channel, open, now),
-                None => Step::None,
+                None => RequestEvent::None,
             },
         }
     }
 
     /// The client does not wait any more.
     #[cold]
-    fn give_up(&mut self, channel: ChannelIndex, pending: Pending, now: Timestamp) -> Step {
+    fn give_up(&mut self, channel: ChannelIndex, pending: Pending, now: Timestamp) -> RequestEvent {
         if self.left.len() >= Self::LEFT {
             self.left.remove(0);
         }
         self.left.push(Left { channel, pending: pending.clone(), since: now, by_client: true });
-        Step::GivenUp(pending)
+        RequestEvent::GivenUp(pending)
     }
 
     /// What an answer about that object is if its request was given up: none that waits asks for the same.
     #[inline]
-    fn left(&mut self, channel: ChannelIndex, object: Option<Multiplexer>, now: Timestamp) -> Option<Step> {
+    fn left(&mut self, channel: ChannelIndex, object: Option<Multiplexer>, now: Timestamp) -> Option<RequestEvent> {
         if self.left.is_empty() {
             return None;
         }
@@ -158,7 +158,7 @@ impl Requests {
         if left.pending.times == 0 {
             self.left.remove(at);
         }
-        Some(Step::AnsweredLate { pending, gave_up, by_client })
+        Some(RequestEvent::AnsweredLate { pending, gave_up, by_client })
     }
 
     /// A node that restarts has forgotten what it was asked, unless that waits in a queue.

@@ -1,6 +1,6 @@
 use super::late::{self, Limits};
 use crate::findings::Context;
-use crate::findings::facts::Step;
+use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::Message;
@@ -37,7 +37,7 @@ impl Rule for ImpatientClient {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
         match &context.news().request {
-            Step::GivenUp(pending) if aborts => {
+            RequestEvent::GivenUp(pending) if aborts => {
                 let waited = context.now().since(pending.request.time());
                 if waited < self.patience {
                     let report = Report::at(pending.request.time())
@@ -48,7 +48,7 @@ impl Rule for ImpatientClient {
                     sink.report(report, || format!("the client gave up the request{} after {waited}", pending.about()));
                 }
             }
-            Step::AnsweredLate { pending, gave_up, by_client: true } => {
+            RequestEvent::AnsweredLate { pending, gave_up, by_client: true } => {
                 let asked = pending.request.time();
                 let (took, waited) = (context.now().since(asked), gave_up.since(asked));
                 if took > self.limits.of(pending) + context.scene.slack() {

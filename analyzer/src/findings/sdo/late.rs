@@ -1,4 +1,4 @@
-use crate::findings::facts::{Pending, Step};
+use crate::findings::facts::{Pending, RequestEvent};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Thresholds};
@@ -49,8 +49,8 @@ pub fn limits(thresholds: &Thresholds) -> Limits {
 impl Rule for Late {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let (pending, gave_up) = match &context.news().request {
-            Step::Answered(pending) => (pending, None),
-            Step::AnsweredLate { pending, gave_up, .. } => (pending, Some(*gave_up)),
+            RequestEvent::Answered(pending) => (pending, None),
+            RequestEvent::AnsweredLate { pending, gave_up, .. } => (pending, Some(*gave_up)),
             _ => return,
         };
         let limit = Limits { answer: self.answer, store: self.store }.of(pending);

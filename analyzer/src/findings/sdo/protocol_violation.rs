@@ -1,4 +1,4 @@
-use crate::findings::facts::Step;
+use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
@@ -35,7 +35,7 @@ impl Rule for ProtocolViolation {
         self.begun[at] |= begins(context.message());
         let Some(violation) = context.decoded.violation else { return };
         // Late, which is told as that.
-        if violation == Violation::Unexpected && matches!(context.news().request, Step::AnsweredLate { .. }) {
+        if violation == Violation::Unexpected && matches!(context.news().request, RequestEvent::AnsweredLate { .. }) {
             return;
         }
         if violation == Violation::Unexpected && !self.begun[at] && !is_unsolicited(context) {

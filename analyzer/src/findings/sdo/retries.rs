@@ -1,5 +1,5 @@
 use crate::PerNode;
-use crate::findings::facts::Step;
+use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
@@ -23,7 +23,7 @@ struct Retries {
 
 impl Rule for Retries {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
-        let (Step::Repeated, Some(node)) = (&context.news().request, context.node()) else { return };
+        let (RequestEvent::Repeated, Some(node)) = (&context.news().request, context.node()) else { return };
         self.first[node].get_or_insert_with(|| Box::new((context.seen(), 0))).1 += 1;
     }
 

@@ -1,5 +1,5 @@
 use crate::PerNode;
-use crate::findings::facts::{Pending, Step};
+use crate::findings::facts::{Pending, RequestEvent};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
@@ -110,15 +110,15 @@ impl Unanswered {
 impl Rule for Unanswered {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let request = &context.news().request;
-        if matches!(request, Step::Repeated) {
+        if matches!(request, RequestEvent::Repeated) {
             return;
         }
         let channel = context.decoded.channel;
         let told = self.told.iter().position(|told| Some(*told) == channel);
         let told = told.map(|at| self.told.swap_remove(at));
         match request {
-            Step::GivenUp(pending) if told.is_none() => self.give_up(pending, context, sink),
-            Step::AnsweredLate { pending, .. } => {
+            RequestEvent::GivenUp(pending) if told.is_none() => self.give_up(pending, context, sink),
+            RequestEvent::AnsweredLate { pending, .. } => {
                 let answered = |row: &(ChannelIndex, Pending, String)| {
                     Some(row.0) == channel && row.1.request.time() == pending.request.time()
                 };

@@ -57,7 +57,7 @@ pub struct BlockDownload {
     multiplexer: Multiplexer,
     manner: DownloadManner,
     value: Vec<u8>,
-    state: State,
+    state: DownloadState,
     server_crc: bool,
     /// Segments that the server has confirmed.
     confirmed: usize,
@@ -71,7 +71,7 @@ pub struct BlockDownload {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum State {
+enum DownloadState {
     Initiated,
     Sending,
     Ending,
@@ -84,7 +84,7 @@ impl BlockDownload {
             multiplexer,
             manner,
             value: value.to_vec(),
-            state: State::Initiated,
+            state: DownloadState::Initiated,
             server_crc: false,
             confirmed: 0,
             sent: 0,
@@ -109,7 +109,7 @@ impl BlockDownload {
             (self.confirmed..until).zip(1..=BlockSegment::MAX).map(|(n, sequence)| self.segment(n, sequence)).collect();
         self.sent = u8::try_from(block.len()).unwrap_or(BlockSegment::MAX);
         spoil(&mut block, std::mem::take(&mut self.manner.mischief));
-        self.state = State::Sending;
+        self.state = DownloadState::Sending;
         BlockStep::Send(block)
     }
 
@@ -140,7 +140,7 @@ impl BlockDownload {
             true => crc16(0, &self.value).wrapping_add(self.manner.crc_error),
             false => 0,
         };
-        self.state = State::Ending;
+        self.state = DownloadState::Ending;
         let unused = self.manner.unused.unwrap_or(right);
         BlockStep::Send(vec![message(&Request::EndBlockDownload { unused, crc })])
     }
@@ -155,7 +155,7 @@ impl BlockTransfer for BlockDownload {
     fn handle(&mut self, bytes: Message) -> BlockStep {
         match (Response::read(&bytes), self.state) {
             (Ok(Response::Abort(abort)), _) => BlockStep::Done(Outcome::Aborted(abort)),
-            (Ok(Response::InitiateBlockDownload { multiplexer, crc, block_size }), State::Initiated) => {
+            (Ok(Response::InitiateBlockDownload { multiplexer, crc, block_size }), DownloadState::Initiated) => {
                 if multiplexer != self.multiplexer {
                     return violated(Violation::Multiplexer(multiplexer));
                 }
@@ -163,10 +163,10 @@ impl BlockTransfer for BlockDownload {
                 self.block_size = block_size;
                 self.send_block(block_size)
             }
-            (Ok(Response::ConfirmBlockDownload { sequence, block_size }), State::Sending) => {
+            (Ok(Response::ConfirmBlockDownload { sequence, block_size }), DownloadState::Sending) => {
                 self.on_confirmation(sequence, block_size)
             }
-            (Ok(Response::EndBlockDownload), State::Ending) => BlockStep::Done(Outcome::Downloaded),
+            (Ok(Response::EndBlockDownload), DownloadState::Ending) => BlockStep::Done(Outcome::Downloaded),
             (Ok(response), _) => violated(Violation::Unexpected(response)),
             (Err(error), _) => violated(Violation::Malformed(error.to_string())),
         }

@@ -1,4 +1,4 @@
-//! A block upload (CiA 301, 7.2.4.3.12 to 7.2.4.3.15) as a client sees it that believes nothing, and that can do on
+//! A block upload (CiA 301, 7.2.4.3.12 to 7.2.4.3.15) as a client sees it that takes nothing for granted, and that can do on
 //! purpose what a client does whose segments got lost.
 
 use super::sdo::{MAX_UPLOAD, Outcome, Violation};
@@ -36,7 +36,7 @@ impl Default for UploadManner {
 pub struct BlockUpload {
     multiplexer: Multiplexer,
     manner: UploadManner,
-    state: State,
+    state: UploadState,
     data: Vec<u8>,
     announced: Option<u32>,
     server_crc: bool,
@@ -54,7 +54,7 @@ pub struct BlockUpload {
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-enum State {
+enum UploadState {
     Initiated,
     Receiving,
     Ending,
@@ -68,7 +68,7 @@ impl BlockUpload {
         Self {
             multiplexer,
             manner,
-            state: State::Initiated,
+            state: UploadState::Initiated,
             data: Vec::new(),
             announced: None,
             server_crc: false,
@@ -91,7 +91,7 @@ impl BlockUpload {
             Response::InitiateBlockUpload { multiplexer, crc, size } if multiplexer == self.multiplexer => {
                 self.server_crc = crc;
                 self.announced = size;
-                self.state = State::Receiving;
+                self.state = UploadState::Receiving;
                 BlockStep::Send(vec![message(&Request::StartBlockUpload)])
             }
             Response::InitiateUpload { multiplexer, payload } if multiplexer == self.multiplexer => {
@@ -101,7 +101,7 @@ impl BlockUpload {
                     Payload::SegmentedUnsized => {}
                     _ => return BlockStep::Done(Outcome::Uploaded(payload.value().unwrap_or_default().to_vec())),
                 }
-                self.state = State::Segments;
+                self.state = UploadState::Segments;
                 BlockStep::Send(vec![message(&Request::UploadSegment { toggle: false })])
             }
             Response::InitiateBlockUpload { multiplexer, .. } | Response::InitiateUpload { multiplexer, .. } => {
@@ -143,7 +143,7 @@ impl BlockUpload {
         self.block += 1;
         self.received = 0;
         if self.complete {
-            self.state = State::Ending;
+            self.state = UploadState::Ending;
         }
         let block_size = self.block_size(self.block);
         BlockStep::Send(vec![message(&Request::ConfirmBlockUpload { sequence, block_size })])
@@ -197,7 +197,7 @@ impl BlockTransfer for BlockUpload {
     }
 
     fn handle(&mut self, bytes: Message) -> BlockStep {
-        if self.state == State::Receiving
+        if self.state == UploadState::Receiving
             && bytes[0] != 0x80
             && let Ok(segment) = BlockSegment::read(&bytes)
         {
@@ -205,9 +205,9 @@ impl BlockTransfer for BlockUpload {
         }
         match (Response::read(&bytes), self.state) {
             (Ok(Response::Abort(abort)), _) => BlockStep::Done(Outcome::Aborted(abort)),
-            (Ok(response), State::Initiated) => self.on_initiated(response),
-            (Ok(response), State::Ending) => self.on_end(response),
-            (Ok(Response::UploadSegment(segment)), State::Segments) => self.on_segment(segment),
+            (Ok(response), UploadState::Initiated) => self.on_initiated(response),
+            (Ok(response), UploadState::Ending) => self.on_end(response),
+            (Ok(Response::UploadSegment(segment)), UploadState::Segments) => self.on_segment(segment),
             (Ok(response), _) => violated(Violation::Unexpected(response)),
             (Err(error), _) => violated(Violation::Malformed(error.to_string())),
         }
@@ -218,7 +218,7 @@ impl BlockTransfer for BlockUpload {
     }
 
     fn awaits_segment(&self) -> bool {
-        self.state == State::Receiving
+        self.state == UploadState::Receiving
     }
 }
 

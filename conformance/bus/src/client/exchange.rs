@@ -1,7 +1,7 @@
 //! Single transfers and dialogues on a bus, for commands; cases have the bench.
 
 use super::lss::{Fastscan, ScanStep};
-use super::sdo::{Outcome, Step, Transfer, Violation};
+use super::sdo::{Outcome, Reaction, Transfer, Violation};
 use crate::{Bus, BusError};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
@@ -62,14 +62,14 @@ impl Exchange<'_> {
             let step = match response.map(|frame| Response::read(frame.data())) {
                 None => {
                     self.bus.send(&transfer.abort(AbortCode::TIMEOUT).to_frame(to))?;
-                    Step::Done(Outcome::Silent)
+                    Reaction::Done(Outcome::Silent)
                 }
                 Some(Ok(response)) => transfer.handle(&response),
-                Some(Err(error)) => Step::Done(Outcome::Violated(Violation::Malformed(error.to_string()))),
+                Some(Err(error)) => Reaction::Done(Outcome::Violated(Violation::Malformed(error.to_string()))),
             };
             match step {
-                Step::Send(next) => request = next,
-                Step::Done(outcome) => {
+                Reaction::Send(next) => request = next,
+                Reaction::Done(outcome) => {
                     if matches!(outcome, Outcome::Violated(_)) {
                         self.bus.send(&transfer.abort(AbortCode::GENERAL).to_frame(to))?;
                     }

@@ -10,7 +10,7 @@ pub mod sdo;
 pub use block_download::BlockDownload;
 pub use block_upload::BlockUpload;
 pub use exchange::Exchange;
-pub use sdo::{Outcome, Step, Transfer, Violation};
+pub use sdo::{Outcome, Reaction, Transfer, Violation};
 
 /// A message of eight bytes as it goes over the bus. In a block transfer only the state of the transfer tells segments
 /// from commands.

@@ -1,4 +1,4 @@
-//! An SDO client that does everything right and believes nothing: each response is checked against the state of the
+//! An SDO client that does everything right and takes nothing for granted: each response is checked against the state of the
 //! transfer.
 //!
 //! Expedited and segmented transfers; those in blocks are in [`super::block_upload`] and [`super::block_download`].
@@ -15,11 +15,11 @@ pub const MAX_UPLOAD: usize = 16 << 20;
 #[derive(Debug)]
 pub struct Transfer {
     multiplexer: Multiplexer,
-    state: State,
+    state: ClientState,
 }
 
 #[derive(Debug)]
-enum State {
+enum ClientState {
     AwaitUpload,
     UploadSegments { data: Vec<u8>, announced: Option<u32>, toggle: bool },
     AwaitDownload { pending: Option<Vec<u8>> },
@@ -37,7 +37,7 @@ pub enum Mode {
 
 /// What to do after a response.
 #[derive(Debug)]
-pub enum Step {
+pub enum Reaction {
     /// Send this and wait for the next response.
     Send(Request),
     /// The transfer is over.
@@ -107,7 +107,7 @@ pub enum Violation {
 impl Transfer {
     /// Starts to read an object; returns the first request.
     pub fn upload(multiplexer: Multiplexer) -> (Self, Request) {
-        (Self { multiplexer, state: State::AwaitUpload }, Request::upload(multiplexer))
+        (Self { multiplexer, state: ClientState::AwaitUpload }, Request::upload(multiplexer))
     }
 
     /// Starts to write an object; returns the first request.
@@ -118,7 +118,7 @@ impl Transfer {
         };
         let pending = matches!(payload, Payload::Segmented(_)).then(|| value.to_vec());
         let request = Request::InitiateDownload { multiplexer, payload };
-        (Self { multiplexer, state: State::AwaitDownload { pending } }, request)
+        (Self { multiplexer, state: ClientState::AwaitDownload { pending } }, request)
     }
 
     /// The object of the transfer.
@@ -126,17 +126,19 @@ impl Transfer {
         self.multiplexer
     }
 
-    /// Takes a response. After [`Step::Done`] the transfer is over; a violation should be answered with
+    /// Takes a response. After [`Reaction::Done`] the transfer is over; a violation should be answered with
     /// [`Transfer::abort`].
-    pub fn handle(&mut self, response: &Response) -> Step {
+    pub fn handle(&mut self, response: &Response) -> Reaction {
         if let Response::Abort(abort) = response {
-            return Step::Done(Outcome::Aborted(*abort));
+            return Reaction::Done(Outcome::Aborted(*abort));
         }
-        match std::mem::replace(&mut self.state, State::AwaitUpload) {
-            State::AwaitUpload => self.on_upload(response),
-            State::UploadSegments { data, announced, toggle } => self.on_segment(response, data, announced, toggle),
-            State::AwaitDownload { pending } => self.on_download(response, pending),
-            State::DownloadSegments { data, sent, toggle } => self.on_confirmation(response, data, sent, toggle),
+        match std::mem::replace(&mut self.state, ClientState::AwaitUpload) {
+            ClientState::AwaitUpload => self.on_upload(response),
+            ClientState::UploadSegments { data, announced, toggle } => {
+                self.on_segment(response, data, announced, toggle)
+            }
+            ClientState::AwaitDownload { pending } => self.on_download(response, pending),
+            ClientState::DownloadSegments { data, sent, toggle } => self.on_confirmation(response, data, sent, toggle),
         }
     }
 
@@ -145,7 +147,7 @@ impl Transfer {
         Request::abort(self.multiplexer, code)
     }
 
-    fn on_upload(&mut self, response: &Response) -> Step {
+    fn on_upload(&mut self, response: &Response) -> Reaction {
         let Response::InitiateUpload { multiplexer, payload } = response else {
             return violated(Violation::Unexpected(*response));
         };
@@ -153,17 +155,17 @@ impl Transfer {
             return violated(Violation::Multiplexer(*multiplexer));
         }
         if let Some(value) = payload.value() {
-            return Step::Done(Outcome::Uploaded(value.to_vec()));
+            return Reaction::Done(Outcome::Uploaded(value.to_vec()));
         }
         let announced = match payload {
             Payload::Segmented(size) => Some(*size),
             _ => None,
         };
-        self.state = State::UploadSegments { data: Vec::new(), announced, toggle: false };
-        Step::Send(Request::UploadSegment { toggle: false })
+        self.state = ClientState::UploadSegments { data: Vec::new(), announced, toggle: false };
+        Reaction::Send(Request::UploadSegment { toggle: false })
     }
 
-    fn on_segment(&mut self, response: &Response, mut data: Vec<u8>, announced: Option<u32>, toggle: bool) -> Step {
+    fn on_segment(&mut self, response: &Response, mut data: Vec<u8>, announced: Option<u32>, toggle: bool) -> Reaction {
         let Response::UploadSegment(segment) = response else {
             return violated(Violation::Unexpected(*response));
         };
@@ -177,16 +179,16 @@ impl Transfer {
             return violated(Violation::Size { announced, received: data.len() });
         }
         if segment.last {
-            return Step::Done(Outcome::Uploaded(data));
+            return Reaction::Done(Outcome::Uploaded(data));
         }
         if data.len() > MAX_UPLOAD {
             return violated(Violation::Endless);
         }
-        self.state = State::UploadSegments { data, announced, toggle: !toggle };
-        Step::Send(Request::UploadSegment { toggle: !toggle })
+        self.state = ClientState::UploadSegments { data, announced, toggle: !toggle };
+        Reaction::Send(Request::UploadSegment { toggle: !toggle })
     }
 
-    fn on_download(&mut self, response: &Response, pending: Option<Vec<u8>>) -> Step {
+    fn on_download(&mut self, response: &Response, pending: Option<Vec<u8>>) -> Reaction {
         let Response::InitiateDownload { multiplexer } = response else {
             return violated(Violation::Unexpected(*response));
         };
@@ -194,32 +196,32 @@ impl Transfer {
             return violated(Violation::Multiplexer(*multiplexer));
         }
         match pending {
-            None => Step::Done(Outcome::Downloaded),
+            None => Reaction::Done(Outcome::Downloaded),
             Some(data) => self.send_segment(data, 0, false),
         }
     }
 
-    fn on_confirmation(&mut self, response: &Response, data: Vec<u8>, sent: usize, toggle: bool) -> Step {
+    fn on_confirmation(&mut self, response: &Response, data: Vec<u8>, sent: usize, toggle: bool) -> Reaction {
         match response {
             Response::DownloadSegment { toggle: confirmed } if *confirmed == toggle => {}
             Response::DownloadSegment { .. } => return violated(Violation::Toggle),
             _ => return violated(Violation::Unexpected(*response)),
         }
-        if sent >= data.len() { Step::Done(Outcome::Downloaded) } else { self.send_segment(data, sent, !toggle) }
+        if sent >= data.len() { Reaction::Done(Outcome::Downloaded) } else { self.send_segment(data, sent, !toggle) }
     }
 
-    fn send_segment(&mut self, data: Vec<u8>, from: usize, toggle: bool) -> Step {
+    fn send_segment(&mut self, data: Vec<u8>, from: usize, toggle: bool) -> Reaction {
         let to = data.len().min(from + 7);
         let Some(segment) = data.get(from..to).and_then(|part| Segment::new(toggle, part, to == data.len())) else {
             return violated(Violation::Endless);
         };
-        self.state = State::DownloadSegments { data, sent: to, toggle };
-        Step::Send(Request::DownloadSegment(segment))
+        self.state = ClientState::DownloadSegments { data, sent: to, toggle };
+        Reaction::Send(Request::DownloadSegment(segment))
     }
 }
 
-fn violated(violation: Violation) -> Step {
-    Step::Done(Outcome::Violated(violation))
+fn violated(violation: Violation) -> Reaction {
+    Reaction::Done(Outcome::Violated(violation))
 }
 
 impl fmt::Display for Outcome {
@@ -324,14 +326,14 @@ mod tests {
 
     const NAME: Multiplexer = Multiplexer::new(0x1008, 0);
 
-    fn respond(transfer: &mut Transfer, bytes: &[u8]) -> Step {
+    fn respond(transfer: &mut Transfer, bytes: &[u8]) -> Reaction {
         transfer.handle(&Response::read(bytes).unwrap())
     }
 
-    fn ended(step: Step) -> Outcome {
+    fn ended(step: Reaction) -> Outcome {
         match step {
-            Step::Done(outcome) => outcome,
-            Step::Send(request) => panic!("{request:?}"),
+            Reaction::Done(outcome) => outcome,
+            Reaction::Send(request) => panic!("{request:?}"),
         }
     }
 
@@ -347,9 +349,9 @@ mod tests {
     #[test]
     fn segmented_upload() {
         let (mut transfer, _) = Transfer::upload(NAME);
-        assert!(matches!(respond(&mut transfer, &[0x41, 8, 0x10, 0, 9, 0, 0, 0]), Step::Send(_)));
+        assert!(matches!(respond(&mut transfer, &[0x41, 8, 0x10, 0, 9, 0, 0, 0]), Reaction::Send(_)));
         let step = respond(&mut transfer, &[0x00, b'K', b'u', b'e', b'b', b'l', b'e', b'r']);
-        assert!(matches!(step, Step::Send(Request::UploadSegment { toggle: true })));
+        assert!(matches!(step, Reaction::Send(Request::UploadSegment { toggle: true })));
         let outcome = ended(respond(&mut transfer, &[0x1B, b' ', b'S', 0, 0, 0, 0, 0]));
         assert_eq!(outcome, Outcome::Uploaded(b"Kuebler S".to_vec()));
     }
@@ -391,8 +393,8 @@ mod tests {
                     other => panic!("{other:?}"),
                 };
                 match transfer.handle(&response) {
-                    Step::Send(next) => request = next,
-                    Step::Done(outcome) => break outcome,
+                    Reaction::Send(next) => request = next,
+                    Reaction::Done(outcome) => break outcome,
                 }
             };
             prop_assert_eq!(outcome, Outcome::Downloaded);

@@ -34,7 +34,7 @@ pub struct Deviation {
 pub(super) struct DeviationTables {
     manual: Option<Manual>,
     #[serde(default, rename = "deviation")]
-    deviations: Vec<Row>,
+    deviations: Vec<DeviationRow>,
 }
 
 /// Where all facts of the sheet come from.
@@ -48,7 +48,7 @@ struct Manual {
 /// One difference. Without breaches it is only for people: no case of the catalogue fails because of it.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct Row {
+struct DeviationRow {
     standard: String,
     expected: String,
     device: String,
@@ -83,7 +83,7 @@ impl DeviationTables {
     /// One deviation for each breach of each row.
     pub(super) fn deviations(&self) -> Vec<Deviation> {
         let manual = self.manual.as_ref().map(Manual::name).unwrap_or_default();
-        let of_row = |row: &Row| {
+        let of_row = |row: &DeviationRow| {
             let documented = row.documented(&manual);
             let of_breach = |Explained { case, object, does }: &Explained| Deviation {
                 case: case.clone(),
@@ -108,7 +108,7 @@ impl Manual {
     }
 }
 
-impl Row {
+impl DeviationRow {
     fn documented(&self, manual: &str) -> String {
         let Self { standard, expected, device, source, .. } = self;
         let manual = if manual.is_empty() { "the manual" } else { manual };

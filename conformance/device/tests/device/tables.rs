@@ -8,7 +8,7 @@ use canvass_device::Motion;
 use canvass_device::models::Model;
 use std::collections::BTreeSet;
 
-struct Row<'a> {
+struct SheetRow<'a> {
     index: u16,
     sub: u8,
     data_type: &'a str,
@@ -16,14 +16,14 @@ struct Row<'a> {
     default: &'a str,
 }
 
-fn rows(table: &str) -> Vec<Row<'_>> {
+fn rows(table: &str) -> Vec<SheetRow<'_>> {
     let lines = table.lines().filter(|line| !line.starts_with('#') && !line.starts_with("index;"));
     let rows = lines.map(|line| {
         let [index, sub, _, data_type, access, default] = line.split(';').collect::<Vec<_>>()[..] else {
             panic!("six columns: {line}");
         };
         let (index, sub) = (u16::from_str_radix(index, 16).unwrap(), u8::from_str_radix(sub, 16).unwrap());
-        Row { index, sub, data_type, access, default }
+        SheetRow { index, sub, data_type, access, default }
     });
     rows.collect()
 }
@@ -76,7 +76,7 @@ fn upload(rig: &mut Rig, node: u8, index: u16, sub: u8) -> Result<Vec<u8>, Strin
 }
 
 /// A download of the value that is there: what it leads to shows the access type.
-fn access(rig: &mut Rig, node: u8, row: &Row<'_>, value: &[u8]) -> &'static str {
+fn access(rig: &mut Rig, node: u8, row: &SheetRow<'_>, value: &[u8]) -> &'static str {
     let [low, high] = row.index.to_le_bytes();
     let mut data = value.to_vec();
     let command = 0x23 | (4 - data.len() as u8) << 2;

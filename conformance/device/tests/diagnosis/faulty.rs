@@ -6,9 +6,9 @@ use canvass_device::models::Model;
 use canvass_traces::Record;
 
 /// What a master does so that the fault shows, and the rule that must find it.
-type Row = (Fault, fn(&mut Machine), &'static str);
+type FaultSeen = (Fault, fn(&mut Machine), &'static str);
 
-const FAULTS: [Row; 14] = [
+const FAULTS: [FaultSeen; 14] = [
     (Fault::BootUpTwice, reset, "nodes/boot-up-without-command"),
     (Fault::HeartbeatPeriodDoubled, reset, "nodes/heartbeat-missing"),
     (Fault::HeartbeatWrongState, reset, "nodes/command-not-obeyed"),

@@ -7,7 +7,7 @@ use canvass_device::models::Model;
 use std::collections::BTreeSet;
 
 /// A row of a table.
-struct Row<'a> {
+struct DictionaryRow<'a> {
     index: u16,
     sub: u8,
     data_type: &'a str,
@@ -15,7 +15,7 @@ struct Row<'a> {
     default: &'a str,
 }
 
-impl<'a> Row<'a> {
+impl<'a> DictionaryRow<'a> {
     fn new(line: &'a str) -> Self {
         let columns: Vec<&str> = line.split(';').map(str::trim).collect();
         let [index, sub, _, data_type, access, default, ..] = columns.as_slice() else { panic!("{line}") };
@@ -64,7 +64,7 @@ fn is_implied(index: u16, sub: u8, listed: &BTreeSet<(u16, u8)>) -> bool {
 
 fn check(id: &str, entries: usize) {
     let text = table(id);
-    let rows = text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()).skip(1).map(Row::new);
+    let rows = text.lines().filter(|line| !line.starts_with('#') && !line.is_empty()).skip(1).map(DictionaryRow::new);
     let model = Model::by_id(id).unwrap();
     let mut bench = Bench::new(id);
     let (mut listed, mut wrong) = (BTreeSet::new(), Vec::new());

@@ -8,7 +8,7 @@ use canvass_device::models::Model;
 use std::collections::{BTreeMap, BTreeSet};
 
 /// A row of a table, with the cell of one model.
-struct Row<'a> {
+struct PrintedRow<'a> {
     index: u16,
     /// `None`: the row is about the whole object.
     sub: Option<u8>,
@@ -23,14 +23,14 @@ fn lines(text: &str) -> (Vec<&str>, Vec<Vec<&str>>) {
     (lines.next().unwrap(), lines.collect())
 }
 
-fn table<'a>(text: &'a str, model: &str) -> Vec<Row<'a>> {
+fn table<'a>(text: &'a str, model: &str) -> Vec<PrintedRow<'a>> {
     let (head, lines) = lines(text);
     let column = head.iter().position(|name| *name == model).unwrap();
     let row = |line: Vec<&'a str>| {
         assert_eq!(line.len(), head.len(), "{line:?}");
         let sub = (!line[1].is_empty()).then(|| u8::from_str_radix(line[1], 16).unwrap());
         let index = u16::from_str_radix(line[0], 16).unwrap();
-        Row { index, sub, data_type: line[2], access: line[3], cell: line[column] }
+        PrintedRow { index, sub, data_type: line[2], access: line[3], cell: line[column] }
     };
     lines.into_iter().map(row).collect()
 }
@@ -79,7 +79,7 @@ impl Comparison {
     }
 
     /// A row about the whole object; whether its sub-indexes have rows of their own.
-    fn object(&mut self, row: &Row<'_>, has_rows: bool) {
+    fn object(&mut self, row: &PrintedRow<'_>, has_rows: bool) {
         let subs = self.subs(row.index);
         match (row.cell, subs.is_empty()) {
             ("" | "no", true) => return,
@@ -116,7 +116,7 @@ impl Comparison {
     }
 
     /// A row about one sub-index of an object that is there.
-    fn sub(&mut self, row: &Row<'_>, sub: u8) {
+    fn sub(&mut self, row: &PrintedRow<'_>, sub: u8) {
         let all = self.model.description().dictionary.entries();
         let is_there = all.into_iter().any(|(at, _)| (at.index.0, at.sub.0) == (row.index, sub));
         match (row.cell, is_there) {

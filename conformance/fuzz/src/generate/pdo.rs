@@ -12,7 +12,7 @@ impl Script<'_> {
     pub(super) fn pdo_dialogue(&mut self) {
         let Some(index) = self.parameters() else { return self.sync_dialogue() };
         match self.dice.below(15) {
-            14 => self.hurried(index),
+            14 => self.without_pause(index),
             12 => self.outputs(),
             13 => {
                 let start = self.dice.byte();
@@ -106,7 +106,7 @@ impl Script<'_> {
     }
 
     /// Values that RPDOs change faster than the inhibit time allows to send them.
-    fn hurried(&mut self, index: u16) {
+    fn without_pause(&mut self, index: u16) {
         let Some(outputs) = self.dice.pick(&self.plan.knowledge.rpdos).copied() else { return self.timer(index) };
         let own = self.own_identifier(index);
         self.parameter(index, 1, own | 1 << 31);

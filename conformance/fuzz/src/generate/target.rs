@@ -26,7 +26,8 @@ impl Target {
     pub const ALL: [Self; 6] = [Self::Sdo, Self::Lss, Self::Nmt, Self::Pdo, Self::SyncEmcy, Self::All];
 
     /// The services, each with how often it has its turn among others: the SDO server has by far the most states.
-    const SHARES: [(Self, usize); 5] = [(Self::Sdo, 6), (Self::Pdo, 2), (Self::Nmt, 1), (Self::SyncEmcy, 1), (Self::Lss, 2)];
+    const SHARES: [(Self, usize); 5] =
+        [(Self::Sdo, 6), (Self::Pdo, 2), (Self::Nmt, 1), (Self::SyncEmcy, 1), (Self::Lss, 2)];
 
     /// The name on the command line.
     pub const fn name(self) -> &'static str {

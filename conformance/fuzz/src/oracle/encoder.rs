@@ -1,6 +1,6 @@
 //! The position of an encoder (CiA 406): whatever scaling was accepted, it lies in the measuring range.
 
-use super::belief::Belief;
+use super::expected_values::ExpectedValues;
 use crate::Knowledge;
 use canvass_analyzer::Multiplexer;
 
@@ -13,16 +13,16 @@ pub(super) fn misplaced(
     value: &[u8],
     entry: usize,
     knowledge: &Knowledge,
-    belief: &Belief,
+    expected_values: &ExpectedValues,
 ) -> Option<(String, String)> {
     let acts = |index| !knowledge.services.acts_when_stored.contains(&Multiplexer::new(index, 0));
     if knowledge.entries().get(entry)?.at != POSITION || value.len() > 4 || !acts(0x6002) {
         return None;
     }
     let position = value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));
-    let scaled = belief.number(knowledge, 0x6000, 0)? & SCALING != 0;
+    let scaled = expected_values.number(knowledge, 0x6000, 0)? & SCALING != 0;
     // 0 stands for 2^32.
-    let range = belief.number(knowledge, 0x6002, 0).filter(|&range| scaled && range > 0)?;
+    let range = expected_values.number(knowledge, 0x6002, 0).filter(|&range| scaled && range > 0)?;
     let wrong = position >= range;
     wrong.then(|| (format!("6004h from 0 to {} (6002h - 1)", range - 1), format!("{position}")))
 }

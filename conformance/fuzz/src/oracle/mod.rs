@@ -5,10 +5,10 @@
 //! Where the standard leaves a choice, every choice is right; where the model can't know (after a frame that the
 //! standard does not describe), it says nothing until it can know again.
 
-mod belief;
 mod codes;
 mod emcy;
 mod encoder;
+mod expected_values;
 mod lmt;
 mod lss;
 mod nmt;
@@ -22,11 +22,11 @@ use super::Knowledge;
 use super::coverage::Coverage;
 use super::property::Property;
 use super::stimulus::Start;
-use belief::Belief;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::{error_control, lss as lss_wire, nmt as nmt_wire, sdo as sdo_wire};
 use canvass_traces::{Duration, Frame, Timestamp};
+use expected_values::ExpectedValues;
 use std::sync::Arc;
 
 /// A property that does not hold.
@@ -53,7 +53,7 @@ const BURST: Duration = Duration::from_millis(2);
 #[derive(Clone, Debug)]
 pub struct Oracle {
     knowledge: Arc<Knowledge>,
-    belief: Belief,
+    expected_values: ExpectedValues,
     nmt: nmt::Slave,
     sdo: sdo::Server,
     lss: lss::Slave,
@@ -70,7 +70,7 @@ impl Oracle {
     /// The models of a device that is about to start.
     pub fn new(knowledge: Arc<Knowledge>) -> Self {
         Self {
-            belief: Belief::new(&knowledge),
+            expected_values: ExpectedValues::new(&knowledge),
             nmt: nmt::Slave::new(knowledge.patience.jitter, knowledge.services.boot_up_message),
             sdo: sdo::Server::new(),
             lss: lss::Slave::new(),
@@ -85,7 +85,7 @@ impl Oracle {
 
     /// The device has just started in that condition.
     pub fn start(&mut self, now: Timestamp, start: Start) {
-        self.belief.power_on(&self.knowledge);
+        self.expected_values.power_on(&self.knowledge);
         self.nmt.start(now, start);
         self.sdo.reset();
         self.lss.start(start);
@@ -131,26 +131,26 @@ impl Oracle {
             }
             id if id == sdo_wire::REQUEST_BASE + node => {
                 let served = self.nmt.serves_sdo();
-                let lost = self.sdo.asked(now, frame, served, &self.knowledge, &mut self.belief, coverage);
+                let lost = self.sdo.asked(now, frame, served, &self.knowledge, &mut self.expected_values, coverage);
                 self.blind |= lost;
                 Ok(())
             }
             // A producer need not listen to another one.
-            id if self.belief.is_sync(id) && self.belief.produces_sync() => {
+            id if self.expected_values.is_sync(id) && self.expected_values.produces_sync() => {
                 self.pdo.synchronises_itself();
                 Ok(())
             }
-            id if self.belief.is_sync(id) => {
+            id if self.expected_values.is_sync(id) => {
                 let writing = self.sdo.is_writing();
-                self.pdo.synchronised(now, frame, writing, &self.nmt, &self.belief, &self.knowledge)
+                self.pdo.synchronised(now, frame, writing, &self.nmt, &self.expected_values, &self.knowledge)
             }
             id => {
-                let writes = self.belief.writes();
+                let writes = self.expected_values.writes();
                 let writing = self.sdo.is_writing() || self.sdo.is_busy();
-                rpdo::received(now, frame, id, writing, &self.nmt, &mut self.belief, &self.knowledge);
-                if self.sdo.is_busy() && self.belief.writes() != writes {
+                rpdo::received(now, frame, id, writing, &self.nmt, &mut self.expected_values, &self.knowledge);
+                if self.sdo.is_busy() && self.expected_values.writes() != writes {
                     // What is being read may be the value before or after it.
-                    self.belief.suspend();
+                    self.expected_values.suspend();
                 }
                 Ok(())
             }
@@ -159,10 +159,10 @@ impl Oracle {
 
     fn sent_remote(&mut self, now: Timestamp, can_id: u16) -> Result<(), Violation> {
         if can_id == error_control::CAN_ID_BASE + u16::from(self.knowledge.node.raw()) {
-            self.nmt.guarded(now, self.sdo.is_writing(), &self.belief, &self.knowledge);
+            self.nmt.guarded(now, self.sdo.is_writing(), &self.expected_values, &self.knowledge);
         } else {
             let writing = self.sdo.is_writing();
-            self.pdo.asked(now, can_id, writing, &self.nmt, &self.belief, &self.knowledge);
+            self.pdo.asked(now, can_id, writing, &self.nmt, &self.expected_values, &self.knowledge);
         }
         Ok(())
     }
@@ -178,10 +178,10 @@ impl Oracle {
                 self.pdo.state_changed(now, &self.nmt);
             }
             nmt::Change::Reset(what) => {
-                self.blind |= self.belief.bus_changed()
+                self.blind |= self.expected_values.bus_changed()
                     || self.lss.moves(&self.knowledge)
                     || self.sdo.may_move(&self.knowledge.services.bus_objects);
-                self.belief.reset(&self.knowledge, what);
+                self.expected_values.reset(&self.knowledge, what);
                 self.sdo.reset();
                 self.lss.reset_communication(now + self.nmt.grace());
                 self.lmt.reset_communication();
@@ -190,7 +190,7 @@ impl Oracle {
             }
         }
         if writing && self.nmt.serves_sdo() != Served::Yes {
-            self.belief.forget(Some(Multiplexer::new(0, 0)));
+            self.expected_values.forget(Some(Multiplexer::new(0, 0)));
         }
         Ok(())
     }
@@ -202,7 +202,7 @@ impl Oracle {
 
     /// A device whose EMCY is off, or waits, leaves operational on an error without a word.
     fn doubt(&mut self, now: Timestamp) {
-        if self.nmt.phase() == nmt::Phase::Operational && self.belief.errs_silently(&self.knowledge) {
+        if self.nmt.phase() == nmt::Phase::Operational && self.expected_values.errs_silently(&self.knowledge) {
             self.nmt.doubt(now);
         }
     }
@@ -234,16 +234,16 @@ impl Oracle {
         }
         match can_id {
             Some(id) if id == sdo_wire::RESPONSE_BASE + node => self.response_came(now, frame, coverage),
-            Some(id) if self.belief.is_emcy(id, self.knowledge.node) => self.emcy_came(now, id, frame),
-            Some(id) if self.belief.is_produced(id) => {
-                self.pdo.shares(now, id, &self.belief, &self.knowledge);
-                if self.belief.is_sync(id) {
+            Some(id) if self.expected_values.is_emcy(id, self.knowledge.node) => self.emcy_came(now, id, frame),
+            Some(id) if self.expected_values.is_produced(id) => {
+                self.pdo.shares(now, id, &self.expected_values, &self.knowledge);
+                if self.expected_values.is_sync(id) {
                     self.pdo.synchronises_itself();
                 }
                 Ok(())
             }
             _ => {
-                let judged = self.pdo.came(now, frame, &self.nmt, &self.belief, &self.knowledge);
+                let judged = self.pdo.came(now, frame, &self.nmt, &self.expected_values, &self.knowledge);
                 // It may be the first frame of a configuration that is not confirmed yet.
                 if self.sdo.is_writing() { Ok(()) } else { judged }
             }
@@ -252,7 +252,7 @@ impl Oracle {
 
     /// A boot-up message, a heartbeat or an answer to guarding.
     fn error_control_came(&mut self, now: Timestamp, frame: &Frame) -> Result<(), Violation> {
-        let change = match self.nmt.shown(now, frame, &self.belief, &self.knowledge) {
+        let change = match self.nmt.shown(now, frame, &self.expected_values, &self.knowledge) {
             // It may be the first one with a period that is not confirmed yet.
             Err(_) if self.sdo.is_writing() => return Ok(()),
             judged => judged?,
@@ -267,7 +267,7 @@ impl Oracle {
 
     fn response_came(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
         let served = self.nmt.serves_sdo();
-        self.blind |= self.sdo.answered(now, frame, served, &self.knowledge, &mut self.belief, coverage)?;
+        self.blind |= self.sdo.answered(now, frame, served, &self.knowledge, &mut self.expected_values, coverage)?;
         if self.sdo.is_sending_blocks() {
             // Segments that fill the bus hold up everything else.
             self.nmt.held_up(now);
@@ -275,7 +275,7 @@ impl Oracle {
         }
         // What nobody can follow may have been a configuration too.
         self.doubt(now);
-        if let Some(change) = self.belief.take_change() {
+        if let Some(change) = self.expected_values.take_change() {
             // A device that stops on an error does so without a word.
             self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;
             self.nmt.configured(now, change);
@@ -286,12 +286,12 @@ impl Oracle {
 
     fn emcy_came(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Result<(), Violation> {
         // A PDO that was given the identifier of EMCY, or is being given it, can't be told from one.
-        let shares = self.pdo.shares(now, can_id, &self.belief, &self.knowledge);
+        let shares = self.pdo.shares(now, can_id, &self.expected_values, &self.knowledge);
         let judged = self.emcy.came(now, frame, &self.nmt);
         if !shares && !self.sdo.is_writing() {
             judged?;
         }
-        if self.nmt.erred(now, frame, &self.belief, &self.knowledge) == nmt::Change::State {
+        if self.nmt.erred(now, frame, &self.expected_values, &self.knowledge) == nmt::Change::State {
             self.sdo.state_changed(now, self.nmt.serves_sdo(), self.late());
             self.pdo.state_changed(now, &self.nmt);
         }
@@ -377,7 +377,7 @@ impl Oracle {
             && !self.sdo.is_busy()
             && !self.sdo.is_open()
             && self.waits_for_lss()
-            && !self.belief.bus_changed()
+            && !self.expected_values.bus_changed()
     }
 
     /// Whether the slave of LSS, or that of LMT, waits, if there is one.
@@ -402,7 +402,7 @@ impl Oracle {
 
     /// An object has that value, though a start should have given it another one.
     pub fn holds(&mut self, at: Multiplexer, value: u64) {
-        self.belief.holds(&self.knowledge, at, value);
+        self.expected_values.holds(&self.knowledge, at, value);
     }
 
     /// Nothing has come for a while.
@@ -424,8 +424,8 @@ impl Oracle {
             // What is on its way may have changed the periods already.
             return Ok(());
         }
-        self.nmt.finish(now, &self.belief, &self.knowledge)?;
-        self.pdo.finish(now, &self.nmt, &self.belief, &self.knowledge)
+        self.nmt.finish(now, &self.expected_values, &self.knowledge)?;
+        self.pdo.finish(now, &self.nmt, &self.expected_values, &self.knowledge)
     }
 
     /// Whether the SDO server has to answer now.

@@ -1,6 +1,6 @@
 //! The NMT slave and its error control: states by command, boot-up, heartbeat, guarding.
 
-use super::belief::{Belief, Extent};
+use super::expected_values::{ExpectedValues, Extent};
 use super::{Served, Violation, violation};
 use crate::Knowledge;
 use crate::property::Property;
@@ -59,7 +59,7 @@ pub(crate) struct Slave {
     toggle: Option<bool>,
     last_heartbeat: Option<Timestamp>,
     /// The last command that came before the boot-up message.
-    hasty: Timestamp,
+    commanded_early: Timestamp,
     /// That one may have waited for the bus.
     waited: bool,
     /// Other frames of the device that follow each other without a pause: when the first of them ended, and the last one.
@@ -94,7 +94,7 @@ impl Slave {
             guard_open: 0,
             toggle: Some(false),
             last_heartbeat: None,
-            hasty: Timestamp::ZERO,
+            commanded_early: Timestamp::ZERO,
             waited: false,
             train: (Timestamp::ZERO, Timestamp::ZERO),
             old_until: Timestamp::ZERO,
@@ -182,7 +182,7 @@ impl Slave {
     pub fn commanded(&mut self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Change {
         let boots = self.phase == Phase::Booting;
         if boots && self.announces {
-            self.hasty = now;
+            self.commanded_early = now;
             if resets(frame, knowledge) {
                 // A device that obeys in initialisation too begins it anew.
                 self.boot_due = now + knowledge.patience.boot;
@@ -221,7 +221,7 @@ impl Slave {
     }
 
     /// A guarding request of the fuzzer.
-    pub fn guarded(&mut self, now: Timestamp, writing: bool, belief: &Belief, knowledge: &Knowledge) {
+    pub fn guarded(&mut self, now: Timestamp, writing: bool, expected_values: &ExpectedValues, knowledge: &Knowledge) {
         if matches!(self.phase, Phase::Unconfigured | Phase::Booting) {
             return;
         }
@@ -230,7 +230,10 @@ impl Slave {
         }
         // What is being written may switch the heartbeat on.
         let known = self.phase != Phase::Unsure && !writing;
-        if knowledge.services.guarding == Some(true) && produces_heartbeat(belief, knowledge) == Some(false) && known {
+        if knowledge.services.guarding == Some(true)
+            && produces_heartbeat(expected_values, knowledge) == Some(false)
+            && known
+        {
             self.guard_due = now + knowledge.patience.answer;
         }
     }
@@ -249,8 +252,8 @@ impl Slave {
     }
 
     /// The period is another one than was followed so far: it was read, and what wrote it was not seen to work.
-    fn learn(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) {
-        let Some(time) = belief.number(knowledge, HEARTBEAT_TIME.index.0, 0) else { return };
+    fn learn(&mut self, now: Timestamp, expected_values: &ExpectedValues, knowledge: &Knowledge) {
+        let Some(time) = expected_values.number(knowledge, HEARTBEAT_TIME.index.0, 0) else { return };
         if self.period.is_some_and(|period| period != Duration::from_millis(time)) {
             self.configured(now, (HEARTBEAT_TIME, time));
         }
@@ -282,7 +285,7 @@ impl Slave {
         &mut self,
         now: Timestamp,
         frame: &Frame,
-        belief: &Belief,
+        expected_values: &ExpectedValues,
         knowledge: &Knowledge,
     ) -> Result<Change, Violation> {
         let &[byte] = frame.data() else {
@@ -302,8 +305,8 @@ impl Slave {
             let property = Property::NoRestart;
             return Err(violation(property, "boot-up without reset", expected, "a boot-up message", now));
         }
-        self.learn(now, belief, knowledge);
-        match produces_heartbeat(belief, knowledge) {
+        self.learn(now, expected_values, knowledge);
+        match produces_heartbeat(expected_values, knowledge) {
             Some(false) if self.guard_open > 0 => {
                 self.guard_open -= 1;
                 self.guard_due = Timestamp::MAX;
@@ -335,13 +338,19 @@ impl Slave {
         }
         self.boot_due = Timestamp::MAX;
         // A command that came while the boot-up message waited for the bus may have been obeyed.
-        let hasty = self.hasty > Timestamp::ZERO && now < self.hasty + self.grace;
-        Ok(self.enter(now, if hasty { Phase::Unsure } else { Phase::Running }))
+        let commanded_early = self.commanded_early > Timestamp::ZERO && now < self.commanded_early + self.grace;
+        Ok(self.enter(now, if commanded_early { Phase::Unsure } else { Phase::Running }))
     }
 
     /// The device has reported an error: 1029h says where it goes then.
     /// For errors of communication it is sub-index 1; which class of others the device counts an error to is its own.
-    pub fn erred(&mut self, now: Timestamp, emcy: &Frame, belief: &Belief, knowledge: &Knowledge) -> Change {
+    pub fn erred(
+        &mut self,
+        now: Timestamp,
+        emcy: &Frame,
+        expected_values: &ExpectedValues,
+        knowledge: &Knowledge,
+    ) -> Change {
         if self.phase != Phase::Operational {
             return Change::None;
         }
@@ -351,7 +360,7 @@ impl Slave {
         let exists = |sub: &u8| !knowledge.is_described() || knowledge.entry(Multiplexer::new(0x1029, *sub)).is_some();
         let (mut stays, mut leaves) = (false, false);
         for sub in classes.filter(exists) {
-            match belief.number(knowledge, 0x1029, sub) {
+            match expected_values.number(knowledge, 0x1029, sub) {
                 Some(1) => stays = true,
                 Some(0) => leaves = true,
                 _ => return self.enter(now, Phase::Unsure),
@@ -502,11 +511,16 @@ impl Slave {
     ///
     /// # Errors
     /// [`Violation`] if they are.
-    pub fn finish(&mut self, now: Timestamp, belief: &Belief, knowledge: &Knowledge) -> Result<(), Violation> {
-        if produces_heartbeat(belief, knowledge).is_none() {
+    pub fn finish(
+        &mut self,
+        now: Timestamp,
+        expected_values: &ExpectedValues,
+        knowledge: &Knowledge,
+    ) -> Result<(), Violation> {
+        if produces_heartbeat(expected_values, knowledge).is_none() {
             return Ok(());
         }
-        self.learn(now, belief, knowledge);
+        self.learn(now, expected_values, knowledge);
         let Some(period) = self.period.filter(|period| *period > Duration(0)) else { return Ok(()) };
         let last = self.last_heartbeat.unwrap_or(self.period_since);
         let running = !matches!(self.phase, Phase::Unconfigured | Phase::Booting);
@@ -534,9 +548,9 @@ fn resets(frame: &Frame, knowledge: &Knowledge) -> bool {
 }
 
 /// Whether the device produces heartbeats; `None`: not known.
-fn produces_heartbeat(belief: &Belief, knowledge: &Knowledge) -> Option<bool> {
+fn produces_heartbeat(expected_values: &ExpectedValues, knowledge: &Knowledge) -> Option<bool> {
     let exists = knowledge.entry(HEARTBEAT_TIME).is_some();
-    match belief.number(knowledge, HEARTBEAT_TIME.index.0, 0) {
+    match expected_values.number(knowledge, HEARTBEAT_TIME.index.0, 0) {
         Some(period) => Some(period != 0),
         None if exists || !knowledge.is_described() => None,
         None => Some(false),

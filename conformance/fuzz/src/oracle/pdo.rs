@@ -1,6 +1,6 @@
 //! PDOs of the device: on which identifiers, in which state, how long, how often.
 
-use super::belief::Belief;
+use super::expected_values::ExpectedValues;
 use super::nmt::{Phase, Slave};
 use super::sync_count::SyncCount;
 use super::{Served, Violation, violation};
@@ -39,7 +39,7 @@ struct Seen {
 #[derive(Clone, Debug)]
 pub(super) struct Pdos {
     seen: Vec<Seen>,
-    /// [`Belief::version`] of the parameters.
+    /// [`ExpectedValues::version`] of the parameters.
     version: Option<u64>,
     /// Whether a TPDO may be due: asked for with every frame, and nearly always none is.
     may_be_due: bool,
@@ -62,20 +62,27 @@ impl Pdos {
         }
     }
 
-    /// Takes the configuration over that is believed now, if it is another one.
-    fn learn(&mut self, belief: &Belief, knowledge: &Knowledge) {
-        if self.version != Some(belief.version()) {
-            self.version = Some(belief.version());
+    /// Takes the configuration over that holds now, if it is another one.
+    fn learn(&mut self, expected_values: &ExpectedValues, knowledge: &Knowledge) {
+        if self.version != Some(expected_values.version()) {
+            self.version = Some(expected_values.version());
             for seen in &mut self.seen {
-                let before = std::mem::replace(&mut seen.parameters, Parameters::of(seen.index, belief, knowledge));
+                let before =
+                    std::mem::replace(&mut seen.parameters, Parameters::of(seen.index, expected_values, knowledge));
                 seen.lag = seen.lag.max(before.inhibit.unwrap_or_default());
             }
         }
     }
 
     /// Whether a valid PDO has, or may have, that identifier of another service, so that nobody can tell whose frame it was.
-    pub fn shares(&mut self, now: Timestamp, can_id: u16, belief: &Belief, knowledge: &Knowledge) -> bool {
-        self.learn(belief, knowledge);
+    pub fn shares(
+        &mut self,
+        now: Timestamp,
+        can_id: u16,
+        expected_values: &ExpectedValues,
+        knowledge: &Knowledge,
+    ) -> bool {
+        self.learn(expected_values, knowledge);
         let mut shares = self.seen.iter().any(|seen| seen.parameters.cob_id.is_none());
         for seen in self.seen.iter_mut().filter(|seen| seen.has(can_id.into())) {
             seen.begin(now);
@@ -134,11 +141,11 @@ impl Pdos {
         frame: &Frame,
         writing: bool,
         nmt: &Slave,
-        belief: &Belief,
+        expected_values: &ExpectedValues,
         knowledge: &Knowledge,
     ) -> Result<(), Violation> {
-        self.learn(belief, knowledge);
-        let counter = belief.number(knowledge, 0x1019, 0).unwrap_or(0);
+        self.learn(expected_values, knowledge);
+        let counter = expected_values.number(knowledge, 0x1019, 0).unwrap_or(0);
         let understood = frame.len() == usize::from(counter != 0);
         let rests = !matches!(nmt.phase(), Phase::Operational | Phase::Running | Phase::Unsure);
         for seen in &mut self.seen {
@@ -192,10 +199,10 @@ impl Pdos {
         can_id: u16,
         writing: bool,
         nmt: &Slave,
-        belief: &Belief,
+        expected_values: &ExpectedValues,
         knowledge: &Knowledge,
     ) {
-        self.learn(belief, knowledge);
+        self.learn(expected_values, knowledge);
         let has = |seen: &Seen| seen.has(can_id.into());
         let alone = self.seen.iter().filter(|seen| has(seen)).count() == 1;
         let certain = alone && !writing && nmt.phase() == Phase::Operational;
@@ -222,13 +229,13 @@ impl Pdos {
         now: Timestamp,
         frame: &Frame,
         nmt: &Slave,
-        belief: &Belief,
+        expected_values: &ExpectedValues,
         knowledge: &Knowledge,
     ) -> Result<(), Violation> {
         if !knowledge.is_described() {
             return Ok(());
         }
-        self.learn(belief, knowledge);
+        self.learn(expected_values, knowledge);
         let id = u32::from(frame.id().as_standard().unwrap_or(u16::MAX));
         let unknown = frame.id().as_standard().is_none()
             || frame.is_remote()
@@ -276,13 +283,13 @@ impl Pdos {
         &mut self,
         now: Timestamp,
         nmt: &Slave,
-        belief: &Belief,
+        expected_values: &ExpectedValues,
         knowledge: &Knowledge,
     ) -> Result<(), Violation> {
         if nmt.phase() != Phase::Operational {
             return Ok(());
         }
-        self.learn(belief, knowledge);
+        self.learn(expected_values, knowledge);
         for seen in &self.seen {
             let Some(period) = seen.parameters.period() else { continue };
             let last = seen.last.unwrap_or(seen.since).max(seen.since);
@@ -427,8 +434,8 @@ impl Parameters {
         length: None,
     };
 
-    fn of(index: u16, belief: &Belief, knowledge: &Knowledge) -> Self {
-        let number = |sub| belief.number(knowledge, index, sub);
+    fn of(index: u16, expected_values: &ExpectedValues, knowledge: &Knowledge) -> Self {
+        let number = |sub| expected_values.number(knowledge, index, sub);
         Self {
             cob_id: number(1).map(|raw| CobId(raw as u32)),
             transmission: number(2).map(|raw| raw as u8),
@@ -436,11 +443,11 @@ impl Parameters {
             event_timer: number(5).map(Duration::from_millis),
             start_value: number(6).unwrap_or(0),
             open_window: match knowledge.entry(Multiplexer::new(0x1007, 0)) {
-                Some(_) => belief.number(knowledge, 0x1007, 0) == Some(0),
+                Some(_) => expected_values.number(knowledge, 0x1007, 0) == Some(0),
                 None => true,
             },
-            mapped: belief.number(knowledge, index + 0x200, 0).is_some_and(|count| (1..=64).contains(&count)),
-            length: mapped_length(index + 0x200, belief, knowledge),
+            mapped: expected_values.number(knowledge, index + 0x200, 0).is_some_and(|count| (1..=64).contains(&count)),
+            length: mapped_length(index + 0x200, expected_values, knowledge),
         }
     }
 
@@ -470,8 +477,8 @@ impl Parameters {
 }
 
 /// The length of a PDO in bytes by its mapping, where that is known.
-fn mapped_length(mapping: u16, belief: &Belief, knowledge: &Knowledge) -> Option<usize> {
-    let count = belief.number(knowledge, mapping, 0).filter(|count| (1..=64).contains(count))?;
-    let bits = (1..=count as u8).map(|sub| belief.number(knowledge, mapping, sub).map(|entry| entry & 0xFF));
+fn mapped_length(mapping: u16, expected_values: &ExpectedValues, knowledge: &Knowledge) -> Option<usize> {
+    let count = expected_values.number(knowledge, mapping, 0).filter(|count| (1..=64).contains(count))?;
+    let bits = (1..=count as u8).map(|sub| expected_values.number(knowledge, mapping, sub).map(|entry| entry & 0xFF));
     bits.sum::<Option<u64>>().map(|bits| bits.div_ceil(8) as usize)
 }

@@ -1,7 +1,7 @@
 //! Which values of communication parameters a device must refuse (CiA 301, 7.5.2).
 
-use super::belief::Belief;
 use super::codes::{self, CodeSet};
+use super::expected_values::ExpectedValues;
 use crate::Knowledge;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
@@ -15,31 +15,37 @@ const MAPPING: CodeSet = codes::REFUSED.or(codes::NO_OBJECT).or(codes::NO_SUB_IN
 const LONGEST_PDO: u64 = 64;
 
 /// Why that value must be refused, if it must.
-pub(super) fn refusal(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
+pub(super) fn refusal(
+    at: Multiplexer,
+    raw: u64,
+    knowledge: &Knowledge,
+    expected_values: &ExpectedValues,
+) -> Option<Refusal> {
     match (at.index.0, at.sub.0) {
-        (0x1400..=0x15FF | 0x1800..=0x19FF, 1) => pdo_identifier(at, raw, knowledge, belief),
+        (0x1400..=0x15FF | 0x1800..=0x19FF, 1) => pdo_identifier(at, raw, knowledge, expected_values),
         (0x1400..=0x15FF, 2) if (241..=253).contains(&raw) => Some((codes::REFUSED, "a reserved transmission type")),
         (0x1800..=0x19FF, 2) if (241..=251).contains(&raw) => Some((codes::REFUSED, "a reserved transmission type")),
-        (0x1800..=0x19FF, 6) => sync_start(at, raw, knowledge, belief),
-        (0x1600..=0x17FF | 0x1A00..=0x1BFF, 0) => mapping_count(at, raw, knowledge, belief),
-        (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => mapping_entry(at, knowledge, belief),
+        (0x1800..=0x19FF, 6) => sync_start(at, raw, knowledge, expected_values),
+        (0x1600..=0x17FF | 0x1A00..=0x1BFF, 0) => mapping_count(at, raw, knowledge, expected_values),
+        (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => mapping_entry(at, knowledge, expected_values),
         (0x1005 | 0x1012, 0) if CobId(raw as u32 & 0x7FF).is_restricted() && at.index.0 == 0x1005 => {
             Some((codes::REFUSED, "a restricted CAN-ID"))
         }
         (0x1014, 0) if CobId(raw as u32).is_valid() && CobId(raw as u32).is_restricted() => {
             Some((codes::REFUSED, "a restricted CAN-ID"))
         }
-        (0x1005, 0) => in_use(at, raw, PRODUCES, knowledge, belief),
-        (0x1012, 0) => in_use(at, raw, PRODUCES | CONSUMES, knowledge, belief),
-        (0x1014, 0) => while_valid(at, raw, knowledge, belief),
-        (0x1201..=0x127F, 1 | 2) => while_valid(at, raw, knowledge, belief),
+        (0x1005, 0) => in_use(at, raw, PRODUCES, knowledge, expected_values),
+        (0x1012, 0) => in_use(at, raw, PRODUCES | CONSUMES, knowledge, expected_values),
+        (0x1014, 0) => while_valid(at, raw, knowledge, expected_values),
+        (0x1201..=0x127F, 1 | 2) => while_valid(at, raw, knowledge, expected_values),
         (0x1003, 0) if raw != 0 => Some((codes::REFUSED, "only 0 can be written to the error history")),
         (0x1010, 1..) if raw != SAVE => Some((codes::REFUSED, "not the signature that stores")),
         (0x1011, 1..) if raw != LOAD => Some((codes::REFUSED, "not the signature that restores")),
-        (0x1016, 1..) => consumer(at, raw, knowledge, belief),
+        (0x1016, 1..) => consumer(at, raw, knowledge, expected_values),
         (0x1019, 0) if raw == 1 || raw > 240 => Some((codes::REFUSED, "a reserved value of the SYNC counter")),
         (0x1019, 0) => {
-            let (period, counter) = (belief.number(knowledge, 0x1006, 0)?, belief.number(knowledge, 0x1019, 0)?);
+            let (period, counter) =
+                (expected_values.number(knowledge, 0x1006, 0)?, expected_values.number(knowledge, 0x1019, 0)?);
             let changes = period != 0 && counter != raw;
             changes.then_some((codes::REFUSED, "the SYNC counter changes only while 1006h is 0"))
         }
@@ -58,22 +64,28 @@ const PRODUCES: u32 = 1 << 30;
 const CONSUMES: u32 = 1 << 31;
 
 /// The identifier of SYNC or TIME, while it is produced or consumed.
-fn in_use(at: Multiplexer, raw: u64, flags: u32, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
-    let (old, new) = (CobId(belief.number(knowledge, at.index.0, at.sub.0)? as u32), CobId(raw as u32));
+fn in_use(
+    at: Multiplexer,
+    raw: u64,
+    flags: u32,
+    knowledge: &Knowledge,
+    expected_values: &ExpectedValues,
+) -> Option<Refusal> {
+    let (old, new) = (CobId(expected_values.number(knowledge, at.index.0, at.sub.0)? as u32), CobId(raw as u32));
     let changes = old.0 & new.0 & flags != 0 && old.can_id() != new.can_id();
     changes.then_some((codes::REFUSED, "the CAN-ID changes only while it is not in use"))
 }
 
 /// An identifier whose bit 31 says that it is none.
-fn while_valid(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
-    let (old, new) = (CobId(belief.number(knowledge, at.index.0, at.sub.0)? as u32), CobId(raw as u32));
+fn while_valid(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Option<Refusal> {
+    let (old, new) = (CobId(expected_values.number(knowledge, at.index.0, at.sub.0)? as u32), CobId(raw as u32));
     let changes = old.is_valid() && new.is_valid() && old.can_id() != new.can_id();
     changes.then_some((codes::REFUSED, "the CAN-ID changes only while it is invalid"))
 }
 
-fn sync_start(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
-    let cob_id = CobId(belief.number(knowledge, at.index.0, 1)? as u32);
-    let changes = cob_id.is_valid() && belief.number(knowledge, at.index.0, 6)? != raw;
+fn sync_start(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Option<Refusal> {
+    let cob_id = CobId(expected_values.number(knowledge, at.index.0, 1)? as u32);
+    let changes = cob_id.is_valid() && expected_values.number(knowledge, at.index.0, 6)? != raw;
     changes.then_some((codes::REFUSED, "the SYNC start value changes only while the PDO is invalid"))
 }
 
@@ -85,25 +97,35 @@ pub(super) fn mapping_codes(at: Multiplexer) -> CodeSet {
     }
 }
 
-fn pdo_identifier(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
+fn pdo_identifier(
+    at: Multiplexer,
+    raw: u64,
+    knowledge: &Knowledge,
+    expected_values: &ExpectedValues,
+) -> Option<Refusal> {
     let new = CobId(raw as u32);
     if new.is_valid() && new.is_restricted() {
         return Some((codes::REFUSED, "a restricted CAN-ID"));
     }
-    let old = CobId(belief.number(knowledge, at.index.0, 1)? as u32);
+    let old = CobId(expected_values.number(knowledge, at.index.0, 1)? as u32);
     let changes =
         old.is_valid() && new.is_valid() && (old.can_id() != new.can_id() || old.is_extended() != new.is_extended());
     changes.then_some((codes::REFUSED, "the CAN-ID changes only while the PDO is invalid"))
 }
 
-fn mapping_count(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
+fn mapping_count(
+    at: Multiplexer,
+    raw: u64,
+    knowledge: &Knowledge,
+    expected_values: &ExpectedValues,
+) -> Option<Refusal> {
     if raw == 0 || raw > 8 {
         // Above 64 the value is a reserved one, or that of a multiplexed PDO.
         return (65..254).contains(&raw).then_some((MAPPING, "more than 64 mapped objects"));
     }
     let mut bits = 0;
     for sub in 1..=raw as u8 {
-        let entry = belief.number(knowledge, at.index.0, sub)?;
+        let entry = expected_values.number(knowledge, at.index.0, sub)?;
         bits += entry & 0xFF;
         let mapped = Multiplexer::new((entry >> 16) as u16, (entry >> 8) as u8);
         let transmits = (0x1A00..=0x1BFF).contains(&at.index.0);
@@ -124,14 +146,14 @@ fn mapping_count(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Beli
     (bits > LONGEST_PDO).then_some((MAPPING, "mapped objects of more than 64 bits"))
 }
 
-fn mapping_entry(at: Multiplexer, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
-    let count = belief.number(knowledge, at.index.0, 0)?;
+fn mapping_entry(at: Multiplexer, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Option<Refusal> {
+    let count = expected_values.number(knowledge, at.index.0, 0)?;
     let in_use = (1..=64).contains(&count) && u64::from(at.sub.0) <= count;
     in_use.then_some((MAPPING, "mapping entries change only while sub-index 0 is 0"))
 }
 
 /// Two times for one node (abort 0604 0043h).
-fn consumer(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -> Option<Refusal> {
+fn consumer(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Option<Refusal> {
     const DOUBLE: CodeSet = CodeSet::of(&[AbortCode::PARAMETER_INCOMPATIBLE]).or(codes::REFUSED);
     let (node, time) = (raw >> 16 & 0xFF, raw & 0xFFFF);
     if !(1..=127).contains(&node) || time == 0 {
@@ -139,7 +161,7 @@ fn consumer(at: Multiplexer, raw: u64, knowledge: &Knowledge, belief: &Belief) -
     }
     let twice =
         knowledge.entries().iter().filter(|known| known.at.index.0 == 0x1016 && known.at.sub.0 > 0).any(|known| {
-            let other = belief.number(knowledge, 0x1016, known.at.sub.0).unwrap_or(0);
+            let other = expected_values.number(knowledge, 0x1016, known.at.sub.0).unwrap_or(0);
             known.at.sub != at.sub && other >> 16 & 0xFF == node && other & 0xFFFF != 0
         });
     twice.then_some((DOUBLE, "the node is watched already"))

@@ -1,6 +1,6 @@
 //! RPDOs of the device: which of the fuzzer's frames write objects, and what they hold then.
 
-use super::belief::Belief;
+use super::expected_values::ExpectedValues;
 use super::nmt::Slave;
 use super::{Served, pdo_rules};
 use crate::Knowledge;
@@ -8,47 +8,48 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Frame, Timestamp};
 
 /// A data frame of the fuzzer that belongs to no other service. `writing`: an object is being written, so that the
-/// configuration may be another one than is believed.
+/// configuration may be another one than is expected.
 pub(super) fn received(
     now: Timestamp,
     frame: &Frame,
     can_id: u16,
     writing: bool,
     nmt: &Slave,
-    belief: &mut Belief,
+    expected_values: &mut ExpectedValues,
     knowledge: &Knowledge,
 ) {
     let mut own = None;
     for &index in &knowledge.rpdos {
-        match belief.number(knowledge, index, 1).map(|raw| CobId(raw as u32)) {
+        match expected_values.number(knowledge, index, 1).map(|raw| CobId(raw as u32)) {
             Some(cob_id) if !cob_id.is_valid() || cob_id.can_id() != u32::from(can_id) => {}
             // Nobody knows which of several it is, or whether it is one.
             Some(_) if own.is_none() => own = Some(index),
-            _ => return belief.forget_outputs(),
+            _ => return expected_values.forget_outputs(),
         }
     }
     let Some(index) = own else {
         if writing || !knowledge.is_described() {
-            belief.forget_outputs();
+            expected_values.forget_outputs();
         }
         return;
     };
     match nmt.serves_pdo(now) {
         Served::No if !writing => {}
         Served::Yes if !writing => {
-            belief.forget_outputs();
-            write(index, frame, belief, knowledge);
+            expected_values.forget_outputs();
+            write(index, frame, expected_values, knowledge);
         }
-        _ => belief.forget_outputs(),
+        _ => expected_values.forget_outputs(),
     }
 }
 
 /// What a PDO that acts at once leaves in the objects of its mapping, where that is certain.
-fn write(index: u16, frame: &Frame, belief: &mut Belief, knowledge: &Knowledge) {
-    let event_driven = belief.number(knowledge, index, 2).is_some_and(|kind| kind >= 254);
+fn write(index: u16, frame: &Frame, expected_values: &mut ExpectedValues, knowledge: &Knowledge) {
+    let event_driven = expected_values.number(knowledge, index, 2).is_some_and(|kind| kind >= 254);
     let mapping = index + 0x200;
-    let Some(count @ 1..=8) = belief.number(knowledge, mapping, 0) else { return };
-    let entries: Option<Vec<u64>> = (1..=count as u8).map(|sub| belief.number(knowledge, mapping, sub)).collect();
+    let Some(count @ 1..=8) = expected_values.number(knowledge, mapping, 0) else { return };
+    let entries: Option<Vec<u64>> =
+        (1..=count as u8).map(|sub| expected_values.number(knowledge, mapping, sub)).collect();
     let Some(entries) = entries.filter(|_| event_driven) else { return };
     let bits: u64 = entries.iter().map(|entry| entry & 0xFF).sum();
     if bits != frame.len() as u64 * 8 {
@@ -65,8 +66,8 @@ fn write(index: u16, frame: &Frame, belief: &mut Belief, knowledge: &Knowledge) 
         let taken = known.is_some_and(|known| {
             known.writable && known.size.is_some_and(|size| size as u64 * 8 == len) && known.in_limits(value)
         });
-        if taken && pdo_rules::refusal(at, value, knowledge, belief).is_none() {
-            belief.read(knowledge, position, value);
+        if taken && pdo_rules::refusal(at, value, knowledge, expected_values).is_none() {
+            expected_values.read(knowledge, position, value);
         }
     }
 }

@@ -17,8 +17,8 @@ pub use candump::{candump, sequence};
 pub use rust_test::rust_test;
 
 use super::campaign::{self, Found, FuzzError};
-use super::ground::{Ground, of_address};
 use super::live::Live;
+use super::stand::{TestStand, of_address};
 use super::stimulus::Then;
 use super::{Knowledge, Sequence, Start, Violation};
 use canvass_analyzer::NodeId;
@@ -137,19 +137,19 @@ pub fn replay(
     if let BusAddress::Simulated(devices) = address.parse()?
         && let [only] = &devices[..]
     {
-        let (mut ground, knowledge) = of_address(only, node, 0)?;
-        return first(&mut ground, &knowledge, log);
+        let (mut stand, knowledge) = of_address(only, node, 0)?;
+        return first(&mut stand, &knowledge, log);
     }
     let mut opened = canvass_device::address::open(address)?;
     let usual = Knowledge::new(node.or(opened.node()).unwrap_or(NodeId::MIN), None, None);
     let knowledge = device.unwrap_or(&usual);
-    let mut ground = Live::new(opened.bus.as_mut(), knowledge);
-    first(&mut ground, knowledge, log)
+    let mut stand = Live::new(opened.bus.as_mut(), knowledge);
+    first(&mut stand, knowledge, log)
 }
 
-fn first(ground: &mut dyn Ground, knowledge: &Knowledge, log: &[u8]) -> Result<Option<Violation>, ReplayError> {
+fn first(stand: &mut dyn TestStand, knowledge: &Knowledge, log: &[u8]) -> Result<Option<Violation>, ReplayError> {
     for sequence in read(log, knowledge.node)? {
-        let (violation, _) = campaign::replay(ground, knowledge.clone(), &sequence)?;
+        let (violation, _) = campaign::replay(stand, knowledge.clone(), &sequence)?;
         if violation.is_some() {
             return Ok(violation);
         }

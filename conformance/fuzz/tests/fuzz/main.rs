@@ -3,10 +3,10 @@
 
 mod coverage;
 mod faults;
-mod grounds;
 mod healthy;
 mod limits;
 mod live;
 mod perishable;
 mod reproduced;
 mod right_answers;
+mod stands;

@@ -23,7 +23,7 @@ impl From<&(Multiplexer, Vec<u8>)> for Original {
 
 /// What is written to, and in which step.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
-struct Step {
+struct RewriteStep {
     /// Objects of one communication object are written together.
     group: u16,
     order: Order,
@@ -61,7 +61,7 @@ impl Bench<'_> {
         let needed: Vec<Multiplexer> =
             wrong.iter().map(|original| original.multiplexer).chain(companions.flatten()).collect();
         let rewritten = originals.iter().filter(|original| needed.contains(&original.multiplexer));
-        for Step { multiplexer, value, .. } in steps(rewritten) {
+        for RewriteStep { multiplexer, value, .. } in steps(rewritten) {
             // What is refused shows when it is read back.
             let _ = self.download_as(multiplexer, &value, Mode::Shortest);
         }
@@ -83,12 +83,16 @@ pub(super) fn writes(originals: &[Original]) -> Vec<(Multiplexer, Vec<u8>)> {
 }
 
 /// The writes that give objects their values again, in their order.
-fn steps<'a>(originals: impl IntoIterator<Item = &'a Original>) -> Vec<Step> {
-    let mut steps: Vec<Step> = Vec::new();
+fn steps<'a>(originals: impl IntoIterator<Item = &'a Original>) -> Vec<RewriteStep> {
+    let mut steps: Vec<RewriteStep> = Vec::new();
     for Original { multiplexer, value } in originals {
         let (index, sub) = (multiplexer.index.0, multiplexer.sub.0);
-        let step =
-            |order: Order, value: Vec<u8>| Step { group: group_of(index), order, multiplexer: *multiplexer, value };
+        let step = |order: Order, value: Vec<u8>| RewriteStep {
+            group: group_of(index),
+            order,
+            multiplexer: *multiplexer,
+            value,
+        };
         match (index, sub) {
             (0x1400..=0x15FF | 0x1800..=0x19FF, 1) | (EMCY_ID | TIME_ID, 0) => {
                 steps.push(step(Order::SwitchOff, with(value, CobId::INVALID)));

@@ -9,7 +9,7 @@ use crate::verdict::{Breach, Judged, Precondition, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
-use canvass_bus::client::sdo::{Mode, Outcome, Step, Transfer, Violation};
+use canvass_bus::client::sdo::{Mode, Outcome, Reaction, Transfer, Violation};
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Frame};
 use std::borrow::Cow;
@@ -172,11 +172,11 @@ impl Bench<'_> {
             }
             let step = match Response::read(frame.data()) {
                 Ok(response) => transfer.handle(&response),
-                Err(error) => Step::Done(Outcome::Violated(Violation::Malformed(error.to_string()))),
+                Err(error) => Reaction::Done(Outcome::Violated(Violation::Malformed(error.to_string()))),
             };
             match step {
-                Step::Send(next) => request = next,
-                Step::Done(outcome) => {
+                Reaction::Send(next) => request = next,
+                Reaction::Done(outcome) => {
                     if matches!(outcome, Outcome::Violated(_)) {
                         self.send_request(&transfer.abort(AbortCode::GENERAL))?;
                     } else {

@@ -1,7 +1,7 @@
 //! The values of PDOs over time, as plots need them: few enough points, and every peak.
 
 use super::buckets::{Buckets, Extremes};
-use crate::signals::{Columns, Row, Sheet};
+use crate::signals::{Columns, SampleRow, Sheet};
 use canvass_traces::{Duration, Timestamp};
 use std::io;
 
@@ -33,7 +33,7 @@ impl Series {
 }
 
 impl Sheet for Series {
-    fn row(&mut self, row: &Row<'_>, _columns: &Columns, _out: &mut Vec<u8>) -> io::Result<()> {
+    fn row(&mut self, row: &SampleRow<'_>, _columns: &Columns, _out: &mut Vec<u8>) -> io::Result<()> {
         let start = *self.start.get_or_insert(row.time);
         for &(column, number) in row.changed {
             let value = number.as_f64();

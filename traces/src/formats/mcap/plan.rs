@@ -32,7 +32,7 @@ pub(crate) trait Layout<'a> {
 
 /// A step through a message's bytes.
 #[derive(Clone, Debug)]
-pub(crate) enum Step {
+pub(crate) enum McapStep {
     Number {
         size: usize,
         signed: bool,
@@ -52,7 +52,7 @@ pub(crate) enum Step {
     /// Texts or messages without a role. The body is never empty and takes at least one byte.
     Repeat {
         count: Count,
-        body: Vec<Step>,
+        body: Vec<McapStep>,
     },
 }
 
@@ -60,7 +60,7 @@ pub(crate) enum Step {
 #[derive(Clone, Debug)]
 pub(crate) struct Plan {
     /// Up to the last value that has a role.
-    steps: Vec<Step>,
+    steps: Vec<McapStep>,
     shape: Shape,
 }
 
@@ -71,7 +71,7 @@ impl Plan {
         let target = find(messages, 0, &mut vec![false; messages.len()])?;
         let mut compiler = Compiler { messages, target, found: false, timed: false, steps_left: MOST_STEPS };
         let mut steps = compiler.message(0, 0, true)?;
-        let last = steps.iter().rposition(Step::has_role)?;
+        let last = steps.iter().rposition(McapStep::has_role)?;
         steps.truncate(last + 1);
         let steps = run::joined(steps);
         Some(Self { steps, shape: shape(messages.get(target)?)? })
@@ -142,7 +142,7 @@ struct Compiler<'a> {
 
 impl Compiler<'_> {
     /// The steps through a message; `None` if it is too large. `on_path`: whether it, or what holds it, may be the target.
-    fn message(&mut self, place: usize, depth: usize, on_path: bool) -> Option<Vec<Step>> {
+    fn message(&mut self, place: usize, depth: usize, on_path: bool) -> Option<Vec<McapStep>> {
         if depth > DEEPEST {
             return None;
         }
@@ -156,14 +156,14 @@ impl Compiler<'_> {
                 (_, Count::Array(0)) => {}
                 (Kind::Number { size, signed }, Count::One) => {
                     let role = if is_target { role(field) } else { None };
-                    steps.push(Step::Number { size, signed, role });
+                    steps.push(McapStep::Number { size, signed, role });
                 }
                 (Kind::Number { .. }, count) if is_target && role(field) == Some(Role::Data) => {
-                    steps.push(Step::Data(count));
+                    steps.push(McapStep::Data(count));
                 }
-                (Kind::Number { size, .. }, count) => steps.push(Step::Numbers { size, count }),
-                (Kind::Text, count) => repeat(&mut steps, count, vec![Step::Text { wide: false }]),
-                (Kind::WideText, count) => repeat(&mut steps, count, vec![Step::Text { wide: true }]),
+                (Kind::Number { size, .. }, count) => steps.push(McapStep::Numbers { size, count }),
+                (Kind::Text, count) => repeat(&mut steps, count, vec![McapStep::Text { wide: false }]),
+                (Kind::WideText, count) => repeat(&mut steps, count, vec![McapStep::Text { wide: true }]),
                 (Kind::Message(inner), _) if time => steps.extend(self.time(inner)?),
                 (Kind::Message(inner), Count::One) => steps.extend(self.message(inner, depth + 1, on_path)?),
                 (Kind::Message(inner), count) => {
@@ -185,25 +185,25 @@ impl Compiler<'_> {
             && parts.iter().all(|part| matches!(part.kind, Kind::Number { .. }) && Role::of_time(&part.name).is_some())
     }
 
-    fn time(&mut self, place: usize) -> Option<Vec<Step>> {
+    fn time(&mut self, place: usize) -> Option<Vec<McapStep>> {
         self.timed = true;
         let steps = self.messages.get(place)?.fields.iter().map(|field| match field.kind {
-            Kind::Number { size, signed } => Some(Step::Number { size, signed, role: Role::of_time(&field.name) }),
+            Kind::Number { size, signed } => Some(McapStep::Number { size, signed, role: Role::of_time(&field.name) }),
             _ => None,
         });
         steps.collect()
     }
 }
 
-fn repeat(steps: &mut Vec<Step>, count: Count, body: Vec<Step>) {
+fn repeat(steps: &mut Vec<McapStep>, count: Count, body: Vec<McapStep>) {
     match count {
         _ if body.is_empty() && !matches!(count, Count::Sequence(_)) => {}
         Count::One => steps.extend(body),
-        count => steps.push(Step::Repeat { count, body }),
+        count => steps.push(McapStep::Repeat { count, body }),
     }
 }
 
-impl Step {
+impl McapStep {
     fn has_role(&self) -> bool {
         matches!(self, Self::Number { role: Some(_), .. } | Self::Data(_))
     }

@@ -39,12 +39,12 @@ pub(crate) fn open(source: Source, options: &ReadOptions) -> Box<dyn Reader> {
         summary: false,
         pending: VecDeque::new(),
         comment: None,
-        state: State::Magic,
+        state: McapState::Magic,
     })
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum State {
+enum McapState {
     Magic,
     Records,
     Chunk,
@@ -71,7 +71,7 @@ struct McapReader {
     pending: VecDeque<Damage>,
     /// Of the next frame.
     comment: Option<String>,
-    state: State,
+    state: McapState,
 }
 
 /// A record's operation code and length.
@@ -92,18 +92,18 @@ impl McapReader {
 
     fn has(&mut self, n: usize) -> Result<bool, Damage> {
         self.source.fill_to(n).map_err(|error| {
-            self.state = State::Ended;
+            self.state = McapState::Ended;
             Damage::source(&error, self.place())
         })
     }
 
     fn magic(&mut self) -> Result<(), Damage> {
         if !self.has(mcap::MAGIC.len())? || !sniff(self.source.window()) {
-            self.state = State::Ended;
+            self.state = McapState::Ended;
             return Err(Damage::new(DamageKind::Fatal, self.place(), "the magic number of MCAP", b""));
         }
         self.source.consume(mcap::MAGIC.len());
-        self.state = State::Records;
+        self.state = McapState::Records;
         Ok(())
     }
 
@@ -181,7 +181,7 @@ impl McapReader {
         let place = self.place();
         self.source.consume(RECORD_HEADER);
         let skipped = self.source.skip(length).map_err(|error| {
-            self.state = State::Ended;
+            self.state = McapState::Ended;
             Damage::source(&error, place)
         })?;
         if skipped < length {
@@ -197,7 +197,7 @@ impl McapReader {
 
     /// The source ends without a footer, perhaps in a record.
     fn unfinished(&mut self, cut_record: Option<String>) -> Result<Option<Record>, Damage> {
-        self.state = State::Ended;
+        self.state = McapState::Ended;
         let place = self.place();
         let unfinished = Damage::new(DamageKind::Unfinished, place, "a footer at the end of the file", b"");
         self.nothing_found(place);
@@ -213,7 +213,7 @@ impl McapReader {
         if !self.has(end + magic)? || !self.source.window().get(end..).is_some_and(sniff) {
             return self.unfinished(Some("a footer and the magic number of MCAP".to_owned()));
         }
-        self.state = State::Ended;
+        self.state = McapState::Ended;
         let place = self.place();
         self.nothing_found(place);
         let missing = self.missing_messages(place);
@@ -295,7 +295,7 @@ impl McapReader {
             }
             unpacked => self.chunk_cut = matches!(unpacked, Unpacked::Cut),
         }
-        self.state = State::Chunk;
+        self.state = McapState::Chunk;
         Ok(None)
     }
 
@@ -322,7 +322,7 @@ impl McapReader {
     }
 
     fn end_of_chunk(&mut self, missing: Option<String>) -> Result<Option<Record>, Damage> {
-        self.state = State::Records;
+        self.state = McapState::Records;
         if std::mem::take(&mut self.chunk_cut) {
             return self.unfinished(Some(missing.unwrap_or_else(|| "the rest of a chunk".to_owned())));
         }
@@ -399,10 +399,10 @@ impl Iterator for McapReader {
     fn next(&mut self) -> Option<Self::Item> {
         loop {
             let next = match self.state {
-                State::Chunk => self.chunk_record(),
-                State::Records => self.record(),
-                State::Magic => self.magic().map(|()| None),
-                State::Ended => return self.pending.pop_front().map(Err),
+                McapState::Chunk => self.chunk_record(),
+                McapState::Records => self.record(),
+                McapState::Magic => self.magic().map(|()| None),
+                McapState::Ended => return self.pending.pop_front().map(Err),
             };
             match next {
                 Ok(None) => {}

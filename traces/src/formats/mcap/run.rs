@@ -1,7 +1,7 @@
 //! Runs of numbers in a message: where each stands is known beforehand, so that a run costs one look at the bytes' end.
 
 use super::fields::{Role, Values};
-use super::plan::{Layout, Step, sign_extended};
+use super::plan::{Layout, McapStep, sign_extended};
 use super::ros_definition::Count;
 use std::borrow::Cow;
 use std::ops::Range;
@@ -53,11 +53,11 @@ const LONGEST: usize = 64;
 
 impl Part {
     /// The step as a part of a run; `None` if it can't be one.
-    fn of(step: &Step) -> Option<Self> {
+    fn of(step: &McapStep) -> Option<Self> {
         let part = match *step {
-            Step::Number { size, signed, role } => Self { size, count: 1, signed, role },
-            Step::Data(Count::Array(count)) => Self { size: 1, count, signed: false, role: Some(Role::Data) },
-            Step::Numbers { size, count: Count::Array(count) } => Self { size, count, signed: false, role: None },
+            McapStep::Number { size, signed, role } => Self { size, count: 1, signed, role },
+            McapStep::Data(Count::Array(count)) => Self { size: 1, count, signed: false, role: Some(Role::Data) },
+            McapStep::Numbers { size, count: Count::Array(count) } => Self { size, count, signed: false, role: None },
             _ => return None,
         };
         (part.size <= WIDEST && part.count <= LONGEST).then_some(part)
@@ -65,7 +65,7 @@ impl Part {
 }
 
 /// The same steps with runs instead of the numbers.
-pub(crate) fn joined(steps: Vec<Step>) -> Vec<Step> {
+pub(crate) fn joined(steps: Vec<McapStep>) -> Vec<McapStep> {
     let mut joined = Vec::with_capacity(steps.len());
     for step in steps {
         let Some(part) = Part::of(&step) else {
@@ -73,11 +73,11 @@ pub(crate) fn joined(steps: Vec<Step>) -> Vec<Step> {
             continue;
         };
         match joined.last_mut() {
-            Some(Step::Run(run)) if part.size <= run.align => run.push(&part),
+            Some(McapStep::Run(run)) if part.size <= run.align => run.push(&part),
             _ => {
                 let mut run = Run { align: part.size, aligned: Extent::default(), packed: Extent::default() };
                 run.push(&part);
-                joined.push(Step::Run(run));
+                joined.push(McapStep::Run(run));
             }
         }
     }
@@ -125,18 +125,21 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    fn steps() -> impl Strategy<Value = Vec<Step>> {
+    fn steps() -> impl Strategy<Value = Vec<McapStep>> {
         let roles = [Role::Id, Role::Dlc, Role::Extended, Role::Remote, Role::Seconds, Role::Nanoseconds];
         let sizes = prop::sample::select(vec![1_usize, 2, 4, 8]);
         let number = (sizes.clone(), any::<bool>(), prop::option::of(prop::sample::select(roles.to_vec())))
-            .prop_map(|(size, signed, role)| Step::Number { size, signed, role });
-        let numbers = (sizes, 1..5_usize).prop_map(|(size, n)| Step::Numbers { size, count: Count::Array(n) });
+            .prop_map(|(size, signed, role)| McapStep::Number { size, signed, role });
+        let numbers = (sizes, 1..5_usize).prop_map(|(size, n)| McapStep::Numbers { size, count: Count::Array(n) });
         let data = prop::sample::select(vec![Count::Array(8), Count::Array(64), Count::Sequence(None)]);
-        let text = Just(Step::Text { wide: false });
-        prop::collection::vec(prop_oneof![4 => number, 1 => numbers, 1 => data.prop_map(Step::Data), 1 => text], 1..12)
+        let text = Just(McapStep::Text { wide: false });
+        prop::collection::vec(
+            prop_oneof![4 => number, 1 => numbers, 1 => data.prop_map(McapStep::Data), 1 => text],
+            1..12,
+        )
     }
 
-    fn read<'a>(steps: &[Step], mut layout: impl Layout<'a>) -> Option<String> {
+    fn read<'a>(steps: &[McapStep], mut layout: impl Layout<'a>) -> Option<String> {
         let mut values = Values::default();
         steps.iter().try_for_each(|step| step.read(&mut layout, &mut values))?;
         Some(format!("{values:?}"))
@@ -159,17 +162,17 @@ mod tests {
 
     #[test]
     fn a_frame_of_ros_is_two_runs_around_a_text() {
-        let number = |size, role| Step::Number { size, signed: false, role: Some(role) };
+        let number = |size, role| McapStep::Number { size, signed: false, role: Some(role) };
         let steps = vec![
             number(4, Role::Seconds),
             number(4, Role::Nanoseconds),
-            Step::Text { wide: false },
+            McapStep::Text { wide: false },
             number(4, Role::Id),
             number(1, Role::Remote),
             number(1, Role::Dlc),
-            Step::Data(Count::Array(8)),
+            McapStep::Data(Count::Array(8)),
         ];
         let runs = joined(steps);
-        assert!(matches!(&runs[..], [Step::Run(_), Step::Text { .. }, Step::Run(_)]), "{runs:?}");
+        assert!(matches!(&runs[..], [McapStep::Run(_), McapStep::Text { .. }, McapStep::Run(_)]), "{runs:?}");
     }
 }

@@ -1,10 +1,10 @@
 //! Block transfers after their begin.
 
-use super::super::belief::Belief;
 use super::super::codes::{self, CodeSet};
+use super::super::expected_values::ExpectedValues;
 use super::awaited::Awaited;
 use super::initiate::writing;
-use super::{LONGEST, Server, State};
+use super::{LONGEST, Server, TransferState};
 use crate::Knowledge;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::{BlockSegment, crc16};
@@ -36,12 +36,12 @@ impl Upload {
 impl Server {
     /// A segment of a block download.
     pub(super) fn block_segment(&mut self, segment: BlockSegment, knowledge: &Knowledge) -> Awaited {
-        let State::BlockDownload { at, entry, announced, size, sequence, crc, gap } = self.state else {
+        let TransferState::BlockDownload { at, entry, announced, size, sequence, crc, gap } = self.state else {
             return Awaited::Anything;
         };
         if segment.sequence == 0 || segment.sequence > size {
             // A number that does not exist in this block: the server may refuse it or wait.
-            self.state = State::Unsure;
+            self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
         let good = segment.sequence == sequence + 1;
@@ -53,16 +53,16 @@ impl Server {
         let limit = announced.into_iter().chain(fixed).min();
         if limit.is_some_and(|limit| self.data.len() as u32 >= limit.saturating_add(7)) {
             // More than was announced: it may be refused now, or at the end of the transfer.
-            self.state = State::Unsure;
+            self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
         if good && segment.last {
-            self.state = State::BlockDownloadEnd { at, entry, announced, crc };
+            self.state = TransferState::BlockDownloadEnd { at, entry, announced, crc };
             return Awaited::ConfirmBlock { sequence, required: true, last: true };
         }
         let is_end = segment.last || segment.sequence == size;
         let gap = gap || !good;
-        self.state = State::BlockDownload { at, entry, announced, size, sequence, crc, gap };
+        self.state = TransferState::BlockDownload { at, entry, announced, size, sequence, crc, gap };
         match (gap, is_end) {
             (false, false) => Awaited::Nothing,
             (_, true) => Awaited::ConfirmBlock { sequence, required: true, last: false },
@@ -76,15 +76,15 @@ impl Server {
         unused: u8,
         crc: u16,
         knowledge: &Knowledge,
-        belief: &mut Belief,
+        expected_values: &mut ExpectedValues,
     ) -> Awaited {
-        let State::BlockDownloadEnd { at, entry, announced, crc: checked } = self.state else {
-            return self.refuse(codes::COMMAND, "the end of a block download without its transfer", belief);
+        let TransferState::BlockDownloadEnd { at, entry, announced, crc: checked } = self.state else {
+            return self.refuse(codes::COMMAND, "the end of a block download without its transfer", expected_values);
         };
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
         let len = self.data.len().saturating_sub(usize::from(unused));
         self.data.truncate(len);
-        let mut writing = writing(at, &self.data, knowledge, belief);
+        let mut writing = writing(at, &self.data, knowledge, expected_values);
         let lengths = codes::TOO_LONG.or(codes::TOO_SHORT);
         let is_announced = announced.is_none_or(|announced| announced as usize == len);
         let is_right_length = is_announced && knowledge.entry(at).is_none_or(|known| known.size.is_some());
@@ -97,61 +97,61 @@ impl Server {
             (writing.must, writing.why) = (lengths.or(others), "the length is not the announced one");
         }
         if !writing.must.is_empty() {
-            belief.aborted = entry;
+            expected_values.aborted = entry;
         }
         Awaited::ConfirmEnd { at, writing }
     }
 
     pub(super) fn start_block_upload(&mut self) -> Awaited {
-        let State::BlockUploadReady { at, entry, announced, size, crc } = self.state else {
+        let TransferState::BlockUploadReady { at, entry, announced, size, crc } = self.state else {
             return self.wrong_block_command();
         };
         self.data.clear();
         let upload = Upload { at, entry, announced, crc, size, sequence: 0, complete: false, settled: 0 };
-        self.state = State::BlockUpload(upload);
+        self.state = TransferState::BlockUpload(upload);
         Awaited::Block
     }
 
     pub(super) fn confirm_block_upload(&mut self, sequence: u8, block_size: u8) -> Awaited {
-        let State::BlockUpload(mut upload) = self.state else {
+        let TransferState::BlockUpload(mut upload) = self.state else {
             return self.wrong_block_command();
         };
         if !upload.is_sent() {
-            self.state = State::Unsure;
+            self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
         if sequence > upload.sequence {
-            self.state = State::Idle;
+            self.state = TransferState::Idle;
             let codes = codes::SEQUENCE.or(size_codes(block_size));
             return Awaited::Abort { codes, at: None, why: "a segment is confirmed that was never sent" };
         }
         if upload.complete && sequence == upload.sequence {
             // The size of a next block has no meaning any more.
-            self.state = State::BlockUploadEnd;
+            self.state = TransferState::BlockUploadEnd;
             return Awaited::EndOfBlocks { upload, odd_size: !(1..=127).contains(&block_size) };
         }
         if !(1..=127).contains(&block_size) {
-            self.state = State::Idle;
+            self.state = TransferState::Idle;
             let codes = codes::BLOCK_SIZE.or(codes::COMMAND);
             return Awaited::Abort { codes, at: None, why: "a block size outside 1 to 127" };
         }
         upload.settled += u32::from(sequence) * 7;
         self.data.truncate(upload.settled as usize);
         upload = Upload { size: block_size, sequence: 0, complete: false, ..upload };
-        self.state = State::BlockUpload(upload);
+        self.state = TransferState::BlockUpload(upload);
         Awaited::Block
     }
 
     pub(super) fn end_block_upload(&mut self) -> Awaited {
-        if self.state == State::BlockUploadEnd {
-            self.state = State::Idle;
+        if self.state == TransferState::BlockUploadEnd {
+            self.state = TransferState::Idle;
             return Awaited::Nothing;
         }
         self.wrong_block_command()
     }
 
     fn wrong_block_command(&mut self) -> Awaited {
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
         let codes = codes::COMMAND.or(codes::SEQUENCE);
         Awaited::Abort { codes, at: None, why: "a command of a block upload without its transfer" }
     }

@@ -1,10 +1,10 @@
 //! Requests that begin a transfer. They end the one before.
 
-use super::super::belief::Belief;
 use super::super::codes::{self, CodeSet};
+use super::super::expected_values::ExpectedValues;
 use super::super::pdo_rules;
 use super::awaited::{Awaited, Reading, Writing};
-use super::{Server, State};
+use super::{Server, TransferState};
 use crate::{Knowledge, Known};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::Payload;
@@ -12,7 +12,7 @@ use canvass_traces::Frame;
 
 impl Server {
     pub(super) fn begin_upload(&mut self, at: Multiplexer, knowledge: &Knowledge) -> Awaited {
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
         Awaited::Read(reading(at, knowledge))
     }
 
@@ -24,7 +24,7 @@ impl Server {
         crc: bool,
         knowledge: &Knowledge,
     ) -> Awaited {
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
         let mut reading = reading(at, knowledge);
         match knowledge.services.block_transfer {
             Some(false) => return refused(at, codes::COMMAND, "block transfers are not supported"),
@@ -36,7 +36,7 @@ impl Server {
         }
         if !(1..=127).contains(&block_size) && threshold > 0 {
             // A server that takes the other protocol for a short value has no use for the block size.
-            self.state = State::Unsure;
+            self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
         if !(1..=127).contains(&block_size) {
@@ -53,15 +53,17 @@ impl Server {
         payload: Payload,
         frame: &Frame,
         knowledge: &Knowledge,
-        belief: &Belief,
+        expected_values: &ExpectedValues,
     ) -> Awaited {
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
         self.data.clear();
         match payload {
-            Payload::Expedited(value) => Awaited::Write { at, writing: writing(at, value.data(), knowledge, belief) },
+            Payload::Expedited(value) => {
+                Awaited::Write { at, writing: writing(at, value.data(), knowledge, expected_values) }
+            }
             Payload::ExpeditedUnsized(value) => {
                 let size = knowledge.entry(at).and_then(|known| known.size).unwrap_or(4).min(4);
-                let mut writing = writing(at, &value[..size], knowledge, belief);
+                let mut writing = writing(at, &value[..size], knowledge, expected_values);
                 writing.may = writing.may.or(codes::TOO_LONG).or(codes::TOO_SHORT);
                 Awaited::Write { at, writing }
             }
@@ -87,7 +89,7 @@ impl Server {
         crc: bool,
         knowledge: &Knowledge,
     ) -> Awaited {
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
         self.data.clear();
         if knowledge.services.block_transfer == Some(false) {
             return refused(at, codes::COMMAND, "block transfers are not supported");
@@ -207,7 +209,12 @@ pub(super) fn all_length_codes(known: Option<&Known>, announced: Option<usize>) 
 }
 
 /// What may be said to that value.
-pub(super) fn writing(at: Multiplexer, value: &[u8], knowledge: &Knowledge, belief: &Belief) -> Writing {
+pub(super) fn writing(
+    at: Multiplexer,
+    value: &[u8],
+    knowledge: &Knowledge,
+    expected_values: &ExpectedValues,
+) -> Writing {
     let entry = knowledge.position(at);
     let raw = (value.len() <= 8).then(|| value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte)));
     let mut writing = Writing { entry, raw, must: CodeSet::NONE, may: codes::REFUSED, why: "", pdo_rule: false };
@@ -237,7 +244,7 @@ pub(super) fn writing(at: Multiplexer, value: &[u8], knowledge: &Knowledge, beli
     if !known.in_limits(raw) {
         let limit = codes::TOO_HIGH.or(codes::TOO_LOW).or(codes::REFUSED);
         (writing.must, writing.why) = (limit, "the value lies outside the limits of the description");
-    } else if let Some((codes, why)) = pdo_rules::refusal(at, raw, knowledge, belief) {
+    } else if let Some((codes, why)) = pdo_rules::refusal(at, raw, knowledge, expected_values) {
         (writing.must, writing.why, writing.pdo_rule) = (codes, why, true);
     }
     writing

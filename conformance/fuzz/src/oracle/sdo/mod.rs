@@ -9,8 +9,8 @@ mod initiate;
 mod response;
 mod segment;
 
-use super::belief::Belief;
 use super::codes::{self, CodeSet};
+use super::expected_values::ExpectedValues;
 use super::{Served, Violation, silence};
 use crate::Knowledge;
 use crate::coverage::{Answer, Command, Coverage, SdoState};
@@ -31,7 +31,7 @@ const LONGEST: usize = 1 << 16;
 /// The server.
 #[derive(Clone, Debug)]
 pub(crate) struct Server {
-    state: State,
+    state: TransferState,
     awaited: Awaited,
     /// When the awaited answer is overdue.
     due: Timestamp,
@@ -59,7 +59,7 @@ pub(crate) struct Server {
 
 /// The state of the transfer.
 #[derive(Clone, Copy, PartialEq, Debug)]
-enum State {
+enum TransferState {
     Idle,
     /// The server takes segments.
     Download {
@@ -109,7 +109,7 @@ enum State {
     Unsure,
 }
 
-impl State {
+impl TransferState {
     /// Whether a block transfer is under way whose next message is no segment.
     const fn is_block(self) -> bool {
         matches!(
@@ -137,7 +137,7 @@ impl State {
 impl Server {
     pub fn new() -> Self {
         Self {
-            state: State::Idle,
+            state: TransferState::Idle,
             awaited: Awaited::Nothing,
             due: Timestamp::MAX,
             overlapped: false,
@@ -156,7 +156,7 @@ impl Server {
 
     /// The server was started anew.
     pub fn reset(&mut self) {
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
         self.awaited = Awaited::Nothing;
         self.due = Timestamp::MAX;
         self.overlapped = false;
@@ -166,11 +166,11 @@ impl Server {
         self.data.clear();
     }
 
-    /// The device has shown another state than it was believed to be in: it has booted. A request of the moment before
+    /// The device has shown another state than it was thought to be in: it has booted. A request of the moment before
     /// may have come when its boot-up message waited for the bus, and be served.
     pub fn booted(&mut self, now: Timestamp, grace: Duration) {
         if self.unserved.take().is_some_and(|asked| now < asked + grace) {
-            self.state = State::Unsure;
+            self.state = TransferState::Unsure;
             self.awaited = Awaited::Anything;
         }
     }
@@ -185,7 +185,7 @@ impl Server {
             // What was under way may go on.
             Served::Unsure => {
                 self.reset();
-                (self.state, self.awaited) = (State::Unsure, Awaited::Anything);
+                (self.state, self.awaited) = (TransferState::Unsure, Awaited::Anything);
             }
             Served::Yes if self.awaited != Awaited::Nothing => {
                 (self.awaited, self.due) = (Awaited::Anything, Timestamp::MAX);
@@ -217,15 +217,15 @@ impl Server {
         frame: &Frame,
         served: Served,
         knowledge: &Knowledge,
-        belief: &mut Belief,
+        expected_values: &mut ExpectedValues,
         coverage: &mut Coverage,
     ) -> bool {
-        if self.state != State::Idle && now.since(self.last) >= LASTING {
-            self.state = State::Unsure;
+        if self.state != TransferState::Idle && now.since(self.last) >= LASTING {
+            self.state = TransferState::Unsure;
         }
         self.last = now;
         self.asked_in = self.class();
-        self.command = Command::of(frame, matches!(self.state, State::BlockDownload { .. }));
+        self.command = Command::of(frame, matches!(self.state, TransferState::BlockDownload { .. }));
         match served {
             Served::Yes => {}
             Served::No => {
@@ -233,7 +233,7 @@ impl Server {
                 return false;
             }
             Served::Unsure => {
-                self.state = State::Unsure;
+                self.state = TransferState::Unsure;
                 self.await_answer(now, Awaited::Anything, knowledge);
                 return stores(frame, knowledge);
             }
@@ -243,14 +243,14 @@ impl Server {
         let may_come = matches!(self.awaited, Awaited::ConfirmBlock { required: false, .. });
         let unsettled = std::mem::replace(&mut self.unsettled, true);
         self.overlapped |= self.due < Timestamp::MAX || self.awaited.is_open() || may_come && unsettled;
-        let was_running = self.state != State::Idle;
-        let mut awaited = self.judge_request(frame, knowledge, belief);
+        let was_running = self.state != TransferState::Idle;
+        let mut awaited = self.judge_request(frame, knowledge, expected_values);
         if was_running && frame.len() == 8 && self.named.is_some() {
             self.ended = Some(now);
         }
         if self.overlapped {
             // Whether the first request is answered, or given up for the second, is left to the server.
-            self.state = State::Unsure;
+            self.state = TransferState::Unsure;
             awaited = Awaited::Anything;
         }
         if !awaited.is_required() {
@@ -277,7 +277,7 @@ impl Server {
 
     /// Whether the next frame is, or may be, taken for a segment of a block download.
     pub fn is_in_blocks(&self) -> bool {
-        matches!(self.state, State::Unsure | State::BlockDownload { .. })
+        matches!(self.state, TransferState::Unsure | TransferState::BlockDownload { .. })
     }
 
     /// What has to be answered now.
@@ -287,12 +287,12 @@ impl Server {
 
     /// Whether a value is on its way that may be read already.
     pub fn is_busy(&self) -> bool {
-        self.awaited != Awaited::Nothing || self.state != State::Idle
+        self.awaited != Awaited::Nothing || self.state != TransferState::Idle
     }
 
     /// Whether segments of a block come one after the other.
     pub fn is_sending_blocks(&self) -> bool {
-        matches!(self.state, State::BlockUpload(_) | State::Unsure)
+        matches!(self.state, TransferState::BlockUpload(_) | TransferState::Unsure)
     }
 
     /// Whether a value is on its way that may be written already.
@@ -331,13 +331,13 @@ impl Server {
     }
 
     /// What the server has to answer, and in which state the request leaves it meanwhile.
-    fn judge_request(&mut self, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief) -> Awaited {
+    fn judge_request(&mut self, frame: &Frame, knowledge: &Knowledge, expected_values: &mut ExpectedValues) -> Awaited {
         if frame.len() != 8 {
             // The standard knows only messages of eight bytes; what a server makes of others is its own affair.
-            self.state = State::Unsure;
+            self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
-        if let State::BlockDownload { .. } = self.state
+        if let TransferState::BlockDownload { .. } = self.state
             && frame.data().first() != Some(&0x80)
         {
             let Ok(segment) = BlockSegment::read(frame.data()) else { return Awaited::Anything };
@@ -345,31 +345,31 @@ impl Server {
         }
         if let [0x81..=0x9F, ..] = frame.data() {
             // An abort whose reserved bits are set: whether it is one, the standard leaves open.
-            self.give_up(belief);
-            self.state = State::Unsure;
+            self.give_up(expected_values);
+            self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
         let Ok(request) = Request::read(frame.data()) else { return Awaited::Anything };
         self.named = request.multiplexer();
         self.odd = has_reserved_bits(frame, &request);
         if self.named.is_some() && self.awaited == Awaited::Nothing {
-            belief.resume();
+            expected_values.resume();
         }
-        if self.state == State::Unsure && frame.bytes()[0] != 0x80 {
+        if self.state == TransferState::Unsure && frame.bytes()[0] != 0x80 {
             // It may be taken for the segment of a block download that nobody knows of. The answer tells.
             return Awaited::Anything;
         }
         if self.state.is_block() && initiates(&request) {
             // Only the last segment and an abort end a block transfer (CiA 301, 7.2.4.3.8 and 7.2.4.3.12): a new transfer may
             // begin, or be refused.
-            self.give_up(belief);
-            self.state = State::Unsure;
+            self.give_up(expected_values);
+            self.state = TransferState::Unsure;
             return Awaited::Anything;
         }
         match request {
             Request::InitiateUpload { multiplexer } => self.begin_upload(multiplexer, knowledge),
             Request::InitiateDownload { multiplexer, payload } => {
-                self.begin_download(multiplexer, payload, frame, knowledge, belief)
+                self.begin_download(multiplexer, payload, frame, knowledge, expected_values)
             }
             Request::InitiateBlockUpload { multiplexer, block_size, threshold, crc } => {
                 self.begin_block_upload(multiplexer, block_size, threshold, crc, knowledge)
@@ -377,35 +377,39 @@ impl Server {
             Request::InitiateBlockDownload { multiplexer, size, crc } => {
                 self.begin_block_download(multiplexer, size, crc, knowledge)
             }
-            Request::DownloadSegment(segment) => self.download_segment(segment, knowledge, belief),
+            Request::DownloadSegment(segment) => self.download_segment(segment, knowledge, expected_values),
             Request::UploadSegment { toggle } => self.upload_segment(toggle),
             Request::Abort(_) => {
-                self.give_up(belief);
+                self.give_up(expected_values);
                 Awaited::Nothing
             }
             Request::StartBlockUpload => self.start_block_upload(),
             Request::ConfirmBlockUpload { sequence, block_size } => self.confirm_block_upload(sequence, block_size),
             Request::EndBlockUpload => self.end_block_upload(),
-            Request::EndBlockDownload { unused, crc } => self.end_block_download(unused, crc, knowledge, belief),
-            Request::Unknown { .. } => self.refuse(codes::COMMAND, "a command specifier that does not exist", belief),
+            Request::EndBlockDownload { unused, crc } => {
+                self.end_block_download(unused, crc, knowledge, expected_values)
+            }
+            Request::Unknown { .. } => {
+                self.refuse(codes::COMMAND, "a command specifier that does not exist", expected_values)
+            }
         }
     }
 
     /// The transfer ends in an abort.
-    fn refuse(&mut self, codes: CodeSet, why: &'static str, belief: &mut Belief) -> Awaited {
-        self.give_up(belief);
+    fn refuse(&mut self, codes: CodeSet, why: &'static str, expected_values: &mut ExpectedValues) -> Awaited {
+        self.give_up(expected_values);
         Awaited::Abort { codes, at: None, why }
     }
 
     /// The transfer ends; a download has no effect.
-    fn give_up(&mut self, belief: &mut Belief) {
-        if let State::Download { entry, .. }
-        | State::BlockDownload { entry, .. }
-        | State::BlockDownloadEnd { entry, .. } = self.state
+    fn give_up(&mut self, expected_values: &mut ExpectedValues) {
+        if let TransferState::Download { entry, .. }
+        | TransferState::BlockDownload { entry, .. }
+        | TransferState::BlockDownloadEnd { entry, .. } = self.state
         {
-            belief.aborted = entry;
+            expected_values.aborted = entry;
         }
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
     }
 
     /// An answer is overdue.

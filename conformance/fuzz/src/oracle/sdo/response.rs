@@ -1,12 +1,12 @@
 //! Holds what the server sends against what is awaited.
 
-use super::super::belief::Belief;
 use super::super::codes::{self, CodeSet};
 use super::super::encoder;
+use super::super::expected_values::ExpectedValues;
 use super::super::{Served, Violation, violation};
 use super::awaited::{Awaited, Reading, Writing};
 use super::block::Upload;
-use super::{LONGEST, Server, State};
+use super::{LONGEST, Server, TransferState};
 use crate::Knowledge;
 use crate::coverage::{Answer, Coverage};
 use crate::property::Property;
@@ -56,7 +56,7 @@ impl Server {
         frame: &Frame,
         served: Served,
         knowledge: &Knowledge,
-        belief: &mut Belief,
+        expected_values: &mut ExpectedValues,
         coverage: &mut Coverage,
     ) -> Result<bool, Violation> {
         if now < self.grace && self.awaited == Awaited::Nothing {
@@ -68,8 +68,8 @@ impl Server {
             return Err(violation(Property::Silent, "SDO in a state without SDO", expected, shown(frame), now));
         }
         self.last = now;
-        let judged = self.judge(now, frame, knowledge, belief, coverage);
-        judged.map(|()| belief.has_stored()).map_err(|wrong| {
+        let judged = self.judge(now, frame, knowledge, expected_values, coverage);
+        judged.map(|()| expected_values.has_stored()).map_err(|wrong| {
             let expected = wrong.expected.unwrap_or_else(|| awaited.text());
             self.reset();
             violation(wrong.property, awaited.rule(), expected, wrong.actual, now)
@@ -81,7 +81,7 @@ impl Server {
         now: Timestamp,
         frame: &Frame,
         knowledge: &Knowledge,
-        belief: &mut Belief,
+        expected_values: &mut ExpectedValues,
         coverage: &mut Coverage,
     ) -> Judged {
         if frame.len() != 8 {
@@ -105,7 +105,7 @@ impl Server {
             check_reserved(frame, response)?;
         }
         self.count(coverage, Answer::of(&response));
-        self.judge_response(awaited, response, frame, knowledge, belief)
+        self.judge_response(awaited, response, frame, knowledge, expected_values)
     }
 
     /// One answer for each request.
@@ -124,54 +124,54 @@ impl Server {
         response: Response,
         frame: &Frame,
         knowledge: &Knowledge,
-        belief: &mut Belief,
+        expected_values: &mut ExpectedValues,
     ) -> Judged {
         if self.is_given_up(awaited, response) || self.is_unknown(awaited, response) {
-            self.give_up(belief);
+            self.give_up(expected_values);
             return Ok(());
         }
         match awaited {
             Awaited::Nothing => Err(unsolicited(frame)),
-            Awaited::Anything => self.anything_came(response, frame, belief),
+            Awaited::Anything => self.anything_came(response, frame, expected_values),
             Awaited::Abort { codes, at, .. } => check_abort(only_abort(response, frame)?, codes, at),
-            Awaited::AbortOrIgnored => self.given_up(response, codes::TOGGLE, frame, belief),
+            Awaited::AbortOrIgnored => self.given_up(response, codes::TOGGLE, frame, expected_values),
             Awaited::Read(reading) => match response {
                 Response::InitiateUpload { multiplexer, payload } => {
-                    self.upload_begins(multiplexer, payload, reading, knowledge, belief)
+                    self.upload_begins(multiplexer, payload, reading, knowledge, expected_values)
                 }
                 other => refused_read(only_abort(other, frame)?, reading),
             },
             Awaited::BlockRead { reading, block_size, threshold, crc } => match response {
                 Response::InitiateUpload { multiplexer, payload } => {
                     check_threshold(&payload, threshold, frame)?;
-                    self.upload_begins(multiplexer, payload, reading, knowledge, belief)
+                    self.upload_begins(multiplexer, payload, reading, knowledge, expected_values)
                 }
                 other => self.block_upload_begins(reading, (block_size, crc), other, frame, knowledge),
             },
             Awaited::Write { at, writing } => match response {
                 Response::InitiateDownload { multiplexer } => {
                     check_multiplexer(multiplexer, at)?;
-                    confirm(writing, frame, knowledge, belief)
+                    confirm(writing, frame, knowledge, expected_values)
                 }
-                other => refused_write(only_abort(other, frame)?, at, writing, belief),
+                other => refused_write(only_abort(other, frame)?, at, writing, expected_values),
             },
             Awaited::BeginDownload { at, writing, announced } => match response {
                 // What can't be written may be refused at once or at the end; it must be refused.
                 Response::InitiateDownload { multiplexer } => {
-                    self.state = State::Download { at, entry: writing.entry, toggle: false, announced };
+                    self.state = TransferState::Download { at, entry: writing.entry, toggle: false, announced };
                     check_multiplexer(multiplexer, at)
                 }
-                other => refused_write(only_abort(other, frame)?, at, writing, belief),
+                other => refused_write(only_abort(other, frame)?, at, writing, expected_values),
             },
             Awaited::BeginBlockDownload { at, writing, announced, crc } => {
-                self.block_download_begins(at, writing, (announced, crc), response, frame, belief)
+                self.block_download_begins(at, writing, (announced, crc), response, frame, expected_values)
             }
             Awaited::ConfirmSegment { toggle, last } => {
-                self.segment_answered(toggle, last, response, frame, knowledge, belief)
+                self.segment_answered(toggle, last, response, frame, knowledge, expected_values)
             }
             Awaited::Segment { toggle } => match response {
                 Response::UploadSegment(segment) if segment.toggle == toggle => {
-                    self.segment_came(segment, frame, knowledge, belief)
+                    self.segment_came(segment, frame, knowledge, expected_values)
                 }
                 other => self.ended(other, codes::NO_DATA, frame),
             },
@@ -179,18 +179,20 @@ impl Server {
                 Response::ConfirmBlockDownload { sequence: confirmed, block_size } => {
                     self.block_confirmed(sequence, confirmed, block_size, last, frame)
                 }
-                other => self.given_up(other, codes::IN_BLOCK_DOWNLOAD, frame, belief),
+                other => self.given_up(other, codes::IN_BLOCK_DOWNLOAD, frame, expected_values),
             },
             Awaited::ConfirmEnd { at, mut writing } => match response {
-                Response::EndBlockDownload => confirm(writing, frame, knowledge, belief),
+                Response::EndBlockDownload => confirm(writing, frame, knowledge, expected_values),
                 other => {
                     writing.may = writing.may.or(codes::TOO_LONG).or(codes::TOO_SHORT);
-                    refused_late(only_abort(other, frame)?, at, writing, belief)
+                    refused_late(only_abort(other, frame)?, at, writing, expected_values)
                 }
             },
             Awaited::Block => self.ended(response, codes::NO_DATA.or(codes::COMMAND), frame),
             Awaited::EndOfBlocks { upload, odd_size } => match response {
-                Response::EndBlockUpload { unused, crc } => self.blocks_end(upload, unused, crc, knowledge, belief),
+                Response::EndBlockUpload { unused, crc } => {
+                    self.blocks_end(upload, unused, crc, knowledge, expected_values)
+                }
                 other if odd_size => self.ended(other, codes::BLOCK_SIZE.or(codes::COMMAND), frame),
                 _ => Err(illegal(frame)),
             },
@@ -204,7 +206,7 @@ impl Server {
             Awaited::Nothing | Awaited::AbortOrIgnored | Awaited::ConfirmBlock { required: false, .. }
         );
         let is_time_out = matches!(response, Response::Abort(abort) if abort.code == AbortCode::TIMEOUT);
-        is_time_out && may_be_silent && self.state != State::Idle
+        is_time_out && may_be_silent && self.state != TransferState::Idle
     }
 
     /// Whether the server has waited too long for what came of a transfer that the client has ended a moment ago: what is
@@ -222,16 +224,22 @@ impl Server {
     }
 
     /// Nothing but an abort, with one of these codes, may come now: nobody knows what became of what was sent.
-    fn given_up(&mut self, response: Response, codes: CodeSet, frame: &Frame, belief: &mut Belief) -> Judged {
+    fn given_up(
+        &mut self,
+        response: Response,
+        codes: CodeSet,
+        frame: &Frame,
+        expected_values: &mut ExpectedValues,
+    ) -> Judged {
         let abort = only_abort(response, frame)?;
-        self.give_up(belief);
+        self.give_up(expected_values);
         check_abort(abort, codes, None)
     }
 
     /// Nothing but an abort, with one of these codes, may come now: it ends the transfer.
     fn ended(&mut self, response: Response, codes: CodeSet, frame: &Frame) -> Judged {
         let abort = only_abort(response, frame)?;
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
         check_abort(abort, codes, None)
     }
 
@@ -251,7 +259,7 @@ impl Server {
         check_readable(reading, frame)?;
         check_size(announced, reading, knowledge)?;
         let (size, crc) = (asked.0, asked.1 && server);
-        self.state = State::BlockUploadReady { at: reading.at, entry: reading.entry, announced, size, crc };
+        self.state = TransferState::BlockUploadReady { at: reading.at, entry: reading.entry, announced, size, crc };
         Ok(())
     }
 
@@ -263,33 +271,33 @@ impl Server {
         asked: (Option<u32>, bool),
         response: Response,
         frame: &Frame,
-        belief: &mut Belief,
+        expected_values: &mut ExpectedValues,
     ) -> Judged {
         let Response::InitiateBlockDownload { multiplexer, crc: server, block_size: size } = response else {
-            return refused_write(only_abort(response, frame)?, at, writing, belief);
+            return refused_write(only_abort(response, frame)?, at, writing, expected_values);
         };
         check_multiplexer(multiplexer, at)?;
         check_block_size(size, frame)?;
         let ((announced, client), entry) = (asked, writing.entry);
         let crc = client && server;
-        self.state = State::BlockDownload { at, entry, announced, size, sequence: 0, crc, gap: false };
+        self.state = TransferState::BlockDownload { at, entry, announced, size, sequence: 0, crc, gap: false };
         Ok(())
     }
 
     /// An answer that nobody can foretell says at least where the server is now, if it can't be the segment of a block.
-    fn anything_came(&mut self, response: Response, frame: &Frame, belief: &mut Belief) -> Judged {
+    fn anything_came(&mut self, response: Response, frame: &Frame, expected_values: &mut ExpectedValues) -> Judged {
         self.state = match response {
-            Response::Abort(_) if frame.bytes()[0] == 0x80 => State::Idle,
+            Response::Abort(_) if frame.bytes()[0] == 0x80 => TransferState::Idle,
             Response::InitiateUpload { payload: Payload::Expedited(_), multiplexer }
                 if self.named == Some(multiplexer) =>
             {
-                State::Idle
+                TransferState::Idle
             }
-            _ => State::Unsure,
+            _ => TransferState::Unsure,
         };
         match response {
-            Response::InitiateDownload { multiplexer } => belief.forget(Some(multiplexer)),
-            Response::DownloadSegment { .. } | Response::EndBlockDownload => belief.forget(None),
+            Response::InitiateDownload { multiplexer } => expected_values.forget(Some(multiplexer)),
+            Response::DownloadSegment { .. } | Response::EndBlockDownload => expected_values.forget(None),
             _ => {}
         }
         Ok(())
@@ -301,7 +309,7 @@ impl Server {
         payload: Payload,
         reading: Reading,
         knowledge: &Knowledge,
-        belief: &mut Belief,
+        expected_values: &mut ExpectedValues,
     ) -> Judged {
         check_multiplexer(multiplexer, reading.at)?;
         if !reading.must.is_empty() {
@@ -311,11 +319,11 @@ impl Server {
         match payload {
             Payload::Expedited(value) => {
                 check_length(value.data().len(), reading, knowledge)?;
-                check_value(value.data(), reading.entry, knowledge, belief)
+                check_value(value.data(), reading.entry, knowledge, expected_values)
             }
             Payload::ExpeditedUnsized(value) => {
                 let size = known.and_then(|known| known.size).unwrap_or(4).min(4);
-                check_value(&value[..size], reading.entry, knowledge, belief)
+                check_value(&value[..size], reading.entry, knowledge, expected_values)
             }
             Payload::Segmented(size) => {
                 check_size(Some(size), reading, knowledge)?;
@@ -331,11 +339,17 @@ impl Server {
 
     fn begin_segments(&mut self, reading: Reading, announced: Option<u32>) {
         self.data.clear();
-        self.state = State::Upload { at: reading.at, entry: reading.entry, toggle: false, announced };
+        self.state = TransferState::Upload { at: reading.at, entry: reading.entry, toggle: false, announced };
     }
 
-    fn segment_came(&mut self, segment: Segment, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief) -> Judged {
-        let State::Upload { at, entry, toggle, announced } = self.state else { return Ok(()) };
+    fn segment_came(
+        &mut self,
+        segment: Segment,
+        frame: &Frame,
+        knowledge: &Knowledge,
+        expected_values: &mut ExpectedValues,
+    ) -> Judged {
+        let TransferState::Upload { at, entry, toggle, announced } = self.state else { return Ok(()) };
         if self.data.len() < LONGEST {
             self.data.extend_from_slice(segment.data());
         }
@@ -349,17 +363,17 @@ impl Server {
                 let expected = format!("the last of {received} bytes marked as the last");
                 return Err(instead(Property::LegalSdo, expected, shown(frame)));
             }
-            self.state = State::Upload { at, entry, toggle: !toggle, announced };
+            self.state = TransferState::Upload { at, entry, toggle: !toggle, announced };
             return Ok(());
         }
-        self.state = State::Idle;
+        self.state = TransferState::Idle;
         if announced.is_some_and(|size| received < size) {
             let expected = format!("all {} announced bytes", announced.unwrap_or(0));
             return Err(instead(Property::LegalSdo, expected, format!("the end after {received}")));
         }
         let reading = Reading { at, entry, must: CodeSet::NONE, may: CodeSet::NONE };
         check_length(self.data.len(), reading, knowledge)?;
-        check_value(&self.data, entry, knowledge, belief)
+        check_value(&self.data, entry, knowledge, expected_values)
     }
 
     fn segment_answered(
@@ -369,21 +383,23 @@ impl Server {
         response: Response,
         frame: &Frame,
         knowledge: &Knowledge,
-        belief: &mut Belief,
+        expected_values: &mut ExpectedValues,
     ) -> Judged {
         match (response, last) {
             (Response::DownloadSegment { toggle: confirmed }, _) if confirmed != toggle => {
                 Err(wrong(Property::LegalSdo, shown(frame)))
             }
             (Response::DownloadSegment { .. }, None) => Ok(()),
-            (Response::DownloadSegment { .. }, Some((_, writing))) => confirm(writing, frame, knowledge, belief),
+            (Response::DownloadSegment { .. }, Some((_, writing))) => {
+                confirm(writing, frame, knowledge, expected_values)
+            }
             (Response::Abort(abort), None) => {
                 // A wrong length, or what can't be written, may be refused before the end.
-                self.give_up(belief);
+                self.give_up(expected_values);
                 let early = codes::TOO_LONG.or(codes::TOO_SHORT).or(codes::REFUSED).or(codes::READ_ONLY);
                 check_abort(abort, early.or(codes::NO_OBJECT).or(codes::NO_SUB_INDEX), None)
             }
-            (Response::Abort(abort), Some((at, writing))) => refused_late(abort, at, writing, belief),
+            (Response::Abort(abort), Some((at, writing))) => refused_late(abort, at, writing, expected_values),
             _ => Err(wrong(Property::LegalSdo, shown(frame))),
         }
     }
@@ -395,14 +411,15 @@ impl Server {
         if !last {
             check_block_size(block_size, frame)?;
         }
-        if let State::BlockDownload { at, entry, announced, crc, .. } = self.state {
-            self.state = State::BlockDownload { at, entry, announced, size: block_size, sequence: 0, crc, gap: false };
+        if let TransferState::BlockDownload { at, entry, announced, crc, .. } = self.state {
+            self.state =
+                TransferState::BlockDownload { at, entry, announced, size: block_size, sequence: 0, crc, gap: false };
         }
         Ok(())
     }
 
     fn judge_block(&mut self, frame: &Frame) -> Judged {
-        let State::BlockUpload(mut upload) = self.state else { return Ok(()) };
+        let TransferState::BlockUpload(mut upload) = self.state else { return Ok(()) };
         let Ok(segment) = BlockSegment::read(frame.data()) else { return Ok(()) };
         if segment.sequence != upload.sequence + 1 {
             let expected = format!("the segment with sequence number {}", upload.sequence + 1);
@@ -418,7 +435,7 @@ impl Server {
             let expected = format!("no more segments than {} bytes need", upload.announced.unwrap_or(0));
             return Err(instead(Property::LegalSdo, expected, shown(frame)));
         }
-        self.state = State::BlockUpload(upload);
+        self.state = TransferState::BlockUpload(upload);
         if upload.is_sent() {
             self.awaited = Awaited::Nothing;
             self.due = Timestamp::MAX;
@@ -432,7 +449,7 @@ impl Server {
         unused: u8,
         crc: u16,
         knowledge: &Knowledge,
-        belief: &mut Belief,
+        expected_values: &mut ExpectedValues,
     ) -> Judged {
         let len = self.data.len().saturating_sub(usize::from(unused));
         self.data.truncate(len);
@@ -447,7 +464,7 @@ impl Server {
         }
         let reading = Reading { at: upload.at, entry: upload.entry, must: CodeSet::NONE, may: CodeSet::NONE };
         check_length(len, reading, knowledge)?;
-        check_value(&self.data, upload.entry, knowledge, belief)
+        check_value(&self.data, upload.entry, knowledge, expected_values)
     }
 }
 
@@ -518,24 +535,24 @@ fn refused_read(abort: Abort, reading: Reading) -> Judged {
     Err(wrong(Property::Consistent, format!("abort {:04X} {:04X}h", code >> 16, code & 0xFFFF)))
 }
 
-fn refused_write(abort: Abort, at: Multiplexer, writing: Writing, belief: &mut Belief) -> Judged {
+fn refused_write(abort: Abort, at: Multiplexer, writing: Writing, expected_values: &mut ExpectedValues) -> Judged {
     check_multiplexer(abort.multiplexer, at)?;
-    refused_late(abort, at, writing, belief)
+    refused_late(abort, at, writing, expected_values)
 }
 
 /// At the end of a transfer too the abort names the object.
-fn refused_late(abort: Abort, at: Multiplexer, writing: Writing, belief: &mut Belief) -> Judged {
-    belief.aborted = writing.entry;
+fn refused_late(abort: Abort, at: Multiplexer, writing: Writing, expected_values: &mut ExpectedValues) -> Judged {
+    expected_values.aborted = writing.entry;
     check_abort(abort, if writing.must.is_empty() { writing.may } else { writing.must }, Some(at))
 }
 
-fn confirm(writing: Writing, frame: &Frame, knowledge: &Knowledge, belief: &mut Belief) -> Judged {
+fn confirm(writing: Writing, frame: &Frame, knowledge: &Knowledge, expected_values: &mut ExpectedValues) -> Judged {
     if !writing.must.is_empty() {
         let property = if writing.pdo_rule { Property::Pdo } else { Property::LegalSdo };
         return Err(wrong(property, format!("{}: it is confirmed", shown(frame))));
     }
     if let Some(entry) = writing.entry {
-        belief.written(knowledge, entry, writing.raw);
+        expected_values.written(knowledge, entry, writing.raw);
     }
     Ok(())
 }
@@ -576,9 +593,14 @@ fn check_block_size(block_size: u8, frame: &Frame) -> Judged {
     Err(instead(Property::LegalSdo, "a block size from 1 to 127", shown(frame)))
 }
 
-fn check_value(value: &[u8], entry: Option<usize>, knowledge: &Knowledge, belief: &mut Belief) -> Judged {
+fn check_value(
+    value: &[u8],
+    entry: Option<usize>,
+    knowledge: &Knowledge,
+    expected_values: &mut ExpectedValues,
+) -> Judged {
     let Some(entry) = entry else { return Ok(()) };
-    if let Some((expected, actual)) = encoder::misplaced(value, entry, knowledge, belief) {
+    if let Some((expected, actual)) = encoder::misplaced(value, entry, knowledge, expected_values) {
         return Err(instead(Property::PositionInRange, expected, actual));
     }
     let Some(known) = knowledge.entries().get(entry).filter(|known| known.stable && known.size.is_some()) else {
@@ -588,19 +610,19 @@ fn check_value(value: &[u8], entry: Option<usize>, knowledge: &Knowledge, belief
         return Ok(());
     }
     let raw = value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));
-    let expected = belief.certain(entry);
+    let expected = expected_values.certain(entry);
     let judged = match expected {
         Some(expected) if expected != raw => {
-            let property = match belief.aborted {
+            let property = match expected_values.aborted {
                 Some(aborted) if aborted == entry => Property::AbortedUnchanged,
                 _ if known.constant => Property::Consistent,
-                _ if belief.is_by_reset(entry) => Property::Restored,
+                _ if expected_values.is_by_reset(entry) => Property::Restored,
                 _ => Property::ReadBack,
             };
             Err(instead(property, format!("{} holds {expected:X}h", known.at), format!("{raw:X}h")))
         }
         _ => Ok(()),
     };
-    belief.read(knowledge, entry, raw);
+    expected_values.read(knowledge, entry, raw);
     judged
 }

@@ -1,17 +1,22 @@
 //! Segmented transfers after their begin.
 
-use super::super::belief::Belief;
 use super::super::codes::{self, CodeSet};
+use super::super::expected_values::ExpectedValues;
 use super::awaited::{Awaited, Writing};
 use super::initiate::{all_length_codes, writing};
-use super::{LONGEST, Server, State};
+use super::{LONGEST, Server, TransferState};
 use crate::Knowledge;
 use canvass_analyzer::wire::sdo::Segment;
 
 impl Server {
-    pub(super) fn download_segment(&mut self, segment: Segment, knowledge: &Knowledge, belief: &mut Belief) -> Awaited {
-        let State::Download { at, entry, toggle, announced } = self.state else {
-            return self.refuse(codes::COMMAND, "a download segment without its transfer", belief);
+    pub(super) fn download_segment(
+        &mut self,
+        segment: Segment,
+        knowledge: &Knowledge,
+        expected_values: &mut ExpectedValues,
+    ) -> Awaited {
+        let TransferState::Download { at, entry, toggle, announced } = self.state else {
+            return self.refuse(codes::COMMAND, "a download segment without its transfer", expected_values);
         };
         if segment.toggle != toggle {
             return Awaited::AbortOrIgnored;
@@ -20,11 +25,11 @@ impl Server {
             self.data.extend_from_slice(segment.data());
         }
         if !segment.last {
-            self.state = State::Download { at, entry, toggle: !toggle, announced };
+            self.state = TransferState::Download { at, entry, toggle: !toggle, announced };
             return Awaited::ConfirmSegment { toggle, last: None };
         }
-        self.state = State::Idle;
-        let mut writing = writing(at, &self.data, knowledge, belief);
+        self.state = TransferState::Idle;
+        let mut writing = writing(at, &self.data, knowledge, expected_values);
         let (received, announced) = (self.data.len(), announced.map(|size| size as usize));
         let (codes, why) = against_announced(received, announced);
         if !codes.is_empty() {
@@ -35,17 +40,17 @@ impl Server {
             let others = if is_of_length { of_received } else { writing.must };
             let must = codes.or(all_length_codes(known, announced)).or(others);
             writing = Writing { must, why, pdo_rule: false, ..writing };
-            belief.aborted = entry;
+            expected_values.aborted = entry;
         }
         Awaited::ConfirmSegment { toggle, last: Some((at, writing)) }
     }
 
     pub(super) fn upload_segment(&mut self, toggle: bool) -> Awaited {
         match self.state {
-            State::Upload { toggle: expected, .. } if expected == toggle => Awaited::Segment { toggle },
-            State::Upload { .. } => Awaited::AbortOrIgnored,
+            TransferState::Upload { toggle: expected, .. } if expected == toggle => Awaited::Segment { toggle },
+            TransferState::Upload { .. } => Awaited::AbortOrIgnored,
             _ => {
-                self.state = State::Idle;
+                self.state = TransferState::Idle;
                 Awaited::Abort { codes: codes::COMMAND, at: None, why: "a segment is asked for without its transfer" }
             }
         }

@@ -12,7 +12,7 @@ use canvass_device::{Device, Motion};
 use canvass_traces::{Duration, Timestamp};
 
 /// A device on a bus that can be brought back to its start.
-pub trait Ground {
+pub trait TestStand {
     /// Brings the device to the start of a sequence.
     ///
     /// # Errors
@@ -78,7 +78,7 @@ impl Simulated {
     }
 }
 
-impl Ground for Simulated {
+impl TestStand for Simulated {
     fn begin(&mut self, start: Start) -> Result<Readiness, BusError> {
         if start == Start::Configured
             && let Some(booted) = self.booted.as_ref().and_then(SimulatedBus::duplicate)

@@ -9,7 +9,7 @@ use canvass_device::Fault;
 use canvass_device::Faults;
 use canvass_device::models::Model;
 use canvass_fuzzer::campaign::{Outcome, Plan, campaign, run};
-use canvass_fuzzer::ground::Simulated;
+use canvass_fuzzer::stand::Simulated;
 use canvass_fuzzer::{Knowledge, Property, Target};
 use canvass_traces::{Duration, Frame, Timestamp};
 use std::collections::BTreeSet;
@@ -127,8 +127,8 @@ fn a_panic_is_the_death_of_the_device() {
 #[test]
 fn a_panic_of_a_device_made_anew_is_shrunk() {
     let make = Box::new(|_| Box::new(Odd::new(Failing::Panics, 1_000)) as Box<dyn Machine>);
-    let mut ground = Simulated::new(make, NODE, 250_000, Duration::from_secs(1), false);
-    let outcome = run(&mut ground, knowledge(), &plan(), &mut |progress| progress.sequences < 10).unwrap();
+    let mut stand = Simulated::new(make, NODE, 250_000, Duration::from_secs(1), false);
+    let outcome = run(&mut stand, knowledge(), &plan(), &mut |progress| progress.sequences < 10).unwrap();
     assert!(outcome.violations.is_empty(), "it does not read 1000h so often: {:?}", outcome.violations);
 }
 

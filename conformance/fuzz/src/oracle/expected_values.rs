@@ -3,15 +3,15 @@
 use crate::Knowledge;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 
-/// The believed values of all objects.
+/// The values that all objects should hold after what was written, as far as that is certain.
 #[derive(Clone, Debug)]
-pub(super) struct Belief {
+pub(super) struct ExpectedValues {
     values: Vec<Held>,
     /// How many writes were confirmed: what was read before another write may have changed with it.
     writes: u32,
     /// The value that is being read may have changed while it was read.
     suspended: bool,
-    /// Counts every change of what is believed of PDOs.
+    /// Counts every change of what PDOs should do.
     version: u64,
     /// The object that was written last, until it is taken.
     change: Option<(Multiplexer, u64)>,
@@ -27,7 +27,7 @@ pub(super) struct Belief {
 #[derive(Clone, Copy, Debug, Default)]
 struct Held {
     raw: Option<u64>,
-    /// [`Belief::writes`] when it was learned.
+    /// [`ExpectedValues::writes`] when it was learned.
     since: u32,
     /// A reset brought it back.
     by_reset: bool,
@@ -42,9 +42,9 @@ pub(super) enum Extent {
     Node,
 }
 
-impl Belief {
+impl ExpectedValues {
     pub fn new(knowledge: &Knowledge) -> Self {
-        let mut belief = Self {
+        let mut expected_values = Self {
             values: vec![Held::default(); knowledge.entries().len()],
             writes: 0,
             suspended: false,
@@ -57,8 +57,8 @@ impl Belief {
             time: None,
             bus_changed: false,
         };
-        belief.power_on(knowledge);
-        belief
+        expected_values.power_on(knowledge);
+        expected_values
     }
 
     /// The device was switched on: all values are those of power-on.
@@ -108,7 +108,7 @@ impl Belief {
         self.time = self.number(knowledge, 0x1012, 0);
     }
 
-    /// Another number whenever something else is believed of a PDO.
+    /// Another number whenever a PDO should do something else.
     pub fn version(&self) -> u64 {
         self.version
     }
