@@ -1,5 +1,6 @@
 //! Asking a device who it is.
 
+use canvass_analyzer::object;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::client::{Exchange, Outcome, Transfer};
 use canvass_bus::{Bus, BusError};
@@ -27,10 +28,10 @@ pub fn ask(bus: &mut dyn Bus, node: NodeId) -> Result<DeviceIdentity, BusError> 
     };
     let number = |value: Option<Vec<u8>>| Some(u32::from_le_bytes(*value?.first_chunk()?));
     let text = |value: Option<Vec<u8>>| Some(String::from_utf8_lossy(&value?).into_owned());
-    let Some(device_type) = read(0x1000, 0)? else { return Ok(DeviceIdentity::default()) };
+    let Some(device_type) = read(object::DEVICE_TYPE, 0)? else { return Ok(DeviceIdentity::default()) };
     let mut identity = DeviceIdentity { device_type: number(Some(device_type)), ..DeviceIdentity::default() };
     for (sub, part) in (1..).zip(&mut identity.identity) {
-        *part = number(read(0x1018, sub)?);
+        *part = number(read(object::IDENTITY, sub)?);
     }
     for (index, name) in (0x1008..).zip(&mut identity.names) {
         *name = text(read(index, 0)?);

@@ -1,5 +1,6 @@
 //! One frame understood: which service it belongs to and what it says.
 
+use crate::object;
 use crate::wire::case_marker::CaseMarker;
 use crate::wire::emcy::Emcy;
 use crate::wire::error_control::ErrorControl;
@@ -169,16 +170,16 @@ impl PdoNumber {
     /// The index of the communication parameters.
     pub const fn communication_index(self) -> u16 {
         match self {
-            Self::Transmit(n) => 0x1800 + n - 1,
-            Self::Receive(n) => 0x1400 + n - 1,
+            Self::Transmit(n) => object::TPDO_COMMUNICATION_PARAMETER + n - 1,
+            Self::Receive(n) => object::RPDO_COMMUNICATION_PARAMETER + n - 1,
         }
     }
 
     /// The PDO whose mapping parameters have that index.
     pub const fn of_mapping_index(index: u16) -> Option<Self> {
         match index {
-            0x1600..=0x17FF => Some(Self::Receive(index - 0x1600 + 1)),
-            0x1A00..=0x1BFF => Some(Self::Transmit(index - 0x1A00 + 1)),
+            0x1600..=0x17FF => Some(Self::Receive(index - object::RPDO_MAPPING_PARAMETER + 1)),
+            0x1A00..=0x1BFF => Some(Self::Transmit(index - object::TPDO_MAPPING_PARAMETER + 1)),
             _ => None,
         }
     }

@@ -477,12 +477,13 @@ impl Comparison {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_analyzer::object;
 
     fn result(verdict: &str, software: &str, period: u64, value: &str) -> TestResult {
         let text = json!({
             "schema": "canvass/test/1",
             "device": { "software_version": software },
-            "dictionary": [{ "index": 0x1017, "sub": 0, "data": value }],
+            "dictionary": [{ "index": object::PRODUCER_HEARTBEAT_TIME, "sub": 0, "data": value }],
             "cases": [{
                 "id": "301/heartbeat/period", "verdict": verdict,
                 "reason": if verdict == "fail" { json!({ "duty": "d", "expected": "e", "actual": "a" }) } else { Value::Null },

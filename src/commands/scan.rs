@@ -6,6 +6,7 @@ use crate::output::{TextOrJson, print};
 use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_analyzer::network::{Candidates, Shown};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::{Wire, lss, sdo};
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -59,8 +60,12 @@ struct Found {
     shown: Shown,
 }
 
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
-const NAMES: [(u16, &str); 3] = [(0x1008, "name"), (0x1009, "hardware"), (0x100A, "software")];
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
+const NAMES: [(u16, &str); 3] = [
+    (object::MANUFACTURER_DEVICE_NAME, "name"),
+    (object::MANUFACTURER_HARDWARE_VERSION, "hardware"),
+    (object::MANUFACTURER_SOFTWARE_VERSION, "software"),
+];
 /// 1018h:01 to :04.
 const PARTS: [&str; 4] = ["vendor-ID", "product code", "revision number", "serial number"];
 /// As many frames show what a bus is like on which a scan comes to no end.
@@ -234,7 +239,7 @@ impl Found {
 
     /// A part of the identity, by its sub-index.
     fn part(&self, sub: u8) -> Option<u32> {
-        self.number(Multiplexer::new(0x1018, sub))
+        self.number(Multiplexer::new(object::IDENTITY, sub))
     }
 
     /// The low word of 1000h.
@@ -244,7 +249,7 @@ impl Found {
 }
 
 fn vendor_of(model: &Model) -> Option<u32> {
-    let entry = model.description().dictionary.entry(Multiplexer::new(0x1018, 1)).ok();
+    let entry = model.description().dictionary.entry(Multiplexer::new(object::IDENTITY, 1)).ok();
     let start = entry.and_then(|entry| entry.start_value(NodeId::MAX)?.to_raw()).map(|raw| raw as u32);
     start.or(model.description().device.vendor_number)
 }

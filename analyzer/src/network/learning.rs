@@ -11,6 +11,7 @@ use super::sdo::{Channel, ChannelIndex, Direction, Outcome};
 use super::{configured, recognition};
 use crate::dictionary::{DeviceDescription, KnownDevice};
 use crate::message::PdoNumber;
+use crate::object;
 use crate::wire::pdo::MappingEntry;
 use crate::wire::srdo::{self, Half};
 use crate::{CobId, Multiplexer, NodeId};
@@ -35,7 +36,7 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         return;
     }
     let object = transfer.multiplexer;
-    if matches!(object.index.0, 0x2000..=0x5FFF | 0x100B) && transfer.direction == Direction::Download {
+    if matches!(object.index.0, 0x2000..=0x5FFF | object::NODE_ID) && transfer.direction == Direction::Download {
         let value = number(transfer.data());
         return configured::written(bus, server, object, value);
     }
@@ -48,8 +49,10 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     };
     match (object.index.0, object.sub.0, shown, transfer.data()) {
         // All parameters, those of communication, those of the application.
-        (0x1010, sub @ 1..=3, Shown::Written, b"save") => return bus.node_mut(server).store(sub),
-        (0x1011, 1..=2, Shown::Written, b"load") => return bus.node_mut(server).restore_defaults(),
+        (object::STORE_PARAMETERS, sub @ 1..=3, Shown::Written, b"save") => return bus.node_mut(server).store(sub),
+        (object::RESTORE_DEFAULT_PARAMETERS, 1..=2, Shown::Written, b"load") => {
+            return bus.node_mut(server).restore_defaults();
+        }
         _ => {}
     }
     let value = number(transfer.data());
@@ -59,7 +62,7 @@ pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     }
     let Some(value) = value else { return };
     // The COB-IDs of the first SDO server are fixed: what a device says of them moves nothing, unless it was told to.
-    if object.index.0 == 0x1200 && shown == Shown::Read {
+    if object.index.0 == object::SDO_SERVER_PARAMETER && shown == Shown::Read {
         return;
     }
     learn(bus, server, object, value, shown);
@@ -212,7 +215,7 @@ fn take_over_description(bus: &mut Bus, from: NodeId, to: NodeId) {
 
 /// Whether a node has shown the four numbers of an LSS address.
 fn has_address(node: &Node, id: NodeId, before: &Before) -> bool {
-    let shown = |sub: u8| node.parameter(id, Multiplexer::new(0x1018, sub));
+    let shown = |sub: u8| node.parameter(id, Multiplexer::new(object::IDENTITY, sub));
     (1..).zip(before.address).all(|(sub, part)| part.is_some() && part == shown(sub))
 }
 
@@ -318,19 +321,23 @@ fn is_srdo_of_another(bus: &Bus, cob_id: CobId, node: NodeId) -> bool {
 /// What the CAN-ID in that object is used for; `None` for any other object.
 fn used_by(bus: &mut Bus, node: NodeId, object: Multiplexer) -> Option<Use> {
     match (object.index.0, object.sub.0) {
-        (0x1005, 0) => Some(Use::Sync),
-        (0x1012, 0) => Some(Use::Time),
-        (0x1014, 0) => Some(Use::Emcy(node)),
+        (object::COB_ID_SYNC, 0) => Some(Use::Sync),
+        (object::COB_ID_TIME, 0) => Some(Use::Time),
+        (object::COB_ID_EMCY, 0) => Some(Use::Emcy(node)),
         (index @ 0x1200..=0x127F, sub @ 1..=2) => {
-            let channel = server_channel(bus, node, index - 0x1200)?;
+            let channel = server_channel(bus, node, index - object::SDO_SERVER_PARAMETER)?;
             Some(if sub == 1 { Use::SdoRequest(channel) } else { Use::SdoResponse(channel) })
         }
         (index @ 0x1301..=0x1340, sub @ 5..=6) => {
             let half = if sub == 5 { Half::Normal } else { Half::Inverted };
             srdo::of_communication_index(index).map(|number| Use::Srdo(node, number, half))
         }
-        (index @ 0x1400..=0x15FF, 1) => Some(Use::Pdo(node, PdoNumber::Receive(index - 0x1400 + 1))),
-        (index @ 0x1800..=0x19FF, 1) => Some(Use::Pdo(node, PdoNumber::Transmit(index - 0x1800 + 1))),
+        (index @ 0x1400..=0x15FF, 1) => {
+            Some(Use::Pdo(node, PdoNumber::Receive(index - object::RPDO_COMMUNICATION_PARAMETER + 1)))
+        }
+        (index @ 0x1800..=0x19FF, 1) => {
+            Some(Use::Pdo(node, PdoNumber::Transmit(index - object::TPDO_COMMUNICATION_PARAMETER + 1)))
+        }
         _ => None,
     }
 }

@@ -9,6 +9,7 @@ use crate::network::layout::Layout;
 use crate::network::layouts::Layouts;
 use crate::network::recognition::{self, Recognition};
 use crate::network::scaling;
+use crate::object;
 use crate::wire::error_control::State;
 use crate::wire::mpdo::Addressing;
 use crate::wire::nmt::Command;
@@ -94,7 +95,7 @@ impl Node {
 
     /// The number of its device profile (the low word of 1000h), where the trace or the description tells.
     pub fn profile(&self, id: NodeId) -> Option<u16> {
-        let device_type = || self.parameter(id, Multiplexer::new(0x1000, 0));
+        let device_type = || self.parameter(id, Multiplexer::new(object::DEVICE_TYPE, 0));
         *self.profile.get_or_init(|| device_type().map(|device_type| device_type as u16))
     }
 
@@ -130,7 +131,8 @@ impl Node {
     /// The defaults were restored; they take effect at the next reset.
     pub fn restore_defaults(&mut self) {
         // Device type, identity and resolution are the device's own: no default changes them.
-        self.stored.retain(|object, _| matches!(object.index.0, 0x1000 | 0x1018 | 0x6501 | 0x6507));
+        self.stored
+            .retain(|object, _| matches!(object.index.0, object::DEVICE_TYPE | object::IDENTITY | 0x6501 | 0x6507));
     }
 
     /// The node started anew: with what is stored, as far as the trace has shown that.

@@ -7,6 +7,7 @@
 
 use super::number::number;
 use crate::dictionary::{KnownDevice, Value};
+use crate::object;
 use crate::{Multiplexer, NodeId};
 use std::collections::BTreeMap;
 use std::sync::{Arc, LazyLock};
@@ -44,12 +45,12 @@ impl Candidates {
     pub const OBJECTS: [Multiplexer; 9] = [
         DEVICE_TYPE,
         NAME,
-        Multiplexer::new(0x1009, 0),
-        Multiplexer::new(0x100A, 0),
+        Multiplexer::new(object::MANUFACTURER_HARDWARE_VERSION, 0),
+        Multiplexer::new(object::MANUFACTURER_SOFTWARE_VERSION, 0),
         VENDOR,
         PRODUCT,
-        Multiplexer::new(0x1018, 3),
-        Multiplexer::new(0x1018, 4),
+        Multiplexer::new(object::IDENTITY, 3),
+        Multiplexer::new(object::IDENTITY, 4),
         Multiplexer::new(0x6507, 0),
     ];
 
@@ -87,10 +88,10 @@ pub struct Recognition {
     pub by: Vec<Multiplexer>,
 }
 
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
-const NAME: Multiplexer = Multiplexer::new(0x1008, 0);
-const VENDOR: Multiplexer = Multiplexer::new(0x1018, 1);
-const PRODUCT: Multiplexer = Multiplexer::new(0x1018, 2);
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
+const NAME: Multiplexer = Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0);
+const VENDOR: Multiplexer = Multiplexer::new(object::IDENTITY, 1);
+const PRODUCT: Multiplexer = Multiplexer::new(object::IDENTITY, 2);
 
 /// What a node has shown of the objects that tell models apart: their values as they were transferred.
 pub type Shown = BTreeMap<Multiplexer, Vec<u8>>;

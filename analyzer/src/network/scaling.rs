@@ -4,6 +4,7 @@
 use super::node::Node;
 use crate::dictionary::Unit;
 use crate::dictionary::names::ENCODER_PROFILE;
+use crate::object;
 use crate::{Multiplexer, NodeId};
 use std::borrow::Cow;
 
@@ -12,7 +13,7 @@ const KUEBLER: u32 = 0x13;
 
 /// Whether the values of other objects depend on that object.
 pub const fn is_scaling_parameter(object: Multiplexer) -> bool {
-    matches!(object.index.0, 0x1000 | 0x6000 | 0x6001 | 0x6005 | 0x6031 | 0x6500 | 0x6501 | 0x6507)
+    matches!(object.index.0, object::DEVICE_TYPE | 0x6000 | 0x6001 | 0x6005 | 0x6031 | 0x6500 | 0x6501 | 0x6507)
 }
 
 /// What the values of an object are in a physical unit that the configuration of the device decides; `None` where the
@@ -42,7 +43,7 @@ const fn may_scale(object: Multiplexer) -> bool {
 
 /// Steps of a position. `raw` ones are the sensor's own, whatever scaling is set.
 fn position(of: impl Fn(u16, u8) -> Option<u32>, raw: bool) -> Option<Unit> {
-    match of(0x1000, 0)? >> 16 {
+    match of(object::DEVICE_TYPE, 0)? >> 16 {
         // Rotary: 01h to 05h of CiA 406; 0Bh of newer devices.
         0x01..=0x05 | 0x0B => {
             let physical = || of(0x6501, 0);
@@ -101,7 +102,7 @@ fn named_format(node: &Node, of: &impl Fn(u16, u8) -> Option<u32>) -> Option<Cow
 
 /// Bit 13 of 6000h up to version 3.2 of the profile, bit 12 from 4.1 on.
 fn format_of_kuebler(of: &impl Fn(u16, u8) -> Option<u32>) -> Option<Cow<'static, str>> {
-    if of(0x1018, 1)? != KUEBLER {
+    if of(object::IDENTITY, 1)? != KUEBLER {
         return None;
     }
     // The low word of 6507h is the version of the profile: 0302h is 3.2.

@@ -5,6 +5,7 @@ use super::peak::Peak;
 use crate::message::{Message, Service};
 use crate::network::sdo::{ChannelIndex, Direction, Outcome, Transfer, Violation};
 use crate::network::{Bus, Cause, Decoded, Event, OpenErrors};
+use crate::object;
 use crate::room::Room;
 use crate::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
 use crate::wire::error_control::State;
@@ -260,11 +261,11 @@ impl NodeStatistics {
         let (index, sub, data) = (transfer.multiplexer.index.0, transfer.multiplexer.sub.0, transfer.data());
         let number = data.first_chunk::<4>().map(|bytes| u32::from_le_bytes(*bytes));
         match (index, sub) {
-            (0x1000, 0) => self.identity.device_type = number.or(self.identity.device_type),
-            (0x1018, 1..=4) => self.identity.numbers[usize::from(sub) - 1] = number,
+            (object::DEVICE_TYPE, 0) => self.identity.device_type = number.or(self.identity.device_type),
+            (object::IDENTITY, 1..=4) => self.identity.numbers[usize::from(sub) - 1] = number,
             (0x1008..=0x100A, 0) => {
                 let text = name(&data[..data.len().min(Self::NAME)]);
-                self.identity.names[usize::from(index - 0x1008)] = Some(text);
+                self.identity.names[usize::from(index - object::MANUFACTURER_DEVICE_NAME)] = Some(text);
             }
             _ => {}
         }

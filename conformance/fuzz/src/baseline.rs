@@ -4,6 +4,7 @@
 use super::learn::{read, request};
 use super::stimulus::Stimulus;
 use super::{Knowledge, Known, limits};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{REQUEST_BASE, Request, Response};
 use canvass_analyzer::wire::{lss, nmt};
@@ -112,7 +113,7 @@ fn write_back(bus: &mut dyn Bus, changed: &mut [(&Known, u64)], knowledge: &Know
 }
 
 fn is_cob_id(at: Multiplexer) -> bool {
-    matches!((at.index.0, at.sub.0), (0x1014, 0) | (0x1400..0x1600 | 0x1800..0x1A00, 1))
+    matches!((at.index.0, at.sub.0), (object::COB_ID_EMCY, 0) | (0x1400..0x1600 | 0x1800..0x1A00, 1))
 }
 
 fn is_mapping(at: Multiplexer) -> bool {
@@ -122,7 +123,7 @@ fn is_mapping(at: Multiplexer) -> bool {
 /// What has to be off while that object is written.
 fn switches(at: Multiplexer) -> Vec<Multiplexer> {
     match at.index.0 {
-        0x1015 => vec![Multiplexer::new(0x1014, 0)],
+        object::INHIBIT_TIME_EMCY => vec![Multiplexer::new(object::COB_ID_EMCY, 0)],
         0x1400..0x1600 | 0x1800..0x1A00 => vec![Multiplexer::new(at.index.0, 1)],
         0x1600..0x1800 | 0x1A00..0x1C00 => {
             vec![Multiplexer::new(at.index.0 - 0x200, 1), Multiplexer::new(at.index.0, 0)]

@@ -9,6 +9,7 @@ use super::stimulus::{Sequence, Start, Stimulus, Then};
 use super::time_limit::TimeLimit;
 use super::trust::Trusts;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss;
 use canvass_analyzer::wire::sdo::{AbortCode, REQUEST_BASE, RESPONSE_BASE, Request};
@@ -190,7 +191,7 @@ impl Executor {
             unjudged: 0,
             response: RESPONSE_BASE + node,
             abort: Request::abort(Multiplexer::new(0, 0), AbortCode::GENERAL).to_frame(REQUEST_BASE + node),
-            probe: Request::upload(Multiplexer::new(0x1000, 0)).to_frame(REQUEST_BASE + node),
+            probe: Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0)).to_frame(REQUEST_BASE + node),
             knowledge,
         }
     }

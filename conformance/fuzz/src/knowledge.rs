@@ -1,6 +1,7 @@
 //! What the fuzzer knows of a device before it begins: its dictionary, its services, its values after power-on.
 
 use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, Entry, Value};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::lmt::{BIT_RATES, Seven};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_device::models::Sheet;
@@ -277,12 +278,12 @@ impl Services {
 
 /// Objects whose reading differs from what was written, by their purpose.
 fn has_a_life_of_its_own(at: Multiplexer) -> bool {
-    matches!(at.index.0, 0x1001 | 0x1002 | 0x1003 | 0x1010 | 0x1011 | 0x1013 | 0x1020 | 0x1023..=0x1026 | 0x1F50..=0x1F57)
+    matches!(at.index.0, object::ERROR_REGISTER | 0x1002 | object::PREDEFINED_ERROR_FIELD | object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::HIGH_RESOLUTION_TIME_STAMP | object::VERIFY_CONFIGURATION | 0x1023..=0x1026 | 0x1F50..=0x1F57)
 }
 
 /// Bit 1 of 1010h:01: what is written is stored without a command (CiA 301, 7.5.2.13).
 fn stores_by_itself(description: &DeviceDescription) -> bool {
-    let entry = description.dictionary.entry(Multiplexer::new(0x1010, 1));
+    let entry = description.dictionary.entry(Multiplexer::new(object::STORE_PARAMETERS, 1));
     let default = entry.ok().and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());
     default.is_some_and(|capability| capability & 1 << 1 != 0)
 }

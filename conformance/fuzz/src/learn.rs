@@ -4,6 +4,7 @@
 use super::stand::{Readiness, TestStand};
 use super::time_limit::TimeLimit;
 use super::{Knowledge, Start};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, Part};
 use canvass_analyzer::wire::sdo::{Payload, REQUEST_BASE, RESPONSE_BASE, Request, Response};
@@ -36,7 +37,7 @@ pub(super) fn learn(
     }
     let node = knowledge.node;
     let first = knowledge.patience.answer.max(FIRST_ANSWER);
-    let Some((_, slowest)) = ask(stand.bus(), node, first, Multiplexer::new(0x1000, 0))? else {
+    let Some((_, slowest)) = ask(stand.bus(), node, first, Multiplexer::new(object::DEVICE_TYPE, 0))? else {
         return Ok(false);
     };
     let answer = knowledge.patience.answer.max(slowest.times(3));
@@ -73,7 +74,7 @@ pub(super) fn learn(
 fn address(bus: &mut dyn Bus, node: NodeId, answer: Duration) -> Result<Option<[u32; 4]>, BusError> {
     let mut address = [0; 4];
     for (sub, part) in (1..).zip(&mut address) {
-        match read(bus, node, answer, Multiplexer::new(0x1018, sub))? {
+        match read(bus, node, answer, Multiplexer::new(object::IDENTITY, sub))? {
             Some(raw) => *part = raw as u32,
             None => return Ok(None),
         }

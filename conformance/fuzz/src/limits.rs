@@ -2,6 +2,7 @@
 
 use super::Knowledge;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::{lss, nmt, sdo};
 use canvass_suite::touch::Touch;
 use canvass_traces::Frame;
@@ -74,8 +75,8 @@ pub fn writing(at: Multiplexer, knowledge: &Knowledge, allow: &BTreeSet<Touch>) 
     let unless = |touch: Touch| (!allow.contains(&touch)).then_some(Forbidden::Touch(touch));
     let services = &knowledge.services;
     match at.index.0 {
-        0x1010 => unless(Touch::Nvm),
-        0x1011 => unless(Touch::FactoryDefaults),
+        object::STORE_PARAMETERS => unless(Touch::Nvm),
+        object::RESTORE_DEFAULT_PARAMETERS => unless(Touch::FactoryDefaults),
         0x1F50..=0x1F57 => Some(Forbidden::Program),
         _ if services.bus_save_object == Some(at) => unless(Touch::Nvm),
         _ if services.bus_objects.contains(&at) => unless(Touch::NodeId).or(unless(Touch::BitRate)),

@@ -4,6 +4,7 @@ use super::learn::ask;
 use super::stand::{Readiness, TestStand, wait_for_boot_up};
 use super::time_limit::TimeLimit;
 use super::{Knowledge, Patience, Start};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::{self, Command, Nmt};
 use canvass_analyzer::{Multiplexer, NodeId};
@@ -48,7 +49,7 @@ impl<'a> Live<'a> {
     }
 
     fn is_alive(&mut self) -> Result<bool, BusError> {
-        Ok(ask(self.bus, self.node, self.patience.answer, Multiplexer::new(0x1000, 0))?.is_some())
+        Ok(ask(self.bus, self.node, self.patience.answer, Multiplexer::new(object::DEVICE_TYPE, 0))?.is_some())
     }
 
     /// Whether the device comes back from a reset.

@@ -4,6 +4,7 @@
 //! Unlike a campaign nothing is judged but that, so that it takes millions of frames in seconds.
 
 use super::generate::Dice;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::sdo::{Request, Response};
 use canvass_analyzer::wire::{Wire, emcy, error_control, lss, nmt, sdo, sync, time};
@@ -73,7 +74,7 @@ const WAKES_PER_MILLISECOND: u64 = 100;
 /// Longer than any device takes to start and to write its memory.
 const START: Duration = Duration::from_secs(10);
 const USUAL_NODE: u8 = 63;
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
 /// Lets so many frames loose on a device of that model. The same seed gives the same storm.
 ///
@@ -306,7 +307,7 @@ impl Attack<'_> {
         ];
         let command = if self.dice.one_in(8) { self.dice.byte() } else { self.dice.one_of(known) };
         let own = self.dice.below(4) as u8 + 1;
-        let identity = self.model.description().dictionary.entry(Multiplexer::new(0x1018, own)).ok();
+        let identity = self.model.description().dictionary.entry(Multiplexer::new(object::IDENTITY, own)).ok();
         let identity = identity.and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());
         let mut bytes = self.dice.number().to_le_bytes();
         bytes[0] = command;

@@ -214,6 +214,7 @@ fn value(text: &str) -> Result<(Multiplexer, Vec<u8>), &'static str> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_analyzer::object;
 
     fn head(dictionary: &[(Multiplexer, Vec<u8>)]) -> Head<'_> {
         Head { bus: "can0", node: NodeId::new(10).unwrap(), device: "my device.eds", operational: true, dictionary }
@@ -223,7 +224,7 @@ mod tests {
     fn what_was_written_is_read_up_to_any_cut() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("journal");
-        let (heartbeat, other) = (Multiplexer::new(0x1017, 0), Multiplexer::new(0x2041, 3));
+        let (heartbeat, other) = (Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), Multiplexer::new(0x2041, 3));
         let dictionary = [(heartbeat, vec![0xE8, 3])];
         let mut journal = Journal::create(&path, &head(&dictionary)).unwrap();
         journal.value(heartbeat, &[9, 9]).unwrap();

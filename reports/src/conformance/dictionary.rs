@@ -77,6 +77,7 @@ mod tests {
     use super::*;
     use canvass_analyzer::Multiplexer;
     use canvass_analyzer::dictionary::DataType;
+    use canvass_analyzer::object;
     use canvass_suite::comparison::Nature;
 
     fn change(index: u16, nature: Nature) -> Change {
@@ -95,7 +96,10 @@ mod tests {
         let comparison = Comparison {
             is_complete: true,
             objects: 9,
-            changes: vec![change(0x1001, Nature::Own), change(0x1017, Nature::Setting)],
+            changes: vec![
+                change(object::ERROR_REGISTER, Nature::Own),
+                change(object::PRODUCER_HEARTBEAT_TIME, Nature::Setting),
+            ],
             commands: vec!["canvass sdo write can0 10 1017:00 E803 --type bytes".to_owned()],
         };
         let expected = [

@@ -3,6 +3,7 @@
 use super::{Document, Render, Reporter, html, json, junit, markdown, terminal};
 use crate::escape;
 use canvass_analyzer::dictionary::DataType;
+use canvass_analyzer::object;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_suite::bench::{Evidence, Exhibit, Measurement, Unit, Use};
@@ -29,7 +30,7 @@ pub fn play(reporter: &mut dyn Reporter) {
         },
         seed: 7,
         cases: 7,
-        dictionary: vec![(Multiplexer::new(0x1008, 0), vec![0x1B, 0x5B])],
+        dictionary: vec![(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0), vec![0x1B, 0x5B])],
     };
     reporter.event(&RunEvent::RunStarted(&info)).unwrap();
     let mut summary = Summary::default();
@@ -49,7 +50,7 @@ pub fn play(reporter: &mut dyn Reporter) {
             evidence,
             notes,
             measurements: vec![Measurement { name: HOSTILE.to_owned(), value: 7, unit: Unit::Count }],
-            uses: vec![Use { multiplexer: Multiplexer::new(0x1017, 0), purpose: "written" }],
+            uses: vec![Use { multiplexer: Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), purpose: "written" }],
             outcomes: vec![kind, Kind::Pass],
             quarantine: (kind == Kind::Error).then(quarantine),
             duration: Duration::from_millis(100),
@@ -57,7 +58,7 @@ pub fn play(reporter: &mut dyn Reporter) {
         reporter.event(&RunEvent::CaseFinished(&report)).unwrap();
     }
     let change = |nature| Change {
-        multiplexer: Multiplexer::new(0x1008, 0),
+        multiplexer: Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0),
         name: Some(HOSTILE.to_owned()),
         data_type: Some(DataType::VISIBLE_STRING),
         nature,
@@ -150,7 +151,7 @@ fn json_keeps_the_contract() {
     let change = &value["comparison"]["changes"][0];
     assert_eq!(
         (&change["index"], &change["nature"], &change["after"]),
-        (&0x1008.into(), &"setting".into(), &().into())
+        (&object::MANUFACTURER_DEVICE_NAME.into(), &"setting".into(), &().into())
     );
     assert_eq!(value["comparison"]["as_found"], false);
     let case = &value["cases"][3];

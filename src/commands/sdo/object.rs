@@ -55,11 +55,12 @@ fn parse(text: &str) -> Option<Multiplexer> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_analyzer::object;
 
     #[test]
     fn addresses_as_people_write_them() {
         for text in ["1018:01", "0x1018:1", "1018h:01", "1018h:1h"] {
-            assert_eq!(resolve(text, None).unwrap(), Multiplexer::new(0x1018, 1), "{text}");
+            assert_eq!(resolve(text, None).unwrap(), Multiplexer::new(object::IDENTITY, 1), "{text}");
         }
         assert_eq!(resolve("6004", None).unwrap(), Multiplexer::new(0x6004, 0));
         for text in ["", "1018:", "18:1", "1018:100", "Position value"] {
@@ -72,7 +73,7 @@ mod tests {
         let encoder = super::super::encoder();
         let resolved = |text: &str| resolve(text, Some(&encoder));
         assert_eq!(resolved("position value").unwrap(), Multiplexer::new(0x6004, 0));
-        assert_eq!(resolved("Identity object, vendor-ID").unwrap().index.0, 0x1018);
+        assert_eq!(resolved("Identity object, vendor-ID").unwrap().index.0, object::IDENTITY);
         let error = resolved("identity").unwrap_err().to_string();
         assert!(error.contains("1018h:01"), "{error}");
         assert!(resolved("nonsense").unwrap_err().to_string().contains("no object named"));

@@ -107,6 +107,7 @@ pub fn json(bytes: &[u8], data_type: Option<DataType>) -> serde_json::Value {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_analyzer::object;
 
     const ANY: Multiplexer = Multiplexer::new(0x2000, 0);
 
@@ -135,7 +136,7 @@ mod tests {
     fn types_are_known_from_the_description_or_the_standard() {
         let encoder = super::super::encoder();
         assert_eq!(known_type(Multiplexer::new(0x6004, 0), Some(&encoder)), Some(DataType::UNSIGNED32));
-        assert_eq!(known_type(Multiplexer::new(0x1017, 0), None), Some(DataType::UNSIGNED16));
+        assert_eq!(known_type(Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), None), Some(DataType::UNSIGNED16));
         assert_eq!(known_type(ANY, None), None);
     }
 }

@@ -4,6 +4,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
 use crate::network::sdo::ChannelIndex;
+use crate::object;
 use crate::wire::error_control::State;
 use crate::wire::sdo::{Request, Response};
 use crate::{Multiplexer, NodeId, PerNode};
@@ -221,7 +222,7 @@ fn identity(response: Response) -> Option<(u8, u32)> {
     let Response::InitiateUpload { multiplexer, payload } = response else { return None };
     let sub @ 1..=4 = multiplexer.sub.0 else { return None };
     let value = payload.value()?.first_chunk::<4>()?;
-    (multiplexer.index.0 == 0x1018).then(|| (sub, u32::from_le_bytes(*value)))
+    (multiplexer.index.0 == object::IDENTITY).then(|| (sub, u32::from_le_bytes(*value)))
 }
 
 /// Whether a heartbeat comes when one was due if nothing had happened since the last one: within a tenth of its period.

@@ -11,7 +11,14 @@ mod restricted_cob_id;
 mod two_producers;
 mod unknown_ids;
 
+use crate::object;
+
 /// The objects that hold the COB-ID of something that a node sends or serves.
 const fn is_cob_id(index: u16, sub: u8) -> bool {
-    matches!((index, sub), (0x1005 | 0x1012 | 0x1014, 0) | (0x1200..=0x12FF, 1 | 2) | (0x1400..=0x15FF | 0x1800..=0x19FF, 1))
+    matches!(
+        (index, sub),
+        (object::COB_ID_SYNC | object::COB_ID_TIME | object::COB_ID_EMCY, 0)
+            | (0x1200..=0x12FF, 1 | 2)
+            | (0x1400..=0x15FF | 0x1800..=0x19FF, 1)
+    )
 }

@@ -3,6 +3,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::Service;
 use crate::network::sdo::Outcome;
+use crate::object;
 use crate::{CobId, Multiplexer, NodeId};
 use canvass_analyzer_macros::rule;
 use std::collections::{BTreeMap, BTreeSet};
@@ -59,7 +60,7 @@ impl Rule for OverlappingCobId {
             return;
         };
         let object = transfer.multiplexer;
-        let produces = matches!((object.index.0, object.sub.0), (0x1014, 0) | (0x1800..=0x19FF, 1));
+        let produces = matches!((object.index.0, object.sub.0), (object::COB_ID_EMCY, 0) | (0x1800..=0x19FF, 1));
         let Some(&value) = transfer.data().first_chunk::<4>() else { return };
         if !produces || transfer.outcome != Outcome::Complete {
             return;

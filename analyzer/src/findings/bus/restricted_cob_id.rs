@@ -3,6 +3,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::network::sdo::{Direction, Outcome};
+use crate::object;
 use crate::wire::sdo;
 use crate::{CobId, Multiplexer, NodeId};
 use canvass_analyzer_macros::rule;
@@ -28,7 +29,7 @@ struct RestrictedCobId;
 /// What is wrong with a COB-ID.
 fn fault(object: Multiplexer, cob_id: CobId, direction: Direction, node: Option<NodeId>) -> Option<(Severity, String)> {
     let written = direction == Direction::Download;
-    if object.index.0 == 0x1200 {
+    if object.index.0 == object::SDO_SERVER_PARAMETER {
         let base = if object.sub.0 == 1 { sdo::REQUEST_BASE } else { sdo::RESPONSE_BASE };
         let fixed = u32::from(base) + u32::from(node?.raw());
         let wrong = !written && cob_id.0 != fixed;
@@ -36,7 +37,7 @@ fn fault(object: Multiplexer, cob_id: CobId, direction: Direction, node: Option<
             .then(|| (Severity::Warning, format!("{object} reads {cob_id}: CiA 301 fixes it to {fixed:08X}h")));
     }
     // Bit 31 of 1005h and 1012h does not say that it is off.
-    let used = cob_id.is_valid() || matches!(object.index.0, 0x1005 | 0x1012);
+    let used = cob_id.is_valid() || matches!(object.index.0, object::COB_ID_SYNC | object::COB_ID_TIME);
     let can_id = cob_id.can_id();
     match (written, cob_id.0) {
         _ if !used || !cob_id.is_restricted() => None,

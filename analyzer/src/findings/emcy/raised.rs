@@ -2,6 +2,7 @@ use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::{Message, Service};
+use crate::object;
 use crate::text::EmcyText;
 use crate::wire::emcy::Emcy;
 use crate::{NodeId, PerNode};
@@ -34,7 +35,7 @@ impl Rule for Raised {
         let Some(node) = context.node() else { return };
         match (context.decoded.service, context.message()) {
             (Service::Sdo, Message::SdoResponse(_)) => {
-                let register = context.decoded.object.is_some_and(|object| object.index.0 == 0x1001);
+                let register = context.decoded.object.is_some_and(|object| object.index.0 == object::ERROR_REGISTER);
                 if register {
                     self.register_read[node] = Some(context.now());
                 }

@@ -4,6 +4,7 @@ use crate::dictionary::names::ENCODER_PROFILE;
 use crate::findings::Context;
 use crate::message::Message;
 use crate::network::Layout;
+use crate::object;
 use crate::{Multiplexer, NodeId};
 
 /// The layout of the PDO in a frame.
@@ -28,7 +29,7 @@ pub enum Kind {
 
 /// What kind of encoder a node is; `None` where 1000h is not known or says something else.
 pub fn kind(context: &Context<'_>, node: NodeId) -> Option<Kind> {
-    let device_type = context.scene.bus.node(node)?.parameter(node, Multiplexer::new(0x1000, 0))?;
+    let device_type = context.scene.bus.node(node)?.parameter(node, Multiplexer::new(object::DEVICE_TYPE, 0))?;
     match device_type >> 16 {
         0x01..=0x05 | 0x0B => Some(Kind::Rotary),
         0x08 | 0x09 => Some(Kind::Linear),

@@ -5,6 +5,7 @@ use crate::findings::rhythm::{Interval, Rhythm};
 use crate::message::{Message, Service};
 use crate::network::sdo::Outcome;
 use crate::network::{Bus, Decoded};
+use crate::object;
 use crate::wire::lss;
 use crate::{NodeId, PerNode};
 use canvass_traces::{Duration, Timestamp};
@@ -67,7 +68,7 @@ impl Heartbeats {
             return;
         }
         let Some(transfer) = decoded.channel.and_then(|channel| bus.transfer(channel)) else { return };
-        if transfer.multiplexer.index.0 == 0x1017
+        if transfer.multiplexer.index.0 == object::PRODUCER_HEARTBEAT_TIME
             && transfer.outcome == Outcome::Complete
             && let Some(node) = decoded.node
         {
@@ -79,7 +80,9 @@ impl Heartbeats {
     /// description only says what the default is.
     fn restart(&mut self, id: NodeId, bus: &Bus) {
         let mut parameters = bus.node(id).into_iter().flat_map(|node| node.parameters());
-        let time = parameters.find(|(object, _)| object.index.0 == 0x1017).map(|(_, time)| time & 0xFFFF);
+        let time = parameters
+            .find(|(object, _)| object.index.0 == object::PRODUCER_HEARTBEAT_TIME)
+            .map(|(_, time)| time & 0xFFFF);
         let told = time.filter(|&time| time > 0).map(|time| Duration::from_millis(u64::from(time)));
         let rhythm = self.rhythm(id);
         rhythm.restart();

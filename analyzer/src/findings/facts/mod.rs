@@ -20,6 +20,7 @@ use super::rhythm::Interval;
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::sdo::{Direction, Outcome};
 use crate::network::{Bus, Decoded, Event};
+use crate::object;
 use crate::wire::emcy::EmcyCode;
 use crate::wire::lss;
 use crate::wire::nmt::{Command, Nmt};
@@ -76,7 +77,7 @@ pub struct News {
 fn stores(request: Request) -> bool {
     let Request::InitiateDownload { multiplexer, payload } = request else { return false };
     match multiplexer.index.0 {
-        0x1010 | 0x1011 => true,
+        object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS => true,
         // Some devices store other objects too, by the same signatures.
         0x2000..=0x5FFF => payload.value().is_some_and(|value| matches!(value, b"save" | b"load")),
         _ => false,
@@ -266,7 +267,7 @@ impl Facts {
         // Some devices store other objects too, by the same signatures.
         let signed = matches!(transfer.data(), b"save" | b"load");
         match transfer.multiplexer.index.0 {
-            0x1010 | 0x1011 => facts.last_store = Some(now),
+            object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS => facts.last_store = Some(now),
             0x2000..=0x5FFF if signed => facts.last_store = Some(now),
             0x1F50 | 0x1F51 => facts.last_program_control = Some(now),
             _ => {}

@@ -5,6 +5,7 @@ use crate::findings::Seen;
 use crate::message::{Message, Service};
 use crate::network::Decoded;
 use crate::network::sdo::ChannelIndex;
+use crate::object;
 use crate::wire::nmt::Command;
 use crate::wire::sdo::Request;
 use canvass_traces::{Duration, Record, Timestamp};
@@ -205,7 +206,9 @@ impl Requests {
 impl Pending {
     /// Whether it stores or restores parameters, which takes some devices seconds.
     pub fn is_store(&self) -> bool {
-        self.object.is_some_and(|object| matches!(object.index.0, 0x1010 | 0x1011 | 0x1F50 | 0x1F51))
+        self.object.is_some_and(|object| {
+            matches!(object.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | 0x1F50 | 0x1F51)
+        })
     }
 
     /// ` for 6004h:00`, where the object is known.

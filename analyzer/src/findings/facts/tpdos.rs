@@ -6,6 +6,7 @@
 use crate::dictionary::names::ENCODER_PROFILE;
 use crate::message::Service;
 use crate::network::{Bus, Decoded, Event};
+use crate::object;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_traces::Duration;
 
@@ -13,10 +14,10 @@ use canvass_traces::Duration;
 pub const TPDOS: usize = 8;
 
 /// Synchronous window length, in microseconds; 0 is no window.
-const SYNC_WINDOW: u16 = 0x1007;
+const SYNC_WINDOW: u16 = object::SYNCHRONOUS_WINDOW_LENGTH;
 
 /// Event timer of the first TPDO, and the cyclic timer of encoders, in milliseconds.
-const EVENT_TIMER: Multiplexer = Multiplexer::new(0x1800, 5);
+const EVENT_TIMER: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5);
 const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
 
 /// What is known of one TPDO.
@@ -96,7 +97,7 @@ impl AllParameters {
             row.event_timer = time(of(5), millis);
             // Encoders have a timer of their own for their first TPDO; where both exist they are the same, so that the
             // latest holds.
-            let is_cyclic = index == 0x1800 && row.transmission_type == Some(254);
+            let is_cyclic = index == object::TPDO_COMMUNICATION_PARAMETER && row.transmission_type == Some(254);
             if is_cyclic && (cyclic || row.event_timer.is_none()) && known.profile(node) == Some(ENCODER_PROFILE) {
                 row.event_timer = time(known.certain(node, CYCLIC_TIMER), millis);
             }
@@ -119,7 +120,8 @@ impl AllParameters {
 /// Whether a transfer has shown something that parameters come from: themselves, the cyclic timer and the profile of
 /// encoders, or which model the node is.
 fn is_shown(decoded: &Decoded, bus: &Bus) -> bool {
-    let object =
-        decoded.object.is_some_and(|object| matches!(object.index.0, 0x1000 | SYNC_WINDOW | 0x1800..=0x19FF | 0x6200));
+    let object = decoded
+        .object
+        .is_some_and(|object| matches!(object.index.0, object::DEVICE_TYPE | SYNC_WINDOW | 0x1800..=0x19FF | 0x6200));
     object || bus.events().iter().any(|event| matches!(event, Event::Recognised(_)))
 }

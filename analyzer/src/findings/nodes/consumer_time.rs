@@ -2,6 +2,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
 use crate::message::{Message, Service};
+use crate::object;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
@@ -77,7 +78,7 @@ impl ConsumerTime {
         let Some(known) = scene.bus.node(node) else { return };
         // A description says only what the default is; nobody delivers a device with a consumer switched on, unless
         // it is a device configuration file.
-        let entries = |sub: u8| known.parameter(node, Multiplexer::new(0x1016, sub));
+        let entries = |sub: u8| known.parameter(node, Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub));
         let most = entries(0).map_or(127, |count| count.min(127) as u8);
         for value in (1..=most).filter_map(entries) {
             let (producer, time) = (NodeId::new((value >> 16) as u8), Duration::from_millis(u64::from(value & 0xFFFF)));
@@ -141,7 +142,9 @@ impl Rule for ConsumerTime {
             self.configure(node, context.scene);
         }
         match context.decoded.service {
-            Service::Sdo if context.decoded.object.is_some_and(|object| object.index.0 == 0x1016) => {
+            Service::Sdo
+                if context.decoded.object.is_some_and(|object| object.index.0 == object::CONSUMER_HEARTBEAT_TIME) =>
+            {
                 self.configure(node, context.scene);
             }
             Service::BootUp => {

@@ -2,6 +2,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Scene, Seen};
 use crate::message::{Message, Service};
+use crate::object;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_analyzer_macros::rule;
 use canvass_traces::Duration;
@@ -35,8 +36,8 @@ struct Guarded {
 }
 
 /// The guard time, and by what it is multiplied.
-const GUARD_TIME: Multiplexer = Multiplexer::new(0x100C, 0);
-const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(0x100D, 0);
+const GUARD_TIME: Multiplexer = Multiplexer::new(object::GUARD_TIME, 0);
+const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(object::LIFE_TIME_FACTOR, 0);
 
 /// The life time of a node; `None` where it is not known, or the node does not watch its master.
 fn life_time(node: NodeId, scene: &Scene<'_>) -> Option<Duration> {

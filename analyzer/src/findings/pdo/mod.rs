@@ -13,6 +13,7 @@ mod time_jump;
 
 use super::Context;
 use crate::network::sdo::{Direction, Outcome};
+use crate::object;
 
 /// Whether an SDO client has written COB-ID SYNC (1005h) or the communication cycle period (1006h): SYNC comes at another
 /// period from now on, or begins or ends.
@@ -21,6 +22,6 @@ fn changes_sync(context: &Context<'_>) -> bool {
     let transfer = context.decoded.channel.filter(|_| ended).and_then(|channel| context.scene.bus.transfer(channel));
     transfer.is_some_and(|transfer| {
         let written = transfer.direction == Direction::Download && transfer.outcome == Outcome::Complete;
-        written && matches!(transfer.multiplexer.index.0, 0x1005 | 0x1006)
+        written && matches!(transfer.multiplexer.index.0, object::COB_ID_SYNC | object::COMMUNICATION_CYCLE_PERIOD)
     })
 }

@@ -3,6 +3,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Percent, Scene, Seen};
 use crate::message::Service;
+use crate::object;
 use crate::wire::error_control::State;
 use crate::{NodeId, PerNode};
 use canvass_analyzer_macros::rule;
@@ -36,7 +37,9 @@ impl Rule for Period {
             Service::Nmt if context.begins_anew() => return self.interrupted(),
             Service::Sdo => {
                 // Some devices are silent while they store.
-                let stored = context.decoded.object.is_some_and(|object| matches!(object.index.0, 0x1010 | 0x1011));
+                let stored = context.decoded.object.is_some_and(|object| {
+                    matches!(object.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
+                });
                 if let Some(node) = context.node().filter(|_| stored) {
                     self.last[node].fill(None);
                 }

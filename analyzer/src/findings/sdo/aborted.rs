@@ -3,6 +3,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Severity};
 use crate::message::Message;
 use crate::network::sdo::{Direction, Side};
+use crate::object;
 use crate::wire::sdo::{Abort, AbortCode, Request, Response};
 use canvass_analyzer_macros::rule;
 
@@ -33,7 +34,7 @@ impl Rule for Aborted {
         let direction = transfer.map(|transfer| transfer.direction);
         let absent = matches!(code, AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX);
         // An error history without errors refuses to be read.
-        let empty = multiplexer.index.0 == 0x1003 && code == AbortCode::NO_DATA;
+        let empty = multiplexer.index.0 == object::PREDEFINED_ERROR_FIELD && code == AbortCode::NO_DATA;
         let looks = direction == Some(Direction::Upload) && side == Side::Server && (absent || empty);
         let address = u64::from(multiplexer.index.0) << 8 | u64::from(multiplexer.sub.0);
         let detail = address << 33 | u64::from(code.0) << 1 | u64::from(side == Side::Client);

@@ -3,6 +3,7 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::wear::{Wear, WearLimits};
 use crate::findings::{Context, Scene};
 use crate::network::sdo::{Direction, Outcome};
+use crate::object;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_analyzer_macros::rule;
 
@@ -40,10 +41,10 @@ fn is_kept(object: Multiplexer, node: NodeId, context: &Context<'_>) -> bool {
     let vendor = || {
         let known = context.scene.bus.node(node)?;
         let described = || known.description().and_then(|description| description.device.vendor_number);
-        known.certain(node, Multiplexer::new(0x1018, 1)).or_else(described)
+        known.certain(node, Multiplexer::new(object::IDENTITY, 1)).or_else(described)
     };
     match object.index.0 {
-        0x1010 => true,
+        object::STORE_PARAMETERS => true,
         0x6000 | 0x6003 | 0x6200 => vendor() == Some(TR_ELECTRONIC),
         _ => false,
     }

@@ -321,10 +321,11 @@ pub fn expedited(multiplexer: Multiplexer, value: &[u8]) -> Option<Request> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_analyzer::object;
     use canvass_analyzer::wire::Wire;
     use proptest::prelude::*;
 
-    const NAME: Multiplexer = Multiplexer::new(0x1008, 0);
+    const NAME: Multiplexer = Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0);
 
     fn respond(transfer: &mut Transfer, bytes: &[u8]) -> Reaction {
         transfer.handle(&Response::read(bytes).unwrap())
@@ -372,7 +373,7 @@ mod tests {
         assert!(matches!(violation(&[0x60, 8, 0x10, 0, 0, 0, 0, 0]), Violation::Unexpected(_)));
         let (mut transfer, _) = Transfer::upload(NAME);
         let outcome = ended(respond(&mut transfer, &[0x43, 0, 0x10, 0, 1, 2, 3, 4]));
-        assert_eq!(outcome, Outcome::Violated(Violation::Multiplexer(Multiplexer::new(0x1000, 0))));
+        assert_eq!(outcome, Outcome::Violated(Violation::Multiplexer(Multiplexer::new(object::DEVICE_TYPE, 0))));
     }
 
     proptest! {

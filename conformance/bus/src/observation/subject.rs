@@ -118,13 +118,14 @@ fn object(text: &str) -> Option<Subject> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_analyzer::object;
 
     #[test]
     fn subjects_are_read_as_they_are_written() {
         for text in ["device", "description", "1016h:01", "1016h", "heartbeat", "TPDO 2", "RPDO 1", "CAN-ID 181"] {
             assert_eq!(text.parse::<Subject>().unwrap().to_string(), text);
         }
-        assert_eq!("1016:01".parse::<Subject>(), Ok(Multiplexer::new(0x1016, 1).into()));
+        assert_eq!("1016:01".parse::<Subject>(), Ok(Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1).into()));
         for text in ["", "name", "12", "TPDO", "TPDO x", "1016:", "1016:001"] {
             assert!(text.parse::<Subject>().is_err() || text == "1016:001", "{text}");
         }

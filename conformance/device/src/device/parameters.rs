@@ -390,6 +390,7 @@ pub(super) const fn mask(bits: u32) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_analyzer::object;
 
     fn parameters() -> Parameters {
         Parameters::new(Model::by_id("kuebler-sendix-58x8").unwrap(), NodeId::new(63).unwrap())
@@ -399,9 +400,9 @@ mod tests {
     fn missing_objects_and_missing_sub_indexes_differ() {
         let parameters = parameters();
         let find = |index, sub| parameters.entry(Multiplexer::new(index, sub)).map(|entry| entry.at.sub.0);
-        assert_eq!(find(0x1800, 5), Ok(5));
-        assert_eq!(find(0x1800, 4), Err(AbortCode::NO_SUB_INDEX));
-        assert_eq!(find(0x1000, 1), Err(AbortCode::NO_SUB_INDEX));
+        assert_eq!(find(object::TPDO_COMMUNICATION_PARAMETER, 5), Ok(5));
+        assert_eq!(find(object::TPDO_COMMUNICATION_PARAMETER, 4), Err(AbortCode::NO_SUB_INDEX));
+        assert_eq!(find(object::DEVICE_TYPE, 1), Err(AbortCode::NO_SUB_INDEX));
         for index in [0x0000, 0x1004, 0x5000, 0xFFFF] {
             assert_eq!(find(index, 0), Err(AbortCode::NO_OBJECT), "{index:04X}");
         }
@@ -409,9 +410,11 @@ mod tests {
 
     #[test]
     fn defaults_follow_the_node_id() {
-        assert_eq!(parameters().number(0x1800, 1), Some(0x1BF));
-        assert_eq!(parameters().number(0x1018, 1), Some(0x13));
-        let name = parameters().entry(Multiplexer::new(0x1008, 0)).map(|entry| entry.content.clone());
+        assert_eq!(parameters().number(object::TPDO_COMMUNICATION_PARAMETER, 1), Some(0x1BF));
+        assert_eq!(parameters().number(object::IDENTITY, 1), Some(0x13));
+        let name = parameters()
+            .entry(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0))
+            .map(|entry| entry.content.clone());
         assert_eq!(name, Ok(Content::Bytes(b"Kuebler Sendix Encoder".to_vec())));
     }
 
@@ -419,8 +422,8 @@ mod tests {
     fn lengths_and_limits() {
         let parameters = parameters();
         let entry = |index| parameters.entry(Multiplexer::new(index, 0)).unwrap();
-        assert_eq!(entry(0x1017).check_length(1), Err(AbortCode::LENGTH_TOO_LOW));
-        assert_eq!(entry(0x1017).check_length(4), Err(AbortCode::LENGTH_TOO_HIGH));
+        assert_eq!(entry(object::PRODUCER_HEARTBEAT_TIME).check_length(1), Err(AbortCode::LENGTH_TOO_LOW));
+        assert_eq!(entry(object::PRODUCER_HEARTBEAT_TIME).check_length(4), Err(AbortCode::LENGTH_TOO_HIGH));
         assert_eq!(entry(0x2100).check_range(9), Err(AbortCode::VALUE_TOO_HIGH));
         assert_eq!(entry(0x2101).check_range(0), Err(AbortCode::VALUE_TOO_LOW));
         assert_eq!(entry(0x2101).check_range(127), Ok(()));

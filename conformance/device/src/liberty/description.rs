@@ -1,6 +1,7 @@
 //! Liberties in how an EDS is written: the device is the same.
 
 use super::{Liberties, Liberty};
+use canvass_analyzer::object;
 
 /// The liberties that are about the text.
 const OF_TEXT: [Liberty; 7] = [
@@ -23,7 +24,9 @@ pub(crate) fn rewrite(text: &str, liberties: Liberties) -> Vec<u8> {
     let has = |liberty| liberties.has(liberty);
     let mut text = text.to_owned();
     if has(Liberty::EdsCompactSubObj) {
-        text = [0x1003, 0x1016].into_iter().fold(text, |text, index| compact(&text, index));
+        text = [object::PREDEFINED_ERROR_FIELD, object::CONSUMER_HEARTBEAT_TIME]
+            .into_iter()
+            .fold(text, |text, index| compact(&text, index));
     }
     let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
     if has(Liberty::EdsWithoutLimits) {

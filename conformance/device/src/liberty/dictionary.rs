@@ -42,9 +42,9 @@ const ABSENT_SUBS: [(Liberty, Span<u16>, Span<u8>); 6] = [
     (Liberty::VendorIdAlone, (object::IDENTITY, object::IDENTITY), (2, 255)),
     (Liberty::ShortErrorHistory, (object::PREDEFINED_ERROR_FIELD, object::PREDEFINED_ERROR_FIELD), (2, 255)),
     (Liberty::OneHeartbeatConsumer, (object::CONSUMER_HEARTBEAT_TIME, object::CONSUMER_HEARTBEAT_TIME), (2, 255)),
-    (Liberty::NoInhibitTime, (object::TPDO_COMMUNICATION_PARAMETER, 0x19FF), (3, 3)),
-    (Liberty::NoEventTimer, (object::TPDO_COMMUNICATION_PARAMETER, 0x19FF), (5, 5)),
-    (Liberty::NoRpdoDeadline, (object::RPDO_COMMUNICATION_PARAMETER, 0x15FF), (5, 5)),
+    (Liberty::NoInhibitTime, (0x1800, 0x19FF), (3, 3)),
+    (Liberty::NoEventTimer, (0x1800, 0x19FF), (5, 5)),
+    (Liberty::NoRpdoDeadline, (0x1400, 0x15FF), (5, 5)),
 ];
 
 /// Event-driven PDOs only.

@@ -5,6 +5,7 @@ use super::sheet::Sheet;
 use super::shows_limit_switches;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{DeviceDescription, Setting};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::lss;
 use toml::{Table, Value};
 
@@ -49,11 +50,14 @@ fn network(description: &DeviceDescription) -> Table {
     network.insert("default_bit_rate_kbit".to_owned(), i64::from(rate.max(1)).into());
     network.insert("lss".to_owned(), description.device.lss_supported.into());
     network.insert("lss_restarts".to_owned(), false.into());
-    network.insert("node_guarding".to_owned(), (has(0x100C, 0) && has(0x100D, 0)).into());
+    network.insert("node_guarding".to_owned(), (has(object::GUARD_TIME, 0) && has(object::LIFE_TIME_FACTOR, 0)).into());
     network.insert("rtr".to_owned(), allows_rtr(description).into());
     network.insert("sdo_block_transfer".to_owned(), true.into());
-    network.insert("sync_producer".to_owned(), (writable(0x1005) && writable(0x1006)).into());
-    network.insert("time_consumer".to_owned(), writable(0x1012).into());
+    network.insert(
+        "sync_producer".to_owned(),
+        (writable(object::COB_ID_SYNC) && writable(object::COMMUNICATION_CYCLE_PERIOD)).into(),
+    );
+    network.insert("time_consumer".to_owned(), writable(object::COB_ID_TIME).into());
     network
 }
 
@@ -84,7 +88,7 @@ fn bit_rates(description: &DeviceDescription) -> Vec<Value> {
 
 /// Of an encoder, the cyclic timer is the event timer of TPDO 1 (CiA 406).
 fn links(description: &DeviceDescription) -> Vec<Value> {
-    let timers = [CYCLIC_TIMER, Multiplexer::new(0x1800, 5)];
+    let timers = [CYCLIC_TIMER, Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5)];
     if !timers.iter().all(|at| is_writable(description, *at)) {
         return Vec::new();
     }
@@ -129,7 +133,7 @@ fn identity(description: &DeviceDescription) -> Vec<Value> {
     let device = &description.device;
     let numbers = [(1, device.vendor_number), (2, device.product_number), (3, device.revision_number)];
     let row = |(sub, number): (u8, Option<u32>)| {
-        let at = Multiplexer::new(0x1018, sub);
+        let at = Multiplexer::new(object::IDENTITY, sub);
         let entry = description.dictionary.entry(at).ok().filter(|entry| entry.default.is_none())?;
         let number = number.filter(|_| entry.access.is_readable())?;
         let mut row = Table::new();

@@ -24,6 +24,7 @@ pub use sheet::{BitRate, LmtAddress, Sheet, Storage, Timing, Value};
 
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice, eds};
 use canvass_analyzer::network::{Candidate, Candidates};
+use canvass_analyzer::object;
 use canvass_analyzer::{Multiplexer, NodeId};
 use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
@@ -193,7 +194,7 @@ impl Model {
     /// The vendor-ID of its description: 1018h, or the head of the file.
     pub fn vendor(&self) -> Option<u32> {
         let description = self.description();
-        let entry = description.dictionary.entry(Multiplexer::new(0x1018, 1)).ok();
+        let entry = description.dictionary.entry(Multiplexer::new(object::IDENTITY, 1)).ok();
         let number = entry.and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());
         number.and_then(|number| u32::try_from(number).ok()).or(description.device.vendor_number)
     }

@@ -125,12 +125,16 @@ fn abort_code<'de, D: Deserializer<'de>>(from: D) -> Result<AbortCode, D::Error>
 #[cfg(test)]
 mod tests {
     use super::*;
+    use canvass_analyzer::object;
 
     #[test]
     fn addresses_of_all_forms() {
         let contains = |text, index, sub| Addresses::parse(text).unwrap().contains(Multiplexer::new(index, sub));
         assert!(contains("6001:00", 0x6001, 0) && !contains("6001:00", 0x6001, 1) && !contains("6001:00", 0x6002, 0));
-        assert!(contains("1016:*", 0x1016, 127) && !contains("1016:*", 0x1016, 0));
+        assert!(
+            contains("1016:*", object::CONSUMER_HEARTBEAT_TIME, 127)
+                && !contains("1016:*", object::CONSUMER_HEARTBEAT_TIME, 0)
+        );
         assert!(contains("1800..1802:01", 0x1802, 1) && !contains("1800..1802:01", 0x1803, 1));
         assert!(contains("1A00..1A02:*", 0x1A01, 8));
         for wrong in ["", "6001", "60010:00", "6001:", "6001:100", "..:00"] {

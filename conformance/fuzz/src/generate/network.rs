@@ -2,6 +2,7 @@
 
 use super::Script;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::{CanId, Frame};
@@ -17,7 +18,7 @@ impl Script<'_> {
             8 | 9 => self.guarding(),
             10 => {
                 self.nmt_command();
-                self.sdo(Request::upload(Multiplexer::new(0x1000, 0)));
+                self.sdo(Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0)));
             }
             _ => {
                 for _ in 0..3 {
@@ -48,7 +49,7 @@ impl Script<'_> {
         let command = self.dice.one_of([1, 2, 128, 129, 130]);
         self.nmt(command, node);
         self.guard();
-        self.sdo(Request::upload(Multiplexer::new(0x1000, 0)));
+        self.sdo(Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0)));
     }
 
     fn odd_nmt(&mut self) {
@@ -64,7 +65,7 @@ impl Script<'_> {
             self.ask(frame);
         }
         self.guard();
-        self.sdo(Request::upload(Multiplexer::new(0x1000, 0)));
+        self.sdo(Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0)));
     }
 
     fn guard(&mut self) {
@@ -86,11 +87,11 @@ impl Script<'_> {
         if self.dice.one_in(4) {
             // Another time while heartbeats are sent.
             let time = self.dice.one_of([5_u16, 50, 100]);
-            self.sdo(Request::download(Multiplexer::new(0x1017, 0), &time.to_le_bytes()));
+            self.sdo(Request::download(Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), &time.to_le_bytes()));
             self.pause(u64::from(time) * 2 + 20);
         }
         let time = self.dice.one_of([0_u16, 0, 5, 10, 50, 100]);
-        self.sdo(Request::download(Multiplexer::new(0x1017, 0), &time.to_le_bytes()));
+        self.sdo(Request::download(Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), &time.to_le_bytes()));
         if self.dice.flip() {
             self.pause(u64::from(time) * 4 + 20);
         }
@@ -114,8 +115,8 @@ impl Script<'_> {
             3 => self.short_pdos(),
             4 => self.consumer(),
             5 => self.nmt_command(),
-            6 => self.write_number(0x1019, 0, 1),
-            7 => self.write_number(0x1005, 0, 4),
+            6 => self.write_number(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0, 1),
+            7 => self.write_number(object::COB_ID_SYNC, 0, 4),
             8 => self.error_history(),
             _ => self.provoke(),
         }
@@ -131,7 +132,13 @@ impl Script<'_> {
 
     /// Another identifier for a service that is in use.
     fn held_identifier(&mut self) {
-        let (index, sub) = self.dice.one_of([(0x1005, 0), (0x1012, 0), (0x1014, 0), (0x1201, 1), (0x1201, 2)]);
+        let (index, sub) = self.dice.one_of([
+            (object::COB_ID_SYNC, 0),
+            (object::COB_ID_TIME, 0),
+            (object::COB_ID_EMCY, 0),
+            (0x1201, 1),
+            (0x1201, 2),
+        ]);
         let at = Multiplexer::new(index, sub);
         let Some(own) = self.knowledge().entry(at).filter(|known| known.writable).and_then(|known| known.power_on)
         else {
@@ -149,9 +156,9 @@ impl Script<'_> {
     /// 1019h while SYNC is produced.
     fn counter_in_use(&mut self) {
         let period = self.dice.one_of([10_000_u32, 50_000]);
-        self.sdo(Request::download(Multiplexer::new(0x1006, 0), &period.to_le_bytes()));
+        self.sdo(Request::download(Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0), &period.to_le_bytes()));
         let counter = self.dice.one_of([0_u8, 2, 10, 240]);
-        self.sdo(Request::download(Multiplexer::new(0x1019, 0), &[counter]));
+        self.sdo(Request::download(Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0), &[counter]));
     }
 
     fn short_pdos(&mut self) {
@@ -170,7 +177,7 @@ impl Script<'_> {
         let sub = 1 + self.dice.below(3) as u8;
         let time = self.dice.one_of([0_u32, 50, 100]);
         let value = u32::from(node) << 16 | time;
-        self.sdo(Request::download(Multiplexer::new(0x1016, sub), &value.to_le_bytes()));
+        self.sdo(Request::download(Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub), &value.to_le_bytes()));
         let len = if self.dice.one_in(4) { self.dice.below(4) } else { 1 };
         self.ask(Self::data(0x700 + u16::from(node), &[5; 4][..len]));
         if self.dice.flip() {
@@ -188,11 +195,11 @@ impl Script<'_> {
     }
 
     fn error_history(&mut self) {
-        self.sdo(Request::upload(Multiplexer::new(0x1003, 0)));
+        self.sdo(Request::upload(Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0)));
         let value = self.dice.one_of([0, 0, 1, 255]);
-        self.sdo(Request::download(Multiplexer::new(0x1003, 0), &[value]));
-        self.sdo(Request::upload(Multiplexer::new(0x1003, 1)));
-        self.sdo(Request::upload(Multiplexer::new(0x1001, 0)));
+        self.sdo(Request::download(Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0), &[value]));
+        self.sdo(Request::upload(Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 1)));
+        self.sdo(Request::upload(Multiplexer::new(object::ERROR_REGISTER, 0)));
     }
 
     /// Limits that the present value exceeds make the device report an error.
@@ -208,6 +215,6 @@ impl Script<'_> {
         let first = self.dice.flip();
         self.sdo(Request::download(known.at, if first { &value[..size] } else { &low[..size] }));
         self.sdo(Request::download(known.at, if first { &low[..size] } else { &value[..size] }));
-        self.sdo(Request::upload(Multiplexer::new(0x1001, 0)));
+        self.sdo(Request::upload(Multiplexer::new(object::ERROR_REGISTER, 0)));
     }
 }

@@ -5,6 +5,7 @@ use super::super::knowledge::Known;
 use super::super::stimulus::Then;
 use super::Script;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Payload, REQUEST_BASE, Request, Segment, crc16};
 use canvass_traces::{CanId, Frame};
@@ -318,7 +319,7 @@ impl Script<'_> {
     fn block_upload(&mut self) {
         let at = match self.dice.below(4) {
             0 => self.object(),
-            _ => self.text().unwrap_or(Multiplexer::new(0x1008, 0)),
+            _ => self.text().unwrap_or(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0)),
         };
         let block_size = self.dice.one_of([1, 2, 3, 7, 127, 127, 127, 0, 128, 255]);
         let threshold = self.dice.one_of([0, 0, 0, 4, 255]);

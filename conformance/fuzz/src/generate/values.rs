@@ -3,6 +3,7 @@
 use super::Script;
 use crate::Known;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 
 impl Script<'_> {
     /// An object that exists, or nearly.
@@ -22,12 +23,12 @@ impl Script<'_> {
             }
             (_, Some(known)) => known.at,
             (_, None) => self.dice.one_of([
-                Multiplexer::new(0x1000, 0),
-                Multiplexer::new(0x1001, 0),
-                Multiplexer::new(0x1008, 0),
-                Multiplexer::new(0x1017, 0),
-                Multiplexer::new(0x1018, 1),
-                Multiplexer::new(0x1800, 2),
+                Multiplexer::new(object::DEVICE_TYPE, 0),
+                Multiplexer::new(object::ERROR_REGISTER, 0),
+                Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0),
+                Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0),
+                Multiplexer::new(object::IDENTITY, 1),
+                Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 2),
             ]),
         }
     }

@@ -1,6 +1,7 @@
 //! What the objects of the device hold, as far as its own answers tell.
 
 use crate::Knowledge;
+use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer, NodeId};
 
 /// The values that all objects should hold after what was written, as far as that is certain.
@@ -53,7 +54,7 @@ impl ExpectedValues {
             aborted: None,
             sync: None,
             emcy: None,
-            has_emcy_object: knowledge.entry(Multiplexer::new(0x1014, 0)).is_some(),
+            has_emcy_object: knowledge.entry(Multiplexer::new(object::COB_ID_EMCY, 0)).is_some(),
             time: None,
             bus_changed: false,
         };
@@ -103,9 +104,9 @@ impl ExpectedValues {
     }
 
     fn learn_identifiers(&mut self, knowledge: &Knowledge) {
-        self.sync = self.number(knowledge, 0x1005, 0);
-        self.emcy = self.number(knowledge, 0x1014, 0);
-        self.time = self.number(knowledge, 0x1012, 0);
+        self.sync = self.number(knowledge, object::COB_ID_SYNC, 0);
+        self.emcy = self.number(knowledge, object::COB_ID_EMCY, 0);
+        self.time = self.number(knowledge, object::COB_ID_TIME, 0);
     }
 
     /// Another number whenever a PDO should do something else.
@@ -160,17 +161,18 @@ impl ExpectedValues {
         self.bus_changed |= knowledge.services.bus_objects.contains(&known.at);
         self.change = raw.map(|raw| (known.at, raw));
         match (known.at.index.0, known.at.sub.0) {
-            (0x1005, 0) => self.sync = raw,
-            (0x1012, 0) => self.time = raw,
-            (0x1014, 0) => self.emcy = raw,
+            (object::COB_ID_SYNC, 0) => self.sync = raw,
+            (object::COB_ID_TIME, 0) => self.time = raw,
+            (object::COB_ID_EMCY, 0) => self.emcy = raw,
             _ => {}
         }
     }
 
     /// Objects of the profile and the manufacturer can be linked to event timers: 6200h is 1800h:05.
     fn forget_linked(&mut self, knowledge: &Knowledge) {
-        let first = knowledge.entries().partition_point(|known| known.at.index.0 < 0x1800);
-        let last = knowledge.entries().partition_point(|known| known.at.index.0 < 0x1A00);
+        let first =
+            knowledge.entries().partition_point(|known| known.at.index.0 < object::TPDO_COMMUNICATION_PARAMETER);
+        let last = knowledge.entries().partition_point(|known| known.at.index.0 < object::TPDO_MAPPING_PARAMETER);
         for (held, known) in self.values[first..last].iter_mut().zip(&knowledge.entries()[first..last]) {
             if known.at.sub.0 == 5 {
                 held.raw = None;
@@ -205,8 +207,10 @@ impl ExpectedValues {
     /// Something was written, but nobody knows what, and maybe not even which object.
     pub fn forget(&mut self, at: Option<Multiplexer>) {
         // What a device does on an error, and what it stores, it shows to nobody.
-        let hidden = at.is_none_or(|at| matches!(at.index.0, 0x1010 | 0x1011 | 0x1029));
-        self.change = hidden.then(|| (at.unwrap_or(Multiplexer::new(0x1029, 1)), u64::MAX));
+        let hidden = at.is_none_or(|at| {
+            matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::ERROR_BEHAVIOR)
+        });
+        self.change = hidden.then(|| (at.unwrap_or(Multiplexer::new(object::ERROR_BEHAVIOR, 1)), u64::MAX));
         self.writes += 1;
         self.version += 1;
         self.bus_changed = true;
@@ -226,7 +230,8 @@ impl ExpectedValues {
 
     /// Whether parameters were stored or restored: what is read from then on is not modelled.
     pub fn has_stored(&self) -> bool {
-        self.change.is_some_and(|(at, _)| matches!(at.index.0, 0x1010 | 0x1011))
+        self.change
+            .is_some_and(|(at, _)| matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS))
     }
 
     /// Whether that is the identifier of SYNC; 080h where 1005h is not known.
@@ -256,15 +261,19 @@ impl ExpectedValues {
         }
         let is_set = |index| knowledge.entry(Multiplexer::new(index, 0)).is_some_and(|known| known.stable);
         let valid = self.emcy.is_some_and(|raw| CobId(raw as u32).is_valid());
-        is_set(0x1014) && !valid || is_set(0x1015) && self.number(knowledge, 0x1015, 0) != Some(0)
+        is_set(object::COB_ID_EMCY) && !valid
+            || is_set(object::INHIBIT_TIME_EMCY) && self.number(knowledge, object::INHIBIT_TIME_EMCY, 0) != Some(0)
     }
 
     /// Whether the device may be watching other nodes (1016h), or its master (100Ch, 100Dh).
     fn watches(&self, knowledge: &Knowledge) -> bool {
-        let first = knowledge.entries().partition_point(|known| known.at < Multiplexer::new(0x1016, 1));
-        let consumers = knowledge.entries()[first..].iter().take_while(|known| known.at.index.0 == 0x1016);
+        let first = knowledge
+            .entries()
+            .partition_point(|known| known.at < Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1));
+        let consumers =
+            knowledge.entries()[first..].iter().take_while(|known| known.at.index.0 == object::CONSUMER_HEARTBEAT_TIME);
         let heartbeats = self.values[first..].iter().zip(consumers).any(|(held, _)| held.raw.is_none_or(has_time));
-        let is_guarded = [0x100C, 0x100D].into_iter().all(|index| {
+        let is_guarded = [object::GUARD_TIME, object::LIFE_TIME_FACTOR].into_iter().all(|index| {
             let exists = knowledge.entry(Multiplexer::new(index, 0)).is_some();
             exists && self.number(knowledge, index, 0) != Some(0)
         });

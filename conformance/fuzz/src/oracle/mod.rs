@@ -23,6 +23,7 @@ use super::coverage::Coverage;
 use super::property::Property;
 use super::stimulus::Start;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::{error_control, lss as lss_wire, nmt as nmt_wire, sdo as sdo_wire};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -277,7 +278,7 @@ impl Oracle {
         self.doubt(now);
         if let Some(change) = self.expected_values.take_change() {
             // A device that stops on an error does so without a word.
-            self.blind |= change.0.index.0 == 0x1029 && change.1 > 1;
+            self.blind |= change.0.index.0 == object::ERROR_BEHAVIOR && change.1 > 1;
             self.nmt.configured(now, change);
             self.pdo.configured(now, change);
         }

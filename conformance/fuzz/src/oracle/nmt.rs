@@ -6,6 +6,7 @@ use crate::Knowledge;
 use crate::property::Property;
 use crate::stimulus::Start;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::Emcy;
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
@@ -357,10 +358,12 @@ impl Slave {
         let code = Emcy::read(emcy.data()).ok().and_then(|emcy| emcy.code());
         let communication = code.is_some_and(|code| matches!(code.0 >> 8, 0x81 | 0x82));
         let classes = 1..=if communication { 1 } else { ERROR_CLASSES };
-        let exists = |sub: &u8| !knowledge.is_described() || knowledge.entry(Multiplexer::new(0x1029, *sub)).is_some();
+        let exists = |sub: &u8| {
+            !knowledge.is_described() || knowledge.entry(Multiplexer::new(object::ERROR_BEHAVIOR, *sub)).is_some()
+        };
         let (mut stays, mut leaves) = (false, false);
         for sub in classes.filter(exists) {
-            match expected_values.number(knowledge, 0x1029, sub) {
+            match expected_values.number(knowledge, object::ERROR_BEHAVIOR, sub) {
                 Some(1) => stays = true,
                 Some(0) => leaves = true,
                 _ => return self.enter(now, Phase::Unsure),
@@ -539,7 +542,7 @@ impl Slave {
 }
 
 /// Producer heartbeat time, in ms.
-const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(0x1017, 0);
+const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
 
 /// Whether a frame commands the device, alone or among all, to reset itself.
 fn resets(frame: &Frame, knowledge: &Knowledge) -> bool {

@@ -6,6 +6,7 @@ use super::sync_count::SyncCount;
 use super::{Served, Violation, violation};
 use crate::Knowledge;
 use crate::property::Property;
+use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Frame, Timestamp};
 
@@ -125,7 +126,7 @@ impl Pdos {
             if communication {
                 (seen.last, seen.since) = (None, now);
             }
-            if matches!(at.index.0, 0x1005 | 0x1019) {
+            if matches!(at.index.0, object::COB_ID_SYNC | object::SYNCHRONOUS_COUNTER_OVERFLOW) {
                 seen.count.doubt();
             }
         }
@@ -145,7 +146,7 @@ impl Pdos {
         knowledge: &Knowledge,
     ) -> Result<(), Violation> {
         self.learn(expected_values, knowledge);
-        let counter = expected_values.number(knowledge, 0x1019, 0).unwrap_or(0);
+        let counter = expected_values.number(knowledge, object::SYNCHRONOUS_COUNTER_OVERFLOW, 0).unwrap_or(0);
         let understood = frame.len() == usize::from(counter != 0);
         let rests = !matches!(nmt.phase(), Phase::Operational | Phase::Running | Phase::Unsure);
         for seen in &mut self.seen {
@@ -442,8 +443,8 @@ impl Parameters {
             inhibit: number(3).map(|raw| Duration::from_micros(raw * 100)),
             event_timer: number(5).map(Duration::from_millis),
             start_value: number(6).unwrap_or(0),
-            open_window: match knowledge.entry(Multiplexer::new(0x1007, 0)) {
-                Some(_) => expected_values.number(knowledge, 0x1007, 0) == Some(0),
+            open_window: match knowledge.entry(Multiplexer::new(object::SYNCHRONOUS_WINDOW_LENGTH, 0)) {
+                Some(_) => expected_values.number(knowledge, object::SYNCHRONOUS_WINDOW_LENGTH, 0) == Some(0),
                 None => true,
             },
             mapped: expected_values.number(knowledge, index + 0x200, 0).is_some_and(|count| (1..=64).contains(&count)),

@@ -3,6 +3,7 @@
 use super::codes::{self, CodeSet};
 use super::expected_values::ExpectedValues;
 use crate::Knowledge;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 
@@ -28,28 +29,40 @@ pub(super) fn refusal(
         (0x1800..=0x19FF, 6) => sync_start(at, raw, knowledge, expected_values),
         (0x1600..=0x17FF | 0x1A00..=0x1BFF, 0) => mapping_count(at, raw, knowledge, expected_values),
         (0x1600..=0x17FF | 0x1A00..=0x1BFF, _) => mapping_entry(at, knowledge, expected_values),
-        (0x1005 | 0x1012, 0) if CobId(raw as u32 & 0x7FF).is_restricted() && at.index.0 == 0x1005 => {
+        (object::COB_ID_SYNC | object::COB_ID_TIME, 0)
+            if CobId(raw as u32 & 0x7FF).is_restricted() && at.index.0 == object::COB_ID_SYNC =>
+        {
             Some((codes::REFUSED, "a restricted CAN-ID"))
         }
-        (0x1014, 0) if CobId(raw as u32).is_valid() && CobId(raw as u32).is_restricted() => {
+        (object::COB_ID_EMCY, 0) if CobId(raw as u32).is_valid() && CobId(raw as u32).is_restricted() => {
             Some((codes::REFUSED, "a restricted CAN-ID"))
         }
-        (0x1005, 0) => in_use(at, raw, PRODUCES, knowledge, expected_values),
-        (0x1012, 0) => in_use(at, raw, PRODUCES | CONSUMES, knowledge, expected_values),
-        (0x1014, 0) => while_valid(at, raw, knowledge, expected_values),
+        (object::COB_ID_SYNC, 0) => in_use(at, raw, PRODUCES, knowledge, expected_values),
+        (object::COB_ID_TIME, 0) => in_use(at, raw, PRODUCES | CONSUMES, knowledge, expected_values),
+        (object::COB_ID_EMCY, 0) => while_valid(at, raw, knowledge, expected_values),
         (0x1201..=0x127F, 1 | 2) => while_valid(at, raw, knowledge, expected_values),
-        (0x1003, 0) if raw != 0 => Some((codes::REFUSED, "only 0 can be written to the error history")),
-        (0x1010, 1..) if raw != SAVE => Some((codes::REFUSED, "not the signature that stores")),
-        (0x1011, 1..) if raw != LOAD => Some((codes::REFUSED, "not the signature that restores")),
-        (0x1016, 1..) => consumer(at, raw, knowledge, expected_values),
-        (0x1019, 0) if raw == 1 || raw > 240 => Some((codes::REFUSED, "a reserved value of the SYNC counter")),
-        (0x1019, 0) => {
-            let (period, counter) =
-                (expected_values.number(knowledge, 0x1006, 0)?, expected_values.number(knowledge, 0x1019, 0)?);
+        (object::PREDEFINED_ERROR_FIELD, 0) if raw != 0 => {
+            Some((codes::REFUSED, "only 0 can be written to the error history"))
+        }
+        (object::STORE_PARAMETERS, 1..) if raw != SAVE => Some((codes::REFUSED, "not the signature that stores")),
+        (object::RESTORE_DEFAULT_PARAMETERS, 1..) if raw != LOAD => {
+            Some((codes::REFUSED, "not the signature that restores"))
+        }
+        (object::CONSUMER_HEARTBEAT_TIME, 1..) => consumer(at, raw, knowledge, expected_values),
+        (object::SYNCHRONOUS_COUNTER_OVERFLOW, 0) if raw == 1 || raw > 240 => {
+            Some((codes::REFUSED, "a reserved value of the SYNC counter"))
+        }
+        (object::SYNCHRONOUS_COUNTER_OVERFLOW, 0) => {
+            let (period, counter) = (
+                expected_values.number(knowledge, object::COMMUNICATION_CYCLE_PERIOD, 0)?,
+                expected_values.number(knowledge, object::SYNCHRONOUS_COUNTER_OVERFLOW, 0)?,
+            );
             let changes = period != 0 && counter != raw;
             changes.then_some((codes::REFUSED, "the SYNC counter changes only while 1006h is 0"))
         }
-        (0x1029, 1..) if (3..0x80).contains(&raw) => Some((codes::REFUSED, "a reserved behaviour on errors")),
+        (object::ERROR_BEHAVIOR, 1..) if (3..0x80).contains(&raw) => {
+            Some((codes::REFUSED, "a reserved behaviour on errors"))
+        }
         _ => None,
     }
 }
@@ -159,9 +172,12 @@ fn consumer(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values: &
     if !(1..=127).contains(&node) || time == 0 {
         return None;
     }
-    let twice =
-        knowledge.entries().iter().filter(|known| known.at.index.0 == 0x1016 && known.at.sub.0 > 0).any(|known| {
-            let other = expected_values.number(knowledge, 0x1016, known.at.sub.0).unwrap_or(0);
+    let twice = knowledge
+        .entries()
+        .iter()
+        .filter(|known| known.at.index.0 == object::CONSUMER_HEARTBEAT_TIME && known.at.sub.0 > 0)
+        .any(|known| {
+            let other = expected_values.number(knowledge, object::CONSUMER_HEARTBEAT_TIME, known.at.sub.0).unwrap_or(0);
             known.at.sub != at.sub && other >> 16 & 0xFF == node && other & 0xFFFF != 0
         });
     twice.then_some((DOUBLE, "the node is watched already"))

@@ -104,6 +104,7 @@ fn carried(response: &Response) -> usize {
 mod tests {
     use super::*;
     use crate::scripted::{frame, with_bench};
+    use canvass_analyzer::object;
     use canvass_bus::observation::Subject;
     use canvass_traces::Duration;
 
@@ -115,7 +116,7 @@ mod tests {
         };
         with_bench(script, |bench| {
             for _ in 0..2 {
-                bench.upload(Multiplexer::new(0x1000, 0)).unwrap();
+                bench.upload(Multiplexer::new(object::DEVICE_TYPE, 0)).unwrap();
             }
             judge(bench);
             bench.take_breaches(None)
@@ -126,13 +127,16 @@ mod tests {
     fn an_abort_that_names_another_object_is_a_breach_of_the_case_once() {
         let found = breaches("5BF#8001100000000206", |_| {});
         let [breach] = found.as_slice() else { panic!("{found:?}") };
-        assert_eq!(breach.subject, Subject::from(Multiplexer::new(0x1000, 0)));
-        assert_eq!(breach.actual, Observation::Violation(Violation::Multiplexer(Multiplexer::new(0x1001, 0))));
+        assert_eq!(breach.subject, Subject::from(Multiplexer::new(object::DEVICE_TYPE, 0)));
+        assert_eq!(
+            breach.actual,
+            Observation::Violation(Violation::Multiplexer(Multiplexer::new(object::ERROR_REGISTER, 0)))
+        );
         assert_eq!(breaches("5BF#8000100000000206", |_| {}), []);
         assert_eq!(breaches("5BF#8001100000000405", |_| {}), [], "the time-out of an earlier transfer");
         let unjudged = |bench: &mut Bench<'_>| {
             bench.take_breaches(None);
-            bench.unjudged(|bench| bench.upload(Multiplexer::new(0x1000, 0)).unwrap());
+            bench.unjudged(|bench| bench.upload(Multiplexer::new(object::DEVICE_TYPE, 0)).unwrap());
         };
         assert_eq!(breaches("5BF#8001100000000206", unjudged), []);
     }

@@ -5,6 +5,7 @@ use super::rewrite::Original;
 use crate::comparison::{Change, Comparison, Nature};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Access, DeviceDescription, names};
+use canvass_analyzer::object;
 use canvass_bus::client::Outcome;
 use std::collections::BTreeMap;
 
@@ -23,7 +24,7 @@ const UNDESCRIBED: [(u16, u16); 7] = [
 const MOST_SUBS: u8 = 16;
 
 /// Who the device is.
-const IDENTITY: u16 = 0x1018;
+const IDENTITY: u16 = object::IDENTITY;
 
 /// On a live bus: after so many objects in a row that are read without an answer, or with one that makes no sense, the rest
 /// would only take its time.
@@ -140,7 +141,7 @@ impl Bench<'_> {
             _ if self.is_put_back(multiplexer) => Nature::Setting,
             // Writing them moves the position, so that they are not written back; but they are settings.
             0x6003 | 0x6009 if entry.is_some_and(|entry| entry.access.is_writable()) => Nature::Setting,
-            0x1000 | 0x1008..=0x100A | IDENTITY => Nature::Constant,
+            object::DEVICE_TYPE | 0x1008..=0x100A | IDENTITY => Nature::Constant,
             _ if is_constant => Nature::Constant,
             _ => Nature::Own,
         };
@@ -178,5 +179,5 @@ impl Bench<'_> {
 
 /// Objects that only change when they are written, whatever the device.
 const fn is_configuration(multiplexer: Multiplexer) -> bool {
-    matches!(multiplexer.index.0, 0x1005..=0x1007 | 0x100C | 0x100D | 0x1012..=0x1017 | 0x1019 | 0x1029 | 0x1200..=0x1BFF)
+    matches!(multiplexer.index.0, 0x1005..=0x1007 | object::GUARD_TIME | object::LIFE_TIME_FACTOR | 0x1012..=0x1017 | object::SYNCHRONOUS_COUNTER_OVERFLOW | object::ERROR_BEHAVIOR | 0x1200..=0x1BFF)
 }

@@ -4,6 +4,7 @@ use super::state::{GUARD_TIME, Heartbeats};
 use super::{Bench, Met};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
 use canvass_device::models::Model;
@@ -92,7 +93,8 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::has`].
     pub(crate) fn can_be_guarded(&mut self) -> Result<bool, Stop> {
-        let is_settable = self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(0x100D, 0))?;
+        let is_settable =
+            self.can_write(GUARD_TIME)? && self.can_write(Multiplexer::new(object::LIFE_TIME_FACTOR, 0))?;
         Ok(is_settable && !matches!(self.heartbeats()?, Heartbeats::Fixed(_)))
     }
 

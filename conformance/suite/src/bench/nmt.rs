@@ -3,6 +3,7 @@
 use super::{Bench, Sent};
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::{self, Command, Nmt};
@@ -163,7 +164,7 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::wait_for`].
     pub fn answers(&mut self) -> Result<bool, Stop> {
-        Ok(!self.upload(Multiplexer::new(0x1000, 0))?.is_silent())
+        Ok(!self.upload(Multiplexer::new(object::DEVICE_TYPE, 0))?.is_silent())
     }
 
     /// What every case starts from: reset, boot-up seen, pre-operational even if the device starts by itself.

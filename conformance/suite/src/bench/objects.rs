@@ -4,23 +4,24 @@ use super::Bench;
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DataType;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response};
 use canvass_bus::client::Outcome;
 use canvass_bus::client::sdo::Mode;
 
 /// COB-ID of TPDO 1.
-pub const TPDO_COB_ID: Multiplexer = Multiplexer::new(0x1800, 1);
+pub const TPDO_COB_ID: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
 /// Transmission type of TPDO 1.
-pub const TRANSMISSION_TYPE: Multiplexer = Multiplexer::new(0x1800, 2);
+pub const TRANSMISSION_TYPE: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 2);
 /// Inhibit time of TPDO 1, in 100 µs.
-pub const INHIBIT_TIME: Multiplexer = Multiplexer::new(0x1800, 3);
+pub const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 3);
 /// How many objects TPDO 1 carries.
-pub const TPDO_MAPPED: Multiplexer = Multiplexer::new(0x1A00, 0);
+pub const TPDO_MAPPED: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 0);
 /// The first object that TPDO 1 carries.
-pub const TPDO_FIRST_ENTRY: Multiplexer = Multiplexer::new(0x1A00, 1);
+pub const TPDO_FIRST_ENTRY: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 1);
 /// Event timer of TPDO 1, in ms.
-pub const EVENT_TIMER: Multiplexer = Multiplexer::new(0x1800, 5);
+pub const EVENT_TIMER: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5);
 
 /// An object that can be written and read back without consequence.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -47,16 +48,16 @@ const fn candidate(index: u16, sub: u8, data_type: DataType, values: [u32; 2]) -
 /// The best first: what takes effect only with something else that no case switches on, then what merely changes a
 /// period.
 const CANDIDATES: [Candidate; 9] = [
-    candidate(0x1017, 0, DataType::UNSIGNED16, [1_000, 2_000]),
+    candidate(object::PRODUCER_HEARTBEAT_TIME, 0, DataType::UNSIGNED16, [1_000, 2_000]),
     // Without life time factor (100Dh = 0) the guard time does nothing.
-    candidate(0x100C, 0, DataType::UNSIGNED16, [1_000, 2_000]),
-    candidate(0x1015, 0, DataType::UNSIGNED16, [0, 100]),
-    candidate(0x1800, 5, DataType::UNSIGNED16, [100, 200]),
+    candidate(object::GUARD_TIME, 0, DataType::UNSIGNED16, [1_000, 2_000]),
+    candidate(object::INHIBIT_TIME_EMCY, 0, DataType::UNSIGNED16, [0, 100]),
+    candidate(object::TPDO_COMMUNICATION_PARAMETER, 5, DataType::UNSIGNED16, [100, 200]),
     // Error behaviour on communication errors: none is provoked.
-    candidate(0x1029, 1, DataType::UNSIGNED8, [0, 1]),
+    candidate(object::ERROR_BEHAVIOR, 1, DataType::UNSIGNED8, [0, 1]),
     // Only a SYNC producer uses the period, only synchronous PDOs the window.
-    candidate(0x1006, 0, DataType::UNSIGNED32, [100_000, 200_000]),
-    candidate(0x1007, 0, DataType::UNSIGNED32, [0, 100_000]),
+    candidate(object::COMMUNICATION_CYCLE_PERIOD, 0, DataType::UNSIGNED32, [100_000, 200_000]),
+    candidate(object::SYNCHRONOUS_WINDOW_LENGTH, 0, DataType::UNSIGNED32, [0, 100_000]),
     candidate(0x6401, 0, DataType::INTEGER32, [16, 32]),
     candidate(0x6200, 0, DataType::UNSIGNED16, [100, 200]),
 ];
@@ -65,7 +66,7 @@ const CANDIDATES: [Candidate; 9] = [
 const TEXTS: [DataType; 3] = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
 
 /// For devices that have none of them: nothing is sent before the device is operational.
-const LAST_CANDIDATE: Candidate = candidate(0x1800, 2, DataType::UNSIGNED8, [1, 2]);
+const LAST_CANDIDATE: Candidate = candidate(object::TPDO_COMMUNICATION_PARAMETER, 2, DataType::UNSIGNED8, [1, 2]);
 
 impl Bench<'_> {
     /// The scratch objects that the device has, best first, with their values of now.
@@ -325,5 +326,8 @@ impl Bench<'_> {
 }
 
 /// Manufacturer device name, hardware version, software version.
-pub const NAMES: [Multiplexer; 3] =
-    [Multiplexer::new(0x1008, 0), Multiplexer::new(0x1009, 0), Multiplexer::new(0x100A, 0)];
+pub const NAMES: [Multiplexer; 3] = [
+    Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0),
+    Multiplexer::new(object::MANUFACTURER_HARDWARE_VERSION, 0),
+    Multiplexer::new(object::MANUFACTURER_SOFTWARE_VERSION, 0),
+];

@@ -4,6 +4,7 @@ use super::Bench;
 use super::sdo::number;
 use crate::verdict::{Judged, Precondition, Reason, Stop};
 use canvass_analyzer::dictionary::Value;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sync;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Subject;
@@ -19,9 +20,11 @@ pub struct Pdo {
 }
 
 /// The first RPDO.
-pub const RPDO: Pdo = Pdo { communication: 0x1400, mapping: 0x1600 };
+pub const RPDO: Pdo =
+    Pdo { communication: object::RPDO_COMMUNICATION_PARAMETER, mapping: object::RPDO_MAPPING_PARAMETER };
 /// The first TPDO.
-pub const TPDO: Pdo = Pdo { communication: 0x1800, mapping: 0x1A00 };
+pub const TPDO: Pdo =
+    Pdo { communication: object::TPDO_COMMUNICATION_PARAMETER, mapping: object::TPDO_MAPPING_PARAMETER };
 
 /// An object that a PDO carries.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -304,7 +307,7 @@ impl Bench<'_> {
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses it.
     pub fn stop_sync_period(&mut self) -> Result<(), Stop> {
-        let period = Multiplexer::new(0x1006, 0);
+        let period = Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0);
         if self.has(period)? && self.read_number(period)? != 0 {
             self.write(period, &0_u32.to_le_bytes())?;
         }
@@ -316,7 +319,7 @@ impl Bench<'_> {
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses it.
     pub fn expect_plain_sync(&mut self) -> Result<(), Stop> {
-        let overflow = Multiplexer::new(0x1019, 0);
+        let overflow = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
         if self.has(overflow)? && self.read_number(overflow)? != 0 {
             self.stop_sync_period()?;
             self.write(overflow, &[0])?;
@@ -329,7 +332,7 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::upload`].
     pub fn sync_id(&mut self) -> Result<u16, Stop> {
-        let object = Multiplexer::new(0x1005, 0);
+        let object = Multiplexer::new(object::COB_ID_SYNC, 0);
         if !self.has(object)? {
             return Ok(sync::CAN_ID);
         }

@@ -3,6 +3,7 @@
 use super::{Bench, Met};
 use crate::touch::Touch;
 use crate::verdict::{Reason, Stop};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
@@ -93,7 +94,7 @@ impl Bench<'_> {
         if std::mem::replace(&mut self.knowledge.others_known, true) {
             return Ok(());
         }
-        let request = Request::upload(Multiplexer::new(0x1000, 0));
+        let request = Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0));
         let own = self.node();
         let others: Vec<NodeId> = NodeId::all().filter(|node| *node != own).collect();
         // As many at a time as the queues of interfaces hold.
@@ -139,7 +140,7 @@ impl Bench<'_> {
             return Ok(());
         }
         let node = self.node();
-        let request = Request::upload(Multiplexer::new(0x1000, 0));
+        let request = Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0));
         self.send_request(&request)?;
         let sign = self
             .wait_for(LOOK.max(self.silence()), |record| super::traffic::is_from(node, &record.frame).then_some(()))?;

@@ -6,12 +6,13 @@ use super::pdo::{Mapped, Pdo, RPDO, TPDO};
 use super::sdo::number;
 use super::{Bench, Met};
 use crate::verdict::Stop;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::pdo;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
 
 /// The error register, which every device has; many can map it.
-const ERROR_REGISTER: Mapped = Mapped { at: Multiplexer::new(0x1001, 0), bits: 8 };
+const ERROR_REGISTER: Mapped = Mapped { at: Multiplexer::new(object::ERROR_REGISTER, 0), bits: 8 };
 
 /// As many objects are tried until the device takes one.
 const TRIED: usize = 4;

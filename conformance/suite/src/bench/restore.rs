@@ -5,6 +5,7 @@ use super::rewrite::{Original, companions, writes};
 use crate::comparison::{Change, Nature};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome};
 use canvass_bus::observation::Subject;
@@ -12,11 +13,19 @@ use canvass_bus::observation::Subject;
 /// Writing these makes something happen (clears the error history, stores, restores, sets the clock, moves the position);
 /// there is no value to put back. Cases that move the position put it back themselves.
 pub(super) const fn is_trigger(multiplexer: Multiplexer) -> bool {
-    matches!(multiplexer.index.0, 0x1003 | 0x1010 | 0x1011 | 0x1013 | 0x6003 | 0x6009)
+    matches!(
+        multiplexer.index.0,
+        object::PREDEFINED_ERROR_FIELD
+            | object::STORE_PARAMETERS
+            | object::RESTORE_DEFAULT_PARAMETERS
+            | object::HIGH_RESOLUTION_TIME_STAMP
+            | 0x6003
+            | 0x6009
+    )
 }
 
 /// Stores all parameters.
-pub(super) const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+pub(super) const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 
 /// What puts a device right after a case that could not go on; `true` if the case stored something.
 pub type Rescue = fn(&mut Bench<'_>, bool) -> Result<(), Stop>;
@@ -191,13 +200,17 @@ mod tests {
     use super::Original;
     use crate::scripted::{table, with_bench};
     use canvass_analyzer::Multiplexer;
+    use canvass_analyzer::object;
     use canvass_traces::Duration;
 
     #[test]
     fn a_device_that_is_gone_is_not_written_to_after_each_case() {
         let (took, left) = with_bench(table(&[]), |bench| {
             bench.gone = Some("301/a/case");
-            bench.changes.push(Original { multiplexer: Multiplexer::new(0x1017, 0), value: vec![0, 0] });
+            bench.changes.push(Original {
+                multiplexer: Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0),
+                value: vec![0, 0],
+            });
             let begun = bench.now();
             bench.restore();
             bench.restore();
@@ -205,6 +218,10 @@ mod tests {
         });
         assert_eq!(took, Duration::ZERO);
         let left: Vec<_> = left.into_iter().map(|Original { multiplexer, value }| (multiplexer, value)).collect();
-        assert_eq!(left, [(Multiplexer::new(0x1017, 0), vec![0, 0])], "it is tried again once the device is back");
+        assert_eq!(
+            left,
+            [(Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), vec![0, 0])],
+            "it is tried again once the device is back"
+        );
     }
 }

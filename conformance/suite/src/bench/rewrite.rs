@@ -4,6 +4,7 @@
 //! A device that refuses what is written to a PDO in use is right; one that takes it in any order does not mind this one.
 
 use super::Bench;
+use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
 use canvass_bus::client::sdo::Mode;
@@ -43,12 +44,12 @@ enum Order {
 }
 
 /// EMCY: COB-ID; SYNC: COB-ID, period; TIME: COB-ID.
-const EMCY_ID: u16 = 0x1014;
-const EMCY_INHIBIT: u16 = 0x1015;
-const SYNC_ID: u16 = 0x1005;
-const SYNC_PERIOD: u16 = 0x1006;
-const SYNC_OVERFLOW: u16 = 0x1019;
-const TIME_ID: u16 = 0x1012;
+const EMCY_ID: u16 = object::COB_ID_EMCY;
+const EMCY_INHIBIT: u16 = object::INHIBIT_TIME_EMCY;
+const SYNC_ID: u16 = object::COB_ID_SYNC;
+const SYNC_PERIOD: u16 = object::COMMUNICATION_CYCLE_PERIOD;
+const SYNC_OVERFLOW: u16 = object::SYNCHRONOUS_COUNTER_OVERFLOW;
+const TIME_ID: u16 = object::COB_ID_TIME;
 
 /// Bit 30 of 1005h: the device produces SYNC.
 const PRODUCES: u32 = 1 << 30;
@@ -153,11 +154,11 @@ mod tests {
         let original =
             |index, sub, value: &[u8]| Original { multiplexer: Multiplexer::new(index, sub), value: value.to_vec() };
         let originals = [
-            original(0x1800, 1, &[0xBF, 1, 0, 0x40]),
-            original(0x1A00, 0, &[1]),
-            original(0x1A00, 1, &[0x20, 0, 4, 0x60]),
-            original(0x1800, 2, &[254]),
-            original(0x1017, 0, &[0, 0]),
+            original(object::TPDO_COMMUNICATION_PARAMETER, 1, &[0xBF, 1, 0, 0x40]),
+            original(object::TPDO_MAPPING_PARAMETER, 0, &[1]),
+            original(object::TPDO_MAPPING_PARAMETER, 1, &[0x20, 0, 4, 0x60]),
+            original(object::TPDO_COMMUNICATION_PARAMETER, 2, &[254]),
+            original(object::PRODUCER_HEARTBEAT_TIME, 0, &[0, 0]),
         ];
         let written: Vec<String> =
             steps(&originals).iter().map(|step| format!("{} {:02X?}", step.multiplexer, step.value)).collect();

@@ -7,6 +7,7 @@ use super::attempt::subject_of;
 use super::block::ABORT;
 use crate::verdict::{Breach, Judged, Precondition, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response};
 use canvass_bus::client::sdo::{Mode, Outcome, Reaction, Transfer, Violation};
@@ -15,7 +16,7 @@ use canvass_traces::{Duration, Frame};
 use std::borrow::Cow;
 
 /// An object that every device has.
-pub const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+pub const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
 impl Bench<'_> {
     /// Reads an object.
@@ -150,7 +151,9 @@ impl Bench<'_> {
 
     fn transfer(&mut self, mut transfer: Transfer, first: Request, what: String) -> Result<Attempt, Stop> {
         self.drain()?;
-        let stores = first.multiplexer().is_some_and(|object| matches!(object.index.0, 0x1010 | 0x1011));
+        let stores = first.multiplexer().is_some_and(|object| {
+            matches!(object.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
+        });
         let patience = if stores { self.timing().store } else { self.timing().sdo_response };
         let multiplexer = transfer.multiplexer();
         let mut request = first;
@@ -286,7 +289,7 @@ mod tests {
             vec![(Duration::from_millis(1), Frame::full(canvass_traces::CanId::standard(0x5BF).unwrap(), answer))]
         };
         with_bench(script, |bench| {
-            let heartbeat_time = Multiplexer::new(0x1017, 0);
+            let heartbeat_time = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
             bench.write(heartbeat_time, &[0xE8, 0x03]).unwrap();
             assert_eq!(*time.borrow(), [0xE8, 0x03]);
             let remains = bench.finish();

@@ -3,6 +3,7 @@
 use super::Bench;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::Command;
@@ -11,11 +12,11 @@ use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{CanId, Duration, Frame};
 
 /// Producer heartbeat time.
-pub const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(0x1017, 0);
+pub const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
 /// Guard time.
-pub const GUARD_TIME: Multiplexer = Multiplexer::new(0x100C, 0);
+pub const GUARD_TIME: Multiplexer = Multiplexer::new(object::GUARD_TIME, 0);
 /// Life time factor.
-pub const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(0x100D, 0);
+pub const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(object::LIFE_TIME_FACTOR, 0);
 
 /// The period at which a case lets the device say its state: short, and no burden on the bus.
 const PERIOD_MS: u16 = 50;

@@ -187,6 +187,7 @@ impl Bench<'_> {
 mod tests {
     use super::*;
     use crate::bench::{Options, Target};
+    use canvass_analyzer::object;
     use canvass_bus::{Bus, Health};
     use canvass_traces::ChannelId;
     use std::sync::atomic::AtomicBool;
@@ -228,7 +229,7 @@ mod tests {
             false => Vec::new(),
         };
         crate::scripted::with_bench(script, |bench| {
-            let value = bench.read(canvass_analyzer::Multiplexer::new(0x1000, 0));
+            let value = bench.read(canvass_analyzer::Multiplexer::new(object::DEVICE_TYPE, 0));
             assert_eq!(value.unwrap(), [2, 0, 0, 0]);
             assert!(bench.fd_notice().unwrap().starts_with("1 CAN FD frame came"));
         });

@@ -1,6 +1,7 @@
 //! What is noticed in passing, whatever the case is about.
 
 use canvass_analyzer::NodeId;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy};
 use canvass_analyzer::wire::error_control::{self, ErrorControl};
@@ -161,7 +162,10 @@ pub(super) fn is_store(cob_id: u16, data: &[u8], node: NodeId) -> bool {
     }
     let Ok(Request::InitiateDownload { multiplexer, payload }) = Request::read(data) else { return false };
     cob_id == sdo::REQUEST_BASE + u16::from(node.raw())
-        && matches!((multiplexer.index.0, payload.value()), (0x1010, Some(b"save")) | (0x1011, Some(b"load")))
+        && matches!(
+            (multiplexer.index.0, payload.value()),
+            (object::STORE_PARAMETERS, Some(b"save")) | (object::RESTORE_DEFAULT_PARAMETERS, Some(b"load"))
+        )
 }
 
 #[cfg(test)]

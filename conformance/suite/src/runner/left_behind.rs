@@ -6,9 +6,10 @@ use crate::case::Case;
 use crate::comparison::{Comparison, Nature};
 use crate::scripted::with_bench;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_traces::{CanId, Duration, Frame};
 
-const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(0x1017, 0);
+const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
 
 static WRITES: Case = test_case("test/writes", |bench| bench.write(HEARTBEAT_TIME, &[0xE8, 0x03]));
 
@@ -70,5 +71,5 @@ fn a_value_that_was_put_back_is_not_and_one_that_moves_is_the_devices_own() {
     let (summary, comparison) = compared(false);
     assert!(summary.is_as_found && comparison.is_as_found() && comparison.commands.is_empty(), "{comparison:?}");
     let own: Vec<_> = comparison.own().map(|change| change.multiplexer).collect();
-    assert_eq!(own, [Multiplexer::new(0x1001, 0)]);
+    assert_eq!(own, [Multiplexer::new(object::ERROR_REGISTER, 0)]);
 }

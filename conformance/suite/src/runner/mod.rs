@@ -19,6 +19,7 @@ use crate::catalogue;
 use crate::comparison::Comparison;
 use crate::journal::Interrupted;
 use crate::verdict::{End, Kind, Lack, Stop};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
@@ -209,8 +210,8 @@ fn reach_device(bench: &mut Bench<'_>) -> Result<bool, RunError> {
 
 fn identify(bench: &mut Bench<'_>) -> DeviceIdentity {
     let mut number = |index, sub| bench.read_number(Multiplexer::new(index, sub)).ok();
-    let device_type = number(0x1000, 0);
-    let identity = [1, 2, 3, 4].map(|sub| number(0x1018, sub));
+    let device_type = number(object::DEVICE_TYPE, 0);
+    let identity = [1, 2, 3, 4].map(|sub| number(object::IDENTITY, sub));
     let names = objects::NAMES.map(|name| {
         let value = bench.read(name).ok()?;
         Some(String::from_utf8_lossy(&value).into_owned())
@@ -320,7 +321,7 @@ mod tests {
         let kind = |breach: &Breach| rule(breach.clone(), &PASSES, &deviations).kind();
         assert_eq!(kind(&silent), Kind::Deviation);
         assert_eq!(kind(&silent.clone().found(Observation::Confirmation)), Kind::Fail, "it does something else");
-        let elsewhere = Breach { subject: Multiplexer::new(0x1000, 0).into(), ..silent.clone() };
+        let elsewhere = Breach { subject: Multiplexer::new(object::DEVICE_TYPE, 0).into(), ..silent.clone() };
         assert_eq!(kind(&elsewhere), Kind::Fail, "another object does it");
         let other_case = test_case("other/case", |_| Ok(()));
         assert_eq!(rule(silent, &other_case, &deviations).kind(), Kind::Fail);

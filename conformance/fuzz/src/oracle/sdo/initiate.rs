@@ -7,6 +7,7 @@ use super::awaited::{Awaited, Reading, Writing};
 use super::{Server, TransferState};
 use crate::{Knowledge, Known};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::Payload;
 use canvass_traces::Frame;
 
@@ -133,7 +134,9 @@ fn reading(at: Multiplexer, knowledge: &Knowledge) -> Reading {
     let (must, may) = match known {
         Some(known) if !known.readable => (codes::WRITE_ONLY, CodeSet::NONE),
         // Behind the last error the history has no value.
-        Some(known) if known.at.index.0 == 0x1003 => (CodeSet::NONE, codes::NO_DATA.or(codes::NO_SUB_INDEX)),
+        Some(known) if known.at.index.0 == object::PREDEFINED_ERROR_FIELD => {
+            (CodeSet::NONE, codes::NO_DATA.or(codes::NO_SUB_INDEX))
+        }
         // Values of variable length, such as a DOMAIN, can be missing.
         Some(known) if known.size.is_none() => (CodeSet::NONE, codes::NO_DATA),
         Some(_) => (CodeSet::NONE, CodeSet::NONE),

@@ -17,6 +17,7 @@ use crate::coverage::{Answer, Command, Coverage, SdoState};
 use crate::property::Property;
 use awaited::Awaited;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{BlockSegment, Request};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -455,5 +456,6 @@ fn stores(frame: &Frame, knowledge: &Knowledge) -> bool {
 
 /// Whether writing that object stores.
 fn is_store(at: Multiplexer, knowledge: &Knowledge) -> bool {
-    matches!(at.index.0, 0x1010 | 0x1011) || knowledge.services.bus_save_object == Some(at)
+    matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
+        || knowledge.services.bus_save_object == Some(at)
 }

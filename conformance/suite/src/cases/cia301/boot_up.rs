@@ -4,6 +4,7 @@ use crate::bench::Bench;
 use crate::bench::nmt::Start;
 use crate::case;
 use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand, observed_response};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy};
 use canvass_analyzer::wire::error_control::{self, State};
@@ -126,7 +127,7 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
     })?;
     let (mut booted, mut early) = (at_once.is_some(), None);
     while !booted && early.is_none() && bench.now() < deadline {
-        bench.send_request(&Request::upload(Multiplexer::new(0x1000, 0)))?;
+        bench.send_request(&Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0)))?;
         let seen = bench.wait_for(Duration::from_millis(5), |record| {
             let id = record.frame.cob_id();
             let is_boot_up = id == Some(error_control);
@@ -158,8 +159,8 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/boot-up/self-start", clause = "CiA 302-2", confidence = Unknown, level = Must,
        needs = [StartUp, Store, VisibleState], touches = [Nvm], catches = [StartUpIgnored])]
 fn self_start(bench: &mut Bench<'_>) -> Judged {
-    const START_UP: Multiplexer = Multiplexer::new(0x1F80, 0);
-    const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+    const START_UP: Multiplexer = Multiplexer::new(object::NMT_STARTUP, 0);
+    const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
     /// Bit 2: the NMT master has to start the device.
     const WAITS: u32 = 1 << 2;
     let before = bench.read_number(START_UP)?;

@@ -4,6 +4,7 @@ use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Observation;
@@ -20,8 +21,8 @@ const PATTERNS: [u32; 6] = [0x2AA, 0x555, 0x333, 0x4CC, 0x38F, 0x470];
 /// without which the device would not be reached any more.
 fn writable(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
     let is_cob_id = |at: Multiplexer| match at.index.0 {
-        0x1005 | 0x1012 | 0x1014 => at.sub.0 == 0,
-        0x1028 => at.sub.0 > 0,
+        object::COB_ID_SYNC | object::COB_ID_TIME | object::COB_ID_EMCY => at.sub.0 == 0,
+        object::EMERGENCY_CONSUMER => at.sub.0 > 0,
         0x1201..=0x127F => matches!(at.sub.0, 1 | 2),
         0x1400..=0x15FF | 0x1800..=0x19FF => at.sub.0 == 1,
         _ => false,
@@ -41,8 +42,8 @@ fn writable(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
 /// The same COB-ID out of use: not valid, or neither produced nor consumed.
 fn unused(at: Multiplexer, cob_id: u32) -> u32 {
     match at.index.0 {
-        0x1005 => cob_id & !PRODUCES,
-        0x1012 => cob_id & !(PRODUCES | CONSUMES),
+        object::COB_ID_SYNC => cob_id & !PRODUCES,
+        object::COB_ID_TIME => cob_id & !(PRODUCES | CONSUMES),
         _ => cob_id | CobId::INVALID,
     }
 }
@@ -96,7 +97,7 @@ fn patterns(bench: &mut Bench<'_>) -> Judged {
 
 /// Whether the object is nothing but a COB-ID: one that can't be changed is described as const.
 const fn is_single(at: Multiplexer) -> bool {
-    matches!(at.index.0, 0x1012 | 0x1014)
+    matches!(at.index.0, object::COB_ID_TIME | object::COB_ID_EMCY)
 }
 
 /// Demands that a COB-ID takes a value, and reads as it was written.
@@ -164,7 +165,7 @@ fn frame_bit(bench: &mut Bench<'_>) -> Judged {
     const LONG: u32 = 0x0012_3456;
     let mut objects = writable(bench)?;
     // PDOs have a case of their own, SYNC and TIME other reserved bits.
-    objects.retain(|at| matches!(at.index.0, 0x1014 | 0x1028 | 0x1201..=0x127F));
+    objects.retain(|at| matches!(at.index.0, object::COB_ID_EMCY | object::EMERGENCY_CONSUMER | 0x1201..=0x127F));
     bench.each(objects, |bench, at| {
         let own = bench.read_number(at)?;
         let off = unused(at, own);

@@ -5,13 +5,14 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Stop, demand};
 use canvass_analyzer::dictionary::DataType;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Index, Multiplexer};
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
 /// Its entries can only be read while there are errors.
-const ERROR_HISTORY: Index = Index(0x1003);
+const ERROR_HISTORY: Index = Index(object::PREDEFINED_ERROR_FIELD);
 
 /// Every object that the description calls readable can be read, and has the length of its data type.
 ///
@@ -44,13 +45,21 @@ fn described(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/dictionary/highest-sub-index", clause = "CiA 301 7.4.7.2", confidence = Cited, level = Must,
        catches = [SdoWrongCodeForNoSubIndex])]
 fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
-    for index in [0x1018, 0x1800, 0x1A00, 0x1400, 0x1600, 0x1029, 0x1016] {
+    for index in [
+        object::IDENTITY,
+        object::TPDO_COMMUNICATION_PARAMETER,
+        object::TPDO_MAPPING_PARAMETER,
+        object::RPDO_COMMUNICATION_PARAMETER,
+        object::RPDO_MAPPING_PARAMETER,
+        object::ERROR_BEHAVIOR,
+        object::CONSUMER_HEARTBEAT_TIME,
+    ] {
         let Outcome::Uploaded(highest) = bench.upload(Multiplexer::new(index, 0))?.outcome else { continue };
         let Some(beyond) = highest.first().and_then(|highest| highest.checked_add(1)).filter(|&sub| sub < 0xFF) else {
             continue;
         };
         // Mapping objects count the valid entries: those behind them may exist.
-        if matches!(index, 0x1600 | 0x1A00) {
+        if matches!(index, object::RPDO_MAPPING_PARAMETER | object::TPDO_MAPPING_PARAMETER) {
             continue;
         }
         let attempt = bench.upload(Multiplexer::new(index, beyond))?;
@@ -76,7 +85,13 @@ const fn is_momentary(code: AbortCode) -> bool {
 #[case(id = "301/dictionary/structure", clause = "CiA 301 7.4.7.2", confidence = Cited, level = Should,
        catches = [SdoWrongCodeForNoSubIndex, StructureEntryWrong], cct = "4.5")]
 fn structure(bench: &mut Bench<'_>) -> Judged {
-    for index in [0x1018_u16, 0x1003, 0x1800, 0x1A00, 0x1400] {
+    for index in [
+        0x1018_u16,
+        object::PREDEFINED_ERROR_FIELD,
+        object::TPDO_COMMUNICATION_PARAMETER,
+        object::TPDO_MAPPING_PARAMETER,
+        object::RPDO_COMMUNICATION_PARAMETER,
+    ] {
         if !bench.has(Multiplexer::new(index, 0))? {
             continue;
         }
@@ -134,7 +149,7 @@ fn after_reset(bench: &mut Bench<'_>) -> Judged {
 fn parameters(bench: &mut Bench<'_>) -> Result<Vec<(Multiplexer, Vec<u8>)>, Stop> {
     let Some(description) = &bench.target().description else { return Ok(Vec::new()) };
     let is_parameter = |at: Multiplexer| {
-        matches!(at.index.0, 0x1005..=0x1007 | 0x100C | 0x100D | 0x1012 | 0x1014..=0x1017 | 0x1019..=0x1029)
+        matches!(at.index.0, 0x1005..=0x1007 | object::GUARD_TIME | object::LIFE_TIME_FACTOR | object::COB_ID_TIME | 0x1014..=0x1017 | 0x1019..=0x1029)
             || matches!(at.index.0, 0x1200..=0x1BFF | 0x6000..=0x6002 | 0x6200 | 0x6401..=0x6402)
     };
     let entries = description.dictionary.entries().filter(|(at, entry)| {

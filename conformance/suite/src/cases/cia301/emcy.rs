@@ -7,6 +7,7 @@ use crate::bench::state::GUARD_TIME;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Check, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
@@ -17,11 +18,11 @@ use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
-const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(0x100D, 0);
-const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
-const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
-const ERROR_COUNT: Multiplexer = Multiplexer::new(0x1003, 0);
-const INHIBIT_TIME: Multiplexer = Multiplexer::new(0x1015, 0);
+const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(object::LIFE_TIME_FACTOR, 0);
+const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
+const ERROR_COUNT: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0);
+const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::INHIBIT_TIME_EMCY, 0);
 /// Guard time times life time factor, or consumer time.
 const GUARD_MS: u16 = 100;
 const FACTOR: u8 = 2;

@@ -6,14 +6,15 @@ use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::emcy::{self, EmcyCode, ErrorRegister};
 use canvass_analyzer::{CobId, Multiplexer, Service};
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
-const COB_ID: Multiplexer = Multiplexer::new(0x1014, 0);
-const INHIBIT_TIME: Multiplexer = Multiplexer::new(0x1015, 0);
-const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
+const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_EMCY, 0);
+const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::INHIBIT_TIME_EMCY, 0);
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 /// Long enough for the loss of the one who is monitored.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 /// A CAN-ID that no predefined object has and CiA 301 does not restrict.

@@ -9,6 +9,7 @@ use crate::bench::pdo::RPDO;
 use crate::bench::sdo::number;
 use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
@@ -17,10 +18,10 @@ use canvass_analyzer::{CobId, Multiplexer, Service};
 use canvass_bus::observation::Observation;
 use canvass_traces::{Direction, Duration, Record, Timestamp};
 
-const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
-const HISTORY: u16 = 0x1003;
-const COB_ID: Multiplexer = Multiplexer::new(0x1014, 0);
-const CONSUMER: u16 = 0x1016;
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
+const HISTORY: u16 = object::PREDEFINED_ERROR_FIELD;
+const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_EMCY, 0);
+const CONSUMER: u16 = object::CONSUMER_HEARTBEAT_TIME;
 const CONSUMER_MS: u16 = 200;
 /// Heartbeats of a node that is there come so often.
 const BEAT: Duration = Duration::from_millis(50);
@@ -228,7 +229,7 @@ fn lost_on(bench: &mut Bench<'_>, can_ids: [u16; 2]) -> Result<[Vec<Record>; 2],
 #[case(id = "301/emcy/after-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Should,
        needs = [EmcyInhibit, Monitoring], catches = [EmcySurvivesReset])]
 fn after_reset(bench: &mut Bench<'_>) -> Judged {
-    const INHIBIT_TIME: Multiplexer = Multiplexer::new(0x1015, 0);
+    const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::INHIBIT_TIME_EMCY, 0);
     bench.expect_emergencies();
     // A device may find an error at each start.
     let usual = error_codes_after_reset(bench)?;
@@ -275,7 +276,7 @@ fn last_word(bench: &mut Bench<'_>) -> Judged {
     }
     // Nobody is to be missed again meanwhile.
     match monitored {
-        Monitored::Master => bench.write(Multiplexer::new(0x100D, 0), &[0])?,
+        Monitored::Master => bench.write(Multiplexer::new(object::LIFE_TIME_FACTOR, 0), &[0])?,
         Monitored::Node(node) => bench.write(Multiplexer::new(CONSUMER, 1), &entry(node, 0))?,
     }
     // Some devices clear their errors when they are read.

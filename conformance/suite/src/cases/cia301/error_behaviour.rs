@@ -6,14 +6,15 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-const BEHAVIOUR: Multiplexer = Multiplexer::new(0x1029, 1);
-const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
+const BEHAVIOUR: Multiplexer = Multiplexer::new(object::ERROR_BEHAVIOR, 1);
+const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 const CONSUMER_MS: u16 = 200;
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 

@@ -7,13 +7,14 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
-const COUNT: Multiplexer = Multiplexer::new(0x1003, 0);
-const NEWEST: Multiplexer = Multiplexer::new(0x1003, 1);
-const BEFORE_NEWEST: Multiplexer = Multiplexer::new(0x1003, 2);
+const COUNT: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0);
+const NEWEST: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 1);
+const BEFORE_NEWEST: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 2);
 /// Long enough for the loss of the one who is monitored.
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 
@@ -28,7 +29,7 @@ fn clear(bench: &mut Bench<'_>) -> Result<(), Stop> {
        needs = [ErrorHistory], catches = [ErrorHistoryEmptyReadsZero], cct = "5.3")]
 fn empty(bench: &mut Bench<'_>) -> Judged {
     // The code for "no data" came with V4.0 of CiA 301; 1004h went with it.
-    if bench.has(Multiplexer::new(0x1004, 0))? {
+    if bench.has(Multiplexer::new(object::NUMBER_OF_PDOS, 0))? {
         let reason =
             Reason::new("the device knows abort 0800 0024h", "CiA 301 V4.0", "a device of DS-301 V3.0 (1004h)");
         return Err(Stop::NotApplicable(reason));
@@ -120,7 +121,11 @@ fn newest_first(bench: &mut Bench<'_>) -> Judged {
        needs = [ErrorHistory, Monitoring, Description], catches = [ErrorHistoryOverflows])]
 fn full(bench: &mut Bench<'_>) -> Judged {
     let entries = bench.target().description.as_ref().map_or(0, |description| {
-        description.dictionary.entries().filter(|(at, _)| at.index.0 == 0x1003 && at.sub.0 > 0).count()
+        description
+            .dictionary
+            .entries()
+            .filter(|(at, _)| at.index.0 == object::PREDEFINED_ERROR_FIELD && at.sub.0 > 0)
+            .count()
     });
     if entries < 2 {
         let reason = Reason::new("the description names the entries of 1003h", "two or more", entries.to_string());
@@ -139,7 +144,7 @@ fn full(bench: &mut Bench<'_>) -> Judged {
             .expected(Allowed::Described(format!("{entries} at most").into()))
             .found(Observation::Number(u64::from(count)))
     })?;
-    let last = Multiplexer::new(0x1003, u8::try_from(count).unwrap_or(u8::MAX).max(1));
+    let last = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, u8::try_from(count).unwrap_or(u8::MAX).max(1));
     bench.upload(last)?.value()?;
     Ok(())
 }

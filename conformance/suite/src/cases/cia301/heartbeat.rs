@@ -5,6 +5,7 @@ use crate::bench::state::{HEARTBEAT_TIME, command_to};
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::Request;
@@ -198,7 +199,7 @@ fn new_state(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/heartbeat/after-boot-up", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [Heartbeat, Store], touches = [Nvm], catches = [HeartbeatLateAfterBootUp, StoredConfigurationIdle])]
 fn after_boot_up(bench: &mut Bench<'_>) -> Judged {
-    const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+    const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
     const LATEST: Duration = Duration::from_millis(250);
     let before = bench.read(HEARTBEAT_TIME)?;
     set_time(bench, 200)?;

@@ -11,6 +11,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
@@ -19,9 +20,9 @@ use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record, Timestamp};
 
 /// Store all parameters.
-const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
-const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
-const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
+const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
+const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 const CONSUMER_MS: u16 = 200;
 pub(super) const CONSUMER_TIME: Duration = Duration::from_millis(200);
 /// Heartbeats show the state so often.
@@ -36,7 +37,7 @@ pub const fn entry(node: u8, milliseconds: u16) -> [u8; 4] {
 #[case(id = "301/heartbeat-consumer/duplicate", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerDoubleAccepted], cct = "7.104")]
 fn duplicate(bench: &mut Bench<'_>) -> Judged {
-    const SECOND: Multiplexer = Multiplexer::new(0x1016, 2);
+    const SECOND: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 2);
     let node = neighbour(bench)?;
     if !bench.has(SECOND)? {
         let reason = Reason::new("two nodes can be watched", "1016h:02", "the device has one entry");
@@ -361,9 +362,10 @@ fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
 fn all_entries(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     let enters = consequence(bench)?;
-    let entries = u8::try_from(bench.read_number(Multiplexer::new(0x1016, 0))?).unwrap_or(1).min(127);
+    let entries =
+        u8::try_from(bench.read_number(Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 0))?).unwrap_or(1).min(127);
     bench.each(1..=entries, |bench, sub| {
-        let at = Multiplexer::new(0x1016, sub);
+        let at = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub);
         let own = bench.node().raw();
         // From both ends in turn: 127, 1, 126, 2, and so on.
         let ends = (1..=64).flat_map(|n| [128 - n, n]).filter(|&node| node != own && bench.is_vacant(node));
@@ -385,15 +387,16 @@ fn all_entries(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/heartbeat-consumer/several", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [ConsumerEntriesExclude])]
 fn several(bench: &mut Bench<'_>) -> Judged {
-    let entries = u8::try_from(bench.read_number(Multiplexer::new(0x1016, 0))?).unwrap_or(1).min(127);
+    let entries =
+        u8::try_from(bench.read_number(Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 0))?).unwrap_or(1).min(127);
     let own = bench.node().raw();
     let vacant: Vec<u8> = (1..=127).rev().filter(|&node| node != own && bench.is_vacant(node)).collect();
     // What is delivered with entries for these nodes would have two for the same.
     for sub in 1..=entries {
-        bench.write(Multiplexer::new(0x1016, sub), &entry(0, 0))?;
+        bench.write(Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub), &entry(0, 0))?;
     }
     bench.each((1..=entries).zip(vacant), |bench, (sub, node)| {
-        let at = Multiplexer::new(0x1016, sub);
+        let at = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub);
         bench.each([5_000_u16, 60_000], |bench, time| {
             let value = entry(node, time);
             bench.download(at, &value)?.under("while other entries watch other nodes").refused(Situation::Confirmed)?;
@@ -420,7 +423,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/heartbeat-consumer/count", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "4.3")]
 fn count(bench: &mut Bench<'_>) -> Judged {
-    let multiplexer = Multiplexer::new(0x1016, 0);
+    let multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 0);
     let before = bench.upload(multiplexer)?.value()?;
     bench.check(demand(matches!(before.as_slice(), [1..=127]), || {
         let breach = Breach::new(multiplexer, "1016h:00 counts the entries").expected("one byte, 1 to 127");

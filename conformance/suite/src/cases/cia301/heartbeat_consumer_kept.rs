@@ -7,10 +7,11 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Reason, Stop};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::object::{CONSUMER_HEARTBEAT_TIME, ERROR_BEHAVIOR, PRODUCER_HEARTBEAT_TIME};
 use canvass_analyzer::wire::nmt::Command;
 
-const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
+const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 
 /// A node is watched while other objects are written too: it is missed after the consumer heartbeat time.
 #[case(id = "301/heartbeat-consumer/beside-writes", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,

@@ -6,9 +6,10 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Judged, Precondition};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_traces::Duration;
 
-const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
+const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 
 /// An entry with a node-ID and the time 0 is not used from the beginning: heartbeats of that node start nothing, and it is
 /// not missed.

@@ -5,11 +5,12 @@ use crate::bench::sdo::{DEVICE_TYPE, number};
 use crate::case;
 use crate::verdict::{Breach, Judged, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 
 const fn identity(sub: u8) -> Multiplexer {
-    Multiplexer::new(0x1018, sub)
+    Multiplexer::new(object::IDENTITY, sub)
 }
 
 /// The vendor-ID 1018h:01 is the one that CiA gave the manufacturer, so never 0, and that of the description.
@@ -71,7 +72,8 @@ fn device_type(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/identity/mandatory-objects", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
        catches = [ErrorRegisterMissing], cct = "1.0")]
 fn mandatory_objects(bench: &mut Bench<'_>) -> Judged {
-    let mandatory = [(DEVICE_TYPE, 4), (Multiplexer::new(0x1001, 0), 1), (identity(0), 1), (identity(1), 4)];
+    let mandatory =
+        [(DEVICE_TYPE, 4), (Multiplexer::new(object::ERROR_REGISTER, 0), 1), (identity(0), 1), (identity(1), 4)];
     bench.each(mandatory, |bench, (multiplexer, length)| {
         let value = bench.upload(multiplexer)?.value()?;
         bench.check(demand(value.len() == length, || {

@@ -8,6 +8,7 @@ use crate::bench::Bench;
 use crate::bench::state::{GUARD_TIME, LIFE_TIME_FACTOR};
 use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::emcy::{self, EmcyCode};
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::Command;
@@ -15,7 +16,7 @@ use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Timestamp};
 
-const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 
 /// Guard time in milliseconds, times life time factor.
 #[derive(Clone, Copy)]

@@ -6,6 +6,7 @@ use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::Judged;
+use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
 
 /// A CAN-ID that no predefined object has and CiA 301 does not restrict.
@@ -37,7 +38,7 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
         let attempt = bench.download(TPDO_COB_ID, &value.to_le_bytes())?;
         bench.check(attempt.refused(Situation::RestrictedCanId))
     })?;
-    let sync = Multiplexer::new(0x1005, 0);
+    let sync = Multiplexer::new(object::COB_ID_SYNC, 0);
     // A COB-ID that can't be changed at all is no matter of which one it is.
     if !bench.can_write(sync)? {
         return Ok(());

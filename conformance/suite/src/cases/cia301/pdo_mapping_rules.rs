@@ -6,6 +6,7 @@ use crate::bench::pdo::{Mapped, Pdo, RPDO, TPDO};
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::sdo::Bytes;
@@ -208,7 +209,12 @@ fn dummy_in_rpdo(bench: &mut Bench<'_>) -> Judged {
 fn unmappable_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     let entries = bench.target().description.iter().flat_map(|description| description.dictionary.entries());
     // Not what commands: a device that takes the entry would obey the PDO.
-    let is_command = |at: Multiplexer| matches!(at.index.0, 0x1003 | 0x1010 | 0x1011);
+    let is_command = |at: Multiplexer| {
+        matches!(
+            at.index.0,
+            object::PREDEFINED_ERROR_FIELD | object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS
+        )
+    };
     let mut unmappable =
         entries.filter(|(at, entry)| entry.access.is_writable() && !entry.pdo_mappable && !is_command(*at));
     let found = unmappable.find_map(|(at, entry)| {

@@ -10,6 +10,7 @@ use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
@@ -188,7 +189,7 @@ fn too_short(bench: &mut Bench<'_>) -> Judged {
 
 /// Whether the device can send EMCYs now: 1014h is there, and bit 31 is 0.
 fn has_emcy(bench: &mut Bench<'_>) -> Result<bool, Stop> {
-    const EMCY_ID: Multiplexer = Multiplexer::new(0x1014, 0);
+    const EMCY_ID: Multiplexer = Multiplexer::new(object::COB_ID_EMCY, 0);
     Ok(bench.has(EMCY_ID)? && CobId(bench.read_number(EMCY_ID)?).is_valid())
 }
 

@@ -5,11 +5,12 @@ use crate::bench::state::command_to;
 use crate::case;
 use crate::verdict::{Breach, Judged, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_bus::observation::Observation;
 
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
 /// In stopped the SDO server does not answer at all, not even with an abort.
 #[case(id = "301/state/stopped/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,

@@ -8,13 +8,14 @@ use crate::situation::Situation;
 use crate::touch::Touch;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop, demand, observed};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
-const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
-const RESTORE: Multiplexer = Multiplexer::new(0x1011, 1);
+const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
+const RESTORE: Multiplexer = Multiplexer::new(object::RESTORE_DEFAULT_PARAMETERS, 1);
 /// Bits of what 1010h:01 gives: the device stores on command, or by itself.
 const COMMAND: u32 = 1 << 0;
 const AUTO: u32 = 1 << 1;
@@ -34,8 +35,8 @@ fn wrong_signature(bench: &mut Bench<'_>) -> Judged {
 /// the manufacturer chooses what can be stored.
 fn is_covered(bench: &mut Bench<'_>, object: Multiplexer) -> Result<bool, Stop> {
     match object.index.0 {
-        0x1000..=0x1FFF => bench.has(Multiplexer::new(0x1010, 2)),
-        0x6000..=0x9FFF => bench.has(Multiplexer::new(0x1010, 3)),
+        0x1000..=0x1FFF => bench.has(Multiplexer::new(object::STORE_PARAMETERS, 2)),
+        0x6000..=0x9FFF => bench.has(Multiplexer::new(object::STORE_PARAMETERS, 3)),
         _ => Ok(false),
     }
 }
@@ -187,7 +188,7 @@ fn after_store(bench: &mut Bench<'_>, two: &Two, sub: u8) -> Result<[Vec<u8>; 2]
     for scratch in objects {
         bench.write(scratch.multiplexer, &scratch.other)?;
     }
-    bench.write(Multiplexer::new(0x1010, sub), b"save")?;
+    bench.write(Multiplexer::new(object::STORE_PARAMETERS, sub), b"save")?;
     let after = bench
         .reset(Command::RESET_NODE)
         .and_then(|()| Ok([bench.read(objects[0].multiplexer)?, bench.read(objects[1].multiplexer)?]));
@@ -239,7 +240,7 @@ fn application_only(bench: &mut Bench<'_>) -> Judged {
 }
 
 fn group_only(bench: &mut Bench<'_>, sub: u8) -> Judged {
-    let object = Multiplexer::new(0x1010, sub);
+    let object = Multiplexer::new(object::STORE_PARAMETERS, sub);
     if !bench.has(object)? {
         let reason = Reason::new("the group can be stored alone", object.to_string(), "absent");
         return Err(Stop::NotApplicable(reason));

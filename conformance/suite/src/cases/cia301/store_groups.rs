@@ -9,12 +9,13 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Check, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 /// Bits of what 1010h gives: the device stores on command, or by itself. 1011h has the first only.
 const COMMAND: u32 = 1 << 0;
 const AUTO: u32 = 1 << 1;
@@ -39,7 +40,7 @@ fn sub_indexes(bench: &mut Bench<'_>, index: u16) -> Result<Vec<Multiplexer>, St
        needs = [Store], touches = [Nvm], catches = [StoreSignatureFirstOnly, StoreSignatureUnchecked], cct = "8.3",
        answers = [WrongSignature])]
 fn every_store_signature(bench: &mut Bench<'_>) -> Judged {
-    every_signature(bench, 0x1010, [*b"evas", *b"SAVE", *b"load", [0; 4], [1, 0, 0, 0]])
+    every_signature(bench, object::STORE_PARAMETERS, [*b"evas", *b"SAVE", *b"load", [0; 4], [1, 0, 0, 0]])
 }
 
 /// No sub-index of 1011h takes any signature but "load".
@@ -48,7 +49,7 @@ fn every_store_signature(bench: &mut Bench<'_>) -> Judged {
        cct = "8.3", answers = [WrongSignature])]
 fn every_restore_signature(bench: &mut Bench<'_>) -> Judged {
     restores(bench)?;
-    every_signature(bench, 0x1011, [*b"daol", *b"LOAD", *b"save", [0; 4], [1, 0, 0, 0]])
+    every_signature(bench, object::RESTORE_DEFAULT_PARAMETERS, [*b"daol", *b"LOAD", *b"save", [0; 4], [1, 0, 0, 0]])
 }
 
 fn every_signature(bench: &mut Bench<'_>, index: u16, wrong: [[u8; 4]; 5]) -> Judged {
@@ -69,10 +70,10 @@ fn every_signature(bench: &mut Bench<'_>, index: u16, wrong: [[u8; 4]; 5]) -> Ju
 #[case(id = "301/store/every-capability", clause = "CiA 301 7.5.2.14", confidence = Cited, level = Must,
        needs = [StoreObject], catches = [RestoreCapabilityWrong, StoreCapabilityWrong], cct = "8.1")]
 fn every_capability(bench: &mut Bench<'_>) -> Judged {
-    let mut objects = sub_indexes(bench, 0x1010)?;
-    objects.extend(sub_indexes(bench, 0x1011)?);
+    let mut objects = sub_indexes(bench, object::STORE_PARAMETERS)?;
+    objects.extend(sub_indexes(bench, object::RESTORE_DEFAULT_PARAMETERS)?);
     bench.each(objects, |bench, at| {
-        let known = if at.index.0 == 0x1010 { COMMAND | AUTO } else { COMMAND };
+        let known = if at.index.0 == object::STORE_PARAMETERS { COMMAND | AUTO } else { COMMAND };
         let value = bench.upload(at)?.value()?;
         bench.check(demand(value.len() == 4 && number(&value) & !known == 0, || {
             let expected = if known == COMMAND { "bit 0 only" } else { "bits 0 and 1 only" };
@@ -99,7 +100,7 @@ fn application_only(bench: &mut Bench<'_>) -> Judged {
 }
 
 fn group_only(bench: &mut Bench<'_>, sub: u8) -> Judged {
-    let order = Multiplexer::new(0x1011, sub);
+    let order = Multiplexer::new(object::RESTORE_DEFAULT_PARAMETERS, sub);
     if !bench.has(order)? {
         return Err(Stop::NotApplicable(Reason::new("a group can be restored alone", order.to_string(), "absent")));
     }

@@ -5,6 +5,7 @@ use crate::bench::Bench;
 use crate::bench::state::HEARTBEAT_TIME;
 use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control::{self, ErrorControl, State};
 use canvass_analyzer::wire::nmt::Command;
@@ -13,8 +14,8 @@ use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
-const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
-const WATCHED: Multiplexer = Multiplexer::new(0x1016, 1);
+const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
+const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 const PERIOD_MS: u16 = 100;
 const PERIOD: Duration = Duration::from_millis(100);
 const CONSUMER_MS: u16 = 300;

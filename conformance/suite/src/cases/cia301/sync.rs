@@ -7,6 +7,7 @@ use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::wire::{emcy, sync};
@@ -15,9 +16,9 @@ use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
-const COB_ID: Multiplexer = Multiplexer::new(0x1005, 0);
-const PERIOD: Multiplexer = Multiplexer::new(0x1006, 0);
-const OVERFLOW: Multiplexer = Multiplexer::new(0x1019, 0);
+const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_SYNC, 0);
+const PERIOD: Multiplexer = Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0);
+const OVERFLOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
 /// Bit 30 of 1005h: the device produces SYNC.
 const PRODUCES: u32 = 1 << 30;
 const PERIOD_US: u32 = 50_000;
@@ -323,7 +324,7 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sync/overflow-stored", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Open,
        needs = [SyncCounter, Store], touches = [Nvm], catches = [StoreWithoutEffect], cct = "6.8")]
 fn overflow_stored(bench: &mut Bench<'_>) -> Judged {
-    const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+    const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
     bench.stop_sync_period()?;
     let before = bench.read(OVERFLOW)?;
     let other = if before == [10] { [20] } else { [10] };

@@ -5,12 +5,13 @@ use crate::bench::{Bench, Exhibit, KEEPS_UP};
 use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
-const WINDOW: Multiplexer = Multiplexer::new(0x1007, 0);
-const OVERFLOW: Multiplexer = Multiplexer::new(0x1019, 0);
+const WINDOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_WINDOW_LENGTH, 0);
+const OVERFLOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
 const WINDOW_US: u32 = 5_000;
 /// A CAN-ID that nobody uses and that goes before every PDO.
 const IN_THE_WAY: u16 = 0x07F;

@@ -6,6 +6,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::dictionary::{DataType, Entry};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::time;
 use canvass_analyzer::{Multiplexer, Service};
@@ -13,7 +14,7 @@ use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-const COB_ID: Multiplexer = Multiplexer::new(0x1012, 0);
+const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_TIME, 0);
 /// Bit 31 of 1012h: the device consumes TIME.
 const CONSUMES: u32 = 1 << 31;
 /// Bit 30 of 1012h: the device produces TIME.
@@ -132,7 +133,7 @@ fn produced(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/time/high-resolution", clause = "CiA 301 7.5.2.16", confidence = Cited, level = Open,
        needs = [], catches = [ClockStands, StampSetByOthers])]
 fn high_resolution(bench: &mut Bench<'_>) -> Judged {
-    const STAMP: Multiplexer = Multiplexer::new(0x1013, 0);
+    const STAMP: Multiplexer = Multiplexer::new(object::HIGH_RESOLUTION_TIME_STAMP, 0);
     if !bench.can_write(STAMP)? {
         return Err(Stop::NotApplicable(Reason::new("the device has a time stamp", "1013h, writable", "none")));
     }

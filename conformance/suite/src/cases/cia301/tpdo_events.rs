@@ -5,6 +5,7 @@ use crate::bench::{Bench, percentile};
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_analyzer::{CobId, Multiplexer};
@@ -12,7 +13,7 @@ use canvass_bus::observation::Observation;
 use canvass_traces::{CanId, Duration, Frame, Record};
 
 /// The highest SYNC counter.
-const OVERFLOW: Multiplexer = Multiplexer::new(0x1019, 0);
+const OVERFLOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
 const SHORTLY: Duration = Duration::from_millis(100);
 
 /// TPDO 1 carries one object that SDOs can write.
@@ -108,7 +109,7 @@ fn sync_latency(bench: &mut Bench<'_>) -> Judged {
        needs = [Changeable, Sync], catches = [SyncTpdoLate])]
 fn sync_delay(bench: &mut Bench<'_>) -> Judged {
     const USUAL: Duration = Duration::from_millis(20);
-    const WINDOW: Multiplexer = Multiplexer::new(0x1007, 0);
+    const WINDOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_WINDOW_LENGTH, 0);
     let window = if bench.has(WINDOW)? { bench.read_number(WINDOW)? } else { 0 };
     let limit = if window == 0 { USUAL } else { Duration::from_micros(window.into()) };
     // SYNC itself, what is on the wire, and the TPDO.

@@ -5,11 +5,12 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::Judged;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 
-const DATE: Multiplexer = Multiplexer::new(0x1020, 1);
-const TIME: Multiplexer = Multiplexer::new(0x1020, 2);
-const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+const DATE: Multiplexer = Multiplexer::new(object::VERIFY_CONFIGURATION, 1);
+const TIME: Multiplexer = Multiplexer::new(object::VERIFY_CONFIGURATION, 2);
+const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 /// Days since 1984-01-01, and milliseconds since midnight.
 const STAMP: [[u8; 4]; 2] = [15_000_u32.to_le_bytes(), 43_200_000_u32.to_le_bytes()];
 

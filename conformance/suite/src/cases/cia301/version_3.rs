@@ -6,15 +6,16 @@ use crate::case;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::CobId;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
-const PDOS: Multiplexer = Multiplexer::new(0x1004, 0);
-const NODE_ID: Multiplexer = Multiplexer::new(0x100B, 0);
-const SYNC_ID: Multiplexer = Multiplexer::new(0x1005, 0);
-const GUARDING_ID: Multiplexer = Multiplexer::new(0x100E, 0);
+const PDOS: Multiplexer = Multiplexer::new(object::NUMBER_OF_PDOS, 0);
+const NODE_ID: Multiplexer = Multiplexer::new(object::NODE_ID, 0);
+const SYNC_ID: Multiplexer = Multiplexer::new(object::COB_ID_SYNC, 0);
+const GUARDING_ID: Multiplexer = Multiplexer::new(object::COB_ID_GUARDING, 0);
 
 /// The number in an object that may be absent.
 fn number(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<u32, Stop> {
@@ -33,8 +34,8 @@ fn number(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<u32, Stop> 
        needs = [Description], catches = [PdoCountWrong])]
 fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
     let all = number(bench, PDOS)?;
-    let synchronous = number(bench, Multiplexer::new(0x1004, 1))?;
-    let asynchronous = number(bench, Multiplexer::new(0x1004, 2))?;
+    let synchronous = number(bench, Multiplexer::new(object::NUMBER_OF_PDOS, 1))?;
+    let asynchronous = number(bench, Multiplexer::new(object::NUMBER_OF_PDOS, 2))?;
     let found = Observation::Value(all.to_le_bytes().to_vec());
     bench.check(demand(synchronous.wrapping_add(asynchronous) == all, || {
         Breach::new(PDOS, "1004h:00 is the sum of 1004h:01 and 1004h:02")

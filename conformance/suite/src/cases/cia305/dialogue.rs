@@ -4,6 +4,7 @@ use super::needs::LSS_INQUIRY;
 use crate::bench::Bench;
 use crate::bench::Found;
 use crate::verdict::{Allowed, Breach, Check, Judged, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lss::{self, ConfigureCommand, Part, Request, Response};
 use canvass_analyzer::{Multiplexer, Service};
@@ -174,7 +175,7 @@ pub fn expect_waiting(bench: &mut Bench<'_>, after: &str) -> Judged {
 pub fn address(bench: &mut Bench<'_>) -> Result<[u32; 4], Stop> {
     let mut address = [0; 4];
     for (sub, part) in (1..).zip(&mut address) {
-        *part = bench.read_number(Multiplexer::new(0x1018, sub))?;
+        *part = bench.read_number(Multiplexer::new(object::IDENTITY, sub))?;
     }
     Ok(address)
 }

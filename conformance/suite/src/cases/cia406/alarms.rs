@@ -5,6 +5,7 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::emcy::{self, Emcy, EmcyCode};
 use canvass_analyzer::wire::nmt::Command;
@@ -14,7 +15,7 @@ const ALARMS: Multiplexer = Multiplexer::new(0x6503, 0);
 const SUPPORTED_ALARMS: Multiplexer = Multiplexer::new(0x6504, 0);
 const WARNINGS: Multiplexer = Multiplexer::new(0x6505, 0);
 const SUPPORTED_WARNINGS: Multiplexer = Multiplexer::new(0x6506, 0);
-const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 /// The upper temperature limit of Kübler's Sendix encoders, in degrees Celsius plus 64.
 const TEMPERATURE_LIMIT: Multiplexer = Multiplexer::new(0x2120, 3);
 /// Below what any bench is: -31 °C.

@@ -5,15 +5,16 @@ use crate::bench::Bench;
 use crate::bench::objects::TPDO_FIRST_ENTRY;
 use crate::case;
 use crate::verdict::{Allowed, Breach, Check, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::pdo::MappingEntry;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
-const TPDO_1: Multiplexer = Multiplexer::new(0x1800, 1);
+const TPDO_1: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
 const TPDO_2: Multiplexer = Multiplexer::new(0x1801, 1);
-const TIMER_1: Multiplexer = Multiplexer::new(0x1800, 5);
+const TIMER_1: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5);
 const TIMER_2: Multiplexer = Multiplexer::new(0x1801, 5);
 const DIRECTION: Multiplexer = Multiplexer::new(0x3003, 0);
 const ANGLE_RANGE: Multiplexer = Multiplexer::new(0x3004, 0);

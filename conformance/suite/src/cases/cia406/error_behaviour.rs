@@ -6,11 +6,12 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Reason, Stop};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_traces::Duration;
 
-const BEHAVIOUR: Multiplexer = Multiplexer::new(0x1029, 2);
+const BEHAVIOUR: Multiplexer = Multiplexer::new(object::ERROR_BEHAVIOR, 2);
 const HIGH_LIMIT: Multiplexer = Multiplexer::new(0x2120, 3);
 /// 0 °C, as 2120h counts.
 const FREEZING: u8 = 0x40;

@@ -7,6 +7,7 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_traces::Duration;
 
 const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
@@ -14,7 +15,7 @@ const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
 const VERSIONS: Multiplexer = Multiplexer::new(0x6507, 0);
 const OPERATING_TIME: Multiplexer = Multiplexer::new(0x6508, 0);
 const SERIAL_NUMBER: Multiplexer = Multiplexer::new(0x650B, 0);
-const IDENTITY_SERIAL_NUMBER: Multiplexer = Multiplexer::new(0x1018, 4);
+const IDENTITY_SERIAL_NUMBER: Multiplexer = Multiplexer::new(object::IDENTITY, 4);
 /// "Not supported", of 6508h and 650Bh.
 const UNUSED: u32 = u32::MAX;
 

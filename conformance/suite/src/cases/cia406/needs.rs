@@ -8,13 +8,14 @@ use crate::need::Need;
 use crate::touch::Touch;
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_traces::Duration;
 
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);
 const LENGTH: Multiplexer = Multiplexer::new(0x6020, 0);
 const PRESET: Multiplexer = Multiplexer::new(0x6003, 0);
-const VENDOR_ID: Multiplexer = Multiplexer::new(0x1018, 1);
+const VENDOR_ID: Multiplexer = Multiplexer::new(object::IDENTITY, 1);
 const KUEBLER: u32 = 0x13;
 
 /// A shaft at rest trembles by so many units.

@@ -6,12 +6,13 @@ use crate::bench::objects::{EVENT_TIMER, TRANSMISSION_TYPE};
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::{Duration, Record};
 
-const TPDO: Multiplexer = Multiplexer::new(0x1800, 1);
+const TPDO: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
 const TPDO_1: Subject = Subject::Pdo { transmit: true, number: 1 };
 const CYCLIC_TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
 const POSITION: Multiplexer = Multiplexer::new(0x6004, 0);

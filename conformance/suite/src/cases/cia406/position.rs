@@ -6,6 +6,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Check, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_traces::Duration;
 
 pub(super) const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
@@ -59,7 +60,7 @@ pub(super) fn is_near(a: u32, b: u32, range: u32) -> bool {
 
 /// Linear encoders (1000h) have no revolutions, and no units per revolution that could be set.
 fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Stop> {
-    let turns = bench.read_number(Multiplexer::new(0x1000, 0))? >> 16;
+    let turns = bench.read_number(Multiplexer::new(object::DEVICE_TYPE, 0))? >> 16;
     if matches!(turns, 8 | 9) {
         let reason = Reason::new("the encoder is rotary", "another high word of 1000h", format!("{turns}: linear"));
         return Err(Stop::NotApplicable(reason));

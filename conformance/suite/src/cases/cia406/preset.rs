@@ -6,6 +6,7 @@ use crate::bench::Bench;
 use crate::bench::objects::EVENT_TIMER;
 use crate::case;
 use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
@@ -14,10 +15,10 @@ use canvass_traces::{Duration, Record};
 
 const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
 const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
-const SAVE: Multiplexer = Multiplexer::new(0x1010, 1);
-const TPDO: Multiplexer = Multiplexer::new(0x1800, 1);
+const SAVE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
+const TPDO: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
 const TPDO_1: Subject = Subject::Pdo { transmit: true, number: 1 };
-const FIRST_ENTRY: Multiplexer = Multiplexer::new(0x1A00, 1);
+const FIRST_ENTRY: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 1);
 
 /// How many positions the encoder shows as it is set now, at most 2^32 - 1.
 pub(super) fn range_now(bench: &mut Bench<'_>) -> Result<u32, Stop> {

@@ -5,6 +5,7 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, demand, observed};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_bus::client::Outcome;
 
@@ -34,7 +35,7 @@ const LENGTHS: [(u16, &[usize]); 17] = [
     (0x650B, &[4]),
 ];
 
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 const REVOLUTIONS: Multiplexer = Multiplexer::new(0x6502, 0);
 
 /// The upper word of the device type 1000h fits what the encoder can do: 1 is a single-turn encoder, with one revolution

@@ -11,11 +11,12 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
 const SINGLE_TURN: Multiplexer = Multiplexer::new(0x6501, 0);
-const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
 /// 6001h = 0 is refused, or put right; whatever becomes of it, the device goes on answering.
 #[case(id = "406/scaling/zero-units", clause = "CiA 406", confidence = Unknown, level = Must,

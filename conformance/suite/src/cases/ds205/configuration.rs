@@ -5,6 +5,7 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::lmt::{self, BIT_RATES, ConfigureCommand, Request};
 use canvass_analyzer::wire::sdo;
@@ -132,7 +133,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
         expect_error(duty, "error code 0", ConfigureCommand::BitTiming, response, |error| error == 0)
             .or_inconclusive()?;
         bench.send(&Request::ActivateBitTiming { delay: DELAY_MS }.to_frame(lmt::MASTER_CAN_ID))?;
-        let upload = sdo::Request::upload(Multiplexer::new(0x1000, 0));
+        let upload = sdo::Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0));
         // Up to 200 ms before the end of the second delay.
         for _ in 0..3 {
             bench.listen(Duration::from_millis(60))?;

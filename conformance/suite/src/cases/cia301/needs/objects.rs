@@ -6,6 +6,7 @@ use crate::bench::sdo::{DEVICE_TYPE, number};
 use crate::need::Need;
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request};
 use canvass_bus::client::Outcome;
 
@@ -53,24 +54,26 @@ pub static NAME: Need = Need::new("name", "a device name or version (1008h, 1009
 
 /// The predefined error field, 1003h.
 pub static ERROR_HISTORY: Need = Need::new("error-history", "the predefined error field (1003h)", |bench| {
-    bench.has_all(&[Multiplexer::new(0x1003, 0)])
+    bench.has_all(&[Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0)])
 });
 
 /// TIME, 1012h.
-pub static TIME: Need = Need::new("time", "TIME (1012h)", |bench| bench.can_write_all(&[Multiplexer::new(0x1012, 0)]));
+pub static TIME: Need =
+    Need::new("time", "TIME (1012h)", |bench| bench.can_write_all(&[Multiplexer::new(object::COB_ID_TIME, 0)]));
 
 /// The COB-ID of EMCY, 1014h.
-pub static EMCY_OBJECT: Need =
-    Need::new("emcy-object", "the COB-ID of EMCY (1014h)", |bench| bench.has_all(&[Multiplexer::new(0x1014, 0)]));
+pub static EMCY_OBJECT: Need = Need::new("emcy-object", "the COB-ID of EMCY (1014h)", |bench| {
+    bench.has_all(&[Multiplexer::new(object::COB_ID_EMCY, 0)])
+});
 
 /// A COB-ID of EMCY that can be written, 1014h.
 pub static EMCY_ID: Need = Need::new("emcy-id", "a COB-ID of EMCY that can be written (1014h)", |bench| {
-    bench.can_write_all(&[Multiplexer::new(0x1014, 0)])
+    bench.can_write_all(&[Multiplexer::new(object::COB_ID_EMCY, 0)])
 });
 
 /// The inhibit time of EMCY, 1015h.
 pub static EMCY_INHIBIT: Need = Need::new("emcy-inhibit", "the inhibit time of EMCY (1015h)", |bench| {
-    bench.can_write_all(&[Multiplexer::new(0x1015, 0)])
+    bench.can_write_all(&[Multiplexer::new(object::INHIBIT_TIME_EMCY, 0)])
 });
 
 /// The device's description names an application object that can be written without consequence.
@@ -84,7 +87,7 @@ pub static APPLICATION_PARAMETER: Need =
 
 /// The SDO server parameter, 1200h.
 pub static SERVER_PARAMETER: Need = Need::new("server-parameter", "the SDO server parameter (1200h)", |bench| {
-    bench.has_all(&[Multiplexer::new(0x1200, 1)])
+    bench.has_all(&[Multiplexer::new(object::SDO_SERVER_PARAMETER, 1)])
 });
 
 /// A second SDO server, 1201h.
@@ -107,7 +110,7 @@ pub static STORE: Need = Need::new("store", "parameters that are stored on comma
     })
 });
 
-const STORE_ALL: Multiplexer = Multiplexer::new(0x1010, 1);
+const STORE_ALL: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
 
 /// Bit 1 of 1010h:01 is set, and bit 0 is not: 1010h then can't be written (CiA 301, 7.5.2.13).
 fn stores_only_by_itself(bench: &mut Bench<'_>) -> Result<bool, Stop> {
@@ -119,7 +122,10 @@ fn stores_only_by_itself(bench: &mut Bench<'_>) -> Result<bool, Stop> {
 
 /// Verify configuration, 1020h.
 pub static VERIFY_CONFIGURATION: Need = Need::new("verify-configuration", "verify configuration (1020h)", |bench| {
-    bench.can_write_all(&[Multiplexer::new(0x1020, 1), Multiplexer::new(0x1020, 2)])
+    bench.can_write_all(&[
+        Multiplexer::new(object::VERIFY_CONFIGURATION, 1),
+        Multiplexer::new(object::VERIFY_CONFIGURATION, 2),
+    ])
 });
 
 /// A string that can be written without consequence, as the description says.

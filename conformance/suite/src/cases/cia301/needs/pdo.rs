@@ -9,9 +9,10 @@ use crate::need::Need;
 use crate::situation::Situation;
 use crate::verdict::{Grade, Stop};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_bus::client::Outcome;
 
-const SYNC_ID: Multiplexer = Multiplexer::new(0x1005, 0);
+const SYNC_ID: Multiplexer = Multiplexer::new(object::COB_ID_SYNC, 0);
 
 /// Bit 30 of 1005h: the device produces SYNC.
 const PRODUCES: u32 = 1 << 30;
@@ -75,7 +76,7 @@ pub static SYNC: Need = Need::new("sync", "SYNC (1005h)", |bench| bench.has_all(
 
 /// The device can produce SYNC: 1005h bit 30 and 1006h. The bit is set while the period is 0: then nothing is sent.
 pub static SYNC_PRODUCER: Need = Need::new("sync-producer", "a SYNC producer (1005h bit 30, 1006h)", |bench| {
-    if let Err(why) = bench.can_write_all(&[SYNC_ID, Multiplexer::new(0x1006, 0)])? {
+    if let Err(why) = bench.can_write_all(&[SYNC_ID, Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0)])? {
         return Ok(Err(why));
     }
     let before = number(&bench.read(SYNC_ID)?);
@@ -91,5 +92,6 @@ pub static SYNC_PRODUCER: Need = Need::new("sync-producer", "a SYNC producer (10
 });
 
 /// The counter of SYNC, 1019h.
-pub static SYNC_COUNTER: Need =
-    Need::new("sync-counter", "the SYNC counter (1019h)", |bench| bench.can_write_all(&[Multiplexer::new(0x1019, 0)]));
+pub static SYNC_COUNTER: Need = Need::new("sync-counter", "the SYNC counter (1019h)", |bench| {
+    bench.can_write_all(&[Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0)])
+});

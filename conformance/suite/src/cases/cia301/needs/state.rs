@@ -6,6 +6,7 @@ use crate::bench::state::{GUARD_TIME, HEARTBEAT_TIME, Heartbeats};
 use crate::need::Need;
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 
 /// The device shows its NMT state: by heartbeat (1017h) or by node guarding (100Ch).
 pub static VISIBLE_STATE: Need =
@@ -39,7 +40,7 @@ pub static HEARTBEAT_CONSUMER: Need =
     Need::new("heartbeat-consumer", "the heartbeat consumer (1016h:01)", heartbeat_consumer);
 
 fn heartbeat_consumer(bench: &mut Bench<'_>) -> Result<Met, Stop> {
-    Ok(match (bench.has(Multiplexer::new(0x1016, 1))?, bench.vacant_neighbour()) {
+    Ok(match (bench.has(Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1))?, bench.vacant_neighbour()) {
         (false, _) => Err("the device has no 1016h:01".to_owned()),
         (true, None) => Err("every node-ID beside that of the device is in use".to_owned()),
         (true, Some(_)) => Ok(()),
@@ -76,12 +77,13 @@ pub static GUARDING: Need = Need::new("guarding", "node guarding (100Ch)", |benc
 
 /// Error behaviour, 1029h:01.
 pub static ERROR_BEHAVIOUR: Need = Need::new("error-behaviour", "error behaviour (1029h:01)", |bench| {
-    bench.can_write_all(&[Multiplexer::new(0x1029, 1)])
+    bench.can_write_all(&[Multiplexer::new(object::ERROR_BEHAVIOR, 1)])
 });
 
 /// NMT start-up, 1F80h.
-pub static START_UP: Need =
-    Need::new("start-up", "NMT start-up (1F80h)", |bench| bench.can_write_all(&[Multiplexer::new(0x1F80, 0)]));
+pub static START_UP: Need = Need::new("start-up", "NMT start-up (1F80h)", |bench| {
+    bench.can_write_all(&[Multiplexer::new(object::NMT_STARTUP, 0)])
+});
 
 /// No other node was heard on the bus or answers, or `--allow other-nodes` was given: the case commands all nodes.
 pub static ALONE: Need =

@@ -5,6 +5,7 @@ use crate::bench::objects::Scratch;
 use crate::case;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
 
@@ -37,7 +38,7 @@ fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
 
 /// What a device stores by itself is its power-on value as soon as it is written.
 fn stores_on_command_only(bench: &mut Bench<'_>) -> Judged {
-    const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
+    const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);
     /// Bit 1 of 1010h: the device saves parameters autonomously.
     const BY_ITSELF: u32 = 1 << 1;
     if bench.has(STORE)? && bench.read_number(STORE)? & BY_ITSELF != 0 {

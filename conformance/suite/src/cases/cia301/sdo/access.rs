@@ -7,12 +7,13 @@ use crate::situation::Situation;
 use crate::verdict::{Judged, Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::Value;
+use canvass_analyzer::object;
 
 /// Reading an object that does not exist is refused with abort 0602 0000h.
 #[case(id = "301/sdo/upload/no-object", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        catches = [SdoWrongCodeForNoObject, SdoNoObjectSilent], cct = "2.6")]
 fn no_object(bench: &mut Bench<'_>) -> Judged {
-    for (index, is_in_old_profiles) in [(0x1004, true), (0x0000, false), (0xFFFF, false)] {
+    for (index, is_in_old_profiles) in [(object::NUMBER_OF_PDOS, true), (0x0000, false), (0xFFFF, false)] {
         let multiplexer = Multiplexer::new(index, 0);
         let described = bench.described(multiplexer);
         if described == Some(true) || is_in_old_profiles && described.is_none() {
@@ -28,7 +29,7 @@ fn no_object(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/upload/no-sub-index", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        catches = [SdoWrongCodeForNoSubIndex, SdoUnknownAbortCode], cct = "2.5")]
 fn no_sub_index(bench: &mut Bench<'_>) -> Judged {
-    let attempt = bench.upload(Multiplexer::new(0x1000, 1))?;
+    let attempt = bench.upload(Multiplexer::new(object::DEVICE_TYPE, 1))?;
     bench.check(attempt.refused(Situation::MissingEntry))?;
     bench.expect_tidy()
 }
@@ -46,7 +47,7 @@ fn download_no_object(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/download/read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "2.3")]
 fn read_only(bench: &mut Bench<'_>) -> Judged {
-    bench.each([DEVICE_TYPE, Multiplexer::new(0x1018, 1)], |bench, multiplexer| {
+    bench.each([DEVICE_TYPE, Multiplexer::new(object::IDENTITY, 1)], |bench, multiplexer| {
         if bench.described(multiplexer) == Some(false) {
             return Ok(());
         }

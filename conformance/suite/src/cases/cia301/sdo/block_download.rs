@@ -8,6 +8,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, AbortCode, BlockSegment, Request, Response};
 use canvass_bus::client::block_download::{DownloadManner, Mischief};
@@ -298,7 +299,7 @@ fn interrupted(bench: &mut Bench<'_>, scratch: &Scratch, circumstance: &str) -> 
 #[case(id = "301/sdo/block-download/read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoBlockReadOnlyAccepted, SdoReadOnlyWrongCode])]
 fn read_only(bench: &mut Bench<'_>) -> Judged {
-    let multiplexer = Multiplexer::new(0x1018, 1);
+    let multiplexer = Multiplexer::new(object::IDENTITY, 1);
     let before = bench.read(multiplexer)?;
     let (attempt, _) = bench.block_download(multiplexer, &[0; 4], DownloadManner::right(&[0; 4]))?;
     bench.check(attempt.refused(Situation::ReadOnly))?;

@@ -7,6 +7,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
 use canvass_bus::client::block_upload::UploadManner;
 use canvass_bus::observation::Observation;
@@ -24,7 +25,7 @@ fn subject(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
 /// Objects of one byte, of four, and of several segments.
 fn subjects(bench: &mut Bench<'_>) -> Result<Vec<Multiplexer>, Stop> {
     let mut found = bench.long_objects(5, 3)?;
-    for short in [DEVICE_TYPE, Multiplexer::new(0x1001, 0), Multiplexer::new(0x1018, 1)] {
+    for short in [DEVICE_TYPE, Multiplexer::new(object::ERROR_REGISTER, 0), Multiplexer::new(object::IDENTITY, 1)] {
         if bench.has(short)? {
             found.push(short);
         }

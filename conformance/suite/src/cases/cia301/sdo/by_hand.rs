@@ -6,12 +6,15 @@ use crate::bench::sdo::Reply;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{Payload, Request, Response, Segment};
 use canvass_bus::observation::Observation;
 
 /// An object and a sub-index that no device has, and what they are.
-pub(super) const MISSING: [(Multiplexer, Situation); 2] =
-    [(Multiplexer::new(0xFFFF, 0), Situation::MissingObject), (Multiplexer::new(0x1000, 1), Situation::MissingEntry)];
+pub(super) const MISSING: [(Multiplexer, Situation); 2] = [
+    (Multiplexer::new(0xFFFF, 0), Situation::MissingObject),
+    (Multiplexer::new(object::DEVICE_TYPE, 1), Situation::MissingEntry),
+];
 
 /// An object whose upload takes at least two segments.
 pub(in crate::cases::cia301) fn long_object(bench: &mut Bench<'_>) -> Result<Multiplexer, Stop> {

@@ -6,6 +6,7 @@ use crate::bench::sdo::{DEVICE_TYPE, Reply};
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Check, Judged, Precondition, demand};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response, Segment};
 use canvass_analyzer::{Multiplexer, Service};
@@ -98,9 +99,9 @@ fn unanswered(bench: &mut Bench<'_>) -> Judged {
        catches = [SdoStaleMultiplexer, SdoAbortMultiplexerZero])]
 fn multiplexer(bench: &mut Bench<'_>) -> Judged {
     let no_object = Multiplexer::new(0xFFFF, 2);
-    let no_sub_index = Multiplexer::new(0x1000, 1);
+    let no_sub_index = Multiplexer::new(object::DEVICE_TYPE, 1);
     // What a server may wrongly remember.
-    bench.read(Multiplexer::new(0x1001, 0))?;
+    bench.read(Multiplexer::new(object::ERROR_REGISTER, 0))?;
     let value = |multiplexer| Request::InitiateDownload { multiplexer, payload: Payload::of(&[0; 4]) };
     let requests = [Request::upload(no_object), Request::upload(no_sub_index), value(no_object), value(DEVICE_TYPE)];
     // Whichever object the abort names, every exchange judges it.
@@ -135,9 +136,9 @@ fn known_code(bench: &mut Bench<'_>) -> Judged {
     let value = |multiplexer| Request::InitiateDownload { multiplexer, payload: Payload::of(&[0; 4]) };
     let refused = [
         Some(Request::upload(Multiplexer::new(0xFFFF, 0))),
-        Some(Request::upload(Multiplexer::new(0x1000, 1))),
+        Some(Request::upload(Multiplexer::new(object::DEVICE_TYPE, 1))),
         Some(value(DEVICE_TYPE)),
-        Some(value(Multiplexer::new(0x1018, 9))),
+        Some(value(Multiplexer::new(object::IDENTITY, 9))),
         Some(Request::UploadSegment { toggle: false }),
         segment,
         Some(UNKNOWN),

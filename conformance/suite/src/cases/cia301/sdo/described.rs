@@ -9,10 +9,11 @@ use crate::situation::Situation;
 use crate::verdict::{Judged, Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Access, Entry, Value};
+use canvass_analyzer::object;
 
 /// An object and what the description says of it.
 /// The number of errors.
-const ERROR_COUNT: Multiplexer = Multiplexer::new(0x1003, 0);
+const ERROR_COUNT: Multiplexer = Multiplexer::new(object::PREDEFINED_ERROR_FIELD, 0);
 
 type Described = (Multiplexer, Entry);
 
@@ -32,7 +33,7 @@ fn nothing(expected: &str, actual: &str) -> Stop {
 
 /// Communication and profile objects that hold a configuration, and nothing that acts when it is written.
 fn is_harmless(at: Multiplexer) -> bool {
-    matches!(at.index.0, 0x1005..=0x1007 | 0x100C | 0x100D | 0x1012..=0x1029 | 0x1400..=0x1BFF | 0x6000..=0x9FFF)
+    matches!(at.index.0, 0x1005..=0x1007 | object::GUARD_TIME | object::LIFE_TIME_FACTOR | 0x1012..=0x1029 | 0x1400..=0x1BFF | 0x6000..=0x9FFF)
 }
 
 fn is_plain(entry: &Entry) -> bool {
@@ -100,7 +101,10 @@ fn every_length(
 
 /// Parameters of a PDO, and COB-IDs: while they are valid they do not change, whatever is written.
 const fn may_be_in_use(at: Multiplexer) -> bool {
-    matches!(at.index.0, 0x1005 | 0x1012 | 0x1014 | 0x1028 | 0x1400..=0x1BFF)
+    matches!(
+        at.index.0,
+        object::COB_ID_SYNC | object::COB_ID_TIME | object::COB_ID_EMCY | object::EMERGENCY_CONSUMER | 0x1400..=0x1BFF
+    )
 }
 
 /// The value just below a low limit.

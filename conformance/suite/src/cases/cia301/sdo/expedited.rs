@@ -5,6 +5,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Check, Judged, demand, observed};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{Payload, Request, Response};
 use canvass_bus::client::Outcome;
@@ -14,10 +15,10 @@ use canvass_traces::Frame;
 
 /// Objects that every device has, and their lengths.
 const SHORT: [(Multiplexer, usize); 4] = [
-    (Multiplexer::new(0x1000, 0), 4),
-    (Multiplexer::new(0x1001, 0), 1),
-    (Multiplexer::new(0x1018, 0), 1),
-    (Multiplexer::new(0x1018, 1), 4),
+    (Multiplexer::new(object::DEVICE_TYPE, 0), 4),
+    (Multiplexer::new(object::ERROR_REGISTER, 0), 1),
+    (Multiplexer::new(object::IDENTITY, 0), 1),
+    (Multiplexer::new(object::IDENTITY, 1), 4),
 ];
 
 /// Objects of up to four bytes are read in one message, whose command byte says how many bytes count: 4Fh, 4Bh, 47h or

@@ -7,6 +7,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Judged, Reason, Stop};
 use canvass_analyzer::dictionary::Entry;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{CobId, Multiplexer};
 use std::collections::BTreeSet;
@@ -17,7 +18,7 @@ const CONSUMES: u32 = 1 << 31;
 
 /// What holds a configuration, and does nothing else when it is written.
 fn is_parameter(at: Multiplexer, entry: &Entry) -> bool {
-    let is_known = matches!(at.index.0, 0x1005..=0x1007 | 0x100C | 0x100D | 0x1012 | 0x1014..=0x1017 | 0x1019 | 0x1029)
+    let is_known = matches!(at.index.0, 0x1005..=0x1007 | object::GUARD_TIME | object::LIFE_TIME_FACTOR | object::COB_ID_TIME | 0x1014..=0x1017 | object::SYNCHRONOUS_COUNTER_OVERFLOW | object::ERROR_BEHAVIOR)
         || matches!((at.index.0, at.sub.0), (0x1400..=0x15FF | 0x1800..=0x19FF, 1..) | (0x1600..=0x17FF | 0x1A00..=0x1BFF, _));
     is_known
         && entry.access.is_writable()
@@ -42,11 +43,13 @@ fn is_in_use(bench: &mut Bench<'_>, at: Multiplexer, value: u32) -> Result<bool,
         return Ok(is_entry || bench.read_number(cob_id)? & CobId::INVALID == 0);
     }
     Ok(match at.index.0 {
-        0x1005 => value & PRODUCES != 0,
-        0x1012 => value & (PRODUCES | CONSUMES) != 0,
-        0x1014 => value & CobId::INVALID == 0,
+        object::COB_ID_SYNC => value & PRODUCES != 0,
+        object::COB_ID_TIME => value & (PRODUCES | CONSUMES) != 0,
+        object::COB_ID_EMCY => value & CobId::INVALID == 0,
         // Not while SYNC is produced with a period.
-        0x1019 => bench.read_number(Multiplexer::new(0x1006, 0))? != 0,
+        object::SYNCHRONOUS_COUNTER_OVERFLOW => {
+            bench.read_number(Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0))? != 0
+        }
         _ => false,
     })
 }
@@ -83,8 +86,11 @@ fn own_value(bench: &mut Bench<'_>) -> Judged {
         return Err(nothing("a writable communication parameter", "none is described"));
     }
     bench.each(objects.clone(), rewrite)?;
-    let switches: BTreeSet<Multiplexer> =
-        objects.iter().copied().filter(|at| at.index.0 == 0x1014 || cob_id_of_pdo(*at) == Some(*at)).collect();
+    let switches: BTreeSet<Multiplexer> = objects
+        .iter()
+        .copied()
+        .filter(|at| at.index.0 == object::COB_ID_EMCY || cob_id_of_pdo(*at) == Some(*at))
+        .collect();
     bench.each(switches, |bench, cob_id| {
         let own = bench.read_number(cob_id)?;
         let on = own & !CobId::INVALID;

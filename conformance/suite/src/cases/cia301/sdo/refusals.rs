@@ -5,6 +5,7 @@ use crate::bench::sdo::DEVICE_TYPE;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed};
+use canvass_analyzer::object;
 use canvass_analyzer::{Multiplexer, SubIndex};
 
 /// A download that is wrong in several ways is refused each time with the same abort, whichever of the reasons it names.
@@ -17,13 +18,13 @@ fn several_reasons(bench: &mut Bench<'_>) -> Judged {
         ("a read-only object, of a wrong length", DEVICE_TYPE, &[0], Situation::ReadOnlyAndTooShort),
         (
             "a sub-index that a read-only object does not have",
-            Multiplexer::new(0x1000, 7),
+            Multiplexer::new(object::DEVICE_TYPE, 7),
             &[0, 0],
             Situation::MissingEntryOfReadOnly,
         ),
         (
             "a sub-index that does not exist, of a wrong length",
-            Multiplexer::new(0x1018, 0x70),
+            Multiplexer::new(object::IDENTITY, 0x70),
             &[0],
             Situation::MissingEntryOfReadOnly,
         ),

@@ -7,6 +7,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::Judged;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response};
 
 /// A segmented download is confirmed message by message, also of an object of four bytes or fewer, and the value can be
@@ -129,7 +130,7 @@ fn empty_segment(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/download/segmented-read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
        level = Must, needs = [SegmentedDownload], catches = [SdoReadOnlySegmentedAccepted, SdoReadOnlyWrongCode])]
 fn segmented_read_only(bench: &mut Bench<'_>) -> Judged {
-    let multiplexer = Multiplexer::new(0x1000, 0);
+    let multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
     let before = bench.read(multiplexer)?;
     let reply = in_segments(bench, multiplexer, 4)?;
     bench.check(reply.refused(Situation::ReadOnly))?;

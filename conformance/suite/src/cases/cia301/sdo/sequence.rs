@@ -6,13 +6,14 @@ use crate::bench::{Bench, percentile};
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, demand, observed_response};
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{self, AbortCode, Request, Response, Segment};
 use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record, Timestamp};
 
-const ERROR_REGISTER: Multiplexer = Multiplexer::new(0x1001, 0);
+const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 
 /// A download that is given up for another request ends; the request is served, and the object keeps its value.
 #[case(id = "301/sdo/transfer/abandoned-download", clause = "CiA 301 7.2.4.3.2", confidence = Cited, level = Must,

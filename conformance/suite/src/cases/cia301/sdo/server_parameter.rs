@@ -6,6 +6,7 @@ use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Breach, Judged, Reason, Stop, demand, observed_response};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{self, Request, Response};
@@ -26,7 +27,7 @@ const INVALID: u32 = 1 << 31;
 fn cob_ids(bench: &mut Bench<'_>) -> Judged {
     let node = u32::from(bench.node().raw());
     bench.each([(1, sdo::REQUEST_BASE), (2, sdo::RESPONSE_BASE)], |bench, (sub, base)| {
-        let (multiplexer, right) = (Multiplexer::new(0x1200, sub), u32::from(base) + node);
+        let (multiplexer, right) = (Multiplexer::new(object::SDO_SERVER_PARAMETER, sub), u32::from(base) + node);
         let duty = format!("{multiplexer} names the CAN-ID of the default channel");
         bench.expect_value(multiplexer, &right.to_le_bytes(), duty)
     })
@@ -37,7 +38,7 @@ fn cob_ids(bench: &mut Bench<'_>) -> Judged {
        needs = [ServerParameter], catches = [SdoReadOnlyWritable])]
 fn fixed(bench: &mut Bench<'_>) -> Judged {
     bench.each([1, 2], |bench, sub| {
-        let multiplexer = Multiplexer::new(0x1200, sub);
+        let multiplexer = Multiplexer::new(object::SDO_SERVER_PARAMETER, sub);
         let before = bench.read(multiplexer)?;
         let attempt = bench.download(multiplexer, &TO_SERVER.to_le_bytes())?;
         bench.check(attempt.refused(Situation::ValidCobIdChanged))?;
