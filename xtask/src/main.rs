@@ -7,7 +7,7 @@
 //! incidents`: what the diagnosis names first in a thousand
 //! networks with one fault each, and in a thousand healthy ones. `cargo xtask worst`: what the traffic that costs most costs,
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
-//! screenshot`: the picture in `docs/diagnose.md`. `cargo xtask mutants`: how many random mutants of the simulated devices
+//! screenshot`: the pictures of pages in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
 //! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo
 //! xtask dist`: a static program as archive and Debian package.
 

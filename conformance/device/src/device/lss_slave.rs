@@ -127,7 +127,8 @@ impl LssSlave {
             _ => return None,
         }
         self.selected = 0;
-        (was_configuring && !self.configuring).then_some(Effect::Leave)
+        let leaves = !self.configuring || firmware.leaves_lss_configuration_when_told_again();
+        (was_configuring && leaves).then_some(Effect::Leave)
     }
 
     /// The four parts have to come in order; the last one switches.

@@ -64,7 +64,9 @@ impl SyncObject {
         let number = |index| parameters.number_or_zero(index, 0);
         let before = (self.produces, self.period, self.overflow);
         // Without 1005h it is the predefined one.
-        self.cob_id = CobId(parameters.number(object::COB_ID_SYNC, 0).unwrap_or(CAN_ID.into()) as u32);
+        if !firmware.keeps_sync_id() || self.cob_id.0 == CobId::INVALID {
+            self.cob_id = CobId(parameters.number(object::COB_ID_SYNC, 0).unwrap_or(CAN_ID.into()) as u32);
+        }
         self.period = firmware.sync_period(number(object::COMMUNICATION_CYCLE_PERIOD));
         self.produces =
             network.sync_producer && is_producing(number(object::COB_ID_SYNC)) && self.period > Duration::ZERO;

@@ -274,7 +274,7 @@ impl Tpdo {
 
     /// Sends the PDO, or keeps it waiting for the end of the inhibit time.
     fn transmit(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
-        self.waiting = false;
+        self.waiting = self.waiting && objects.firmware.repeats_inhibited_pdo();
         if !self.is_active() {
             return None;
         }

@@ -14,6 +14,7 @@ hooks! {
     resets_sync_counter unless SyncCounterNotReset,
     reports_right_sync with RightSyncReported,
     checks_sync_length unless SyncLengthUnchecked,
+    keeps_sync_id with SyncKeepsCanId,
     heeds_sync_window unless SyncWindowIgnored,
     counts_moved_sync with SyncMovedCounts,
 }

@@ -20,6 +20,7 @@ hooks! {
     checks_lss_node_id unless LssNodeIdUnchecked,
     answers_non_configured_always with LssNonConfiguredAnswered,
     waits_at_reserved_mode with LssReservedModeWaits,
+    leaves_lss_configuration_when_told_again with LssLeavesWhenToldAgain,
     takes_selective_in_any_order with LssSelectiveAnyOrder,
     skips_selective_serial with LssSelectiveThreeParts,
     answers_lmt_identify unless LmtIdentifySilent,

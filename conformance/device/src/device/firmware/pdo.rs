@@ -7,6 +7,7 @@ hooks! {
     restarts_rpdo_deadline unless RpdoDeadlineNotRestarted,
     forgets_held_rpdo unless RpdoHeldOverStop,
     heeds_cyclic_timer unless CyclicTimerIdle,
+    repeats_inhibited_pdo with TpdoRepeatsAfterInhibit,
     drops_inhibited_pdo with TpdoLostWhenInhibited,
     protects_first_pdo_only with PdoRulesFirstOnly,
     reports_right_rpdo with RightRpdoReported,

@@ -32,6 +32,7 @@ mod store;
 mod store_groups;
 mod stored;
 mod sync;
+mod sync_moved;
 mod sync_own;
 mod sync_window;
 mod time;

@@ -16,11 +16,11 @@ use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
 
-const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_SYNC, 0);
+pub(super) const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_SYNC, 0);
 const PERIOD: Multiplexer = Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0);
 const OVERFLOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
 /// Bit 30 of 1005h: the device produces SYNC.
-const PRODUCES: u32 = 1 << 30;
+pub(super) const PRODUCES: u32 = 1 << 30;
 const PERIOD_US: u32 = 50_000;
 const PERIOD_TIME: Duration = Duration::from_millis(50);
 

@@ -18,7 +18,8 @@ const IN_THE_WAY: u16 = 0x07F;
 /// So many full frames take 8 ms at 1 Mbit/s, and longer at every other bit rate.
 const FRAMES: usize = 70;
 
-fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Stop> {
+/// Makes TPDO 1 one of type 1, without event timer; its CAN-ID.
+pub(super) fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Stop> {
     bench.expect_plain_sync()?;
     bench.set_pdo(TPDO, &[(2, &[1])])?;
     if bench.can_write(TPDO.parameter(5))? {
@@ -28,13 +29,13 @@ fn synchronous(bench: &mut Bench<'_>) -> Result<u16, Stop> {
 }
 
 /// TPDO 1 came so often, where it had to come another number of times.
-fn counted(duty: &'static str, right: u64, found: usize) -> Breach {
+pub(super) fn counted(duty: &'static str, right: u64, found: usize) -> Breach {
     let expected = Allowed::Count { least: right, most: Some(right) };
     let tpdo = Subject::Pdo { transmit: true, number: 1 };
     Breach::new(tpdo, duty).expected(expected).found(Observation::Count(found as u64))
 }
 
-fn count(heard: &[Record], can_id: u16) -> usize {
+pub(super) fn count(heard: &[Record], can_id: u16) -> usize {
     heard.iter().filter(|record| record.frame.cob_id() == Some(can_id)).count()
 }
 

@@ -4,7 +4,7 @@ use super::tpdo_events::{operational, subject};
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::case;
-use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_bus::observation::Observation;
@@ -41,6 +41,36 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
         Breach::new(TPDO.subject(), "a value that changed within the inhibit time is sent after it")
             .expected(Observation::Value(before.clone()))
             .found(found)
+    }))
+}
+
+/// What had to wait for the inhibit time is sent once. A device that was silent before the change is silent again after it.
+#[case(id = "301/tpdo/inhibit-once", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
+       needs = [Changeable], catches = [TpdoRepeatsAfterInhibit])]
+fn once(bench: &mut Bench<'_>) -> Judged {
+    let subject = subject(bench, 254)?;
+    if !bench.can_write(TPDO.parameter(3))? {
+        let reason = Reason::new("TPDO 1 has an inhibit time", TPDO.parameter(3).to_string(), "absent or read-only");
+        return Err(Stop::NotApplicable(reason));
+    }
+    bench.set_pdo(TPDO, &[(3, &UNITS.to_le_bytes())])?;
+    operational(bench)?;
+    bench.listen(INHIBIT.times(2))?;
+    let before = bench.frames_of(subject.can_id, INHIBIT.times(4))?;
+    if !before.is_empty() {
+        let reason = Reason::new("TPDO 1 is sent by changes alone", "silence without one", "a TPDO");
+        return Err(Stop::NotApplicable(reason));
+    }
+    let [first, other] = &subject.values;
+    change(bench, subject.at, other, subject.can_id)?;
+    change(bench, subject.at, first, subject.can_id)?;
+    bench.listen(INHIBIT.times(2))?;
+    bench.drain()?;
+    let after = bench.frames_of(subject.can_id, INHIBIT.times(4))?;
+    bench.check(demand(after.is_empty(), || {
+        let breach = Breach::new(TPDO.subject(), "a TPDO that had to wait for the inhibit time is sent once");
+        let expected = Allowed::Count { least: 0, most: Some(0) };
+        breach.expected(expected).found(Observation::Count(after.len() as u64))
     }))
 }
 

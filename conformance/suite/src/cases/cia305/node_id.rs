@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 const AFTER_BOOT_UP: Duration = Duration::from_millis(100);
 
 /// A device that takes its node-ID over by itself when configuration ends does it by then.
-const RESTART: Duration = Duration::from_millis(500);
+pub(super) const RESTART: Duration = Duration::from_millis(500);
 
 /// A node-ID that nobody uses.
 pub(super) fn vacant(bench: &Bench<'_>) -> Result<u8, Stop> {

@@ -1,9 +1,10 @@
 //! Slaves without node-ID: how they are made, and what they do.
 
 use super::dialogue::{
-    address, breach, configure, exchange, expect, node_id, observed, set_node_id, shown, tell, wait,
+    address, breach, configure, exchange, expect, expect_configuration, node_id, observed, set_node_id, shown, tell,
+    wait,
 };
-use super::node_id::{back_to_own, started_elsewhere};
+use super::node_id::{RESTART, back_to_own, started_elsewhere};
 use crate::bench::{Bench, is_from};
 use crate::case;
 use crate::verdict::{Judged, Reason, Stop, demand};
@@ -112,6 +113,29 @@ fn boots(bench: &mut Bench<'_>) -> Judged {
         bench.check(demand(boot_up.is_some(), || {
             started_elsewhere("a device that had no node-ID boots with the one that it got", own, None)
         }))
+    })
+}
+
+/// A device that got a node-ID by LSS stays in configuration, and silent, when it is told again to go there: it boots when
+/// configuration ends.
+#[case(id = "305/unconfigured/told-again", clause = "CiA 305 6.3.2", confidence = Attested, level = Must,
+       needs = [Lss, Alone], touches = [NodeId], catches = [LssLeavesWhenToldAgain])]
+fn told_again(bench: &mut Bench<'_>) -> Judged {
+    unconfigured(bench, |bench, _| {
+        let own = bench.node().raw();
+        configure(bench)?;
+        set_node_id(bench, own)?;
+        bench.drain()?;
+        let from = bench.now();
+        tell(bench, Request::SwitchGlobal { mode: 1 })?;
+        bench.listen(RESTART)?;
+        let heard = bench.heard_since(from);
+        let early = heard.iter().find(|record| is_from(bench.node(), &record.frame)).map(|record| record.frame);
+        bench.check(early.map_or(Ok(()), |frame| {
+            let breach = breach("a device without node-ID that is told again to go to configuration does not boot");
+            Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(frame))))
+        }))?;
+        expect_configuration(bench, "switch state global to configuration, for the second time")
     })
 }
 

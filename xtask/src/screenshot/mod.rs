@@ -1,0 +1,103 @@
+//! The pictures of pages in the documentation: a diagnosis, a run of the suite, a history.
+
+mod machine;
+
+use crate::browser;
+use crate::measure::release;
+use crate::run::run;
+use anyhow::{Context, Result, ensure};
+use machine::machine;
+use std::fs;
+use std::process::{Command, Stdio};
+
+const FOLDER: &str = "target/screenshot";
+/// A picture that is looked at in a document.
+const MOST: u64 = 150 * 1024;
+
+/// The releases of the history: bad ones, and such as mended that.
+const RELEASES: [(&str, &str); 5] = [
+    ("1.0", ""),
+    ("1.1", "+boot-up-twice"),
+    ("1.2", "+boot-up-twice+sdo-toggle-unchecked"),
+    ("1.3", "+sdo-toggle-unchecked"),
+    ("2.0", ""),
+];
+
+/// Takes the pictures.
+///
+/// # Errors
+/// If a program can't be run, the first finding is not the loss of the encoder, or a picture is too large.
+pub fn screenshot() -> Result<()> {
+    browser::install_all()?;
+    run("cargo", &["build", "--release", "--locked"])?;
+    fs::create_dir_all(FOLDER)?;
+    diagnosis()?;
+    conformance()?;
+    history()
+}
+
+/// An encoder that loses its supply, and what follows: the head of the page, and its timeline.
+fn diagnosis() -> Result<()> {
+    let (capture, page) = (format!("{FOLDER}/machine.log"), format!("{FOLDER}/page.html"));
+    fs::write(&capture, machine()?)?;
+    let told = Command::new(release("canvass")).args(["diagnose", "--fail-on", "never", &capture]).output()?;
+    let told = String::from_utf8_lossy(&told.stdout).into_owned();
+    let first = told.lines().next().unwrap_or_default();
+    ensure!(first.contains("node 5") && first.contains("nodes/lost"), "the story begins with \"{first}\"");
+    let html = ["--format", "html", "--bit-rate", "125k", "--fail-on", "never", "--output", &page];
+    run(&release("canvass"), &[&["diagnose", &capture], &html[..]].concat())?;
+    photograph(&page, "docs/diagnose.png", (1100, 815))
+}
+
+/// A case that fails, with its recording.
+fn conformance() -> Result<()> {
+    let (recording, page) = (format!("{FOLDER}/run.pcapng"), format!("{FOLDER}/run.html"));
+    let report = format!("html={page}");
+    let device = ["test", "sim:kuebler-sendix-58x8+boot-up-twice", "--select", "301/boot-up/reset-node"];
+    tested(&[&device[..], &["--record", &recording, "--force", "--report", &report]].concat())?;
+    photograph(&page, "docs/test.png", (1000, 1400))
+}
+
+/// Cases over the releases of a device.
+fn history() -> Result<()> {
+    let page = format!("{FOLDER}/history.html");
+    let mut files = Vec::new();
+    for (release, faults) in RELEASES {
+        let file = format!("{FOLDER}/{release}.json");
+        let (bus, report) = (format!("sim:reference-301{faults}"), format!("json={file}"));
+        tested(&["test", &bus, "--select", "301/boot-up,301/sdo", "--report", &report])?;
+        files.push(file);
+    }
+    let files: Vec<&str> = files.iter().map(String::as_str).collect();
+    tested(&[&["history"], &files[..], &["--report", &format!("html={page}")]].concat())?;
+    photograph(&page, "docs/history.png", (1000, 800))
+}
+
+/// Runs canvass where it may find something.
+fn tested(args: &[&str]) -> Result<()> {
+    let ended = Command::new(release("canvass")).args(args).output()?;
+    let status = ended.status.code();
+    ensure!(
+        status.is_some_and(|status| status < 2),
+        "canvass {args:?} ended with {}: {}",
+        ended.status,
+        String::from_utf8_lossy(&ended.stderr)
+    );
+    Ok(())
+}
+
+/// Without a window; time goes on at once, so that the page is drawn.
+fn photograph(page: &str, picture: &str, (width, height): (u16, u16)) -> Result<()> {
+    let url = format!("file://{}", fs::canonicalize(page)?.display());
+    let chromium = Command::new("chromium")
+        .args(["--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars", "--virtual-time-budget=5000"])
+        .args([&format!("--window-size={width},{height}"), &format!("--screenshot={picture}"), &url])
+        .stderr(Stdio::null())
+        .status()
+        .context("can't run chromium")?;
+    ensure!(chromium.success(), "chromium ended with {chromium}");
+    let size = fs::metadata(picture)?.len();
+    ensure!(size < MOST, "{picture} has {size} bytes");
+    println!("{picture}: {size} bytes");
+    Ok(())
+}
