@@ -6,6 +6,7 @@ pub mod check;
 pub mod consistency;
 mod data_type;
 mod description;
+pub mod difference;
 pub mod eds;
 mod manual;
 pub mod names;

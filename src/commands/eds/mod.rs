@@ -1,6 +1,8 @@
 //! `canvass eds`: device descriptions.
 
 mod check;
+mod diff;
+mod found;
 
 use crate::output::Color;
 use crate::status::{Failure, Status};
@@ -15,12 +17,14 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Action {
     Check(check::Args),
+    Diff(diff::Args),
 }
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         match self.action {
             Action::Check(args) => args.run(color),
+            Action::Diff(args) => args.run(color),
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The files that are checked: as named, those of folders, and standard input.
+//! The device descriptions that a command reads: as named, those of folders, and standard input.
 
 use anyhow::{Context, Result, bail};
 use canvass_traces::small_file::{self, OF_HAND};
