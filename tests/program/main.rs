@@ -23,6 +23,8 @@ mod diagnose;
 #[cfg(test)]
 mod eds_check;
 #[cfg(test)]
+mod eds_convert;
+#[cfg(test)]
 mod eds_diff;
 #[cfg(test)]
 mod events;

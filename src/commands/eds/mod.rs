@@ -1,6 +1,7 @@
 //! `canvass eds`: device descriptions.
 
 mod check;
+mod convert;
 mod diff;
 mod found;
 
@@ -17,6 +18,7 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Action {
     Check(check::Args),
+    Convert(convert::Args),
     Diff(diff::Args),
 }
 
@@ -24,6 +26,7 @@ impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         match self.action {
             Action::Check(args) => args.run(color),
+            Action::Convert(args) => args.run(),
             Action::Diff(args) => args.run(color),
         }
     }
