@@ -20,6 +20,8 @@ impl DeviceDescription {
 /// Whether it is an XDD or XDC.
 pub(super) fn is_xml(bytes: &[u8]) -> bool {
     let text = bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes).trim_ascii_start();
-    // In UTF-16 the first character has a zero beside it.
-    text.starts_with(b"<") || text.starts_with(b"\xFF\xFE<") || text.starts_with(b"\xFE\xFF\0<")
+    // A merge conflict begins with more of them. In UTF-16 the first character has a zero beside it.
+    text.starts_with(b"<") && !text.starts_with(b"<<")
+        || text.starts_with(b"\xFF\xFE<")
+        || text.starts_with(b"\xFE\xFF\0<")
 }

@@ -1,30 +1,36 @@
 //! `canvass eds convert`: device descriptions from one format to another.
 
-use super::found::Description;
+use super::found::{Description, description};
 use crate::destination::refuse_existing;
+use crate::devices::parse_node;
 use crate::files::Files;
-use crate::output::{Output, diagnostic, unless_closed};
+use crate::output::{diagnostic, unless_closed};
 use crate::status::{Failure, Status};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, bail};
-use canvass_analyzer::dictionary::Loss;
+use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::convert::{Form, convert};
+use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
+use canvass_reports::descriptions::dbc;
+use clap::ValueEnum;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// More losses are only counted, unless all are asked for.
 const SHOWN: usize = 20;
 
-/// Convert a device description to another format: EDS and XDD, DCF and XDC
+/// Convert a device description to another format: EDS and XDD, DCF and XDC, and its PDOs to a DBC
 ///
 /// The format written is told by the ending of OUT, or by --to. What the format has no place for, and what of IN is not
-/// kept, is said on standard error, each thing with its place. A DCF becomes an EDS without what it configures.
+/// kept, is said on standard error, each thing with its place. A DCF becomes an EDS without what it configures. A DBC has the
+/// PDOs that the device has at one node-ID, for tools that know no CANopen.
 #[derive(clap::Args)]
 #[command(after_help = "\
 Examples:
   canvass eds convert encoder.eds encoder.xdd
   canvass eds convert line-3.xdc line-3.dcf --force
-  canvass eds convert encoder.xdd - --to eds")]
+  canvass eds convert encoder.xdd - --to eds
+  canvass eds convert encoder.eds encoder.dbc --node 5")]
 pub struct Args {
     /// An EDS, DCF, XDD or XDC file; - is standard input
     #[arg(value_name = "IN")]
@@ -35,6 +41,9 @@ pub struct Args {
     /// The format to write
     #[arg(long, value_enum)]
     to: Option<To>,
+    /// The node-ID that the PDOs of a DBC are for [default: that of a DCF]
+    #[arg(long, value_name = "N", value_parser = parse_node)]
+    node: Option<NodeId>,
     /// Overwrite OUT if it exists
     #[arg(long)]
     force: bool,
@@ -53,22 +62,32 @@ enum To {
     Xdd,
     /// CiA 311, for a configured device
     Xdc,
+    /// A CAN database with the PDOs
+    Dbc,
 }
 
-impl From<To> for Form {
-    fn from(to: To) -> Self {
-        match to {
-            To::Eds => Self::Eds,
-            To::Dcf => Self::Dcf,
-            To::Xdd => Self::Xdd,
-            To::Xdc => Self::Xdc,
+/// A description in another format, or its PDOs.
+#[derive(Clone, Copy)]
+enum Target {
+    Form(Form),
+    Dbc,
+}
+
+impl To {
+    const fn target(self) -> Target {
+        match self {
+            Self::Eds => Target::Form(Form::Eds),
+            Self::Dcf => Target::Form(Form::Dcf),
+            Self::Xdd => Target::Form(Form::Xdd),
+            Self::Xdc => Target::Form(Form::Xdc),
+            Self::Dbc => Target::Dbc,
         }
     }
 }
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
-        let form = self.form()?;
+        let target = self.target()?;
         let is_stdout = self.output.as_os_str() == "-";
         if !is_stdout {
             Files::new().reads([&self.input]).writes([&self.output])?;
@@ -77,31 +96,61 @@ impl Args {
             }
         }
         let bytes = Description::read(&self.input)?.bytes;
-        let name = self.output.file_name().filter(|_| !is_stdout).map(|name| name.to_string_lossy().into_owned());
-        let converted = convert(&bytes, form, name.as_deref())
-            .with_context(|| format!("can't convert {}", self.input.display()))?;
+        let description = description(&bytes, &self.input)?;
+        let (written, losses) = match target {
+            Target::Form(form) => self.converted(&bytes, form)?,
+            Target::Dbc => self.database(description)?,
+        };
         if is_stdout {
-            let mut output = Output::text(false);
-            unless_closed(output.write_all(converted.text.as_bytes()).and_then(|()| Output::flush(&output)))?;
+            let mut output = crate::output::raw();
+            unless_closed(output.write_all(&written).and_then(|()| output.flush()))?;
         } else {
-            write(&self.output, &converted.text)?;
+            write(&self.output, &written)?;
         }
-        self.tell(form, &converted.losses);
+        self.tell(&losses);
         Ok(Status::Good)
     }
 
-    fn form(&self) -> Result<Form> {
-        let by_name = self.output.extension().and_then(|ending| Form::from_name(&ending.to_string_lossy()));
-        match self.to.map(Form::from).or(by_name) {
-            Some(form) => Ok(form),
+    /// The file in the other format, and what is not in it.
+    fn converted(&self, bytes: &[u8], form: Form) -> Result<(Vec<u8>, Vec<String>)> {
+        if self.node.is_some() {
+            bail!("--node is for a DBC: the {form} says itself which node it is for");
+        }
+        let name = self.output.file_name().filter(|name| *name != "-");
+        let name = name.map(|name| name.to_string_lossy().into_owned());
+        let converted =
+            convert(bytes, form, name.as_deref()).with_context(|| format!("can't convert {}", self.input.display()))?;
+        Ok((converted.text.into_bytes(), converted.losses.iter().map(ToString::to_string).collect()))
+    }
+
+    /// The PDOs as a CAN database, and those that are not in it.
+    fn database(&self, description: DeviceDescription) -> Result<(Vec<u8>, Vec<String>)> {
+        let input = self.input.display();
+        let configured = description.commissioning.as_ref().and_then(|it| it.node_id);
+        let node = self.node.or(configured);
+        let node = node.with_context(|| format!("{input} is for every node-ID: say --node N for the DBC"))?;
+        let database = dbc::database(KnownDevice::described(description), node);
+        if database.messages == 0 {
+            let reasons = database.left_out.join("; ");
+            let reasons = if reasons.is_empty() { "none is described" } else { &reasons };
+            bail!("{input} has no PDO that a DBC could have: {reasons}");
+        }
+        Ok((database.bytes, database.left_out))
+    }
+
+    fn target(&self) -> Result<Target> {
+        let ending = self.output.extension().map(|ending| ending.to_string_lossy().into_owned());
+        let by_name = ending.and_then(|ending| To::from_str(&ending, true).ok());
+        match self.to.or(by_name) {
+            Some(to) => Ok(to.target()),
             None => {
-                let names = Form::ALL.map(Form::name).join(", ");
-                bail!("{} does not tell the format to write: say --to with one of {names}", self.output.display())
+                let path = self.output.display();
+                bail!("{path} does not tell the format to write: say --to with one of eds, dcf, xdd, xdc, dbc")
             }
         }
     }
 
-    fn tell(&self, form: Form, losses: &[Loss]) {
+    fn tell(&self, losses: &[String]) {
         let shown = if self.all_losses { losses.len() } else { SHOWN };
         let name = self.input.display();
         for loss in losses.iter().take(shown) {
@@ -109,13 +158,13 @@ impl Args {
         }
         if losses.len() > shown {
             let rest = losses.len() - shown;
-            diagnostic(&format!("{name}: {rest} more things are not in the {form}: --all-losses says all"));
+            diagnostic(&format!("{name}: {rest} more things are lost: --all-losses says all"));
         }
     }
 }
 
-fn write(path: &Path, text: &str) -> Result<()> {
+fn write(path: &Path, written: &[u8]) -> Result<()> {
     let file = WholeFile::create(path)?;
-    file.writer()?.write_all(text.as_bytes()).with_context(|| format!("can't write {}", path.display()))?;
+    file.writer()?.write_all(written).with_context(|| format!("can't write {}", path.display()))?;
     file.complete()
 }

@@ -1,9 +1,9 @@
 //! `canvass eds diff`: what a release changed between two device descriptions.
 
-use super::found::Description;
+use super::found::{Description, description};
 use crate::output::{Color, Output, unless_closed};
 use crate::status::{Failure, Status};
-use anyhow::{Context, Result, bail};
+use anyhow::{Result, bail};
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::dictionary::difference::{Class, compare};
 use canvass_reports::descriptions::difference::Compared;
@@ -90,6 +90,5 @@ impl Args {
 }
 
 fn read(path: &Path) -> Result<DeviceDescription> {
-    let bytes = Description::read(path)?.bytes;
-    DeviceDescription::read(&bytes).with_context(|| format!("{} is no device description", path.display()))
+    description(&Description::read(path)?.bytes, path)
 }

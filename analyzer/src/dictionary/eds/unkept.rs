@@ -62,7 +62,7 @@ fn section(section: &Section<'_>, document: &Document<'_>, description: &DeviceD
     match SectionName::parse(section.name) {
         SectionName::FileInfo => each(losses, &|name| header::FILE_INFO.contains(&name)),
         SectionName::DeviceInfo => {
-            each(losses, &|name| header::is_device_info(name) && !UNKEPT_DEVICE_INFO.contains(&name))
+            each(losses, &|name| header::is_device_info(name) && !UNKEPT_DEVICE_INFO.contains(&name));
         }
         SectionName::DeviceCommissioning => each(losses, &|name| COMMISSIONING.contains(&name)),
         SectionName::Comments => each(losses, &|name| name.starts_with("line")),
