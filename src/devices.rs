@@ -109,7 +109,7 @@ pub fn read(path: &Path) -> Result<DeviceDescription> {
 }
 
 /// A description with both sides of a merge conflict, or one of which half can't be read, describes nothing.
-fn refuse_unread(path: &Path, problems: &[EdsProblem]) -> Result<()> {
+pub fn refuse_unread(path: &Path, problems: &[EdsProblem]) -> Result<()> {
     let breach = |rule: &Rule| problems.iter().find(|problem| problem.rule == rule);
     if let Some(conflict) = breach(&CONFLICT) {
         let line = conflict.line;

@@ -175,6 +175,14 @@ impl PdoNumber {
         }
     }
 
+    /// The PDO whose communication parameters have that index.
+    pub const fn of_communication_index(index: u16) -> Option<Self> {
+        match index {
+            0x1400..=0x15FF | 0x1800..=0x19FF => Self::of_mapping_index(index + 0x200),
+            _ => None,
+        }
+    }
+
     /// The PDO whose mapping parameters have that index.
     pub const fn of_mapping_index(index: u16) -> Option<Self> {
         match index {

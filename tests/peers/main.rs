@@ -9,6 +9,8 @@ mod agreement;
 #[cfg(test)]
 mod can_utils;
 #[cfg(test)]
+mod cantools;
+#[cfg(test)]
 mod kept;
 #[cfg(test)]
 mod python;

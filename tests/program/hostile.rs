@@ -177,6 +177,8 @@ fn a_file_without_end_for_whatever_is_read() {
         format!("signals {sample} --device 5={zero}"),
         format!("decode {zero}"),
         format!("eds check {zero}"),
+        format!("eds diff {zero} {zero}"),
+        format!("eds convert {zero} - --to xdd"),
         format!("scan sim:{zero}"),
         format!("scan {sim}~csv={zero}"),
         format!("simulate {zero} {sim} --for 1"),

@@ -23,6 +23,10 @@ mod diagnose;
 #[cfg(test)]
 mod eds_check;
 #[cfg(test)]
+mod eds_convert;
+#[cfg(test)]
+mod eds_diff;
+#[cfg(test)]
 mod events;
 #[cfg(test)]
 mod everyday;

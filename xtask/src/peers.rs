@@ -25,7 +25,7 @@ pub fn install_all() -> Result<()> {
     install(&[TSHARK, CAN_UTILS])?;
     let wanted = fs::read_to_string(REQUIREMENTS)?;
     let is_installed = fs::read_to_string(INSTALLED).is_ok_and(|installed| installed == wanted);
-    if is_installed && is_there(PYTHON, &["-c", "import can, canopen, mcap, mcap_ros2, rosbags, serial"]) {
+    if is_installed && is_there(PYTHON, &["-c", "import can, canopen, mcap, mcap_ros2, rosbags, serial, cantools"]) {
         return Ok(());
     }
     install(&[VENV_MODULE])?;

@@ -2,10 +2,10 @@
 
 use super::Meaning;
 use super::object::Object;
-use crate::Multiplexer;
 use crate::dictionary::{DataClass, DataType, Unit, Value};
-use crate::message::Message;
-use crate::network::Signal;
+use crate::message::{Message, PdoNumber};
+use crate::network::{Node, Signal};
+use crate::{Multiplexer, NodeId};
 use std::borrow::Cow;
 use std::fmt;
 
@@ -63,6 +63,21 @@ impl Meaning<'_> {
             _ => Object::new(self.decoded.node, self.decoded.node.and_then(|id| self.bus.node(id)), object),
         };
         named.is_named().then_some(Name(named))
+    }
+}
+
+impl Node {
+    /// The signals of a PDO as its mapping has them at this moment, without gaps, each with its value in a PDO of zeros:
+    /// names, types and units are those of every such PDO. None where the mapping is not known.
+    pub fn signals(&mut self, id: NodeId, pdo: PdoNumber) -> impl Iterator<Item = (&Signal, SignalValue<'_>)> {
+        // It is worked out when somebody asks.
+        self.layout(id, pdo);
+        let node = &*self;
+        let signals = node.known_layout(pdo).into_iter().flat_map(|layout| &layout.signals);
+        let signals = signals.filter(|signal| !signal.is_dummy());
+        signals.map(move |signal| {
+            (signal, SignalValue::new(Object::new(Some(id), Some(node), signal.object), signal, &[0; 64]))
+        })
     }
 }
 

@@ -1,5 +1,7 @@
 //! What was found in device descriptions, in every form in which it is wanted.
 
+pub mod dbc;
+pub mod difference;
 pub mod github;
 pub mod json;
 pub mod junit;

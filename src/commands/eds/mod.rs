@@ -1,6 +1,9 @@
 //! `canvass eds`: device descriptions.
 
 mod check;
+mod convert;
+mod diff;
+mod found;
 
 use crate::output::Color;
 use crate::status::{Failure, Status};
@@ -15,12 +18,16 @@ pub struct Args {
 #[derive(clap::Subcommand)]
 enum Action {
     Check(check::Args),
+    Convert(convert::Args),
+    Diff(diff::Args),
 }
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         match self.action {
             Action::Check(args) => args.run(color),
+            Action::Convert(args) => args.run(),
+            Action::Diff(args) => args.run(color),
         }
     }
 }

@@ -23,7 +23,7 @@ pub(super) struct FieldSpans {
 impl<'a> Source<'a> {
     /// Looks for the lines of a text.
     pub fn new(text: &'a str) -> Self {
-        let is_xml = text.trim_start().starts_with('<');
+        let is_xml = text.trim_start().starts_with('<') && !text.trim_start().starts_with("<<");
         let bytes = text.as_bytes();
         let mut starts = vec![0];
         for (at, &byte) in bytes.iter().enumerate() {

@@ -8,7 +8,7 @@ use crate::dictionary::rules::{self, Rule};
 use crate::identity::NodeId;
 use std::collections::BTreeMap;
 
-const FILE_INFO: [&str; 12] = [
+pub(super) const FILE_INFO: [&str; 12] = [
     "filename",
     "fileversion",
     "filerevision",
@@ -41,7 +41,7 @@ const EACH_DEVICE_INFO: [&str; 9] = [
 ];
 
 /// The bit rates of CiA 301 in kbit/s.
-const BIT_RATES: [u16; 9] = [10, 20, 50, 100, 125, 250, 500, 800, 1000];
+pub(super) const BIT_RATES: [u16; 9] = [10, 20, 50, 100, 125, 250, 500, 800, 1000];
 
 const DEVICE_INFO: [&str; 18] = [
     "vendorname",
@@ -136,7 +136,7 @@ fn check_form(fields: &mut Fields<'_, '_>, field: &str, example: &str, rule: &'s
 
 pub(super) fn device_info(section: &Section<'_>, problems: &mut Problems) -> DeviceInfo {
     let mut fields = Fields { section, problems };
-    fields.check_known(|name| DEVICE_INFO.contains(&name) || bit_rate_of(name).is_some());
+    fields.check_known(is_device_info);
     check_present(&mut fields, &EACH_DEVICE_INFO);
     let mut bit_rates: Vec<u16> = Vec::new();
     for rate in BIT_RATES {
@@ -166,6 +166,11 @@ pub(super) fn device_info(section: &Section<'_>, problems: &mut Problems) -> Dev
         tpdos: fields.number("NrOfTXPDO", 512).unwrap_or(0) as u16,
         lss_supported: fields.flag("LSS_Supported"),
     }
+}
+
+/// Whether `DeviceInfo` has a field of that name, in lower case.
+pub(super) fn is_device_info(name: &str) -> bool {
+    DEVICE_INFO.contains(&name) || bit_rate_of(name).is_some()
 }
 
 fn bit_rate_of(field: &str) -> Option<u16> {

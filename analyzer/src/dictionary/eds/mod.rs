@@ -13,6 +13,8 @@ pub(super) mod number;
 mod objects;
 mod section_name;
 mod text;
+mod unkept;
+mod write;
 
 pub(super) use fields::setting;
 pub(super) use lexer::canonical;
@@ -21,6 +23,9 @@ pub(super) use objects::access_of_habit;
 use section_name::SectionName;
 pub(super) use section_name::standard_section_name;
 pub(super) use text::decode as decode_text;
+pub(super) use unkept::unkept;
+pub(super) use write::text_of;
+pub use write::write;
 
 use super::description::{DeviceDescription, DeviceInfo, FileInfo};
 use super::problem::Problems;

@@ -36,6 +36,17 @@ impl Element {
         self.attributes.get(name).map(|value| value.trim()).filter(|value| !value.is_empty())
     }
 
+    /// All attributes with their values.
+    pub fn attributes(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.attributes.iter().map(|(name, value)| (name.as_str(), value.as_str()))
+    }
+
+    /// Of the elements that follow this one, those that are not in it.
+    pub fn after<'a>(&self, following: &'a [Self]) -> &'a [Self] {
+        let inside = following.iter().take_while(|other| other.depth > self.depth).count();
+        following.get(inside..).unwrap_or_default()
+    }
+
     pub fn place<'a>(&'a self, attribute: &'a str) -> Place<'a> {
         Place { line: self.line, section: &self.name, field: attribute }
     }
@@ -46,6 +57,11 @@ impl Element {
 pub(super) struct Elements(Vec<Element>);
 
 impl Elements {
+    /// All elements, in their order.
+    pub fn all(&self) -> &[Element] {
+        &self.0
+    }
+
     /// All elements of that name, with their positions.
     pub fn named<'a>(&'a self, name: &'a str) -> impl Iterator<Item = (usize, &'a Element)> {
         self.0.iter().enumerate().filter(move |(_, element)| element.name == name)

@@ -3,6 +3,11 @@
 mod elements;
 mod objects;
 mod parameters;
+mod unkept;
+mod write;
+
+pub(super) use unkept::unkept;
+pub use write::write;
 
 use std::collections::BTreeMap;
 

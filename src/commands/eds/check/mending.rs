@@ -1,6 +1,6 @@
 //! `--fix` and `--diff`.
 
-use super::found::Description;
+use crate::commands::eds::found::Description;
 use crate::output::diagnostic;
 use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, bail};

@@ -1,9 +1,9 @@
 //! `canvass eds check`: what is wrong in device descriptions, and mending it.
 
-mod found;
 mod mending;
 mod selection;
 
+use super::found::{Description, descriptions};
 use crate::output::{Color, Output, diagnostic, terminal_width, unless_closed};
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
@@ -12,7 +12,6 @@ use canvass_analyzer::dictionary::check::{Checked, check};
 use canvass_reports::descriptions::text::{self, Style};
 use canvass_reports::descriptions::{CheckedFile, Counts, github, json, junit, markdown, sarif};
 use canvass_reports::escape::Printable;
-use found::{Description, descriptions};
 use selection::Selection;
 use std::io::Write;
 use std::path::PathBuf;

@@ -1,6 +1,8 @@
-//! The files that are checked: as named, those of folders, and standard input.
+//! The device descriptions that a command reads: as named, those of folders, and standard input.
 
+use crate::devices::refuse_unread;
 use anyhow::{Context, Result, bail};
+use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_traces::small_file::{self, OF_HAND};
 use std::fs;
 use std::io::Read;
@@ -82,4 +84,12 @@ impl Description {
     pub fn is_input(&self) -> bool {
         self.file_name.is_none()
     }
+}
+
+/// The description in a file; one of which half can't be read describes nothing.
+pub fn description(bytes: &[u8], path: &Path) -> Result<DeviceDescription> {
+    let read = DeviceDescription::read(bytes);
+    let description = read.with_context(|| format!("{} is no device description", path.display()))?;
+    refuse_unread(path, &description.problems)?;
+    Ok(description)
 }

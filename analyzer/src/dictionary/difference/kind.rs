@@ -1,0 +1,92 @@
+//! What kind of change a difference is, and how much it matters in the field.
+
+use std::fmt;
+
+/// How much a change matters to who used the old description.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Class {
+    /// What worked with the old description works with the new one.
+    Harmless,
+    /// The device does something else, or a tool shows something else; nothing is refused.
+    Notable,
+    /// A configuration tool, a DCF or another device that relies on the old description goes wrong.
+    Breaking,
+}
+
+impl Class {
+    /// All classes, the gravest first.
+    pub const ALL: [Self; 3] = [Self::Breaking, Self::Notable, Self::Harmless];
+
+    /// The word for it, in text and in JSON.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Harmless => "harmless",
+            Self::Notable => "notable",
+            Self::Breaking => "breaking",
+        }
+    }
+}
+
+impl fmt::Display for Class {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+/// A kind of change.
+pub struct Kind {
+    /// Stable and textual, such as `entry/data-type`.
+    pub id: &'static str,
+    /// How much such a change matters.
+    pub class: Class,
+    doc: &'static str,
+}
+
+impl Kind {
+    #[doc(hidden)]
+    pub const fn new(id: &'static str, class: Class, doc: &'static str) -> Self {
+        Self { id, class, doc }
+    }
+
+    /// What has changed, in one line without full stop.
+    pub fn title(&self) -> &'static str {
+        self.doc.split("\n\n").next().unwrap_or_default().trim()
+    }
+
+    /// What follows from it in the field.
+    pub fn why(&self) -> String {
+        let why = self.doc.split_once("\n\n").map_or("", |(_, why)| why);
+        why.split_whitespace().collect::<Vec<_>>().join(" ")
+    }
+}
+
+impl fmt::Debug for Kind {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.id)
+    }
+}
+
+/// Kinds are the same if they have the same id.
+impl PartialEq for Kind {
+    fn eq(&self, other: &Self) -> bool {
+        self.id == other.id
+    }
+}
+
+impl Eq for Kind {}
+
+/// Declares the kinds of a family, and their list: title and reason are the documentation.
+macro_rules! kinds {
+    ($($(#[doc = $doc:literal])+ $name:ident: $class:ident $id:literal;)+) => {
+        $($(#[doc = $doc])+
+        pub static $name: $crate::dictionary::difference::Kind = $crate::dictionary::difference::Kind::new(
+            $id,
+            $crate::dictionary::difference::Class::$class,
+            concat!($($doc, "\n"),+),
+        );)+
+
+        pub(super) static KINDS: &[&$crate::dictionary::difference::Kind] = &[$(&$name),+];
+    };
+}
+
+pub(super) use kinds;

@@ -1,0 +1,94 @@
+//! What a release changed between two descriptions of a device, whatever their formats, and what of it breaks whoever
+//! relies on the old one.
+//!
+//! One file for each part of a description. A kind of change is declared beside the code that finds it; its documentation
+//! is what reports say about it.
+
+mod device;
+mod entries;
+mod fact;
+mod kind;
+mod modules;
+mod objects;
+mod pdos;
+mod values;
+
+#[cfg(test)]
+mod tests;
+
+pub use fact::{Fact, Subject};
+pub use kind::{Class, Kind};
+
+use super::description::DeviceDescription;
+use crate::identity::{Multiplexer, SubIndex};
+use std::collections::BTreeSet;
+
+/// One thing that differs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Difference {
+    /// What kind of change it is.
+    pub kind: &'static Kind,
+    /// What has changed.
+    pub subject: Subject,
+    /// The name of the object or entry, by the new description where it still has one. Text of a file: may hold anything.
+    pub name: String,
+    /// What the old description says; `None` if it says nothing.
+    pub before: Option<Fact>,
+    /// What the new one says.
+    pub after: Option<Fact>,
+}
+
+/// All kinds of change, by family.
+pub fn kinds() -> impl Iterator<Item = &'static Kind> {
+    [device::KINDS, modules::KINDS, objects::KINDS, entries::KINDS, values::KINDS, pdos::KINDS]
+        .into_iter()
+        .flatten()
+        .copied()
+}
+
+/// Everything that differs: the device, its modules, its PDOs, then the objects by index.
+pub fn compare(old: &DeviceDescription, new: &DeviceDescription) -> Vec<Difference> {
+    let mut comparison = Comparison { old, new, told: BTreeSet::new(), found: Vec::new() };
+    device::compare(&mut comparison);
+    modules::compare(&mut comparison);
+    pdos::compare(&mut comparison);
+    objects::compare(&mut comparison);
+    device::compare_version(&mut comparison);
+    comparison.found
+}
+
+/// The two descriptions, and what was found so far.
+struct Comparison<'a> {
+    old: &'a DeviceDescription,
+    new: &'a DeviceDescription,
+    /// Entries whose start value is told with their PDO.
+    told: BTreeSet<Multiplexer>,
+    found: Vec<Difference>,
+}
+
+impl Comparison<'_> {
+    fn report(&mut self, kind: &'static Kind, subject: Subject, before: Option<Fact>, after: Option<Fact>) {
+        let name = match subject {
+            Subject::Object(index) => self.name_of(Multiplexer { index, sub: SubIndex(0) }, true),
+            Subject::Entry(at) => self.name_of(at, false),
+            Subject::Field(_) | Subject::Pdo(_) | Subject::Module(_) => String::new(),
+        };
+        self.found.push(Difference { kind, subject, name, before, after });
+    }
+
+    /// Reports if the two are not the same.
+    fn changed(&mut self, kind: &'static Kind, subject: Subject, before: Option<Fact>, after: Option<Fact>) {
+        if before != after {
+            self.report(kind, subject, before, after);
+        }
+    }
+
+    fn name_of(&self, at: Multiplexer, whole_object: bool) -> String {
+        let of = |description: &DeviceDescription| {
+            let object = description.dictionary.object(at.index)?;
+            let name = if whole_object { &object.name } else { &object.entry(at.sub)?.name };
+            Some(name.clone())
+        };
+        of(self.new).or_else(|| of(self.old)).unwrap_or_default()
+    }
+}

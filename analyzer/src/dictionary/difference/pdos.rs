@@ -1,0 +1,121 @@
+//! PDOs as the device is delivered, or as a DCF configures it: what they carry, on which CAN-ID, when.
+
+use super::kind::kinds;
+use super::{Comparison, Fact, Subject};
+use crate::PdoNumber;
+use crate::dictionary::description::DeviceDescription;
+use crate::dictionary::object::Setting;
+use crate::identity::{CobId, Index, Multiplexer, NodeId, SubIndex};
+use crate::wire::pdo::MappingEntry;
+use std::collections::BTreeSet;
+
+kinds! {
+    /// the PDO carries something else
+    ///
+    /// Who takes values out of it at the old places, or puts them there, gets others: the layout is not transmitted.
+    LAYOUT: Breaking "pdo/layout";
+
+    /// the PDO has another CAN-ID
+    ///
+    /// Who listens to the old one hears nothing, and the new one may be in use: other nodes are configured for the old.
+    COB_ID: Breaking "pdo/cob-id";
+
+    /// the PDO is switched off
+    ///
+    /// Bit 31 of its COB-ID is set: a consumer waits in vain, a producer is not heard.
+    SWITCHED_OFF: Breaking "pdo/switched-off";
+
+    /// the PDO is switched on
+    ///
+    /// Bit 31 of its COB-ID was set: there is more traffic, on a CAN-ID that may be in use.
+    SWITCHED_ON: Notable "pdo/switched-on";
+
+    /// the PDO can be asked for by a remote frame, or not any more
+    ///
+    /// Bit 30 of its COB-ID is another. A master that polls it gets no answer if it is set.
+    REMOTE: Notable "pdo/remote-frames";
+
+    /// the PDO is sent, or takes effect, at other times
+    ///
+    /// Its values come more or less often, or no longer with SYNC: a consumer may run into its time-out, the bus may get full.
+    TRANSMISSION: Notable "pdo/transmission";
+}
+
+/// The PDOs that both have. One that is gone is told as its objects.
+pub(super) fn compare(comparison: &mut Comparison<'_>) {
+    let objects = comparison.old.dictionary.objects().iter();
+    let of = |index| PdoNumber::of_mapping_index(index).or(PdoNumber::of_communication_index(index));
+    let pdos: BTreeSet<PdoNumber> = objects.filter_map(|object| of(object.index.0)).collect();
+    for pdo in pdos {
+        layout(comparison, pdo);
+        cob_id(comparison, pdo);
+        transmission(comparison, pdo);
+    }
+}
+
+fn layout(comparison: &mut Comparison<'_>, pdo: PdoNumber) {
+    let (old, new) = (mapping(comparison.old, pdo), mapping(comparison.new, pdo));
+    if let (Some(old), Some(new)) = (old, new)
+        && old != new
+    {
+        comparison.told.extend((0..=64).map(|sub| Multiplexer::new(pdo.mapping_index(), sub)));
+        comparison.report(&LAYOUT, Subject::Pdo(pdo), Some(Fact::Mapping(old)), Some(Fact::Mapping(new)));
+    }
+}
+
+/// What a PDO carries after a start with nothing stored; `None` if the description does not tell.
+fn mapping(description: &DeviceDescription, pdo: PdoNumber) -> Option<Vec<MappingEntry>> {
+    let object = description.dictionary.object(Index(pdo.mapping_index()))?;
+    // No formula stands in a mapping, so the node-ID does not matter.
+    let number = |sub| u32::try_from(object.entry(SubIndex(sub))?.start_value(NodeId::MIN)?.to_raw()?).ok();
+    // 254 and 255 are multiplexed PDOs, which have no layout.
+    let count = u8::try_from(number(0)?).ok().filter(|&count| count <= 64)?;
+    (1..=count).map(|sub| number(sub).map(MappingEntry)).collect()
+}
+
+fn cob_id(comparison: &mut Comparison<'_>, pdo: PdoNumber) {
+    let at = Multiplexer::new(pdo.communication_index(), 1);
+    let (Some(old), Some(new)) = (start(comparison.old, at), start(comparison.new, at)) else { return };
+    if old == new {
+        return;
+    }
+    let is_on = |setting: &Setting| CobId(parts(setting).0).is_valid();
+    let without_remote = |setting: &Setting| (parts(setting).0 & !CobId::NO_RTR, parts(setting).1);
+    let kind = match (is_on(&old), is_on(&new)) {
+        (true, true) if without_remote(&old) == without_remote(&new) => &REMOTE,
+        (true, true) => &COB_ID,
+        (true, false) => &SWITCHED_OFF,
+        (false, true) => &SWITCHED_ON,
+        // Nobody sees the CAN-ID of a PDO that is switched off.
+        (false, false) => return,
+    };
+    comparison.told.insert(at);
+    comparison.report(kind, Subject::Pdo(pdo), Some(Fact::CobId(old)), Some(Fact::CobId(new)));
+}
+
+/// The COB-ID, and whether the node-ID is to be added.
+fn parts(setting: &Setting) -> (u32, bool) {
+    match setting {
+        Setting::NodeIdPlus(offset) => (*offset, true),
+        Setting::Fixed(value) => (value.to_raw().unwrap_or(0) as u32, false),
+    }
+}
+
+/// Transmission type, inhibit time, event timer and SYNC start value.
+fn transmission(comparison: &mut Comparison<'_>, pdo: PdoNumber) {
+    for sub in [2, 3, 5, 6] {
+        let at = Multiplexer::new(pdo.communication_index(), sub);
+        let (Some(old), Some(new)) = (start(comparison.old, at), start(comparison.new, at)) else { continue };
+        if old != new {
+            comparison.told.insert(at);
+            let setting = |setting| Some(Fact::Setting(setting));
+            comparison.report(&TRANSMISSION, Subject::Entry(at), setting(old), setting(new));
+        }
+    }
+}
+
+/// The value after a start with nothing stored.
+fn start(description: &DeviceDescription, at: Multiplexer) -> Option<Setting> {
+    let entry = description.dictionary.entry(at).ok()?;
+    entry.configured.clone().or(entry.default.clone())
+}

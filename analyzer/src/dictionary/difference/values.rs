@@ -1,0 +1,165 @@
+//! Limits, defaults and configured values.
+
+use super::kind::kinds;
+use super::{Comparison, Fact, Kind, Subject};
+use crate::PdoNumber;
+use crate::dictionary::data_type::{DataClass, DataType};
+use crate::dictionary::names::object_name;
+use crate::dictionary::object::{Entry, Setting};
+use crate::dictionary::value::Value;
+use crate::identity::Multiplexer;
+use std::cmp::Ordering;
+
+kinds! {
+    /// the limits are narrower
+    ///
+    /// A DCF with a value that was allowed is refused: abort 0609 0031h (too high) or 0609 0032h (too low).
+    NARROWER: Breaking "limit/narrower";
+
+    /// the limits are wider
+    ///
+    /// Every value that was allowed still is.
+    WIDER: Harmless "limit/wider";
+
+    /// the limit is of another form
+    ///
+    /// One is a number and the other a formula with the node-ID: which one is narrower depends on the node-ID.
+    LIMIT: Notable "limit/changed";
+
+    /// the COB-ID is another by default
+    ///
+    /// Who listens to the old CAN-ID hears nothing, and the new one may be in use: other nodes are configured for the old.
+    COB_ID: Breaking "default/cob-id";
+
+    /// the device type is another
+    ///
+    /// A master that expects the old one in 1F84h does not start the device.
+    DEVICE_TYPE: Breaking "default/device-type";
+
+    /// the identity is another
+    ///
+    /// A master that expects the old vendor-ID or product code (1F85h, 1F86h) does not start the device, and a tool does not
+    /// find the description for it.
+    IDENTITY: Breaking "default/identity";
+
+    /// the default is another
+    ///
+    /// A device that is restored or was never configured behaves otherwise, and so does one whose DCF leaves the entry out.
+    DEFAULT: Notable "default/changed";
+
+    /// sub-index 0 counts another number of sub-indexes
+    ///
+    /// It follows from the sub-indexes that are new or gone.
+    COUNT: Harmless "default/count";
+
+    /// the value that the device is configured to is another
+    ///
+    /// The next download sets it.
+    CONFIGURED: Notable "configured/changed";
+
+    /// the COB-ID that the device is configured to is another
+    ///
+    /// Who listens to the old CAN-ID hears nothing until it is configured for the new one too.
+    CONFIGURED_COB_ID: Breaking "configured/cob-id";
+}
+
+pub(super) fn compare(comparison: &mut Comparison<'_>, at: Multiplexer, old: &Entry, new: &Entry, is_single: bool) {
+    limits(comparison, at, old, new);
+    if comparison.told.contains(&at) {
+        return;
+    }
+    let is_cob_id = is_cob_id(at);
+    // What becomes of a PDO's is told with the PDO; what is left is of no consequence on the bus.
+    let is_of_pdo = PdoNumber::of_communication_index(at.index.0).is_some();
+    let fact = |setting: &Option<Setting>| {
+        setting.clone().map(|setting| if is_cob_id { Fact::CobId(setting) } else { Fact::Setting(setting) })
+    };
+    let (default, configured): (&Kind, &Kind) = match (at.index.0, at.sub.0) {
+        _ if is_cob_id && !is_of_pdo => (&COB_ID, &CONFIGURED_COB_ID),
+        (0x1000, 0) => (&DEVICE_TYPE, &CONFIGURED),
+        (0x1018, 1 | 2) => (&IDENTITY, &CONFIGURED),
+        (_, 0) if !is_single && !new.access.is_writable() => (&COUNT, &CONFIGURED),
+        _ => (&DEFAULT, &CONFIGURED),
+    };
+    let subject = Subject::Entry(at);
+    comparison.changed(default, subject, fact(&old.default), fact(&new.default));
+    comparison.changed(configured, subject, fact(&old.configured), fact(&new.configured));
+}
+
+/// Whether the standard says that a COB-ID stands there.
+fn is_cob_id(at: Multiplexer) -> bool {
+    let name = object_name(at, None);
+    let own = name.and_then(|name| name.entry.map(|entry| entry.name).filter(|name| !name.is_empty()));
+    own.or(name.map(|name| name.object.name)).is_some_and(|name| name.starts_with("COB-ID"))
+}
+
+fn limits(comparison: &mut Comparison<'_>, at: Multiplexer, old: &Entry, new: &Entry) {
+    for high in [false, true] {
+        let of = |entry: &Entry| if high { entry.high_limit.clone() } else { entry.low_limit.clone() };
+        let (before, after) = (of(old), of(new));
+        // Of another type only limits that are told can be compared: that the type's own are others is told already.
+        let bound = |entry: &Entry| of(entry).or_else(|| extreme(entry.data_type, high));
+        let (old_bound, new_bound) =
+            if old.data_type == new.data_type { (bound(old), bound(new)) } else { (before.clone(), after.clone()) };
+        let kind: &Kind = match (&old_bound, &new_bound) {
+            (None, None) => continue,
+            (None, Some(_)) if old.data_type == new.data_type => &NARROWER,
+            (Some(_), None) if old.data_type == new.data_type => &WIDER,
+            (None, _) | (_, None) => continue,
+            (Some(old), Some(new)) => match order(old, new) {
+                Some(Ordering::Equal) => continue,
+                Some(Ordering::Less) => {
+                    if high {
+                        &WIDER
+                    } else {
+                        &NARROWER
+                    }
+                }
+                Some(Ordering::Greater) => {
+                    if high {
+                        &NARROWER
+                    } else {
+                        &WIDER
+                    }
+                }
+                None => &LIMIT,
+            },
+        };
+        comparison.report(kind, Subject::Entry(at), before.map(Fact::Setting), after.map(Fact::Setting));
+    }
+}
+
+fn order(old: &Setting, new: &Setting) -> Option<Ordering> {
+    match (old, new) {
+        (Setting::NodeIdPlus(old), Setting::NodeIdPlus(new)) => Some(old.cmp(new)),
+        (Setting::Fixed(old), Setting::Fixed(new)) => match (old.as_number(), new.as_number()) {
+            (Some(old), Some(new)) => Some(old.cmp(&new)),
+            _ if old == new => Some(Ordering::Equal),
+            _ => real(old)?.partial_cmp(&real(new)?),
+        },
+        _ => None,
+    }
+}
+
+fn real(value: &Value) -> Option<f64> {
+    match value {
+        Value::Real32(value) => Some(f64::from(*value)),
+        Value::Real64(value) => Some(*value),
+        // Of the limits of another type.
+        _ => value.as_number().map(|number| number as f64),
+    }
+}
+
+/// The lowest or highest value of a type of whole numbers: its limit where none is told.
+fn extreme(data_type: DataType, high: bool) -> Option<Setting> {
+    let bits = data_type.bits()?;
+    let all_ones = u64::MAX >> 64u32.checked_sub(bits)?;
+    let raw = match (data_type.class()?, high) {
+        (DataClass::Boolean | DataClass::Unsigned, true) => all_ones,
+        (DataClass::Boolean | DataClass::Unsigned, false) => 0,
+        (DataClass::Integer, true) => all_ones >> 1,
+        (DataClass::Integer, false) => all_ones ^ all_ones >> 1,
+        _ => return None,
+    };
+    Value::from_raw(data_type, raw).map(Setting::Fixed)
+}

@@ -1,0 +1,117 @@
+//! What does not get from one description into another file.
+
+use super::problem::EdsProblem;
+use super::rules;
+use std::fmt;
+
+/// Something that is lost, with its place. The texts come from the file: may hold anything; [`fmt::Display`] escapes them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Loss {
+    /// The line of the file that was read, from 1; 0 where it concerns no single line.
+    pub line: u32,
+    /// Where it stands: section and field, element and attribute, or object.
+    pub place: String,
+    /// What stands there.
+    pub text: String,
+    /// Why it is lost.
+    pub kind: LossKind,
+}
+
+/// Why something is lost.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum LossKind {
+    /// It could not be understood.
+    Unread,
+    /// Descriptions hold no such thing here; so often it stands in the file.
+    Unkept(usize),
+    /// The format that is written has no place for it.
+    NoPlace,
+    /// It is written otherwise, with what is written.
+    Changed(String),
+}
+
+/// `line 12, [2000] UploadFile "a.bin": is not kept`, with everything unprintable escaped.
+impl fmt::Display for Loss {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if self.line != 0 {
+            write!(f, "line {}, ", self.line)?;
+        }
+        write!(f, "{}", self.place.escape_debug())?;
+        if !self.text.is_empty() {
+            write!(f, " \"{}\"", self.text.escape_debug())?;
+        }
+        match &self.kind {
+            LossKind::Unread => f.write_str(": can't be read"),
+            LossKind::Unkept(1) => f.write_str(": is not kept"),
+            LossKind::Unkept(times) => write!(f, ": is not kept, nor {} more", times - 1),
+            LossKind::NoPlace => f.write_str(": the format has no place for it"),
+            LossKind::Changed(written) => write!(f, ": written as \"{}\"", written.escape_debug()),
+        }
+    }
+}
+
+/// Collects losses.
+#[derive(Debug, Default)]
+pub(super) struct Losses(pub Vec<Loss>);
+
+impl Losses {
+    /// Longer texts are cut.
+    const LONGEST: usize = 200;
+
+    pub fn add(&mut self, line: u32, place: impl Into<String>, text: &str, kind: LossKind) {
+        let text = text.chars().take(Self::LONGEST).collect();
+        self.0.push(Loss { line, place: place.into(), text, kind });
+    }
+
+    /// What is not empty has no place in the format.
+    pub fn no_place(&mut self, line: u32, place: impl Into<String>, text: &str) {
+        if !text.trim().is_empty() {
+            self.add(line, place, text, LossKind::NoPlace);
+        }
+    }
+
+    /// Something that stands so often, from that line on.
+    pub fn unkept(&mut self, line: u32, place: impl Into<String>, text: &str, times: usize) {
+        self.add(line, place, text, LossKind::Unkept(times));
+    }
+
+    /// The text in one line without control characters, as both formats need it.
+    pub fn line(&mut self, line: u32, place: &str, text: &str) -> String {
+        let plain: String =
+            text.chars().map(|character| if character.is_control() { ' ' } else { character }).collect();
+        let plain = plain.trim();
+        if plain != text {
+            self.add(line, place, text, LossKind::Changed(plain.to_owned()));
+        }
+        plain.to_owned()
+    }
+
+    /// What could not be read, as far as something is missing because of that.
+    pub fn unread(&mut self, problems: &[EdsProblem]) {
+        let lost = [
+            &rules::number::UNREADABLE,
+            &rules::number::RANGE,
+            &rules::field::RANGE,
+            &rules::field::TWICE,
+            &rules::section::TWICE,
+            &rules::text::UNREAD,
+            &rules::text::TOO_MUCH,
+            &rules::text::CONFLICT,
+            &rules::file::NODE_ID,
+            &rules::file::BIT_RATE,
+            &rules::file::DUMMY,
+            &rules::xdd::MALFORMED,
+            &rules::xdd::ATTRIBUTE_TWICE,
+            &rules::xdd::TWICE,
+            &rules::xdd::NUMBER,
+        ];
+        for problem in problems.iter().filter(|problem| lost.contains(&problem.rule)) {
+            let place = match (problem.section.as_str(), problem.field.as_str()) {
+                ("", field) => field.to_owned(),
+                (section, "") => format!("[{section}]"),
+                (section, field) => format!("[{section}] {field}"),
+            };
+            self.add(problem.line, place, &problem.found, LossKind::Unread);
+        }
+    }
+}

@@ -1,0 +1,110 @@
+//! Dates and times, as CiA 306 and as XML write them.
+
+/// The date as CiA 306 writes it, mm-dd-yyyy, where which number is the day is certain: the year first, or with dots as in
+/// German.
+pub(super) fn eds_date(text: &str) -> Option<String> {
+    let parts = |separator| -> Option<[&str; 3]> { text.split(separator).collect::<Vec<_>>().try_into().ok() };
+    let is_year = |text: &str| text.len() == 4;
+    let (year, month, day) = match (parts('-').or_else(|| parts('/')), parts('.')) {
+        (Some([year, month, day]), _) if is_year(year) => (year, month, day),
+        (_, Some([day, month, year])) if is_year(year) => (year, month, day),
+        _ => return None,
+    };
+    let number = |text: &str, most: u32| text.parse::<u32>().ok().filter(|number| (1..=most).contains(number));
+    let (month, day) = (number(month, 12)?, number(day, 31)?);
+    let year: u32 = year.parse().ok()?;
+    Some(format!("{month:02}-{day:02}-{year:04}"))
+}
+
+/// The time as CiA 306 writes it, hh:mm(AM|PM), from one with 24 hours, with seconds, or with a blank before AM and PM.
+pub(super) fn eds_time(text: &str) -> Option<String> {
+    let upper = text.to_ascii_uppercase();
+    let (clock, half) = match (upper.strip_suffix("AM"), upper.strip_suffix("PM")) {
+        (Some(clock), _) => (clock.trim(), Some("AM")),
+        (_, Some(clock)) => (clock.trim(), Some("PM")),
+        _ => (upper.trim(), None),
+    };
+    let mut parts = clock.split(':');
+    let number = |text: Option<&str>, most: u32| {
+        let text = text.filter(|text| (1..=2).contains(&text.len()))?;
+        text.parse::<u32>().ok().filter(|&number| number <= most)
+    };
+    let (hour, minute) = (number(parts.next(), 23)?, number(parts.next(), 59)?);
+    if parts.next().is_some_and(|seconds| number(Some(seconds), 59).is_none()) || parts.next().is_some() {
+        return None;
+    }
+    let (hour, half) = match half {
+        Some(half) => (hour, half),
+        None if hour < 12 => (if hour == 0 { 12 } else { hour }, "AM"),
+        None => (if hour == 12 { 12 } else { hour - 12 }, "PM"),
+    };
+    (1..=12).contains(&hour).then(|| format!("{hour:02}:{minute:02}{half}"))
+}
+
+/// The date as XML writes it, yyyy-mm-dd, from one of CiA 306 or one of XML.
+pub(super) fn xml_date(text: &str) -> Option<String> {
+    let own = eds_date(text);
+    let (month_day, year) = own.as_deref().unwrap_or(text).rsplit_once('-').filter(|(_, year)| year.len() == 4)?;
+    let (month, day) = month_day.split_once('-').filter(|(month, day)| month.len() == 2 && day.len() == 2)?;
+    let turned = format!("{year}-{month}-{day}");
+    // Only what means the same when it is turned back.
+    (eds_date(&turned).as_deref() == Some(own.as_deref().unwrap_or(text))).then_some(turned)
+}
+
+/// The time as XML writes it, hh:mm:ss, from one of CiA 306 or one of XML.
+pub(super) fn xml_time(text: &str) -> Option<String> {
+    let own = eds_time(text)?;
+    let (clock, half) = own.split_at_checked(5)?;
+    let (hour, minute) = clock.split_once(':')?;
+    let hour = hour.parse::<u32>().ok()? % 12 + if half == "PM" { 12 } else { 0 };
+    Some(format!("{hour:02}:{minute}:00"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dates_are_turned_where_the_day_is_certain() {
+        assert_eq!(eds_date("2026-11-21").as_deref(), Some("11-21-2026"));
+        assert_eq!(eds_date("2026/1/2").as_deref(), Some("01-02-2026"));
+        assert_eq!(eds_date("21.11.2026").as_deref(), Some("11-21-2026"));
+        for text in ["11/21/2026", "21-11-2026", "2026-13-01", "today", "", "1-2"] {
+            assert_eq!(eds_date(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn times_get_twelve_hours() {
+        let cases = [
+            ("21:00", "09:00PM"),
+            ("00:05", "12:05AM"),
+            ("12:30", "12:30PM"),
+            ("9:00 am", "09:00AM"),
+            ("13:37:59", "01:37PM"),
+            ("11:59", "11:59AM"),
+        ];
+        for (text, expected) in cases {
+            assert_eq!(eds_time(text).as_deref(), Some(expected), "{text}");
+        }
+        for text in ["24:00", "16:00PM", "0:00AM", "1:2:3:4", "12", "", "xx:yy", "1:60"] {
+            assert_eq!(eds_time(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn dates_and_times_of_xml_mean_the_same() {
+        assert_eq!(xml_date("11-21-2026").as_deref(), Some("2026-11-21"));
+        assert_eq!(xml_date("2026-11-21").as_deref(), Some("2026-11-21"));
+        for text in ["21-11-2026", "1-2-2026", "", "x", "11-21-26"] {
+            assert_eq!(xml_date(text), None, "{text}");
+        }
+        for (text, expected) in
+            [("09:00PM", "21:00:00"), ("12:05AM", "00:05:00"), ("12:30PM", "12:30:00"), ("9:07", "09:07:00")]
+        {
+            assert_eq!(xml_time(text).as_deref(), Some(expected), "{text}");
+            assert_eq!(xml_time(expected).as_deref(), Some(expected));
+        }
+        assert_eq!(xml_time("noon"), None);
+    }
+}

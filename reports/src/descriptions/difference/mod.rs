@@ -1,0 +1,141 @@
+//! What differs between two device descriptions, in every form in which it is wanted.
+
+mod json;
+mod markdown;
+mod text;
+
+use crate::escape::printable;
+use canvass_analyzer::dictionary::difference::{Class, Difference, Fact, Kind};
+
+/// What differs between two files.
+#[derive(Clone, Debug)]
+pub struct Compared {
+    /// The name of the old file, as the user gave it.
+    pub old: String,
+    /// The name of the new one.
+    pub new: String,
+    /// What differs, in the order of the description.
+    pub differences: Vec<Difference>,
+}
+
+impl Compared {
+    /// For people.
+    pub fn text(&self, colors: bool) -> String {
+        text::render(self, colors)
+    }
+
+    /// One JSON object (`docs/json.md`).
+    pub fn json(&self) -> serde_json::Value {
+        json::document(self)
+    }
+
+    /// For tickets and wikis.
+    pub fn markdown(&self) -> String {
+        markdown::document(self)
+    }
+
+    /// Whether there is a difference of that class, or of a graver one.
+    pub fn has(&self, least: Class) -> bool {
+        self.differences.iter().any(|difference| difference.kind.class >= least)
+    }
+
+    fn count(&self, class: Class) -> usize {
+        self.differences.iter().filter(|difference| difference.kind.class == class).count()
+    }
+
+    /// `2 breaking, no notable, 1 harmless`.
+    fn counts(&self) -> String {
+        let counts = Class::ALL.map(|class| match self.count(class) {
+            0 => format!("no {class}"),
+            count => format!("{count} {class}"),
+        });
+        counts.join(", ")
+    }
+
+    /// The differences by kind, the gravest first and otherwise as they come.
+    fn by_kind(&self) -> Vec<(&'static Kind, Vec<&Difference>)> {
+        let mut kinds: Vec<(&'static Kind, Vec<&Difference>)> = Vec::new();
+        for difference in &self.differences {
+            match kinds.iter_mut().find(|(kind, _)| *kind == difference.kind) {
+                Some((_, same)) => same.push(difference),
+                None => kinds.push((difference.kind, vec![difference])),
+            }
+        }
+        kinds.sort_by_key(|(kind, _)| std::cmp::Reverse(kind.class));
+        kinds
+    }
+}
+
+/// `6004h:00 Position value`, on one line and safe to show.
+fn subject(difference: &Difference) -> String {
+    let name = printable(&difference.name);
+    let space = if name.is_empty() { "" } else { " " };
+    format!("{}{space}{name}", difference.subject)
+}
+
+/// What a description says, on one line and safe to show.
+fn fact(fact: Option<&Fact>) -> String {
+    fact.map_or_else(|| "nothing".to_owned(), |fact| printable(&fact.to_string()).into_owned())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use canvass_analyzer::dictionary::DeviceDescription;
+    use canvass_analyzer::dictionary::difference::compare;
+
+    const OLD: &str = "[DeviceInfo]\nNrOfTXPDO=0\nBaudRate_125=1\n[2000]\nParameterName=Set\nDataType=5\nAccessType=rw\n\
+                       DefaultValue=5\n[2001]\nParameterName=a|b\x1b[31m\nDataType=0x7\nAccessType=rw\n\
+                       DefaultValue=0x12345678\n";
+
+    fn compared(from: &str, to: &str) -> Compared {
+        let read = |text: &str| DeviceDescription::read(text.as_bytes()).unwrap();
+        let differences = compare(&read(OLD), &read(&OLD.replacen(from, to, 1)));
+        Compared { old: "old.eds".to_owned(), new: "new.eds".to_owned(), differences }
+    }
+
+    #[test]
+    fn text_tells_each_kind_once() {
+        let both =
+            compared("DataType=5\nAccessType=rw\nDefaultValue=5\n", "DataType=6\nAccessType=ro\nDefaultValue=5\n");
+        let expected = "breaking[entry/data-type]: the data type is another\n  \
+            2000h:00 Set: UNSIGNED8 -> UNSIGNED16\n  \
+            = A value of the old length is refused (abort 0607 0010h), a mapping with the old length too; of the same \
+            length, the same bytes now mean another value.\n\n\
+            breaking[entry/not-writable]: the entry can't be written any more\n  \
+            2000h:00 Set: rw -> ro\n  \
+            = A DCF that sets it can't be downloaded whole: the device answers with abort 0601 0002h.\n\n";
+        let text = both.text(false);
+        assert!(text.starts_with(expected), "{text}");
+        assert!(text.ends_with("old.eds -> new.eds: 2 breaking, 1 notable, no harmless\n"), "{text}");
+        assert!(both.text(true).starts_with("\x1b[31mbreaking\x1b[0m[entry/data-type]"));
+        assert!(both.has(Class::Breaking));
+    }
+
+    #[test]
+    fn what_is_the_same_is_said_to_be() {
+        let same = compared("5", "5");
+        assert_eq!(same.text(false), "old.eds -> new.eds: no difference\n");
+        assert!(same.markdown().contains("No difference."));
+        assert!(!same.has(Class::Harmless));
+    }
+
+    #[test]
+    fn texts_of_files_do_not_act() {
+        let hostile = compared("[2001]\nParameterName=a|b\x1b[31m", "[2001]\nParameterName=c|d\x1b]0;x\x07");
+        for text in [hostile.text(false), hostile.markdown(), hostile.json().to_string()] {
+            assert!(!text.contains(['\x1b', '\x07']), "{text}");
+        }
+        assert!(hostile.markdown().contains("c\\|d"), "{}", hostile.markdown());
+    }
+
+    #[test]
+    fn json_has_numbers_as_numbers() {
+        let json = compared("DefaultValue=0x12345678", "DefaultValue=$NODEID+1").json();
+        let one = &json["differences"][0];
+        assert_eq!((&one["kind"], &one["class"]), (&"default/changed".into(), &"notable".into()));
+        assert_eq!((&one["index"], &one["sub"]), (&0x2001.into(), &0.into()));
+        assert_eq!((&one["before"], &one["after"]), (&0x1234_5678.into(), &"$NODEID+0x1".into()));
+        assert_eq!(json["summary"], serde_json::json!({ "breaking": 0, "notable": 2, "harmless": 0 }));
+    }
+}

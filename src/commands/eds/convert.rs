@@ -1,0 +1,170 @@
+//! `canvass eds convert`: device descriptions from one format to another.
+
+use super::found::{Description, description};
+use crate::destination::refuse_existing;
+use crate::devices::parse_node;
+use crate::files::Files;
+use crate::output::{diagnostic, unless_closed};
+use crate::status::{Failure, Status};
+use crate::whole_file::WholeFile;
+use anyhow::{Context, Result, bail};
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::convert::{Form, convert};
+use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
+use canvass_reports::descriptions::dbc;
+use clap::ValueEnum;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// More losses are only counted, unless all are asked for.
+const SHOWN: usize = 20;
+
+/// Convert a device description to another format: EDS and XDD, DCF and XDC, and its PDOs to a DBC
+///
+/// The format written is told by the ending of OUT, or by --to. What the format has no place for, and what of IN is not
+/// kept, is said on standard error, each thing with its place. A DCF becomes an EDS without what it configures. A DBC has the
+/// PDOs that the device has at one node-ID, for tools that know no CANopen.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  canvass eds convert encoder.eds encoder.xdd
+  canvass eds convert line-3.xdc line-3.dcf --force
+  canvass eds convert encoder.xdd - --to eds
+  canvass eds convert encoder.eds encoder.dbc --node 5")]
+pub struct Args {
+    /// An EDS, DCF, XDD or XDC file; - is standard input
+    #[arg(value_name = "IN")]
+    input: PathBuf,
+    /// The file to write; - is standard output
+    #[arg(value_name = "OUT")]
+    output: PathBuf,
+    /// The format to write
+    #[arg(long, value_enum)]
+    to: Option<To>,
+    /// The node-ID that the PDOs of a DBC are for [default: that of a DCF]
+    #[arg(long, value_name = "N", value_parser = parse_node)]
+    node: Option<NodeId>,
+    /// Overwrite OUT if it exists
+    #[arg(long)]
+    force: bool,
+    /// Say everything that is lost, not only the first 20 things
+    #[arg(long)]
+    all_losses: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum To {
+    /// CiA 306, for a type of device
+    Eds,
+    /// CiA 306, for a configured device
+    Dcf,
+    /// CiA 311, for a type of device
+    Xdd,
+    /// CiA 311, for a configured device
+    Xdc,
+    /// A CAN database with the PDOs
+    Dbc,
+}
+
+/// A description in another format, or its PDOs.
+#[derive(Clone, Copy)]
+enum Target {
+    Form(Form),
+    Dbc,
+}
+
+impl To {
+    const fn target(self) -> Target {
+        match self {
+            Self::Eds => Target::Form(Form::Eds),
+            Self::Dcf => Target::Form(Form::Dcf),
+            Self::Xdd => Target::Form(Form::Xdd),
+            Self::Xdc => Target::Form(Form::Xdc),
+            Self::Dbc => Target::Dbc,
+        }
+    }
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let target = self.target()?;
+        let is_stdout = self.output.as_os_str() == "-";
+        if !is_stdout {
+            Files::new().reads([&self.input]).writes([&self.output])?;
+            if !self.force {
+                refuse_existing(&self.output)?;
+            }
+        }
+        let bytes = Description::read(&self.input)?.bytes;
+        let description = description(&bytes, &self.input)?;
+        let (written, losses) = match target {
+            Target::Form(form) => self.converted(&bytes, form)?,
+            Target::Dbc => self.database(description)?,
+        };
+        if is_stdout {
+            let mut output = crate::output::raw();
+            unless_closed(output.write_all(&written).and_then(|()| output.flush()))?;
+        } else {
+            write(&self.output, &written)?;
+        }
+        self.tell(&losses);
+        Ok(Status::Good)
+    }
+
+    /// The file in the other format, and what is not in it.
+    fn converted(&self, bytes: &[u8], form: Form) -> Result<(Vec<u8>, Vec<String>)> {
+        if self.node.is_some() {
+            bail!("--node is for a DBC: the {form} says itself which node it is for");
+        }
+        let name = self.output.file_name().filter(|name| *name != "-");
+        let name = name.map(|name| name.to_string_lossy().into_owned());
+        let converted =
+            convert(bytes, form, name.as_deref()).with_context(|| format!("can't convert {}", self.input.display()))?;
+        Ok((converted.text.into_bytes(), converted.losses.iter().map(ToString::to_string).collect()))
+    }
+
+    /// The PDOs as a CAN database, and those that are not in it.
+    fn database(&self, description: DeviceDescription) -> Result<(Vec<u8>, Vec<String>)> {
+        let input = self.input.display();
+        let configured = description.commissioning.as_ref().and_then(|it| it.node_id);
+        let node = self.node.or(configured);
+        let node = node.with_context(|| format!("{input} is for every node-ID: say --node N for the DBC"))?;
+        let database = dbc::database(KnownDevice::described(description), node);
+        if database.messages == 0 {
+            let reasons = database.left_out.join("; ");
+            let reasons = if reasons.is_empty() { "none is described" } else { &reasons };
+            bail!("{input} has no PDO that a DBC could have: {reasons}");
+        }
+        Ok((database.bytes, database.left_out))
+    }
+
+    fn target(&self) -> Result<Target> {
+        let ending = self.output.extension().map(|ending| ending.to_string_lossy().into_owned());
+        let by_name = ending.and_then(|ending| To::from_str(&ending, true).ok());
+        match self.to.or(by_name) {
+            Some(to) => Ok(to.target()),
+            None => {
+                let path = self.output.display();
+                bail!("{path} does not tell the format to write: say --to with one of eds, dcf, xdd, xdc, dbc")
+            }
+        }
+    }
+
+    fn tell(&self, losses: &[String]) {
+        let shown = if self.all_losses { losses.len() } else { SHOWN };
+        let name = self.input.display();
+        for loss in losses.iter().take(shown) {
+            diagnostic(&format!("{name}: {loss}"));
+        }
+        if losses.len() > shown {
+            let rest = losses.len() - shown;
+            diagnostic(&format!("{name}: {rest} more things are lost: --all-losses says all"));
+        }
+    }
+}
+
+fn write(path: &Path, written: &[u8]) -> Result<()> {
+    let file = WholeFile::create(path)?;
+    file.writer()?.write_all(written).with_context(|| format!("can't write {}", path.display()))?;
+    file.complete()
+}

@@ -1,0 +1,94 @@
+//! `canvass eds diff`: what a release changed between two device descriptions.
+
+use super::found::{Description, description};
+use crate::output::{Color, Output, unless_closed};
+use crate::status::{Failure, Status};
+use anyhow::{Result, bail};
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_analyzer::dictionary::difference::{Class, compare};
+use canvass_reports::descriptions::difference::Compared;
+use canvass_reports::escape::Printable;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Compare two device descriptions: what a release changed, and what of it breaks who relies on the old one
+///
+/// EDS, DCF, XDD and XDC files, also of different formats. Breaking is what a configuration tool, a DCF or another device
+/// goes wrong with: an object that is gone, another type, narrower limits, another PDO layout. Notable is what the device
+/// does or a tool shows otherwise, harmless the rest.
+#[derive(clap::Args)]
+pub struct Args {
+    /// The description of the release before; - is standard input
+    old: PathBuf,
+    /// The description of the new release; - is standard input
+    new: PathBuf,
+    /// How to print what differs
+    #[arg(long, value_enum, default_value_t)]
+    format: DiffFormat,
+    /// From which class on differences make the exit status 1
+    #[arg(long, value_enum, value_name = "CLASS", default_value_t)]
+    fail_on: FailOn,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+enum DiffFormat {
+    /// For people: each kind of change with where it is and what follows from it
+    #[default]
+    Text,
+    /// One JSON object
+    Json,
+    /// For tickets and wikis
+    Markdown,
+}
+
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+enum FailOn {
+    /// What breaks who relies on the old description
+    #[default]
+    Breaking,
+    /// What the device does or a tool shows otherwise, too
+    Notable,
+    /// Every difference
+    Harmless,
+    /// Nothing: the status tells only whether the files could be read
+    Never,
+}
+
+impl FailOn {
+    const fn least(self) -> Option<Class> {
+        match self {
+            Self::Breaking => Some(Class::Breaking),
+            Self::Notable => Some(Class::Notable),
+            Self::Harmless => Some(Class::Harmless),
+            Self::Never => None,
+        }
+    }
+}
+
+impl Args {
+    pub fn run(self, color: Color) -> Result<Status, Failure> {
+        let compared = self.compare()?;
+        let mut output = Output::text(color.on_stdout());
+        let text = match self.format {
+            DiffFormat::Text => compared.text(color.on_stdout()),
+            DiffFormat::Json => Printable::pretty_json(&compared.json()).into_string(),
+            DiffFormat::Markdown => compared.markdown(),
+        };
+        unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
+        let fails = self.fail_on.least().is_some_and(|least| compared.has(least));
+        Ok(if fails { Status::Findings } else { Status::Good })
+    }
+
+    fn compare(&self) -> Result<Compared> {
+        if [&self.old, &self.new].iter().all(|path| path.as_os_str() == "-") {
+            bail!("standard input can be one of the two descriptions, not both");
+        }
+        let (old, new) = (read(&self.old)?, read(&self.new)?);
+        let name = |path: &Path| path.display().to_string();
+        Ok(Compared { old: name(&self.old), new: name(&self.new), differences: compare(&old, &new) })
+    }
+}
+
+fn read(path: &Path) -> Result<DeviceDescription> {
+    description(&Description::read(path)?.bytes, path)
+}
