@@ -115,11 +115,9 @@ fn what_does_not_belong_into_the_state_is_told() {
         "585#C1 00 00 00 00 00 00 00",
         "585#E0 00 00 00 00 00 00 00",
     ] {
-        for before in [
-            &[whole[0], whole[1]][..],
-            &[(READ, None), (READ_ANSWER, None)],
-            &[(WRITE, None), (WRITE_ANSWER, None)],
-        ] {
+        for before in
+            [&[whole[0], whole[1]][..], &[(READ, None), (READ_ANSWER, None)], &[(WRITE, None), (WRITE_ANSWER, None)]]
+        {
             let trace = dialogue(&[before, &[(frame, UNEXPECTED)]].concat());
             assert_eq!(open(&trace), usize::from(before[0] != whole[0]), "{frame}");
         }
@@ -238,7 +236,10 @@ fn expedited_transfers_hold_their_value() {
     let written = transfer(&trace);
     assert_eq!((written.direction, written.mode), (Direction::Download, Mode::Expedited));
     assert_eq!((written.data(), written.length(), written.segments), (&[0xE8, 0x03][..], 2, 0));
-    assert_eq!((written.announced, written.outcome, written.duration()), (None, Outcome::Complete, Duration(1_000_000)));
+    assert_eq!(
+        (written.announced, written.outcome, written.duration()),
+        (None, Outcome::Complete, Duration(1_000_000))
+    );
 
     let trace = dialogue(&[("605#40 17 10 00 00 00 00 00", None), ("585#4B 17 10 00 E8 03 00 00", None)]);
     let read = transfer(&trace);
@@ -264,11 +265,7 @@ fn a_block_upload_can_become_a_normal_one() {
     ]);
     assert_eq!((transfer(&trace).mode, transfer(&trace).outcome), (Mode::Segmented, Outcome::Complete));
     // Once the blocks have begun it is too late.
-    dialogue(&[
-        (request, None),
-        ("585#C6 00 10 00 0F 00 00 00", None),
-        ("585#43 00 10 00 96 01 02 00", UNEXPECTED),
-    ]);
+    dialogue(&[(request, None), ("585#C6 00 10 00 0F 00 00 00", None), ("585#43 00 10 00 96 01 02 00", UNEXPECTED)]);
 }
 
 /// A client that gives a block download up and asks for something else: its request looks like a segment, and the

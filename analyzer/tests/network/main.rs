@@ -9,9 +9,13 @@ mod dialogues;
 #[cfg(test)]
 mod events;
 #[cfg(test)]
+mod kept;
+#[cfg(test)]
 mod learned;
 #[cfg(test)]
 mod scaling;
+#[cfg(test)]
+mod services;
 #[cfg(test)]
 #[path = "../trace/mod.rs"]
 mod trace;
