@@ -8,7 +8,7 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{ChannelId, Duration};
 
 /// Says the frames to node 5 and asks for what each of them broke.
-fn dialogue(frames: &[(&str, Option<Violation>)]) -> Trace {
+pub fn dialogue(frames: &[(&str, Option<Violation>)]) -> Trace {
     let mut trace = Trace::new();
     for (n, (frame, violation)) in frames.iter().enumerate() {
         assert_eq!(trace.say(frame).decoded.violation, *violation, "{n}: {frame}");
@@ -16,7 +16,7 @@ fn dialogue(frames: &[(&str, Option<Violation>)]) -> Trace {
     trace
 }
 
-fn transfer(trace: &Trace) -> &Transfer {
+pub fn transfer(trace: &Trace) -> &Transfer {
     let channel = canvass_analyzer::network::sdo::ChannelIndex::predefined(NodeId::new(5).unwrap());
     trace.network.bus(ChannelId(0)).unwrap().transfer(channel).unwrap()
 }
@@ -26,16 +26,16 @@ fn left(trace: &Trace) -> &Transfer {
     trace.network.bus(ChannelId(0)).unwrap().left_transfer(channel).unwrap()
 }
 
-fn open(trace: &Trace) -> usize {
+pub fn open(trace: &Trace) -> usize {
     trace.network.bus(ChannelId(0)).unwrap().open_transfers().count()
 }
 
-fn events(trace: &Trace) -> &[Event] {
+pub fn events(trace: &Trace) -> &[Event] {
     trace.network.bus(ChannelId(0)).unwrap().events()
 }
 
 const TOGGLE: Option<Violation> = Some(Violation::Toggle);
-const UNEXPECTED: Option<Violation> = Some(Violation::Unexpected);
+pub const UNEXPECTED: Option<Violation> = Some(Violation::Unexpected);
 
 const READ: &str = "605#40 08 10 00 00 00 00 00";
 const READ_ANSWER: &str = "585#41 08 10 00 0F 00 00 00";

@@ -1,6 +1,8 @@
 //! What a network knows of its nodes, and what frames bring about.
 
 #[cfg(test)]
+mod blocks;
+#[cfg(test)]
 mod channels;
 #[cfg(test)]
 mod devices;
