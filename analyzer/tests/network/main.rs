@@ -15,6 +15,8 @@ mod kept;
 #[cfg(test)]
 mod learned;
 #[cfg(test)]
+mod mapped;
+#[cfg(test)]
 mod scaling;
 #[cfg(test)]
 mod services;
