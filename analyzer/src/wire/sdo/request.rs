@@ -261,6 +261,16 @@ mod tests {
         both_ways(&[0xE0, 1, 2, 3, 4, 5, 6, 7], Request::Unknown { command: 0xE0, tail: [1, 2, 3, 4, 5, 6, 7] });
     }
 
+    /// Bits that the standard reserves say nothing (`-` in the pictures above).
+    #[test]
+    fn reserved_bits_are_ignored() {
+        assert_eq!(Request::read(&[0x6F, 0, 0, 0, 0, 0, 0, 0]), Ok(Request::UploadSegment { toggle: false }));
+        assert_eq!(Request::read(&[0x7F, 0, 0, 0, 0, 0, 0, 0]), Ok(Request::UploadSegment { toggle: true }));
+        assert_eq!(Request::read(&[0x5F, 0, 0x60, 0, 0, 0, 0, 0]), Ok(Request::upload(COUNTING_DIRECTION)));
+        assert_eq!(Request::read(&[0xBD, 0, 0, 0, 0, 0, 0, 0]), Ok(Request::EndBlockUpload));
+        assert_eq!(Request::read(&[0xBF, 0, 0, 0, 0, 0, 0, 0]), Ok(Request::StartBlockUpload));
+    }
+
     /// Requests with fewer than eight bytes occur; they are read as far as their meaning needs.
     #[test]
     fn short_requests() {

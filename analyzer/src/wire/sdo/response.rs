@@ -235,6 +235,16 @@ mod tests {
         both_ways(&[0xFF, 0, 0, 0, 0, 0, 0, 0], Response::Unknown { command: 0xFF, tail: [0; 7] });
     }
 
+    /// Bits that the standard reserves say nothing (`-` in the pictures above).
+    #[test]
+    fn reserved_bits_are_ignored() {
+        assert_eq!(Response::read(&[0x2F, 0, 0, 0, 0, 0, 0, 0]), Ok(Response::DownloadSegment { toggle: false }));
+        assert_eq!(Response::read(&[0x3F, 0, 0, 0, 0, 0, 0, 0]), Ok(Response::DownloadSegment { toggle: true }));
+        let multiplexer = Multiplexer::new(0x1008, 0);
+        assert_eq!(Response::read(&[0x7F, 8, 0x10, 0, 0, 0, 0, 0]), Ok(Response::InitiateDownload { multiplexer }));
+        assert_eq!(Response::read(&[0xBD, 0, 0, 0, 0, 0, 0, 0]), Ok(Response::EndBlockDownload));
+    }
+
     /// Which bytes of each message the standard reserves (CiA 301, 7.2.4.3), and that no other is taken for them.
     #[test]
     fn reserved_bytes_belong_to_the_message() {
