@@ -260,7 +260,7 @@ fn a_description_may_name_the_unit_of_speeds() {
         (bit.clone(), 0xEFFF, "rpm"),
         (BitName { name: "Speed format: mm/s".into(), ..bit.clone() }, 0x1000, "mm/s"),
         (BitName { name: "Other: mm/s".into(), ..bit.clone() }, 0x1000, ""),
-        (BitName { clear: None, ..bit.clone() }, 0, ""),
+        (BitName { clear: None, ..bit }, 0, ""),
     ] {
         let mut known = device(&[(0x1000, 0, "0x00020196")]);
         known.manual.annotations.entry(Multiplexer::new(0x6000, 0)).bits.push(bit.clone());

@@ -72,12 +72,14 @@ fn storing_has_a_patience_of_its_own() {
     with_bench(script, |bench| {
         let attempt = bench.download(store, b"save").unwrap();
         assert_eq!(attempt.expect_confirmation(), Ok(()));
-        assert_eq!((bench.silence(), bench.stores()), (MS(200), 1));
+        assert_eq!((bench.silence(), bench.stores(), bench.watch.has_stored()), (MS(200), 1, true));
         // Another object is not waited for so long.
         let begun = bench.now();
         assert!(bench.upload(super::super::sdo::DEVICE_TYPE).unwrap().is_silent());
         assert_eq!(bench.now().since(begun), MS(1_000));
-        assert_eq!(bench.stores(), 1);
+        assert_eq!((bench.stores(), bench.watch.has_stored()), (1, true));
+        bench.begin();
+        assert_eq!((bench.stores(), bench.watch.has_stored()), (1, false), "of the run, and of the case");
     });
 }
 
@@ -91,13 +93,13 @@ fn each_wait_takes_its_time() {
                 wait(bench);
                 bench.now().since(begun)
             };
-            assert_eq!(took(&mut |bench| drop(bench.listen(MS(70)).unwrap())), MS(70));
-            assert_eq!(took(&mut |bench| drop(bench.listen(MS(450)).unwrap())), MS(450));
+            assert_eq!(took(&mut |bench| _ = bench.listen(MS(70)).unwrap()), MS(70));
+            assert_eq!(took(&mut |bench| _ = bench.listen(MS(450)).unwrap()), MS(450));
             assert_eq!(took(&mut |bench| bench.drain().unwrap()), Duration::ZERO);
-            assert_eq!(took(&mut |bench| drop(bench.wait_for_boot_up().unwrap())), MS(10_000));
-            assert_eq!(took(&mut |bench| drop(bench.guard().unwrap())), MS(200));
-            assert_eq!(took(&mut |bench| drop(bench.wait_for_late_response().unwrap())), MS(200));
-            assert_eq!(took(&mut |bench| drop(bench.is_operational().unwrap())), MS(1_100));
+            assert_eq!(took(&mut |bench| _ = bench.wait_for_boot_up().unwrap()), MS(10_000));
+            assert_eq!(took(&mut |bench| _ = bench.guard().unwrap()), MS(200));
+            assert_eq!(took(&mut |bench| _ = bench.wait_for_late_response().unwrap()), MS(200));
+            assert_eq!(took(&mut |bench| _ = bench.is_operational().unwrap()), MS(1_100));
         },
     );
 }
@@ -145,6 +147,7 @@ fn a_cancelled_run_sends_nothing_more() {
 fn traffic_does_not_prolong_a_wait() {
     let script = |request: &Frame| match request.to_string().as_str() {
         "123#01" => (1..=300).map(|ms| (MS(ms), crate::scripted::frame("1BF#00"))).collect(),
+        "124#01" => vec![(MS(10), crate::scripted::frame("1BF#00")); 3],
         _ => Vec::new(),
     };
     with_bench(script, |bench| {
@@ -154,6 +157,9 @@ fn traffic_does_not_prolong_a_wait() {
         // Frames of others are not the device's.
         assert_eq!(bench.frames_of(0x1BE, MS(100)).unwrap().len(), 0);
         assert_eq!(bench.frames_of(0x1BF, MS(100)).unwrap().len(), 100);
+        // What comes at the last moment is heard, all of it.
+        bench.send_bytes(0x124, &[1]).unwrap();
+        assert_eq!(bench.listen(MS(10)).unwrap().len(), 3);
     });
 }
 

@@ -79,7 +79,7 @@ fn a_sync_producer_can_be_switched_on() {
     let (id, period) = (row(0x1005, 0, &[0x80, 0, 0, 0], true), row(0x1006, 0, &[0; 4], true));
     assert_eq!(unmet(&SYNC_PRODUCER, &[id.clone(), period.clone()]), None);
     assert!(unmet(&SYNC_PRODUCER, std::slice::from_ref(&id)).is_some());
-    assert!(unmet(&SYNC_PRODUCER, &[id.clone(), row(0x1006, 0, &[0; 4], false)]).is_some());
+    assert!(unmet(&SYNC_PRODUCER, &[id, row(0x1006, 0, &[0; 4], false)]).is_some());
     assert!(unmet(&SYNC_PRODUCER, &[row(0x1005, 0, &[0x80, 0, 0, 0], false), period]).is_some());
 }
 
