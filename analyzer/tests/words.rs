@@ -5,11 +5,11 @@
 
 use canvass_analyzer::network::sdo::{Direction, Mode, Side, Violation};
 use canvass_analyzer::wire::case_marker::Verdict;
-use canvass_analyzer::wire::emcy::{EmcyCode, ErrorRegister};
+use canvass_analyzer::wire::emcy::{Emcy, EmcyCode, ErrorRegister};
 use canvass_analyzer::wire::flying_master::FlyingMaster;
 use canvass_analyzer::wire::lss::{self, Bound, ConfigureCommand, Part};
 use canvass_analyzer::wire::pdo::{TransmissionType, extract, insert};
-use canvass_analyzer::wire::sdo::{Request, Segment};
+use canvass_analyzer::wire::sdo::{Expedited, Request, Response, Segment};
 use canvass_analyzer::wire::{Malformed, Wire, lmt};
 use canvass_traces::CanId;
 
@@ -204,6 +204,8 @@ fn bits_of_a_payload() {
     let mut long = [0; 8];
     assert!(insert(&mut long, 0, 64, 0x0102_0304_0506_0708));
     assert_eq!(long, [8, 7, 6, 5, 4, 3, 2, 1]);
+    assert!(insert(&mut long, 56, 8, 0xAA) && insert(&mut long, 40, 16, 0xBBCC));
+    assert_eq!(long, [8, 7, 6, 5, 4, 0xCC, 0xBB, 0xAA]);
 }
 
 #[test]
@@ -233,6 +235,9 @@ fn other_services_in_words() {
         assert_eq!(message.to_frame().data(), [priority, 9]);
         assert_eq!(FlyingMaster::read(0x071, &[priority, 9]), Ok(message));
     }
+    let unknown = FlyingMaster::read(0x077, &[1, 2]);
+    assert_eq!(unknown, Err(Malformed { offset: 0, expected: "a CAN-ID of flying master, 071h to 076h" }));
+    assert!(Emcy::read(&[]).unwrap().is_empty() && !Emcy::read(&[0]).unwrap().is_empty());
     let names = [1, 3, 4, 5, 2].map(|raw| Verdict(raw).name());
     assert_eq!(names, [Some("pass"), Some("warning"), Some("fail"), Some("skipped"), None]);
 }
@@ -257,4 +262,31 @@ fn segments_hold_seven_bytes() {
             assert_eq!(short, Err(Malformed { offset: 1, expected }), "{length}");
         }
     }
+}
+
+/// The messages that name their object (CiA 301, 7.2.4.3).
+#[test]
+fn messages_name_their_object() {
+    let object = |frame: [u8; 8]| {
+        let told = (Request::read(&frame).unwrap().multiplexer(), Response::read(&frame).unwrap().multiplexer());
+        (told.0.map(|at| at.to_string()), told.1.map(|at| at.to_string()))
+    };
+    let named = || Some("1F50h:01".to_owned());
+    for (command, request, response) in [
+        (0x00, None, None),
+        (0x23, named(), None),
+        (0x40, named(), named()),
+        (0x60, None, named()),
+        (0x80, named(), named()),
+        (0xA0, named(), named()),
+        (0xA1, None, None),
+        (0xA2, None, None),
+        (0xC0, named(), named()),
+        (0xC1, None, None),
+        (0xE0, None, None),
+    ] {
+        assert_eq!(object([command, 0x50, 0x1F, 1, 9, 0, 0, 0]), (request, response), "{command:02X}");
+    }
+    let lengths = [0, 1, 4, 5].map(|length| Expedited::new(&vec![7; length]).is_some());
+    assert_eq!(lengths, [false, true, true, false]);
 }

@@ -260,6 +260,8 @@ fn a_description_may_name_the_unit_of_speeds() {
         (bit.clone(), 0xEFFF, "rpm"),
         (BitName { name: "Speed format: mm/s".into(), ..bit.clone() }, 0x1000, "mm/s"),
         (BitName { name: "Other: mm/s".into(), ..bit.clone() }, 0x1000, ""),
+        // 6000h has no more than 32 bits.
+        (BitName { bit: 40, ..bit.clone() }, 0x0001, "rpm"),
         (BitName { clear: None, ..bit }, 0, ""),
     ] {
         let mut known = device(&[(0x1000, 0, "0x00020196")]);
@@ -306,5 +308,127 @@ fn short_multiplexed_pdos_disprove_nothing() {
     }
     for _ in 0..150 {
         assert_eq!(trace.say("10A#85").service(), "pdo");
+    }
+}
+
+/// An address that was selected before another slave was switched to is not that slave's.
+#[test]
+fn an_lss_address_belongs_to_the_slave_that_was_selected() {
+    let mut trace = Trace::new();
+    for (sub, value) in (1..).zip(["13", "F1", "66", "A5"]) {
+        trace.say(&format!("63F#40 18 10 0{sub} 00 00 00 00"));
+        trace.say(&format!("5BF#43 18 10 0{sub} {value} 00 00 00"));
+    }
+    for (command, value) in (0x40..).zip(["13", "F1", "66", "A5"]) {
+        trace.say(&format!("7E5#{command:02X} {value} 00 00 00 00 00 00"));
+    }
+    trace.say("7E5#04 00 00 00 00 00 00 00");
+    trace.say("7E5#04 01 00 00 00 00 00 00");
+    trace.say("7E5#11 2A 00 00 00 00 00 00");
+    trace.say("7E4#11 00 00 00 00 00 00 00");
+    let changed = Event::NodeIdChanged { from: None, to: node(42), object: None };
+    assert!(events(&mut trace, "72A#00").contains(&changed));
+}
+
+/// SYNC and TIME move each by itself.
+#[test]
+fn sync_is_not_taken_for_time() {
+    let mut trace = Trace::new();
+    let mut moved = |index: &str, id: &str| {
+        trace.say(&format!("605#23 {index} 10 00 {id} 00 00 00"));
+        let all = events(&mut trace, &format!("585#60 {index} 10 00 00 00 00 00"));
+        all.into_iter().find_map(|event| match event {
+            Event::CobIdMoved(moved) => Some((moved.used, moved.from, moved.to)),
+            _ => None,
+        })
+    };
+    assert_eq!(moved("05", "95"), Some((Use::Sync, Some(0x80), Some(0x95))));
+    assert_eq!(moved("12", "91"), Some((Use::Time, Some(0x100), Some(0x91))));
+    assert_eq!(moved("05", "99"), Some((Use::Sync, Some(0x95), Some(0x99))));
+    assert_eq!(moved("12", "97"), Some((Use::Time, Some(0x91), Some(0x97))));
+}
+
+/// Switched off, a COB-ID may hold any CAN-ID, also one that is restricted.
+#[test]
+fn what_is_switched_off_may_have_no_can_id() {
+    let mut trace = Trace::new();
+    trace.say("605#23 00 18 01 00 00 00 80");
+    let used = Use::Pdo(node(5), PdoNumber::Transmit(1));
+    let gone = Event::CobIdMoved(Move { used, from: Some(0x185), to: None, source: Source::Trace });
+    assert!(events(&mut trace, "585#60 00 18 01 00 00 00 00").contains(&gone));
+}
+
+/// Values of the application are no parameters: they are not kept.
+#[test]
+fn process_values_are_not_kept() {
+    let mut trace = Trace::new();
+    for object in ["04 60 00", "17 10 00", "00 20 00"] {
+        trace.say(&format!("605#40 {object} 00 00 00 00"));
+        trace.say(&format!("585#43 {object} 01 00 00 00"));
+    }
+    let bus = trace.network.bus(ChannelId(0)).unwrap();
+    let kept: Vec<_> = bus.node(node(5)).unwrap().parameters().collect();
+    assert_eq!(kept, [(Multiplexer::new(0x1017, 0), 1)]);
+}
+
+/// A description may come while the capture runs.
+#[test]
+fn a_description_counts_on_buses_that_are_known() {
+    let mut trace = Trace::new();
+    assert_eq!(trace.say("18A#00").decoded.node, Some(node(10)));
+    trace.network.describe(node(5), device(&[(0x1800, 1, "0x18A")]));
+    assert_eq!(trace.say("18A#00").decoded.node, Some(node(5)));
+}
+
+/// Vendor and product, or device type and name: one of two is too few.
+#[test]
+fn half_an_identity_fits_nothing() {
+    let mut candidate = Candidate::of("model", Arc::new(device(&[(0x1000, 0, "0x00020196")])));
+    candidate.set(Multiplexer::new(0x1008, 0), Fact::Begins("Send".to_owned()));
+    candidate.set(Multiplexer::new(0x1018, 1), Fact::Number(vec![0x13]));
+    candidate.set(Multiplexer::new(0x1018, 2), Fact::Number(vec![7]));
+    let candidates = Candidates::new(move || [candidate].into());
+    let facts: [(u16, u8, &[u8]); 4] = [
+        (0x1000, 0, &[0x96, 1, 2, 0]),
+        (0x1008, 0, b"Sendix"),
+        (0x1018, 1, &[0x13, 0, 0, 0]),
+        (0x1018, 2, &[7, 0, 0, 0]),
+    ];
+    for shown in 0_u8..16 {
+        let known = facts.iter().enumerate().filter(|(n, _)| shown >> n & 1 != 0);
+        let known = known.map(|(_, &(index, sub, data))| (Multiplexer::new(index, sub), data.to_vec())).collect();
+        let fits = shown & 0b0011 == 0b0011 || shown & 0b1100 == 0b1100;
+        assert_eq!(candidates.fitting(&known).len(), usize::from(fits), "{shown:04b}");
+    }
+}
+
+/// 6031h:03 multiplies and 6031h:04 divides; neither may be 0, and a speed in rpm has neither (CiA 406).
+#[test]
+fn speeds_have_a_multiplier_and_a_divisor() {
+    for (vendor, multiplier, divisor, text) in [
+        (0x14, 2, 5, "= -25 steps/s"),
+        (0x14, 1, 1, "= -10 steps/s"),
+        (0x14, 1, 5, "= -50 steps/s"),
+        (0x14, 2, 1, "= -5 steps/s"),
+        (0x14, 0, 5, "= -10"),
+        (0x14, 2, 0, "= -10"),
+        // Of Kübler's encoders 6000h says it.
+        (0x13, 2, 5, "= -10 rpm"),
+    ] {
+        let mut trace = Trace::new();
+        let mut shown = |object: &str, value: u32| {
+            let [a, b, c, d] = value.to_le_bytes();
+            trace.say(&format!("605#40 {object} 00 00 00 00"));
+            trace.say(&format!("585#43 {object} {a:02X} {b:02X} {c:02X} {d:02X}"));
+        };
+        shown("00 10 00", 0x0002_0196);
+        shown("18 10 01", vendor);
+        shown("07 65 00", 0x0102_0302);
+        shown("00 60 00", 0);
+        shown("31 60 03", multiplier);
+        shown("31 60 04", divisor);
+        trace.say("605#40 30 60 01 00 00 00 00");
+        let said = trace.say("585#4B 30 60 01 F6 FF 00 00").text;
+        assert!(said.ends_with(text), "{vendor:X} {multiplier}/{divisor}: {said}");
     }
 }
