@@ -5,6 +5,8 @@ mod blocks;
 #[cfg(test)]
 mod channels;
 #[cfg(test)]
+mod described;
+#[cfg(test)]
 mod devices;
 #[cfg(test)]
 mod dialogues;
@@ -13,11 +15,13 @@ mod events;
 #[cfg(test)]
 mod kept;
 #[cfg(test)]
+mod layer_setting;
+#[cfg(test)]
 mod learned;
 #[cfg(test)]
 mod mapped;
 #[cfg(test)]
-mod rest;
+mod places;
 #[cfg(test)]
 mod scaling;
 #[cfg(test)]

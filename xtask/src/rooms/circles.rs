@@ -116,5 +116,7 @@ mod tests {
         assert!(found(&[("n", "mod a; use a::A;"), ("n/a", "use super::N;")]).is_empty());
         let test = "#[cfg(test)] mod tests { use crate::b::y::Y; }";
         assert!(found(&[("a/x", test), ("b/y", "use crate::a::x::X;")]).is_empty());
+        let file = "#![cfg(test)] use crate::b::y::Y;";
+        assert!(found(&[("a/x", file), ("b/y", "use crate::a::x::X;")]).is_empty());
     }
 }

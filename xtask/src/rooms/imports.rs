@@ -17,7 +17,9 @@ pub struct Imports {
 /// Reads the imports and the paths of a file.
 pub fn of(file: &File) -> Imports {
     let mut imports = Imports::default();
-    imports.visit_file(file);
+    if !file.attrs.iter().any(is_test) {
+        imports.visit_file(file);
+    }
     imports
 }
 

@@ -1,5 +1,7 @@
 //! What a run writes down and puts back.
 
+#![cfg(test)]
+
 use super::super::Options;
 use super::super::sdo::DEVICE_TYPE;
 use super::{on_device, with};

@@ -1,5 +1,7 @@
 //! SDO transfers, single messages, and the objects that serve a case.
 
+#![cfg(test)]
+
 use super::super::objects::NAMES;
 use super::super::sdo::{DEVICE_TYPE, number};
 use super::super::traffic::{is_from, is_tpdo};

@@ -1,5 +1,7 @@
 //! PDO parameters and mappings: changed in the order of CiA 301 (7.5.2.37, 7.5.2.38), and put back.
 
+#![cfg(test)]
+
 use super::super::objects::{TPDO_COB_ID, TPDO_MAPPED};
 use super::super::pdo::{Mapped, RPDO, TPDO};
 use super::{Bench, on_device};

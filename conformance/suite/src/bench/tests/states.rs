@@ -1,5 +1,7 @@
 //! NMT commands, states and resets.
 
+#![cfg(test)]
+
 use super::super::nmt::Start;
 use super::super::state::{GUARD_TIME, HEARTBEAT_TIME, Heartbeats, LIFE_TIME_FACTOR, command_to};
 use super::on_device;

@@ -1,5 +1,7 @@
 //! How long the bench waits, and what it grants the device.
 
+#![cfg(test)]
+
 use super::super::{HOST_LATE, Options, Target, Timing};
 use super::{on_device, with};
 use crate::scripted::{with_bench, with_options};

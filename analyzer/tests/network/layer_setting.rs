@@ -1,0 +1,123 @@
+//! Dialogues of LMT, and the addresses of LSS.
+
+use crate::trace::Trace;
+use canvass_analyzer::NodeId;
+use canvass_analyzer::network::{Event, Exchange};
+use canvass_traces::{ChannelId, Duration};
+
+fn node(raw: u8) -> NodeId {
+    NodeId::new(raw).unwrap()
+}
+
+fn events(trace: &mut Trace, frame: &str) -> Vec<Event> {
+    trace.say(frame);
+    trace.network.bus(ChannelId(0)).unwrap().events().to_vec()
+}
+
+/// Each service of LMT that has an answer is missed when the next request comes first (CiA 205-2).
+#[test]
+fn lmt_requests_have_answers() {
+    let asked = |unanswered| Event::LayerSetting(Exchange::Request { unanswered });
+    for (request, answered) in [
+        ("7E5#11 05 00 00 00 00 00 00", true),
+        ("7E5#13 00 03 00 00 00 00 00", true),
+        ("7E5#17 00 00 00 00 00 00 00", true),
+        ("7E5#24 00 00 00 00 00 00 00", true),
+        ("7E5#04 01 00 00 00 00 00 00", false),
+        ("7E5#01 41 42 43 20 20 20 20", false),
+    ] {
+        let mut trace = Trace::new();
+        // LMT's own way to ask for the manufacturer name.
+        trace.say("7E5#24 00 00 00 00 00 00 00");
+        trace.say("7E4#24 41 42 43 20 20 20 20");
+        assert_eq!(events(&mut trace, request), [asked(false)], "{request}");
+        assert_eq!(events(&mut trace, request), [asked(answered)], "{request}");
+        let answer = Event::LayerSetting(Exchange::Response(Duration::from_millis(1)));
+        assert_eq!(events(&mut trace, "7E4#17 00 00 00 00 00 00 00"), [answer], "{request}");
+    }
+}
+
+/// Table 0 of LMT: code 3 is 250 kbit/s, code 7 is 20 kbit/s. It acts when it was confirmed.
+#[test]
+fn lmt_sets_bit_rates_and_addresses() {
+    let activated = |setting: &str, answer: Option<&str>| {
+        let mut trace = Trace::new();
+        trace.say("7E5#24 00 00 00 00 00 00 00");
+        trace.say(setting);
+        answer.into_iter().for_each(|answer| drop(trace.say(answer)));
+        let all = events(&mut trace, "7E5#15 E8 03 00 00 00 00 00");
+        all.into_iter().find(|event| matches!(event, Event::BitRateChanged { .. })).unwrap()
+    };
+    let changed = |bit_rate| Event::BitRateChanged { node: None, bit_rate, delay: Duration::from_millis(1_000) };
+    let (good, bad) = ("7E4#13 00 00 00 00 00 00 00", "7E4#13 01 00 00 00 00 00 00");
+    assert_eq!(activated("7E5#13 00 03 00 00 00 00 00", Some(good)), changed(Some(250_000)));
+    assert_eq!(activated("7E5#13 00 03 00 00 00 00 00", Some(bad)), changed(None));
+    assert_eq!(activated("7E5#13 00 03 00 00 00 00 00", None), changed(None));
+    assert_eq!(activated("7E5#13 80 03 00 00 00 00 00", Some(good)), changed(None));
+
+    for (answer, given) in [("7E4#11 00 00 00 00 00 00 00", true), ("7E4#11 01 00 00 00 00 00 00", false)] {
+        let mut trace = Trace::new();
+        trace.say("7E5#24 00 00 00 00 00 00 00");
+        trace.say("7E5#11 07 00 00 00 00 00 00");
+        trace.say(answer);
+        let changed = Event::NodeIdChanged { from: None, to: node(7), object: None };
+        assert_eq!(events(&mut trace, "707#00").contains(&changed), given, "{answer}");
+    }
+    // Another slave is switched to: what was asked of the one before is not confirmed by it.
+    for switch in ["7E5#04 00 00 00 00 00 00 00", "7E5#01 41 42 43 20 20 20 20"] {
+        let mut trace = Trace::new();
+        trace.say("7E5#24 00 00 00 00 00 00 00");
+        trace.say("7E5#11 07 00 00 00 00 00 00");
+        trace.say(switch);
+        trace.say("7E4#11 00 00 00 00 00 00 00");
+        assert_eq!(events(&mut trace, "707#00").len(), 1, "{switch}");
+    }
+}
+
+/// Only a node that has shown all four numbers of the address is the one that was addressed.
+#[test]
+fn a_part_of_an_lss_address_is_too_few() {
+    for (shown, found) in
+        [([0x13, 0xF1, 0x66, 0xA5], true), ([0x13, 0xF1, 0x66, 0xA6], false), ([0x14, 0xF1, 0x66, 0xA5], false)]
+    {
+        let mut trace = Trace::new();
+        for (sub, value) in (1..).zip(shown) {
+            trace.say(&format!("63F#40 18 10 0{sub} 00 00 00 00"));
+            trace.say(&format!("5BF#43 18 10 0{sub} {value:02X} 00 00 00"));
+        }
+        for (command, value) in (0x40..).zip([0x13, 0xF1, 0x66, 0xA5]) {
+            trace.say(&format!("7E5#{command:02X} {value:02X} 00 00 00 00 00 00"));
+        }
+        trace.say("7E4#44 00 00 00 00 00 00 00");
+        trace.say("7E5#11 2A 00 00 00 00 00 00");
+        trace.say("7E4#11 00 00 00 00 00 00 00");
+        let changed = Event::NodeIdChanged { from: found.then(|| node(63)), to: node(42), object: None };
+        assert!(events(&mut trace, "72A#00").contains(&changed), "{shown:02X?}");
+    }
+    // A node that was given the node-ID that it had is no news.
+    let mut trace = Trace::new();
+    trace.say("7E5#5E 00 00 00 00 00 00 00");
+    trace.say("7E4#5E 2A 00 00 00 00 00 00");
+    trace.say("7E5#11 2A 00 00 00 00 00 00");
+    trace.say("7E4#11 00 00 00 00 00 00 00");
+    assert_eq!(events(&mut trace, "72A#00").len(), 1);
+}
+
+/// An address that was selected before another slave was switched to is not that slave's.
+#[test]
+fn an_lss_address_belongs_to_the_slave_that_was_selected() {
+    let mut trace = Trace::new();
+    for (sub, value) in (1..).zip(["13", "F1", "66", "A5"]) {
+        trace.say(&format!("63F#40 18 10 0{sub} 00 00 00 00"));
+        trace.say(&format!("5BF#43 18 10 0{sub} {value} 00 00 00"));
+    }
+    for (command, value) in (0x40..).zip(["13", "F1", "66", "A5"]) {
+        trace.say(&format!("7E5#{command:02X} {value} 00 00 00 00 00 00"));
+    }
+    trace.say("7E5#04 00 00 00 00 00 00 00");
+    trace.say("7E5#04 01 00 00 00 00 00 00");
+    trace.say("7E5#11 2A 00 00 00 00 00 00");
+    trace.say("7E4#11 00 00 00 00 00 00 00");
+    let changed = Event::NodeIdChanged { from: None, to: node(42), object: None };
+    assert!(events(&mut trace, "72A#00").contains(&changed));
+}

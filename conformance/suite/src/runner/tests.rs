@@ -1,0 +1,142 @@
+//! Runs on devices of a few lines: what becomes of the cases, and what is told of them.
+
+use super::one_case::rule;
+use super::*;
+use crate::clause::{Clause, Confidence, Level};
+use crate::scripted::{table, with_bench};
+use crate::touch::Touch;
+use crate::verdict::Deviation;
+use crate::verdict::{Authority, Breach, Judged};
+use canvass_bus::observation::{Observation, Subject};
+
+/// A device that answers only when its device type is read or it is reset.
+const ROWS: &[(&str, &str)] = &[("63F#4000100000000000", "5BF#4300100096010200"), ("000#813F", "73F#00")];
+
+pub(super) const fn test_case(id: &'static str, run: fn(&mut Bench<'_>) -> Judged) -> Case {
+    let clause = Clause { standard: "CiA 301", section: None, confidence: Confidence::Unknown };
+    let (needs, touches, catches) = (&[], &[], &[]);
+    let answers = &[];
+    Case { id, requirement: "A test.", clause, level: Level::Must, needs, touches, catches, answers, cct: None, run }
+}
+
+static PASSES: Case = test_case("test/passes", |_| Ok(()));
+static PANICS: Case = test_case("test/panics", |_| panic!("out of luck"));
+static TOUCHES: Case = Case { touches: &[Touch::Nvm], ..test_case("test/touches", |_| Ok(())) };
+static RESETS: Case = test_case("test/resets", |bench| {
+    // After the start that the bench commanded is over.
+    bench.listen(Duration::from_secs(1))?;
+    // The script takes the raw frame for a command; the bench did not give it.
+    let node = bench.node().raw();
+    bench.send_bytes(0, &[0x81, node])?;
+    bench.wait_for_boot_up()?;
+    Ok(())
+});
+
+fn run_cases(rows: &'static [(&str, &str)], cases: &[&'static Case]) -> (Result<Summary, RunError>, Vec<String>) {
+    let mut events = Vec::new();
+    let result = with_bench(table(rows), |bench| {
+        let plan = Plan { cases, bus: "sim:test", bit_rate: None, seed: 0 };
+        run(bench, &plan, &mut |event| match event {
+            RunEvent::RunStarted(info) => events.push(format!("{:?}", info.device.device_type)),
+            RunEvent::CaseFinished(report) => {
+                let reason = report.verdict.reason().map(|reason| reason.actual).unwrap_or_default();
+                events.push(format!("{}: {} {reason}", report.case.id, report.verdict.kind()));
+            }
+            _ => {}
+        })
+    });
+    (result, events)
+}
+
+#[test]
+fn a_panic_is_an_error_and_the_run_goes_on() {
+    let (summary, events) = run_cases(ROWS, &[&PANICS, &PASSES]);
+    assert_eq!(events, ["Some(131478)", "test/panics: error out of luck", "test/passes: pass "]);
+    let summary = summary.unwrap();
+    assert_eq!((summary.count(Kind::Error), summary.count(Kind::Pass), summary.is_good()), (1, 1, false));
+}
+
+#[test]
+fn what_was_not_allowed_is_not_done_and_nothing_executed_is_an_error() {
+    let (result, events) = run_cases(ROWS, &[&TOUCHES]);
+    assert_eq!(events[1], "test/touches: not applicable not allowed: it writes non-volatile memory (--allow nvm)");
+    assert!(matches!(result, Err(RunError::NothingToRun { .. })));
+    assert!(matches!(run_cases(ROWS, &[]).0, Err(RunError::NothingToRun { .. })));
+}
+
+#[test]
+fn a_restart_fails_a_case_that_passed() {
+    let (_, events) = run_cases(ROWS, &[&RESETS]);
+    assert!(events[1].starts_with("test/resets: fail a boot-up message"), "{events:?}");
+}
+
+#[test]
+fn a_device_that_is_not_there_is_no_failure_of_a_device() {
+    let (result, events) = run_cases(&[], &[&PASSES]);
+    assert!(matches!(result, Err(RunError::Unreachable { .. })) && events.is_empty());
+}
+
+#[test]
+fn a_documented_breach_is_a_deviation_and_hides_no_other() {
+    let silent = Breach::new(Subject::Device, "it works").found(Observation::Silence);
+    let deviations = [Deviation {
+        case: "test/*".to_owned(),
+        subject: Subject::Device,
+        does: "silence".parse().unwrap(),
+        documented: "manual, 5.1".to_owned(),
+        by: Authority::Manual,
+    }];
+    let kind = |breach: &Breach| rule(breach.clone(), &PASSES, &deviations).kind();
+    assert_eq!(kind(&silent), Kind::Deviation);
+    assert_eq!(kind(&silent.clone().found(Observation::Confirmation)), Kind::Fail, "it does something else");
+    let elsewhere = Breach { subject: Multiplexer::new(object::DEVICE_TYPE, 0).into(), ..silent.clone() };
+    assert_eq!(kind(&elsewhere), Kind::Fail, "another object does it");
+    let other_case = test_case("other/case", |_| Ok(()));
+    assert_eq!(rule(silent, &other_case, &deviations).kind(), Kind::Fail);
+}
+
+static GIVES_UP: Case = test_case("test/gives-up", |bench| {
+    (RESETS.run)(bench)?;
+    Err(Stop::Inconclusive(crate::verdict::Reason::new("it is reached", "yes", "no")))
+});
+static BREAKS: Case = test_case("test/breaks", |bench| {
+    (RESETS.run)(bench)?;
+    Err(Stop::from(Box::new(Breach::new(Subject::Device, "it works").found(Observation::Silence))))
+});
+
+/// A restart is told where nothing else is: what broke or was not reached may be why.
+#[test]
+fn a_restart_is_no_second_failure() {
+    let (_, events) = run_cases(ROWS, &[&GIVES_UP, &BREAKS]);
+    assert_eq!(events[1..], ["test/gives-up: inconclusive no", "test/breaks: fail no answer"]);
+}
+
+#[test]
+fn a_run_ends_at_the_first_failure_where_it_shall() {
+    let total = |fail_fast, cases: &[&'static Case]| {
+        let options = crate::bench::Options { fail_fast, ..Default::default() };
+        let plan = Plan { cases, bus: "sim:test", bit_rate: None, seed: 0 };
+        let summary = crate::scripted::with_options(table(ROWS), &options, |bench| run(bench, &plan, &mut |_| {}));
+        summary.map(|summary| (summary.total(), summary.cancelled))
+    };
+    assert_eq!(total(false, &[&PASSES, &BREAKS, &PASSES]), Ok((3, false)));
+    assert_eq!(total(true, &[&PASSES, &BREAKS, &PASSES]), Ok((2, true)));
+    assert_eq!(total(true, &[&PASSES, &PANICS, &PASSES]), Ok((2, true)));
+    assert_eq!(total(true, &[&PASSES, &GIVES_UP, &TOUCHES]), Ok((3, false)), "nothing has failed");
+}
+
+#[test]
+fn a_device_is_known_by_its_identity() {
+    let row = |index, sub, value: &[u8]| ((index, sub), value.to_vec(), false);
+    let rows = vec![
+        row(0x1000, 0, &[0x96, 1, 2, 0]),
+        row(0x1008, 0, b"CANV"),
+        row(0x100A, 0, b"1.0"),
+        row(0x1018, 1, &[0x13, 0, 0, 0]),
+        row(0x1018, 2, &[2, 0, 0, 0]),
+        row(0x1018, 4, &[4, 0, 0, 0]),
+    ];
+    let found = with_bench(crate::scripted::dictionary(rows), identify);
+    assert_eq!((found.device_type, found.identity), (Some(0x0002_0196), [Some(0x13), Some(2), None, Some(4)]));
+    assert_eq!(found.names, [Some("CANV".to_owned()), None, Some("1.0".to_owned())]);
+}
