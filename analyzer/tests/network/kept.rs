@@ -165,6 +165,7 @@ fn each_node_forgets_its_own() {
     // SYNC is nobody's.
     written(&mut trace, "05 10 00", "90 00 00 00");
     started(&mut trace);
+    trace.say("701#00");
     assert_eq!(trace.say("090#").service(), "sync");
 }
 
