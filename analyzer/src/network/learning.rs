@@ -149,6 +149,11 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     let parameters: Vec<_> = state.parameters().collect();
     bus.room.give(forgotten * Node::PARAMETER);
     bus.cob_ids.reset(node);
+    // The first server has its place in the predefined connection set; the others have none without their parameters.
+    for channel in bus.channels_of(node).skip(1).collect::<Vec<_>>() {
+        bus.cob_ids.release(Use::SdoRequest(channel), None);
+        bus.cob_ids.release(Use::SdoResponse(channel), None);
+    }
     let announced = bus.events.len();
     if let Some(device) = device {
         from_description(bus, node, &device.description);

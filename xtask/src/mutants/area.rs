@@ -18,7 +18,7 @@ pub const CRATES: [&str; 8] = [
     "conformance/macros",
 ];
 /// What tests read besides.
-const READ: &str = "docs";
+const READ: [&str; 2] = ["docs", "tests"];
 
 /// A crate that is mutated.
 pub struct Area {
@@ -73,7 +73,7 @@ impl Area {
         let (own, within) = (self.folder, format!("{}/", self.folder));
         // What is in a folder that is linked or copied comes with it.
         let is_apart = move |name: &&str| *name != own && !name.starts_with(&within) && *name != "analyzer/macros";
-        CRATES.into_iter().filter(is_apart).chain([READ])
+        CRATES.into_iter().filter(is_apart).chain(READ)
     }
 
     /// Under which name a file is counted, by its path below the sources; `None`: it is left as it is.

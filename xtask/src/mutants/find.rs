@@ -24,56 +24,6 @@ pub fn find(source: &str, constants: &BTreeSet<String>, hooks: &Hooks) -> syn::R
     Ok(finder.found)
 }
 
-/// The functions that are called where only constant ones can be.
-pub fn called_in_constants(source: &str) -> syn::Result<BTreeSet<String>> {
-    let mut calls = Calls::default();
-    calls.visit_file(&syn::parse_file(source)?);
-    Ok(calls.names)
-}
-
-#[derive(Default)]
-struct Calls {
-    names: BTreeSet<String>,
-    inside: bool,
-}
-
-impl<'ast> Visit<'ast> for Calls {
-    fn visit_item_const(&mut self, item: &'ast syn::ItemConst) {
-        self.of(&item.expr);
-    }
-
-    fn visit_impl_item_const(&mut self, item: &'ast syn::ImplItemConst) {
-        self.of(&item.expr);
-    }
-
-    fn visit_item_static(&mut self, item: &'ast syn::ItemStatic) {
-        self.of(&item.expr);
-    }
-
-    fn visit_expr_path(&mut self, path: &'ast syn::ExprPath) {
-        if self.inside
-            && let Some(last) = path.path.segments.last()
-        {
-            self.names.insert(last.ident.to_string());
-        }
-    }
-
-    fn visit_expr_method_call(&mut self, call: &'ast syn::ExprMethodCall) {
-        if self.inside {
-            self.names.insert(call.method.to_string());
-        }
-        visit::visit_expr_method_call(self, call);
-    }
-}
-
-impl Calls {
-    fn of(&mut self, expression: &syn::Expr) {
-        let outer = std::mem::replace(&mut self.inside, true);
-        self.visit_expr(expression);
-        self.inside = outer;
-    }
-}
-
 struct Finder<'a> {
     source: &'a str,
     constants: &'a BTreeSet<String>,

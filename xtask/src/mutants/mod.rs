@@ -7,6 +7,7 @@
 
 mod area;
 mod by_tests;
+mod constants;
 mod covered;
 mod drawn;
 mod find;

@@ -1,7 +1,8 @@
 //! The mutated workspace: the crates as they are, by links, and the one that is mutated rewritten.
 
 use super::area::{self, Area};
-use super::find::{Findings, called_in_constants, find};
+use super::constants::called_in_constants;
+use super::find::{Findings, find};
 use super::honest::Hooks;
 use super::rewrite::{Rewritten, rewrite};
 use anyhow::{Context, Result, bail};
