@@ -2,8 +2,10 @@
 
 mod check;
 mod convert;
+mod device;
 mod diff;
 mod found;
+mod verify;
 
 use crate::output::Color;
 use crate::status::{Failure, Status};
@@ -20,6 +22,7 @@ enum Action {
     Check(check::Args),
     Convert(convert::Args),
     Diff(diff::Args),
+    Verify(verify::Args),
 }
 
 impl Args {
@@ -28,6 +31,7 @@ impl Args {
             Action::Check(args) => args.run(color),
             Action::Convert(args) => args.run(),
             Action::Diff(args) => args.run(color),
+            Action::Verify(args) => args.run(color),
         }
     }
 }
