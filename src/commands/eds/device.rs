@@ -49,6 +49,11 @@ impl DeviceArgs {
 }
 
 impl Opened {
+    /// The bit rate of the bus in kbit/s, where it is known.
+    pub fn bit_rate(&self) -> Option<u16> {
+        self.live.bus.bit_rate().and_then(|rate| u16::try_from(rate / 1_000).ok())
+    }
+
     /// Lets `read` read what it wants, and returns that, with what `read` returns. Ctrl-C ends it.
     pub fn survey<T>(
         &mut self,
@@ -65,15 +70,9 @@ impl Opened {
             }
             !interrupt.came()
         };
-        let mut surveyor = Surveyor {
-            exchange: &mut exchange,
-            node: self.node,
-            patience: self.patience,
-            watch: &mut watch,
-            survey: Survey::default(),
-        };
+        let mut surveyor = Surveyor::new(&mut exchange, self.node, self.patience, &mut watch);
         let done = read(&mut surveyor);
-        let survey = surveyor.survey;
+        let survey = surveyor.into_survey();
         if is_seen() {
             show_progress(&Printable::line(""));
         }

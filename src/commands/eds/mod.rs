@@ -5,6 +5,7 @@ mod convert;
 mod device;
 mod diff;
 mod found;
+mod from_device;
 mod verify;
 
 use crate::output::Color;
@@ -22,6 +23,7 @@ enum Action {
     Check(check::Args),
     Convert(convert::Args),
     Diff(diff::Args),
+    FromDevice(from_device::Args),
     Verify(verify::Args),
 }
 
@@ -31,6 +33,7 @@ impl Args {
             Action::Check(args) => args.run(color),
             Action::Convert(args) => args.run(),
             Action::Diff(args) => args.run(color),
+            Action::FromDevice(args) => args.run(),
             Action::Verify(args) => args.run(color),
         }
     }

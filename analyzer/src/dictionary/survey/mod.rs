@@ -3,6 +3,7 @@
 //! Nothing here reads from a device: whoever does fills a [`Survey`].
 
 pub mod compare;
+pub mod describe;
 
 use crate::identity::{Index, Multiplexer, SubIndex};
 use crate::wire::sdo::AbortCode;

@@ -8,6 +8,7 @@ use canvass_analyzer::dictionary::survey::{Answer, Survey};
 use canvass_analyzer::wire::sdo::AbortCode;
 use canvass_analyzer::{Index, Multiplexer, NodeId, SubIndex};
 use canvass_traces::Duration;
+use std::collections::BTreeSet;
 use std::ops::RangeInclusive;
 
 /// Longer values are not read to their end: who has a DOMAIN of a megabyte has it, and a string has an end before.
@@ -45,19 +46,32 @@ pub enum SurveyError {
 
 /// A device that is read.
 pub struct Surveyor<'a, 'b> {
-    /// The bus.
-    pub exchange: &'a mut Exchange<'b>,
-    /// The device.
-    pub node: NodeId,
-    /// How long it may take to each response.
-    pub patience: Duration,
-    /// Hears of each entry before it is read; `false` ends it.
-    pub watch: &'a mut dyn FnMut(Multiplexer) -> bool,
-    /// What was read so far.
-    pub survey: Survey,
+    exchange: &'a mut Exchange<'b>,
+    node: NodeId,
+    patience: Duration,
+    watch: &'a mut dyn FnMut(Multiplexer) -> bool,
+    survey: Survey,
+    /// The objects of which all sub-indexes were read.
+    whole: BTreeSet<Index>,
 }
 
-impl Surveyor<'_, '_> {
+impl<'a, 'b> Surveyor<'a, 'b> {
+    /// Of which nothing was read. `patience` holds for each response; `watch` hears of each entry before it is read, and
+    /// ends it by `false`.
+    pub fn new(
+        exchange: &'a mut Exchange<'b>,
+        node: NodeId,
+        patience: Duration,
+        watch: &'a mut dyn FnMut(Multiplexer) -> bool,
+    ) -> Self {
+        Self { exchange, node, patience, watch, survey: Survey::default(), whole: BTreeSet::new() }
+    }
+
+    /// What was read.
+    pub fn into_survey(self) -> Survey {
+        self.survey
+    }
+
     /// Reads an entry, unless it was read before.
     ///
     /// # Errors
@@ -113,9 +127,12 @@ impl Surveyor<'_, '_> {
             for entry in object.entries().iter().filter(|entry| !entry.flags.refuses_read_on_scan()) {
                 self.read(Multiplexer { index: object.index, sub: entry.sub })?;
             }
-            let is_kept_out = |sub| object.entry(SubIndex(sub)).is_some_and(|it| it.flags.refuses_read_on_scan());
+            if object.entries().iter().any(|entry| entry.flags.refuses_read_on_scan()) {
+                self.whole.insert(object.index);
+                continue;
+            }
             let highest = object.entries().last().map_or(0, |entry| entry.sub.0);
-            if self.has(object.index) && object.entries().iter().all(|entry| !is_kept_out(entry.sub.0)) {
+            if self.has(object.index) {
                 self.subs(object.index, highest.saturating_add(1))?;
             }
         }
@@ -131,7 +148,6 @@ impl Surveyor<'_, '_> {
         let mut silent = 0;
         for index in indexes {
             let at = Multiplexer::new(index, 0);
-            let was_read = self.survey.get(at).is_some();
             let answer = self.read(at)?;
             silent = if *answer == Answer::Silent { silent + 1 } else { 0 };
             if silent >= MOST_SILENT {
@@ -139,22 +155,24 @@ impl Surveyor<'_, '_> {
             }
             // An object may have sub-indexes without having the first.
             let may_have_subs = answer.exists() == Some(true) || *answer == Answer::Aborted(AbortCode::NO_SUB_INDEX);
-            if may_have_subs && !was_read {
+            if may_have_subs && !self.whole.contains(&Index(index)) {
                 self.subs(Index(index), 1)?;
             }
         }
         Ok(None)
     }
 
-    /// Reads the sub-indexes that sub-index 0 counts, at least up to `least`.
+    /// Reads the sub-indexes that sub-index 0 counts, at least up to `least`, and goes on while there are more: in a mapping
+    /// it counts what is used.
     fn subs(&mut self, index: Index, least: u8) -> Result<(), SurveyError> {
-        let count = self.survey.count(index).unwrap_or(0);
-        // The values of an object that has no sub-indexes may look like a count.
+        self.whole.insert(index);
+        let counted = self.survey.count(index).unwrap_or(0).max(least);
         let mut absent = 0;
-        for sub in 1..=count.max(least).min(LAST_SUB) {
-            let exists = self.read(Multiplexer { index, sub: SubIndex(sub) })?.exists();
-            absent = if exists == Some(false) { absent + 1 } else { 0 };
-            if sub >= least && absent >= MOST_ABSENT {
+        for sub in 1..=LAST_SUB {
+            let exists = self.read(Multiplexer { index, sub: SubIndex(sub) })?.exists() == Some(true);
+            absent = if exists { 0 } else { absent + 1 };
+            // The value of an object that has no sub-indexes may look like a count.
+            if !exists && (sub >= counted || sub >= least && absent >= MOST_ABSENT) {
                 break;
             }
         }
