@@ -27,6 +27,10 @@ mod eds_convert;
 #[cfg(test)]
 mod eds_diff;
 #[cfg(test)]
+mod eds_from_device;
+#[cfg(test)]
+mod eds_verify;
+#[cfg(test)]
 mod events;
 #[cfg(test)]
 mod everyday;

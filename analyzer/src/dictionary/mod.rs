@@ -17,6 +17,7 @@ mod object;
 mod problem;
 mod reading;
 pub mod rules;
+pub mod survey;
 mod value;
 pub mod xdd;
 

@@ -124,7 +124,8 @@ fn a_breach_as_precondition_leaves_the_case_inconclusive() {
 fn a_time_is_outside_by_so_much() {
     let ms = Duration::from_millis;
     let allowed = Allowed::Time { least: ms(90), most: ms(110) };
-    let after = |nanos| Breach::new(Subject::Device, "x").expected(allowed.clone()).found(Observation::Time(Duration(nanos)));
+    let after =
+        |nanos| Breach::new(Subject::Device, "x").expected(allowed.clone()).found(Observation::Time(Duration(nanos)));
     for (nanos, outside) in [
         (84_999_999, false),
         (85_000_000, true),
@@ -149,7 +150,10 @@ fn a_time_is_outside_by_so_much() {
 fn breaches_are_told_in_words() {
     let told = |observation: Observation| breach("x").found(observation).found_text();
     assert_eq!(told(Observation::Silence), "no answer");
-    assert_eq!(told(Observation::Abort(AbortCode::NO_OBJECT)), "abort 0602 0000h object does not exist in the object dictionary");
+    assert_eq!(
+        told(Observation::Abort(AbortCode::NO_OBJECT)),
+        "abort 0602 0000h object does not exist in the object dictionary"
+    );
     assert_eq!(told(Observation::State(State::OPERATIONAL)), "operational");
     assert_eq!(told(Observation::Time(Duration::from_millis(20))), "20 ms");
     assert_eq!(told(Observation::Count(3)), "3");
@@ -167,7 +171,10 @@ fn breaches_are_told_in_words() {
     assert_eq!(Allowed::from(Observation::Silence).to_string(), "no answer");
     assert_eq!(Allowed::Time { least: ms(1), most: ms(2) }.to_string(), "1 ms to 2 ms");
     let count = |least, most| Allowed::Count { least, most }.to_string();
-    assert_eq!((count(2, Some(2)), count(1, Some(2)), count(1, None)), ("2".into(), "1 to 2".into(), "at least 1".into()));
+    assert_eq!(
+        (count(2, Some(2)), count(1, Some(2)), count(1, None)),
+        ("2".into(), "1 to 2".into(), "at least 1".into())
+    );
     assert_eq!((Allowed::from("a").to_string(), Allowed::from("b".to_owned()).to_string()), ("a".into(), "b".into()));
 }
 

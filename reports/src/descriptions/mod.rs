@@ -9,6 +9,7 @@ pub mod markdown;
 pub mod rules;
 pub mod sarif;
 pub mod text;
+pub mod verification;
 
 use crate::escape::printable;
 use canvass_analyzer::dictionary::check::{Checked, Finding, Source};

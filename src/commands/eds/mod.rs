@@ -2,8 +2,11 @@
 
 mod check;
 mod convert;
+mod device;
 mod diff;
 mod found;
+mod from_device;
+mod verify;
 
 use crate::output::Color;
 use crate::status::{Failure, Status};
@@ -20,6 +23,8 @@ enum Action {
     Check(check::Args),
     Convert(convert::Args),
     Diff(diff::Args),
+    FromDevice(from_device::Args),
+    Verify(verify::Args),
 }
 
 impl Args {
@@ -28,6 +33,8 @@ impl Args {
             Action::Check(args) => args.run(color),
             Action::Convert(args) => args.run(),
             Action::Diff(args) => args.run(color),
+            Action::FromDevice(args) => args.run(),
+            Action::Verify(args) => args.run(color),
         }
     }
 }
