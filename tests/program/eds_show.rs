@@ -55,7 +55,7 @@ fn an_object_is_chosen_by_index_or_name() {
 #[test]
 fn a_dcf_shows_what_it_configures() {
     let text = std::fs::read_to_string(ENCODER).unwrap().replace("\r\n", "\n");
-    let dcf = format!("{}\n[DeviceComissioning]\nNodeID=9\nNodeName=a\nBaudrate=250\n", text).replacen(
+    let dcf = format!("{text}\n[DeviceComissioning]\nNodeID=9\nNodeName=a\nBaudrate=250\n").replacen(
         "[1017]\n",
         "[1017]\nParameterValue=250\n",
         1,

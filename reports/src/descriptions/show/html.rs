@@ -142,7 +142,7 @@ fn pdo(shown: &Shown, layout: &PdoLayout<'_>) -> Markup {
             p.hint { (cells::about(shown, layout)) br; (cells::transmission_type(layout)) }
             @if !fields.is_empty() {
                 (drawing(fields))
-                table { tbody {
+                div.scroll { table { tbody {
                     @for (number, field) in fields.iter().enumerate() {
                         tr {
                             td { (picture::letter(number)) }
@@ -154,7 +154,7 @@ fn pdo(shown: &Shown, layout: &PdoLayout<'_>) -> Markup {
                             }
                         }
                     }
-                } }
+                } } }
             }
         }
     }
