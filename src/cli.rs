@@ -148,7 +148,8 @@ mod tests {
     }
 
     /// Options whose value differs although they mean the same, each with why.
-    const SAME: [(&str, &str); 4] = [
+    const SAME: [(&str, &str); 5] = [
+        ("fail-on", "changes have classes, findings have severities"),
         ("journal", "restore has to have one; test takes none for nowhere"),
         ("node", "simulate takes none for a device without node-ID"),
         ("timeout", "of test and restore each wait has its own, WHAT=SPAN"),

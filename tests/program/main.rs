@@ -29,6 +29,8 @@ mod eds_diff;
 #[cfg(test)]
 mod eds_from_device;
 #[cfg(test)]
+mod eds_show;
+#[cfg(test)]
 mod eds_verify;
 #[cfg(test)]
 mod events;

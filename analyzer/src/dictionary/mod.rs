@@ -9,6 +9,7 @@ mod data_type;
 mod description;
 pub mod difference;
 pub mod eds;
+pub mod layout;
 mod loss;
 mod manual;
 mod moment;

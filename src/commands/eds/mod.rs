@@ -6,6 +6,7 @@ mod device;
 mod diff;
 mod found;
 mod from_device;
+mod show;
 mod verify;
 
 use crate::output::Color;
@@ -24,6 +25,7 @@ enum Action {
     Convert(convert::Args),
     Diff(diff::Args),
     FromDevice(from_device::Args),
+    Show(show::Args),
     Verify(verify::Args),
 }
 
@@ -34,6 +36,7 @@ impl Args {
             Action::Convert(args) => args.run(),
             Action::Diff(args) => args.run(color),
             Action::FromDevice(args) => args.run(),
+            Action::Show(args) => args.run(color),
             Action::Verify(args) => args.run(color),
         }
     }

@@ -2,6 +2,7 @@
 
 use super::{Answer, Comparison, Kind, Side, Weight};
 use crate::dictionary::difference::{Fact, Subject};
+use crate::dictionary::names::is_cob_id;
 use crate::dictionary::object::{Access, Entry, Object, Setting};
 use crate::dictionary::value::{Value, ValueError};
 use crate::identity::{Multiplexer, NodeId};
@@ -99,12 +100,4 @@ fn weighed(object: &Object, entry: &Entry) -> Option<(Kind, Weight)> {
 /// Files that leave a part of the identity open have 0 there.
 fn is_open(entry: &Entry) -> bool {
     entry.start_value(NodeId::MIN).and_then(|value| value.to_raw()) == Some(0)
-}
-
-/// Whether the entry holds a COB-ID.
-pub(super) const fn is_cob_id(at: Multiplexer) -> bool {
-    matches!(
-        (at.index.0, at.sub.0),
-        (0x1005 | 0x1012 | 0x1014, 0) | (0x1200..=0x12FF, 1 | 2) | (0x1400..=0x15FF | 0x1800..=0x19FF, 1)
-    )
 }

@@ -184,3 +184,6 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         self.survey.of(index).any(|(_, answer)| answer.exists() == Some(true))
     }
 }
+
+#[cfg(test)]
+mod tests;
