@@ -49,6 +49,7 @@ mod killed;
 #[cfg(test)]
 mod live;
 #[cfg(test)]
+mod lsp;
 mod marks;
 #[cfg(test)]
 mod memory;

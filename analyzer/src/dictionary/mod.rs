@@ -8,6 +8,7 @@ pub mod convert;
 mod data_type;
 mod description;
 pub mod difference;
+pub mod editor;
 pub mod eds;
 pub mod layout;
 mod loss;
