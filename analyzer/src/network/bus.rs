@@ -169,4 +169,52 @@ mod tests {
         };
         assert_eq!((seen(1), seen(2)), ((4_200, 4_200, false), (Transfer::SHORT, 4_200, false)));
     }
+
+    /// A node takes a value of four bytes.
+    fn written(bus: &mut Bus, index: u16, value: u32) {
+        let ([low, high], [a, b, c, d]) = (index.to_le_bytes(), value.to_le_bytes());
+        for (id, data) in [(0x605, [0x23, low, high, 1, a, b, c, d]), (0x585, [0x60, low, high, 1, 0, 0, 0, 0])] {
+            let frame = Frame::full(CanId::standard_masked(id), data);
+            bus.handle(&Record::new(Timestamp(1), ChannelId(0), frame));
+        }
+    }
+
+    fn place(bus: &Bus, number: u16) -> Option<u16> {
+        let used = crate::network::Use::Pdo(NodeId::new(5).unwrap(), crate::PdoNumber::Transmit(number));
+        bus.cob_ids.place(used)
+    }
+
+    /// A parameter takes memory once, however often it is shown, and gives it back when the node has forgotten it.
+    #[test]
+    fn what_devices_show_shares_its_room() {
+        let mut bus = Bus::within(Rooms { shown: Room::new(2 * Node::PARAMETER), values: Room::new(1 << 20) });
+        let has_shown = |bus: &Bus, index| {
+            bus.node(NodeId::new(5).unwrap()).is_some_and(|node| node.has_shown(crate::Multiplexer::new(index, 1)))
+        };
+        for start in 0..3 {
+            for value in 0..10 {
+                written(&mut bus, 0x1804, 0x190 + value);
+            }
+            written(&mut bus, 0x1805, 0x19A);
+            written(&mut bus, 0x1806, 0x19B);
+            assert_eq!([0x1804, 0x1805, 0x1806].map(|index| has_shown(&bus, index)), [true, true, false], "{start}");
+            assert_eq!([5, 6].map(|number| place(&bus, number)), [Some(0x199), Some(0x19A)]);
+            let boot_up = Frame::new(CanId::standard_masked(0x705), &[0]).unwrap();
+            bus.handle(&Record::new(Timestamp(2), ChannelId(0), boot_up));
+            assert_eq!([0x1804, 0x1805].map(|index| has_shown(&bus, index)), [false, false], "{start}");
+            assert_eq!([5, 6].map(|number| place(&bus, number)), [None, None]);
+        }
+    }
+
+    /// Where there is no room for a further SDO channel, there is none.
+    #[test]
+    fn further_channels_take_room() {
+        let server = |room: usize| {
+            let mut bus = Bus::within(Rooms { shown: Room::new(room), values: Room::new(1 << 20) });
+            written(&mut bus, 0x1201, 0x690);
+            written(&mut bus, 0x1201, 0x691);
+            bus.channels_of(NodeId::new(5).unwrap()).count()
+        };
+        assert_eq!((server(Channel::MEMORY), server(Channel::MEMORY + Node::PARAMETER)), (1, 2));
+    }
 }

@@ -314,7 +314,7 @@ mod tests {
                 1 => Use::Emcy(at),
                 2 => Use::Srdo(at, 1 + next(3) as u8, srdo::Half::Inverted),
                 3 => Use::SdoRequest(ChannelIndex(next(130) as u16)),
-                4 => Use::SdoResponse(ChannelIndex::predefined(at)),
+                4 => Use::SdoResponse(ChannelIndex(next(130) as u16)),
                 5 => Use::Pdo(at, PdoNumber::Receive(1 + next(6) as u16)),
                 _ => Use::Pdo(at, PdoNumber::Transmit(1 + next(6) as u16)),
             };
@@ -331,9 +331,12 @@ mod tests {
             assert_eq!(ids.of_node(at).map(|row| row.0).collect::<Vec<_>>(), own);
         }
         NodeId::all().for_each(|node| ids.reset(node));
-        for used in [Use::Sync, Use::SdoRequest(ChannelIndex(127)), Use::SdoRequest(ChannelIndex(128))] {
-            ids.release(used, None);
+        ids.release(Use::Sync, None);
+        for channel in [127, 128].map(ChannelIndex) {
+            ids.release(Use::SdoRequest(channel), None);
+            ids.release(Use::SdoResponse(channel), None);
         }
+        ids.release(Use::SdoResponse(ChannelIndex(129)), None);
         assert!(ids.moved.iter().all(|moved| ids.get(moved.1).0 == Use::SdoRequest(ChannelIndex(129))));
     }
 }

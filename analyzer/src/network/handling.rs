@@ -29,8 +29,7 @@ impl Bus {
         if std::mem::take(&mut self.handled) {
             self.events.clear();
         }
-        self.node_mut(id).describe(Arc::clone(device));
-        learning::from_description(self, id, &device.description);
+        learning::after_description(self, id, device);
     }
 
     /// Takes the next record and says what it means.

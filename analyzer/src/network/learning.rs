@@ -171,9 +171,22 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
     }
 }
 
+/// The user says which device a node is: that is known from here on, unless the trace has shown otherwise.
+pub fn after_description(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
+    if bus.node_mut(node).parameters().next().is_some() {
+        return described_late(bus, node, device, None);
+    }
+    bus.node_mut(node).describe(Arc::clone(device));
+    from_description(bus, node, &device.description);
+}
+
 /// A node was recognised: what the description of its model says is known from here on, unless the trace has shown
 /// otherwise.
 pub fn after_recognition(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
+    described_late(bus, node, device, Some(Event::Recognised(node)));
+}
+
+fn described_late(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>, event: Option<Event>) {
     let (places, announced) = (places(bus, node), bus.events.len());
     bus.node_mut(node).describe(Arc::clone(device));
     from_description(bus, node, &device.description);
@@ -182,7 +195,7 @@ pub fn after_recognition(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>)
         learn_cob_id(bus, node, object, value, Source::Trace);
     }
     bus.events.truncate(announced);
-    bus.events.push(Event::Recognised(node));
+    bus.events.extend(event);
     announce_moves(bus, node, &places);
 }
 

@@ -81,4 +81,20 @@ mod tests {
         assert_eq!(errors.iter().count(), 2);
         assert_eq!(ends(&mut errors, 4, [0x00, 0x00, 0x00]).len(), 2);
     }
+
+    #[test]
+    fn a_storm_is_bounded() {
+        let mut errors = OpenErrors::default();
+        for code in 0..20 {
+            ends(&mut errors, u32::from(code), [code, 0xFF, 0x81]);
+        }
+        assert_eq!(errors.iter().map(|row| *row.1).collect::<Vec<_>>(), (0..16).collect::<Vec<_>>());
+        // The only one ends whatever the register says.
+        let mut errors = OpenErrors::default();
+        ends(&mut errors, 1, [0x00, 0xFF, 0x81]);
+        assert_eq!(ends(&mut errors, 2, [0x00, 0x00, 0x81]), [(0xFF00, 1)]);
+        ends(&mut errors, 3, [0x00, 0xFF, 0x81]);
+        errors.clear();
+        assert_eq!(errors.iter().count(), 0);
+    }
 }

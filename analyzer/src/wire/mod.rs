@@ -121,6 +121,18 @@ pub(crate) mod vectors {
         assert_eq!(M::read(bytes), Ok(message), "{bytes:02X?}");
     }
 
+    /// The same of a message that fills its frame, reserved bytes and all: it leaves what is behind it, and as many of the
+    /// reserved bytes may be missing as there are.
+    pub fn whole<M: Wire + PartialEq + std::fmt::Debug + Copy>(bytes: [u8; 8], message: M, reserved: usize) {
+        both_ways(&bytes, message);
+        let longer = [&bytes[..], &[0xEE, 0xDD]].concat();
+        assert_eq!(M::parse(&longer).map(|(rest, read)| (rest.to_vec(), read)), Ok((vec![0xEE, 0xDD], message)));
+        for missing in 0..=reserved {
+            let parsed = M::parse(&bytes[..8 - missing]).map(|(rest, read)| (rest.len(), read));
+            assert_eq!(parsed, Ok((0, message)), "without {missing}");
+        }
+    }
+
     /// What was read from any bytes encodes to bytes that read as the same.
     pub fn stable<M: Wire + PartialEq + std::fmt::Debug>(bytes: &[u8]) {
         if let Ok(message) = M::read(bytes) {

@@ -105,6 +105,8 @@ mod tests {
             TimeOfDay { raw_milliseconds: 0xF000_0000, days: 60 }.to_string(),
             "1984-03-01 00:00:00.000 (reserved bits Fh)"
         );
+        let midnight = TimeOfDay { raw_milliseconds: 86_400_000, days: 0 };
+        assert_eq!(midnight.to_string(), "1984-01-01 24:00:00.000 (beyond midnight)");
         assert_eq!(TimeOfDay::read(&[0; 5]), Err(Malformed { offset: 4, expected: "days since 1984-01-01, 2 bytes" }));
     }
 

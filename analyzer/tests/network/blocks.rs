@@ -225,3 +225,38 @@ fn an_answer_about_another_object_is_told() {
     let trace = dialogue(&[DOWNLOAD[0], ("585#A0 09 10 00 02 00 00 00", Some(other))]);
     assert_eq!(transfer(&trace).violation, Some(other));
 }
+
+/// Behind the end of a sub-block no other frame is a segment, whatever it looks like.
+#[test]
+fn after_a_sub_block_requests_are_requests() {
+    for (whole, places, request) in
+        [(&DOWNLOAD[..], [4, 6], "605#40 00 10 00 00 00 00 00"), (&UPLOAD[..], [5, 7], "585#43 00 10 00 96 01 02 00")]
+    {
+        for place in places {
+            let mut trace = dialogue(&whole[..place]);
+            let said = trace.say(request);
+            assert!(said.text.starts_with("read "), "{place}: {}", said.text);
+        }
+    }
+}
+
+/// A receiver that confirms the whole sub-block, of which the capture has not all, has not said that it is the last.
+#[test]
+fn a_sub_block_with_a_gap_goes_on() {
+    let sequence = |expected, found| Some(Violation::Sequence { expected, found });
+    for (confirmed, next, goes_on) in [
+        ("585#A2 03 02 00 00 00 00 00", right("605#01 4F 50 51 52 53 54 55"), true),
+        ("585#A2 02 02 00 00 00 00 00", right("605#D9 00 00 00 00 00 00 00"), false),
+    ] {
+        let trace = dialogue(&[
+            DOWNLOAD[0],
+            right("585#A0 08 10 00 03 00 00 00"),
+            right("605#01 41 42 43 44 45 46 47"),
+            right(confirmed),
+            next,
+        ]);
+        let expected = if goes_on { sequence(2, 3) } else { sequence(2, 2) };
+        assert_eq!(transfer(&trace).violation, expected, "{confirmed}");
+        assert_eq!(open(&trace), 1);
+    }
+}

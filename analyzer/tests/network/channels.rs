@@ -294,3 +294,33 @@ fn a_boot_up_leaves_the_transfer() {
     trace.say("705#00");
     assert!(!events(&trace).iter().any(|event| matches!(event, Event::TransferLeft(_))), "nothing was under way");
 }
+
+/// Each message of a transfer counts for its time.
+#[test]
+fn a_transfer_lasts_until_its_latest_message() {
+    let upload = [
+        (READ, None),
+        (READ_ANSWER, None),
+        ("605#60 00 00 00 00 00 00 00", None),
+        ("585#00 41 42 43 44 45 46 47", None),
+        ("605#70 00 00 00 00 00 00 00", None),
+    ];
+    let download = [
+        (WRITE, None),
+        (WRITE_ANSWER, None),
+        ("605#00 41 42 43 44 45 46 47", None),
+        ("585#20 00 00 00 00 00 00 00", None),
+        ("605#10 48 49 4A 4B 4C 4D 4E", None),
+    ];
+    for whole in [upload, download] {
+        for length in 1..=whole.len() {
+            let trace = dialogue(&whole[..length]);
+            assert_eq!(
+                transfer(&trace).duration(),
+                Duration::from_millis(length as u64 - 1),
+                "{}",
+                whole[length - 1].0
+            );
+        }
+    }
+}

@@ -17,6 +17,8 @@ mod learned;
 #[cfg(test)]
 mod mapped;
 #[cfg(test)]
+mod rest;
+#[cfg(test)]
 mod scaling;
 #[cfg(test)]
 mod services;

@@ -101,3 +101,78 @@ pub fn table(rows: &'static [(&'static str, &'static str)]) -> impl FnMut(&Frame
         answers.map(|(_, answer)| (Duration::from_millis(1), frame(answer))).collect()
     }
 }
+
+/// What an object of a scripted dictionary holds, and whether it can be written.
+pub type Row = ((u16, u8), Vec<u8>, bool);
+
+/// Answers expedited reads and writes from a dictionary, and nothing else.
+pub fn dictionary(rows: Vec<Row>) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> {
+    let mut rows = rows;
+    move |request| {
+        if request.cob_id() != Some(0x600 + u16::from(NODE)) {
+            return Vec::new();
+        }
+        let [command, low, high, sub, data @ ..] = request.bytes();
+        let index = u16::from_le_bytes([low, high]);
+        let has_index = rows.iter().any(|row| row.0.0 == index);
+        let entry = rows.iter_mut().find(|row| row.0 == (index, sub));
+        let mut answer = [0x80, low, high, sub, 0, 0, 0, 0];
+        let refused: u32 = match (command >> 5, entry) {
+            (2, Some((_, value, _))) => {
+                answer[0] = 0x43 | ((4 - value.len() as u8) << 2);
+                answer[4..4 + value.len()].copy_from_slice(value);
+                0
+            }
+            (1, Some((_, value, true))) => {
+                *value = data[..4 - usize::from(command >> 2 & 3)].to_vec();
+                answer[0] = 0x60;
+                0
+            }
+            (1, Some(_)) => 0x0601_0002,
+            (1 | 2, None) if has_index => 0x0609_0011,
+            (1 | 2, None) => 0x0602_0000,
+            (4, _) => return Vec::new(),
+            _ => 0x0504_0001,
+        };
+        if refused != 0 {
+            answer[4..].copy_from_slice(&refused.to_le_bytes());
+        }
+        let id = canvass_traces::CanId::standard_masked(0x580 + u32::from(NODE));
+        vec![(Duration::from_millis(1), Frame::full(id, answer))]
+    }
+}
+
+/// Why a device with that dictionary, of which nothing is described, does not meet a need; `None`: it does.
+pub fn unmet(need: &'static crate::need::Need, rows: &[Row]) -> Option<String> {
+    use crate::clause::{Clause, Confidence, Level};
+    let needs: &'static [&'static crate::need::Need] = vec![need].leak();
+    let case = crate::case::Case {
+        id: "test/needs",
+        requirement: "A test.",
+        clause: Clause { standard: "CiA 301", section: None, confidence: Confidence::Unknown },
+        level: Level::Must,
+        needs,
+        touches: &[],
+        catches: &[],
+        answers: &[],
+        cct: None,
+        run: |_| Ok(()),
+    };
+    with_bench(dictionary(rows.to_vec()), |bench| case.require(bench)).err().map(|stop| stop.reason().actual)
+}
+
+/// A need is met where all of these objects are there, and can be written where that is asked; and where one of them is
+/// not, it is not.
+pub fn assert_needs(need: &'static crate::need::Need, objects: &[(u16, u8)], written: bool) {
+    let rows: Vec<Row> = objects.iter().map(|&at| (at, vec![0, 0], true)).collect();
+    assert_eq!(unmet(need, &rows), None, "{need:?}");
+    for missing in 0..rows.len() {
+        let mut fewer = rows.clone();
+        let ((index, sub), ..) = fewer.remove(missing);
+        let why = unmet(need, &fewer).unwrap_or_default();
+        assert!(why.contains(&format!("{index:04X}h:{sub:02X}")), "{need:?} without {index:04X}h:{sub:02X}: {why}");
+        let mut fixed = rows.clone();
+        fixed[missing].2 = false;
+        assert_eq!(unmet(need, &fixed).is_some(), written, "{need:?} with {index:04X}h:{sub:02X} read-only");
+    }
+}

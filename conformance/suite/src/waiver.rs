@@ -246,6 +246,9 @@ mod tests {
         assert!(!quarantine.holds("301/identity/names", Kind::Pass));
         assert!(waivers.idle("2027-06-30", &[&report(Vec::new())]).is_empty());
         assert!(waivers.idle("2027-07-01", &[&report(Vec::new())])[0].contains("has expired on 2027-06-30"));
+        let other = CaseReport { case: catalogue::find("301/nmt/back-to-back").unwrap(), ..report(Vec::new()) };
+        assert_eq!(waivers.idle("2027-07-01", &[&other, &report(Vec::new())]).len(), 1);
+        assert!(waivers.idle("2027-07-01", &[&other]).is_empty(), "its case did not run");
         for (from, to, says) in [
             ("owner = \"Ann\"\n", "", "missing field `owner`"),
             ("until = 2027-06-30\n", "", "missing field `until`"),

@@ -79,7 +79,8 @@ impl Area {
     /// Under which name a file is counted, by its path below the sources; `None`: it is left as it is.
     pub fn service(&self, path: &str) -> Option<&'static str> {
         let is = |pattern: &str| path == pattern || pattern.ends_with('/') && path.starts_with(pattern);
-        self.covered.iter().find(|(pattern, _)| is(pattern)).map(|(_, service)| *service)
+        let found = self.covered.iter().find(|(pattern, _)| is(pattern)).map(|(_, service)| *service);
+        found.filter(|_| !covered::TESTS.iter().any(|pattern| is(pattern)))
     }
 
     /// All names, in the order of the table.

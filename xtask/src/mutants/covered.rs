@@ -55,3 +55,6 @@ pub const SUITE: [(&str, &str); 9] = [
     ("waiver.rs", "verdict"),
     ("comparison.rs", "verdict"),
 ];
+
+/// Files below those folders that hold tests only.
+pub const TESTS: [&str; 3] = ["bench/tests/", "cases/cia301/needs/tests.rs", "runner/left_behind.rs"];

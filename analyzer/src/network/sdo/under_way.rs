@@ -83,4 +83,18 @@ mod tests {
         let polls = [(Direction::Download, 0x40), (Direction::Download, 0x40), (Direction::Download, 0x40)];
         assert_eq!(segments(&polls), [false, false, false]);
     }
+
+    /// Segments come within a second of each other.
+    #[test]
+    fn what_comes_late_is_none() {
+        for (millis, is_segment) in [(1_000, true), (1_001, false)] {
+            let mut under_way = UnderWay::default();
+            let mut at = |millis: u64, byte: u8| {
+                let payload = [byte, 0, 0, 0, 0, 0, 0, 0];
+                under_way.segment(Timestamp(millis * 1_000_000), Direction::Download, &payload).is_some()
+            };
+            assert!(!at(0, 0x40));
+            assert_eq!(at(millis, 0x41), is_segment, "{millis}");
+        }
+    }
 }

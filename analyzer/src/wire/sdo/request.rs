@@ -205,7 +205,7 @@ fn unknown(command: u8, rest: &[u8]) -> (&[u8], Request) {
 mod tests {
     use super::*;
     use crate::wire::sdo::{AbortCode, Expedited};
-    use crate::wire::vectors::{both_ways, stable};
+    use crate::wire::vectors::{both_ways, stable, whole};
     use proptest::prelude::*;
 
     const COUNTING_DIRECTION: Multiplexer = Multiplexer::new(0x6000, 0);
@@ -261,6 +261,16 @@ mod tests {
         both_ways(&[0xE0, 1, 2, 3, 4, 5, 6, 7], Request::Unknown { command: 0xE0, tail: [1, 2, 3, 4, 5, 6, 7] });
     }
 
+    /// Bits that the standard reserves say nothing (`-` in the pictures above).
+    #[test]
+    fn reserved_bits_are_ignored() {
+        assert_eq!(Request::read(&[0x6F, 0, 0, 0, 0, 0, 0, 0]), Ok(Request::UploadSegment { toggle: false }));
+        assert_eq!(Request::read(&[0x7F, 0, 0, 0, 0, 0, 0, 0]), Ok(Request::UploadSegment { toggle: true }));
+        assert_eq!(Request::read(&[0x5F, 0, 0x60, 0, 0, 0, 0, 0]), Ok(Request::upload(COUNTING_DIRECTION)));
+        assert_eq!(Request::read(&[0xBD, 0, 0, 0, 0, 0, 0, 0]), Ok(Request::EndBlockUpload));
+        assert_eq!(Request::read(&[0xBF, 0, 0, 0, 0, 0, 0, 0]), Ok(Request::StartBlockUpload));
+    }
+
     /// Requests with fewer than eight bytes occur; they are read as far as their meaning needs.
     #[test]
     fn short_requests() {
@@ -272,6 +282,47 @@ mod tests {
         );
         assert_eq!(Request::read(&[0x40, 0x00]), Err(Malformed { offset: 1, expected: "index and sub-index" }));
         assert_eq!(Request::read(&[]), Err(Malformed { offset: 0, expected: "an SDO command byte" }));
+    }
+
+    /// Which bytes of each message the standard reserves (CiA 301, 7.2.4.3), and that no other is taken for them.
+    #[test]
+    fn reserved_bytes_belong_to_the_message() {
+        let multiplexer = Multiplexer::new(0x1F50, 1);
+        let initiate = |payload| Request::InitiateDownload { multiplexer, payload };
+        whole([0x40, 0x50, 0x1F, 1, 0, 0, 0, 0], Request::upload(multiplexer), 4);
+        whole([0x60, 0, 0, 0, 0, 0, 0, 0], Request::UploadSegment { toggle: false }, 7);
+        whole([0x70, 0, 0, 0, 0, 0, 0, 0], Request::UploadSegment { toggle: true }, 7);
+        whole([0x80, 0x50, 0x1F, 1, 0, 0, 4, 5], Request::abort(multiplexer, AbortCode::TIMEOUT), 0);
+        for (length, command) in [(1, 0x2F), (2, 0x2B), (3, 0x27), (4, 0x23)] {
+            let value = &[1, 2, 3, 4][..length];
+            let mut bytes = [command, 0x50, 0x1F, 1, 0, 0, 0, 0];
+            bytes[4..4 + length].copy_from_slice(value);
+            whole(bytes, Request::download(multiplexer, value), 4 - length);
+        }
+        whole([0x20, 0x50, 0x1F, 1, 0, 0, 0, 0], initiate(Payload::SegmentedUnsized), 4);
+        whole([0x21, 0x50, 0x1F, 1, 8, 0, 0, 0], initiate(Payload::Segmented(8)), 0);
+        whole([0x22, 0x50, 0x1F, 1, 1, 2, 3, 4], initiate(Payload::ExpeditedUnsized([1, 2, 3, 4])), 0);
+        for length in 0..=7 {
+            let data = &[1, 2, 3, 4, 5, 6, 7][..length];
+            let mut bytes = [(7 - length as u8) << 1, 0, 0, 0, 0, 0, 0, 0];
+            bytes[1..=length].copy_from_slice(data);
+            whole(bytes, Request::DownloadSegment(Segment::new(false, data, false).unwrap()), 7 - length);
+        }
+        let upload = |crc, threshold| Request::InitiateBlockUpload { multiplexer, crc, block_size: 9, threshold };
+        whole([0xA0, 0x50, 0x1F, 1, 9, 0, 0, 0], upload(false, 0), 3);
+        whole([0xA4, 0x50, 0x1F, 1, 9, 7, 0, 0], upload(true, 7), 2);
+        whole([0xA1, 0, 0, 0, 0, 0, 0, 0], Request::EndBlockUpload, 7);
+        whole([0xA2, 5, 9, 0, 0, 0, 0, 0], Request::ConfirmBlockUpload { sequence: 5, block_size: 9 }, 5);
+        whole([0xA3, 0, 0, 0, 0, 0, 0, 0], Request::StartBlockUpload, 7);
+        let download = |crc, size| Request::InitiateBlockDownload { multiplexer, crc, size };
+        whole([0xC0, 0x50, 0x1F, 1, 0, 0, 0, 0], download(false, None), 4);
+        whole([0xC4, 0x50, 0x1F, 1, 0, 0, 0, 0], download(true, None), 4);
+        whole([0xC2, 0x50, 0x1F, 1, 9, 0, 0, 0], download(false, Some(9)), 0);
+        for unused in 0..=7 {
+            let end = Request::EndBlockDownload { unused, crc: 0x31C3 };
+            whole([0xC1 | unused << 2, 0xC3, 0x31, 0, 0, 0, 0, 0], end, 5);
+        }
+        whole([0xE0, 1, 2, 3, 4, 5, 6, 7], Request::Unknown { command: 0xE0, tail: [1, 2, 3, 4, 5, 6, 7] }, 0);
     }
 
     proptest! {

@@ -193,7 +193,7 @@ fn unknown(command: u8, rest: &[u8]) -> (&[u8], Response) {
 mod tests {
     use super::*;
     use crate::wire::sdo::AbortCode;
-    use crate::wire::vectors::{both_ways, stable};
+    use crate::wire::vectors::{both_ways, stable, whole};
     use proptest::prelude::*;
 
     /// Kübler manual 000, 5.3.7.4 and 5.8.4.
@@ -233,6 +233,50 @@ mod tests {
         both_ways(&[0xD9, 0x34, 0x12, 0, 0, 0, 0, 0], Response::EndBlockUpload { unused: 6, crc: 0x1234 });
         both_ways(&[0xA3, 1, 2, 3, 4, 5, 6, 7], Response::Unknown { command: 0xA3, tail: [1, 2, 3, 4, 5, 6, 7] });
         both_ways(&[0xFF, 0, 0, 0, 0, 0, 0, 0], Response::Unknown { command: 0xFF, tail: [0; 7] });
+    }
+
+    /// Bits that the standard reserves say nothing (`-` in the pictures above).
+    #[test]
+    fn reserved_bits_are_ignored() {
+        assert_eq!(Response::read(&[0x2F, 0, 0, 0, 0, 0, 0, 0]), Ok(Response::DownloadSegment { toggle: false }));
+        assert_eq!(Response::read(&[0x3F, 0, 0, 0, 0, 0, 0, 0]), Ok(Response::DownloadSegment { toggle: true }));
+        let multiplexer = Multiplexer::new(0x1008, 0);
+        assert_eq!(Response::read(&[0x7F, 8, 0x10, 0, 0, 0, 0, 0]), Ok(Response::InitiateDownload { multiplexer }));
+        assert_eq!(Response::read(&[0xBD, 0, 0, 0, 0, 0, 0, 0]), Ok(Response::EndBlockDownload));
+    }
+
+    /// Which bytes of each message the standard reserves (CiA 301, 7.2.4.3), and that no other is taken for them.
+    #[test]
+    fn reserved_bytes_belong_to_the_message() {
+        let multiplexer = Multiplexer::new(0x1008, 0);
+        let initiate = |payload| Response::InitiateUpload { multiplexer, payload };
+        whole([0x60, 0x08, 0x10, 0, 0, 0, 0, 0], Response::InitiateDownload { multiplexer }, 4);
+        whole([0x20, 0, 0, 0, 0, 0, 0, 0], Response::DownloadSegment { toggle: false }, 7);
+        whole([0x30, 0, 0, 0, 0, 0, 0, 0], Response::DownloadSegment { toggle: true }, 7);
+        whole([0x80, 0x08, 0x10, 0, 0, 0, 4, 5], Response::abort(multiplexer, AbortCode::TIMEOUT), 0);
+        for (length, command) in [(1, 0x4F), (2, 0x4B), (3, 0x47), (4, 0x43)] {
+            let value = &[1, 2, 3, 4][..length];
+            let mut bytes = [command, 0x08, 0x10, 0, 0, 0, 0, 0];
+            bytes[4..4 + length].copy_from_slice(value);
+            whole(bytes, Response::upload(multiplexer, value), 4 - length);
+        }
+        whole([0x40, 0x08, 0x10, 0, 0, 0, 0, 0], initiate(Payload::SegmentedUnsized), 4);
+        whole([0x41, 0x08, 0x10, 0, 8, 0, 0, 0], initiate(Payload::Segmented(8)), 0);
+        whole([0x42, 0x08, 0x10, 0, 1, 2, 3, 4], initiate(Payload::ExpeditedUnsized([1, 2, 3, 4])), 0);
+        let accepted = |crc| Response::InitiateBlockDownload { multiplexer, crc, block_size: 9 };
+        whole([0xA0, 0x08, 0x10, 0, 9, 0, 0, 0], accepted(false), 3);
+        whole([0xA4, 0x08, 0x10, 0, 9, 0, 0, 0], accepted(true), 3);
+        whole([0xA1, 0, 0, 0, 0, 0, 0, 0], Response::EndBlockDownload, 7);
+        whole([0xA2, 5, 9, 0, 0, 0, 0, 0], Response::ConfirmBlockDownload { sequence: 5, block_size: 9 }, 5);
+        let upload = |crc, size| Response::InitiateBlockUpload { multiplexer, crc, size };
+        whole([0xC0, 0x08, 0x10, 0, 0, 0, 0, 0], upload(false, None), 4);
+        whole([0xC4, 0x08, 0x10, 0, 0, 0, 0, 0], upload(true, None), 4);
+        whole([0xC2, 0x08, 0x10, 0, 9, 0, 0, 0], upload(false, Some(9)), 0);
+        for unused in 0..=7 {
+            let end = Response::EndBlockUpload { unused, crc: 0x31C3 };
+            whole([0xC1 | unused << 2, 0xC3, 0x31, 0, 0, 0, 0, 0], end, 5);
+        }
+        whole([0xE0, 1, 2, 3, 4, 5, 6, 7], Response::Unknown { command: 0xE0, tail: [1, 2, 3, 4, 5, 6, 7] }, 0);
     }
 
     proptest! {

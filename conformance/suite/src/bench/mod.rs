@@ -30,6 +30,8 @@ mod rewrite;
 pub mod sdo;
 pub mod state;
 mod target;
+#[cfg(test)]
+mod tests;
 mod traffic;
 mod watch;
 

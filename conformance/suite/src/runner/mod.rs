@@ -326,4 +326,50 @@ mod tests {
         let other_case = test_case("other/case", |_| Ok(()));
         assert_eq!(rule(silent, &other_case, &deviations).kind(), Kind::Fail);
     }
+
+    static GIVES_UP: Case = test_case("test/gives-up", |bench| {
+        (RESETS.run)(bench)?;
+        Err(Stop::Inconclusive(crate::verdict::Reason::new("it is reached", "yes", "no")))
+    });
+    static BREAKS: Case = test_case("test/breaks", |bench| {
+        (RESETS.run)(bench)?;
+        Err(Stop::from(Box::new(Breach::new(Subject::Device, "it works").found(Observation::Silence))))
+    });
+
+    /// A restart is told where nothing else is: what broke or was not reached may be why.
+    #[test]
+    fn a_restart_is_no_second_failure() {
+        let (_, events) = run_cases(ROWS, &[&GIVES_UP, &BREAKS]);
+        assert_eq!(events[1..], ["test/gives-up: inconclusive no", "test/breaks: fail no answer"]);
+    }
+
+    #[test]
+    fn a_run_ends_at_the_first_failure_where_it_shall() {
+        let total = |fail_fast, cases: &[&'static Case]| {
+            let options = crate::bench::Options { fail_fast, ..Default::default() };
+            let plan = Plan { cases, bus: "sim:test", bit_rate: None, seed: 0 };
+            let summary = crate::scripted::with_options(table(ROWS), &options, |bench| run(bench, &plan, &mut |_| {}));
+            summary.map(|summary| (summary.total(), summary.cancelled))
+        };
+        assert_eq!(total(false, &[&PASSES, &BREAKS, &PASSES]), Ok((3, false)));
+        assert_eq!(total(true, &[&PASSES, &BREAKS, &PASSES]), Ok((2, true)));
+        assert_eq!(total(true, &[&PASSES, &PANICS, &PASSES]), Ok((2, true)));
+        assert_eq!(total(true, &[&PASSES, &GIVES_UP, &TOUCHES]), Ok((3, false)), "nothing has failed");
+    }
+
+    #[test]
+    fn a_device_is_known_by_its_identity() {
+        let row = |index, sub, value: &[u8]| ((index, sub), value.to_vec(), false);
+        let rows = vec![
+            row(0x1000, 0, &[0x96, 1, 2, 0]),
+            row(0x1008, 0, b"CANV"),
+            row(0x100A, 0, b"1.0"),
+            row(0x1018, 1, &[0x13, 0, 0, 0]),
+            row(0x1018, 2, &[2, 0, 0, 0]),
+            row(0x1018, 4, &[4, 0, 0, 0]),
+        ];
+        let found = with_bench(crate::scripted::dictionary(rows), identify);
+        assert_eq!((found.device_type, found.identity), (Some(0x0002_0196), [Some(0x13), Some(2), None, Some(4)]));
+        assert_eq!(found.names, [Some("CANV".to_owned()), None, Some("1.0".to_owned())]);
+    }
 }

@@ -139,3 +139,79 @@ fn of_kuebler(bench: &mut Bench<'_>, objects: &[(u16, u8)]) -> Result<Met, Stop>
     }
     all(bench, objects)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scripted::{Row, assert_needs, unmet};
+
+    fn row(index: u16, sub: u8, value: &[u8]) -> Row {
+        ((index, sub), value.to_vec(), false)
+    }
+
+    #[test]
+    fn needs_are_the_objects_that_they_name() {
+        let rows: [(&'static Need, &[(u16, u8)]); 9] = [
+            (&WORK_AREA, &[(0x6400, 1), (0x6401, 1), (0x6402, 1)]),
+            (&ALARMS, &[(0x6503, 0), (0x6504, 0), (0x6505, 0), (0x6506, 0)]),
+            (&RAW_POSITION, &[(0x600C, 0)]),
+            (&SPEED, &[(0x6030, 1)]),
+            (&SPEED_PARAMETERS, &[(0x6030, 1), (0x6031, 4)]),
+            (&ACCELERATION, &[(0x6030, 1), (0x6040, 1)]),
+            (&JERK, &[(0x6040, 1), (0x6050, 1)]),
+            (&CAMS, &[(0x6300, 1), (0x6301, 1), (0x6302, 1), (0x6310, 1), (0x6320, 1)]),
+            (&HIGH_PRECISION, &[(0x6008, 0)]),
+        ];
+        for (need, objects) in rows {
+            assert_needs(need, objects, false);
+        }
+    }
+
+    /// The low word of 1000h is the profile: 406 is 196h.
+    #[test]
+    fn an_encoder_has_its_profile_and_a_position() {
+        let encoder = |device_type: &[u8]| unmet(&ENCODER, &[row(0x1000, 0, device_type), row(0x6004, 0, &[0; 4])]);
+        assert_eq!(encoder(&[0x96, 1, 2, 0]), None);
+        assert_eq!(encoder(&[0x96, 1, 8, 0]), None);
+        assert_eq!(encoder(&[0x95, 1, 2, 0]).as_deref(), Some("1000h names profile 405"));
+        assert!(unmet(&ENCODER, &[row(0x1000, 0, &[0x96, 1, 2, 0])]).is_some());
+    }
+
+    /// 13h in 1018h:01.
+    #[test]
+    fn what_is_kueblers_is_of_kueblers_devices() {
+        let needs: [(&'static Need, &[(u16, u8)]); 3] = [
+            (&TEMPERATURE_LIMIT, &[(0x2120, 2), (0x2120, 3), (0x6505, 0)]),
+            (&RAW_DATA, &[(0x2160, 0), (0x2161, 0), (0x2162, 0)]),
+            (&INCLINOMETER, &[(0x3003, 0), (0x3004, 0), (0x3005, 0), (0x3010, 0), (0x5000, 0)]),
+        ];
+        for (need, objects) in needs {
+            let mut rows: Vec<Row> = objects.iter().map(|&(index, sub)| row(index, sub, &[0])).collect();
+            assert!(unmet(need, &rows).is_some());
+            rows.push(row(0x1018, 1, &[0x13, 0, 0, 0]));
+            assert_eq!(unmet(need, &rows), None, "{need:?}");
+            for missing in 0..objects.len() {
+                let mut fewer = rows.clone();
+                fewer.remove(missing);
+                assert!(unmet(need, &fewer).is_some(), "{need:?}");
+            }
+            if let Some(vendor) = rows.last_mut() {
+                vendor.1 = vec![0x14, 0, 0, 0];
+            }
+            assert!(unmet(need, &rows).is_some_and(|why| why.contains("Kübler")));
+        }
+    }
+
+    /// 6020h:01 and :02 as the first two entries of 1A00h.
+    #[test]
+    fn two_channels_are_two_entries() {
+        let mapped = |first: u8, second: u8| {
+            let entry = |sub, low| row(0x1A00, sub, &[32, sub, low, 0x60]);
+            unmet(&REDUNDANT_CHANNELS, &[entry(1, first), entry(2, second)]).is_none()
+        };
+        assert!(mapped(0x20, 0x20) && !mapped(0x20, 0x04) && !mapped(0x04, 0x20));
+        assert!(unmet(&REDUNDANT_CHANNELS, &[row(0x1A00, 1, &[32, 1, 0x20, 0x60])]).is_some());
+        assert_eq!(unmet(&TURNING_SHAFT, &[row(0x6004, 0, &[5, 0, 0, 0])]).as_deref(), Some("the shaft is at rest"));
+        assert_eq!(unmet(&TURNING_SHAFT, &[]).as_deref(), Some("the device has no position"));
+    }
+}

@@ -4,6 +4,8 @@ mod block;
 mod objects;
 mod pdo;
 mod state;
+#[cfg(test)]
+mod tests;
 
 pub use block::*;
 pub use objects::*;

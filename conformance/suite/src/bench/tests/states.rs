@@ -1,0 +1,160 @@
+//! NMT commands, states and resets.
+
+use super::super::nmt::Start;
+use super::super::state::{GUARD_TIME, HEARTBEAT_TIME, Heartbeats, LIFE_TIME_FACTOR, command_to};
+use super::on_device;
+use crate::scripted::{frame, table, with_bench};
+use crate::verdict::Stop;
+use canvass_analyzer::wire::error_control::State;
+use canvass_analyzer::wire::nmt::Command;
+use canvass_traces::{Duration, Frame};
+
+const MS: fn(u64) -> Duration = Duration::from_millis;
+
+#[test]
+fn every_state_is_reached_and_seen() {
+    on_device(|bench| {
+        bench.prepare().unwrap();
+        assert_eq!(bench.heartbeats(), Ok(Heartbeats::Settable));
+        bench.show_state().unwrap();
+        for state in [State::OPERATIONAL, State::PRE_OPERATIONAL, State::STOPPED] {
+            bench.reach(state).unwrap();
+            assert_eq!(bench.state(), Ok(Some(state)));
+            assert_eq!(bench.is_operational(), Ok(state == State::OPERATIONAL));
+        }
+        bench.reset(Command::RESET_COMMUNICATION).unwrap();
+        bench.show_state().unwrap();
+        assert_eq!(bench.state(), Ok(Some(State::PRE_OPERATIONAL)));
+        // The heartbeat time is put back.
+        bench.finish();
+        assert_eq!(bench.read_number(HEARTBEAT_TIME), Ok(0));
+    });
+    assert_eq!(command_to(State::BOOT_UP), None);
+    assert_eq!(command_to(State::STOPPED), Some(Command::STOP));
+}
+
+#[test]
+fn guarding_shows_the_state_too() {
+    on_device(|bench| {
+        bench.prepare().unwrap();
+        assert_eq!(bench.can_be_guarded(), Ok(true));
+        bench.write(HEARTBEAT_TIME, &[0xE8, 3]).unwrap();
+        bench.prefer_guarding().unwrap();
+        assert_eq!(bench.read_number(HEARTBEAT_TIME), Ok(0));
+        bench.let_guarding_be_answered().unwrap();
+        assert_eq!((bench.read_number(GUARD_TIME), bench.read_number(LIFE_TIME_FACTOR)), (Ok(10_000), Ok(100)));
+        assert_eq!(bench.guard(), Ok(Some(State::PRE_OPERATIONAL)));
+        bench.command(Command::START).unwrap();
+        assert_eq!(bench.guard(), Ok(Some(State::OPERATIONAL)));
+    });
+}
+
+#[test]
+fn a_start_is_recorded_with_its_boot_up() {
+    on_device(|bench| {
+        let Start { boot_ups, before } = bench.record_start(Command::RESET_NODE, MS(500)).unwrap();
+        assert_eq!((boot_ups.len(), before.len()), (1, 0));
+        assert!(bench.is_boot_up(&boot_ups[0].frame) && bench.is_error_control(&boot_ups[0].frame));
+        let none = bench.record_start(Command::START, MS(500)).unwrap();
+        assert!(none.boot_ups.is_empty(), "nothing starts");
+    });
+    // What comes before the boot-up, and a second one after it.
+    let script = |request: &Frame| match request.to_string().as_str() {
+        "000#813F" => ["1BF#01", "1BE#01", "73F#00", "73F#00", "73F#7F"]
+            .iter()
+            .zip(1..)
+            .map(|(text, ms)| (MS(ms), frame(text)))
+            .collect(),
+        _ => Vec::new(),
+    };
+    with_bench(script, |bench| {
+        let Start { boot_ups, before } = bench.record_start(Command::RESET_NODE, MS(100)).unwrap();
+        let before: Vec<String> = before.iter().map(|record| record.frame.to_string()).collect();
+        assert_eq!((boot_ups.len(), before), (2, vec!["1BF#01".to_owned()]));
+    });
+}
+
+/// Some devices ignore resets while they are stopped: they are woken.
+#[test]
+fn a_reset_wakes_a_device_that_is_stopped() {
+    let mut awake = false;
+    let script = move |request: &Frame| match request.to_string().as_str() {
+        "000#803F" => {
+            awake = true;
+            Vec::new()
+        }
+        "000#813F" if awake => vec![(MS(5), frame("73F#00"))],
+        _ => Vec::new(),
+    };
+    with_bench(script, |bench| {
+        let begun = bench.now();
+        assert_eq!(bench.reset(Command::RESET_NODE), Ok(()));
+        // Ten seconds for the first boot-up, 20 ms between the commands, 5 ms, and 50 ms after the second.
+        assert_eq!(bench.now().since(begun), MS(10_075));
+    });
+    // One that does not start but answers is there all the same.
+    let answering = &[("63F#4000100000000000", "5BF#4300100096010200")];
+    assert_eq!(with_bench(table(answering), |bench| bench.reset(Command::RESET_NODE)), Ok(()));
+    let gone = with_bench(table(&[]), |bench| bench.reset(Command::RESET_NODE));
+    assert!(matches!(gone, Err(Stop::Inconclusive(_))), "{gone:?}");
+}
+
+/// Only a reset of this node, or of all, makes its boot-up expected.
+#[test]
+fn a_boot_up_is_expected_after_a_reset_of_this_node() {
+    const ROWS: &[(&str, &str)] =
+        &[("000#813E", "73F#00"), ("000#013F", "73F#00"), ("000#8100", "73F#00"), ("000#823F", "73F#00")];
+    let restarted = |node: u8, command: Command| {
+        with_bench(table(ROWS), |bench| {
+            bench.command_to(node, command).unwrap();
+            bench.listen(MS(100)).unwrap();
+            bench.finish().restarted.is_some()
+        })
+    };
+    assert!(restarted(62, Command::RESET_NODE), "another node was reset");
+    assert!(restarted(63, Command::START), "a start is no reset");
+    assert!(!restarted(0, Command::RESET_NODE));
+    assert!(!restarted(63, Command::RESET_COMMUNICATION));
+    let all = with_bench(table(ROWS), |bench| {
+        bench.command_all(Command::RESET_NODE).unwrap();
+        bench.listen(MS(100)).unwrap();
+        bench.evidence().frames().map(|exhibit| exhibit.record.frame.to_string()).collect::<Vec<_>>()
+    });
+    assert_eq!(all, ["000#8100", "73F#00"]);
+}
+
+/// A device that starts by itself is brought back to pre-operational before each case.
+#[test]
+fn a_device_that_starts_by_itself_is_noticed() {
+    let state = |starts: bool| {
+        let mut state = 0x7F;
+        let script = move |request: &Frame| {
+            let text = request.to_string();
+            match text.as_str() {
+                "000#813F" => {
+                    state = if starts { 5 } else { 0x7F };
+                    return vec![(MS(1), frame("73F#00"))];
+                }
+                "000#803F" => state = 0x7F,
+                "63F#4000100000000000" => return vec![(MS(1), frame("5BF#4300100091010000"))],
+                _ if text.starts_with("73F#R") => {
+                    return vec![(MS(1), Frame::new(request.id(), &[state]).unwrap())];
+                }
+                _ if text.starts_with("63F#") => {
+                    let [_, low, high, sub, ..] = request.bytes();
+                    let answer = [0x80, low, high, sub, 0, 0, 2, 6];
+                    return vec![(MS(1), Frame::full(canvass_traces::CanId::standard_masked(0x5BF), answer))];
+                }
+                _ => {}
+            }
+            Vec::new()
+        };
+        with_bench(script, |bench| {
+            bench.prepare().unwrap();
+            let commanded = bench.evidence().frames().filter(|exhibit| exhibit.text == "000#803F").count();
+            (bench.starts_by_itself().unwrap(), bench.guard().unwrap(), commanded)
+        })
+    };
+    assert_eq!(state(true), (true, Some(State::PRE_OPERATIONAL), 1));
+    assert_eq!(state(false), (false, Some(State::PRE_OPERATIONAL), 0));
+}
