@@ -48,6 +48,7 @@ enum Command {
     Nmt(commands::nmt::Args),
     Lss(commands::lss::Args),
     Eds(commands::eds::Args),
+    Lsp(commands::lsp::Args),
     Doctor(commands::doctor::Args),
     Config(commands::config::Args),
     List(commands::list::Args),
@@ -99,6 +100,7 @@ impl Cli {
             Command::Nmt(args) => args.run(self.color),
             Command::Lss(args) => args.run(),
             Command::Eds(args) => args.run(self.color),
+            Command::Lsp(args) => args.run(),
             Command::Doctor(args) => args.run(),
             Command::Config(args) => args.run(),
             Command::Convert(args) => args.run(),
@@ -148,7 +150,8 @@ mod tests {
     }
 
     /// Options whose value differs although they mean the same, each with why.
-    const SAME: [(&str, &str); 4] = [
+    const SAME: [(&str, &str); 5] = [
+        ("fail-on", "changes have classes, findings have severities"),
         ("journal", "restore has to have one; test takes none for nowhere"),
         ("node", "simulate takes none for a device without node-ID"),
         ("timeout", "of test and restore each wait has its own, WHAT=SPAN"),

@@ -5,6 +5,7 @@ mod date;
 mod files;
 mod options;
 
+pub use date::of_file as date_of_file;
 pub use files::{Hashes, hash};
 pub use options::Typed;
 

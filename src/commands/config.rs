@@ -56,7 +56,7 @@ fn rows(settings: Option<&Settings>) -> Vec<SettingRow> {
     let usual = timing::told(&Timing::default(), CLIENT);
     rows.extend(usual.iter().filter_map(|told| told.split_once('=')).map(|(what, span)| SettingRow {
         key: format!("timeouts.{what}"),
-        value: Some(format!("{span}ms")),
+        value: Some(span.to_owned()),
         from: "default".to_owned(),
     }));
     if let Some(Settings { path, settings }) = settings {

@@ -103,7 +103,7 @@ impl Args {
         };
         let interrupt = Interrupt::watch()?;
         let span = self.span(simulated);
-        let plan = Plan {
+        let mut plan = Plan {
             targets: self.target,
             seed,
             allow,
@@ -111,12 +111,14 @@ impl Args {
                 Some(_) => 0,
                 None => self.shrink_budget.unwrap_or(if simulated { 2_000 } else { 100 }),
             },
-            time: TimeLimit { ends: self.ends(span, simulated), cancelled: interrupt.flag() },
+            time: TimeLimit { ends: None, cancelled: interrupt.flag() },
             stop_at_first: self.stop_at_first,
             regressions: regressions.sequences.clone(),
             only_regressions: self.replay.is_some(),
         };
         self.resolve(&mut provenance, &mut device, &plan, span)?;
+        // What the device was asked before is not of the time of the run.
+        plan.time.ends = self.ends(span, simulated);
         let outcome = self.fuzz(&mut device, &knowledge, &plan, span, &interrupt)?;
         let kept = match &self.regressions {
             Some(path) => regressions.append(path, &outcome.violations, seed),

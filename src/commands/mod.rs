@@ -14,6 +14,7 @@ pub mod fuzz;
 pub mod help;
 pub mod history;
 pub mod list;
+pub mod lsp;
 pub mod lss;
 pub mod man;
 pub mod monitor;

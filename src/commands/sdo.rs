@@ -1,6 +1,6 @@
 //! `canvass sdo`: single objects, read and written.
 
-mod object;
+pub mod object;
 mod value;
 
 use crate::devices::{DeviceArg, describe, parse_node};

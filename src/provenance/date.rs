@@ -46,6 +46,11 @@ pub fn of(given: Option<&GivenDate>, subject: Subject<'_>) -> Result<Option<Date
     }
 }
 
+/// The date of a file that is written now.
+pub fn of_file() -> Result<Zoned> {
+    Ok(of_environment()?.unwrap_or_else(Zoned::now))
+}
+
 fn of_environment() -> Result<Option<Zoned>> {
     let Some(text) = std::env::var_os(EPOCH).filter(|text| !text.is_empty()) else { return Ok(None) };
     let seconds = text.to_str().and_then(|text| text.parse().ok());

@@ -7,6 +7,8 @@ mod captures;
 #[cfg(test)]
 mod conformance;
 #[cfg(test)]
+mod description;
+#[cfg(test)]
 mod diagnosis;
 #[cfg(test)]
 mod history;

@@ -18,7 +18,7 @@ fn there_and_back_again_nothing_differs() {
     assert_eq!((there.status, there.stdout.as_str()), (0, ""), "{}", there.stderr);
     let back = run(&["eds", "convert", &xdd, &eds]);
     assert_eq!((back.status, back.stderr.as_str()), (0, ""));
-    let diff = run(&["eds", "diff", MODEL, &eds, "--fail-on", "notable"]);
+    let diff = run(&["eds", "diff", MODEL, &eds, "--fail-on-change", "notable"]);
     assert_eq!(diff.status, 0, "{}", diff.stdout);
     let text = fs::read_to_string(&eds).unwrap();
     assert!(text.starts_with("[FileInfo]\r\nFileName=encoder.eds\r\n"), "{text:.80}");

@@ -38,7 +38,7 @@ fn from_which_class_on_the_status_is_1_can_be_chosen() {
     ];
     for (from, to, statuses) in changes {
         for (class, expected) in ["breaking", "notable", "harmless", "never"].into_iter().zip(statuses) {
-            assert_eq!(diff(from, to, &["--fail-on", class]).0, expected, "{to} {class}");
+            assert_eq!(diff(from, to, &["--fail-on-change", class]).0, expected, "{to} {class}");
         }
     }
 }

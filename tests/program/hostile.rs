@@ -179,6 +179,8 @@ fn a_file_without_end_for_whatever_is_read() {
         format!("eds check {zero}"),
         format!("eds diff {zero} {zero}"),
         format!("eds convert {zero} - --to xdd"),
+        format!("eds show {zero}"),
+        format!("eds verify {zero} {sim}"),
         format!("scan sim:{zero}"),
         format!("scan {sim}~csv={zero}"),
         format!("simulate {zero} {sim} --for 1"),

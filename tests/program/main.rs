@@ -27,6 +27,12 @@ mod eds_convert;
 #[cfg(test)]
 mod eds_diff;
 #[cfg(test)]
+mod eds_from_device;
+#[cfg(test)]
+mod eds_show;
+#[cfg(test)]
+mod eds_verify;
+#[cfg(test)]
 mod events;
 #[cfg(test)]
 mod everyday;
@@ -43,6 +49,7 @@ mod killed;
 #[cfg(test)]
 mod live;
 #[cfg(test)]
+mod lsp;
 mod marks;
 #[cfg(test)]
 mod memory;

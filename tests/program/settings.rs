@@ -1,6 +1,6 @@
 //! `canvass.toml` and `CANVASS_BUS`: what holds without a word on the command line.
 
-use crate::running::{Run, command, finished};
+use crate::running::{Run, command, finished, run};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use tempfile::TempDir;
@@ -106,6 +106,20 @@ fn config_says_what_holds_and_whence() {
     assert_eq!(of("node"), &serde_json::json!({ "key": "node", "value": "63", "from": format!("{path}:2") }));
     assert_eq!((&of("timeouts.sdo")["value"], &of("timeouts.silence")["from"]), (&"2s".into(), &"default".into()));
     assert_eq!(of("waivers")["from"], "not set");
+    // What is shown can be typed.
+    let usual: Vec<(&str, &str)> = shown["settings"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter(|setting| setting["from"] == "default")
+        .map(|setting| (setting["key"].as_str().unwrap(), setting["value"].as_str().unwrap()))
+        .collect();
+    assert!(usual.contains(&("timeouts.silence", "200ms")), "{usual:?}");
+    for (key, value) in usual {
+        let timeout = format!("{}={value}", key.trim_start_matches("timeouts."));
+        let tried = run(&["test", "sim:reference-301", "--dry-run", "--timeout", &timeout]);
+        assert_eq!(tried.status, 0, "{timeout}: {}", tried.stderr);
+    }
     let table = finished(command(&["config"]).current_dir(&below).env("CANVASS_BUS", "can7").output().unwrap()).stdout;
     assert!(table.lines().next().unwrap().contains("can7") && table.contains("CANVASS_BUS"), "{table}");
 }

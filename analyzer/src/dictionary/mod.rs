@@ -8,7 +8,9 @@ pub mod convert;
 mod data_type;
 mod description;
 pub mod difference;
+pub mod editor;
 pub mod eds;
+pub mod layout;
 mod loss;
 mod manual;
 mod moment;
@@ -17,6 +19,7 @@ mod object;
 mod problem;
 mod reading;
 pub mod rules;
+pub mod survey;
 mod value;
 pub mod xdd;
 

@@ -1,15 +1,17 @@
 //! The state in which a sequence finds a device that goes on: what a reset has not brought back is written back, and what
 //! can't be is known.
 
-use super::learn::{read, request};
 use super::stimulus::Stimulus;
 use super::{Knowledge, Known, limits};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::sdo::{REQUEST_BASE, Request, Response};
+use canvass_analyzer::wire::sdo::{REQUEST_BASE, Request};
 use canvass_analyzer::wire::{lss, nmt};
 use canvass_analyzer::{CobId, Multiplexer};
+use canvass_bus::client::Exchange;
+use canvass_bus::client::sdo::{Mode, Outcome, Transfer};
 use canvass_bus::{Bus, BusError};
+use canvass_traces::Timestamp;
 use std::collections::BTreeSet;
 
 /// An object that has not its value of power-on, though the device was reset and the value written.
@@ -31,7 +33,7 @@ pub(super) fn restore(bus: &mut dyn Bus, sent: &[Stimulus], knowledge: &Knowledg
     let mut changed = Vec::new();
     for entry in touched(sent, knowledge) {
         let Some((known, power_on)) = restorable(knowledge, entry) else { continue };
-        let value = read(bus, knowledge.node, knowledge.patience.answer, known.at)?;
+        let value = read(bus, known.at, knowledge)?;
         if value.is_some_and(|value| value != power_on) {
             changed.push((known, power_on));
         }
@@ -45,12 +47,29 @@ pub(super) fn restore(bus: &mut dyn Bus, sent: &[Stimulus], knowledge: &Knowledg
     }
     let mut kept = Vec::new();
     for (known, power_on) in changed {
-        match read(bus, knowledge.node, knowledge.patience.answer, known.at)? {
+        match read(bus, known.at, knowledge)? {
             Some(value) if value != power_on => kept.push(Kept { at: known.at, value, power_on }),
             _ => {}
         }
     }
     Ok(kept)
+}
+
+/// The longest value that is a number.
+const LONGEST: usize = 8;
+
+/// Reads a number; `None`: it can't be read.
+fn read(bus: &mut dyn Bus, at: Multiplexer, knowledge: &Knowledge) -> Result<Option<u64>, BusError> {
+    let number = |value: Vec<u8>| value.iter().rev().fold(0, |raw, &byte| raw << 8 | u64::from(byte));
+    Ok(match transfer(bus, Transfer::upload(at), knowledge)? {
+        Outcome::Uploaded(value) if value.len() <= LONGEST => Some(number(value)),
+        _ => None,
+    })
+}
+
+fn transfer(bus: &mut dyn Bus, what: (Transfer, Request), knowledge: &Knowledge) -> Result<Outcome, BusError> {
+    let mut exchange = Exchange { bus, observe: &mut |_| (), ends: Timestamp::MAX };
+    exchange.transfer(knowledge.node, what, knowledge.patience.answer)
 }
 
 /// The objects that those frames name, and those that an RPDO may write.
@@ -77,7 +96,7 @@ fn touched(sent: &[Stimulus], knowledge: &Knowledge) -> BTreeSet<usize> {
 fn restorable(knowledge: &Knowledge, entry: usize) -> Option<(&Known, u64)> {
     let known = knowledge.entries().get(entry)?;
     let is_free = limits::writing(known.at, knowledge, &BTreeSet::new()).is_none();
-    let is_plain = known.stable && known.readable && known.writable && known.size.is_some_and(|size| size <= 4);
+    let is_plain = known.stable && known.readable && known.writable && known.size.is_some_and(|size| size <= LONGEST);
     Some((known, known.power_on?)).filter(|_| is_free && is_plain)
 }
 
@@ -87,8 +106,8 @@ fn write_back(bus: &mut dyn Bus, changed: &mut [(&Known, u64)], knowledge: &Know
     let mut write = |known: &Known, value: u64| -> Result<bool, BusError> {
         let bytes = value.to_le_bytes();
         let value = bytes.get(..known.size.unwrap_or(0)).unwrap_or_default();
-        let answer = request(bus, knowledge.node, knowledge.patience.answer, Request::download(known.at, value))?;
-        Ok(matches!(answer, Some((Response::InitiateDownload { .. }, _))))
+        let download = Transfer::download(known.at, value, Mode::Shortest);
+        Ok(transfer(bus, download, knowledge)? == Outcome::Downloaded)
     };
     for (known, power_on) in changed.iter().filter(|(known, _)| is_cob_id(known.at)) {
         write(known, power_on | u64::from(CobId::INVALID))?;

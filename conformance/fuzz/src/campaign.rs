@@ -460,7 +460,8 @@ impl Campaign<'_> {
             violations: self.violations.len(),
         };
         let enough = self.plan.stop_at_first && !self.violations.is_empty();
-        !go_on(progress) || enough || self.dead || self.violations.len() >= MOST_VIOLATIONS
+        // After its time no sequence is judged any more.
+        !go_on(progress) || self.plan.time.is_over() || enough || self.dead || self.violations.len() >= MOST_VIOLATIONS
     }
 
     fn outcome(self) -> Outcome {

@@ -8,7 +8,9 @@ pub mod junit;
 pub mod markdown;
 pub mod rules;
 pub mod sarif;
+pub mod show;
 pub mod text;
+pub mod verification;
 
 use crate::escape::printable;
 use canvass_analyzer::dictionary::check::{Checked, Finding, Source};

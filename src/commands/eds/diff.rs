@@ -27,7 +27,7 @@ pub struct Args {
     format: DiffFormat,
     /// From which class on differences make the exit status 1
     #[arg(long, value_enum, value_name = "CLASS", default_value_t)]
-    fail_on: FailOn,
+    fail_on_change: FailOn,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
@@ -75,7 +75,7 @@ impl Args {
             DiffFormat::Markdown => compared.markdown(),
         };
         unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
-        let fails = self.fail_on.least().is_some_and(|least| compared.has(least));
+        let fails = self.fail_on_change.least().is_some_and(|least| compared.has(least));
         Ok(if fails { Status::Findings } else { Status::Good })
     }
 

@@ -2,8 +2,12 @@
 
 mod check;
 mod convert;
+mod device;
 mod diff;
 mod found;
+mod from_device;
+mod show;
+mod verify;
 
 use crate::output::Color;
 use crate::status::{Failure, Status};
@@ -20,6 +24,9 @@ enum Action {
     Check(check::Args),
     Convert(convert::Args),
     Diff(diff::Args),
+    FromDevice(from_device::Args),
+    Show(show::Args),
+    Verify(verify::Args),
 }
 
 impl Args {
@@ -28,6 +35,9 @@ impl Args {
             Action::Check(args) => args.run(color),
             Action::Convert(args) => args.run(),
             Action::Diff(args) => args.run(color),
+            Action::FromDevice(args) => args.run(),
+            Action::Show(args) => args.run(color),
+            Action::Verify(args) => args.run(color),
         }
     }
 }

@@ -10,7 +10,7 @@ mod waiver;
 
 pub use apply::{Mended, mend};
 pub use fix::{Edit, Fix};
-pub use source::Source;
+pub use source::{FieldSpans, Source};
 
 use super::Severity;
 use super::description::DeviceDescription;

@@ -15,8 +15,10 @@ pub struct Source<'a> {
 
 /// `name=value` of a line, without the blanks around both.
 #[derive(Clone, Debug)]
-pub(super) struct FieldSpans {
+pub struct FieldSpans {
+    /// Before the equals sign.
     pub name: Range<usize>,
+    /// After it.
     pub value: Range<usize>,
 }
 
@@ -40,7 +42,7 @@ impl<'a> Source<'a> {
     }
 
     /// How many lines there are.
-    pub(super) fn lines(&self) -> u32 {
+    pub(in crate::dictionary) fn lines(&self) -> u32 {
         self.starts.len() as u32
     }
 
@@ -52,17 +54,17 @@ impl<'a> Source<'a> {
     }
 
     /// A line without blanks around it.
-    pub(super) fn line(&self, number: u32) -> Range<usize> {
+    pub(in crate::dictionary) fn line(&self, number: u32) -> Range<usize> {
         self.trimmed(self.whole_line(number))
     }
 
     /// What stands there.
-    pub(super) fn get(&self, range: &Range<usize>) -> &'a str {
+    pub(in crate::dictionary) fn get(&self, range: &Range<usize>) -> &'a str {
         self.text.get(range.clone()).unwrap_or_default()
     }
 
     /// The range without blanks at both ends.
-    pub(super) fn trimmed(&self, range: Range<usize>) -> Range<usize> {
+    pub(in crate::dictionary) fn trimmed(&self, range: Range<usize>) -> Range<usize> {
         let text = self.get(&range);
         let is_blank = |character: char| character.is_whitespace() || character == '\0';
         let begin = range.start + (text.len() - text.trim_start_matches(is_blank).len());
@@ -71,7 +73,7 @@ impl<'a> Source<'a> {
     }
 
     /// Name and value of a line, if it is a field.
-    pub(super) fn field(&self, number: u32) -> Option<FieldSpans> {
+    pub(in crate::dictionary) fn field(&self, number: u32) -> Option<FieldSpans> {
         let line = self.line(number);
         let text = self.get(&line);
         if text.starts_with([';', '[', '#']) {
@@ -82,7 +84,7 @@ impl<'a> Source<'a> {
     }
 
     /// Whether a line begins a section.
-    pub(super) fn is_section(&self, number: u32) -> bool {
+    pub(in crate::dictionary) fn is_section(&self, number: u32) -> bool {
         self.get(&self.line(number)).starts_with('[')
     }
 

@@ -18,6 +18,7 @@ mod tests;
 
 pub use fact::{Fact, Subject};
 pub use kind::{Class, Kind};
+pub(super) use pdos::mapping;
 
 use super::description::DeviceDescription;
 use crate::identity::{Multiplexer, SubIndex};

@@ -64,7 +64,7 @@ fn layout(comparison: &mut Comparison<'_>, pdo: PdoNumber) {
 }
 
 /// What a PDO carries after a start with nothing stored; `None` if the description does not tell.
-fn mapping(description: &DeviceDescription, pdo: PdoNumber) -> Option<Vec<MappingEntry>> {
+pub(in crate::dictionary) fn mapping(description: &DeviceDescription, pdo: PdoNumber) -> Option<Vec<MappingEntry>> {
     let object = description.dictionary.object(Index(pdo.mapping_index()))?;
     // No formula stands in a mapping, so the node-ID does not matter.
     let number = |sub| u32::try_from(object.entry(SubIndex(sub))?.start_value(NodeId::MIN)?.to_raw()?).ok();

@@ -21,7 +21,7 @@ pub(super) use lexer::canonical;
 pub(super) use lists::list_of;
 pub(super) use objects::access_of_habit;
 use section_name::SectionName;
-pub(super) use section_name::standard_section_name;
+pub(super) use section_name::{address_of_section, standard_section_name};
 pub(super) use text::decode as decode_text;
 pub(super) use unkept::unkept;
 pub(super) use write::text_of;

@@ -1,6 +1,7 @@
 //! What a section is about, by its name.
 
 use super::lexer::canonical;
+use crate::identity::Multiplexer;
 
 /// The kinds of sections that CiA 306 defines.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,6 +72,15 @@ pub(in crate::dictionary) fn standard_section_name(name: &str) -> Option<String>
     match SectionName::parse(name) {
         SectionName::Object(index) => Some(format!("{index:04X}")),
         SectionName::Sub(index, sub) => Some(format!("{index:04X}sub{sub:X}")),
+        _ => None,
+    }
+}
+
+/// What a section of an object or an entry is about, and whether it is an entry.
+pub(in crate::dictionary) fn address_of_section(name: &str) -> Option<(Multiplexer, bool)> {
+    match SectionName::parse(name) {
+        SectionName::Object(index) => Some((Multiplexer::new(index, 0), false)),
+        SectionName::Sub(index, sub) => Some((Multiplexer::new(index, sub), true)),
         _ => None,
     }
 }

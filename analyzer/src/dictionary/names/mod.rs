@@ -61,6 +61,18 @@ pub struct ObjectName {
     address: Multiplexer,
 }
 
+impl StandardObject {
+    /// The standard that defines it.
+    pub const fn standard(&self) -> &'static str {
+        match self.first {
+            0x1300..=0x13FF => "CiA 304",
+            0x1F00..=0x1FFF => "CiA 302",
+            0x6000.. => "CiA 406",
+            _ => "CiA 301",
+        }
+    }
+}
+
 impl ObjectName {
     /// Which of several objects of the same kind it is, from 1; `None` if there is only one.
     pub const fn number(&self) -> Option<u16> {
@@ -106,6 +118,14 @@ pub fn standard_object(index: Index, profile: Option<u16>) -> Option<&'static St
     };
     let position = table.partition_point(|object| object.last < index.0);
     table.get(position).filter(|object| object.first <= index.0)
+}
+
+/// Whether CiA 301 puts a COB-ID there: of SYNC, TIME, EMCY, an SDO channel or a PDO.
+pub const fn is_cob_id(at: Multiplexer) -> bool {
+    matches!(
+        (at.index.0, at.sub.0),
+        (0x1005 | 0x1012 | 0x1014, 0) | (0x1200..=0x12FF, 1 | 2) | (0x1400..=0x15FF | 0x1800..=0x19FF, 1)
+    )
 }
 
 fn entry(object: &'static StandardObject, sub: SubIndex) -> Option<&'static StandardEntry> {

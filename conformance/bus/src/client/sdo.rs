@@ -16,6 +16,8 @@ pub const MAX_UPLOAD: usize = 16 << 20;
 pub struct Transfer {
     multiplexer: Multiplexer,
     state: ClientState,
+    /// More bytes of an upload are a violation.
+    most: usize,
 }
 
 #[derive(Debug)]
@@ -77,7 +79,7 @@ pub enum Violation {
         /// What came.
         received: usize,
     },
-    /// More than [`MAX_UPLOAD`] bytes, without an end.
+    /// More than [`MAX_UPLOAD`] bytes, or than were wanted, without an end.
     Endless,
     /// A segment of a block has another sequence number than the next.
     Sequence {
@@ -107,7 +109,12 @@ pub enum Violation {
 impl Transfer {
     /// Starts to read an object; returns the first request.
     pub fn upload(multiplexer: Multiplexer) -> (Self, Request) {
-        (Self { multiplexer, state: ClientState::AwaitUpload }, Request::upload(multiplexer))
+        Self::upload_at_most(multiplexer, MAX_UPLOAD)
+    }
+
+    /// The same for who needs no more than that many bytes: more of them are [`Violation::Endless`].
+    pub fn upload_at_most(multiplexer: Multiplexer, most: usize) -> (Self, Request) {
+        (Self { multiplexer, state: ClientState::AwaitUpload, most }, Request::upload(multiplexer))
     }
 
     /// Starts to write an object; returns the first request.
@@ -118,7 +125,7 @@ impl Transfer {
         };
         let pending = matches!(payload, Payload::Segmented(_)).then(|| value.to_vec());
         let request = Request::InitiateDownload { multiplexer, payload };
-        (Self { multiplexer, state: ClientState::AwaitDownload { pending } }, request)
+        (Self { multiplexer, state: ClientState::AwaitDownload { pending }, most: MAX_UPLOAD }, request)
     }
 
     /// The object of the transfer.
@@ -181,7 +188,7 @@ impl Transfer {
         if segment.last {
             return Reaction::Done(Outcome::Uploaded(data));
         }
-        if data.len() > MAX_UPLOAD {
+        if data.len() > self.most {
             return violated(Violation::Endless);
         }
         self.state = ClientState::UploadSegments { data, announced, toggle: !toggle };
@@ -270,7 +277,7 @@ impl fmt::Display for Violation {
             }
             Self::BlockSize(size) => write!(f, "a block size of {size}"),
             Self::Checksum { computed, found } => write!(f, "the CRC {found:04X}h where {computed:04X}h is right"),
-            Self::Endless => write!(f, "an upload that does not end after {MAX_UPLOAD} bytes"),
+            Self::Endless => f.write_str("an upload that does not end"),
         }
     }
 }

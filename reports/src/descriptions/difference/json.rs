@@ -58,7 +58,8 @@ fn name_of_pdo(pdo: PdoNumber) -> String {
     pdo.to_string()
 }
 
-fn content(fact: &Fact) -> Value {
+/// What a description says, as JSON.
+pub(in crate::descriptions) fn content(fact: &Fact) -> Value {
     match fact {
         Fact::Text(text) => json!(text),
         Fact::Number(number) | Fact::Code(number) => json!(number),

@@ -1,6 +1,6 @@
 //! What differs between two device descriptions, in every form in which it is wanted.
 
-mod json;
+pub(super) mod json;
 mod markdown;
 mod text;
 

@@ -1,0 +1,47 @@
+//! The outline: sections in the order of the file, entries below their objects.
+
+use super::layout::sections;
+use crate::dictionary::check::Source;
+use std::ops::Range;
+
+/// A section in the outline.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Symbol {
+    /// The name of the section.
+    pub name: String,
+    /// `ParameterName` of an object or entry.
+    pub detail: String,
+    /// From its name to its last line.
+    pub whole: Range<usize>,
+    /// Its name.
+    pub selected: Range<usize>,
+    /// Whether it is about an object, or an entry of one.
+    pub is_object: bool,
+    /// The entries of an object.
+    pub entries: Vec<Symbol>,
+}
+
+/// The sections of a text.
+pub fn outline(text: &str) -> Vec<Symbol> {
+    let source = Source::new(text);
+    let mut all: Vec<(Option<u16>, Symbol)> = Vec::new();
+    for section in sections(&source) {
+        let address = section.address(&source);
+        let symbol = Symbol {
+            name: source.get(&section.name).to_owned(),
+            detail: section.value(&source, "ParameterName").unwrap_or_default().to_owned(),
+            whole: section.whole.start..source.trimmed(section.whole.clone()).end.max(section.name.end),
+            selected: section.name.clone(),
+            is_object: address.is_some(),
+            entries: Vec::new(),
+        };
+        match (address, all.last_mut()) {
+            (Some((at, true)), Some((Some(index), object))) if *index == at.index.0 => {
+                object.whole.end = symbol.whole.end;
+                object.entries.push(symbol);
+            }
+            (address, _) => all.push((address.map(|(at, _)| at.index.0), symbol)),
+        }
+    }
+    all.into_iter().map(|(_, symbol)| symbol).collect()
+}

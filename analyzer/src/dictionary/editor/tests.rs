@@ -1,0 +1,111 @@
+//! A file as one writes it.
+
+use super::*;
+
+const TEXT: &str = "\
+[DeviceInfo]
+VendorName=Example
+LSS_Supported=
+
+[OptionalObjects]
+SupportedObjects=2
+1=0x1018
+2=0x1A00
+
+[1000]
+ParameterName=Device type
+DefaultValue=0x00020196
+
+[1018]
+ParameterName=Identity
+ObjectType=0x9
+SubNumber=2
+
+[1018sub1]
+ParameterName=Vendor-ID
+DataType=0x0007
+
+[1A00]
+ParameterName=TPDO mapping
+[1A00sub1]
+ParameterName=First
+DefaultValue=0x60040020
+
+[6004]
+ParameterName=Position
+";
+
+/// Where a text stands, and so many characters after its start.
+fn at(what: &str, more: usize) -> usize {
+    TEXT.find(what).unwrap() + more
+}
+
+#[test]
+fn entries_stand_below_their_objects() {
+    let all = outline(TEXT);
+    let names: Vec<_> = all.iter().map(|symbol| (symbol.name.as_str(), symbol.entries.len())).collect();
+    let expected = [("DeviceInfo", 0), ("OptionalObjects", 0), ("1000", 0), ("1018", 1), ("1A00", 1), ("6004", 0)];
+    assert_eq!(names, expected);
+    let identity = &all[3];
+    assert_eq!((identity.detail.as_str(), identity.entries[0].detail.as_str()), ("Identity", "Vendor-ID"));
+    assert_eq!(&TEXT[identity.selected.clone()], "1018");
+    assert!(TEXT[identity.whole.clone()].ends_with("DataType=0x0007"));
+}
+
+#[test]
+fn what_stands_under_the_cursor() {
+    let shown = |what: &str, more| hover(TEXT, at(what, more)).map(|hover| hover.text).unwrap_or_default();
+    assert!(shown("[1018sub1]", 3).contains("CiA 301: Identity object, Vendor-ID"), "{}", shown("[1018sub1]", 3));
+    assert!(shown("0x0007", 2).contains("UNSIGNED32"));
+    let mapped = shown("0x60040020", 4);
+    assert!(mapped.contains("6004h:00") && mapped.contains("Position") && mapped.contains("32 bits"), "{mapped}");
+    assert!(mapped.contains("CiA 406"), "1000h says that it is an encoder: {mapped}");
+    assert!(shown("LSS_Supported", 2).contains("LSS"));
+    assert_eq!(hover(TEXT, at("Example", 2)), None);
+}
+
+#[test]
+fn from_a_name_to_its_section_and_back() {
+    let goes = |what: &str, more| definition(TEXT, at(what, more)).map(|range| &TEXT[range]);
+    assert_eq!(goes("1=0x1018", 5), Some("1018"));
+    assert_eq!(goes("0x60040020", 5), Some("6004"));
+    assert_eq!(goes("[1018sub1]", 3), Some("1018sub1"));
+    assert_eq!(goes("DataType=0x0007", 12), None, "a data type is no object of the file");
+    let named: Vec<_> = references(TEXT, at("[6004]", 2)).into_iter().map(|range| &TEXT[range]).collect();
+    assert_eq!(named, ["0x60040020", "6004"]);
+}
+
+#[test]
+fn what_may_come_next() {
+    let labels = |text: &str| -> Vec<String> {
+        let at = text.find('|').unwrap();
+        complete(&text.replace('|', ""), at).into_iter().map(|found| found.label).collect()
+    };
+    let fields = labels("[1000]\nParameterName=x\nD|\n[1001]\n");
+    assert_eq!(fields, ["DataType", "DefaultValue", "Denotation"]);
+    assert!(!labels("[1000]\nParameterName=x\n|").contains(&"ParameterName".to_owned()));
+    assert_eq!(labels("[1000]\nPDOMapping=|"), ["0", "1"]);
+    assert!(labels("[1000]\nDataType=|").contains(&"0x0007".to_owned()));
+    assert_eq!(
+        labels("[1000]\nx=1\n[101|"),
+        ["[1010]", "[1011]", "[1012]", "[1013]", "[1014]", "[1015]", "[1016]", "[1017]", "[1018]", "[1019]"]
+    );
+    let text = "[1000]\n[1018]\n[1A|";
+    assert_eq!(labels(text), ["[1A00]"], "of many of a kind the first that is missing");
+    let made = complete("[1017", 5).remove(0);
+    assert!(made.text.contains("DataType=0x0006") && made.text.starts_with("[1017]\n"), "{}", made.text);
+}
+
+proptest::proptest! {
+    /// No text and no place makes anything panic; places that are offered are in the text.
+    #[test]
+    fn any_text_and_any_place(text in "(\\[|\\]|=|0x1018|sub|1A00|DefaultValue|é|\r?\n| |;|[a-z0-9]){0,40}", at in 0usize..200) {
+        let at = (0..=text.len()).rev().find(|&place| place <= at && text.is_char_boundary(place)).unwrap_or(0);
+        let is_in = |range: &std::ops::Range<usize>| text.get(range.clone()).is_some();
+        proptest::prop_assert!(hover(&text, at).is_none_or(|hover| is_in(&hover.range)));
+        proptest::prop_assert!(definition(&text, at).is_none_or(|range| is_in(&range)));
+        proptest::prop_assert!(references(&text, at).iter().all(is_in));
+        proptest::prop_assert!(complete(&text, at).iter().all(|found| is_in(&found.range)));
+        proptest::prop_assert!(outline(&text).iter().all(|symbol| is_in(&symbol.whole) && is_in(&symbol.selected)));
+    }
+}

@@ -1,0 +1,26 @@
+//! `DeviceInfo` against 1018h, where 1018h itself is described without values.
+
+use super::{Comparison, Kind, Side, Weight};
+use crate::dictionary::difference::{Fact, Subject};
+use crate::identity::Multiplexer;
+
+pub(super) fn compare(comparison: &mut Comparison<'_>) {
+    let device = &comparison.description.device;
+    let fields = [
+        (Kind::Identity, "VendorNumber", device.vendor_number, 1),
+        (Kind::Identity, "ProductNumber", device.product_number, 2),
+        (Kind::Release, "RevisionNumber", device.revision_number, 3),
+    ];
+    for (kind, field, described, sub) in fields {
+        let at = Multiplexer::new(0x1018, sub);
+        let entry = comparison.description.dictionary.entry(at).ok();
+        let is_told = entry.is_some_and(|entry| entry.configured.is_some() || entry.default.is_some());
+        let (Some(described), Some(found)) = (described, comparison.survey.number(at)) else { continue };
+        // Files that leave the numbers open have 0 there.
+        if !is_told && described != 0 && u64::from(described) != found {
+            let found = u32::try_from(found).unwrap_or(u32::MAX);
+            let [described, found] = [described, found].map(|code| Side::Fact(Fact::Code(code)));
+            comparison.report(kind, Weight::Differs, Subject::Field(field), described, found);
+        }
+    }
+}

@@ -1,0 +1,67 @@
+//! Whether described objects and sub-indexes exist, and answer as their access type says.
+
+use super::{Answer, Comparison, Kind, Side, Weight, values};
+use crate::dictionary::difference::{Fact, Subject};
+use crate::dictionary::object::{Entry, Object};
+use crate::identity::Multiplexer;
+use crate::wire::sdo::AbortCode;
+
+pub(super) fn compare(comparison: &mut Comparison<'_>) {
+    for object in comparison.description.dictionary.objects() {
+        if is_absent(comparison, object) {
+            let found = Side::Answer(Answer::Aborted(AbortCode::NO_OBJECT));
+            let subject = Subject::Object(object.index);
+            comparison.report(Kind::MissingObject, Weight::Differs, subject, Side::Exists, found);
+            continue;
+        }
+        for entry in object.entries() {
+            let at = Multiplexer { index: object.index, sub: entry.sub };
+            if let Some(answer) = comparison.survey.get(at) {
+                answered(comparison, object, entry, answer);
+            }
+        }
+    }
+}
+
+/// Whether the device says of every entry that was read that there is no such object.
+fn is_absent(comparison: &Comparison<'_>, object: &Object) -> bool {
+    let at = |entry: &Entry| Multiplexer { index: object.index, sub: entry.sub };
+    let mut answers = object.entries().iter().filter_map(|entry| comparison.survey.get(at(entry))).peekable();
+    answers.peek().is_some() && answers.all(|answer| *answer == Answer::Aborted(AbortCode::NO_OBJECT))
+}
+
+fn answered(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, answer: &Answer) {
+    let at = Multiplexer { index: object.index, sub: entry.sub };
+    let kind = match answer {
+        Answer::Value(bytes) => return value(comparison, object, entry, bytes),
+        Answer::Long(_) if entry.data_type.bytes().is_some() => Kind::Length,
+        Answer::Long(_) => return,
+        Answer::Aborted(AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX) if !is_empty_history(at) => Kind::MissingEntry,
+        Answer::Aborted(AbortCode::WRITE_ONLY) if entry.access.is_readable() => Kind::Access,
+        // With which code a write-only entry refuses to be read is for the device's conformance, not for its description.
+        Answer::Aborted(_) if !entry.access.is_readable() || answer.is_momentary() || is_empty_history(at) => return,
+        Answer::Aborted(_) => Kind::Refused,
+        Answer::Silent => Kind::NoAnswer,
+        Answer::Violated(_) => Kind::Violation,
+    };
+    let described = match kind {
+        Kind::Length => Side::Fact(Fact::DataType(entry.data_type)),
+        Kind::MissingEntry => Side::Exists,
+        _ => Side::Fact(Fact::Access(entry.access)),
+    };
+    comparison.report(kind, Weight::Differs, Subject::Entry(at), described, Side::Answer(answer.clone()));
+}
+
+/// Errors that have not happened have no sub-index in 1003h, or no value.
+fn is_empty_history(at: Multiplexer) -> bool {
+    at.index.0 == 0x1003 && at.sub.0 > 0
+}
+
+fn value(comparison: &mut Comparison<'_>, object: &Object, entry: &Entry, bytes: &[u8]) {
+    let at = Multiplexer { index: object.index, sub: entry.sub };
+    if !entry.access.is_readable() {
+        let (described, found) = (Side::Fact(Fact::Access(entry.access)), Side::Answer(Answer::Value(bytes.to_vec())));
+        comparison.report(Kind::Access, Weight::Differs, Subject::Entry(at), described, found);
+    }
+    values::compare(comparison, object, entry, bytes);
+}

@@ -1,0 +1,48 @@
+//! `DeviceInfo`, from the objects that say who the device is and what it can do.
+
+use super::Facts;
+use crate::dictionary::description::DeviceInfo;
+use crate::dictionary::object::ObjectDictionary;
+use crate::identity::Multiplexer;
+use crate::wire::pdo::MappingEntry;
+
+pub(super) fn describe(facts: &Facts<'_>, dictionary: &ObjectDictionary, bit_rate: Option<u16>) -> DeviceInfo {
+    let identity = |sub| {
+        let number = facts.survey.number(Multiplexer::new(0x1018, sub));
+        number.and_then(|number| u32::try_from(number).ok())
+    };
+    let count = |first: u16| {
+        let pdos = dictionary.objects().iter().filter(|object| (first..first + 0x200).contains(&object.index.0));
+        u16::try_from(pdos.count()).unwrap_or(u16::MAX)
+    };
+    DeviceInfo {
+        vendor_number: identity(1),
+        product_name: name(facts),
+        product_number: identity(2),
+        revision_number: identity(3),
+        bit_rates: bit_rate.into_iter().collect(),
+        simple_boot_up_slave: true,
+        granularity: granularity(facts),
+        rpdos: count(0x1400),
+        tpdos: count(0x1800),
+        ..DeviceInfo::default()
+    }
+}
+
+/// The manufacturer's device name, as far as it can stand in a file.
+fn name(facts: &Facts<'_>) -> String {
+    let name = facts.survey.value(Multiplexer::new(0x1008, 0)).unwrap_or_default();
+    let name: String = name.iter().filter(|byte| matches!(byte, b' '..=b'~')).map(|&byte| char::from(byte)).collect();
+    name.trim().to_owned()
+}
+
+/// Of what is mapped now: bytes, or single bits.
+fn granularity(facts: &Facts<'_>) -> u8 {
+    let mapping = facts.survey.answers().map(|(at, _)| at);
+    let mut mapping = mapping.filter(|at| matches!(at.index.0, 0x1600..=0x17FF | 0x1A00..=0x1BFF) && at.sub.0 > 0);
+    let in_bytes = mapping.all(|at| {
+        let entry = facts.survey.number(at).and_then(|raw| u32::try_from(raw).ok());
+        entry.is_none_or(|entry| MappingEntry(entry).bits().is_multiple_of(8))
+    });
+    if in_bytes { 8 } else { 1 }
+}

@@ -1,0 +1,99 @@
+//! The file: an EDS, with a comment where something is guessed.
+
+use super::{Guess, Scanned};
+use crate::dictionary::check::check;
+use crate::dictionary::eds;
+use crate::dictionary::rules::Severity;
+use crate::identity::{Multiplexer, SubIndex};
+use std::collections::{BTreeMap, BTreeSet};
+
+impl Scanned {
+    /// The text of an EDS. Each entry of which something is guessed has a comment that says so; what a check of the file
+    /// would call an error has one, too: the device has it so.
+    pub fn eds(&self) -> String {
+        let (text, _) = eds::write(&self.description);
+        let text = with_comments(&text, &self.by_section());
+        with_comments(&text, &waivers(&text))
+    }
+
+    fn by_section(&self) -> BTreeMap<String, String> {
+        let section = |at: Multiplexer| {
+            let object = self.description.dictionary.object(at.index);
+            let is_single = at.sub == SubIndex(0) && object.is_some_and(|object| object.code.is_single());
+            if is_single { format!("{:04X}", at.index.0) } else { format!("{:04X}sub{:X}", at.index.0, at.sub.0) }
+        };
+        let comment = |guesses: &[Guess]| {
+            let words: Vec<String> = guesses.iter().map(|guess| guess.to_string()).collect();
+            format!("; guessed: {}", words.join("; "))
+        };
+        self.guesses.iter().map(|(at, guesses)| (section(*at), comment(guesses))).collect()
+    }
+}
+
+/// Puts comments into their sections; those of none stand first.
+fn with_comments(text: &str, comments: &BTreeMap<String, String>) -> String {
+    let mut commented = comments.get("").map(|comment| format!("{comment}\r\n")).unwrap_or_default();
+    for line in text.split_inclusive('\n') {
+        commented.push_str(line);
+        if let Some(comment) = heading(line).and_then(|section| comments.get(section)) {
+            commented.push_str(comment);
+            commented.push_str("\r\n");
+        }
+    }
+    commented
+}
+
+fn heading(line: &str) -> Option<&str> {
+    line.trim_end().strip_prefix('[').and_then(|line| line.strip_suffix(']'))
+}
+
+/// The section that a line stands in; empty for line 0, which is that of the whole file.
+fn section_of(text: &str, line: u32) -> &str {
+    text.lines().take(line as usize).filter_map(heading).last().unwrap_or_default()
+}
+
+/// What is wrong with the device itself, such as a mapping of another length than the object's.
+fn waivers(text: &str) -> BTreeMap<String, String> {
+    let mut rules: BTreeMap<String, BTreeSet<&str>> = BTreeMap::new();
+    let checked = check(text.as_bytes(), None);
+    let findings = checked.iter().flat_map(|checked| &checked.findings);
+    for finding in findings.filter(|finding| finding.severity() == Severity::Error) {
+        let section = section_of(text, finding.line).to_owned();
+        rules.entry(section).or_default().insert(finding.problem.rule.id);
+    }
+    let comment = |rules: BTreeSet<&str>| {
+        let rules: Vec<&str> = rules.into_iter().collect();
+        format!("; canvass: allow {} the device has it so", rules.join(", "))
+    };
+    rules.into_iter().map(|(section, rules)| (section, comment(rules))).collect()
+}
+
+impl std::fmt::Display for Guess {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::TypeOf(1) => f.write_str("the data type, from 1 byte"),
+            Self::TypeOf(bytes) => write!(f, "the data type, from {bytes} bytes"),
+            Self::Type => f.write_str("the data type, as no value could be read"),
+            Self::TypeBeside(bytes) => {
+                write!(f, "the data type, from {bytes} bytes: the standard's has another length")
+            }
+            Self::Access => f.write_str("the access, as only writing tells it"),
+        }
+    }
+}
+
+/// What is to be known of the whole file.
+pub(super) fn comments(guesses: &BTreeMap<Multiplexer, Vec<Guess>>) -> Vec<String> {
+    let guessed = match guesses.len() {
+        0 => "Nothing had to be guessed of single entries.".to_owned(),
+        1 => "Of 1 entry something is guessed: a comment in its section says what.".to_owned(),
+        count => format!("Of {count} entries something is guessed: a comment in their sections says what."),
+    };
+    let lines = [
+        "Read from a device, as a start: nothing was written to it.",
+        "Names, types and access of standard objects are those of CiA 301, 302, 304 and 406.",
+        "Defaults are the values that the device had when it was read.",
+        "PDOMapping=1 has what was mapped then; limits, LSS and other bit rates are not known.",
+    ];
+    lines.into_iter().map(str::to_owned).chain([guessed]).collect()
+}

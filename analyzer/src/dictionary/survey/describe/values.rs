@@ -1,0 +1,60 @@
+//! Defaults: what was read of parameters and constants. What the device measures or is in has none.
+
+use super::Facts;
+use crate::PdoNumber;
+use crate::dictionary::data_type::DataType;
+use crate::dictionary::names::ENCODER_PROFILE;
+use crate::dictionary::object::{Access, Setting};
+use crate::dictionary::value::Value;
+use crate::identity::{CobId, Multiplexer};
+use crate::wire::sdo::{REQUEST_BASE, RESPONSE_BASE};
+
+/// The default, where what was read can be one.
+pub(super) fn default(facts: &Facts<'_>, at: Multiplexer, data_type: DataType, counts: bool) -> Option<Setting> {
+    let is_known = counts || is_parameter(facts, at);
+    let bytes = facts.survey.value(at).filter(|_| is_known)?;
+    let value = Value::decode(data_type, bytes).ok()?;
+    match &value {
+        Value::VisibleString(text) if !text.iter().all(|byte| matches!(byte, b' '..=b'~')) => None,
+        Value::Domain(_) | Value::OctetString(_) => None,
+        Value::Unsigned(raw) => Some(with_node_id(facts, at, *raw)),
+        _ => Some(Setting::Fixed(value)),
+    }
+}
+
+/// Whether the value of the entry is one that the device is delivered with, or that somebody has configured.
+fn is_parameter(facts: &Facts<'_>, at: Multiplexer) -> bool {
+    let standard = facts.standard(at).and_then(|name| name.entry).and_then(|entry| entry.access);
+    match (at.index.0, at.sub.0) {
+        // Errors, what can be stored, the time and the serial number are the device's own.
+        (0x1001..=0x1003 | 0x1010 | 0x1011 | 0x1013, _) | (0x1018, 4) => false,
+        (0x1000..=0x1FFF, _) => standard.is_some(),
+        // Resolution, supported alarms and warnings, version of the profile.
+        (0x6501 | 0x6502 | 0x6504 | 0x6506 | 0x6507, _) if facts.profile == Some(ENCODER_PROFILE) => true,
+        _ => standard.is_some_and(Access::is_writable),
+    }
+}
+
+/// A COB-ID of the predefined connection set follows the node-ID; so does any other of a PDO that has the node-ID at its end.
+fn with_node_id(facts: &Facts<'_>, at: Multiplexer, raw: u64) -> Setting {
+    let node = u32::from(facts.node.raw());
+    match u32::try_from(raw).map(CobId) {
+        Ok(cob_id) if !cob_id.is_extended() && follows(at, cob_id.can_id(), node) => {
+            Setting::NodeIdPlus(cob_id.0 - node)
+        }
+        _ => Setting::Fixed(Value::Unsigned(raw)),
+    }
+}
+
+fn follows(at: Multiplexer, can_id: u32, node: u32) -> bool {
+    let base = match (at.index.0, at.sub.0) {
+        (0x1014, 0) => 0x80,
+        (0x1200, 1) => u32::from(REQUEST_BASE),
+        (0x1200, 2) => u32::from(RESPONSE_BASE),
+        (index, 1) if PdoNumber::of_communication_index(index).is_some() => {
+            return can_id & 0x7F == node && (0x180..0x580).contains(&(can_id - node));
+        }
+        _ => return false,
+    };
+    can_id == base + node
+}

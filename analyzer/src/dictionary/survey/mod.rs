@@ -1,0 +1,141 @@
+//! What a device answers when its object dictionary is read: held against its description, and the start of one.
+//!
+//! Nothing here reads from a device: whoever does fills a [`Survey`].
+
+pub mod compare;
+pub mod describe;
+
+use crate::identity::{Index, Multiplexer, SubIndex};
+use crate::wire::sdo::AbortCode;
+use std::collections::BTreeMap;
+use std::fmt;
+
+/// How a device answered when an entry was read.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// With these bytes.
+    Value(Vec<u8>),
+    /// With more bytes than were wanted; there are at least so many.
+    Long(usize),
+    /// With an abort.
+    Aborted(AbortCode),
+    /// Not at all.
+    Silent,
+    /// With something that has no place in the transfer, in words.
+    Violated(String),
+}
+
+impl Answer {
+    /// Whether the device has the entry; `None` where the answer does not tell.
+    pub const fn exists(&self) -> Option<bool> {
+        match self {
+            Self::Value(_) | Self::Long(_) => Some(true),
+            Self::Aborted(AbortCode::NO_OBJECT | AbortCode::NO_SUB_INDEX) => Some(false),
+            Self::Aborted(AbortCode::WRITE_ONLY) => Some(true),
+            Self::Aborted(_) if self.is_momentary() => Some(true),
+            Self::Aborted(_) | Self::Silent | Self::Violated(_) => None,
+        }
+    }
+
+    /// Whether the entry exists, and has no value to give at the moment.
+    pub const fn is_momentary(&self) -> bool {
+        matches!(self, Self::Aborted(AbortCode(0x0800_0020..=0x0800_0024)))
+    }
+}
+
+/// `4 bytes: 92 01 01 00`, `abort 0602 0000h object does not exist in the object dictionary`.
+impl fmt::Display for Answer {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Value(bytes) => write!(f, "{}", Bytes(bytes)),
+            Self::Long(most) => write!(f, "more than {most} bytes"),
+            Self::Aborted(code) => write!(f, "abort {code}"),
+            Self::Silent => f.write_str("no answer"),
+            Self::Violated(violation) => f.write_str(violation),
+        }
+    }
+}
+
+/// As many bytes as people read at once, with their number.
+struct Bytes<'a>(&'a [u8]);
+
+impl fmt::Display for Bytes<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const SHOWN: usize = 8;
+        match self.0.len() {
+            0 => return f.write_str("no bytes"),
+            1 => f.write_str("1 byte:")?,
+            more => write!(f, "{more} bytes:")?,
+        }
+        for byte in self.0.iter().take(SHOWN) {
+            write!(f, " {byte:02X}")?;
+        }
+        f.write_str(if self.0.len() > SHOWN { " …" } else { "" })
+    }
+}
+
+/// The answers of one device, by address.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Survey {
+    answers: BTreeMap<Multiplexer, Answer>,
+}
+
+impl Survey {
+    /// Keeps an answer.
+    pub fn insert(&mut self, at: Multiplexer, answer: Answer) {
+        self.answers.insert(at, answer);
+    }
+
+    /// How the device answered there, if it was asked.
+    pub fn get(&self, at: Multiplexer) -> Option<&Answer> {
+        self.answers.get(&at)
+    }
+
+    /// All answers, by address.
+    pub fn answers(&self) -> impl Iterator<Item = (Multiplexer, &Answer)> {
+        self.answers.iter().map(|(at, answer)| (*at, answer))
+    }
+
+    /// The answers of one object.
+    pub fn of(&self, index: Index) -> impl Iterator<Item = (SubIndex, &Answer)> {
+        let at = |sub| Multiplexer { index, sub: SubIndex(sub) };
+        self.answers.range(at(0)..=at(0xFF)).map(|(at, answer)| (at.sub, answer))
+    }
+
+    /// The bytes that were read there.
+    pub fn value(&self, at: Multiplexer) -> Option<&[u8]> {
+        match self.get(at) {
+            Some(Answer::Value(bytes)) => Some(bytes),
+            _ => None,
+        }
+    }
+
+    /// The bytes that were read there as a number, if they are few enough.
+    pub fn number(&self, at: Multiplexer) -> Option<u64> {
+        let bytes = self.value(at).filter(|bytes| (1..=8).contains(&bytes.len()))?;
+        Some(bytes.iter().rev().fold(0, |number, &byte| number << 8 | u64::from(byte)))
+    }
+
+    /// How many sub-indexes sub-index 0 counts, if it can be a count.
+    pub fn count(&self, index: Index) -> Option<u8> {
+        let at = Multiplexer { index, sub: SubIndex(0) };
+        self.value(at).and_then(|bytes| <[u8; 1]>::try_from(bytes).ok()).map(|[count]| count)
+    }
+
+    /// The number of the device profile: the low word of 1000h.
+    pub fn device_profile(&self) -> Option<u16> {
+        self.number(Multiplexer::new(0x1000, 0)).map(|device_type| device_type as u16)
+    }
+
+    /// How many entries there were answers for, and how many of them exist.
+    pub fn counts(&self) -> (usize, usize) {
+        let existing = self.answers.values().filter(|answer| answer.exists() == Some(true));
+        (self.answers.len(), existing.count())
+    }
+}
+
+impl FromIterator<(Multiplexer, Answer)> for Survey {
+    fn from_iter<T: IntoIterator<Item = (Multiplexer, Answer)>>(answers: T) -> Self {
+        Self { answers: answers.into_iter().collect() }
+    }
+}

@@ -1,0 +1,189 @@
+//! Reads what a device's object dictionary holds: every described entry, or every index of a range. Nothing is written.
+
+use super::exchange::Exchange;
+use super::sdo::{Outcome, Transfer, Violation};
+use crate::BusError;
+use canvass_analyzer::dictionary::DeviceDescription;
+use canvass_analyzer::dictionary::survey::{Answer, Survey};
+use canvass_analyzer::wire::sdo::AbortCode;
+use canvass_analyzer::{Index, Multiplexer, NodeId, SubIndex};
+use canvass_traces::Duration;
+use std::collections::BTreeSet;
+use std::ops::RangeInclusive;
+
+/// Longer values are not read to their end: who has a DOMAIN of a megabyte has it, and a string has an end before.
+const MOST: usize = 4_096;
+/// Before a device is taken for gone, it is asked so many times for what every device has.
+const LAST_TRIES: u32 = 2;
+/// A device that gives no answer where it has no object is asked for no more indexes after so many.
+const MOST_SILENT: u32 = 16;
+/// Objects have gaps, of reserved sub-indexes; none is that long.
+const MOST_ABSENT: u32 = 16;
+/// The highest sub-index that an entry can have: FFh tells the structure.
+const LAST_SUB: u8 = 0xFE;
+
+/// Why a survey came to no end.
+#[derive(Debug, thiserror::Error)]
+pub enum SurveyError {
+    /// The bus failed.
+    #[error(transparent)]
+    Bus(#[from] BusError),
+    /// The device has not answered once.
+    #[error("node {0} does not answer: is it there, and is the bit rate its own?")]
+    Unanswered(NodeId),
+    /// It has answered, and does not any more.
+    #[error("node {node} does not answer any more, from {at} on")]
+    Gone {
+        /// The device.
+        node: NodeId,
+        /// The first entry without an answer.
+        at: Multiplexer,
+    },
+    /// Whoever watches has ended it.
+    #[error("the device was not read to the end")]
+    Ended,
+}
+
+/// A device that is read.
+pub struct Surveyor<'a, 'b> {
+    exchange: &'a mut Exchange<'b>,
+    node: NodeId,
+    patience: Duration,
+    watch: &'a mut dyn FnMut(Multiplexer) -> bool,
+    survey: Survey,
+    /// The objects of which all sub-indexes were read.
+    whole: BTreeSet<Index>,
+}
+
+impl<'a, 'b> Surveyor<'a, 'b> {
+    /// Of which nothing was read. `patience` holds for each response; `watch` hears of each entry before it is read, and
+    /// ends it by `false`.
+    pub fn new(
+        exchange: &'a mut Exchange<'b>,
+        node: NodeId,
+        patience: Duration,
+        watch: &'a mut dyn FnMut(Multiplexer) -> bool,
+    ) -> Self {
+        Self { exchange, node, patience, watch, survey: Survey::default(), whole: BTreeSet::new() }
+    }
+
+    /// What was read.
+    pub fn into_survey(self) -> Survey {
+        self.survey
+    }
+
+    /// Reads an entry, unless it was read before.
+    ///
+    /// # Errors
+    /// [`SurveyError`] if the bus fails or the device has gone.
+    pub fn read(&mut self, at: Multiplexer) -> Result<&Answer, SurveyError> {
+        if self.survey.get(at).is_none() {
+            if !(self.watch)(at) {
+                return Err(SurveyError::Ended);
+            }
+            let mut answer = self.ask(at)?;
+            // A frame can be lost; a device that is busy with something else can be late.
+            if answer == Answer::Silent {
+                answer = self.ask(at)?;
+            }
+            let is_silent = answer == Answer::Silent;
+            self.survey.insert(at, answer);
+            if is_silent {
+                self.refuse_gone(at)?;
+            }
+        }
+        // It was read, now or before.
+        Ok(self.survey.get(at).unwrap_or(&Answer::Silent))
+    }
+
+    fn ask(&mut self, at: Multiplexer) -> Result<Answer, BusError> {
+        let transfer = Transfer::upload_at_most(at, MOST);
+        Ok(match self.exchange.transfer(self.node, transfer, self.patience)? {
+            Outcome::Uploaded(value) => Answer::Value(value),
+            Outcome::Aborted(abort) => Answer::Aborted(abort.code),
+            Outcome::Silent => Answer::Silent,
+            Outcome::Violated(Violation::Endless) => Answer::Long(MOST),
+            violated @ (Outcome::Violated(_) | Outcome::Downloaded) => Answer::Violated(violated.to_string()),
+        })
+    }
+
+    /// A device that has not answered for some entries is asked for one that every device has.
+    fn refuse_gone(&mut self, at: Multiplexer) -> Result<(), SurveyError> {
+        const DEVICE_TYPE: Multiplexer = Multiplexer::new(0x1000, 0);
+        if (0..LAST_TRIES).any(|_| !matches!(self.ask(DEVICE_TYPE), Ok(Answer::Silent))) {
+            return Ok(());
+        }
+        let has_answered = self.survey.answers().any(|(_, answer)| *answer != Answer::Silent);
+        let node = self.node;
+        Err(if has_answered { SurveyError::Gone { node, at } } else { SurveyError::Unanswered(node) })
+    }
+
+    /// Reads every entry of the description, and what its objects have beside them.
+    ///
+    /// # Errors
+    /// [`SurveyError`] if the bus fails or the device has gone.
+    pub fn described(&mut self, description: &DeviceDescription) -> Result<(), SurveyError> {
+        for object in description.dictionary.objects() {
+            for entry in object.entries().iter().filter(|entry| !entry.flags.refuses_read_on_scan()) {
+                self.read(Multiplexer { index: object.index, sub: entry.sub })?;
+            }
+            if object.entries().iter().any(|entry| entry.flags.refuses_read_on_scan()) {
+                self.whole.insert(object.index);
+                continue;
+            }
+            let highest = object.entries().last().map_or(0, |entry| entry.sub.0);
+            if self.has(object.index) {
+                self.subs(object.index, highest.saturating_add(1))?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads sub-index 0 of every index, and the other sub-indexes of each object that is there. Returns the index from
+    /// which on it was given up, as the device lets who asks wait for what it does not have.
+    ///
+    /// # Errors
+    /// [`SurveyError`] if the bus fails or the device has gone.
+    pub fn area(&mut self, indexes: RangeInclusive<u16>) -> Result<Option<Index>, SurveyError> {
+        let mut silent = 0;
+        for index in indexes {
+            let at = Multiplexer::new(index, 0);
+            let answer = self.read(at)?;
+            silent = if *answer == Answer::Silent { silent + 1 } else { 0 };
+            if silent >= MOST_SILENT {
+                return Ok(Some(Index(index)));
+            }
+            // An object may have sub-indexes without having the first.
+            let may_have_subs = answer.exists() == Some(true) || *answer == Answer::Aborted(AbortCode::NO_SUB_INDEX);
+            if may_have_subs && !self.whole.contains(&Index(index)) {
+                self.subs(Index(index), 1)?;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Reads the sub-indexes that sub-index 0 counts, at least up to `least`, and goes on while there are more: in a mapping
+    /// it counts what is used.
+    fn subs(&mut self, index: Index, least: u8) -> Result<(), SurveyError> {
+        self.whole.insert(index);
+        let counted = self.survey.count(index).unwrap_or(0).max(least);
+        let mut absent = 0;
+        for sub in 1..=LAST_SUB {
+            let exists = self.read(Multiplexer { index, sub: SubIndex(sub) })?.exists() == Some(true);
+            absent = if exists { 0 } else { absent + 1 };
+            // The value of an object that has no sub-indexes may look like a count.
+            if !exists && (sub >= counted || sub >= least && absent >= MOST_ABSENT) {
+                break;
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether any entry of the object exists.
+    fn has(&self, index: Index) -> bool {
+        self.survey.of(index).any(|(_, answer)| answer.exists() == Some(true))
+    }
+}
+
+#[cfg(test)]
+mod tests;

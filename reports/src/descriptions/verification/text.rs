@@ -1,0 +1,56 @@
+//! For people: a table, then what each kind of difference means.
+
+use super::{Style, Verification, remark, side, subject};
+use crate::escape::printable;
+use canvass_analyzer::dictionary::survey::compare::{Kind, Mismatch};
+use comfy_table::{Cell, Color, ContentArrangement, Table, presets};
+use std::collections::BTreeSet;
+use std::fmt::Write;
+
+pub(super) fn render(verification: &Verification, style: Style) -> String {
+    let mut text = String::new();
+    if !verification.mismatches.is_empty() {
+        // Writing to a string can't fail.
+        let _ = writeln!(text, "{}\n", table(verification, style));
+        let kinds: BTreeSet<Kind> = verification.mismatches.iter().map(|mismatch| mismatch.kind).collect();
+        for kind in kinds {
+            let _ = writeln!(text, "{}: {}", kind.id(), kind.meaning());
+        }
+        text.push('\n');
+    }
+    let incomplete = verification.incomplete();
+    if !incomplete.is_empty() {
+        let _ = writeln!(text, "{incomplete}");
+    }
+    let (file, bus) = (printable(&verification.file), printable(&verification.bus));
+    let _ = writeln!(text, "{file}, node {} on {bus}: {}", verification.node, verification.summary());
+    text
+}
+
+fn table(verification: &Verification, style: Style) -> Table {
+    let mut table = Table::new();
+    table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
+    if style.colors {
+        table.enforce_styling()
+    } else {
+        table.force_no_tty()
+    };
+    table.set_width(style.width);
+    table.set_header(["object", "what", "described", "found"]);
+    for mismatch in verification.differences() {
+        table.add_row(row(mismatch, true));
+    }
+    for mismatch in verification.explicable() {
+        table.add_row(row(mismatch, false));
+    }
+    table
+}
+
+fn row(mismatch: &Mismatch, counts: bool) -> [Cell; 4] {
+    let what = Cell::new(match remark(mismatch.weight) {
+        "" => mismatch.kind.id().to_owned(),
+        remark => format!("{} ({remark})", mismatch.kind.id()),
+    });
+    let what = what.fg(if counts { Color::Red } else { Color::Yellow });
+    [Cell::new(subject(mismatch)), what, Cell::new(side(&mismatch.described)), Cell::new(side(&mismatch.found))]
+}

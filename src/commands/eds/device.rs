@@ -1,0 +1,85 @@
+//! The device that a command reads.
+
+use crate::commands::test::which_node;
+use crate::devices::parse_node;
+use crate::interrupt::Interrupt;
+use crate::live::{ClientArg, Live, parse_span};
+use crate::output::{is_seen, show_progress};
+use crate::status::Failure;
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::survey::Survey;
+use canvass_bus::client::{Exchange, SurveyError, Surveyor};
+use canvass_reports::escape::Printable;
+use canvass_traces::{Duration, Record, Timestamp};
+use std::time::Instant;
+
+/// A device on a bus.
+#[derive(clap::Args)]
+pub struct DeviceArgs {
+    /// The bus: can0, slcan:PORT[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...]
+    pub bus: String,
+    /// The device's node-ID; without it the one of the simulated device
+    #[arg(long, value_parser = parse_node)]
+    pub node: Option<NodeId>,
+    /// How long to wait for each response, such as 500ms
+    #[arg(long, default_value = "1s", value_name = "SPAN", value_parser = parse_span)]
+    timeout: Duration,
+    #[command(flatten)]
+    client: ClientArg,
+}
+
+/// A device on an open bus.
+pub struct Opened {
+    live: Live,
+    /// Its node-ID.
+    pub node: NodeId,
+    patience: Duration,
+}
+
+impl DeviceArgs {
+    /// Opens the bus; `usual` is the node-ID if none was given and the device is not simulated.
+    pub fn open(&self, usual: Option<NodeId>) -> Result<Opened, Failure> {
+        let mut live = Live::open(&self.bus, self.node, &[], self.client)?;
+        let node = self.node.or(live.simulated_node()).or(usual).ok_or_else(|| which_node(&self.bus, live.model))?;
+        let id = u16::from(node.raw());
+        // Only the two directions of this server, however busy the bus is.
+        live.bus.only(&[(0x580 + id, 0x7FF), (0x600 + id, 0x7FF)]).map_err(Failure::unreachable)?;
+        Ok(Opened { live, node, patience: self.timeout })
+    }
+}
+
+impl Opened {
+    /// The bit rate of the bus in kbit/s, where it is known.
+    pub fn bit_rate(&self) -> Option<u16> {
+        self.live.bus.bit_rate().and_then(|rate| u16::try_from(rate / 1_000).ok())
+    }
+
+    /// Lets `read` read what it wants, and returns that, with what `read` returns. Ctrl-C ends it.
+    pub fn survey<T>(
+        &mut self,
+        read: impl FnOnce(&mut Surveyor<'_, '_>) -> Result<T, SurveyError>,
+    ) -> Result<(Survey, T), Failure> {
+        let interrupt = Interrupt::watch()?;
+        let mut observe = |_: &Record| {};
+        let mut exchange = Exchange { bus: self.live.bus.as_mut(), observe: &mut observe, ends: Timestamp::MAX };
+        let mut shown = Instant::now();
+        let mut watch = |at: canvass_analyzer::Multiplexer| {
+            if is_seen() && shown.elapsed() >= PAUSE {
+                shown = Instant::now();
+                show_progress(&Printable::line(&format!("canvass: reading {at}")));
+            }
+            !interrupt.came()
+        };
+        let mut surveyor = Surveyor::new(&mut exchange, self.node, self.patience, &mut watch);
+        let done = read(&mut surveyor);
+        let survey = surveyor.into_survey();
+        if is_seen() {
+            show_progress(&Printable::line(""));
+        }
+        self.live.report_health();
+        Ok((survey, done.map_err(Failure::unreachable)?))
+    }
+}
+
+/// Between one showing of the progress and the next.
+const PAUSE: std::time::Duration = std::time::Duration::from_millis(200);

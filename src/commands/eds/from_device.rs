@@ -1,0 +1,147 @@
+//! `canvass eds from-device`: a description made from a device.
+
+use super::device::DeviceArgs;
+use crate::destination::refuse_existing;
+use crate::output::{diagnostic, unless_closed};
+use crate::provenance::date_of_file;
+use crate::status::{Failure, Status};
+use crate::whole_file::WholeFile;
+use anyhow::{Context, Result, anyhow};
+use canvass_analyzer::dictionary::FileInfo;
+use canvass_analyzer::dictionary::survey::describe::{Scan, Scanned};
+use std::io::Write;
+use std::ops::RangeInclusive;
+use std::path::{Path, PathBuf};
+use std::str::FromStr;
+
+/// Make a description of a device from what it has, as a start where none exists; nothing is written to the device
+///
+/// Every index is read by SDO. Names, types and access of objects that CiA 301, 302, 304 or 406 define are the standard's;
+/// those of others are guessed from what was read, and comments in the file say so. Defaults are the values that the device
+/// had. All indexes take some minutes on a live bus: --range reads fewer.
+#[derive(clap::Args)]
+#[command(after_help = "\
+Examples:
+  canvass eds from-device can0 --node 5 -o motor.eds
+  canvass eds from-device can0 --node 5 --range 1000-1FFF --range 6000-67FF > motor.eds")]
+pub struct Args {
+    #[command(flatten)]
+    device: DeviceArgs,
+    /// The EDS to write; without it, standard output
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    /// Overwrite FILE if it exists
+    #[arg(long)]
+    force: bool,
+    /// The indexes to read, in hexadecimal, such as 1000-1FFF; may be given several times
+    #[arg(long, value_name = "FIRST-LAST", default_value = "1000-FFFF")]
+    range: Vec<IndexRange>,
+}
+
+/// Indexes as typed: `1000-1FFF`, or `1018`.
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct IndexRange(RangeInclusive<u16>);
+
+impl FromStr for IndexRange {
+    type Err = anyhow::Error;
+
+    fn from_str(text: &str) -> Result<Self> {
+        let wrong = || anyhow!("expected indexes from 1000 to FFFF, such as 1000-1FFF, found \"{text}\"");
+        let index = |text: &str| u16::from_str_radix(text, 16).ok().filter(|&index| index >= 0x1000);
+        let (first, last) = text.split_once('-').unwrap_or((text, text));
+        let (first, last) = (index(first).ok_or_else(wrong)?, index(last).ok_or_else(wrong)?);
+        if first > last {
+            return Err(wrong());
+        }
+        Ok(Self(first..=last))
+    }
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        if let Some(path) = self.output.as_deref().filter(|_| !self.force) {
+            refuse_existing(path)?;
+        }
+        let scanned = self.scan()?;
+        let text = scanned.eds();
+        match &self.output {
+            Some(path) => write(path, text.as_bytes())?,
+            None => {
+                let mut output = crate::output::raw();
+                unless_closed(output.write_all(text.as_bytes()).and_then(|()| output.flush()))?;
+            }
+        }
+        tell(&scanned);
+        Ok(Status::Good)
+    }
+
+    fn scan(&self) -> Result<Scanned, Failure> {
+        let mut opened = self.device.open(None)?;
+        let (survey, given_up) = opened.survey(|surveyor| {
+            for at in canvass_analyzer::dictionary::survey::compare::IDENTITY {
+                surveyor.read(at)?;
+            }
+            for range in &self.range {
+                if let Some(index) = surveyor.area(range.0.clone())? {
+                    return Ok(Some(index));
+                }
+            }
+            Ok(None)
+        })?;
+        if let Some(index) = given_up {
+            return Err(Failure::unreachable(anyhow!(
+                "node {} does not answer where it has no object, instead of abort 0602 0000h: from {index} on nothing was \
+                 read; --range tells where to look",
+                opened.node
+            )));
+        }
+        let scan = Scan { survey: &survey, node: opened.node, bit_rate: opened.bit_rate(), file: self.file()? };
+        Ok(scan.describe())
+    }
+
+    /// What the file says about itself.
+    fn file(&self) -> Result<FileInfo> {
+        let name = self.output.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+        let at = date_of_file()?;
+        let moment = (at.strftime("%m-%d-%Y").to_string(), at.strftime("%I:%M%p").to_string());
+        Ok(FileInfo {
+            name: name.unwrap_or_else(|| "device.eds".to_owned()),
+            version: "1".to_owned(),
+            revision: "1".to_owned(),
+            description: "Read from a device".to_owned(),
+            created: moment.clone(),
+            created_by: format!("canvass {}", env!("CARGO_PKG_VERSION")),
+            modified: moment,
+            modified_by: format!("canvass {}", env!("CARGO_PKG_VERSION")),
+            ..FileInfo::default()
+        })
+    }
+}
+
+fn write(path: &Path, text: &[u8]) -> Result<()> {
+    let file = WholeFile::create(path)?;
+    file.writer()?.write_all(text).with_context(|| format!("can't write {}", path.display()))?;
+    file.complete()
+}
+
+fn tell(scanned: &Scanned) {
+    let dictionary = &scanned.description.dictionary;
+    let (objects, entries) = (dictionary.objects().len(), dictionary.entries().count());
+    let guessed = scanned.guesses.len();
+    diagnostic(&format!("canvass: {objects} objects with {entries} entries; something is guessed of {guessed}"));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ranges_as_typed() {
+        let range = |text: &str| text.parse::<IndexRange>().map(|range| range.0);
+        assert_eq!(range("1000-1FFF").unwrap(), 0x1000..=0x1FFF);
+        assert_eq!(range("1018").unwrap(), 0x1018..=0x1018);
+        for wrong in ["", "0-1FFF", "1FFF-1000", "1000-", "10000", "1000-1FFF-2000", "x"] {
+            assert!(range(wrong).is_err(), "{wrong}");
+        }
+    }
+}

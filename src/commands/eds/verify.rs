@@ -1,0 +1,90 @@
+//! `canvass eds verify`: a device against its description.
+
+use super::device::DeviceArgs;
+use super::found::{Description, description};
+use crate::output::{Color, Output, terminal_width, unless_closed};
+use crate::status::{Failure, Status};
+use canvass_analyzer::dictionary::survey::compare::{IDENTITY, compare};
+use canvass_reports::descriptions::verification::{Style, Verification};
+use canvass_reports::escape::Printable;
+use std::io::Write;
+use std::ops::RangeInclusive;
+use std::path::PathBuf;
+
+/// Hold a device against its description: read everything, write nothing
+///
+/// Every described entry is read by SDO: whether it exists, its length, its value against limits and default, COB-IDs and
+/// the mapping of PDOs; and what the device has that is not described, in the communication profile area or, with --all,
+/// everywhere. A value that can be written may have been configured: unless --as-delivered says that nobody has, it is shown
+/// and does not make the exit status 1. What can't be told without writing is not looked at.
+#[derive(clap::Args)]
+pub struct Args {
+    /// An EDS, DCF, XDD or XDC file; - is standard input
+    file: PathBuf,
+    #[command(flatten)]
+    device: DeviceArgs,
+    /// Look for undescribed objects at every index from 1000h to FFFFh: a minute or more on a live bus
+    #[arg(long)]
+    all: bool,
+    /// Nobody has configured the device: values other than the defaults are differences
+    #[arg(long)]
+    as_delivered: bool,
+    /// How to print what differs
+    #[arg(long, value_enum, default_value_t)]
+    format: VerifyFormat,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
+enum VerifyFormat {
+    /// For people: a table
+    #[default]
+    Text,
+    /// One JSON object
+    Json,
+    /// For tickets and wikis
+    Markdown,
+}
+
+/// Where undescribed objects are looked for.
+const COMMUNICATION_PROFILE: RangeInclusive<u16> = 0x1000..=0x1FFF;
+const ALL: RangeInclusive<u16> = 0x1000..=0xFFFF;
+
+impl Args {
+    pub fn run(self, color: Color) -> Result<Status, Failure> {
+        let verification = self.verify()?;
+        let style = Style { colors: color.on_stdout(), width: terminal_width().unwrap_or(120) };
+        let text = match self.format {
+            VerifyFormat::Text => verification.text(style),
+            VerifyFormat::Json => Printable::pretty_json(&verification.json()).into_string(),
+            VerifyFormat::Markdown => verification.markdown(),
+        };
+        let mut output = Output::text(style.colors);
+        unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
+        let differs = verification.differences().next().is_some();
+        Ok(if differs { Status::Findings } else { Status::Good })
+    }
+
+    fn verify(&self) -> Result<Verification, Failure> {
+        let description = description(&Description::read(&self.file)?.bytes, &self.file)?;
+        let configured = description.commissioning.as_ref().and_then(|commissioning| commissioning.node_id);
+        let mut opened = self.device.open(configured)?;
+        let (survey, given_up) = opened.survey(|surveyor| {
+            for at in IDENTITY {
+                surveyor.read(at)?;
+            }
+            surveyor.described(&description)?;
+            surveyor.area(if self.all { ALL } else { COMMUNICATION_PROFILE })
+        })?;
+        let (read, existing) = survey.counts();
+        Ok(Verification {
+            file: self.file.display().to_string(),
+            bus: self.device.bus.clone(),
+            node: opened.node,
+            as_delivered: self.as_delivered,
+            read,
+            existing,
+            given_up,
+            mismatches: compare(&description, &survey, opened.node),
+        })
+    }
+}

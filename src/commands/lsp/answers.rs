@@ -1,0 +1,212 @@
+//! What is answered of one file.
+
+use super::document::{Document, Units};
+use canvass_analyzer::dictionary::Severity;
+use canvass_analyzer::dictionary::check::{Checked, Finding, check, mend};
+use canvass_analyzer::dictionary::editor::{self, Symbol};
+use lsp_types::request::{
+    CodeActionRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition, HoverRequest, References,
+    Request as _,
+};
+use lsp_types::{
+    CodeAction, CodeActionKind, CodeActionParams, CompletionItem, CompletionItemKind, CompletionParams,
+    CompletionTextEdit, Diagnostic, DiagnosticSeverity, DocumentSymbol, Documentation, GotoDefinitionParams, Hover,
+    HoverContents, HoverParams, Location, MarkupContent, MarkupKind, NumberOrString, Position, ReferenceParams,
+    SymbolKind, TextEdit, Uri, WorkspaceEdit,
+};
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+
+/// A file, and how places in it are counted.
+pub struct Answers<'a> {
+    pub uri: &'a Uri,
+    pub document: &'a Document,
+    pub units: Units,
+}
+
+type Answer = Result<Value, serde_json::Error>;
+
+impl Answers<'_> {
+    /// The answer to a request about the file; `None`: it is not served.
+    pub fn to(&self, method: &str, params: Value) -> Option<Answer> {
+        Some(match method {
+            HoverRequest::METHOD => {
+                answer(params, |asked: HoverParams| self.hover(asked.text_document_position_params.position))
+            }
+            Completion::METHOD => {
+                answer(params, |asked: CompletionParams| self.completion(asked.text_document_position.position))
+            }
+            GotoDefinition::METHOD => answer(params, |asked: GotoDefinitionParams| {
+                let at = self.at(asked.text_document_position_params.position);
+                json!(editor::definition(self.text(), at).map(|range| self.location(&range)))
+            }),
+            References::METHOD => answer(params, |asked: ReferenceParams| {
+                let at = self.at(asked.text_document_position.position);
+                json!(editor::references(self.text(), at).iter().map(|range| self.location(range)).collect::<Vec<_>>())
+            }),
+            DocumentSymbolRequest::METHOD => {
+                Ok(json!(editor::outline(self.text()).iter().map(|symbol| self.symbol(symbol)).collect::<Vec<_>>()))
+            }
+            CodeActionRequest::METHOD => answer(params, |asked: CodeActionParams| self.actions(&asked)),
+            Formatting::METHOD => Ok(json!(self.mended())),
+            _ => return None,
+        })
+    }
+
+    fn text(&self) -> &str {
+        &self.document.text
+    }
+
+    fn at(&self, position: Position) -> usize {
+        self.document.offset(position, self.units)
+    }
+
+    fn location(&self, range: &std::ops::Range<usize>) -> Location {
+        Location::new(self.uri.clone(), self.document.range(range, self.units))
+    }
+
+    /// All that a check finds and the file does not itself leave so.
+    pub fn findings(&self) -> Vec<Diagnostic> {
+        let Some(checked) = self.checked() else { return Vec::new() };
+        checked.open().map(|finding| self.diagnostic(finding)).collect()
+    }
+
+    fn checked(&self) -> Option<Checked<'_>> {
+        let name = self.uri.path().as_str().rsplit('/').next();
+        check(self.text().as_bytes(), name).ok()
+    }
+
+    fn diagnostic(&self, finding: &Finding) -> Diagnostic {
+        let problem = &finding.problem;
+        let rule = problem.rule;
+        let severity = match finding.severity() {
+            Severity::Error => DiagnosticSeverity::ERROR,
+            Severity::Warning => DiagnosticSeverity::WARNING,
+            Severity::Hint => DiagnosticSeverity::HINT,
+        };
+        Diagnostic {
+            range: self.document.range(&finding.span, self.units),
+            severity: Some(severity),
+            code: Some(NumberOrString::String(rule.id.to_owned())),
+            source: Some("canvass".to_owned()),
+            message: format!(
+                "{}: expected {}, found \"{}\"",
+                rule.title(),
+                problem.expected,
+                problem.found.escape_debug()
+            ),
+            ..Diagnostic::default()
+        }
+    }
+
+    fn hover(&self, position: Position) -> Value {
+        let shown = editor::hover(self.text(), self.at(position));
+        json!(shown.map(|hover| Hover {
+            contents: HoverContents::Markup(MarkupContent { kind: MarkupKind::Markdown, value: hover.text }),
+            range: Some(self.document.range(&hover.range, self.units)),
+        }))
+    }
+
+    fn completion(&self, position: Position) -> Value {
+        let found = editor::complete(self.text(), self.at(position));
+        let item = |(order, found): (usize, editor::Completion)| CompletionItem {
+            label: found.label.clone(),
+            kind: Some(CompletionItemKind::FIELD),
+            documentation: Some(Documentation::String(found.detail))
+                .filter(|text| *text != Documentation::String(String::new())),
+            // In this order, and not by the alphabet.
+            sort_text: Some(format!("{order:04}")),
+            filter_text: Some(found.label),
+            text_edit: Some(CompletionTextEdit::Edit(TextEdit {
+                range: self.document.range(&found.range, self.units),
+                new_text: found.text,
+            })),
+            ..CompletionItem::default()
+        };
+        json!(found.into_iter().enumerate().map(item).collect::<Vec<_>>())
+    }
+
+    #[expect(deprecated, reason = "the type has a member that nobody sets any more")]
+    fn symbol(&self, symbol: &Symbol) -> DocumentSymbol {
+        DocumentSymbol {
+            name: symbol.name.clone(),
+            detail: Some(symbol.detail.clone()),
+            kind: if symbol.is_object { SymbolKind::OBJECT } else { SymbolKind::NAMESPACE },
+            tags: None,
+            deprecated: None,
+            range: self.document.range(&symbol.whole, self.units),
+            selection_range: self.document.range(&symbol.selected, self.units),
+            children: Some(symbol.entries.iter().map(|entry| self.symbol(entry)).collect()),
+        }
+    }
+
+    /// What mends the findings of a place, and all that can be mended.
+    fn actions(&self, asked: &CodeActionParams) -> Value {
+        let Some(checked) = self.checked() else { return json!([]) };
+        let wanted = |kind: &CodeActionKind| {
+            let asked = asked.context.only.as_ref();
+            asked.is_none_or(|only| only.iter().any(|only| kind.as_str().starts_with(only.as_str())))
+        };
+        let (from, to) = (self.at(asked.range.start), self.at(asked.range.end));
+        let mut actions = Vec::new();
+        let here = |finding: &&Finding| finding.span.start <= to && from <= finding.span.end && finding.line > 0;
+        for finding in checked.open().filter(here).filter(|_| wanted(&CodeActionKind::QUICKFIX)) {
+            let Some(fix) = finding.fix.as_ref().filter(|fix| !fix.edits.is_empty()) else { continue };
+            let edit = |edit: &canvass_analyzer::dictionary::check::Edit| TextEdit {
+                range: self.document.range(&edit.range, self.units),
+                new_text: edit.text.clone(),
+            };
+            let diagnostics = Some(vec![self.diagnostic(finding)]);
+            let edits = fix.edits.iter().map(edit).collect();
+            actions.push(self.action(fix.title.clone(), CodeActionKind::QUICKFIX, edits, diagnostics));
+        }
+        let all = self.mended();
+        if !all.is_empty() && wanted(&CodeActionKind::SOURCE_FIX_ALL) {
+            let title = "mend all that needs no guessing".to_owned();
+            actions.push(self.action(title, CodeActionKind::SOURCE_FIX_ALL, all, None));
+        }
+        json!(actions)
+    }
+
+    #[expect(clippy::mutable_key_type, reason = "the protocol's own type; the name of a file does not change")]
+    fn action(
+        &self,
+        title: String,
+        kind: CodeActionKind,
+        edits: Vec<TextEdit>,
+        diagnostics: Option<Vec<Diagnostic>>,
+    ) -> CodeAction {
+        let changes = HashMap::from([(self.uri.clone(), edits)]);
+        CodeAction {
+            title,
+            kind: Some(kind),
+            diagnostics,
+            edit: Some(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() }),
+            ..CodeAction::default()
+        }
+    }
+
+    /// The edit that mends everything that needs no guessing; none if there is nothing to mend.
+    fn mended(&self) -> Vec<TextEdit> {
+        let mended =
+            mend(self.text().as_bytes(), |_| true).ok().and_then(|mended| String::from_utf8(mended.bytes).ok());
+        let Some(mended) = mended.filter(|mended| mended != self.text()) else { return Vec::new() };
+        let (from, old, new) = changed(self.text(), &mended);
+        vec![TextEdit { range: self.document.range(&(from..from + old), self.units), new_text: new.to_owned() }]
+    }
+}
+
+/// Where two texts differ first, and how much of each up to where they are the same again.
+fn changed<'a>(old: &str, new: &'a str) -> (usize, usize, &'a str) {
+    let same = |(a, b): &(char, char)| a == b;
+    let start: usize = old.chars().zip(new.chars()).take_while(same).map(|(character, _)| character.len_utf8()).sum();
+    let (old, new) = (old.get(start..).unwrap_or_default(), new.get(start..).unwrap_or_default());
+    let backwards = old.chars().rev().zip(new.chars().rev()).take_while(same);
+    let end: usize = backwards.map(|(character, _)| character.len_utf8()).sum();
+    (start, old.len() - end, new.get(..new.len() - end).unwrap_or_default())
+}
+
+fn answer<T: DeserializeOwned>(params: Value, of: impl FnOnce(T) -> Value) -> Answer {
+    serde_json::from_value(params).map(of)
+}

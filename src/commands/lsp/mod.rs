@@ -1,0 +1,41 @@
+//! `canvass lsp`: a language server for EDS and DCF files, which editors start.
+
+mod answers;
+mod document;
+mod session;
+
+use crate::status::{Failure, Status};
+use anyhow::{Context, anyhow};
+use lsp_server::Connection;
+use session::Session;
+
+/// Serve editors of EDS and DCF files: findings as one types, what stands under the cursor, completion, outline and edits
+///
+/// Editors start this and talk to it by the Language Server Protocol over standard input and output.
+#[derive(clap::Args)]
+pub struct Args {
+    /// Standard input and output, as always: some editors say so
+    #[arg(long)]
+    stdio: bool,
+}
+
+impl Args {
+    pub fn run(self) -> Result<Status, Failure> {
+        let _ = self.stdio;
+        let (connection, threads) = Connection::stdio();
+        let (id, asked) = connection.initialize_start().context("no editor has begun a session").map_err(failed)?;
+        let mut session = Session::new(serde_json::from_value(asked).context("initialize").map_err(failed)?);
+        let capabilities = serde_json::to_value(session.capabilities()).map_err(|error| failed(error.into()))?;
+        connection.initialize_finish(id, capabilities).context("no editor has begun a session").map_err(failed)?;
+        let ended = session.serve(&connection);
+        // The threads end when nobody can send any more.
+        drop(connection);
+        threads.join().map_err(|error| failed(error.into()))?;
+        ended.map_err(failed)?;
+        Ok(Status::Good)
+    }
+}
+
+fn failed(error: anyhow::Error) -> Failure {
+    Failure::from(anyhow!("{error:#}"))
+}
