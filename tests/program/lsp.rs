@@ -57,19 +57,19 @@ impl Editor {
         editor
     }
 
-    fn send(&mut self, message: Message) {
+    fn send(&mut self, message: &Message) {
         message.write(self.to.as_mut().unwrap()).unwrap();
     }
 
     fn tell(&mut self, method: &str, params: Value) {
-        self.send(Notification { method: method.to_owned(), params }.into());
+        self.send(&Notification { method: method.to_owned(), params }.into());
     }
 
     /// What the server answers; findings that come meanwhile are kept.
     fn reply(&mut self, method: &str, params: Value) -> Result<Value, i32> {
         self.requests += 1;
         let id = RequestId::from(self.requests);
-        self.send(Request { id: id.clone(), method: method.to_owned(), params }.into());
+        self.send(&Request { id: id.clone(), method: method.to_owned(), params }.into());
         loop {
             match Message::read(&mut self.from).unwrap().unwrap() {
                 Message::Response(response) => {

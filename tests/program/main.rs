@@ -50,6 +50,7 @@ mod killed;
 mod live;
 #[cfg(test)]
 mod lsp;
+#[cfg(test)]
 mod marks;
 #[cfg(test)]
 mod memory;

@@ -179,7 +179,7 @@ impl SequenceTree {
                 self.step = ShrinkStep::Remove { length: self.best.stimuli.len().div_ceil(2).max(1), from: 0 };
             }
             ShrinkStep::Remove { length, from } | ShrinkStep::Wait { length, from } => {
-                *from = from.saturating_sub(stride(*length))
+                *from = from.saturating_sub(stride(*length));
             }
             _ => {}
         }

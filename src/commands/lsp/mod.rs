@@ -25,17 +25,17 @@ impl Args {
         let (connection, threads) = Connection::stdio();
         let (id, asked) = connection.initialize_start().context("no editor has begun a session").map_err(failed)?;
         let mut session = Session::new(serde_json::from_value(asked).context("initialize").map_err(failed)?);
-        let capabilities = serde_json::to_value(session.capabilities()).map_err(|error| failed(error.into()))?;
+        let capabilities = serde_json::to_value(session.capabilities()).map_err(failed)?;
         connection.initialize_finish(id, capabilities).context("no editor has begun a session").map_err(failed)?;
         let ended = session.serve(&connection);
         // The threads end when nobody can send any more.
         drop(connection);
-        threads.join().map_err(|error| failed(error.into()))?;
+        threads.join().map_err(failed)?;
         ended.map_err(failed)?;
         Ok(Status::Good)
     }
 }
 
-fn failed(error: anyhow::Error) -> Failure {
-    Failure::from(anyhow!("{error:#}"))
+fn failed(error: impl Into<anyhow::Error>) -> Failure {
+    Failure::from(anyhow!("{:#}", error.into()))
 }
