@@ -1,5 +1,6 @@
 //! Exit statuses, and how errors become one.
 
+use canvass_traces::{OpenError, WriteError};
 use std::process::ExitCode;
 
 /// How the program ended.
@@ -45,11 +46,13 @@ impl Failure {
 
     /// The error and its causes, without those that the words before them tell already.
     fn message(&self) -> String {
-        self.error.chain().map(ToString::to_string).fold(String::new(), |message, cause| match message.as_str() {
-            "" => cause,
-            _ if message.contains(&cause) => message,
-            _ => format!("{message}: {cause}"),
-        })
+        let message =
+            self.error.chain().map(ToString::to_string).fold(String::new(), |message, cause| match message.as_str() {
+                "" => cause,
+                _ if message.contains(&cause) => message,
+                _ => format!("{message}: {cause}"),
+            });
+        self.error.chain().find_map(advice).map_or_else(|| message.clone(), |advice| format!("{message}; {advice}"))
     }
 
     fn is_broken_pipe(&self) -> bool {
@@ -63,4 +66,13 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
     fn from(error: E) -> Self {
         Self { status: Status::Usage, error: error.into() }
     }
+}
+
+/// The option that helps, which the libraries know nothing of.
+fn advice(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
+    if let Some(OpenError::Unknown { .. }) = cause.downcast_ref() {
+        return Some("if you know which, say --format-in");
+    }
+    let Some(WriteError::NotWritten(_)) = cause.downcast_ref() else { return None };
+    Some("choose another format with --to (`canvass list formats` shows them)")
 }

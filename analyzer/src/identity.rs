@@ -3,6 +3,13 @@
 use std::fmt;
 
 /// A node-ID, 1 to 127.
+///
+/// ```
+/// use canvass_analyzer::NodeId;
+///
+/// assert_eq!(NodeId::new(5), NodeId::of_cob_id(0x585), "the SDO responses of node 5");
+/// assert_eq!((NodeId::new(0), NodeId::new(128)), (None, None));
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct NodeId(u8);
 
@@ -62,6 +69,15 @@ impl fmt::Debug for NodeId {
 
 /// The value of a COB-ID parameter such as 1005h, 1014h, 1200h:1 or 1800h:1: a CAN-ID and three control bits,
 /// whose meaning depends on the object (CiA 301).
+///
+/// ```
+/// use canvass_analyzer::CobId;
+///
+/// let tpdo1_of_node_5 = CobId(0x4000_0185);
+/// assert!(tpdo1_of_node_5.is_valid() && !tpdo1_of_node_5.allows_rtr());
+/// assert_eq!(tpdo1_of_node_5.can_id(), 0x185);
+/// assert!(CobId(0x0000_0601).is_restricted(), "SDO requests of the default channel");
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct CobId(pub u32);
 

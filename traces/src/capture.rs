@@ -36,7 +36,7 @@ pub enum OpenError {
     #[error("{0} is empty: expected a capture")]
     Empty(String),
     /// No format matches.
-    #[error("{name} is of no known format: expected one of {known}; if you know which, say --format-in", known = known_formats())]
+    #[error("{name} is of no known format: expected one of {known}", known = known_formats())]
     Unknown {
         /// The file or `-`.
         name: String,

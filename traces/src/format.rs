@@ -3,6 +3,16 @@
 use std::fmt;
 
 /// A capture file format.
+///
+/// ```
+/// use canvass_traces::Format;
+///
+/// let by_extension = |ending| Format::all().find(|format| format.extensions().contains(&ending));
+/// assert_eq!(by_extension("pcapng"), Some(Format::Pcapng));
+/// assert_eq!(Format::Pcapng.to_string(), "pcapng");
+/// let only_read: Vec<_> = Format::all().filter(|format| !format.is_written()).collect();
+/// assert_eq!(only_read, [Format::Blf, Format::MiniMon, Format::CandumpConsole]);
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Format {
     /// candump's log.

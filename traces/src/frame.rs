@@ -7,6 +7,16 @@ use std::fmt;
 ///
 /// Classical frames, and CAN FD frames of up to 16 bytes, are held whole. Of a longer CAN FD or CAN XL frame the
 /// first 16 bytes are held; all of it is in its [`crate::Record`].
+///
+/// ```
+/// use canvass_traces::{CanId, Frame};
+///
+/// let start_all = Frame::new(CanId::standard(0x000).unwrap(), &[0x01, 0x00]).unwrap();
+/// assert_eq!((start_all.to_string(), start_all.dlc()), ("000#0100".to_owned(), 2));
+/// let guarding = Frame::remote(CanId::standard(0x705).unwrap(), 1).unwrap();
+/// assert!(guarding.is_remote() && guarding.data().is_empty());
+/// assert!(Frame::new(CanId::standard(0x123).unwrap(), &[0; 9]).is_none(), "a classical frame has 8 bytes");
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(C, align(8))]
 pub struct Frame {

@@ -6,6 +6,15 @@ use std::fmt;
 ///
 /// Ordered as arbitration orders: the lower value wins the bus, and of two identifiers whose first eleven bits
 /// are equal the standard one wins (ISO 11898-1).
+///
+/// ```
+/// use canvass_traces::CanId;
+///
+/// let heartbeat = CanId::standard(0x701).unwrap();
+/// assert_eq!((heartbeat.as_standard(), heartbeat.is_extended()), (Some(0x701), false));
+/// assert_eq!(CanId::standard(0x800), None, "11 bits");
+/// assert_ne!(CanId::extended(0x701).unwrap(), heartbeat);
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq, Hash)]
 pub struct CanId(u32);
 

@@ -26,6 +26,22 @@ pub enum Naming {
 }
 
 /// Several captures as one; iterates over items, each with the index of the source that it comes from.
+///
+/// ```
+/// use canvass_traces::{Capture, Merge, Naming, ReadOptions, Reader, Source};
+///
+/// let open = |name: &str, log: &str| Capture::from_source(name, Source::from_bytes(log), &ReadOptions::default());
+/// let line = open("line.log", "(1.000000) can0 000#0100\n(3.000000) can0 080#\n")?;
+/// let cell = open("cell.log", "(2.000000) can0 705#05\n")?;
+/// let mut merge = Merge::new(vec![line, cell], Naming::BySource);
+/// let mut seen = Vec::new();
+/// while let Some((source, item)) = merge.next() {
+///     let record = item.expect("nothing is damaged");
+///     seen.push(format!("{} {}", merge.name(source), record.frame));
+/// }
+/// assert_eq!(seen, ["line.log 000#0100", "cell.log 705#05", "line.log 080#"]);
+/// # Ok::<(), canvass_traces::OpenError>(())
+/// ```
 pub struct Merge {
     sources: Vec<MergedSource>,
     channels: Channels,

@@ -49,6 +49,17 @@ fn after(found: &str) -> String {
 ///
 /// # Errors
 /// [`FrameSyntax`] says where and what was expected.
+///
+/// ```
+/// use canvass_traces::{FrameKind, parse_frame};
+///
+/// let upload_of_1000h = parse_frame("601#4000100000000000")?;
+/// assert_eq!(upload_of_1000h.frame.cob_id(), Some(0x601));
+/// assert_eq!(upload_of_1000h.frame.data(), [0x40, 0x00, 0x10, 0, 0, 0, 0, 0]);
+/// assert_eq!(parse_frame("701#R1")?.frame.kind(), FrameKind::Remote);
+/// assert!(parse_frame("601#4").is_err(), "half a byte");
+/// # Ok::<(), canvass_traces::FrameSyntax>(())
+/// ```
 pub fn parse_frame(text: &str) -> Result<Record, FrameSyntax> {
     let bytes = text.as_bytes();
     whole(frame(bytes), "nothing more behind the frame").map_err(|missing| {

@@ -19,6 +19,23 @@ pub use gaps::{Gap, Gaps};
 use crate::{ChannelId, Damage, DamageKind, Duration, Frame, Place, Record, Timestamp};
 
 /// What was seen of one source, or of all together.
+///
+/// ```
+/// use canvass_traces::{Capture, Quality, ReadOptions, Reader, Source};
+///
+/// let log = "(1.000000) can0 705#05\n(2.500000) can0 70\n(4.000000) can0 705#R1\n";
+/// let mut capture = Capture::from_source("a.log", Source::from_bytes(log), &ReadOptions::default())?;
+/// let mut quality = Quality::default();
+/// while let Some(item) = capture.next() {
+///     match item {
+///         Ok(record) => quality.record(&record),
+///         Err(damage) => quality.damage(&damage),
+///     }
+/// }
+/// assert_eq!((quality.frames.standard, quality.frames.remote, quality.damages.malformed), (1, 1, 1));
+/// assert_eq!(quality.duration().as_millis(), 3000.0);
+/// # Ok::<(), canvass_traces::OpenError>(())
+/// ```
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Quality {
     /// The frames by kind.

@@ -32,6 +32,14 @@ impl Timestamp {
     }
 
     /// The time since `earlier`, or zero where the clock stepped back.
+    ///
+    /// ```
+    /// use canvass_traces::{Duration, Timestamp};
+    ///
+    /// let (earlier, later) = (Timestamp(1_000_000), Timestamp(3_500_000));
+    /// assert_eq!(later.since(earlier), Duration::from_micros(2_500));
+    /// assert_eq!(earlier.since(later), Duration::ZERO);
+    /// ```
     pub const fn since(self, earlier: Self) -> Duration {
         Duration(self.0.saturating_sub(earlier.0))
     }

@@ -37,7 +37,7 @@ pub enum WriteError {
     #[error("can't write: {0}")]
     Io(#[from] io::Error),
     /// The format can only be read.
-    #[error("{0} is read, but not written: choose another format with --to (`canvass list formats` shows them)")]
+    #[error("{0} is read, but not written")]
     NotWritten(Format),
     /// The format's library reports something else.
     #[error("can't write {format}: {reason}")]

@@ -82,6 +82,15 @@ pub enum ValueError {
 
 impl Value {
     /// The value that these bytes encode. The four reserved bits of TIME_OF_DAY and TIME_DIFFERENCE are ignored.
+    ///
+    /// ```
+    /// use canvass_analyzer::dictionary::{DataType, Value};
+    ///
+    /// assert_eq!(Value::decode(DataType::INTEGER16, &[0xFE, 0xFF])?, Value::Integer(-2));
+    /// assert_eq!(Value::Integer(-2).encode(DataType::INTEGER16)?, [0xFE, 0xFF]);
+    /// assert!(Value::decode(DataType::UNSIGNED32, &[1, 2]).is_err(), "expected 4 bytes");
+    /// # Ok::<(), canvass_analyzer::dictionary::ValueError>(())
+    /// ```
     pub fn decode(data_type: DataType, bytes: &[u8]) -> Result<Self, ValueError> {
         if let Some(expected) = data_type.bytes() {
             if bytes.len() != expected {

@@ -9,6 +9,19 @@ use std::ops::RangeInclusive;
 use std::str::FromStr;
 
 /// A filter, ready to be asked of each frame.
+///
+/// ```
+/// use canvass_analyzer::filter::{Filter, Subject};
+/// use canvass_analyzer::network::Network;
+/// use canvass_traces::parse_frame;
+///
+/// let refusals: Filter = "service=sdo and node=5 and abort".parse()?;
+/// let record = parse_frame("585#8018100411000906").unwrap();
+/// let decoded = Network::new().handle(&record);
+/// assert!(refusals.matches(&Subject { record: &record, decoded: &decoded, channel: "can0" }));
+/// assert!("servce=sdo".parse::<Filter>().is_err());
+/// # Ok::<(), canvass_analyzer::filter::FilterError>(())
+/// ```
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Filter(pub(super) Expression);
 

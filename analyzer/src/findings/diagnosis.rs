@@ -17,6 +17,24 @@ use crate::statistics::BusStatistics;
 use canvass_traces::{ChannelId, Duration, Record};
 
 /// Finds what is wrong in a capture. Memory does not grow with the capture.
+///
+/// ```
+/// use canvass_analyzer::findings::{Diagnosis, Thresholds};
+/// use canvass_traces::{Capture, ReadOptions, Reader, Source};
+///
+/// // Node 5 is in operation, and boots up again without anybody having asked for it.
+/// let log = "(1.000000) can0 705#00\n(1.100000) can0 000#0105\n(1.200000) can0 705#05\n(2.200000) can0 705#05\n\
+///            (2.700000) can0 705#00\n";
+/// let mut capture = Capture::from_source("a.log", Source::from_bytes(log), &ReadOptions::default())?;
+/// let mut diagnosis = Diagnosis::new(Thresholds::default());
+/// while let Some(item) = capture.next() {
+///     diagnosis.record(&item.expect("nothing is damaged"));
+/// }
+/// let results = diagnosis.finish(&[]);
+/// let found: Vec<_> = results.findings.iter().map(|finding| finding.rule.id).collect();
+/// assert_eq!(found, ["nodes/boot-up-without-command"]);
+/// # Ok::<(), canvass_traces::OpenError>(())
+/// ```
 pub struct Diagnosis {
     network: Network,
     thresholds: Thresholds,

@@ -39,6 +39,21 @@ use sdo::{ChannelIndex, Violation};
 use std::sync::Arc;
 
 /// All buses of a capture, each with its nodes and transfers.
+///
+/// ```
+/// use canvass_analyzer::network::{Event, Network, sdo::Outcome};
+/// use canvass_traces::parse_frame;
+///
+/// let mut network = Network::new();
+/// // The device type of node 5 is read: an encoder by CiA 406.
+/// network.handle(&parse_frame("605#4000100000000000")?);
+/// let answer = parse_frame("585#4300100096010200")?;
+/// let decoded = network.handle(&answer);
+/// assert!(matches!(decoded.event, Some(Event::TransferEnded)));
+/// let transfer = network.bus(answer.channel).unwrap().transfer(decoded.channel.unwrap()).unwrap();
+/// assert_eq!((transfer.outcome, transfer.data()), (Outcome::Complete, &[0x96, 0x01, 0x02, 0x00][..]));
+/// # Ok::<(), canvass_traces::FrameSyntax>(())
+/// ```
 #[derive(Default)]
 pub struct Network {
     buses: Vec<Bus>,

@@ -22,6 +22,15 @@ pub struct Emcy {
 }
 
 /// An error code of CiA 301 or of a profile. The first digits are its class.
+///
+/// ```
+/// use canvass_analyzer::wire::Wire;
+/// use canvass_analyzer::wire::emcy::{Emcy, EmcyCode};
+///
+/// let emcy = Emcy::read(&[0x30, 0x81, 0x11, 0, 0, 0, 0, 0]).unwrap();
+/// assert_eq!(emcy.code(), Some(EmcyCode(0x8130)));
+/// assert_eq!(emcy.register().unwrap().names().count(), 2, "generic and communication");
+/// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub struct EmcyCode(pub u16);
 

@@ -27,6 +27,20 @@ use canvass_traces::{CanId, Frame};
 use nom::{IResult, Parser};
 
 /// A message that has a layout of its own in at most eight bytes.
+///
+/// ```
+/// use canvass_analyzer::Multiplexer;
+/// use canvass_analyzer::wire::Wire;
+/// use canvass_analyzer::wire::sdo::{AbortCode, Request, Response};
+///
+/// let ask = Request::upload(Multiplexer::new(0x1018, 4)).to_frame(0x605);
+/// assert_eq!(ask.to_string(), "605#4018100400000000");
+/// let refused = Response::read(&[0x80, 0x18, 0x10, 0x04, 0x11, 0x00, 0x09, 0x06])?;
+/// let Response::Abort(abort) = refused else { panic!("{refused:?}") };
+/// assert_eq!(abort.code, AbortCode(0x0609_0011));
+/// assert!(Response::read(&[0x80, 0x18]).is_err(), "too short to have a meaning");
+/// # Ok::<(), canvass_analyzer::wire::Malformed>(())
+/// ```
 pub trait Wire: Sized {
     /// Reads the message from the start of a payload; what is left over is returned with it.
     ///

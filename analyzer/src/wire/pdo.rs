@@ -72,6 +72,19 @@ impl TransmissionType {
 }
 
 /// Takes `bits` bits (at most 64) from bit `offset` of a payload; `None` where it is too short.
+///
+/// ```
+/// use canvass_analyzer::wire::pdo::{extract, insert};
+///
+/// // A position of 20 bits after a status of 4.
+/// let payload = [0xA5, 0x5A, 0x01, 0x00];
+/// assert_eq!(extract(&payload, 0, 4), Some(0x5));
+/// assert_eq!(extract(&payload, 4, 20), Some(0x15AA));
+/// assert_eq!(extract(&payload, 16, 32), None, "the payload is too short");
+/// let mut other = [0; 4];
+/// assert!(insert(&mut other, 0, 4, 0x5) && insert(&mut other, 4, 20, 0x15AA));
+/// assert_eq!(other, payload);
+/// ```
 pub fn extract(payload: &[u8], offset: usize, bits: u8) -> Option<u64> {
     let end = offset.checked_add(usize::from(bits))?;
     if bits > 64 || end > payload.len().checked_mul(8)? {

@@ -55,6 +55,19 @@ pub enum DescriptionError {
 }
 
 /// Reads an EDS or DCF.
+///
+/// ```
+/// use canvass_analyzer::Multiplexer;
+/// use canvass_analyzer::dictionary::{DataType, eds};
+///
+/// let text = "[OptionalObjects]\nSupportedObjects=1\n1=0x1017\n\
+///             [1017]\nParameterName=Producer heartbeat time\nDataType=0x0006\nAccessType=rw\nDefaultValue=500\n";
+/// let description = eds::read(text.as_bytes())?;
+/// let entry = description.dictionary.entry(Multiplexer::new(0x1017, 0)).unwrap();
+/// assert_eq!((entry.name.as_ref(), entry.data_type), ("Producer heartbeat time", DataType::UNSIGNED16));
+/// assert!(!description.problems.is_empty(), "objects that every device has are missing");
+/// # Ok::<(), eds::DescriptionError>(())
+/// ```
 pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
     if bytes.len() > LARGEST_FILE {
         return Err(DescriptionError::TooLarge { found: bytes.len() });
