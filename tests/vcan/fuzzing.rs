@@ -116,7 +116,8 @@ fn what_shows_only_once_is_not_called_confirmed() {
 }
 
 /// What python canopen's device gets wrong, by property and rule: docs/peers.md shows the frames, each judged by hand.
-/// Of no other kind is any found, and most of these are.
+/// Of no other kind is any confirmed, and most of these are found. What is not confirmed may be one of these under another
+/// name: this device takes a 29-bit identifier for an SDO request, and its answer may come after the next request.
 const VIOLATIONS: &str = include_str!("python_canopen_violations.txt");
 
 #[test]
@@ -127,11 +128,12 @@ fn python_canopen_as_device() {
     let ended = start_fuzz(&bus, &["--node", "5", "--runs", "600"]).finish();
     let result = result(&ended);
     writeln!(std::io::stderr(), "figure: python canopen: {}; {}", brief(&result), ended.stderr.trim()).unwrap();
-    let violations = result["violations"].as_array().unwrap().iter();
     let text = |violation: &Value, key: &str| violation[key].as_str().unwrap().to_owned();
-    let found: Vec<String> =
-        violations.map(|violation| format!("{} {}", text(violation, "property"), text(violation, "rule"))).collect();
-    let unknown: Vec<&String> = found.iter().filter(|found| !VIOLATIONS.lines().any(|known| known == *found)).collect();
+    let kind = |violation: &Value| format!("{} {}", text(violation, "property"), text(violation, "rule"));
+    let violations = result["violations"].as_array().unwrap();
+    let found: Vec<String> = violations.iter().map(kind).collect();
+    let confirmed = violations.iter().filter(|violation| violation["confirmed"] == true).map(kind);
+    let unknown: Vec<String> = confirmed.filter(|found| !VIOLATIONS.lines().any(|known| known == found)).collect();
     assert!(unknown.is_empty(), "{unknown:?}: {}", brief(&result));
     assert!(found.len() * 2 >= VIOLATIONS.lines().count(), "{}", brief(&result));
 }

@@ -15,7 +15,8 @@ use crate::identity::SubIndex;
 /// A description with more entries is cut: `CompactSubObj` lets a small file ask for very many.
 const MOST_ENTRIES: usize = 200_000;
 
-const ENTRY_FIELDS: [&str; 14] = [
+/// The fields of an entry that a description holds.
+pub(super) const KEPT_ENTRY_FIELDS: [&str; 11] = [
     "parametername",
     "objecttype",
     "datatype",
@@ -27,12 +28,15 @@ const ENTRY_FIELDS: [&str; 14] = [
     "objflags",
     "parametervalue",
     "denotation",
-    "uploadfile",
-    "downloadfile",
-    "paramrefd",
 ];
+/// Those that are known beside them.
+const UNKEPT_ENTRY_FIELDS: [&str; 3] = ["uploadfile", "downloadfile", "paramrefd"];
 
 const OBJECT_FIELDS: [&str; 2] = ["subnumber", "compactsubobj"];
+
+fn is_entry_field(name: &str) -> bool {
+    KEPT_ENTRY_FIELDS.contains(&name) || UNKEPT_ENTRY_FIELDS.contains(&name)
+}
 
 /// The sections of one object.
 #[derive(Default)]
@@ -109,7 +113,7 @@ fn report_second(section: &Section<'_>, problems: &mut Problems) {
 pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, problems: &mut Problems) -> Object {
     let Some(head) = parts.head else { return headless(index, parts, problems) };
     let mut fields = Fields { section: head, problems };
-    fields.check_known(|name| ENTRY_FIELDS.contains(&name) || OBJECT_FIELDS.contains(&name));
+    fields.check_known(|name| is_entry_field(name) || OBJECT_FIELDS.contains(&name));
     let mut code = object_code(&mut fields);
     let compact = fields.number("CompactSubObj", 0xFE).unwrap_or(0) as u8;
     if !parts.subs.is_empty() && code.is_single() {
@@ -154,7 +158,7 @@ fn headless(index: u16, parts: &Parts<'_>, problems: &mut Problems) -> Object {
 fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
     for (&sub, &section) in &parts.subs {
         let mut fields = Fields { section, problems };
-        fields.check_known(|name| ENTRY_FIELDS.contains(&name));
+        fields.check_known(is_entry_field);
         check_object_type(&mut fields);
         object.insert(entry(&mut fields, sub, DataType(0)));
     }

@@ -1,6 +1,7 @@
 //! What stands in an EDS or DCF that a description does not hold.
 
 use super::lexer::{self, Document, Section, canonical};
+use super::objects::KEPT_ENTRY_FIELDS;
 use super::section_name::{ModulePart, SectionName};
 use super::{header, text};
 use crate::dictionary::description::DeviceDescription;
@@ -9,20 +10,6 @@ use crate::dictionary::object::{Entry, Object};
 use crate::dictionary::problem::Problems;
 use crate::identity::{Index, SubIndex};
 
-/// The fields of an entry that are kept.
-const ENTRY: [&str; 11] = [
-    "parametername",
-    "objecttype",
-    "datatype",
-    "accesstype",
-    "pdomapping",
-    "defaultvalue",
-    "lowlimit",
-    "highlimit",
-    "objflags",
-    "parametervalue",
-    "denotation",
-];
 /// The fields of an object with sub-indexes that are kept.
 const HEAD: [&str; 4] = ["parametername", "objecttype", "subnumber", "compactsubobj"];
 /// Those of an entry that hold a value of its data type.
@@ -85,10 +72,10 @@ fn section(section: &Section<'_>, document: &Document<'_>, description: &DeviceD
         }
         SectionName::Module(_, ModulePart::Info) => each(losses, &|name| MODULE.contains(&name)),
         SectionName::Module(_, ModulePart::SubExtension(_)) => {
-            each(losses, &|name| ENTRY.contains(&name) || matches!(name, "count" | "objextend"));
+            each(losses, &|name| KEPT_ENTRY_FIELDS.contains(&name) || matches!(name, "count" | "objextend"));
         }
         SectionName::Module(_, ModulePart::Fixed(_) | ModulePart::FixedSub(..)) => {
-            each(losses, &|name| ENTRY.contains(&name) || HEAD.contains(&name));
+            each(losses, &|name| KEPT_ENTRY_FIELDS.contains(&name) || HEAD.contains(&name));
         }
         SectionName::DynamicChannels
         | SectionName::Tools
@@ -119,7 +106,7 @@ fn head(section: &Section<'_>, object: Option<&Object>, losses: &mut Losses) {
 fn entry(section: &Section<'_>, entry: Option<&Entry>, losses: &mut Losses) {
     fields(section, losses, |name| {
         let is_without_value = entry.is_some_and(|entry| entry.data_type.class().is_none());
-        (ENTRY.contains(&name) || HEAD.contains(&name)) && !(VALUES.contains(&name) && is_without_value)
+        (KEPT_ENTRY_FIELDS.contains(&name) || HEAD.contains(&name)) && !(VALUES.contains(&name) && is_without_value)
     });
 }
 
