@@ -24,6 +24,8 @@ pub(crate) enum Found {
 pub(crate) struct Knowledge {
     needs: BTreeMap<&'static str, Found>,
     pub(super) starts_by_itself: Option<bool>,
+    /// Resets were followed by answers, and not by a boot-up message.
+    pub(super) starts_silently: bool,
     pub(super) heartbeats: Option<Heartbeats>,
     /// Which objects let themselves be written with the value that they have.
     pub(super) willing: BTreeMap<Multiplexer, bool>,

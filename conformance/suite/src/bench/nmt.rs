@@ -15,6 +15,9 @@ const AFTER_BOOT_UP: Duration = Duration::from_millis(50);
 /// Between two NMT commands: some stacks keep only one pending command.
 const BETWEEN_COMMANDS: Duration = Duration::from_millis(20);
 
+/// How long a device that sends no boot-up message is left alone after a reset: before it, it may still answer.
+const SILENT_START: Duration = Duration::from_millis(1_000);
+
 /// What the device sent between a reset command and the end of its start.
 #[derive(Clone, Debug, Default)]
 pub struct Start {
@@ -73,8 +76,12 @@ impl Bench<'_> {
     /// # Errors
     /// As [`Bench::wait_for`].
     pub fn wait_for_boot_up(&mut self) -> Result<Option<Timestamp>, Stop> {
+        self.wait_for_boot_up_within(self.timing().boot_up)
+    }
+
+    fn wait_for_boot_up_within(&mut self, span: Duration) -> Result<Option<Timestamp>, Stop> {
         let boot_up = error_control::CAN_ID_BASE + u16::from(self.node().raw());
-        self.wait_for(self.timing().boot_up, |record| {
+        self.wait_for(span, |record| {
             let is_boot_up = record.frame.cob_id() == Some(boot_up)
                 && ErrorControl::read(record.frame.data()).is_ok_and(ErrorControl::is_boot_up);
             is_boot_up.then_some(record.timestamp)
@@ -89,18 +96,40 @@ impl Bench<'_> {
     pub fn reset(&mut self, command: Command) -> Result<(), Stop> {
         self.drain()?;
         self.command(command)?;
-        if self.wait_for_boot_up()?.is_none() {
+        if !self.has_started()? {
             // In stopped some devices ignore resets.
             self.command(Command::ENTER_PRE_OPERATIONAL)?;
             self.listen(BETWEEN_COMMANDS)?;
             self.command(command)?;
-            if self.wait_for_boot_up()?.is_none() && !self.answers()? {
-                let (duty, expected) = (format!("after {command} the device starts"), "a boot-up message");
-                return Err(Stop::Inconclusive(Reason::new(duty, expected, "neither boot-up nor SDO response")));
+            if !self.has_started()? {
+                if !self.answers()? {
+                    let (duty, expected) = (format!("after {command} the device starts"), "a boot-up message");
+                    return Err(Stop::Inconclusive(Reason::new(duty, expected, "neither boot-up nor SDO response")));
+                }
+                self.knowledge.starts_silently = true;
             }
         }
         self.listen(AFTER_BOOT_UP)?;
         Ok(())
+    }
+
+    /// Whether the device starts: it says so, or answers again where it is known to say nothing. Else each reset of such a
+    /// device would take the longest time that a start may take.
+    fn has_started(&mut self) -> Result<bool, Stop> {
+        if !self.knowledge.starts_silently {
+            return Ok(self.wait_for_boot_up()?.is_some());
+        }
+        let deadline = self.now() + self.timing().boot_up;
+        if self.wait_for_boot_up_within(SILENT_START)?.is_some() {
+            self.knowledge.starts_silently = false;
+            return Ok(true);
+        }
+        while self.now() < deadline {
+            if self.answers()? {
+                return Ok(true);
+            }
+        }
+        Ok(false)
     }
 
     /// Resets the device and records its start: from the command until `after` has passed since the first

@@ -18,8 +18,12 @@ pub const GUARD_TIME: Multiplexer = Multiplexer::new(object::GUARD_TIME, 0);
 /// Life time factor.
 pub const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(object::LIFE_TIME_FACTOR, 0);
 
-/// The period at which a case lets the device say its state: short, and no burden on the bus.
-const PERIOD_MS: u16 = 50;
+/// The periods at which a case lets the device say its state, the first that it takes: short, and no burden on the bus. A
+/// right device may have a least time of its own.
+const PERIODS_MS: [u16; 4] = [50, 100, 250, 1_000];
+
+/// How often a write that nobody answers is tried.
+const TRIES: usize = 2;
 
 /// A device whose heartbeats are further apart is not recognised as being at work.
 const LONGEST_HEARTBEAT: Duration = Duration::from_millis(1_100);
@@ -32,10 +36,17 @@ const PERIODS: u64 = 4;
 pub(crate) enum Heartbeats {
     /// There is none, or it is off for good.
     None,
-    /// 1017h can be written.
-    Settable,
+    /// 1017h takes this time, in milliseconds.
+    Settable(u16),
     /// 1017h can't be written: the period is that of the device.
     Fixed(Duration),
+}
+
+impl Heartbeats {
+    /// Whether 1017h takes a time.
+    pub(crate) const fn is_settable(self) -> bool {
+        matches!(self, Self::Settable(_))
+    }
 }
 
 impl Bench<'_> {
@@ -59,15 +70,32 @@ impl Bench<'_> {
             Outcome::Uploaded(value) => value,
             Outcome::Aborted(_) => return Ok(Heartbeats::None),
             // A server that answers nothing, or nonsense, says nothing of 1017h.
-            _ => return Ok(Heartbeats::Settable),
+            _ => return Ok(Heartbeats::Settable(PERIODS_MS[0])),
         };
-        if self.can_write(HEARTBEAT_TIME)? && self.download(HEARTBEAT_TIME, &value)?.abort().is_none() {
-            return Ok(Heartbeats::Settable);
+        if self.can_write(HEARTBEAT_TIME)? {
+            for milliseconds in PERIODS_MS {
+                match self.takes_period(milliseconds)? {
+                    Some(true) => return Ok(Heartbeats::Settable(milliseconds)),
+                    Some(false) => {}
+                    None => break,
+                }
+            }
         }
         Ok(match super::sdo::number(&value) {
             0 => Heartbeats::None,
             milliseconds => Heartbeats::Fixed(Duration::from_millis(u64::from(milliseconds))),
         })
+    }
+
+    /// Whether 1017h takes a time: everything but an abort is a matter of the cases on downloads. `None` where nobody answers.
+    fn takes_period(&mut self, milliseconds: u16) -> Result<Option<bool>, Stop> {
+        for _ in 0..TRIES {
+            let attempt = self.download(HEARTBEAT_TIME, &milliseconds.to_le_bytes())?;
+            if !attempt.is_silent() {
+                return Ok(Some(attempt.abort().is_none()));
+            }
+        }
+        Ok(None)
     }
 
     /// Makes the device show its state: lets it send heartbeats, where it can. Works only where SDOs work, so
@@ -77,7 +105,7 @@ impl Bench<'_> {
     /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not take the time.
     pub fn show_state(&mut self) -> Result<(), Stop> {
         match self.heartbeats()? {
-            Heartbeats::Settable => self.write(HEARTBEAT_TIME, &PERIOD_MS.to_le_bytes()),
+            Heartbeats::Settable(milliseconds) => self.write(HEARTBEAT_TIME, &milliseconds.to_le_bytes()),
             Heartbeats::Fixed(_) => Ok(()),
             Heartbeats::None if self.guard()?.is_none() => self.let_guarding_be_answered(),
             Heartbeats::None => Ok(()),
@@ -102,7 +130,7 @@ impl Bench<'_> {
     /// # Errors
     /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not take the time.
     pub fn prefer_guarding(&mut self) -> Result<(), Stop> {
-        if self.heartbeats()? == Heartbeats::Settable && self.read_number(HEARTBEAT_TIME)? != 0 {
+        if self.heartbeats()?.is_settable() && self.read_number(HEARTBEAT_TIME)? != 0 {
             self.write(HEARTBEAT_TIME, &[0, 0])?;
         }
         Ok(())
@@ -114,7 +142,7 @@ impl Bench<'_> {
     /// As [`Bench::wait_for`].
     pub fn state(&mut self) -> Result<Option<State>, Stop> {
         let period = match self.heartbeats()? {
-            Heartbeats::Settable => Duration::from_millis(u64::from(PERIOD_MS)),
+            Heartbeats::Settable(milliseconds) => Duration::from_millis(u64::from(milliseconds)),
             Heartbeats::Fixed(period) => period,
             Heartbeats::None => return self.guard(),
         };

@@ -10,6 +10,8 @@ use crate::verdict::Stop;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_traces::{Duration, Frame};
+use std::cell::Cell;
+use std::rc::Rc;
 
 const MS: fn(u64) -> Duration = Duration::from_millis;
 
@@ -17,7 +19,7 @@ const MS: fn(u64) -> Duration = Duration::from_millis;
 fn every_state_is_reached_and_seen() {
     on_device(|bench| {
         bench.prepare().unwrap();
-        assert_eq!(bench.heartbeats(), Ok(Heartbeats::Settable));
+        assert_eq!(bench.heartbeats(), Ok(Heartbeats::Settable(50)));
         bench.show_state().unwrap();
         for state in [State::OPERATIONAL, State::PRE_OPERATIONAL, State::STOPPED] {
             bench.reach(state).unwrap();
@@ -99,6 +101,85 @@ fn a_reset_wakes_a_device_that_is_stopped() {
     assert_eq!(with_bench(table(answering), |bench| bench.reset(Command::RESET_NODE)), Ok(()));
     let gone = with_bench(table(&[]), |bench| bench.reset(Command::RESET_NODE));
     assert!(matches!(gone, Err(Stop::Inconclusive(_))), "{gone:?}");
+}
+
+/// The longest time that a start may take is waited out once: later resets end when the device answers again.
+#[test]
+fn a_device_without_boot_up_message_is_waited_for_once() {
+    let unanswered = Rc::new(Cell::new(0));
+    let left = unanswered.clone();
+    let script = move |request: &Frame| match (request.to_string().as_str(), left.get()) {
+        ("63F#4000100000000000", 0) => vec![(MS(1), frame("5BF#4300100096010200"))],
+        ("63F#4000100000000000", more) => {
+            left.set(more - 1);
+            Vec::new()
+        }
+        _ => Vec::new(),
+    };
+    with_bench(script, move |bench| {
+        let mut took = || {
+            let begun = bench.now();
+            assert_eq!(bench.reset(Command::RESET_NODE), Ok(()));
+            bench.now().since(begun)
+        };
+        // Twice ten seconds, 20 ms between, the answer, and 50 ms.
+        assert_eq!(took(), MS(20_071));
+        assert_eq!(took(), MS(1_051), "a second before it is asked, the answer, and 50 ms");
+        // One that leaves three requests unanswered, of a second each, is waited for.
+        unanswered.set(3);
+        assert_eq!(took(), MS(4_051));
+    });
+}
+
+/// A boot-up message that comes after all is believed again.
+#[test]
+fn a_boot_up_message_that_comes_again_is_waited_for() {
+    let mut resets = 0;
+    let script = move |request: &Frame| match request.to_string().as_str() {
+        "000#813F" => {
+            resets += 1;
+            if resets == 3 { vec![(MS(5), frame("73F#00"))] } else { Vec::new() }
+        }
+        "63F#4000100000000000" if resets < 4 => vec![(MS(1), frame("5BF#4300100096010200"))],
+        _ => Vec::new(),
+    };
+    with_bench(script, |bench| {
+        bench.reset(Command::RESET_NODE).unwrap();
+        let begun = bench.now();
+        bench.reset(Command::RESET_NODE).unwrap();
+        assert_eq!(bench.now().since(begun), MS(55));
+        let begun = bench.now();
+        assert!(bench.reset(Command::RESET_NODE).is_err(), "it is gone");
+        assert!(bench.now().since(begun) > MS(20_000), "as long as a start may take, and again");
+    });
+}
+
+/// 1017h, read as 200 ms and written with `answer` to each download.
+fn heartbeat_times(answer: fn(&str) -> Option<&'static str>) -> Heartbeats {
+    let script = move |request: &Frame| {
+        let text = request.to_string();
+        let answer = match text.as_str() {
+            "63F#4017100000000000" => Some("5BF#4B171000C8000000"),
+            download if download.starts_with("63F#2B171000") => answer(download),
+            _ => None,
+        };
+        answer.map(|answer| (MS(1), frame(answer))).into_iter().collect()
+    };
+    with_bench(script, |bench| bench.heartbeats()).unwrap()
+}
+
+/// What a device does not take does not keep its state from being seen: it has a least time, or one of its own.
+#[test]
+fn the_period_is_one_that_the_device_takes() {
+    const TAKEN: Option<&str> = Some("5BF#6017100000000000");
+    const TOO_LOW: Option<&str> = Some("5BF#8017100032000906");
+    assert_eq!(heartbeat_times(|_| TAKEN), Heartbeats::Settable(50));
+    let from_100 = |download: &str| if download.ends_with("32000000") { TOO_LOW } else { TAKEN };
+    assert_eq!(heartbeat_times(from_100), Heartbeats::Settable(100));
+    let own_alone = |download: &str| if download.ends_with("C8000000") { TAKEN } else { TOO_LOW };
+    assert_eq!(heartbeat_times(own_alone), Heartbeats::Fixed(MS(200)));
+    let unanswered = |download: &str| if download.ends_with("C8000000") { TAKEN } else { None };
+    assert_eq!(heartbeat_times(unanswered), Heartbeats::Fixed(MS(200)));
 }
 
 /// Only a reset of this node, or of all, makes its boot-up expected.

@@ -6,7 +6,6 @@
 use super::emcy::{emergencies, errors_of, fits_loss, is_error, observed, patience, shown};
 use super::error_behaviour::after_a_loss;
 use crate::bench::Bench;
-use crate::bench::state::Heartbeats;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Allowed, Breach, Check, Judged, Precondition, Reason, Stop, demand};
@@ -110,7 +109,7 @@ pub(super) fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
 
 /// The state that the loss of a node leads to, where the device shows it by heartbeats.
 pub(super) fn consequence(bench: &mut Bench<'_>) -> Result<Option<State>, Stop> {
-    if bench.heartbeats()? != Heartbeats::Settable {
+    if !bench.heartbeats()?.is_settable() {
         return Ok(None);
     }
     bench.show_state()?;

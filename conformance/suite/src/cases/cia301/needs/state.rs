@@ -20,16 +20,13 @@ pub static VISIBLE_STATE: Need =
 /// A heartbeat producer whose period can be set, 1017h.
 pub static HEARTBEAT: Need = Need::new("heartbeat", "the heartbeat producer (1017h)", |bench| {
     let heartbeats = bench.heartbeats()?;
-    if heartbeats != Heartbeats::Settable
-        && bench.described(HEARTBEAT_TIME) == Some(true)
-        && bench.can_write(HEARTBEAT_TIME)?
-    {
-        // Described as one that can be written: that it can't is a breach.
-        let value = bench.upload(HEARTBEAT_TIME)?.value()?;
-        bench.download(HEARTBEAT_TIME, &value)?.expect_confirmation()?;
+    if !heartbeats.is_settable() && bench.described(HEARTBEAT_TIME) == Some(true) && bench.can_write(HEARTBEAT_TIME)? {
+        // Described as one that can be written: that it can't is a breach. 7.5.2.20: UNSIGNED16.
+        bench.upload(HEARTBEAT_TIME)?.value()?;
+        bench.download(HEARTBEAT_TIME, &1_000_u16.to_le_bytes())?.expect_confirmation()?;
     }
     Ok(match heartbeats {
-        Heartbeats::Settable => Ok(()),
+        Heartbeats::Settable(_) => Ok(()),
         Heartbeats::Fixed(period) => Err(format!("the period is fixed: 1017h is {period} and can't be written")),
         Heartbeats::None => Err("the device has no 1017h that can be written".to_owned()),
     })
