@@ -150,6 +150,8 @@ impl Mapping<'_> {
             Some((&rules::NOT_MAPPABLE, "a mapped object with PDOMapping=1"))
         } else if !fits {
             Some((&rules::DIRECTION, "a mapped object whose access type fits the direction of the PDO"))
+        } else if entry.data_type == DataType::BOOLEAN && bits == 8 {
+            Some((&rules::BOOLEAN, "the length of a BOOLEAN, 1 bit"))
         } else if entry.data_type.bits().is_some_and(|length| length != u32::from(bits)) {
             Some((&rules::LENGTH, "the length of the mapped object's data type"))
         } else {
