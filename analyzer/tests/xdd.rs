@@ -2,9 +2,7 @@
 //! references to parameters of the application process.
 
 use canvass_analyzer::dictionary::eds::DescriptionError;
-use canvass_analyzer::dictionary::{
-    Access, DataType, DeviceDescription, EdsProblem, Setting, Severity, Value, consistency, xdd,
-};
+use canvass_analyzer::dictionary::{Access, DataType, DeviceDescription, EdsProblem, Setting, Severity, Value, xdd};
 use canvass_analyzer::{Index, Multiplexer, NodeId};
 use proptest::prelude::*;
 

@@ -125,10 +125,12 @@ impl CobIds {
     /// Takes a use off every CAN-ID but `keep`: it has moved there, or ended.
     ///
     /// The CAN-ID that the predefined connection set gives to this very use is left as it is known by default only
-    /// where nothing better is known: then it has no use any more.
+    /// where nothing better is known: then it has no use any more. A node's first SDO server stays there: 1200h is read-only
+    /// (CiA 301 7.5.2.33), and devices that take another value are asked and answer there all the same.
     pub fn release(&mut self, used: Use, keep: Option<u32>) {
         let moved = self.moved.range((rank(used), 0)..=(rank(used), u16::MAX)).map(|moved| moved.1);
-        let ids: Vec<u16> = home(used).into_iter().chain(moved).collect();
+        let stays = matches!(used, Use::SdoRequest(_) | Use::SdoResponse(_));
+        let ids: Vec<u16> = home(used).filter(|_| !stays).into_iter().chain(moved).collect();
         for id in ids {
             if self.get(id).0 == used && Some(u32::from(id)) != keep {
                 let default = predefined(id);

@@ -2,7 +2,7 @@
 
 use crate::trace::Trace;
 use canvass_analyzer::network::{Event, Move, Source, Use};
-use canvass_analyzer::{NodeId, PdoNumber};
+use canvass_analyzer::{NodeId, PdoNumber, Service};
 use canvass_traces::ChannelId;
 
 fn node(raw: u8) -> NodeId {
@@ -74,6 +74,20 @@ fn the_first_sdo_server_stays_where_it_is_unless_it_was_told_to_move() {
     let mut trace = Trace::new();
     assert_eq!(read(&mut trace, "00 12 01", "0A 06 00 00"), []);
     assert_eq!(trace.say("60A#40 18 10 01 00 00 00 00").decoded.node, Some(node(10)));
+}
+
+/// A device that takes another COB-ID of its first server, which is read-only, may stay where it is, or not.
+#[test]
+fn a_first_sdo_server_that_was_told_to_move_is_known_in_both_places() {
+    let mut trace = Trace::new();
+    written(&mut trace, "00 12 01", "A0 06 00 00");
+    written(&mut trace, "00 12 02", "A0 05 00 00");
+    for (request, response) in [("605", "585"), ("6A0", "5A0")] {
+        let asked = trace.say(&format!("{request}#40 18 10 01 00 00 00 00"));
+        assert_eq!((asked.decoded.node, asked.decoded.service), (Some(node(5)), Service::Sdo));
+        let answered = trace.say(&format!("{response}#43 18 10 01 2A 00 00 00"));
+        assert!(answered.decoded.ends_transfer() && answered.decoded.violation.is_none(), "{request}");
+    }
 }
 
 /// What was not stored is gone with the next start: the place comes back, and so does the mapping.
