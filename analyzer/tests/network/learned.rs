@@ -81,8 +81,8 @@ fn the_first_sdo_server_stays_where_it_is_unless_it_was_told_to_move() {
 fn a_first_sdo_server_that_was_told_to_move_is_known_in_both_places() {
     let mut trace = Trace::new();
     written(&mut trace, "00 12 01", "A0 06 00 00");
-    written(&mut trace, "00 12 02", "A0 05 00 00");
-    for (request, response) in [("605", "585"), ("6A0", "5A0")] {
+    written(&mut trace, "00 12 02", "A1 06 00 00");
+    for (request, response) in [("605", "585"), ("6A0", "6A1")] {
         let asked = trace.say(&format!("{request}#40 18 10 01 00 00 00 00"));
         assert_eq!((asked.decoded.node, asked.decoded.service), (Some(node(5)), Service::Sdo));
         let answered = trace.say(&format!("{response}#43 18 10 01 2A 00 00 00"));
