@@ -4,7 +4,7 @@
 //! line  = [stamp] IFACE [("RX" | "TX") ("B" | "-") ("E" | "-")] ID body [text]
 //! stamp = "(" SECONDS ")" | "(" YYYY-MM-DD hh:mm:ss.ffffff ")"
 //! body  = "[" LEN "]" bytes | "[" LEN "]" "remote request" | "[" LEN "]" "(" VCID "|" FLAGS ":" SDT ":" AF ")" bytes
-//! text  = "ERRORFRAME" | "'ASCII'" | "`IICSA`"
+//! text  = "ERRORFRAME" | "'ASCII'" | "`IICSA`" | "#" whatever somebody wrote beside it
 //! ```
 //!
 //! What is easily got wrong:
@@ -321,7 +321,8 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
         return Expected::fail(input, "a length that this kind of frame has");
     };
     let behind = skip_blanks(last);
-    if !matches!(behind, [] | [b'\'' | b'`', ..]) && !behind.starts_with(b"ERRORFRAME") {
+    let is_remark = behind.len() < last.len() && behind.starts_with(b"#");
+    if !is_remark && !matches!(behind, [] | [b'\'' | b'`', ..]) && !behind.starts_with(b"ERRORFRAME") {
         if !is_bytes(behind) {
             return Expected::fail(behind, NO_SURPLUS);
         }

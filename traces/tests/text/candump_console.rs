@@ -67,6 +67,15 @@ fn every_way_to_print_a_frame() {
     }
 }
 
+/// Logs in documents and reports have remarks beside the frames.
+#[test]
+fn a_remark_beside_a_frame_is_passed_over() {
+    assert_eq!(shown("  can0  703   [1]  05       # the gateway's heartbeat"), "703#05");
+    assert_eq!(shown("  vcan0  084   [8]  00 50 01 2F F3 FF FF FF   # Emergency message."), "084#0050012FF3FFFFFF");
+    assert!(items(CONSOLE, "  can0  703   [1]  05#\n")[0].is_err(), "a byte that is damaged");
+    assert!(items(CONSOLE, "  can0  703   [2]  05   # one byte is missing\n")[0].is_err());
+}
+
 #[test]
 fn directions() {
     let direction = |info: &str| one(CONSOLE, &format!("  can0  {info}  123   [1]  11\n")).direction;
