@@ -50,6 +50,21 @@ fn the_contract_of_json() {
     assert_eq!(document["quality"]["schema"], "canvass/quality/1");
 }
 
+/// A master that looks for nodes asks everybody: those that are not there have no row each.
+#[test]
+fn who_was_only_asked_is_told_in_one_line() {
+    let asked = |nodes: std::ops::Range<u16>| -> String {
+        let request = |node| format!("(1700000000.3{node:05}) can0 {:03X}#4000100000000000\n", 0x600 + node);
+        nodes.map(request).collect()
+    };
+    let scanned = run_with_input(&["diagnose", "-"], &format!("{HEALTHY}{}", asked(1..128))).stdout;
+    assert!(scanned.contains("never sent anything, but somebody addressed them: 1 to 4, 6 to 127\n"), "{scanned}");
+    let rows = |text: &str| text.lines().filter(|line| line.starts_with("│ ")).count();
+    assert_eq!(rows(&run_with_input(&["diagnose", "-"], HEALTHY).stdout), rows(&scanned));
+    let few = run_with_input(&["diagnose", "-"], &format!("{HEALTHY}{}", asked(1..3))).stdout;
+    assert!(few.contains("│ 1 ") && !few.contains("somebody addressed"), "{few}");
+}
+
 #[test]
 fn the_status_says_how_bad_it_is() {
     let status = |args: &[&str], input| run_with_input(&[&["diagnose", "-"], args].concat(), input).status;

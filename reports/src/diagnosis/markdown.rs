@@ -1,6 +1,6 @@
 //! The diagnosis as Markdown: for a ticket or a wiki.
 
-use super::{Diagnosed, frame, story, terminal, times};
+use super::{Diagnosed, frame, node_table, story, terminal, times};
 use crate::escape::{Visible, markdown};
 use crate::provenance;
 use canvass_analyzer::findings::Finding;
@@ -79,7 +79,7 @@ fn section(
 }
 
 fn nodes(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let rows = terminal::nodes(diagnosed);
+    let rows = node_table::rows(diagnosed, true);
     let Some((head, rows)) = rows.split_first() else { return Ok(()) };
     writeln!(out, "\n## Nodes\n\n| {} |\n|{}", head.join(" | "), "---|".repeat(head.len()))?;
     for row in rows {

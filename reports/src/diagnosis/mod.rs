@@ -4,6 +4,7 @@ pub mod html;
 mod json;
 mod junit;
 mod markdown;
+mod node_table;
 mod rules;
 mod story;
 mod terminal;

@@ -1,13 +1,12 @@
 //! The diagnosis on a terminal: what was on the bus, what was wrong with it, and each node in figures.
 
+use super::node_table::{self, rounded};
 use super::story::{self, Told};
 use super::{Diagnosed, frame, times};
 use crate::escape::{Visible, printable};
 use crate::provenance;
-use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::{Exhibit, Finding, Severity};
-use canvass_analyzer::statistics::{BusStatistics, NodeStatistics, TestCase};
-use canvass_traces::Duration;
+use canvass_analyzer::statistics::{BusStatistics, TestCase};
 use comfy_table::{ContentArrangement, Table, presets};
 use std::collections::HashSet;
 use std::io::{self, Write};
@@ -52,18 +51,7 @@ pub fn render(diagnosed: &Diagnosed<'_>, style: Style, out: &mut dyn Write) -> i
     for (rule, count) in &diagnosed.results.omitted {
         tail.extend([String::new(), format!("{rule}: {count} more, which are not shown")]);
     }
-    let mut rows = nodes(diagnosed);
-    let left_out = rows.len().saturating_sub(NODES + 1);
-    if !style.verbose {
-        rows.truncate(NODES + 1);
-    }
-    if !rows.is_empty() {
-        tail.push(String::new());
-        tail.extend(table(&rows, style).to_string().lines().map(str::to_owned));
-        if left_out > 0 && !style.verbose {
-            tail.push(format!("{left_out} more nodes: --verbose shows all"));
-        }
-    }
+    nodes(diagnosed, style, &mut tail);
     cases(diagnosed, style, &mut tail);
     tail.push(String::new());
     if style.verbose {
@@ -236,27 +224,6 @@ fn of_bus(bus: &BusStatistics) -> String {
     format!("{} frames in {}, {nodes}, {rate}{load}", bus.total(), rounded(bus.duration()))
 }
 
-/// `507 / 884 / 899 / 899 µs`: the unit is said once where all have the same.
-fn joined(times: &[String]) -> String {
-    let unit = times.last().and_then(|last| last.split_once(' ')).map(|(_, unit)| format!(" {unit}"));
-    let bare: Option<Vec<&str>> =
-        unit.as_ref().and_then(|unit| times.iter().map(|time| time.strip_suffix(unit)).collect());
-    match (bare, unit) {
-        (Some(bare), Some(unit)) => format!("{}{unit}", bare.join(" / ")),
-        _ => times.join(" / "),
-    }
-}
-
-/// A time that nobody wants to the last digit: percentiles have three.
-pub(super) fn rounded(time: Duration) -> Duration {
-    let unit = match time.nanos() {
-        0..1_000_000 => 1_000,
-        1_000_000..1_000_000_000 => 10_000,
-        _ => 1_000_000,
-    };
-    Duration(time.nanos() / unit * unit)
-}
-
 fn painted(severity: Severity, text: &str, style: Style) -> String {
     let code = match severity {
         Severity::Error => "1;31",
@@ -266,89 +233,27 @@ fn painted(severity: Severity, text: &str, style: Style) -> String {
     if style.color { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
 }
 
-/// The head of the table of nodes and its rows; empty where there are no nodes.
-pub fn nodes(diagnosed: &Diagnosed<'_>) -> Vec<Vec<String>> {
-    let buses = &diagnosed.results.buses;
-    let several = buses.len() > 1;
-    let mut rows = Vec::new();
-    for (channel, bus) in buses {
-        for (id, node) in bus.nodes.iter().filter(|(_, node)| node.total() > 0) {
-            let mut row = of_node(*id, node, bus);
-            if several {
-                row.insert(0, printable(&diagnosed.channel(*channel)).into_owned());
-            }
-            rows.push(row);
-        }
+/// The table of nodes. Of a scan for nodes there are many that never sent anything: they are named in one line.
+fn nodes(diagnosed: &Diagnosed<'_>, style: Style, lines: &mut Vec<String>) {
+    const SILENT: usize = 3;
+    let silent = node_table::silent(diagnosed);
+    let are_rows = style.verbose || silent.iter().map(|(_, nodes)| nodes.len()).sum::<usize>() <= SILENT;
+    let mut rows = node_table::rows(diagnosed, are_rows);
+    let left_out = rows.len().saturating_sub(NODES + 1);
+    if !style.verbose {
+        rows.truncate(NODES + 1);
     }
-    if rows.is_empty() {
-        return rows;
+    if !rows.is_empty() {
+        lines.push(String::new());
+        lines.extend(table(&rows, style).to_string().lines().map(str::to_owned));
     }
-    let mut head: Vec<String> = HEAD.iter().map(|&name| name.to_owned()).collect();
-    if several {
-        head.insert(0, "channel".to_owned());
+    if left_out > 0 && !style.verbose {
+        lines.push(format!("{left_out} more nodes: --verbose shows all"));
     }
-    rows.insert(0, head);
-    rows
-}
-
-const HEAD: [&str; 9] = [
-    "node",
-    "who",
-    "frames",
-    "load/peak %",
-    "last state",
-    "boots",
-    "EMCY",
-    "SDO done/aborted",
-    "response p50/p95/p99/max",
-];
-
-fn of_node(id: NodeId, node: &NodeStatistics, bus: &BusStatistics) -> Vec<String> {
-    let state = node.states.last().map(|change| change.state.to_string());
-    let emcy: u64 = node.emcy.iter().filter(|row| !row.code.is_reset()).map(|row| row.count).sum();
-    let times = &node.responses;
-    // Without times in the capture all are zero.
-    let shown = [times.quantile(50), times.quantile(95), times.quantile(99), times.max()];
-    let response = match times.max() {
-        Some(max) if max > Duration::ZERO => {
-            joined(&shown.into_iter().flatten().map(|time| rounded(time).to_string()).collect::<Vec<_>>())
-        }
-        _ => String::new(),
-    };
-    let peak = bus.bit_rate.and_then(|bit_rate| node.peak.percent(bit_rate));
-    let load = match (bus.share_of_load(node.bits), peak) {
-        (Some(mean), Some((_, peak))) => format!("{mean:.1} / {peak:.1}"),
-        _ => String::new(),
-    };
-    vec![
-        id.to_string(),
-        printable(&who(node)).into_owned(),
-        node.total().to_string(),
-        load,
-        state.unwrap_or_default(),
-        node.boot_ups.to_string(),
-        emcy.to_string(),
-        format!("{}/{}", node.completed, node.aborted),
-        response,
-    ]
-}
-
-/// Who a node is, as far as it was read from it.
-pub(super) fn who(node: &NodeStatistics) -> String {
-    let identity = &node.identity;
-    let [vendor, product, _, serial] = identity.numbers;
-    let mut parts: Vec<String> = identity.names[0].iter().cloned().collect();
-    parts.extend(identity.names[2].iter().map(|version| format!("software {version}")));
-    parts.extend(vendor.map(|vendor| format!("vendor {vendor:X}h")));
-    parts.extend(product.map(|product| format!("product {product:X}h")));
-    parts.extend(serial.map(|serial| format!("serial {serial:X}h")));
-    if parts.is_empty() {
-        parts.extend(identity.device_type.map(|device| format!("profile {}", device & 0xFFFF)));
+    for (channel, nodes) in silent.iter().filter(|(_, nodes)| !are_rows && !nodes.is_empty()) {
+        let whole = format!("{channel}never sent anything, but somebody addressed them: {}", node_table::ranges(nodes));
+        lines.push(printable(&whole).into_owned());
     }
-    if !node.present {
-        parts.push("never sent anything".to_owned());
-    }
-    parts.join(", ")
 }
 
 fn table(rows: &[Vec<String>], style: Style) -> Table {

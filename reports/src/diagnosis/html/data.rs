@@ -6,7 +6,7 @@ use super::excerpt::{FrameKey, Shown, key_of};
 use super::lane::{self, Silences};
 use super::series::Series;
 use crate::diagnosis::Diagnosed;
-use crate::diagnosis::terminal::who;
+use crate::diagnosis::node_table::who;
 use crate::escape::printable;
 use canvass_analyzer::network::Cause;
 use canvass_analyzer::statistics::NodeStatistics;

@@ -2,7 +2,7 @@
 
 use super::text;
 use crate::diagnosis::Diagnosed;
-use crate::diagnosis::terminal::rounded;
+use crate::diagnosis::node_table::rounded;
 use canvass_analyzer::NodeId;
 use canvass_analyzer::statistics::Histogram;
 use canvass_traces::Duration;

@@ -2,7 +2,7 @@
 
 use super::{lane, text};
 use crate::diagnosis::Diagnosed;
-use crate::diagnosis::terminal::{nodes as overview, rounded, who};
+use crate::diagnosis::node_table::{rounded, rows as overview, who};
 use crate::page::put;
 use canvass_analyzer::statistics::{BusStatistics, Histogram, NodeStatistics, TestRun};
 use canvass_analyzer::{NodeId, Service};
@@ -21,7 +21,7 @@ const CASES: usize = 500;
 /// What `out` gives.
 pub fn write(diagnosed: &Diagnosed<'_>, out: &mut dyn Write) -> io::Result<()> {
     put(out, html! { (PreEscaped("<section aria-labelledby=\"nodes\">")) h2 #nodes { "Nodes" } })?;
-    match overview(diagnosed).split_first() {
+    match overview(diagnosed, true).split_first() {
         Some((head, rows)) => put(out, table(head, rows))?,
         None => put(out, html! { p.hint { "No node sent anything or was addressed." } })?,
     }

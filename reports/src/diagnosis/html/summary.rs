@@ -2,7 +2,7 @@
 
 use super::{MOST_FINDINGS, findings, text};
 use crate::diagnosis::Diagnosed;
-use crate::diagnosis::terminal::rounded;
+use crate::diagnosis::node_table::rounded;
 use canvass_analyzer::findings::Severity;
 use canvass_analyzer::statistics::BusStatistics;
 use canvass_traces::TimeBase;
