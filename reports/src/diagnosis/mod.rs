@@ -4,6 +4,7 @@ pub mod html;
 mod json;
 mod junit;
 mod markdown;
+mod reading;
 mod rules;
 mod story;
 mod terminal;
@@ -11,6 +12,7 @@ mod terminal;
 pub use json::render as json;
 pub use junit::render as junit;
 pub use markdown::render as markdown;
+pub use reading::Reading;
 pub use rules::{explain, handbook};
 pub use terminal::{Style, render as table};
 
