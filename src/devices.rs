@@ -2,8 +2,8 @@
 
 use crate::output::diagnostic;
 use anyhow::{Context, Result, anyhow, bail};
-use canvass_analyzer::{NodeId, NodeRange};
 use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, KnownDevice, Severity};
+use canvass_analyzer::{NodeId, NodeRange};
 use canvass_device::models::Model;
 use canvass_traces::small_file::{self, OF_HAND};
 use std::path::Path;

@@ -155,7 +155,8 @@ impl Page {
         if !more && let Some(opening) = self.opening.take() {
             let devices = self.described.iter().map(|known| format!("{}={}", known.nodes_text, known.name));
             let format = self.options.format.as_deref();
-            let provenance = self.surroundings.of_diagnosis(devices.collect(), format, self.options.same_bus);
+            let mut provenance = self.surroundings.of_diagnosis(devices.collect(), format, self.options.same_bus);
+            provenance.files = self.described.iter().map(Described::used).collect();
             self.opened = Some(opening.finish(provenance).map_err(error)?);
         }
         Ok(told.to_string())

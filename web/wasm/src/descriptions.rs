@@ -5,7 +5,9 @@ use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
 use canvass_analyzer::{NodeId, NodeRange};
 use canvass_reports::descriptions::show::Shown;
 use canvass_reports::descriptions::{CheckedFile, Counts, text};
+use canvass_reports::provenance::FileUsed;
 use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
 use std::io;
 
 /// A description and the nodes that it is of.
@@ -53,6 +55,12 @@ impl Described {
             "objects": device.dictionary.objects().len(),
             "checked": counts,
         })
+    }
+
+    /// The file with its hash.
+    pub fn used(&self) -> FileUsed {
+        let hash = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        FileUsed { role: "description", path: self.name.clone(), content: Some((self.bytes.len() as u64, hash)) }
     }
 
     fn checked(&self) -> Option<CheckedFile> {

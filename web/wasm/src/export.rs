@@ -218,7 +218,9 @@ impl Export {
                 let options = WriteOptions { time_base: self.input.merge().time_base(), ..WriteOptions::default() };
                 let recording = match recording {
                     Some(recording) => recording,
-                    None => recording.insert(Recording::create(Box::new(written.clone()), *format, *compression, &options)?),
+                    None => {
+                        recording.insert(Recording::create(Box::new(written.clone()), *format, *compression, &options)?)
+                    }
                 };
                 recording.write(record, channels)?;
             }

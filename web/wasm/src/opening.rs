@@ -20,8 +20,6 @@ pub struct Opening {
     reading: Reading,
     network: Network,
     store: Store,
-    /// Something could not be read before the next record.
-    interrupted: bool,
     damages: u64,
 }
 
@@ -50,7 +48,7 @@ impl Opening {
         }
         let reading = Reading::new(diagnosis, Some(Collector::default()));
         let store = Store::default();
-        Ok(Self { input, reading, network: network(described), store, interrupted: false, damages: 0 })
+        Ok(Self { input, reading, network: network(described), store, damages: 0 })
     }
 
     /// Reads on: so many records; `false` at the end.

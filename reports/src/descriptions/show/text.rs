@@ -3,12 +3,12 @@
 use super::cells::{self, Cells};
 use super::{Shown, Style, at, picture, version};
 use crate::escape::printable;
+use crate::table::Color;
+#[cfg(target_family = "wasm")]
+use crate::table::Paint as _;
 use canvass_analyzer::SubIndex;
 use canvass_analyzer::dictionary::layout::PdoLayout;
 use canvass_analyzer::dictionary::{Entry, Object};
-#[cfg(target_family = "wasm")]
-use crate::table::Paint as _;
-use crate::table::Color;
 use comfy_table::{Cell, Table};
 use std::fmt::Write;
 

@@ -2,10 +2,10 @@
 
 use super::{Style, Verification, remark, side, subject};
 use crate::escape::printable;
-use canvass_analyzer::dictionary::survey::compare::{Kind, Mismatch};
+use crate::table::Color;
 #[cfg(target_family = "wasm")]
 use crate::table::Paint as _;
-use crate::table::Color;
+use canvass_analyzer::dictionary::survey::compare::{Kind, Mismatch};
 use comfy_table::{Cell, Table};
 use std::collections::BTreeSet;
 use std::fmt::Write;

@@ -3,8 +3,7 @@
 use super::topic;
 use crate::packed;
 use crate::{
-    ChannelId, Channels, Direction, Flags, Format, Loss, Losses, Record, TimeBase, WriteError,
-    WriteOptions, Writer,
+    ChannelId, Channels, Direction, Flags, Format, Loss, Losses, Record, TimeBase, WriteError, WriteOptions, Writer,
 };
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;

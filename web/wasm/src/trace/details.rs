@@ -40,7 +40,8 @@ fn of(step: &Step<'_>, channels: &Channels, start: Timestamp) -> Value {
     let signals = line.meaning.signals().map(|signal| {
         let name = signal.name().map(|name| name.to_string()).unwrap_or_default();
         let value = signal.scaled().map(|(number, unit)| (number, unit.symbol.to_string()));
-        let value = value.or_else(|| signal.value().map(|(n, unit)| (n, unit.map_or(String::new(), |u| u.symbol.to_string()))));
+        let value =
+            value.or_else(|| signal.value().map(|(n, unit)| (n, unit.map_or(String::new(), |u| u.symbol.to_string()))));
         json!({
             "object": signal.multiplexer().to_string(),
             "name": printable(&name),

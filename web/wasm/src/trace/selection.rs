@@ -24,9 +24,9 @@ impl Wanted {
         let subject = Subject { record, decoded, channel: channels.name(record.channel) };
         self.filter.as_ref().is_none_or(|filter| filter.matches(&subject))
             && (self.text.is_empty()
-                || network
-                    .bus(record.channel)
-                    .is_some_and(|bus| Meaning::new(record, decoded, bus).to_string().to_lowercase().contains(&self.text)))
+                || network.bus(record.channel).is_some_and(|bus| {
+                    Meaning::new(record, decoded, bus).to_string().to_lowercase().contains(&self.text)
+                }))
     }
 }
 
@@ -88,7 +88,8 @@ impl Selection {
         let block = self.before.partition_point(|before| *before <= from).saturating_sub(1);
         let skipped = from - self.before.get(block).copied().unwrap_or(0).min(from);
         let words = self.bits.iter().enumerate().skip(block * WORDS);
-        let set = words.flat_map(|(at, word)| (0..64).filter(move |bit| word >> bit & 1 != 0).map(move |bit| at * 64 + bit));
+        let set =
+            words.flat_map(|(at, word)| (0..64).filter(move |bit| word >> bit & 1 != 0).map(move |bit| at * 64 + bit));
         set.skip(skipped).take(count).collect()
     }
 
