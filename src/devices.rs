@@ -2,53 +2,11 @@
 
 use crate::output::diagnostic;
 use anyhow::{Context, Result, anyhow, bail};
-use canvass_analyzer::NodeId;
-use canvass_analyzer::dictionary::rules::{CONFLICT, HALF_READ};
-use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, KnownDevice, Rule, Severity};
+use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, KnownDevice, Severity};
+use canvass_analyzer::{NodeId, NodeRange};
 use canvass_device::models::Model;
 use canvass_traces::small_file::{self, OF_HAND};
 use std::path::Path;
-
-/// Nodes as typed: `5`, `1..8`, `all`.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub struct NodeRange {
-    first: NodeId,
-    last: NodeId,
-}
-
-impl NodeRange {
-    /// Whether the node is one of them.
-    pub fn contains(self, node: NodeId) -> bool {
-        (self.first..=self.last).contains(&node)
-    }
-
-    fn nodes(self) -> impl Iterator<Item = NodeId> {
-        (self.first.raw()..=self.last.raw()).filter_map(NodeId::new)
-    }
-}
-
-impl std::str::FromStr for NodeRange {
-    type Err = anyhow::Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let text = if text.eq_ignore_ascii_case("all") { "1..127" } else { text };
-        let (first, last) = text.split_once("..").unwrap_or((text, text));
-        let (first, last) = (parse_node(first)?, parse_node(last)?);
-        if first > last {
-            bail!("expected nodes such as 5, 1..8 or all, found \"{text}\"");
-        }
-        Ok(Self { first, last })
-    }
-}
-
-impl std::fmt::Display for NodeRange {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self.first == self.last {
-            true => write!(f, "{}", self.first),
-            false => write!(f, "{}..{}", self.first, self.last),
-        }
-    }
-}
 
 /// Nodes and the model or file that describes them, as typed.
 #[derive(Clone, Debug)]
@@ -64,18 +22,13 @@ impl std::str::FromStr for DeviceArg {
 
     fn from_str(text: &str) -> Result<Self> {
         let (nodes, device) = text.split_once('=').context("expected NODE=MODEL or NODE=FILE, such as 5=motor.eds")?;
-        let ranges: Vec<NodeRange> = nodes.split(',').map(str::parse).collect::<Result<_>>()?;
-        Ok(Self { nodes: ranges.into_iter().flat_map(NodeRange::nodes).collect(), device: device.to_owned() })
+        Ok(Self { nodes: NodeRange::list(nodes)?, device: device.to_owned() })
     }
 }
 
 /// A node-ID as it is typed: 1 to 127, decimal or hexadecimal with 0x.
 pub fn parse_node(text: &str) -> Result<NodeId> {
-    let number = match text.strip_prefix("0x").or_else(|| text.strip_prefix("0X")) {
-        Some(hex) => u8::from_str_radix(hex, 16),
-        None => text.parse(),
-    };
-    number.ok().and_then(NodeId::new).ok_or_else(|| anyhow!("expected a node-ID of 1 to 127, found \"{text}\""))
+    Ok(NodeRange::node(text)?)
 }
 
 impl DeviceArg {
@@ -104,21 +57,8 @@ pub fn read(path: &Path) -> Result<DeviceDescription> {
     let bytes = small_file::read(path, OF_HAND).with_context(|| format!("can't read {}", path.display()))?;
     let description =
         DeviceDescription::read(&bytes).with_context(|| format!("{} is no device description", path.display()))?;
-    refuse_unread(path, &description.problems)?;
+    description.usable().map_err(|unusable| anyhow!("{}: {unusable}", path.display()))?;
     Ok(description)
-}
-
-/// A description with both sides of a merge conflict, or one of which half can't be read, describes nothing.
-pub fn refuse_unread(path: &Path, problems: &[EdsProblem]) -> Result<()> {
-    let breach = |rule: &Rule| problems.iter().find(|problem| problem.rule == rule);
-    if let Some(conflict) = breach(&CONFLICT) {
-        let line = conflict.line;
-        bail!("{}: line {line} begins a merge conflict that nobody has resolved: choose one side", path.display());
-    }
-    if let Some(half) = breach(&HALF_READ) {
-        bail!("{}: {}: this is no device description", path.display(), half.found);
-    }
-    Ok(())
 }
 
 /// Says in one line what is wrong in a description, and how to see all of it.
@@ -147,7 +87,7 @@ mod tests {
 
     fn read(text: &str) -> Result<()> {
         let description = DeviceDescription::read(text.as_bytes()).unwrap();
-        refuse_unread(Path::new("x.eds"), &description.problems)
+        Ok(description.usable()?)
     }
 
     #[test]

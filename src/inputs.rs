@@ -9,6 +9,7 @@ use crate::quality::QualityOptions;
 use crate::status::Failure;
 use anyhow::{Result, anyhow};
 use canvass_analyzer::findings::InOrder;
+use canvass_reports::diagnosis::Reading;
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::{
     CanId, Capture, ChannelId, Channels, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions, Reader,
@@ -185,9 +186,14 @@ impl<'a> Inputs<'a> {
         &self.record
     }
 
-    /// Hands over what came out last, to be sorted: [`Inputs::record`] is something else then.
-    pub fn hand_over(&mut self, order: &mut InOrder) {
-        order.push(&mut self.record);
+    /// Hands over what came out last: [`Inputs::record`] is something else then.
+    pub fn hand_over(&mut self, reading: &mut Reading) -> io::Result<()> {
+        reading.record(&mut self.record, &self.merge)
+    }
+
+    /// The captures as one.
+    pub const fn merge(&self) -> &Merge {
+        &self.merge
     }
 
     fn report(&mut self, source: usize, damage: &Damage) -> Result<(), Failure> {
@@ -225,11 +231,6 @@ impl<'a> Inputs<'a> {
     /// The channels seen so far.
     pub fn channels(&self) -> &Channels {
         self.merge.channels()
-    }
-
-    /// The bit rate of a channel's bus in bit/s, where its capture says it.
-    pub fn bit_rate(&self, channel: ChannelId) -> Option<u32> {
-        self.merge.bit_rate(channel)
     }
 
     /// A channel's name in its own file.

@@ -1,12 +1,12 @@
 //! `--node`, `--channel`, `--filter`: which frames of a capture.
 
-use crate::devices::{DeviceArg, NodeRange};
+use crate::devices::DeviceArg;
 use crate::inputs::Inputs;
 use crate::output::diagnostic;
 use crate::status::Failure;
-use canvass_analyzer::NodeId;
 use canvass_analyzer::filter::{Filter, Subject};
 use canvass_analyzer::network::{Decoded, Network};
+use canvass_analyzer::{NodeId, NodeRange};
 use canvass_device::models::Model;
 use canvass_traces::{ChannelId, Record};
 use std::cell::Cell;

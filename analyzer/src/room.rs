@@ -13,6 +13,12 @@ impl Room {
         Self(Arc::new(AtomicUsize::new(bytes)))
     }
 
+    /// Another room with as much left.
+    #[must_use]
+    pub fn apart(&self) -> Self {
+        Self::new(self.0.load(Ordering::Relaxed))
+    }
+
     /// Takes so many bytes, unless there are fewer.
     #[must_use]
     pub fn take(&self, bytes: usize) -> bool {

@@ -37,4 +37,5 @@ mod push;
 pub mod quality;
 pub mod selftest;
 pub mod signals;
+mod table;
 pub mod time;

@@ -10,12 +10,10 @@ use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
-use canvass_analyzer::findings::{Diagnosis, InOrder, Severity, SourceQuality, Thresholds};
+use canvass_analyzer::findings::{Diagnosis, Severity, SourceQuality, Thresholds};
 use canvass_device::models::Model;
-use canvass_reports::diagnosis::{self, Diagnosed, Style, html};
-use canvass_traces::{ChannelId, Record};
+use canvass_reports::diagnosis::{self, Diagnosed, Reading, Style, html};
 use std::io::{self, Write};
-use std::ops::Range;
 use std::path::PathBuf;
 
 /// Diagnose captures: what was on the bus, what was wrong, and the frames that prove it
@@ -108,44 +106,31 @@ fn parse_bit_rate(text: &str) -> Result<u32, String> {
 impl Args {
     pub fn run(self, color: Color, typed: &Typed) -> Result<Status, Failure> {
         let mut provenance = self.provenance(typed)?;
-        let mut diagnosis = self.diagnosis()?;
+        let diagnosis = self.diagnosis()?;
         let mut range = self.range;
         let out = self.destination()?;
-        let mut collector = (self.format == DiagnoseFormat::Html).then(html::Collector::default);
+        let collector = (self.format == DiagnoseFormat::Html).then(html::Collector::default);
+        let mut reading = Reading::new(diagnosis, collector);
         let output = Output::text(false);
         let hashes = Hashes::begin("capture", &self.files);
         let mut inputs = Inputs::open(&self.files, &self.input, &output)?;
-        let (mut damages, mut channels) = (0, 0);
-        let mut order = InOrder::default();
+        let mut damages = 0;
         // A frame that contradicts itself proves nothing.
         while let Some(seen) = inputs.advance()? {
             let found = inputs.damages();
             if found != damages {
                 damages = found;
-                while let Some(record) = order.flush() {
-                    look_at(record, &mut diagnosis, &mut collector, &inputs)?;
-                }
-                diagnosis.interrupted();
+                reading.interrupted(inputs.merge())?;
             }
-            if usize::from(inputs.record().channel.0) >= channels {
-                say_bit_rates(channels..inputs.channels().len(), &mut diagnosis, &inputs);
-                channels = inputs.channels().len();
-            }
+            reading.see_channel(inputs.record().channel, inputs.merge());
             if seen == Seen::Record && range.contains(inputs.record().timestamp) {
-                inputs.hand_over(&mut order);
-                while let Some(record) = order.pop() {
-                    look_at(record, &mut diagnosis, &mut collector, &inputs)?;
-                }
+                inputs.hand_over(&mut reading)?;
             }
         }
-        while let Some(record) = order.flush() {
-            look_at(record, &mut diagnosis, &mut collector, &inputs)?;
-        }
-        diagnosis.disordered(order.disorder());
         let captures = inputs.captures();
         let sources: Vec<_> =
             captures.iter().map(|capture| SourceQuality { name: capture.name, quality: capture.quality }).collect();
-        let results = diagnosis.finish(&sources);
+        let (results, collector) = reading.finish(inputs.merge(), &sources)?;
         provenance.files(hashes.finish());
         provenance.nodes_of(&results, inputs.channels());
         let provenance = &provenance.0;
@@ -231,29 +216,5 @@ impl Args {
             // Whether there are findings does not depend on whether somebody reads them to the end.
             _ => Ok(unless_closed(written)?),
         }
-    }
-}
-
-/// Says the bit rates of channels that are new, where their captures know them.
-#[cold]
-fn say_bit_rates(new: Range<usize>, diagnosis: &mut Diagnosis, inputs: &Inputs<'_>) {
-    for channel in new.filter_map(|channel| u16::try_from(channel).ok()).map(ChannelId) {
-        if let Some(bit_rate) = inputs.bit_rate(channel) {
-            diagnosis.say_bit_rate(channel, bit_rate);
-        }
-    }
-}
-
-/// Takes a record, in the order of their times.
-fn look_at(
-    record: &Record,
-    diagnosis: &mut Diagnosis,
-    collector: &mut Option<html::Collector>,
-    inputs: &Inputs<'_>,
-) -> io::Result<()> {
-    let observed = diagnosis.record(record);
-    match (collector, observed) {
-        (Some(collector), Some(observed)) => collector.frame(record, inputs.channels(), &observed),
-        _ => Ok(()),
     }
 }

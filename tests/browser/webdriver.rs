@@ -140,6 +140,14 @@ impl Browser {
         );
     }
 
+    /// Does something in the frame that a selector finds first.
+    pub fn within(&self, selector: &str, act: impl FnOnce(&Self)) {
+        let frame = self.find(selector);
+        self.post("frame", &json!({ "id": { ELEMENT: frame } }));
+        act(self);
+        self.post("frame", &json!({ "id": null }));
+    }
+
     /// The page as it would be printed.
     pub fn print(&self) -> String {
         self.post("print", &json!({})).as_str().unwrap().to_owned()
@@ -159,10 +167,8 @@ impl Browser {
             .map(|event| event["message"]["params"]["request"]["url"].as_str().unwrap().to_owned())
             .collect();
         let own = self.text("return location.href.split('#')[0]");
-        let others: Vec<_> = requests
-            .iter()
-            .filter(|url| url.split('#').next() != Some(&own) && !url.starts_with("data:image/svg+xml"))
-            .collect();
+        let others: Vec<_> =
+            requests.iter().filter(|url| url.split('#').next() != Some(&own) && !is_within(url)).collect();
         assert!(!requests.is_empty(), "the page itself at least");
         assert!(others.is_empty(), "requests: {others:?}");
     }
@@ -226,6 +232,11 @@ fn port(driver: &mut Child) -> u16 {
     // It may go on to speak.
     std::thread::spawn(move || lines.for_each(drop));
     port.expect("chromedriver tells its port")
+}
+
+/// Whether an address is that of something that stands in the page.
+fn is_within(url: &str) -> bool {
+    url.starts_with("data:image/svg+xml") || url.starts_with("blob:")
 }
 
 /// A file as an address: whatever is in its name.

@@ -4,7 +4,7 @@
 //! what stood before is read, and the source then reports an unexpected end. Memory is bounded: a zstd window
 //! of more than 128 MiB is refused.
 
-use crate::{Source, SourceError};
+use crate::{Source, SourceError, packed};
 use flate2::bufread::MultiGzDecoder;
 use std::io::{self, Read};
 
@@ -25,7 +25,7 @@ pub(crate) fn decompressed(mut source: Source) -> Result<Source, SourceError> {
     if source.window().starts_with(GZIP) {
         Ok(Source::new(Named { name: "gzip", inner: MultiGzDecoder::new(source) }))
     } else if source.window().starts_with(ZSTD) {
-        Ok(Source::new(Named { name: "zstd", inner: zstd::Decoder::with_buffer(source)? }))
+        Ok(Source::new(Named { name: "zstd", inner: packed::zstd(source)? }))
     } else {
         Ok(source)
     }

@@ -57,6 +57,7 @@ mod lines;
 mod local_time;
 mod merge;
 mod notation;
+mod packed;
 pub mod quality;
 mod reader;
 mod record;

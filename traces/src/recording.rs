@@ -1,5 +1,6 @@
 //! Writing a capture file, compressed where its name says so.
 
+use crate::packed::ZstdWriter;
 use crate::{Channels, Format, Losses, Record, WriteError, WriteOptions, Writer};
 use flate2::write::GzEncoder;
 use std::cell::RefCell;
@@ -55,7 +56,7 @@ impl Recording {
         let sink = Shared(Rc::new(RefCell::new(match compression {
             Compression::None => Sink::Plain(sink),
             Compression::Gzip => Sink::Gzip(GzEncoder::new(sink, flate2::Compression::default())),
-            Compression::Zstd => Sink::Zstd(zstd::Encoder::new(sink, 0)?),
+            Compression::Zstd => Sink::Zstd(ZstdWriter::new(sink)?),
         })));
         Ok(Self { writer: format.create(Box::new(sink.clone()), options)?, sink })
     }
@@ -90,7 +91,7 @@ type Plain = BufWriter<Box<dyn Write>>;
 enum Sink {
     Plain(Plain),
     Gzip(GzEncoder<Plain>),
-    Zstd(zstd::Encoder<'static, Plain>),
+    Zstd(ZstdWriter<Plain>),
 }
 
 impl Sink {
@@ -109,10 +110,7 @@ impl Sink {
                 sink.try_finish()?;
                 sink.get_mut().flush()
             }
-            Self::Zstd(sink) => {
-                sink.do_finish()?;
-                sink.get_mut().flush()
-            }
+            Self::Zstd(sink) => sink.finish(),
         }
     }
 }

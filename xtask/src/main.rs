@@ -9,6 +9,7 @@
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
 //! screenshot`: the pictures of pages in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
 //! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo
+//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it. `cargo
 //! xtask dist`: a static program as archive and Debian package.
 
 mod attack;
@@ -32,6 +33,7 @@ mod screenshot;
 mod simulation;
 mod storm;
 mod vcan;
+mod web;
 mod worst;
 
 use anyhow::{Result, bail};
@@ -43,7 +45,7 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
     bench [--instructions] | memory | worst | incidents
-    rooms [CRATE...] | screenshot | dist";
+    rooms [CRATE...] | screenshot | web | web-test | dist";
 
 fn main() -> Result<()> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(std::path::Path::to_owned);
@@ -73,6 +75,9 @@ fn main() -> Result<()> {
         Some("storm") => storm::storm(),
         Some("vcan") => vcan::test(more),
         Some("vcan-load") => vcan::load(),
+        Some("web") => web::build(),
+        Some("web-test") => web::test(),
+        Some("web-bind") => web::bind(more),
         Some("worst") => worst::worst(),
         _ => bail!("{USAGE}"),
     }

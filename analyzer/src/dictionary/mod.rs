@@ -20,6 +20,7 @@ mod problem;
 mod reading;
 pub mod rules;
 pub mod survey;
+mod unusable;
 mod value;
 pub mod xdd;
 
@@ -32,4 +33,5 @@ pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 pub use problem::EdsProblem;
 pub use rules::{ProblemKind, Rule, Severity};
+pub use unusable::Unusable;
 pub use value::{DaysAndMilliseconds, Value, ValueError};

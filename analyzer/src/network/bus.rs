@@ -13,6 +13,7 @@ use crate::{NodeId, PerNode};
 use std::collections::BTreeMap;
 
 /// What is known of one bus.
+#[derive(Clone)]
 pub struct Bus {
     pub(super) cob_ids: CobIds,
     pub(super) channels: Vec<Channel>,
@@ -50,6 +51,13 @@ impl Rooms {
     const VALUES: usize = 4 << 20;
 }
 
+impl Rooms {
+    /// As full as these, and from now on by themselves.
+    pub(super) fn apart(&self) -> Self {
+        Self { shown: self.shown.apart(), values: self.values.apart() }
+    }
+}
+
 impl Default for Rooms {
     fn default() -> Self {
         Self { shown: Room::new(Self::SHOWN), values: Room::new(Self::VALUES) }
@@ -78,6 +86,11 @@ impl Bus {
             values: rooms.values,
             handled: false,
         }
+    }
+
+    /// The same bus, which takes its memory from other rooms from now on.
+    pub(super) fn moved(&self, rooms: &Rooms) -> Self {
+        Self { room: rooms.shown.clone(), values: rooms.values.clone(), ..self.clone() }
     }
 
     /// What is known of a node, if it was seen or described.

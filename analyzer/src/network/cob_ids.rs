@@ -54,6 +54,7 @@ pub enum Source {
 }
 
 /// The uses of all 11-bit CAN-IDs of one bus.
+#[derive(Clone)]
 pub struct CobIds {
     table: Box<[(Use, Source)]>,
     /// The CAN-IDs whose use is not that of the predefined connection set, by [`rank`]: a boot-up looks only at those of

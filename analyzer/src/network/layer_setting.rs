@@ -6,7 +6,7 @@ use crate::wire::{lmt, lss};
 use canvass_traces::{Duration, Timestamp};
 
 /// The layer setting of one bus, as far as it has come.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct LayerSetting {
     /// When the master asked last, and whether an answer is due.
     asked: Option<(Timestamp, bool)>,
@@ -19,7 +19,7 @@ pub struct LayerSetting {
 }
 
 /// A value that the master has asked for, until the slave has confirmed it, and then until it takes effect.
-#[derive(Default)]
+#[derive(Clone, Default)]
 struct Setting<T> {
     asked: Option<T>,
     confirmed: Option<T>,

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 const USUAL: usize = 4;
 
 /// The layouts by PDO: every PDO asks for its own several times.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Layouts {
     transmit: [Known; USUAL],
     receive: [Known; USUAL],

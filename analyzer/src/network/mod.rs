@@ -137,6 +137,14 @@ impl Network {
         self.candidates = candidates;
     }
 
+    /// The network as it is now: to go on from here again later, as often as one likes.
+    #[must_use]
+    pub fn snapshot(&self) -> Self {
+        let rooms = self.rooms.apart();
+        let buses = self.buses.iter().map(|bus| bus.moved(&rooms)).collect();
+        Self { buses, devices: self.devices.clone(), candidates: self.candidates.clone(), rooms }
+    }
+
     /// Takes the next record and says what it means.
     pub fn handle(&mut self, record: &Record) -> Decoded {
         self.bus_mut(record.channel).handle(record)

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use std::sync::OnceLock;
 
 /// A node of a bus, as far as the trace and its description tell.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct Node {
     /// Its NMT state and how that is known.
     pub state: Option<(State, Cause)>,

@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 
 /// The SRDO pairs of a bus. A pair is one only when the inverted data were seen behind the data; until then its
 /// frames are of no known use.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct SrdoPairs {
     /// By [`Pair::position`]; not made before the first frame.
     pairs: Vec<PairState>,

@@ -5,9 +5,12 @@ use super::skipped::Skipped;
 use super::{Reporter, outcome, screen, symbol};
 use crate::escape::{Printable, Visible, printable};
 use crate::provenance::{self, Provenance};
+#[cfg(target_family = "wasm")]
+use crate::table::Paint as _;
+use crate::table::{self, Attribute, Color};
 use canvass_suite::runner::{CaseReport, RunEvent, RunInfo, Summary};
 use canvass_suite::verdict::Kind;
-use comfy_table::{Attribute, Cell, CellAlignment, Color, ContentArrangement, Table, presets};
+use comfy_table::{Cell, CellAlignment, Table};
 use std::io::{self, Write};
 
 /// The columns of a file, which has no width of its own.
@@ -127,14 +130,7 @@ impl<O: Write> Terminal<O> {
     }
 
     fn table(&self, summary: &Summary) -> Table {
-        let mut table = Table::new();
-        table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
-        if self.style.color {
-            table.enforce_styling()
-        } else {
-            table.force_no_tty()
-        };
-        table.set_width(self.style.width.unwrap_or(80));
+        let mut table = table::table(self.style.width.unwrap_or(80), self.style.color);
         table.set_header(["verdict", "cases"]);
         for kind in Kind::ALL {
             let (count, color) = (summary.count(kind), color(kind));

@@ -5,6 +5,7 @@ mod json;
 mod junit;
 mod markdown;
 mod node_table;
+mod reading;
 mod rules;
 mod story;
 mod terminal;
@@ -12,6 +13,7 @@ mod terminal;
 pub use json::render as json;
 pub use junit::render as junit;
 pub use markdown::render as markdown;
+pub use reading::Reading;
 pub use rules::{explain, handbook};
 pub use terminal::{Style, render as table};
 

@@ -7,7 +7,7 @@ use crate::escape::{Visible, printable};
 use crate::provenance;
 use canvass_analyzer::findings::{Exhibit, Finding, Severity};
 use canvass_analyzer::statistics::{BusStatistics, TestCase};
-use comfy_table::{ContentArrangement, Table, presets};
+use comfy_table::Table;
 use std::collections::HashSet;
 use std::io::{self, Write};
 
@@ -257,9 +257,7 @@ fn nodes(diagnosed: &Diagnosed<'_>, style: Style, lines: &mut Vec<String>) {
 }
 
 fn table(rows: &[Vec<String>], style: Style) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
-    table.set_width(style.width.unwrap_or(120)).force_no_tty();
+    let mut table = crate::table::table(style.width.unwrap_or(120), false);
     if let Some((head, rows)) = rows.split_first() {
         table.set_header(head);
         table.add_rows(rows);

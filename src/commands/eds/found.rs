@@ -1,7 +1,6 @@
 //! The device descriptions that a command reads: as named, those of folders, and standard input.
 
-use crate::devices::refuse_unread;
-use anyhow::{Context, Result, bail};
+use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_traces::small_file::{self, OF_HAND};
 use std::fs;
@@ -90,6 +89,6 @@ impl Description {
 pub fn description(bytes: &[u8], path: &Path) -> Result<DeviceDescription> {
     let read = DeviceDescription::read(bytes);
     let description = read.with_context(|| format!("{} is no device description", path.display()))?;
-    refuse_unread(path, &description.problems)?;
+    description.usable().map_err(|unusable| anyhow!("{}: {unusable}", path.display()))?;
     Ok(description)
 }

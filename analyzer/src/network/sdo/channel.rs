@@ -27,6 +27,7 @@ impl ChannelIndex {
 }
 
 /// A channel and the transfer that is under way on it, or was the last.
+#[derive(Clone)]
 pub struct Channel {
     /// The node that serves.
     pub server: NodeId,

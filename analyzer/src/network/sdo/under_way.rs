@@ -9,7 +9,7 @@ use crate::wire::sdo::BlockSegment;
 use canvass_traces::{Duration, Timestamp};
 
 /// What may be under way on a channel, until a proper exchange shows where it stands.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub struct UnderWay {
     /// A request was answered: nothing of before the capture is left.
     over: bool,

@@ -26,7 +26,7 @@ pub(super) const LOOK: Duration = Duration::from_millis(20);
 const CONNECT: Duration = Duration::from_secs(3);
 const WRITE: Duration = Duration::from_secs(2);
 /// What most adapters with a real UART are set to; those on USB don't care.
-#[cfg(feature = "serial")]
+#[cfg(all(feature = "serial", not(target_family = "wasm")))]
 const BAUD: u32 = 115_200;
 
 impl Place {
@@ -82,14 +82,14 @@ fn tcp(stream: TcpStream) -> io::Result<Link> {
     Ok(Link { reader: Box::new(stream.try_clone()?), writer: Box::new(stream) })
 }
 
-#[cfg(feature = "serial")]
+#[cfg(all(feature = "serial", not(target_family = "wasm")))]
 fn serial(path: &str) -> io::Result<Link> {
     let port = serialport::new(path, BAUD).timeout(LOOK).open()?;
     let writer = port.try_clone()?;
     Ok(Link { reader: Box::new(port), writer: Box::new(writer) })
 }
 
-#[cfg(not(feature = "serial"))]
+#[cfg(not(all(feature = "serial", not(target_family = "wasm"))))]
 fn serial(_: &str) -> io::Result<Link> {
     Err(io::Error::new(io::ErrorKind::Unsupported, "this build has no serial ports (feature serial)"))
 }

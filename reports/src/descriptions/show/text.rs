@@ -3,10 +3,13 @@
 use super::cells::{self, Cells};
 use super::{Shown, Style, at, picture, version};
 use crate::escape::printable;
+use crate::table::Color;
+#[cfg(target_family = "wasm")]
+use crate::table::Paint as _;
 use canvass_analyzer::SubIndex;
 use canvass_analyzer::dictionary::layout::PdoLayout;
 use canvass_analyzer::dictionary::{Entry, Object};
-use comfy_table::{Cell, Color, ContentArrangement, Table, presets};
+use comfy_table::{Cell, Table};
 use std::fmt::Write;
 
 pub(super) fn render(shown: &Shown, style: Style) -> String {
@@ -34,14 +37,7 @@ fn head(shown: &Shown, text: &mut String) {
 }
 
 fn table(shown: &Shown, style: Style) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
-    if style.colors {
-        table.enforce_styling()
-    } else {
-        table.force_no_tty()
-    };
-    table.set_width(style.width);
+    let mut table = crate::table::table(style.width, style.colors);
     let configured = shown.description.is_configuration();
     let mut header = vec!["object", "name", "type", "access", "PDO", "default", "limits"];
     header.extend(configured.then_some("configured"));

@@ -2,8 +2,11 @@
 
 use super::{Style, Verification, remark, side, subject};
 use crate::escape::printable;
+use crate::table::Color;
+#[cfg(target_family = "wasm")]
+use crate::table::Paint as _;
 use canvass_analyzer::dictionary::survey::compare::{Kind, Mismatch};
-use comfy_table::{Cell, Color, ContentArrangement, Table, presets};
+use comfy_table::{Cell, Table};
 use std::collections::BTreeSet;
 use std::fmt::Write;
 
@@ -28,14 +31,7 @@ pub(super) fn render(verification: &Verification, style: Style) -> String {
 }
 
 fn table(verification: &Verification, style: Style) -> Table {
-    let mut table = Table::new();
-    table.load_style(presets::UTF8_FULL_CONDENSED).set_content_arrangement(ContentArrangement::Dynamic);
-    if style.colors {
-        table.enforce_styling()
-    } else {
-        table.force_no_tty()
-    };
-    table.set_width(style.width);
+    let mut table = crate::table::table(style.width, style.colors);
     table.set_header(["object", "what", "described", "found"]);
     for mismatch in verification.differences() {
         table.add_row(row(mismatch, true));

@@ -7,6 +7,7 @@
 
 use crate::Source;
 use crate::limited::{Limited, Unpacked};
+use crate::packed;
 use nom::bytes::complete::take;
 use nom::number::complete::{le_u32, le_u64};
 use nom::{IResult, Parser};
@@ -63,8 +64,8 @@ pub(crate) fn unpack(source: &mut Source, header: &Header, left: u64, records: &
     let most = header.uncompressed.saturating_add(1);
     let read = match &header.compression {
         Compression::None => (&mut limited).take(most).read_to_end(records),
-        Compression::Zstd => zstd::Decoder::with_buffer(&mut limited).and_then(|d| d.take(most).read_to_end(records)),
-        Compression::Lz4 => lz4::Decoder::new(&mut limited).and_then(|d| d.take(most).read_to_end(records)),
+        Compression::Zstd => packed::zstd(&mut limited).and_then(|d| d.take(most).read_to_end(records)),
+        Compression::Lz4 => packed::lz4(&mut limited).and_then(|d| d.take(most).read_to_end(records)),
         Compression::Other(name) => Err(io::Error::other(format!("compression {name}"))),
     };
     let (cut, unread) = (limited.is_cut(), limited.left());

@@ -1,9 +1,9 @@
 //! Writes MCAP: `can_msgs/msg/Frame` and, for CAN FD, `ros2_socketcan_msgs/msg/FdFrame`, as ROS 2 records them.
 
 use super::topic;
+use crate::packed;
 use crate::{
-    ChannelId, Channels, ChunkCompression, Direction, Flags, Format, Loss, Losses, Record, TimeBase, WriteError,
-    WriteOptions, Writer,
+    ChannelId, Channels, Direction, Flags, Format, Loss, Losses, Record, TimeBase, WriteError, WriteOptions, Writer,
 };
 use mcap::records::{MessageHeader, Metadata};
 use mcap::write::NoSeek;
@@ -44,21 +44,14 @@ fn failed(error: mcap::McapError) -> WriteError {
 }
 
 pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
-    let compression = match options.chunk_compression {
-        ChunkCompression::Zstd => Some(mcap::Compression::Zstd),
-        ChunkCompression::Lz4 => Some(mcap::Compression::Lz4),
-        ChunkCompression::None => None,
-    };
     let time_base = options.time_base;
     // The sink may be a pipe.
-    let options = mcap::WriteOptions::new()
+    let mcap_options = packed::mcap_options(options.chunk_compression)
         .profile("ros2")
         .library(concat!("canvass ", env!("CARGO_PKG_VERSION")))
-        .compression(compression)
-        .compression_threads(0)
         .use_chunks(!options.live)
         .disable_seeking(true);
-    let mut mcap = options.create(NoSeek::new(sink)).map_err(failed)?;
+    let mut mcap = mcap_options.create(NoSeek::new(sink)).map_err(failed)?;
     let mut schema =
         |name, text: &str| mcap.add_schema(name, "ros2msg", format!("{text}{HEADER}").as_bytes()).map_err(failed);
     let frame_schema = schema("can_msgs/msg/Frame", FRAME)?;

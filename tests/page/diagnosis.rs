@@ -1,0 +1,29 @@
+//! What was wrong, as `canvass diagnose --format html` shows it.
+
+use crate::captures::machine;
+use crate::opened::Opened;
+use crate::webdriver::Screen;
+
+#[test]
+fn a_capture_is_diagnosed_without_a_request() {
+    let opened = Opened::with(Screen::Desk, "machine.log", machine(20).on("can0"));
+    opened.browser.wait("document.querySelector('#view-diagnosis iframe')");
+    // Whatever stands in the frame, it runs its own scripts and nothing else.
+    assert_eq!(opened.browser.text("return document.querySelector('iframe').sandbox.value"), "allow-scripts");
+    opened.browser.within("#view-diagnosis iframe", |browser| {
+        browser.wait("document.querySelectorAll('.plot canvas').length >= 2");
+        assert!(browser.text("return document.querySelector('h1').textContent").contains("machine.log"));
+    });
+    opened.browser.is_quiet();
+}
+
+#[test]
+fn on_a_phone_nothing_is_wider_than_the_screen() {
+    let opened = Opened::with(Screen::Phone, "machine.log", machine(20).on("can0"));
+    for view in ["diagnosis", "trace", "eds", "export"] {
+        opened.view(view);
+        let wider = opened.browser.number("return document.documentElement.scrollWidth - innerWidth");
+        assert!(wider <= 0.0, "{view}: {wider} pixels too wide");
+    }
+    opened.browser.is_quiet();
+}

@@ -1,0 +1,20 @@
+//! The page with the decoder as WebAssembly, in headless Chromium, as one file from the disk.
+//!
+//! `cargo xtask web-test` makes the page and runs these tests, which are behind the feature `page`.
+
+#[cfg(test)]
+#[path = "../browser/captures.rs"]
+#[allow(dead_code)]
+mod captures;
+#[cfg(test)]
+mod diagnosis;
+#[cfg(test)]
+mod hostile;
+#[cfg(test)]
+mod opened;
+#[cfg(test)]
+mod trace;
+#[cfg(test)]
+#[path = "../browser/webdriver.rs"]
+#[allow(dead_code)]
+mod webdriver;

@@ -1,0 +1,57 @@
+//! The page with files in it.
+
+use crate::webdriver::{Browser, Screen};
+use std::path::{Path, PathBuf};
+
+/// The page, and a folder for the files that it is given.
+pub struct Opened {
+    pub browser: Browser,
+    folder: tempfile::TempDir,
+}
+
+impl Opened {
+    /// The page as it is opened first.
+    pub fn empty(screen: Screen) -> Self {
+        let page = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/page/canvass.html");
+        assert!(page.exists(), "cargo xtask web makes {}", page.display());
+        let browser = Browser::open(&page, screen);
+        browser.wait("document.documentElement.dataset.ready === 'yes'");
+        Self { browser, folder: tempfile::tempdir().unwrap() }
+    }
+
+    /// The page with a capture of that name and content.
+    pub fn with(screen: Screen, name: &str, content: impl AsRef<[u8]>) -> Self {
+        let opened = Self::empty(screen);
+        opened.take(&[opened.file(name, content)]);
+        opened.browser.wait("/frames, /.test(document.getElementById('status').textContent)");
+        opened
+    }
+
+    /// A file of that name.
+    pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
+        let path = self.folder.path().join(name);
+        std::fs::write(&path, content).unwrap();
+        path
+    }
+
+    /// Gives the page files, as the file dialog would.
+    pub fn take(&self, files: &[PathBuf]) {
+        let paths: Vec<_> = files.iter().map(|path| path.to_str().unwrap()).collect();
+        self.browser.fill("#files", &paths.join("\n"));
+    }
+
+    /// Shows a view.
+    pub fn view(&self, id: &str) {
+        self.browser.click(&format!("#tab-{id}"));
+    }
+
+    /// The rows in sight, their cells parted by bars.
+    pub fn rows(&self) -> Vec<String> {
+        self.browser.wait("document.querySelector('.list .row .text')?.textContent");
+        let rows = self.browser.run(
+            "return [...document.querySelectorAll('.list .row')].filter((row) => !row.hidden) \
+             .map((row) => [...row.children].map((cell) => cell.textContent).join('|'))",
+        );
+        rows.as_array().unwrap().iter().map(|row| row.as_str().unwrap().to_owned()).collect()
+    }
+}

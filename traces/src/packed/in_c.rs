@@ -1,0 +1,48 @@
+//! By the usual libraries.
+
+use crate::ChunkCompression;
+use std::io::{self, BufRead, Read, Write};
+
+/// What a zstd stream of one or more frames holds.
+pub(crate) fn zstd<'a>(source: impl BufRead + 'a) -> io::Result<impl Read + 'a> {
+    ::zstd::Decoder::with_buffer(source)
+}
+
+/// What an lz4 frame holds.
+pub(crate) fn lz4(source: impl Read) -> io::Result<impl Read> {
+    ::lz4::Decoder::new(source)
+}
+
+/// How the chunks of MCAP are written.
+pub(crate) fn mcap_options(compression: ChunkCompression) -> mcap::WriteOptions {
+    let compression = match compression {
+        ChunkCompression::Zstd => Some(mcap::Compression::Zstd),
+        ChunkCompression::Lz4 => Some(mcap::Compression::Lz4),
+        ChunkCompression::None => None,
+    };
+    mcap::WriteOptions::new().compression(compression).compression_threads(0)
+}
+
+/// Writes a zstd stream.
+pub(crate) struct ZstdWriter<W: Write>(::zstd::Encoder<'static, W>);
+
+impl<W: Write> ZstdWriter<W> {
+    pub(crate) fn new(sink: W) -> io::Result<Self> {
+        Ok(Self(::zstd::Encoder::new(sink, 0)?))
+    }
+
+    pub(crate) fn finish(&mut self) -> io::Result<()> {
+        self.0.do_finish()?;
+        self.0.get_mut().flush()
+    }
+}
+
+impl<W: Write> Write for ZstdWriter<W> {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.0.flush()
+    }
+}

@@ -1,0 +1,97 @@
+// Makes the page of its parts: one file that needs no other, and a folder that can be installed and then works off line.
+import { build } from "esbuild";
+import { createHash } from "node:crypto";
+import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
+import { dirname, join } from "node:path";
+import { fileURLToPath } from "node:url";
+import { gzipSync } from "node:zlib";
+import { reports } from "./reports.mjs";
+
+const here = dirname(fileURLToPath(import.meta.url));
+const out = process.argv[2];
+const wasm = join(out, "wasm/canvass_web_bg.wasm");
+const ICON =
+  "data:image/svg+xml,%3Csvg xmlns='http:%2F%2Fwww.w3.org/2000/svg' viewBox='0 0 16 16'%3E%3Cg fill='none' stroke='%232f6fd6' " +
+  "stroke-width='2' stroke-linecap='round'%3E%3Ccircle cx='6.5' cy='6.5' r='4.5'/%3E%3Cpath d='M10 10l4.5 4.5'/%3E%3C/g%3E%3C/svg%3E";
+
+/** A script with all that it imports. Nothing in it can end the element that it stands in. */
+async function bundle(entry) {
+  const built = await build({
+    entryPoints: [join(here, "src", entry)],
+    bundle: true,
+    minify: true,
+    write: false,
+    format: "iife",
+    target: "es2022",
+    charset: "utf8",
+    define: { "import.meta.url": '""' },
+    alias: { "canvass-wasm": join(process.cwd(), out, "wasm/canvass_web.js") },
+    loader: { ".css": "text" },
+    logLevel: "warning",
+  });
+  return built.outputFiles[0].text.trim().replaceAll("</", "<\\/").replaceAll("<!--", "<\\!--");
+}
+
+const hash = (text) => `'sha256-${createHash("sha256").update(text).digest("base64")}'`;
+
+/** Nothing is loaded, sent or run but what stands in the page, and in the reports that it shows. */
+function policy(script, style, allowed, more) {
+  const scripts = [...new Set([hash(script), ...allowed.scripts])].join(" ");
+  const styles = [...new Set([hash(style), ...allowed.styles])].join(" ");
+  return [
+    "default-src 'none'",
+    "connect-src 'none'",
+    `script-src ${scripts} 'wasm-unsafe-eval'`,
+    `style-src ${styles}`,
+    "worker-src blob:" + more.worker,
+    "frame-src blob:",
+    "img-src data: blob:",
+    "base-uri 'none'",
+    "form-action 'none'",
+    ...more.others,
+  ].join("; ");
+}
+
+const REGISTER = 'window.canvassRegister=()=>navigator.serviceWorker?.register("sw.js").catch(()=>{});';
+const MANIFEST = {
+  name: "canvass: CANopen captures",
+  short_name: "canvass",
+  start_url: "./index.html",
+  display: "standalone",
+  background_color: "#16181c",
+  theme_color: "#1f5fc4",
+  icons: [{ src: "icon.svg", sizes: "any", type: "image/svg+xml" }],
+};
+
+const [main, worker] = await Promise.all([bundle("main.js"), bundle("worker.js")]);
+const style = readFileSync(join(here, "src/style.css"), "utf8") + readFileSync(join(here, "../../reports/assets/uplot/uPlot.min.css"), "utf8");
+const packed = gzipSync(readFileSync(wasm), { level: 9 });
+writeFileSync(join(out, "wasm/canvass_web.wasm.gz"), packed);
+const template = readFileSync(join(here, "src/index.html"), "utf8");
+const allowed = await reports(join(process.cwd(), out, "wasm"));
+
+function page(script, manifest, more) {
+  const parts = {
+    POLICY: policy(script, style, allowed, more).replaceAll('"', "&quot;"),
+    ICON,
+    MANIFEST: manifest,
+    STYLE: style,
+    WORKER: worker,
+    WASM: packed.toString("base64"),
+    SCRIPT: script,
+  };
+  return template.replace(/\b(POLICY|ICON|MANIFEST|STYLE|WORKER|WASM|SCRIPT)\b/g, (name) => parts[name]);
+}
+
+writeFileSync(join(out, "canvass.html"), page(main, "", { worker: "", others: [] }));
+
+const folder = join(out, "folder");
+mkdirSync(folder, { recursive: true });
+const own = { worker: " 'self'", others: ["manifest-src 'self'"] };
+const index = page(REGISTER + main, '<link rel="manifest" href="manifest.webmanifest">', own);
+writeFileSync(join(folder, "index.html"), index);
+writeFileSync(join(folder, "manifest.webmanifest"), JSON.stringify(MANIFEST));
+writeFileSync(join(folder, "icon.svg"), decodeURIComponent(ICON.slice(ICON.indexOf(",") + 1)));
+const version = createHash("sha256").update(index).digest("hex").slice(0, 16);
+writeFileSync(join(folder, "sw.js"), readFileSync(join(here, "src/sw.js"), "utf8").replace("VERSION", version));
+console.log(`${join(out, "canvass.html")}: ${(Buffer.byteLength(index) / 1e6).toFixed(1)} MB; wasm.gz ${packed.length} bytes`);

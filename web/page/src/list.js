@@ -1,0 +1,176 @@
+// A list of millions of rows, of which only those in sight are elements. The libraries for that give the list its full
+// height, which browsers bound (17 to 33 million pixels): here a long list is scrolled in proportion.
+
+import { element } from "./dom.js";
+
+const ROW = 24;
+/** The most pixels that every browser can scroll. */
+const TALLEST = 8_000_000;
+/** Rows that are fetched at once, and how many such pieces are kept. */
+const PIECE = 128;
+const KEPT = 200;
+
+export class List {
+  #length = 0;
+  #top = 0;
+  #pieces = new Map();
+  #generation = 0;
+  #rows = [];
+  #drawn = false;
+
+  /** `fetch(from, count)` gives rows, `draw(element, row)` shows one, `choose(at, row)` is told which is chosen. */
+  constructor(root, { fetch, draw, choose, label }) {
+    Object.assign(this, { root, fetch, draw, choose });
+    this.at = 0;
+    this.height = element("div", { class: "list-height" });
+    this.body = element("div", { class: "list-body", role: "rowgroup" });
+    root.append(this.height, this.body);
+    root.tabIndex = 0;
+    root.setAttribute("role", "grid");
+    root.setAttribute("aria-label", label);
+    root.addEventListener("scroll", () => this.#scrolled());
+    root.addEventListener("keydown", (event) => this.#key(event));
+    root.addEventListener("wheel", (event) => this.#wheel(event), { passive: false });
+    new ResizeObserver(() => this.#schedule()).observe(root);
+  }
+
+  get #sight() {
+    return Math.max(1, Math.ceil(this.root.clientHeight / ROW));
+  }
+
+  get #scaled() {
+    return this.#length * ROW > TALLEST;
+  }
+
+  get length() {
+    return this.#length;
+  }
+
+  /** The rows are others now. */
+  reset(length) {
+    this.#generation++;
+    this.#pieces.clear();
+    this.grow(length);
+    this.at = Math.min(this.at, Math.max(0, length - 1));
+    this.#schedule();
+  }
+
+  /** More rows have come. */
+  grow(length) {
+    this.#length = length;
+    this.root.setAttribute("aria-rowcount", length);
+    this.height.style.height = `${Math.min(length * ROW, TALLEST)}px`;
+    const rest = length % PIECE;
+    for (const [piece, rows] of this.#pieces) if (rows.length < PIECE && rest !== rows.length) this.#pieces.delete(piece);
+    this.#schedule();
+  }
+
+  /** Brings a row into sight and chooses it. */
+  go(at, choose = true) {
+    this.at = Math.max(0, Math.min(at, this.#length - 1));
+    const sight = this.#sight - 1;
+    if (this.at < this.#top || this.at >= this.#top + sight) this.#show(this.at - Math.floor(sight / 2));
+    this.#schedule();
+    if (choose) this.#row(this.at).then((row) => row && this.choose(this.at, row));
+  }
+
+  /** Puts a row at the top. */
+  #show(top) {
+    this.#top = Math.max(0, Math.min(top, this.#length - this.#sight + 1));
+    const range = Math.max(1, this.root.scrollHeight - this.root.clientHeight);
+    const most = Math.max(1, this.#length - this.#sight + 1);
+    this.ignore = true;
+    this.root.scrollTop = this.#scaled ? (this.#top / most) * range : this.#top * ROW;
+    requestAnimationFrame(() => (this.ignore = false));
+    this.#schedule();
+  }
+
+  #scrolled() {
+    if (!this.ignore) {
+      const range = Math.max(1, this.root.scrollHeight - this.root.clientHeight);
+      const most = Math.max(0, this.#length - this.#sight + 1);
+      const part = this.root.scrollTop / range;
+      this.#top = this.#scaled ? Math.round(part * most) : Math.floor(this.root.scrollTop / ROW);
+    }
+    this.#schedule();
+  }
+
+  /** A turn of the wheel moves by rows, also where a pixel is thousands of them. */
+  #wheel(event) {
+    if (!this.#scaled || event.ctrlKey) return;
+    event.preventDefault();
+    this.#show(this.#top + Math.sign(event.deltaY) * Math.max(1, Math.round(Math.abs(event.deltaY) / ROW)));
+  }
+
+  #key(event) {
+    const steps = { ArrowDown: 1, ArrowUp: -1, PageDown: this.#sight - 2, PageUp: 2 - this.#sight, Home: -this.#length, End: this.#length };
+    const step = steps[event.key];
+    if (step === undefined || event.target !== this.root) return;
+    event.preventDefault();
+    this.go(this.at + step);
+  }
+
+  async #row(at) {
+    const piece = await this.#piece(Math.floor(at / PIECE));
+    return piece[at % PIECE];
+  }
+
+  async #piece(number) {
+    const known = this.#pieces.get(number);
+    if (known) return known;
+    const generation = this.#generation;
+    const rows = await this.fetch(number * PIECE, PIECE);
+    if (generation === this.#generation) {
+      this.#pieces.set(number, rows);
+      if (this.#pieces.size > KEPT) this.#pieces.delete(this.#pieces.keys().next().value);
+    }
+    return rows;
+  }
+
+  #schedule() {
+    if (this.#drawn) return;
+    this.#drawn = true;
+    requestAnimationFrame(() => {
+      this.#drawn = false;
+      this.#draw();
+    });
+  }
+
+  #draw() {
+    const sight = Math.min(this.#sight + 1, this.#length);
+    while (this.#rows.length < sight) {
+      const row = element("div", { class: "row", role: "row" });
+      row.addEventListener("click", () => this.go(row.at));
+      this.#rows.push(row);
+      this.body.append(row);
+    }
+    while (this.#rows.length > sight) this.#rows.pop().remove();
+    const offset = this.#scaled ? 0 : this.root.scrollTop - this.#top * ROW;
+    this.body.style.transform = `translateY(${this.root.scrollTop - offset}px)`;
+    const wanted = new Set();
+    this.#rows.forEach((row, n) => {
+      row.at = this.#top + n;
+      row.hidden = row.at >= this.#length;
+      const known = this.#pieces.get(Math.floor(row.at / PIECE))?.[row.at % PIECE];
+      if (!known && !row.hidden) wanted.add(Math.floor(row.at / PIECE));
+      row.setAttribute("aria-rowindex", row.at + 1);
+      row.setAttribute("aria-selected", row.at === this.at);
+      row.id = `row-${n}`;
+      this.draw(row, known);
+      if (row.at === this.at) this.root.setAttribute("aria-activedescendant", row.id);
+    });
+    for (const piece of wanted) this.#fetchSoon(piece);
+  }
+
+  /** One at a time: what is scrolled past is not asked for. */
+  async #fetchSoon(piece) {
+    if (this.fetching) return;
+    this.fetching = true;
+    try {
+      await this.#piece(piece);
+    } finally {
+      this.fetching = false;
+    }
+    this.#schedule();
+  }
+}

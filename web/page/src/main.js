@@ -1,0 +1,203 @@
+import { start } from "./engine.js";
+import { byId, count, element } from "./dom.js";
+import * as state from "./state.js";
+import { diagnosisView } from "./views/diagnosis.js";
+import { traceView } from "./views/trace.js";
+import { edsView } from "./views/eds.js";
+import { exportView } from "./views/export.js";
+
+/** All that the views share. */
+const app = {
+  engine: null,
+  captures: [],
+  /** What the captures are; null while none is open. */
+  summary: null,
+  /** Descriptions: name, nodes, bytes, and what they are. */
+  described: [],
+  options: { same_bus: false },
+  state,
+  say,
+  run,
+  reopen,
+  show,
+};
+
+const VIEWS = [
+  ["diagnosis", "Diagnosis", diagnosisView],
+  ["trace", "Trace", traceView],
+  ["eds", "EDS", edsView],
+  ["export", "Export", exportView],
+];
+const views = new Map();
+/** How files are called that describe devices. */
+const DESCRIPTION = /\.(eds|dcf|xdd|xdc)$/i;
+
+function say(text, bad = false) {
+  const status = byId("status");
+  status.textContent = text;
+  status.classList.toggle("bad", bad);
+}
+
+/** Runs a long call with its progress shown; gives nothing if it was cancelled or failed. */
+async function run(kind, what, args, text) {
+  const box = byId("progress");
+  const [bar, label, cancel] = box.children;
+  box.hidden = false;
+  bar.removeAttribute("value");
+  label.textContent = text;
+  cancel.onclick = () => app.engine.call("cancel", { kind });
+  try {
+    const result = await app.engine.call(what, args, (at) => {
+      if (at.size) bar.value = at.read / at.size;
+      else if (at.all) bar.value = at.looked / at.all;
+      label.textContent = at.frames === undefined ? text : `${text}: ${count(at.frames)} frames`;
+    });
+    if (result?.cancelled) {
+      say(`${text}: cancelled`);
+      return null;
+    }
+    return result;
+  } catch (error) {
+    say(error.message, true);
+    return null;
+  } finally {
+    box.hidden = true;
+  }
+}
+
+/** Takes files that were dropped or chosen. */
+async function take(files) {
+  const captures = [];
+  for (const file of files) {
+    if (DESCRIPTION.test(file.name)) await describe(file.name, "", new Uint8Array(await file.arrayBuffer()));
+    else captures.push(file);
+  }
+  if (captures.length > 0) app.captures = captures;
+  if (app.captures.length > 0) await reopen();
+  else show(app.described.length > 0 ? "eds" : undefined);
+}
+
+/** Adds a description of those nodes, or the same with other nodes. */
+async function describe(name, nodes, bytes) {
+  try {
+    const known = await app.engine.call("describe", { name, nodes, bytes });
+    app.described = [...app.described.filter((other) => other.name !== name), { ...known, bytes }];
+    say(`${name}: ${known.objects} objects, of node ${known.nodes}`);
+  } catch (error) {
+    say(error.message, true);
+  }
+  refresh();
+}
+app.describe = describe;
+
+/** Reads the captures, from their begin. */
+async function reopen() {
+  if (app.captures.length === 0) return refresh();
+  app.summary = null;
+  byId("names").textContent = app.captures.map((file) => file.name).join(", ");
+  byId("again").hidden = false;
+  refresh();
+  const began = performance.now();
+  const summary = await run("open", "open", { captures: app.captures, options: app.options }, "Reading");
+  if (!summary) return;
+  app.summary = summary;
+  app.took = performance.now() - began;
+  const { errors, warnings, damages } = summary;
+  const unread = damages > 0 ? `, ${count(damages)} places that can't be read` : "";
+  say(`${summary.formats.join(", ")}: ${count(summary.frames)} frames, ${errors} errors, ${warnings} warnings${unread}`);
+  refresh();
+}
+
+function close() {
+  app.captures = [];
+  app.summary = null;
+  byId("names").textContent = "";
+  byId("again").hidden = true;
+  say("");
+  refresh();
+}
+
+/** The views are of other captures now. */
+function refresh() {
+  views.forEach((view) => view.refresh?.());
+  show(state.get("view"));
+}
+
+/** Shows a view. */
+function show(wanted) {
+  const id = VIEWS.some(([id]) => id === wanted) ? wanted : "diagnosis";
+  state.set({ view: id });
+  for (const [other] of VIEWS) {
+    const tab = byId(`tab-${other}`);
+    tab.setAttribute("aria-selected", other === id);
+    tab.tabIndex = other === id ? 0 : -1;
+    byId(`view-${other}`).hidden = other !== id;
+  }
+  views.get(id).shown?.();
+}
+
+function tabs() {
+  const bar = byId("tabs");
+  for (const [id, name, make] of VIEWS) {
+    const tab = element("button", { type: "button", role: "tab", id: `tab-${id}`, "aria-controls": `view-${id}`, onclick: () => show(id) }, name);
+    bar.append(tab);
+    const root = element("section", { id: `view-${id}`, role: "tabpanel", "aria-labelledby": `tab-${id}`, hidden: true });
+    byId("main").append(root);
+    views.set(id, make(app, root));
+  }
+  bar.addEventListener("keydown", (event) => {
+    const step = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
+    if (!step) return;
+    const all = [...bar.children];
+    const next = all.at((all.indexOf(document.activeElement) + step) % all.length);
+    next.focus();
+    next.click();
+  });
+}
+
+function drops() {
+  const { body } = document;
+  body.addEventListener("dragover", (event) => {
+    event.preventDefault();
+    body.classList.add("over");
+  });
+  body.addEventListener("dragleave", () => body.classList.remove("over"));
+  body.addEventListener("drop", (event) => {
+    event.preventDefault();
+    body.classList.remove("over");
+    take([...event.dataTransfer.files]);
+  });
+  byId("files").addEventListener("change", ({ target }) => {
+    take([...target.files]);
+    target.value = "";
+  });
+  byId("again").addEventListener("click", close);
+}
+
+function theme() {
+  const choice = byId("theme");
+  const apply = () => (document.documentElement.style.colorScheme = choice.value || "light dark");
+  choice.value = state.get("theme") ?? "";
+  choice.addEventListener("change", () => {
+    state.set({ theme: choice.value });
+    apply();
+  });
+  apply();
+}
+
+async function begin() {
+  theme();
+  tabs();
+  try {
+    app.engine = await start((why) => say(`The decoder has stopped, please reload the page: ${why}`, true));
+  } catch (error) {
+    return say(`This browser can't run the decoder: ${error.message}`, true);
+  }
+  drops();
+  window.addEventListener("hashchange", () => show(state.get("view")));
+  refresh();
+  if (window.canvassRegister) window.canvassRegister();
+  document.documentElement.dataset.ready = "yes";
+}
+
+begin();

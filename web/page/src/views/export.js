@@ -1,0 +1,51 @@
+import { element, save } from "../dom.js";
+
+const PRINTED = [
+  ["decode", "text", "Decoded frames as text", "txt"],
+  ["decode", "csv", "Decoded frames as CSV", "csv"],
+  ["decode", "json", "Decoded frames as JSON Lines", "jsonl"],
+  ["events", "text", "Events as text", "txt"],
+  ["events", "json", "Events as JSON Lines", "jsonl"],
+  ["signals", "csv", "Values of PDOs as CSV", "csv"],
+  ["signals", "json", "Values of PDOs as JSON Lines", "jsonl"],
+];
+const ENDINGS = { candump: "log", "python-can-csv": "csv" };
+
+/** What the program prints and writes of captures, by download. */
+export function exportView(app, root) {
+  function fill() {
+    if (!app.summary) {
+      root.replaceChildren(element("div", { class: "welcome" }, element("p", {}, "Open a capture first.")));
+      return;
+    }
+    const filter = element("input", { type: "text", value: app.state.get("filter") ?? "", placeholder: "all frames", "aria-label": "Filter of the export" });
+    const gzip = element("input", { type: "checkbox" });
+    const printed = PRINTED.map(([what, format, name, ending]) => button(name, () => write({ what, format, filter: filter.value }, ending)));
+    const written = app.engine.formats.map(({ id }) => {
+      const ending = () => (ENDINGS[id] ?? id) + (gzip.checked ? ".gz" : "");
+      return button(id, () => write({ what: "convert", format: id, filter: filter.value, gzip: gzip.checked }, ending()));
+    });
+    root.replaceChildren(
+      element("div", { class: "export" },
+        element("label", {}, "Only frames that pass the filter ", filter),
+        element("h2", {}, "As canvass prints them"),
+        element("div", { class: "buttons" }, printed),
+        element("h2", {}, "As a capture of another format"),
+        element("label", {}, gzip, " compressed by gzip"),
+        element("div", { class: "buttons" }, written),
+      ),
+    );
+  }
+
+  const button = (name, act) => element("button", { type: "button", onclick: act }, name);
+
+  async function write(wish, ending) {
+    const end = await app.run("export", "export", { wish }, "Writing");
+    if (!end) return;
+    const name = app.captures[0].name.replace(/\.(gz|zst)$/, "").replace(/\.[^.]*$/, "");
+    save(`${name}-${wish.what}.${ending}`, end.blob);
+    app.say(`${name}-${wish.what}.${ending}: ${end.blob.size} bytes`);
+  }
+
+  return { refresh: fill, shown: fill };
+}

@@ -1,0 +1,124 @@
+// All work is done here, off the page's thread: the captures are read where they lie, a piece at a time.
+import { initSync, Page } from "canvass-wasm";
+
+const files = new Map();
+const reader = new FileReaderSync();
+/** What is read of a file at once. */
+const PIECE = 4 << 20;
+
+globalThis.canvassHost = {
+  read(number, at, buffer) {
+    const known = files.get(number);
+    if (!known.piece || at < known.from || at >= known.from + known.piece.length) {
+      known.from = at;
+      known.piece = new Uint8Array(reader.readAsArrayBuffer(known.file.slice(at, at + PIECE)));
+    }
+    const begin = at - known.from;
+    const part = known.piece.subarray(begin, begin + buffer.length);
+    buffer.set(part);
+    return part.length;
+  },
+  stopped(why) {
+    postMessage({ stopped: why });
+  },
+};
+
+let page;
+/** Only the latest of each kind of job goes on. */
+const latest = new Map();
+
+/** Lets messages in. */
+const channel = new MessageChannel();
+let wake;
+channel.port1.onmessage = () => wake();
+function breathe() {
+  return new Promise((resolve) => {
+    wake = resolve;
+    channel.port2.postMessage(0);
+  });
+}
+
+/** Calls `step` until it says that there is no more, or another job of the kind begins. */
+async function job(kind, step, tell) {
+  const own = Symbol(kind);
+  latest.set(kind, own);
+  let told = performance.now();
+  for (;;) {
+    const state = step();
+    if (!state.more) return state;
+    if (performance.now() - told > 100) {
+      told = performance.now();
+      tell(state);
+    }
+    await breathe();
+    if (latest.get(kind) !== own) return { ...state, cancelled: true };
+  }
+}
+
+/** Frames between two looks at the messages: about 20 ms of work. */
+const STEP = 20_000;
+
+const calls = {
+  start({ module, surroundings }) {
+    initSync({ module });
+    page = new Page(JSON.stringify(surroundings));
+    return { formats: JSON.parse(Page.formats()) };
+  },
+  async open({ captures, options }, tell) {
+    page.close();
+    files.clear();
+    captures.forEach((file, number) => {
+      files.set(number, { file });
+      page.addCapture(number, file.name, file.size);
+    });
+    page.options(JSON.stringify(options));
+    page.open();
+    const end = await job("open", () => JSON.parse(page.openOn(STEP)), tell);
+    files.forEach((known) => delete known.piece);
+    return end.cancelled ? { cancelled: true } : JSON.parse(page.summary());
+  },
+  cancel({ kind }) {
+    latest.delete(kind);
+  },
+  describe: ({ name, nodes, bytes }) => JSON.parse(page.addDescription(name, nodes, bytes)),
+  forget: ({ name }) => page.removeDescription(name),
+  diagnosis: ({ form }) => page.diagnosis(form),
+  descriptionPage: ({ name }) => page.descriptionPage(name),
+  descriptionFindings: ({ name }) => JSON.parse(page.descriptionFindings(name)),
+  rows: ({ from, count }) => JSON.parse(page.rows(from, count)),
+  details: ({ row }) => JSON.parse(page.details(row)),
+  checkFilter: ({ text }) => JSON.parse(Page.checkFilter(text)),
+  async choose({ filter, text }, tell) {
+    page.choose(filter, text);
+    return job("choose", () => JSON.parse(page.chooseOn(STEP)), tell);
+  },
+  rank: ({ row }) => page.rank(row),
+  rowAt: ({ seconds }) => page.rowAt(seconds),
+  async find({ text, from, backwards }, tell) {
+    page.find(text, from, backwards);
+    return job("find", () => JSON.parse(page.findOn(STEP)), tell);
+  },
+  async export({ wish }, tell) {
+    page.export(JSON.stringify(wish));
+    const parts = [];
+    const step = () => {
+      const piece = page.exportOn(STEP);
+      if (piece === undefined) return { more: false };
+      // A blob is not held in this memory.
+      if (piece.length > 0) parts.push(new Blob([piece]));
+      return { ...JSON.parse(page.exportProgress()), more: true };
+    };
+    const end = await job("export", step, tell);
+    return end.cancelled ? { cancelled: true } : { blob: new Blob(parts) };
+  },
+};
+
+onmessage = async ({ data: { id, call, args } }) => {
+  const tell = (progress) => postMessage({ id, progress });
+  try {
+    const result = await calls[call](args, tell);
+    postMessage({ id, result });
+  } catch (error) {
+    postMessage({ id, error: String(error?.message ?? error) });
+  }
+};

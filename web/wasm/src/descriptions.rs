@@ -1,0 +1,94 @@
+//! Device descriptions that the user has chosen.
+
+use canvass_analyzer::dictionary::check::check;
+use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
+use canvass_analyzer::{NodeId, NodeRange};
+use canvass_reports::descriptions::show::Shown;
+use canvass_reports::descriptions::{CheckedFile, Counts, text};
+use canvass_reports::provenance::FileUsed;
+use serde_json::{Value, json};
+use sha2::{Digest, Sha256};
+use std::io;
+
+/// A description and the nodes that it is of.
+#[derive(Clone, Debug)]
+pub struct Described {
+    /// The file's name.
+    pub name: String,
+    /// The nodes, as they were written.
+    pub nodes_text: String,
+    /// The nodes.
+    pub nodes: Vec<NodeId>,
+    /// What it says.
+    pub known: KnownDevice,
+    bytes: Vec<u8>,
+}
+
+impl Described {
+    /// Reads one; without `nodes` it is of the node that it names itself, or of all.
+    ///
+    /// # Errors
+    /// In words, if it can't be used.
+    pub fn read(name: &str, nodes: &str, bytes: &[u8]) -> Result<Self, String> {
+        let description = DeviceDescription::read(bytes).map_err(|error| format!("{name}: {error}"))?;
+        description.usable().map_err(|error| format!("{name}: {error}"))?;
+        let own = description.commissioning.as_ref().and_then(|commissioning| commissioning.node_id);
+        let nodes_text = match own {
+            _ if !nodes.is_empty() => nodes.to_owned(),
+            Some(node) => node.to_string(),
+            None => "all".to_owned(),
+        };
+        let nodes = NodeRange::list(&nodes_text).map_err(|error| error.to_string())?;
+        let known = KnownDevice::described(description);
+        Ok(Self { name: name.to_owned(), nodes_text, nodes, known, bytes: bytes.to_owned() })
+    }
+
+    /// What it is, in short.
+    pub fn summary(&self) -> Value {
+        let device = &self.known.description;
+        let counts = self.checked().map(|file| Counts::of([&file]).to_string()).unwrap_or_default();
+        json!({
+            "name": self.name,
+            "nodes": self.nodes_text,
+            "vendor": device.device.vendor_name,
+            "product": device.device.product_name,
+            "objects": device.dictionary.objects().len(),
+            "checked": counts,
+        })
+    }
+
+    /// The file with its hash.
+    pub fn used(&self) -> FileUsed {
+        let hash = Sha256::digest(&self.bytes).iter().map(|byte| format!("{byte:02x}")).collect();
+        FileUsed { role: "description", path: self.name.clone(), content: Some((self.bytes.len() as u64, hash)) }
+    }
+
+    fn checked(&self) -> Option<CheckedFile> {
+        Some(CheckedFile::new(&self.name, &check(&self.bytes, Some(&self.name)).ok()?, |_| true))
+    }
+
+    /// The page of its dictionary.
+    ///
+    /// # Errors
+    /// None that happens: it is written to memory.
+    pub fn page(&self) -> io::Result<Vec<u8>> {
+        let node = self.nodes.first().copied().filter(|_| self.nodes.len() == 1);
+        let description = self.known.description.clone();
+        let mut out = Vec::new();
+        Shown { file: self.name.clone(), description, node, only: None }.html(&mut out)?;
+        Ok(out)
+    }
+
+    /// What is wrong in it, each with its place, and how it is mended.
+    pub fn findings(&self) -> Value {
+        let Some(file) = self.checked() else { return Value::Null };
+        canvass_reports::descriptions::json::document(&[file])
+    }
+
+    /// The same in words.
+    pub fn findings_text(&self) -> String {
+        let Ok(checked) = check(&self.bytes, Some(&self.name)) else { return String::new() };
+        let file = CheckedFile::new(&self.name, &checked, |_| true);
+        text::render(&file, &checked.text, text::Style { colors: false, width: 100 })
+    }
+}

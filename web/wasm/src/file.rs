@@ -1,0 +1,92 @@
+//! Files that the user has chosen: read a piece at a time, never held.
+
+use crate::host;
+use canvass_reports::provenance::FileUsed;
+use sha2::{Digest, Sha256};
+use std::io::{self, Read};
+use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// A file as the page knows it.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub struct ChosenFile {
+    /// The page's number for it.
+    pub number: u32,
+    /// Its name.
+    pub name: String,
+    /// In bytes.
+    pub length: u64,
+}
+
+/// Reads it from its begin to its end.
+pub struct FileReader {
+    file: ChosenFile,
+    at: u64,
+    seen: Seen,
+}
+
+/// What was read of a file so far.
+#[derive(Clone, Default)]
+pub struct Seen(Arc<SeenState>);
+
+#[derive(Default)]
+struct SeenState {
+    bytes: AtomicU64,
+    /// Of these bytes, where it is wanted.
+    hash: Option<Mutex<Sha256>>,
+}
+
+impl Seen {
+    /// With the hash of what was read.
+    pub fn hashed() -> Self {
+        Self(Arc::new(SeenState { hash: Some(Mutex::default()), ..SeenState::default() }))
+    }
+
+    /// How many bytes.
+    pub fn bytes(&self) -> u64 {
+        self.0.bytes.load(Ordering::Relaxed)
+    }
+
+    fn see(&self, bytes: &[u8]) {
+        self.0.bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+        if let Some(hash) = &self.0.hash {
+            hash.lock().unwrap_or_else(PoisonError::into_inner).update(bytes);
+        }
+    }
+
+    fn digest(&self) -> Option<String> {
+        let hash = self.0.hash.as_ref()?.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Some(hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect())
+    }
+}
+
+impl FileReader {
+    /// At its begin.
+    pub const fn new(file: ChosenFile, seen: Seen) -> Self {
+        Self { file, at: 0, seen }
+    }
+}
+
+impl Read for FileReader {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let left = usize::try_from(self.file.length.saturating_sub(self.at)).unwrap_or(usize::MAX);
+        let wanted = left.min(buffer.len());
+        let Some(buffer) = buffer.get_mut(..wanted).filter(|buffer| !buffer.is_empty()) else { return Ok(0) };
+        let read = host::read(self.file.number, self.at, buffer)?;
+        self.at += read as u64;
+        self.seen.see(buffer.get(..read).unwrap_or_default());
+        Ok(read)
+    }
+}
+
+impl ChosenFile {
+    /// The file with its hash. What a reader has left unread is read for that.
+    pub fn used(&self, role: &'static str, seen: &Seen) -> FileUsed {
+        let mut rest = FileReader { file: self.clone(), at: seen.bytes(), seen: seen.clone() };
+        let mut buffer = vec![0; 64 * 1024];
+        let read = std::iter::repeat_with(|| rest.read(&mut buffer)).find(|read| !matches!(read, Ok(1..)));
+        let whole = matches!(read, Some(Ok(0)));
+        let content = seen.digest().filter(|_| whole).map(|digest| (seen.bytes(), digest));
+        FileUsed { role, path: self.name.clone(), content }
+    }
+}

@@ -1,0 +1,46 @@
+//! What the page does for the libraries.
+
+use std::io;
+
+#[cfg(target_family = "wasm")]
+mod page {
+    use wasm_bindgen::prelude::*;
+
+    #[wasm_bindgen]
+    extern "C" {
+        /// Puts bytes of a file into `buffer`, from the offset `at` on; returns how many.
+        #[wasm_bindgen(js_namespace = canvassHost, catch)]
+        pub(super) fn read(file: u32, at: f64, buffer: &mut [u8]) -> Result<u32, JsValue>;
+
+        /// Tells the page what made the program stop.
+        #[wasm_bindgen(js_namespace = canvassHost)]
+        pub(super) fn stopped(why: &str);
+    }
+}
+
+/// Reads from a file of the page.
+///
+/// # Errors
+/// If the file is gone, or was changed since it was chosen.
+#[cfg(target_family = "wasm")]
+pub fn read(file: u32, at: u64, buffer: &mut [u8]) -> io::Result<usize> {
+    // No file has 2^53 bytes.
+    let read = page::read(file, at as f64, buffer);
+    let failed = |_| io::Error::other("the browser can't read it any more: was it moved or changed?");
+    read.map(|read| (read as usize).min(buffer.len())).map_err(failed)
+}
+
+/// There is no page.
+///
+/// # Errors
+/// Always.
+#[cfg(not(target_family = "wasm"))]
+pub fn read(_: u32, _: u64, _: &mut [u8]) -> io::Result<usize> {
+    Err(io::ErrorKind::Unsupported.into())
+}
+
+/// From now on the page is told why the program stopped, should it ever.
+pub fn tell_why_it_stops() {
+    #[cfg(target_family = "wasm")]
+    std::panic::set_hook(Box::new(|why| page::stopped(&why.to_string())));
+}

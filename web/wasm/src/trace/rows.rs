@@ -1,0 +1,112 @@
+//! Rows of the trace as the page shows them.
+
+use super::store::{Step, Store};
+use canvass_analyzer::network::sdo::Violation;
+use canvass_analyzer::wire::sdo::{Request, Response};
+use canvass_analyzer::{Meaning, Message, Service};
+use canvass_reports::escape::printable;
+use canvass_reports::time::{Clock, TimeStyle};
+use canvass_traces::{Channels, Record, Timestamp};
+use serde::Serialize;
+use std::fmt::Write as _;
+
+/// What the page shows of a frame. Texts are made safe to show.
+#[derive(Debug, Serialize)]
+pub struct Row {
+    /// Its place among all frames, from 0.
+    pub row: usize,
+    /// Its line or packet.
+    pub place: u64,
+    /// Since the first frame, in seconds.
+    pub time: String,
+    /// Its channel.
+    pub channel: String,
+    /// Its CAN-ID.
+    pub id: String,
+    /// Its bytes.
+    pub data: String,
+    /// The node that it is about.
+    pub node: Option<u8>,
+    /// Its service.
+    pub service: &'static str,
+    /// What it means.
+    pub text: String,
+    /// Whether it says that something failed.
+    pub bad: bool,
+}
+
+impl Row {
+    /// The row of a step; times count from `start`.
+    pub fn new(step: &Step<'_>, channels: &Channels, start: Timestamp) -> Self {
+        let Step { row, record, decoded, network } = step;
+        let text = network.bus(record.channel).map(|bus| Meaning::new(record, decoded, bus).to_string());
+        let id = record.frame.id();
+        let digits = if id.is_extended() { 8 } else { 3 };
+        Self {
+            row: *row,
+            place: record.place.number,
+            time: since(start, record.timestamp),
+            channel: printable(channels.name(record.channel)).into_owned(),
+            id: format!("{:0digits$X}", id.raw()),
+            data: data(record),
+            node: decoded.node.map(canvass_analyzer::NodeId::raw),
+            service: decoded.service.name(),
+            text: printable(&text.unwrap_or_default()).into_owned(),
+            bad: is_bad(decoded.service, &decoded.message, decoded.violation),
+        }
+    }
+}
+
+/// What is looked for first.
+fn is_bad(service: Service, message: &Message, violation: Option<Violation>) -> bool {
+    let aborted = matches!(
+        message,
+        Message::SdoRequest(Request::Abort(_)) | Message::SdoResponse(Response::Abort(_)) | Message::Malformed(..)
+    );
+    aborted || violation.is_some() || matches!(service, Service::ErrorFrame | Service::Emcy)
+}
+
+/// So many bytes stand in a row.
+const SHOWN: usize = 64;
+
+fn data(record: &Record) -> String {
+    if record.frame.is_remote() {
+        return format!("remote, {} bytes", record.frame.len());
+    }
+    let data = record.data();
+    let mut text = String::with_capacity(3 * data.len().min(SHOWN));
+    for (at, byte) in data.iter().take(SHOWN).enumerate() {
+        // Writing to a string can't fail.
+        let _ = write!(text, "{}{byte:02X}", if at == 0 { "" } else { " " });
+    }
+    if data.len() > SHOWN {
+        text.push('…');
+    }
+    text
+}
+
+/// A time since the start, in seconds.
+pub fn since(start: Timestamp, time: Timestamp) -> String {
+    let mut out = Vec::new();
+    let mut clock = Clock::new(TimeStyle::Relative);
+    clock.push(start, &mut out);
+    out.clear();
+    clock.push(time, &mut out);
+    String::from_utf8_lossy(&out).into_owned()
+}
+
+/// The rows of these places, which are in order.
+pub fn rows(store: &Store, places: &[usize], channels: &Channels) -> Vec<Row> {
+    let mut rows = Vec::with_capacity(places.len());
+    let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return rows };
+    let Some(mut walk) = store.walk(first) else { return rows };
+    let start = store.start().unwrap_or_default();
+    let mut wanted = places.iter().peekable();
+    walk.until(store, last + 1, |step| {
+        if wanted.next_if(|place| **place == step.row).is_some() {
+            rows.push(Row::new(step, channels, start));
+        }
+        std::ops::ControlFlow::Continue(())
+    });
+    rows
+}
