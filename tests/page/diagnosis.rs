@@ -20,7 +20,7 @@ fn a_capture_is_diagnosed_without_a_request() {
 #[test]
 fn on_a_phone_nothing_is_wider_than_the_screen() {
     let opened = Opened::with(Screen::Phone, "machine.log", machine(20).on("can0"));
-    for view in ["diagnosis", "trace", "eds", "export"] {
+    for view in ["diagnosis", "trace", "signals", "eds", "results", "try", "export"] {
         opened.view(view);
         let wider = opened.browser.number("return document.documentElement.scrollWidth - innerWidth");
         assert!(wider <= 0.0, "{view}: {wider} pixels too wide");

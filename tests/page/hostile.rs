@@ -20,7 +20,7 @@ fn names_and_contents_stay_text() {
     let files = [opened.file(&format!("{}.log", MARKUP.replace('/', "")), log), opened.file("<b>.eds", eds)];
     opened.take(&files);
     opened.browser.wait("document.querySelector('#view-diagnosis iframe')");
-    for view in ["diagnosis", "trace", "eds", "export"] {
+    for view in ["diagnosis", "trace", "signals", "eds", "results", "try", "export"] {
         opened.view(view);
         opened.browser.wait(&format!("!document.getElementById('view-{view}').hidden"));
         let injected = opened

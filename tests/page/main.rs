@@ -15,6 +15,8 @@ mod opened;
 #[cfg(test)]
 mod trace;
 #[cfg(test)]
+mod views;
+#[cfg(test)]
 #[path = "../browser/webdriver.rs"]
 #[allow(dead_code)]
 mod webdriver;

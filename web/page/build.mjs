@@ -14,6 +14,16 @@ const ICON =
   "data:image/svg+xml,%3Csvg xmlns='http:%2F%2Fwww.w3.org/2000/svg' viewBox='0 0 16 16'%3E%3Cg fill='none' stroke='%232f6fd6' " +
   "stroke-width='2' stroke-linecap='round'%3E%3Ccircle cx='6.5' cy='6.5' r='4.5'/%3E%3Cpath d='M10 10l4.5 4.5'/%3E%3C/g%3E%3C/svg%3E";
 
+const ASSETS = join(here, "../../reports/assets/uplot");
+/** What draws the plots stands with the reports, which need it as a script. */
+const UPLOT = {
+  name: "uplot",
+  setup(build) {
+    build.onResolve({ filter: /^uplot$/ }, () => ({ path: join(ASSETS, "uPlot.iife.min.js"), namespace: "uplot" }));
+    build.onLoad({ filter: /.*/, namespace: "uplot" }, ({ path }) => ({ contents: `${readFileSync(path, "utf8")}\nexport default uPlot;` }));
+  },
+};
+
 /** A script with all that it imports. Nothing in it can end the element that it stands in. */
 async function bundle(entry) {
   const built = await build({
@@ -26,7 +36,8 @@ async function bundle(entry) {
     charset: "utf8",
     define: { "import.meta.url": '""' },
     alias: { "canvass-wasm": join(process.cwd(), out, "wasm/canvass_web.js") },
-    loader: { ".css": "text" },
+    plugins: [UPLOT],
+    legalComments: "inline",
     logLevel: "warning",
   });
   return built.outputFiles[0].text.trim().replaceAll("</", "<\\/").replaceAll("<!--", "<\\!--");
@@ -64,7 +75,7 @@ const MANIFEST = {
 };
 
 const [main, worker] = await Promise.all([bundle("main.js"), bundle("worker.js")]);
-const style = readFileSync(join(here, "src/style.css"), "utf8") + readFileSync(join(here, "../../reports/assets/uplot/uPlot.min.css"), "utf8");
+const style = readFileSync(join(here, "src/style.css"), "utf8") + readFileSync(join(ASSETS, "uPlot.min.css"), "utf8");
 const packed = gzipSync(readFileSync(wasm), { level: 9 });
 writeFileSync(join(out, "wasm/canvass_web.wasm.gz"), packed);
 const template = readFileSync(join(here, "src/index.html"), "utf8");

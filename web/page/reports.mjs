@@ -14,6 +14,7 @@ export async function load(folder, files) {
       buffer.set(part);
       return part.length;
     },
+    progress() {},
     stopped: (why) => console.error(why),
   };
   const module = await import(pathToFileURL(join(folder, "canvass_web.js")));
@@ -30,7 +31,15 @@ export async function reports(folder) {
   page.open();
   while (JSON.parse(page.openOn(1000)).more);
   page.addDescription("x.eds", "", Buffer.from(EDS));
-  const pages = [page.diagnosis("html"), page.descriptionPage("x.eds")].map((bytes) => Buffer.from(bytes).toString());
+  const all = [page.diagnosis("html"), page.descriptionPage("x.eds")];
+  const bus = "sim:reference-301";
+  page.test(JSON.stringify({ bus, select: "301/boot-up" }));
+  all.push(page.triedPage());
+  const result = ["x.json", Buffer.from(page.triedJson()).toString()];
+  all.push(page.compare(JSON.stringify([result, result])), page.history(JSON.stringify([result])));
+  page.fuzz(JSON.stringify({ bus, target: "nmt", sequences: 1 }));
+  all.push(page.triedPage());
+  const pages = all.map((bytes) => Buffer.from(bytes).toString());
   const hashes = (name) => pages.flatMap((html) => new RegExp(`${name}-src ([^;]*)`).exec(html)[1].split(" ")).filter((one) => one.startsWith("&#39;sha") || one.startsWith("'sha"));
   return { scripts: hashes("script").map(plain), styles: hashes("style").map(plain) };
 }

@@ -36,6 +36,13 @@ class Engine {
     this.formats = formats;
   }
 
+  /** Another worker with the same program, for what runs to its end at once. */
+  async sibling(onStopped) {
+    const other = new Engine(this.url, this.module, onStopped);
+    await other.begin();
+    return other;
+  }
+
   /** Ends all that is under way, and begins anew. */
   async restart() {
     this.#worker.terminate();

@@ -5,6 +5,9 @@ import { diagnosisView } from "./views/diagnosis.js";
 import { traceView } from "./views/trace.js";
 import { edsView } from "./views/eds.js";
 import { exportView } from "./views/export.js";
+import { resultsView } from "./views/results.js";
+import { signalsView } from "./views/signals.js";
+import { trialView } from "./views/trial.js";
 
 /** All that the views share. */
 const app = {
@@ -14,6 +17,8 @@ const app = {
   summary: null,
   /** Descriptions: name, nodes, bytes, and what they are. */
   described: [],
+  /** Results of test, fuzz and compare: names and texts. */
+  results: [],
   options: { same_bus: false },
   state,
   say,
@@ -25,7 +30,10 @@ const app = {
 const VIEWS = [
   ["diagnosis", "Diagnosis", diagnosisView],
   ["trace", "Trace", traceView],
+  ["signals", "Signals", signalsView],
   ["eds", "EDS", edsView],
+  ["results", "Results", resultsView],
+  ["try", "Try it", trialView],
   ["export", "Export", exportView],
 ];
 const views = new Map();
@@ -49,6 +57,7 @@ async function run(kind, what, args, text) {
   try {
     const result = await app.engine.call(what, args, (at) => {
       if (at.size) bar.value = at.read / at.size;
+      else if (at.done !== undefined) bar.value = at.done / Math.max(1, at.all);
       else if (at.all) bar.value = at.looked / at.all;
       label.textContent = at.frames === undefined ? text : `${text}: ${count(at.frames)} frames`;
     });
@@ -67,12 +76,18 @@ async function run(kind, what, args, text) {
 
 /** Takes files that were dropped or chosen. */
 async function take(files) {
-  const captures = [];
+  const [captures, results] = [[], []];
   for (const file of files) {
-    if (DESCRIPTION.test(file.name)) await describe(file.name, "", new Uint8Array(await file.arrayBuffer()));
+    if (/\.json$/i.test(file.name)) results.push([file.name, await file.text()]);
+    else if (DESCRIPTION.test(file.name)) await describe(file.name, "", new Uint8Array(await file.arrayBuffer()));
     else captures.push(file);
   }
   if (captures.length > 0) app.captures = captures;
+  if (results.length > 0) {
+    app.results = [...app.results.filter(([name]) => !results.some(([other]) => other === name)), ...results];
+    refresh();
+    if (captures.length === 0) return show("results");
+  }
   if (app.captures.length > 0) await reopen();
   else show(app.described.length > 0 ? "eds" : undefined);
 }

@@ -18,12 +18,20 @@ globalThis.canvassHost = {
     buffer.set(part);
     return part.length;
   },
+  progress(done, all, what) {
+    if (performance.now() - shown < 50) return;
+    shown = performance.now();
+    postMessage({ id: current, progress: { done, all, what } });
+  },
   stopped(why) {
     postMessage({ stopped: why });
   },
 };
 
 let page;
+/** The call under way, and when its progress was told. */
+let current = 0;
+let shown = 0;
 /** Only the latest of each kind of job goes on. */
 const latest = new Map();
 
@@ -98,6 +106,19 @@ const calls = {
     page.find(text, from, backwards);
     return job("find", () => JSON.parse(page.findOn(STEP)), tell);
   },
+  async plots(_, tell) {
+    page.plots();
+    return job("plots", () => JSON.parse(page.plotsOn(STEP)), tell);
+  },
+  points: ({ column, from, to, parts }) => page.points(column, from, to, parts),
+  choices: () => JSON.parse(Page.choices()),
+  /** Runs to its end at once; who wants it to end before ends this worker. */
+  trial({ kind, wish }) {
+    page[kind](JSON.stringify(wish));
+    return { html: page.triedPage(), json: page.triedJson() };
+  },
+  compare: ({ results }) => page.compare(JSON.stringify(results)),
+  history: ({ results }) => page.history(JSON.stringify(results)),
   async export({ wish }, tell) {
     page.export(JSON.stringify(wish));
     const parts = [];
@@ -115,6 +136,7 @@ const calls = {
 
 onmessage = async ({ data: { id, call, args } }) => {
   const tell = (progress) => postMessage({ id, progress });
+  current = id;
   try {
     const result = await calls[call](args, tell);
     postMessage({ id, result });

@@ -6,10 +6,13 @@ use crate::file::ChosenFile;
 use crate::host;
 use crate::input::{Input, InputOptions};
 use crate::opening::{Opened, Opening};
+use crate::plots::Plots;
 use crate::provenance::Surroundings;
+use crate::results;
 use crate::trace::details::details;
 use crate::trace::rows::rows;
 use crate::trace::selection::{Search, Selection, Wanted, row_at};
+use crate::trial::{self, Tried};
 use canvass_analyzer::filter::{Filter, FilterError};
 use canvass_reports::escape::printable;
 use canvass_traces::{Duration, Format};
@@ -31,6 +34,8 @@ pub struct Page {
     selection: Option<Selection>,
     search: Option<Search>,
     export: Option<Export>,
+    plots: Option<Plots>,
+    tried: Option<Tried>,
 }
 
 fn error(text: impl std::fmt::Display) -> JsError {
@@ -71,7 +76,8 @@ impl Page {
 
     /// Forgets the captures.
     pub fn close(&mut self) {
-        (self.opening, self.opened, self.selection, self.search, self.export) = (None, None, None, None, None);
+        (self.opening, self.opened, self.selection) = (None, None, None);
+        (self.search, self.export, self.plots) = (None, None, None);
         self.files.clear();
     }
 
@@ -137,7 +143,8 @@ impl Page {
     /// # Errors
     /// If one can't be opened.
     pub fn open(&mut self) -> Answer<()> {
-        (self.opening, self.opened, self.selection, self.search) = (None, None, None, None);
+        (self.opening, self.opened, self.selection) = (None, None, None);
+        (self.search, self.plots) = (None, None);
         self.opening = Some(Opening::begin(&self.files, &self.options, &self.described).map_err(error)?);
         Ok(())
     }
@@ -301,6 +308,92 @@ impl Page {
         let search = self.search.as_mut().ok_or_else(|| error("nothing is looked for"))?;
         let more = search.step(&opened.store, records as usize, opened.input.merge().channels());
         Ok(json!({ "more": more, "found": search.found() }).to_string())
+    }
+
+    /// Begins to gather the values of PDOs.
+    ///
+    /// # Errors
+    /// If no capture is open.
+    pub fn plots(&mut self) -> Answer<()> {
+        self.plots = Some(Plots::new(&self.opened()?.store));
+        Ok(())
+    }
+
+    /// Looks at so many records on; JSON says how far it is, and at the end what there is to draw.
+    ///
+    /// # Errors
+    /// If nothing is gathered.
+    #[wasm_bindgen(js_name = plotsOn)]
+    pub fn plots_on(&mut self, records: u32) -> Answer<String> {
+        let opened = self.opened.as_ref().ok_or_else(|| error("no capture is open"))?;
+        let plots = self.plots.as_mut().ok_or_else(|| error("no values are gathered"))?;
+        let channels = opened.input.merge().channels();
+        let more = plots.step(&opened.store, records as usize, channels).map_err(error)?;
+        let mut told = if more { json!({}) } else { plots.columns() };
+        told["more"] = more.into();
+        (told["looked"], told["all"]) = (plots.looked_at().into(), opened.store.len().into());
+        Ok(told.to_string())
+    }
+
+    /// Times and values of a column between two times, thinned out to about so many.
+    pub fn points(&self, column: u32, from: f64, to: f64, parts: u32) -> Vec<f64> {
+        self.plots.as_ref().map_or_else(Vec::new, |plots| plots.points(column as usize, from, to, parts as usize))
+    }
+
+    /// What can be tried: JSON.
+    pub fn choices() -> String {
+        trial::choices().to_string()
+    }
+
+    /// Runs cases on a simulated device; `wish` is JSON. `triedPage` and `triedJson` give the result.
+    ///
+    /// # Errors
+    /// If nothing could be run.
+    pub fn test(&mut self, wish: &str) -> Answer<()> {
+        let wish = serde_json::from_str(wish).map_err(error)?;
+        self.tried = Some(trial::test(&wish, &self.surroundings).map_err(error)?);
+        Ok(())
+    }
+
+    /// Fuzzes a simulated device, likewise.
+    ///
+    /// # Errors
+    /// If nothing could be run.
+    pub fn fuzz(&mut self, wish: &str) -> Answer<()> {
+        let wish = serde_json::from_str(wish).map_err(error)?;
+        self.tried = Some(trial::fuzz(&wish, &self.surroundings).map_err(error)?);
+        Ok(())
+    }
+
+    /// The page of what was tried.
+    #[wasm_bindgen(js_name = triedPage)]
+    pub fn tried_page(&self) -> Vec<u8> {
+        self.tried.as_ref().map_or_else(Vec::new, |tried| tried.html.clone())
+    }
+
+    /// Its result for programs.
+    #[wasm_bindgen(js_name = triedJson)]
+    pub fn tried_json(&self) -> Vec<u8> {
+        self.tried.as_ref().map_or_else(Vec::new, |tried| tried.json.clone())
+    }
+
+    /// The page that compares two results of `canvass test`; `results` is JSON: names and texts, the older first.
+    ///
+    /// # Errors
+    /// If they are not two results.
+    pub fn compare(&self, results: &str) -> Answer<Vec<u8>> {
+        let read: Vec<(String, String)> = serde_json::from_str(results).map_err(error)?;
+        let [(old, older), (new, newer)] = &read[..] else { return Err(error("expected two results")) };
+        results::comparison((old, older), (new, newer), self.surroundings.provenance()).map_err(error)
+    }
+
+    /// The page of many results, the oldest first.
+    ///
+    /// # Errors
+    /// If one is no result.
+    pub fn history(&self, results: &str) -> Answer<Vec<u8>> {
+        let read: Vec<(String, String)> = serde_json::from_str(results).map_err(error)?;
+        results::history(&read, self.surroundings.provenance()).map_err(error)
     }
 
     /// Begins an export; `wish` is JSON.

@@ -12,6 +12,10 @@ mod page {
         #[wasm_bindgen(js_namespace = canvassHost, catch)]
         pub(super) fn read(file: u32, at: f64, buffer: &mut [u8]) -> Result<u32, JsValue>;
 
+        /// Tells the page how far it is: so many of so many, and what comes now.
+        #[wasm_bindgen(js_namespace = canvassHost)]
+        pub(super) fn progress(done: f64, all: f64, what: &str);
+
         /// Tells the page what made the program stop.
         #[wasm_bindgen(js_namespace = canvassHost)]
         pub(super) fn stopped(why: &str);
@@ -37,6 +41,14 @@ pub fn read(file: u32, at: u64, buffer: &mut [u8]) -> io::Result<usize> {
 #[cfg(not(target_family = "wasm"))]
 pub fn read(_: u32, _: u64, _: &mut [u8]) -> io::Result<usize> {
     Err(io::ErrorKind::Unsupported.into())
+}
+
+/// Tells the page how far it is.
+pub fn progress(done: usize, all: usize, what: &str) {
+    #[cfg(target_family = "wasm")]
+    page::progress(done as f64, all as f64, what);
+    #[cfg(not(target_family = "wasm"))]
+    let _ = (done, all, what);
 }
 
 /// From now on the page is told why the program stopped, should it ever.

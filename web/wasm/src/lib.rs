@@ -12,5 +12,8 @@ pub mod file;
 pub mod host;
 pub mod input;
 pub mod opening;
+pub mod plots;
 pub mod provenance;
+pub mod results;
 pub mod trace;
+pub mod trial;

@@ -1,0 +1,215 @@
+//! Simulated devices in the page: the cases and the fuzzer, to be tried without hardware. All of it in virtual time.
+
+use crate::host;
+use crate::provenance::Surroundings;
+use canvass_analyzer::dictionary::KnownDevice;
+use canvass_device::Fault;
+use canvass_device::address::{BusAddress, Opened, SimulatedDevice, open_seeded_at};
+use canvass_device::models::Model;
+use canvass_fuzzer::campaign::{self, Outcome, Plan as FuzzPlan};
+use canvass_fuzzer::coverage::LssReach;
+use canvass_fuzzer::stand::{TestStand as _, of_address};
+use canvass_fuzzer::time_limit::TimeLimit;
+use canvass_fuzzer::{Knowledge, Targets};
+use canvass_reports::conformance::{self, Document, Reporter};
+use canvass_reports::fuzz::{self, Words};
+use canvass_reports::provenance::{BusUsed, Provenance};
+use canvass_suite::bench::{Bench, Decoder, Options, Target};
+use canvass_suite::catalogue;
+use canvass_suite::verdict::Deviation;
+use canvass_suite::runner::{Plan, RunEvent, run};
+use canvass_suite::touch::Touch;
+use serde_json::{Value, json};
+use std::cell::RefCell;
+use std::io::{self, Write};
+use std::rc::Rc;
+use std::sync::atomic::AtomicBool;
+
+/// What is to be tried.
+#[derive(Clone, Debug, Default, serde::Deserialize)]
+#[serde(default)]
+pub struct Wish {
+    /// The simulated bus, such as `sim:kuebler-sendix-58x8+boot-up-twice`.
+    pub bus: String,
+    /// Of the cases: selectors, with commas between them; nothing: all.
+    pub select: String,
+    /// Everything may be done, also to what a device keeps.
+    pub allow: bool,
+    /// Of the fuzzer: services, with commas between them; nothing: all.
+    pub target: String,
+    /// Of the fuzzer: how many sequences.
+    pub sequences: u64,
+    /// What chance begins with.
+    pub seed: u64,
+}
+
+/// What has come of it.
+#[derive(Debug)]
+pub struct Tried {
+    /// The page.
+    pub html: Vec<u8>,
+    /// The result for programs.
+    pub json: Vec<u8>,
+}
+
+/// What there is to be tried: models and faults.
+pub fn choices() -> Value {
+    let models = Model::all().iter().map(|model| json!({ "id": model.id(), "summary": model.summary() }));
+    let faults = Fault::ALL
+        .iter()
+        .map(|fault| json!({ "id": fault.id(), "summary": fault.summary(), "model": fault.model() }));
+    let mut families: Vec<&str> = catalogue::cases().iter().map(|case| case.family()).collect();
+    families.dedup();
+    json!({ "models": models.collect::<Vec<_>>(), "faults": faults.collect::<Vec<_>>(), "families": families })
+}
+
+/// What a report writes, while its reporter holds the other end.
+#[derive(Clone, Default)]
+struct Kept(Rc<RefCell<Vec<u8>>>);
+
+impl Write for Kept {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.borrow_mut().write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
+    }
+}
+
+fn words(error: impl std::fmt::Display) -> String {
+    error.to_string()
+}
+
+fn touches(wish: &Wish) -> std::collections::BTreeSet<Touch> {
+    if wish.allow { Touch::ALL.iter().copied().collect() } else { Default::default() }
+}
+
+fn provenance(wish: &Wish, surroundings: &Surroundings, bit_rate: Option<u32>) -> Provenance {
+    let bus = BusUsed { address: wish.bus.clone(), adapter: "simulated".to_owned(), bit_rate };
+    Provenance { bus: Some(bus), seed: Some(wish.seed), host: None, ..surroundings.provenance() }
+}
+
+/// The one device that an address names: no file, no live bus.
+fn device(address: &str) -> Result<SimulatedDevice, String> {
+    match address.parse::<BusAddress>().map_err(words)? {
+        BusAddress::Simulated(devices) => match <[SimulatedDevice; 1]>::try_from(devices) {
+            Ok([only]) => Ok(only),
+            Err(devices) => Err(format!("expected one simulated device, found {}", devices.len())),
+        },
+        _ => Err("a page reaches simulated devices only: expected sim:MODEL[+FAULT...]".to_owned()),
+    }
+}
+
+/// Runs the cases.
+///
+/// # Errors
+/// In words, if the device or the cases are none, or nothing could be run.
+pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
+    device(&wish.bus)?;
+    let selectors = wish.select.split(',').map(str::trim).filter(|one| !one.is_empty());
+    let selectors = selectors.map(str::parse).collect::<Result<Vec<_>, _>>().map_err(words)?;
+    let cases = catalogue::select(&selectors).map_err(|idle| format!("{idle} selects no case"))?;
+    let mut opened = open_seeded_at(&wish.bus, wish.seed, None).map_err(words)?;
+    let target = target(&opened)?;
+    let provenance = provenance(wish, surroundings, opened.bus.bit_rate());
+    let options = Options { allow: touches(wish), ..Options::default() };
+    let plan = Plan { cases: &cases, bus: &wish.bus, bit_rate: opened.bus.bit_rate(), seed: wish.seed };
+    let kept: [Kept; 2] = Default::default();
+    let renders: [conformance::Render; 2] = [conformance::html::render, conformance::json::render];
+    let mut reports: Vec<_> =
+        kept.iter().zip(renders).map(|(kept, render)| Document::new(kept.clone(), render)).collect();
+    let mut decoder = Decoder::new(&target);
+    let cancel = AtomicBool::new(false);
+    let mut bench = Bench::new(opened.bus.as_mut(), &target, &options, &mut decoder, &cancel);
+    let ran = run(&mut bench, &plan, &mut |event: &RunEvent<'_>| {
+        match event {
+            RunEvent::CaseStarted { case, number, of } => host::progress(*number, *of, case.id),
+            RunEvent::RunFinished(_) => reports.iter_mut().for_each(|report| report.comes_from(&provenance)),
+            _ => {}
+        }
+        // What is kept in memory can be written.
+        reports.iter_mut().for_each(|report| drop(report.event(event)));
+    });
+    ran.map_err(words)?;
+    let [html, json] = kept.map(|kept| kept.0.take());
+    Ok(Tried { html, json })
+}
+
+fn target(opened: &Opened) -> Result<Target, String> {
+    let model = opened.model.ok_or("the device is of no built-in model")?;
+    let firmware = opened.devices.first().map(|device| device.firmware).unwrap_or_default();
+    let (description, manual) = (model.description_with(firmware), model.device().manual.clone());
+    let node = opened.node().or_else(|| model.default_node());
+    let node = node.ok_or_else(|| format!("{} has no node-ID as delivered: write sim:{}@node=5", model.id(), model.id()))?;
+    let deviations = Deviation::of_model(model).into_iter().collect();
+    let described_alone = model.is_described_alone();
+    let device = Some(KnownDevice { description, manual });
+    Ok(Target { deviations, described_alone, ..Target::known(node, model.id().to_owned(), device) })
+}
+
+/// Fuzzes.
+///
+/// # Errors
+/// In words, if the device is none, or can't be reached.
+pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
+    let device = device(&wish.bus)?;
+    let (mut stand, knowledge) = of_address(&device, None, wish.seed).map_err(words)?;
+    let targets = if wish.target.is_empty() { Targets::default() } else { wish.target.parse().map_err(words)? };
+    let plan = FuzzPlan {
+        targets,
+        seed: wish.seed,
+        allow: touches(wish),
+        shrink_budget: 2_000,
+        // There is no clock here; who cancels ends all of it.
+        time: TimeLimit::default(),
+        stop_at_first: false,
+        regressions: Vec::new(),
+        only_regressions: false,
+    };
+    let outcome = campaign::run(&mut stand, knowledge.clone(), &plan, &mut |state| {
+        let told = format!("{} exchanges, {} violations", state.executions, state.violations);
+        host::progress(state.sequences as usize, wish.sequences as usize, &told);
+        state.sequences < wish.sequences
+    });
+    let outcome = outcome.map_err(words)?;
+    let model = device.model().map_err(words)?;
+    let provenance = provenance(wish, surroundings, Some(stand.bit_rate()));
+    let run = fuzzed(wish, &plan, &knowledge, model, outcome, stand.has_unconfigured(), provenance);
+    let (mut html, mut json) = (Vec::new(), Vec::new());
+    fuzz::html::render(&run, &mut html).and_then(|()| fuzz::json::render(&run, &mut json)).map_err(words)?;
+    Ok(Tried { html, json })
+}
+
+fn fuzzed(
+    wish: &Wish,
+    plan: &FuzzPlan,
+    knowledge: &Knowledge,
+    model: &Model,
+    outcome: Outcome,
+    has_unconfigured: bool,
+    provenance: Provenance,
+) -> fuzz::Run {
+    let target = Target::known(knowledge.node, model.id().to_owned(), Some(KnownDevice::clone(model.device())));
+    let words = outcome.violations.iter().map(|found| Words::of(found, &mut || Box::new(Decoder::new(&target))));
+    let allowed = if wish.allow { " --allow all" } else { "" };
+    fuzz::Run {
+        bit_rate: provenance.bus.as_ref().and_then(|bus| bus.bit_rate),
+        provenance,
+        bus: wish.bus.clone(),
+        node: knowledge.node,
+        model: model.id().to_owned(),
+        targets: plan.targets,
+        allow: plan.allow.clone(),
+        seed: plan.seed,
+        repeat: format!(
+            "canvass fuzz {} --node {} --target {} --seed {} --runs {}{allowed}",
+            wish.bus, knowledge.node, plan.targets, plan.seed, outcome.sequences
+        ),
+        cancelled: false,
+        block_transfer: knowledge.services.block_transfer != Some(false),
+        reach: LssReach::of(&knowledge.services, has_unconfigured, &plan.allow),
+        words: words.collect(),
+        outcome,
+    }
+}
