@@ -14,5 +14,7 @@ mod diagnosis;
 mod history;
 #[cfg(test)]
 mod large;
+// Shared with the tests of the page.
 #[cfg(test)]
+#[allow(dead_code)]
 mod webdriver;

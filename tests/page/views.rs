@@ -71,7 +71,7 @@ fn results_of_the_program_are_shown_and_compared() {
         opened.file(name, ended.stdout)
     };
     let (good, bad) = (tested("1.0.json", ""), tested("1.1.json", "+boot-up-twice"));
-    opened.take(&[bad.clone()]);
+    opened.take(std::slice::from_ref(&bad));
     opened.browser.wait("document.querySelector('.entry.fail')");
     opened.take(&[good, bad]);
     opened.browser.wait("document.querySelector('#view-results iframe')");
@@ -82,7 +82,7 @@ fn results_of_the_program_are_shown_and_compared() {
 fn what_is_saved_is_what_the_program_prints() {
     let opened = Opened::empty(Screen::Desk);
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("traces/samples/python-can.log");
-    opened.take(&[sample.clone()]);
+    opened.take(std::slice::from_ref(&sample));
     opened.browser.wait("/frames, /.test(document.getElementById('status').textContent)");
     opened.view("export");
     // What would be saved is kept instead.

@@ -16,9 +16,9 @@ use canvass_reports::fuzz::{self, Words};
 use canvass_reports::provenance::{BusUsed, Provenance};
 use canvass_suite::bench::{Bench, Decoder, Options, Target};
 use canvass_suite::catalogue;
-use canvass_suite::verdict::Deviation;
 use canvass_suite::runner::{Plan, RunEvent, run};
 use canvass_suite::touch::Touch;
+use canvass_suite::verdict::Deviation;
 use serde_json::{Value, json};
 use std::cell::RefCell;
 use std::io::{self, Write};
@@ -55,9 +55,8 @@ pub struct Tried {
 /// What there is to be tried: models and faults.
 pub fn choices() -> Value {
     let models = Model::all().iter().map(|model| json!({ "id": model.id(), "summary": model.summary() }));
-    let faults = Fault::ALL
-        .iter()
-        .map(|fault| json!({ "id": fault.id(), "summary": fault.summary(), "model": fault.model() }));
+    let faults =
+        Fault::ALL.iter().map(|fault| json!({ "id": fault.id(), "summary": fault.summary(), "model": fault.model() }));
     let mut families: Vec<&str> = catalogue::cases().iter().map(|case| case.family()).collect();
     families.dedup();
     json!({ "models": models.collect::<Vec<_>>(), "faults": faults.collect::<Vec<_>>(), "families": families })
@@ -141,7 +140,8 @@ fn target(opened: &Opened) -> Result<Target, String> {
     let firmware = opened.devices.first().map(|device| device.firmware).unwrap_or_default();
     let (description, manual) = (model.description_with(firmware), model.device().manual.clone());
     let node = opened.node().or_else(|| model.default_node());
-    let node = node.ok_or_else(|| format!("{} has no node-ID as delivered: write sim:{}@node=5", model.id(), model.id()))?;
+    let node =
+        node.ok_or_else(|| format!("{} has no node-ID as delivered: write sim:{}@node=5", model.id(), model.id()))?;
     let deviations = Deviation::of_model(model).into_iter().collect();
     let described_alone = model.is_described_alone();
     let device = Some(KnownDevice { description, manual });
