@@ -117,6 +117,13 @@ fn what_is_no_canopen_description_is_refused() {
 }
 
 #[test]
+fn what_breaks_off_before_the_first_object_says_where() {
+    let text = "<ISO15745ProfileContainer>\n<ProfileHeader>\n</Header>\n</ISO15745ProfileContainer>";
+    let error = DeviceDescription::read(text.as_bytes()).unwrap_err();
+    assert!(matches!(&error, DescriptionError::Malformed { line: 3, found } if found.contains("Header")), "{error}");
+}
+
+#[test]
 fn neither_entities_nor_depth_nor_width_do_harm() {
     let bomb = r#"<!DOCTYPE x [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>
         <CANopenObjectList><CANopenObject index="1000" name="&b;" objectType="7" dataType="0007" accessType="ro"/>

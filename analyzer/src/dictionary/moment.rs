@@ -41,6 +41,17 @@ pub(super) fn eds_time(text: &str) -> Option<String> {
     (1..=12).contains(&hour).then(|| format!("{hour:02}:{minute:02}{half}"))
 }
 
+/// Whether that is a date as CiA 306 writes it: mm-dd-yyyy.
+pub(super) fn is_eds_date(text: &str) -> bool {
+    eds_date(text).is_none() && xml_date(text).is_some()
+}
+
+/// Whether that is a time as CiA 306 writes it: hh:mm(AM|PM). An hour may have one digit.
+pub(super) fn is_eds_time(text: &str) -> bool {
+    let upper = text.to_ascii_uppercase();
+    eds_time(text).is_some_and(|time| time == upper || time.strip_prefix('0') == Some(&upper))
+}
+
 /// The date as XML writes it, yyyy-mm-dd, from one of CiA 306 or one of XML.
 pub(super) fn xml_date(text: &str) -> Option<String> {
     let own = eds_date(text);
@@ -89,6 +100,22 @@ mod tests {
         }
         for text in ["24:00", "16:00PM", "0:00AM", "1:2:3:4", "12", "", "xx:yy", "1:60"] {
             assert_eq!(eds_time(text), None, "{text}");
+        }
+    }
+
+    #[test]
+    fn the_form_of_the_standard_is_told_from_others() {
+        for date in ["11-21-2026", "01-31-1999", "12-01-2026"] {
+            assert!(is_eds_date(date), "{date}");
+        }
+        for date in ["2026-11-21", "21-11-2026", "11-32-2026", "00-21-2026", "11-21-26", "11/21/2026", "1-2-2026", ""] {
+            assert!(!is_eds_date(date), "{date}");
+        }
+        for time in ["09:00PM", "9:00am", "12:59AM"] {
+            assert!(is_eds_time(time), "{time}");
+        }
+        for time in ["21:00", "09:00:00", "16:23PM", "09:60AM", "09:00 PM", "00:10AM", "noon", ""] {
+            assert!(!is_eds_time(time), "{time}");
         }
     }
 

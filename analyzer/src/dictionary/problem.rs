@@ -88,6 +88,11 @@ impl Problems {
         });
     }
 
+    /// The first breach of a rule.
+    pub(super) fn first_of(&self, rule: &Rule) -> Option<&EdsProblem> {
+        self.list.iter().find(|problem| problem.rule == rule)
+    }
+
     /// How many breaches of a rule were found.
     pub(super) fn count_of(&self, rule: &Rule) -> usize {
         self.list.iter().filter(|problem| problem.rule == rule).count()

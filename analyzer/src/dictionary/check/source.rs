@@ -63,10 +63,13 @@ impl<'a> Source<'a> {
         self.text.get(range.clone()).unwrap_or_default()
     }
 
-    /// The range without blanks at both ends.
+    /// The range without blanks at both ends; its beginning if there is nothing else.
     pub(in crate::dictionary) fn trimmed(&self, range: Range<usize>) -> Range<usize> {
         let text = self.get(&range);
         let is_blank = |character: char| character.is_whitespace() || character == '\0';
+        if text.chars().all(is_blank) {
+            return range.start..range.start;
+        }
         let begin = range.start + (text.len() - text.trim_start_matches(is_blank).len());
         let length = text.trim_matches(is_blank).len();
         begin..begin + length

@@ -46,6 +46,12 @@ impl<'a> Check<'a> {
         self.problems.report(Place { line, section: &section, field }, rule, expected, found);
     }
 
+    /// Reports what is wrong with an object as a whole, in its own section.
+    fn report_object(&mut self, of: &Object, field: &str, rule: &'static Rule, expected: &'static str, found: &str) {
+        let section = format!("{:04X}", of.index.0);
+        self.problems.report(Place { line: of.line, section: &section, field }, rule, expected, found);
+    }
+
     fn object(&self, index: Index) -> Option<&'a Object> {
         self.description.dictionary.object(index)
     }

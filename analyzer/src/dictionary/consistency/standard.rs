@@ -36,7 +36,7 @@ fn code(check: &mut Check<'_>, object: &Object, profile: Option<u16>) {
     if standard.code.is_single() != object.code.is_single() {
         let expected = "the object code of the standard";
         let found = format!("{} instead of {}", object.code, standard.code);
-        check.report(at, "ObjectType", &rules::OBJECT_CODE, expected, &found);
+        check.report_object(object, "ObjectType", &rules::OBJECT_CODE, expected, &found);
     }
 }
 

@@ -3,6 +3,7 @@
 use super::fields::Fields;
 use super::lexer::{Document, Section, canonical};
 use crate::dictionary::description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo};
+use crate::dictionary::moment::{is_eds_date, is_eds_time};
 use crate::dictionary::problem::{Place, Problems};
 use crate::dictionary::rules::{self, Rule};
 use crate::identity::NodeId;
@@ -64,18 +65,31 @@ const DEVICE_INFO: [&str; 18] = [
     "extendedbootupslave",
 ];
 
+const COMMISSIONING: [&str; 9] = [
+    "nodeid",
+    "nodename",
+    "noderefd",
+    "baudrate",
+    "netnumber",
+    "networkname",
+    "netrefd",
+    "canopenmanager",
+    "lss_serialnumber",
+];
+
 pub(super) fn file_info(section: &Section<'_>, problems: &mut Problems) -> FileInfo {
     let mut fields = Fields { section, problems };
     fields.check_known(|name| FILE_INFO.contains(&name));
     for field in ["CreationDate", "ModificationDate"] {
-        check_form(&mut fields, field, "12-31-1999", &rules::file::DATE, "a date as mm-dd-yyyy");
+        check_form(&mut fields, field, is_eds_date, &rules::file::DATE, "a date as mm-dd-yyyy");
     }
     for field in ["CreationTime", "ModificationTime"] {
-        check_form(&mut fields, field, "01:59PM", &rules::file::TIME, "a time as hh:mm(AM|PM)");
+        check_form(&mut fields, field, is_eds_time, &rules::file::TIME, "a time as hh:mm(AM|PM)");
     }
     check_present(&mut fields, &EACH_FILE_INFO);
     let version = fields.optional_text("EDSVersion").unwrap_or("3.0");
-    if !version.is_empty() && !version.starts_with(['3', '4']) {
+    let major = version.split('.').next().unwrap_or_default();
+    if !version.is_empty() && !matches!(major, "3" | "4") {
         fields.report("EDSVersion", &rules::file::VERSION, "3.0 or 4.0", version);
     }
     FileInfo {
@@ -117,19 +131,16 @@ pub(super) fn check_last_eds(document: &Document<'_>, description: &DeviceDescri
     }
 }
 
-/// Compares with an example in which digits stand for digits, and letters for `AM` or `PM`. An hour may have one digit.
-fn check_form(fields: &mut Fields<'_, '_>, field: &str, example: &str, rule: &'static Rule, expected: &'static str) {
-    let Some(text) = fields.optional_text(field).filter(|text| !text.is_empty()) else { return };
-    let has_form = |example: &str| {
-        text.len() == example.len()
-            && text.chars().zip(example.chars()).all(|(found, example)| match example {
-                '0'..='9' => found.is_ascii_digit(),
-                'P' => matches!(found.to_ascii_uppercase(), 'A' | 'P'),
-                _ => found.to_ascii_uppercase() == example,
-            })
-    };
-    let short = example.strip_prefix('0');
-    if !has_form(example) && !short.is_some_and(has_form) {
+/// A field without a value is left to those who want no date.
+fn check_form(
+    fields: &mut Fields<'_, '_>,
+    field: &str,
+    is_right: fn(&str) -> bool,
+    rule: &'static Rule,
+    expected: &'static str,
+) {
+    let text = fields.optional_text(field).filter(|text| !text.is_empty());
+    if let Some(text) = text.filter(|text| !is_right(text)) {
         fields.report(field, rule, expected, text);
     }
 }
@@ -180,6 +191,7 @@ fn bit_rate_of(field: &str) -> Option<u16> {
 
 pub(super) fn commissioning(section: &Section<'_>, problems: &mut Problems) -> Commissioning {
     let mut fields = Fields { section, problems };
+    fields.check_known(|name| COMMISSIONING.contains(&name));
     let number = fields.number("NodeID", u32::MAX);
     let node_id = number.and_then(|number| NodeId::new(u8::try_from(number).ok()?));
     if let (Some(number), None) = (number, node_id) {
@@ -208,6 +220,7 @@ pub(super) fn dummy_usage(section: &Section<'_>, problems: &mut Problems) -> BTr
     for field in &section.fields {
         let name = canonical(field.name);
         let digits = name.strip_prefix("dummy").filter(|digits| digits.len() == 4);
+        let digits = digits.filter(|digits| digits.bytes().all(|digit| digit.is_ascii_hexdigit()));
         // The four digits are the index of the data type.
         match digits.and_then(|digits| u16::from_str_radix(digits, 16).ok()) {
             Some(index) => {
@@ -237,8 +250,9 @@ pub(super) fn comments(section: &Section<'_>, problems: &mut Problems) -> Vec<St
         .map(|field| field.value.to_owned())
         .collect();
     let mut fields = Fields { section, problems };
-    let announced = fields.number("Lines", u32::MAX);
-    if announced.is_some_and(|announced| announced as usize != lines.len()) {
+    fields.check_known(|name| name == "lines" || is_line(name));
+    let announced = fields.number("Lines", u32::MAX).unwrap_or(0);
+    if announced as usize != lines.len() {
         let found = format!("{} lines", lines.len());
         fields.report("Lines", &rules::file::COMMENT_COUNT, "the number of lines that follow", &found);
     }

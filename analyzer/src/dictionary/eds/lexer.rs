@@ -88,11 +88,12 @@ pub(super) fn read<'a>(text: &'a str, problems: &mut Problems) -> Document<'a> {
             let place = Place { line: number, ..Place::default() };
             problems.report(place, &rules::text::TOO_LONG, "at most 255 characters", line);
         }
-        let line = line.trim_matches(|character: char| character.is_whitespace() || character == '\0');
+        let line = line.trim_matches('\0');
         if line.bytes().any(|byte| byte < b' ' && byte != b'\t' || byte == 0x7F) {
             let place = Place { line: number, ..Place::default() };
             problems.report(place, &rules::text::CONTROL, "no control characters", line);
         }
+        let line = line.trim_matches(|character: char| character.is_whitespace() || character == '\0');
         if line.is_empty() || line.starts_with(';') {
             continue;
         }

@@ -83,12 +83,20 @@ pub(in crate::dictionary) const fn list_of(index: u16) -> &'static str {
     }
 }
 
-/// Every object that `[xxxxObjectLinks]` names is described.
+/// Every object that `[xxxxObjectLinks]` names is described, and their number is right.
 pub(super) fn check_links(document: &Document<'_>, dictionary: &ObjectDictionary, problems: &mut Problems) {
     for section in &document.sections {
         let is_links = matches!(SectionName::parse(section.name), SectionName::Beside(_))
             && canonical(section.name).ends_with("objectlinks");
-        let links = section.fields.iter().filter(|field| is_links && field.name.parse::<u32>().is_ok());
+        if !is_links {
+            continue;
+        }
+        let links: Vec<_> = section.fields.iter().filter(|field| field.name.parse::<u32>().is_ok()).collect();
+        let mut fields = Fields { section, problems };
+        if fields.number("ObjectLinks", u32::MAX).is_some_and(|announced| announced as usize != links.len()) {
+            let found = format!("{} entries", links.len());
+            fields.report("ObjectLinks", &rules::list::BESIDE, "the number of entries", &found);
+        }
         for field in links {
             let linked = number::parse(field.value).and_then(|number| u16::try_from(number.value).ok());
             if linked.is_none_or(|index| dictionary.object(Index(index)).is_none()) {

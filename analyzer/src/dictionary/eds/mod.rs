@@ -52,6 +52,14 @@ pub enum DescriptionError {
         /// What was found.
         found: String,
     },
+    /// The file is XML that ends, because of an error in it, before its first object.
+    #[error("line {line}: expected well-formed XML with a CANopenObjectList, found {found}")]
+    Malformed {
+        /// The line, from 1.
+        line: u32,
+        /// What the reader of XML says of it.
+        found: String,
+    },
 }
 
 /// Reads an EDS or DCF.

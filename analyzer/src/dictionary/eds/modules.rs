@@ -13,6 +13,10 @@ use crate::dictionary::object::{Object, ObjectCode};
 use crate::dictionary::problem::{Place, Problems};
 use crate::dictionary::rules;
 
+const INFO_FIELDS: [&str; 4] = ["productname", "productversion", "productrevision", "ordercode"];
+/// What a sub-index of a module has beside the fields of every entry.
+const EXTENSION_FIELDS: [&str; 2] = ["count", "objextend"];
+
 /// The sections of one module.
 #[derive(Default)]
 struct ModuleParts<'d> {
@@ -63,6 +67,7 @@ fn check_numbers(document: &Document<'_>, modules: &BTreeMap<u16, ModuleParts<'_
     let supported = document.section("SupportedModules");
     if let Some(section) = supported {
         let mut fields = Fields { section, problems };
+        fields.check_known(|name| name == "nrofentries");
         let announced = fields.number("NrOfEntries", 0xFFFF).unwrap_or(0) as usize;
         if announced != modules.len() {
             let found = format!("{} modules", modules.len());
@@ -91,6 +96,7 @@ fn module(number: u16, parts: &ModuleParts<'_>, document: &Document<'_>, problem
     let mut module = Module { number, ..Module::default() };
     if let Some(section) = parts.info {
         let mut fields = Fields { section, problems };
+        fields.check_known(|name| INFO_FIELDS.contains(&name));
         module.product_name = fields.text("ProductName");
         module.product_version = fields.number("ProductVersion", u32::MAX);
         module.product_revision = fields.number("ProductRevision", u32::MAX);
@@ -107,8 +113,10 @@ fn module(number: u16, parts: &ModuleParts<'_>, document: &Document<'_>, problem
 
 fn extension(index: u16, section: &Section<'_>, problems: &mut Problems) -> SubExtension {
     let mut fields = Fields { section, problems };
-    let mut template = Object::new(index, fields.text("ParameterName"), ObjectCode::ARRAY);
+    fields.check_known(|name| objects::is_entry_field(name) || EXTENSION_FIELDS.contains(&name));
+    let mut template = Object::new(index, objects::name(&mut fields), ObjectCode::ARRAY);
     template.line = section.line;
+    objects::object_code(&mut fields);
     template.insert(objects::entry(&mut fields, 1, DataType(0)));
     // `Count` may be two numbers: with `;` between them the second tells how many bits share one sub-index.
     let count = fields.optional_text("Count").unwrap_or_default();

@@ -34,7 +34,7 @@ const UNKEPT_ENTRY_FIELDS: [&str; 3] = ["uploadfile", "downloadfile", "paramrefd
 
 const OBJECT_FIELDS: [&str; 2] = ["subnumber", "compactsubobj"];
 
-fn is_entry_field(name: &str) -> bool {
+pub(super) fn is_entry_field(name: &str) -> bool {
     KEPT_ENTRY_FIELDS.contains(&name) || UNKEPT_ENTRY_FIELDS.contains(&name)
 }
 
@@ -57,6 +57,10 @@ pub(super) fn read(document: &Document<'_>, problems: &mut Problems) -> ObjectDi
             SectionName::Sub(index, sub) => {
                 check_spelling(section, &format!("{index:04x}sub{sub:x}"), problems);
                 add_sub(parts.entry(index).or_default(), sub, section, problems);
+            }
+            SectionName::Beside(_) => {
+                let name = canonical(section.name);
+                check_spelling(section, name.trim_start_matches("0x"), problems);
             }
             _ => {}
         }
@@ -124,7 +128,7 @@ pub(super) fn object(index: u16, parts: &Parts<'_>, document: &Document<'_>, pro
     let mut object = Object::new(index, name(&mut fields), code);
     object.line = head.line;
     if compact > 0 {
-        let template = entry(&mut fields, 0, DataType::UNSIGNED8);
+        let template = entry(&mut fields, 0, DataType(0));
         compact::expand(&mut object, &template, compact, document, problems);
     } else if parts.subs.is_empty() {
         if !code.is_single() {
@@ -159,14 +163,20 @@ fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
     for (&sub, &section) in &parts.subs {
         let mut fields = Fields { section, problems };
         fields.check_known(is_entry_field);
-        check_object_type(&mut fields);
+        object_code(&mut fields);
+        // Many leave the name of the count away.
+        if sub != 0 || !fields.text("ParameterName").is_empty() {
+            name(&mut fields);
+        }
         object.insert(entry(&mut fields, sub, DataType(0)));
     }
 }
 
-fn object_code(fields: &mut Fields<'_, '_>) -> ObjectCode {
+pub(super) fn object_code(fields: &mut Fields<'_, '_>) -> ObjectCode {
     // CiA 306: VAR if not given.
-    check_object_type(fields);
+    if fields.optional_text("ObjectType").is_none() {
+        fields.report("ObjectType", &rules::field::OBJECT_TYPE_MISSING, "ObjectType=0x7 for a VAR", "none");
+    }
     let code = ObjectCode(fields.number("ObjectType", 0xFF).unwrap_or(7) as u8);
     if code.name().is_none() {
         let expected = "ObjectType 0, 2, 5, 6, 7, 8 or 9";
@@ -175,13 +185,7 @@ fn object_code(fields: &mut Fields<'_, '_>) -> ObjectCode {
     code
 }
 
-fn check_object_type(fields: &mut Fields<'_, '_>) {
-    if fields.optional_text("ObjectType").is_none() {
-        fields.report("ObjectType", &rules::field::OBJECT_TYPE_MISSING, "ObjectType=0x7 for a VAR", "none");
-    }
-}
-
-fn name(fields: &mut Fields<'_, '_>) -> String {
+pub(super) fn name(fields: &mut Fields<'_, '_>) -> String {
     let name = fields.text("ParameterName");
     if name.is_empty() {
         fields.report("ParameterName", &rules::field::NAME_MISSING, "a name", "none");
@@ -197,9 +201,6 @@ fn name(fields: &mut Fields<'_, '_>) -> String {
 pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType) -> Entry {
     let data_type = data_type(fields, default_type);
     let mut entry = Entry::new(sub, fields.text("ParameterName"), data_type, access(fields, data_type));
-    if sub != 0 && entry.name.is_empty() {
-        fields.report("ParameterName", &rules::field::NAME_MISSING, "a name", "none");
-    }
     entry.line = fields.section.line;
     entry.pdo_mappable = fields.flag("PDOMapping");
     entry.default = fields.setting("DefaultValue", data_type);

@@ -28,7 +28,7 @@ rules! {
 
     /// DataType is none that CiA 301 defines
     ///
-    /// Data types are 0001h to 001Bh and 0020h to 0023h of CiA 301, or 0040h to 025Fh of the manufacturer and the profiles.
+    /// Data types are 0001h to 001Bh and 0020h to 0025h of CiA 301, or 0040h to 025Fh of the manufacturer and the profiles.
     /// Of another one nobody knows the length.
     ///
     /// # What to do

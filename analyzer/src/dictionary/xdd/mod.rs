@@ -16,6 +16,7 @@ use elements::{Element, Elements};
 use super::description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, ObjectLists};
 use super::eds::{DescriptionError, LARGEST_FILE, decode_text};
 use super::problem::Problems;
+use super::rules;
 use crate::identity::NodeId;
 
 /// Reads an XDD or XDC.
@@ -28,6 +29,9 @@ pub fn read(bytes: &[u8]) -> Result<DeviceDescription, DescriptionError> {
     let mut problems = Problems::default();
     let elements = elements::read(&text, &mut problems);
     if elements.named("CANopenObjectList").next().is_none() {
+        if let Some(problem) = problems.first_of(&rules::xdd::MALFORMED) {
+            return Err(DescriptionError::Malformed { line: problem.line, found: problem.found.clone() });
+        }
         let root = elements.named("ProfileBody").last().and_then(|(_, body)| body.attribute("type"));
         return Err(DescriptionError::NotCanopen { found: root.unwrap_or("none").to_owned() });
     }

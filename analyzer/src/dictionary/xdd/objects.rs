@@ -35,13 +35,7 @@ fn object<'a>(
     parameters: &Parameters<'_>,
     problems: &mut Problems,
 ) -> Object {
-    let code = element.attribute("objectType").and_then(|code| code.parse().ok()).map(ObjectCode);
-    let code = code.filter(|code| code.name().is_some()).unwrap_or_else(|| {
-        let found = element.attribute("objectType").unwrap_or("none");
-        let place = element.place("objectType");
-        problems.report(place, &rules::OBJECT_TYPE, "0, 2, 5, 6, 7, 8 or 9", found);
-        ObjectCode::VAR
-    });
+    let code = object_code(element, problems);
     let mut object = Object::new(index, name(element, parameters), code);
     object.line = element.line;
     let mut count = 0;
@@ -52,6 +46,7 @@ fn object<'a>(
             report_second(sub, "subIndex", problems);
             continue;
         }
+        object_code(sub, problems);
         object.insert(entry(number as u8, sub, parameters, problems));
     }
     if count == 0 && code.is_single() {
@@ -70,6 +65,15 @@ fn report_second(element: &Element, attribute: &str, problems: &mut Problems) {
     let found = element.attribute(attribute).unwrap_or_default();
     let expected = "an address once; the first counts";
     problems.report(element.place(attribute), &rules::TWICE, expected, found);
+}
+
+fn object_code(element: &Element, problems: &mut Problems) -> ObjectCode {
+    let code = element.attribute("objectType").and_then(|code| code.parse().ok()).map(ObjectCode);
+    code.filter(|code| code.name().is_some()).unwrap_or_else(|| {
+        let found = element.attribute("objectType").unwrap_or("none");
+        problems.report(element.place("objectType"), &rules::OBJECT_TYPE, "0, 2, 5, 6, 7, 8 or 9", found);
+        ObjectCode::VAR
+    })
 }
 
 fn entry(sub: u8, element: &Element, parameters: &Parameters<'_>, problems: &mut Problems) -> Entry {

@@ -73,8 +73,10 @@ impl Exchange<'_> {
                     if matches!(outcome, Outcome::Violated(_)) {
                         self.bus.send(&transfer.abort(AbortCode::GENERAL).to_frame(to))?;
                     }
-                    // The last own frame comes back too: whoever watches shall see the whole transfer.
-                    self.wait_for(Duration::from_millis(2), |_| None::<()>)?;
+                    if matches!(outcome, Outcome::Violated(_) | Outcome::Silent) {
+                        // The own abort comes back too: whoever watches shall see the whole transfer.
+                        self.wait_for(Duration::from_millis(2), |_| None::<()>)?;
+                    }
                     return Ok(outcome);
                 }
             }
