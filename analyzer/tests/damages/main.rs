@@ -40,18 +40,21 @@ pub enum Place {
     File,
 }
 
+/// A file's bytes, and where they break a rule.
+type Broken = (Vec<u8>, Place);
+
 /// Breaks one rule at a place by chance; `None` where the file has no place for it.
 #[derive(Clone, Copy)]
 pub enum Damage {
     /// By its lines.
     Lines(fn(&mut Eds, &mut Dice) -> Option<Place>),
     /// By its bytes.
-    Bytes(fn(&mut Eds, &mut Dice) -> Option<(Vec<u8>, Place)>),
+    Bytes(fn(&mut Eds, &mut Dice) -> Option<Broken>),
 }
 use Damage::{Bytes, Lines};
 
 impl Damage {
-    fn of(self, text: &str, dice: &mut Dice) -> Option<(Vec<u8>, Place)> {
+    fn of(self, text: &str, dice: &mut Dice) -> Option<Broken> {
         let mut eds = Eds::new(text);
         match self {
             Lines(damage) => damage(&mut eds, dice).map(|place| (eds.text().into_bytes(), place)),

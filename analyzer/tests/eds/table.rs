@@ -146,7 +146,14 @@ pub const CASES: &[Case] = &[
     ("missing-name", &["warning MissingField [2000] ParameterName @ [2000]"], &["2000:00 VAR : UNSIGNED16 rw 5"]),
     ("missing-object-type", &["hint MissingField [2000] ObjectType @ [2000]"], &[]),
     ("missing-sections", &["warning MissingSection [DummyUsage]  @ ", "warning MissingSection [Comments]  @ "], &[]),
-    ("modules", &["warning Count [M3ModuleInfo]  @ [M3ModuleInfo]"], &[]),
+    (
+        "modules",
+        &[
+            "hint MissingField [M1SubExt6000] ObjectType @ [M1SubExt6000]",
+            "warning Count [M3ModuleInfo]  @ [M3ModuleInfo]",
+        ],
+        &[],
+    ),
     (
         "negative-for-unsigned",
         &["warning Range [2000] DefaultValue @ DefaultValue=-1"],
