@@ -30,6 +30,7 @@ pub mod escape;
 pub mod events;
 pub mod fuzz;
 pub mod history;
+mod junit;
 mod page;
 mod page_text;
 pub mod provenance;

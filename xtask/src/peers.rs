@@ -16,13 +16,15 @@ const INSTALLED: &str = "target/peers-venv/requirements.txt";
 const TSHARK: Package = Package { program: "tshark", probe: &["--version"], package: "tshark" };
 /// It reads its standard input, which is empty here.
 const CAN_UTILS: Package = Package { program: "log2long", probe: &[], package: "can-utils" };
+/// Holds XML against a schema.
+const XMLLINT: Package = Package { program: "xmllint", probe: &["--version"], package: "libxml2-utils" };
 /// Debian's Python has neither venv nor pip by itself.
 const VENV_MODULE: Package =
     Package { program: "python3", probe: &["-c", "import ensurepip, venv"], package: "python3-venv" };
 
-/// Installs tshark, can-utils and a Python environment with what the tests' requirements name.
+/// Installs tshark, can-utils, xmllint and a Python environment with what the tests' requirements name.
 pub fn install_all() -> Result<()> {
-    install(&[TSHARK, CAN_UTILS])?;
+    install(&[TSHARK, CAN_UTILS, XMLLINT])?;
     let wanted = fs::read_to_string(REQUIREMENTS)?;
     let is_installed = fs::read_to_string(INSTALLED).is_ok_and(|installed| installed == wanted);
     if is_installed && is_there(PYTHON, &["-c", "import can, canopen, mcap, mcap_ros2, rosbags, serial, cantools"]) {

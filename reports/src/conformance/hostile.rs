@@ -129,6 +129,27 @@ fn the_page_runs_no_foreign_script() {
 }
 
 #[test]
+fn the_junit_counts_are_right() {
+    let xml = rendered(junit::render);
+    let suites: Vec<&str> = xml.split("<testsuite ").skip(1).collect();
+    let value = |suite: &str, name: &str| {
+        let (_, rest) = suite.split_once(&format!(" {name}=\"")).unwrap();
+        rest.split_once('"').unwrap().0.parse::<usize>().unwrap()
+    };
+    let sum = |name: &str| suites.iter().map(|suite| value(suite, name)).sum::<usize>();
+    let counts = ["tests", "failures", "errors", "skipped"].map(sum);
+    assert_eq!(counts, [7, 1, 1, 2], "one that could not be run is in quarantine");
+    let elements = ["<testcase ", "<failure ", "<error ", "<skipped "];
+    assert_eq!(elements.map(|element| xml.matches(element).count()), counts);
+    assert!(suites.iter().enumerate().all(|(number, suite)| value(suite, "id") == number));
+    // What both schemas have no place for in a case that passes stands in the output of its suite.
+    let outputs = suites.iter().filter_map(|suite| suite.split_once("<system-out>"));
+    let output: String =
+        outputs.filter_map(|(_, rest)| rest.split_once("</system-out>")).map(|parts| parts.0).collect();
+    assert!(output.contains("tolerated: ") && output.contains("waiver: "), "{output}");
+}
+
+#[test]
 fn junit_stays_xml() {
     let xml = rendered(junit::render);
     assert!(!acts(&xml));

@@ -16,8 +16,6 @@ mod told;
 
 #[cfg(test)]
 mod hostile;
-#[cfg(test)]
-mod junit_schema;
 
 use crate::provenance::Provenance;
 use canvass_suite::bench::Exhibit;

@@ -1,9 +1,9 @@
 //! JUnit XML: each file is a suite, each rule a case, which fails where it has found something that counts.
 
 use super::{CheckedFile, Located};
-use crate::escape::{Visible, printable};
+use crate::escape::printable;
+use crate::junit::{Case, Outcome, Problem, Suite, write};
 use canvass_analyzer::dictionary::{Rule, Severity, rules};
-use quick_junit::{NonSuccessKind, Report, TestCase, TestCaseStatus, TestSuite};
 use std::io::{self, Write};
 
 /// Writes the document. What is less severe than `fail_on` passes; its words stand in the output.
@@ -11,36 +11,30 @@ use std::io::{self, Write};
 /// # Errors
 /// What `out` gives.
 pub fn render(files: &[CheckedFile], fail_on: Option<Severity>, out: &mut dyn Write) -> io::Result<()> {
-    let mut report = Report::new("canvass eds check");
-    for file in files {
-        let mut suite = TestSuite::new(printable(&file.name).into_owned());
-        suite.add_test_cases(rules::all().map(|rule| test_case(file, rule, fail_on)));
-        report.add_test_suite(suite);
-    }
-    let text = report.to_string().map_err(io::Error::other)?;
-    Visible::new(out, false).write_all(text.as_bytes())
+    let suites = files.iter().map(|file| {
+        let mut suite = Suite::new(&*file.name);
+        suite.add_cases(rules::all().map(|rule| case(file, rule, fail_on)));
+        suite
+    });
+    write("eds check", &suites.collect::<Vec<_>>(), out)
 }
 
-fn test_case(file: &CheckedFile, rule: &Rule, fail_on: Option<Severity>) -> TestCase {
+fn case(file: &CheckedFile, rule: &Rule, fail_on: Option<Severity>) -> Case {
     let own: Vec<&Located> = file.open().filter(|located| located.rule() == rule).collect();
-    let status = match own.first().filter(|_| fail_on.is_some_and(|least| rule.severity >= least)) {
-        None => TestCaseStatus::success(),
-        Some(first) => {
-            let mut status = TestCaseStatus::non_success(NonSuccessKind::Failure);
-            status.set_type(rule.severity.name());
-            status.set_message(line(file, first));
-            status
-        }
-    };
     let (family, name) = rule.id.rsplit_once('/').unwrap_or(("", rule.id));
-    let mut case = TestCase::new(name, status);
-    case.set_classname(format!("canvass.{}", family.replace('/', ".")));
-    if !own.is_empty() {
-        let mut lines: Vec<String> = own.iter().map(|located| line(file, located)).collect();
-        lines.push(rule.advice());
-        case.set_system_out(lines.join("\n"));
+    let mut case = Case::passed(format!("canvass.{}", family.replace('/', ".")), name);
+    let lines = || own.iter().map(|located| line(file, located));
+    match own.first().filter(|_| fail_on.is_some_and(|least| rule.severity >= least)) {
+        Some(first) => case.ended(Outcome::Failed(Problem {
+            kind: rule.severity.name(),
+            message: line(file, first),
+            details: lines().chain([rule.advice()]).collect(),
+        })),
+        None => {
+            case.remarks.extend(lines().map(|line| format!("{}: {line}", rule.id)));
+            case
+        }
     }
-    case
 }
 
 fn line(file: &CheckedFile, located: &Located) -> String {
