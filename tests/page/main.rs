@@ -7,9 +7,15 @@
 #[allow(dead_code)]
 mod captures;
 #[cfg(test)]
+mod access;
+#[cfg(test)]
 mod diagnosis;
 #[cfg(test)]
+mod equal;
+#[cfg(test)]
 mod hostile;
+#[cfg(test)]
+mod network;
 #[cfg(test)]
 mod opened;
 #[cfg(test)]

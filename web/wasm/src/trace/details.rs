@@ -1,12 +1,11 @@
 //! One frame in full.
 
-use super::rows::since;
+use super::rows::{shown, since};
 use super::store::{Step, Store};
 use canvass_analyzer::{Meaning, TransferText};
 use canvass_reports::decode::{JsonLines, Line, Lines as _, TimeStyle};
 use canvass_reports::escape::printable;
 use canvass_reports::events::{Events as _, Scene, TextEvents};
-use canvass_reports::time::Clock;
 use canvass_traces::{Channels, Timestamp};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
@@ -84,10 +83,4 @@ fn transfer(step: &Step<'_>, start: Timestamp) -> Option<Value> {
         "lasted": transfer.latest.since(transfer.started).nanos() / 1000,
         "segments": transfer.segments,
     }))
-}
-
-fn shown(style: TimeStyle, time: Timestamp) -> String {
-    let mut out = Vec::new();
-    Clock::new(style).push(time, &mut out);
-    String::from_utf8_lossy(&out).into_owned()
 }
