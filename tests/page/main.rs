@@ -3,11 +3,11 @@
 //! `cargo xtask web-test` makes the page and runs these tests, which are behind the feature `page`.
 
 #[cfg(test)]
+mod access;
+#[cfg(test)]
 #[path = "../browser/captures.rs"]
 #[allow(dead_code)]
 mod captures;
-#[cfg(test)]
-mod access;
 #[cfg(test)]
 mod diagnosis;
 #[cfg(test)]

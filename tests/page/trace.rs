@@ -65,7 +65,9 @@ fn what_can_stand_in_a_filter_is_offered() {
     opened.browser.wait("[...document.querySelectorAll('.words li')].map((word) => word.textContent).join() === 'sdo'");
     opened.browser.press("#filter", DOWN);
     opened.browser.press("#filter", ENTER);
-    opened.browser.wait("document.getElementById('filter').value === 'not service=sdo' && document.querySelector('.words').hidden");
+    opened.browser.wait(
+        "document.getElementById('filter').value === 'not service=sdo' && document.querySelector('.words').hidden",
+    );
     opened.browser.fill("#filter", " and channel=");
     opened.browser.wait("document.querySelector('.words li')?.textContent === 'can0'");
     opened.browser.is_quiet();
@@ -96,7 +98,8 @@ fn list_plots_and_timeline_point_at_the_same_time() {
     browser.wait("/^Cursor at /.test(document.querySelector('#view-diagnosis .bar .shown').textContent)");
     opened.view("trace");
     browser.wait("document.querySelector('.list .row[aria-selected=true] .time')?.textContent > '5'");
-    let time = browser.number("return Number(document.querySelector('.list .row[aria-selected=true] .time').textContent)");
+    let time =
+        browser.number("return Number(document.querySelector('.list .row[aria-selected=true] .time').textContent)");
     assert!((8.0..12.0).contains(&time), "the middle of 20 s: {time}");
     // The list goes on from there, and the others follow.
     browser.fill("#jump", &format!("15{ENTER}"));

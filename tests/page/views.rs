@@ -59,7 +59,9 @@ fn a_device_is_tested_and_fuzzed_in_the_page() {
     opened.browser.run("document.getElementById('try-seconds').value = '1'");
     opened.browser.click("#try-fuzz");
     opened.browser.wait("/canvass fuzz .*: done/.test(document.getElementById('status').textContent)");
-    opened.browser.run("[...document.querySelectorAll('#view-try button')].find((one) => /^Keep/.test(one.textContent)).click()");
+    opened
+        .browser
+        .run("[...document.querySelectorAll('#view-try button')].find((one) => /^Keep/.test(one.textContent)).click()");
     opened.view("results");
     opened.browser.wait("/exchanges/.test(document.querySelector('#view-results .card')?.textContent)");
     opened.browser.is_quiet();

@@ -43,7 +43,9 @@ pub fn views() -> Result<()> {
 type Prepare = fn(&Opened, Screen) -> Result<()>;
 
 const VIEWS: [(&str, Prepare); 7] = [
-    ("diagnosis", |opened, _| shown_within(opened, "#view-diagnosis iframe", "document.querySelector('.lanes canvas')")),
+    ("diagnosis", |opened, _| {
+        shown_within(opened, "#view-diagnosis iframe", "document.querySelector('.lanes canvas')")
+    }),
     ("trace", trace),
     ("signals", signals),
     ("eds", |opened, _| shown_within(opened, "#view-eds iframe", "document.querySelector('table')")),
@@ -86,7 +88,7 @@ fn trace(opened: &Opened, screen: Screen) -> Result<()> {
 /// The positions of two encoders, between two cursors.
 fn signals(opened: &Opened, _: Screen) -> Result<()> {
     opened.0.wait("document.querySelector('#plot canvas')");
-    opened.0.run("[...document.querySelectorAll('.signals input')].filter((box) => !box.checked)[0]?.click()");
+    opened.0.run("document.querySelectorAll('.signals input')[2].click()");
     settle(&opened.0);
     opened.0.drag("#plot .u-over", 0.3, 0.3, false);
     opened.0.drag("#plot .u-over", 0.7, 0.7, true);
@@ -107,7 +109,9 @@ fn tried(opened: &Opened, _: Screen) -> Result<()> {
     opened.0.click("#try-faults input[value=boot-up-twice]");
     opened.0.fill("#try-select", "301/boot-up\u{E00C}");
     opened.0.click("#try-test");
-    opened.0.wait("document.querySelector('#view-try iframe') && /: done/.test(document.getElementById('status').textContent)");
+    opened.0.wait(
+        "document.querySelector('#view-try iframe') && /: done/.test(document.getElementById('status').textContent)",
+    );
     shown_within(opened, "#view-try iframe", "document.querySelector('h1')")
 }
 

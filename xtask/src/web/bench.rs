@@ -31,7 +31,10 @@ pub fn bench() -> Result<()> {
     let log = capture("candump");
     make("candump", FRAMES, &log)?;
     println!("machine: {}", machine());
-    println!("WebAssembly, compressed: {} bytes", fs::metadata(format!("{}/wasm/canvass_web.wasm.gz", super::FOLDER))?.len());
+    println!(
+        "WebAssembly, compressed: {} bytes",
+        fs::metadata(format!("{}/wasm/canvass_web.wasm.gz", super::FOLDER))?.len()
+    );
     million(&log)?;
     make("candump", MANY, LARGE)?;
     let measured = gigabyte();

@@ -1,4 +1,4 @@
-import { button, element, facts, table } from "../dom.js";
+import { button, counted, element, facts, table } from "../dom.js";
 
 /** All that is known of one frame. */
 export function showDetails(root, known, row, { goTo, jumpTo }) {
@@ -35,11 +35,12 @@ function section(name, rows) {
 function transfer(known, jumpTo) {
   if (!known) return null;
   const shown = section("SDO transfer", [
-    ["Object", [known.object, known.name].filter(Boolean).join(" ")],
+    ["Object", known.object],
     ["Direction", `${known.direction}, ${known.mode}`],
+    ["Outcome", known.outcome],
     ["Value", known.value],
     ["Began", `${known.began} s`],
-    ["So far", `${known.lasted} µs, ${known.segments} segments`],
+    ["Took", `${known.lasted} µs${known.segments > 0 ? `, ${counted(known.segments, "segment")}` : ""}`],
   ]);
   shown.append(button("Go to its first frame", () => jumpTo(Number(known.began)), { class: "plain" }));
   return shown;

@@ -41,7 +41,7 @@ export function signalsView(app, root) {
       element("div", { class: "bar" }, filter, plain("Whole capture", () => plot.whole()), plain("CSV", csv), plain("PNG", png),
         element("label", {}, "A [s] ", times[0]), element("label", {}, "B [s] ", times[1]), element("label", {}, second, " clicks set B"),
         element("span", { class: "shown" }, `${counted(known.columns.length, "signal")}${thinned}`)),
-      element("div", { class: "split" }, choice, element("div", { class: "drawn" }, area, element("div", { class: "scroll" }, readings), element("p", { class: "hint" }, HINT))),
+      element("div", { class: "split" }, choice, element("div", { class: "drawn" }, area, element("div", { class: "scroll" }, readings), element("p", { class: "note" }, HINT))),
     );
     plot ??= plotOf(area, { points, marks: () => marks, mark: (seconds, other) => mark((second.checked || other) ? 1 : 0, seconds) });
     filter.oninput = list;

@@ -8,7 +8,7 @@ export function trialView(app, root) {
   const on = new Set(app.state.get("faults")?.split(",") ?? []);
   const page = element("div", { class: "description" });
   const model = element("select", { id: "try-model" });
-  const about = element("p", { class: "hint" });
+  const about = element("p", { class: "note" });
   const select = element("input", { id: "try-select", type: "text", placeholder: "all cases", size: 16, "aria-label": "Cases" });
   const seconds = element("input", { id: "try-seconds", type: "number", min: 1, max: 3600, value: 5 });
   const seed = element("input", { id: "try-seed", type: "number", min: 0, value: 0 });

@@ -41,7 +41,8 @@ impl Page {
 
     /// The formats of captures: JSON.
     pub fn formats() -> String {
-        let told = |format: Format| json!({ "id": format.id(), "name": format.to_string(), "written": format.is_written() });
+        let told =
+            |format: Format| json!({ "id": format.id(), "name": format.summary(), "written": format.is_written() });
         Value::from(Format::all().map(told).collect::<Vec<_>>()).to_string()
     }
 }

@@ -69,7 +69,8 @@ pub(super) fn is_bad(service: Service, message: &Message, violation: Option<Viol
         message,
         Message::SdoRequest(Request::Abort(_)) | Message::SdoResponse(Response::Abort(_)) | Message::Malformed(..)
     );
-    aborted || violation.is_some() || matches!(service, Service::ErrorFrame | Service::Emcy)
+    let gone = matches!(message, Message::Emcy(emcy) if emcy.code().is_some_and(|code| code.0 >> 8 == 0));
+    aborted || violation.is_some() || service == Service::ErrorFrame || (service == Service::Emcy && !gone)
 }
 
 /// So many bytes stand in a row.
@@ -77,7 +78,8 @@ const SHOWN: usize = 64;
 
 fn data(record: &Record) -> String {
     if record.frame.is_remote() {
-        return format!("remote, {} bytes", record.frame.len());
+        let len = record.frame.len();
+        return format!("remote, {len} byte{}", if len == 1 { "" } else { "s" });
     }
     let data = record.data();
     let mut text = String::with_capacity(3 * data.len().min(SHOWN));
