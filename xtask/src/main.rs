@@ -9,7 +9,7 @@
 //! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
 //! screenshot`: the pictures of pages in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
 //! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo
-//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it. `cargo
+//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it, `web-bench` measures it. `cargo
 //! xtask dist`: a static program as archive and Debian package.
 
 mod attack;
@@ -45,7 +45,7 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus INTERFACE]
     bench [--instructions] | memory | worst | incidents
-    rooms [CRATE...] | screenshot | web | web-test | dist";
+    rooms [CRATE...] | screenshot | web | web-test | web-bench | dist";
 
 fn main() -> Result<()> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(std::path::Path::to_owned);
@@ -76,6 +76,7 @@ fn main() -> Result<()> {
         Some("vcan") => vcan::test(more),
         Some("vcan-load") => vcan::load(),
         Some("web") => web::build(),
+        Some("web-bench") => web::bench::bench(),
         Some("web-test") => web::test(),
         Some("web-bind") => web::bind(more),
         Some("worst") => worst::worst(),

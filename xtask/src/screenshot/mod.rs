@@ -1,6 +1,8 @@
-//! The pictures of pages in the documentation: a diagnosis, a run of the suite, a history.
+//! The pictures of pages in the documentation: a diagnosis, a run of the suite, a history; and each view of the page with
+//! the decoder as WebAssembly.
 
 mod machine;
+mod views;
 
 use crate::browser;
 use crate::measure::release;
@@ -33,7 +35,8 @@ pub fn screenshot() -> Result<()> {
     fs::create_dir_all(FOLDER)?;
     diagnosis()?;
     conformance()?;
-    history()
+    history()?;
+    views::views()
 }
 
 /// An encoder that loses its supply, and what follows: the head of the page, and its timeline.
@@ -96,6 +99,10 @@ fn photograph(page: &str, picture: &str, (width, height): (u16, u16)) -> Result<
         .status()
         .context("can't run chromium")?;
     ensure!(chromium.success(), "chromium ended with {chromium}");
+    ensure_small(picture)
+}
+
+fn ensure_small(picture: &str) -> Result<()> {
     let size = fs::metadata(picture)?.len();
     ensure!(size < MOST, "{picture} has {size} bytes");
     println!("{picture}: {size} bytes");
