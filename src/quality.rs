@@ -21,7 +21,7 @@ pub struct QualityOptions {
     quality_out: Option<PathBuf>,
 }
 
-/// The arguments, with `--quality=text` for a `--quality` that no format follows: else the name of a file behind it would
+/// The arguments, with `--quality=text` for a `--quality` that no format follows: else the name of a file after it would
 /// be taken for its format.
 pub fn with_format(arguments: impl Iterator<Item = OsString>) -> impl Iterator<Item = OsString> {
     let mut arguments = arguments.peekable();
